@@ -1,0 +1,117 @@
+# Everything happens through these targets; each does the set-up it needs, and redoes it only when its sources changed.
+# Needed on the machine: Rust (see rust-version in Cargo.toml), Python 3.10 or newer, make.
+
+PYTHON ?= python3
+BENCH_ARGS ?=
+PYTEST_ARGS ?=
+
+VENV := .venv
+BIN := $(VENV)/bin
+STAMPS := $(VENV)/stamps
+EXTENSION := python/rustchain/_rustchain.abi3.so
+RUST_SOURCES := $(shell find src -name '*.rs') Cargo.toml Cargo.lock
+PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+
+# maturin installs into this environment whatever else is active; one interpreter keeps cargo from rebuilding pyo3.
+export VIRTUAL_ENV := $(CURDIR)/$(VENV)
+export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
+unexport CONDA_PREFIX
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.NOTPARALLEL:
+.PHONY: help venv build demo test test-rust test-python lint lint-text lint-rust lint-python bench bench-smoke dist clean
+
+help: ## Show this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+# --- set-up
+
+venv: $(STAMPS)/build-tools ## Make the virtual environment .venv with the build tool in it
+
+build: $(EXTENSION) ## Build the extension (release) and install the package into .venv, editable
+
+$(STAMPS)/venv:
+	@command -v $(PYTHON) >/dev/null || { echo "error: no $(PYTHON) found. Install Python 3.10 or newer, or name one: make PYTHON=/path/to/python3" >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || { echo "error: $$($(PYTHON) --version 2>&1) is too old; Python 3.10 or newer is needed. Name one: make PYTHON=/path/to/python3" >&2; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { echo "error: $(PYTHON) cannot make virtual environments: its modules venv and ensurepip are missing. On Debian and Ubuntu: apt install python3-venv. Or name another: make PYTHON=/path/to/python3" >&2; exit 1; }
+	@echo "==> making the virtual environment $(VENV)"
+	@$(PYTHON) -m venv --clear $(VENV)
+	@mkdir -p $(STAMPS)
+	@$(PIP_INSTALL) --upgrade 'pip>=25.1'
+	@touch $@
+
+# The three lists of tools are the dependency groups of pyproject.toml.
+$(STAMPS)/%-tools: $(STAMPS)/venv pyproject.toml
+	@echo "==> installing the $* tools into $(VENV)"
+	@$(PIP_INSTALL) --group $*
+	@touch $@
+
+$(EXTENSION): $(STAMPS)/build-tools $(RUST_SOURCES)
+	@command -v cargo >/dev/null || { echo "error: no cargo found. Install Rust: https://rustup.rs" >&2; exit 1; }
+	@echo "==> building the extension (release) and installing rustchain into $(VENV)"
+	@$(BIN)/maturin develop --release
+	@touch $@
+
+# --- what it is for
+
+demo: build ## Run the paper's drive for 2 s and draw its figures into demo/
+	@mkdir -p demo
+	@echo "==> rustchain run paper --duration 2 --out demo/paper.nc"
+	@$(BIN)/rustchain run paper --duration 2 --out demo/paper.nc
+	@echo "==> rustchain plot demo/paper.nc --out demo/figures"
+	@$(BIN)/rustchain plot demo/paper.nc --out demo/figures
+	@echo
+	@echo "Done: built rustchain into $(VENV), ran the paper's drive for 2 s and drew its figures."
+	@echo "  results   demo/paper.nc"
+	@for figure in demo/figures/*; do echo "  figure    $$figure"; done
+	@echo "  more      $(BIN)/rustchain --help"
+
+test: test-rust test-python ## Run all the tests, Rust and Python
+	@echo
+	@echo "Done: all tests passed."
+	@echo "  Rust      cargo test: unit, integration and documentation tests of src/ and tests/"
+	@echo "  Python    pytest tests/python: with the release build of the extension, in $(VENV)"
+
+test-rust: ## cargo test
+	@command -v cargo >/dev/null || { echo "error: no cargo found. Install Rust: https://rustup.rs" >&2; exit 1; }
+	cargo test
+
+test-python: build $(STAMPS)/test-tools ## pytest; PYTEST_ARGS="-k name" chooses
+	$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+# --- lints
+
+lint: lint-text lint-rust lint-python ## Formatting, lints, types and stubs; every warning is an error
+
+lint-text:
+	@! git grep -nIE --untracked '[[:space:]]+$$' -- ':!tests/data' || { echo "error: trailing whitespace in the lines above" >&2; exit 1; }
+
+lint-rust: $(STAMPS)/venv
+	cargo fmt --check
+	cargo clippy --locked --all-targets -- -D warnings
+	cargo clippy --locked --all-targets --features python -- -D warnings
+	RUSTDOCFLAGS='-D warnings' cargo doc --locked --no-deps --quiet
+
+lint-python: build $(STAMPS)/lint-tools
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+	$(BIN)/python -m mypy.stubtest rustchain._rustchain --mypy-config-file pyproject.toml
+
+# --- benchmarks: each prints its counts (evaluations, steps, contacts) beside the times
+
+bench: ## Measure; BENCH_ARGS=--quick for a first look, BENCH_ARGS=hertz for one name
+	cargo bench --bench '*' -- $(BENCH_ARGS)
+
+bench-smoke: ## Run every benchmark once, without measuring
+	cargo bench --bench '*' -- --test
+
+# --- release
+
+dist: $(STAMPS)/build-tools ## Wheel and source archive into dist/
+	$(BIN)/maturin build --release --locked --sdist --out dist
+
+clean: ## Remove all that the other targets made
+	rm -rf target $(VENV) demo dist $(EXTENSION) .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find python tests examples benches -name __pycache__ -type d -prune -exec rm -rf {} +

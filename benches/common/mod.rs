@@ -1,0 +1,105 @@
+//! What the benchmarks share: the paper's drive at rest in its start and under way, and lines of counts.
+#![allow(dead_code, unreachable_pub)] // each benchmark takes what it needs
+#![allow(clippy::unwrap_used)] // a benchmark whose inputs cannot be built has nothing to say
+
+#[path = "../../tests/common/mod.rs"]
+mod drives;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use criterion::Criterion;
+use rustchain::dynamics::Dynamics;
+use rustchain::force_law::{Damping, Elastic, ForceLaw};
+use rustchain::integrator::{Adams, StepControl};
+use rustchain::state::Start;
+use rustchain::{ForceLaws, Model, Simulation};
+
+/// The laws as users know them.
+pub const LAWS: [(&str, Elastic, Damping); 3] = [
+    ("lankarani_nikravesh", Elastic::Hertz, Damping::LankaraniNikravesh),
+    ("johnson", Elastic::Johnson, Damping::None),
+    (
+        "enhanced_cylinder",
+        Elastic::EnhancedCylinder,
+        Damping::LankaraniNikravesh,
+    ),
+];
+
+/// The time at which the drive is under way \[s\]: the first impacts are over, and up to 7 ms every machine sees one path.
+pub const UNDER_WAY: f64 = 6e-3;
+
+/// The paper's drive at its start, where nothing touches.
+pub fn at_start(elastic: Elastic, damping: Damping) -> Simulation {
+    let drive = drives::paper_drive();
+    let law = ForceLaw {
+        elastic,
+        damping,
+        ..ForceLaw::default()
+    };
+    let laws = ForceLaws {
+        hinge: law,
+        tooth: law,
+        ..ForceLaws::default()
+    };
+    let (start, _) = Start::generate(&drive).unwrap();
+    let model = Arc::new(Model::compile(&drive, &laws, &start).unwrap());
+    Simulation::new(model, &start, StepControl::default()).unwrap()
+}
+
+/// The same at [`UNDER_WAY`].
+pub fn under_way(elastic: Elastic, damping: Damping) -> Simulation {
+    let mut simulation = at_start(elastic, damping);
+    while !simulation.advance(UNDER_WAY, Duration::from_secs(1)).unwrap() {}
+    simulation
+}
+
+/// The two halves of a run, which meet in a step.
+#[derive(Clone)]
+pub struct Halves {
+    /// Contacts, forces, accelerations.
+    pub dynamics: Dynamics,
+    /// The integrator.
+    pub adams: Adams,
+}
+
+impl Halves {
+    /// Those of `simulation`.
+    pub fn of(simulation: &mut Simulation) -> Self {
+        Self {
+            adams: simulation.integrator().clone(),
+            dynamics: simulation.present().clone(),
+        }
+    }
+
+    /// One step, with the search for contacts that began in it.
+    pub fn step(&mut self) {
+        self.dynamics.begin_step();
+        let step = self.adams.step(&mut self.dynamics).unwrap();
+        self.dynamics.finish_step(&self.adams, &step);
+    }
+}
+
+/// Pairs tested and pairs in contact at the last evaluation, as words.
+pub fn contacts(dynamics: &Dynamics) -> String {
+    let touching = |penetrations: &[f64]| penetrations.iter().filter(|&&depth| depth > 0.0).count();
+    format!(
+        "{} hinges, {} in contact; {} bushings on sprockets, {} near, {} in contact",
+        dynamics.hinges.penetration.len(),
+        touching(&dynamics.hinges.penetration),
+        dynamics.teeth.penetration.len(),
+        dynamics.teeth.near.len(),
+        touching(&dynamics.teeth.penetration),
+    )
+}
+
+/// Prints the counts that belong to a benchmark beside its time.
+#[allow(clippy::print_stdout)] // where criterion prints the time
+pub fn print_counts(benchmark: &str, counts: &str) {
+    println!("{benchmark:<40}counts: {counts}");
+}
+
+/// Criterion as every benchmark here uses it.
+pub fn criterion() -> Criterion {
+    Criterion::default().without_plots().configure_from_args()
+}

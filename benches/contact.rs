@@ -1,0 +1,122 @@
+//! Who touches whom: all hinges, all bushings on all sprockets, one gap of a tooth profile, the search for an onset.
+
+mod common;
+
+use std::hint::black_box;
+
+use common::{Halves, LAWS, contacts, print_counts};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use rustchain::contact::{first_crossing, hinge_path, tooth_path};
+use rustchain::geometry::Vec2;
+
+/// Points to each of the curves of a flank.
+const POINTS: usize = 64;
+
+fn all_pairs(criterion: &mut Criterion) {
+    let (_, elastic, damping) = LAWS[0];
+    let mut dynamics = common::under_way(elastic, damping).present().clone();
+    let model = dynamics.model().clone();
+    let mut group = criterion.benchmark_group("contact");
+    print_counts("contact/hinges, contact/teeth", &contacts(&dynamics));
+
+    group.throughput(Throughput::Elements(model.links as u64));
+    group.bench_function("hinges", |b| {
+        b.iter(|| dynamics.hinges.find(black_box(&model), &dynamics.motion))
+    });
+    group.throughput(Throughput::Elements(dynamics.teeth.penetration.len() as u64));
+    group.bench_function("teeth", |b| {
+        b.iter(|| {
+            dynamics
+                .teeth
+                .find(black_box(&model), &dynamics.motion, &dynamics.hinges)
+        });
+    });
+    group.finish();
+}
+
+/// A bushing 1 um deep in every part of a gap, walked from the left tooth's tip to the right one's.
+fn one_gap(criterion: &mut Criterion) {
+    let (_, elastic, damping) = LAWS[0];
+    let model = common::at_start(elastic, damping).model().clone();
+    let profile = &model.sprockets[0].profile;
+    let radius = model.bushing_radius;
+    let right = profile.half_outline(POINTS);
+    let left = right.iter().rev().map(|p| Vec2::new(-p.x, p.y));
+    let places: Vec<Vec2> = left
+        .chain(right.iter().copied())
+        .map(|point| point + (1e-6 - radius) * profile.contact(point, 0.0).normal)
+        .collect();
+    let mut regions = [0; 7];
+    for &place in &places {
+        regions[profile.contact(place, radius).region as usize - 1] += 1;
+    }
+    let mut group = criterion.benchmark_group("contact");
+    print_counts(
+        "contact/tooth_gap",
+        &format!("{} places, {regions:?} in regions 1 to 7", places.len()),
+    );
+    group.throughput(Throughput::Elements(places.len() as u64));
+    group.bench_function("tooth_gap", |b| {
+        b.iter(|| {
+            let depth = |&place: &Vec2| profile.contact(black_box(place), radius).penetration;
+            places.iter().map(depth).sum::<f64>()
+        });
+    });
+    group.finish();
+}
+
+/// The onset of a hinge's and of a bushing's contact inside a step of the drive under way.
+fn onset(criterion: &mut Criterion) {
+    let (_, elastic, damping) = LAWS[0];
+    let mut run = Halves::of(&mut common::under_way(elastic, damping));
+    let mut group = criterion.benchmark_group("contact");
+    for kind in ["hinge_onset", "tooth_onset"] {
+        let (start, end, index) = step_to_onset(&mut run, kind == "tooth_onset");
+        let model = run.dynamics.model();
+        let (k, s) = (index % model.links, index / model.links);
+        let find = || {
+            if kind == "tooth_onset" {
+                first_crossing(tooth_path(model, &run.adams, k, s), black_box(start), end)
+            } else {
+                first_crossing(hinge_path(model, &run.adams, k), black_box(start), end)
+            }
+        };
+        let (at, rate) = find();
+        let counts = format!(
+            "pair {index}, {:.2} of the way through the step, {rate:.4} m/s",
+            (at - start) / (end - start)
+        );
+        print_counts(&format!("contact/{kind}"), &counts);
+        group.throughput(Throughput::Elements(1));
+        group.bench_function(kind, |b| b.iter(find));
+    }
+    group.finish();
+}
+
+/// Steps until a contact begins; returns the step's start and end and the pair.
+fn step_to_onset(run: &mut Halves, of_tooth: bool) -> (f64, f64, usize) {
+    loop {
+        let before = run.clone();
+        let start = run.adams.time();
+        run.step();
+        let pairs = |halves: &Halves| {
+            let memory = &halves.dynamics.memory;
+            if of_tooth {
+                memory.tooth_speed.clone()
+            } else {
+                memory.hinge_speed.clone()
+            }
+        };
+        let (old, new) = (pairs(&before), pairs(run));
+        if let Some(pair) = (0..new.len()).find(|&i| old[i] == 0.0 && new[i] > 0.0) {
+            return (start, run.adams.time(), pair);
+        }
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = common::criterion();
+    targets = all_pairs, one_gap, onset
+}
+criterion_main!(benches);

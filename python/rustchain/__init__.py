@@ -1,0 +1,63 @@
+"""Planar multibody simulation of chain drives with clearance and compliant contact.
+
+>>> import rustchain as rc
+>>> drive = rc.paper_drive(pretension=25.0)
+>>> result = rc.Simulation(drive).run(duration=2e-3, progress=False)
+>>> force = result.bushing(6).tooth_force  # [N], shape (times,)
+"""
+
+from importlib.metadata import version
+
+from rustchain.catalogue import catalogue_chain, paper_drive, two_sprocket_drive
+from rustchain.drive import (
+    AnsiTooth,
+    AppliedTorque,
+    Chain,
+    ChainDrive,
+    ClearanceHinge,
+    Free,
+    Link,
+    Material,
+    PrescribedSpeed,
+    Sprocket,
+    Tensioner,
+)
+from rustchain.errors import InvalidInput, NotRecorded, RangeWarning, SimulationError
+from rustchain.force_law import EnhancedCylinder, ForceLaw, Hertz, Johnson, LankaraniNikravesh
+from rustchain.report import DriveReport
+from rustchain.result import Result, load_result
+from rustchain.simulation import Evaluation, Simulation, Solver
+
+__version__ = version("rustchain")
+
+__all__ = [
+    "AnsiTooth",
+    "AppliedTorque",
+    "Chain",
+    "ChainDrive",
+    "ClearanceHinge",
+    "DriveReport",
+    "EnhancedCylinder",
+    "Evaluation",
+    "ForceLaw",
+    "Free",
+    "Hertz",
+    "InvalidInput",
+    "Johnson",
+    "LankaraniNikravesh",
+    "Link",
+    "Material",
+    "NotRecorded",
+    "PrescribedSpeed",
+    "RangeWarning",
+    "Result",
+    "Simulation",
+    "SimulationError",
+    "Solver",
+    "Sprocket",
+    "Tensioner",
+    "catalogue_chain",
+    "load_result",
+    "paper_drive",
+    "two_sprocket_drive",
+]

@@ -1,0 +1,114 @@
+"""The typed face of the compiled module."""
+
+from collections.abc import Callable
+from typing import Any, Literal, final
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain._description import Description
+from rustchain.drive import Chain, ChainDrive, Material, Sprocket
+from rustchain.force_law import ForceLaw
+from rustchain.result import Result
+from rustchain.simulation import Solver
+
+_Array = npt.NDArray[np.float64]
+
+class InvalidInput(ValueError):
+    """A description or an argument is out of its allowed range."""
+
+class SimulationError(RuntimeError):
+    """A run cannot go on."""
+
+    time: float  # [s]
+    step_size: float  # [s]
+    contact: str | None
+    result: Result | None  # what was recorded; set by Simulation.run
+
+def validate(description: Description) -> None:
+    """Raise InvalidInput, naming the field, its value and what is allowed."""
+
+def layout(drive: ChainDrive) -> dict[str, Any]:
+    """Return the fields of a DriveReport."""
+
+def closing_center_distance(pitch: float, teeth: tuple[int, int], links: int) -> float:
+    """Return the centre distance [m] at which both strands are taut and straight."""
+
+def links_for(pitch: float, teeth: tuple[int, int], center_distance: float) -> int:
+    """Return the smallest even number of links that closes round two sprockets."""
+
+def tooth_outline(sprocket: Sprocket, chain: Chain, points: int) -> _Array:
+    """Return the sprocket's closed outline [m], (points_total, 2), in its own frame."""
+
+def law_force(
+    law: ForceLaw,
+    kind: Literal["internal", "external"],
+    radius_i: float,
+    radius_j: float,
+    length: float,
+    material: Material,
+    penetration: npt.NDArray[np.float64],
+) -> _Array:
+    """Return the elastic force [N] at each penetration [m]."""
+
+def integrate(
+    fun: Callable[[float, _Array], npt.ArrayLike],
+    t_span: tuple[float, float],
+    y0: npt.NDArray[np.float64],
+    rtol: float,
+    atol: float,
+    max_step: float,
+    max_order: int,
+    t_eval: npt.NDArray[np.float64] | None,
+) -> dict[str, Any]:
+    """Integrate y' = fun(t, y); return t, y, evaluations, steps, rejected."""
+
+@final
+class Core:
+    """A compiled model, its state and its integrator."""
+
+    def __new__(
+        cls,
+        drive: ChainDrive,
+        hinge_law: ForceLaw,
+        tooth_law: ForceLaw,
+        min_approach_speed: float,
+        solver: Solver,
+        positions: npt.NDArray[np.float64] | None,
+        velocities: npt.NDArray[np.float64] | None,
+    ) -> Core: ...
+    @property
+    def body_names(self) -> list[str]:
+        """Names of the bodies, in the order of every (bodies, 3) array."""
+    @property
+    def time(self) -> float:
+        """Present time [s]."""
+    @property
+    def positions(self) -> _Array:
+        """Present positions [m, m, rad], (bodies, 3)."""
+    @property
+    def velocities(self) -> _Array:
+        """Present velocities [m/s, m/s, rad/s], (bodies, 3)."""
+    def state(self) -> dict[str, Any]:
+        """Return all that decides how the run goes on."""
+    def evaluate(
+        self,
+        positions: npt.NDArray[np.float64] | None,
+        velocities: npt.NDArray[np.float64] | None,
+        time: float | None,
+    ) -> dict[str, npt.NDArray[Any]]:
+        """Return the fields of an Evaluation."""
+    def start_recording(
+        self, duration: float, report_step: float, groups: list[str], energy: bool
+    ) -> None:
+        """Begin a recording that ends `duration` [s] from now."""
+    def advance(self, wall_budget: float) -> bool:
+        """Go on for about `wall_budget` seconds of wall time; return whether the end is reached."""
+    def take_recording(self) -> dict[str, npt.NDArray[Any]]:
+        """Return the rows recorded up to now."""
+    def step_to(self, t: float, wall_budget: float) -> bool:
+        """Go on towards exactly `t` [s]; return whether it is reached."""
+    def stats(self) -> dict[str, Any]:
+        """Return the counts and wall times of the run."""
+    def take_warnings(self) -> list[str]:
+        """Return the warnings that have come up since the last call."""

@@ -1,0 +1,255 @@
+"""The description of a chain drive: frozen dataclasses in SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from rustchain._description import Description
+from rustchain._names import known_keywords
+from rustchain.report import DriveReport
+
+Point: TypeAlias = tuple[float, float]
+Seat = Literal["bottom-diameter", "pitch-circle"]
+TimeTable: TypeAlias = float | Sequence[Sequence[float]]
+"""A constant, or rows (time [s], value): linear between the rows, constant outside them."""
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Material(Description):
+    """An elastic material; the default is the steel of the published drive.
+
+    Attributes
+    ----------
+    elastic_modulus : float
+        Young's modulus [Pa].
+    poisson_ratio : float
+        Poisson's ratio.
+    restitution : float
+        Coefficient of restitution of an impact.
+    """
+
+    elastic_modulus: float = 2.07e11
+    poisson_ratio: float = 0.3
+    restitution: float = 0.71
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Link(Description):
+    """A link with all that is fixed to it: plates and bushings (inner), plates and pins (outer).
+
+    Attributes
+    ----------
+    mass : float
+        Mass [kg].
+    inertia : float
+        Moment of inertia about the middle of its two hinges [kg m^2].
+    """
+
+    mass: float
+    inertia: float
+
+
+@known_keywords
+@dataclass(frozen=True)
+class ClearanceHinge(Description):
+    """A pin that is loose in the bore of a bushing.
+
+    Attributes
+    ----------
+    pin_radius, bore_radius : float
+        Radii of pin and bore [m]; their difference is the radial clearance.
+    length : float
+        Length of contact along the pin [m].
+    """
+
+    pin_radius: float
+    bore_radius: float
+    length: float
+
+    @property
+    def clearance(self) -> float:
+        """Radial clearance [m]."""
+        return self.bore_radius - self.pin_radius
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Chain(Description):
+    """A closed bushing chain of alternating inner and outer links; link 1 is an inner one.
+
+    Attributes
+    ----------
+    pitch : float
+        Distance between the hinges of a link [m].
+    links : int
+        Number of links, even.
+    inner, outer : Link
+        The inner link (two bushings) and the outer link (two pins).
+    hinge : ClearanceHinge
+        Pin and bore of every hinge.
+    bushing_radius : float
+        Outside radius of a bushing, where it meets the teeth [m].
+    tooth_contact_length : float
+        Length of contact of bushing and tooth, along the bushing [m].
+    material : Material
+        Material of chain and sprockets.
+    name : str
+        For people to read.
+    """
+
+    pitch: float
+    links: int
+    inner: Link
+    outer: Link
+    hinge: ClearanceHinge
+    bushing_radius: float
+    tooth_contact_length: float
+    material: Material = Material()
+    name: str = ""
+
+
+@known_keywords
+@dataclass(frozen=True)
+class AnsiTooth(Description):
+    """The tooth form of ANSI/ASME B29.1.
+
+    Attributes
+    ----------
+    seat : {"bottom-diameter", "pitch-circle"}
+        Where the seat's centre lies: outside the pitch circle, so that a seated bushing's centre is
+        on it (the standard), or on the pitch circle itself (a seated bushing then has play all
+        round).
+    roller_diameter : float, optional
+        The diameter that the tooth is cut for [m]; by default that of the chain's bushings.
+    """
+
+    seat: Seat = "bottom-diameter"
+    roller_diameter: float | None = None
+
+
+@known_keywords
+@dataclass(frozen=True)
+class PrescribedSpeed(Description):
+    """A sprocket that turns at a given speed, whatever it takes.
+
+    Attributes
+    ----------
+    speed : float or table of (time, speed)
+        Speed [rad/s], counterclockwise positive.
+    """
+
+    speed: TimeTable
+
+
+@known_keywords
+@dataclass(frozen=True)
+class AppliedTorque(Description):
+    """A sprocket under a given torque.
+
+    Attributes
+    ----------
+    torque : float or table of (time, torque)
+        Torque [N m], counterclockwise positive.
+    """
+
+    torque: TimeTable
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Free(Description):
+    """A sprocket that only the chain turns."""
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Sprocket(Description):
+    """A toothed wheel.
+
+    Attributes
+    ----------
+    teeth : int
+        Number of teeth.
+    center : (float, float)
+        Centre at the start [m].
+    motion : PrescribedSpeed, AppliedTorque or Free
+        What turns it.
+    profile : AnsiTooth
+        Tooth form.
+    mass, inertia : float, optional
+        Mass [kg] and moment of inertia [kg m^2]; by default those of a steel disc of the pitch
+        radius, as thick as the chain's `tooth_contact_length`.
+    initial_speed : float, optional
+        Speed at the start [rad/s]; by default what the motion prescribes or the chain carries over.
+    bearing : {"fixed", "floating"}
+        Whether the centre is held.
+    """
+
+    teeth: int
+    center: Point = (0.0, 0.0)
+    motion: PrescribedSpeed | AppliedTorque | Free = Free()
+    profile: AnsiTooth = AnsiTooth()
+    mass: float | None = None
+    inertia: float | None = None
+    initial_speed: float | None = None
+    bearing: Literal["fixed", "floating"] = "fixed"
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Tensioner(Description):
+    """A pull on a sprocket's centre, which slides along one direction.
+
+    Attributes
+    ----------
+    pretension : float
+        Tension that the pull gives each strand at rest [N].
+    sprocket : int
+        Number of the sprocket, from 1.
+    ramp_time : float
+        Time over which the pull grows from zero [s].
+    damping : float
+        Damping of the slide [N s/m].
+    direction : (float, float), optional
+        Direction of the pull; by default away from the other sprocket.
+    """
+
+    pretension: float
+    sprocket: int = 2
+    ramp_time: float = 0.1
+    damping: float = 2000.0
+    direction: Point | None = None
+
+
+@known_keywords
+@dataclass(frozen=True)
+class ChainDrive(Description):
+    """A chain round two sprockets.
+
+    Attributes
+    ----------
+    chain : Chain
+        The chain.
+    sprockets : sequence of Sprocket
+        The driver first.
+    tensioner : Tensioner, optional
+        Without one, the centres stay where they are.
+    gravity : (float, float)
+        Acceleration of gravity [m/s^2].
+    name : str
+        For people to read.
+    """
+
+    chain: Chain
+    sprockets: Sequence[Sprocket]
+    tensioner: Tensioner | None = None
+    gravity: Point = (0.0, -9.81)
+    name: str = ""
+
+    def check(self) -> DriveReport:
+        """Lay the chain out and return what was chosen; print the report to read it as a table."""
+        return DriveReport.of(self)

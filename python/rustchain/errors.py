@@ -1,0 +1,13 @@
+"""What can go wrong, as types."""
+
+from rustchain._rustchain import InvalidInput, SimulationError
+
+__all__ = ["InvalidInput", "NotRecorded", "RangeWarning", "SimulationError"]
+
+
+class NotRecorded(LookupError):
+    """A result was asked for something that its run did not record."""
+
+
+class RangeWarning(UserWarning):
+    """A contact has left the range in which its force law holds."""

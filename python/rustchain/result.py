@@ -1,0 +1,442 @@
+"""What a run recorded, its views by part, and the file it lives in."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from importlib.metadata import version
+from itertools import product
+from operator import index
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain._description import Description
+from rustchain._names import known_keywords, suggest
+from rustchain.drive import ChainDrive
+from rustchain.errors import InvalidInput, NotRecorded
+from rustchain.force_law import ForceLaw
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from rustchain.plot import Plots
+    from rustchain.simulation import Solver
+
+Array: TypeAlias = npt.NDArray[np.float64]
+IntArray: TypeAlias = npt.NDArray[np.int32]
+Status = Literal["finished", "interrupted", "failed"]
+
+_STRANDS = ("upper", "lower")
+
+
+class _Variable(NamedTuple):
+    """What an array of a result is."""
+
+    group: str
+    dims: tuple[str, ...]  # after "time"
+    units: str
+    long_name: str
+
+
+_VARIABLES = {
+    "hinge_force": _Variable("hinges", ("hinge",), "N", "force of pin on bushing"),
+    "hinge_force_vector": _Variable("hinges", ("hinge", "axis"), "N", "force on the pin"),
+    "hinge_penetration": _Variable("hinges", ("hinge",), "m", "penetration of pin into bushing"),
+    "hinge_eccentricity": _Variable(
+        "hinges", ("hinge", "axis"), "m", "pin centre seen from the bushing"
+    ),
+    "strand_tension": _Variable("hinges", ("strand",), "N", "mean tension of the strand's hinges"),
+    "peak_hinge_force": _Variable(
+        "hinges", ("hinge",), "N", "largest hinge force since the last row"
+    ),
+    "peak_hinge_impulse": _Variable(
+        "hinges", ("hinge",), "N s", "largest hinge impulse since the last row"
+    ),
+    "tooth_force": _Variable("teeth", ("bushing",), "N", "force of tooth on bushing"),
+    "tooth_penetration": _Variable("teeth", ("bushing",), "m", "penetration of bushing into tooth"),
+    "tooth_sprocket": _Variable("teeth", ("bushing",), "1", "sprocket in contact, 0: none"),
+    "tooth_index": _Variable("teeth", ("bushing",), "1", "tooth gap in contact, -1: none"),
+    "tooth_region": _Variable(
+        "teeth", ("bushing",), "1", "region of the tooth in contact, 0: none"
+    ),
+    "peak_tooth_force": _Variable(
+        "teeth", ("bushing",), "N", "largest tooth force since the last row"
+    ),
+    "peak_tooth_impulse": _Variable(
+        "teeth", ("bushing",), "N s", "largest tooth impulse since the last row"
+    ),
+    "sprocket_angle": _Variable("sprockets", ("sprocket",), "rad", "angle of the sprocket"),
+    "sprocket_speed": _Variable("sprockets", ("sprocket",), "rad/s", "speed of the sprocket"),
+    "sprocket_torque": _Variable(
+        "sprockets", ("sprocket",), "N m", "torque on the sprocket's shaft"
+    ),
+    "sprocket_center": _Variable("sprockets", ("sprocket", "axis"), "m", "centre of the sprocket"),
+    "positions": _Variable(
+        "bodies", ("body", "coordinate"), "m, m, rad", "positions of the bodies"
+    ),
+    "velocities": _Variable(
+        "bodies", ("body", "coordinate"), "m/s, m/s, rad/s", "velocities of the bodies"
+    ),
+    "energy_kinetic": _Variable("energy", (), "J", "kinetic energy"),
+    "energy_gravity": _Variable("energy", (), "J", "potential energy of gravity"),
+    "energy_elastic": _Variable("energy", (), "J", "elastic energy of the contacts"),
+    "energy_dissipated": _Variable("energy", (), "J", "energy dissipated so far"),
+    "energy_worked_in": _Variable("energy", (), "J", "work of motors and tensioner so far"),
+    "energy_residual": _Variable("energy", (), "J", "residual of the energy balance"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Hinge:
+    """One hinge over time.
+
+    Attributes
+    ----------
+    time : ndarray, (times,)
+        Report times [s].
+    force, penetration : ndarray, (times,)
+        Contact force [N] and penetration [m]; penetration is negative when apart.
+    force_vector : ndarray, (times, 2)
+        Force on the pin [N].
+    eccentricity : ndarray, (times, 2)
+        Pin centre seen from the bushing [m].
+    """
+
+    time: Array
+    force: Array
+    force_vector: Array
+    penetration: Array
+    eccentricity: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Bushing:
+    """One bushing's deepest contact with a tooth, over time.
+
+    Attributes
+    ----------
+    time : ndarray, (times,)
+        Report times [s].
+    tooth_force, tooth_penetration : ndarray, (times,)
+        Contact force [N] and penetration [m]; penetration is -inf when not even near.
+    sprocket, tooth, region : ndarray of int, (times,)
+        Sprocket from 1 (0: none), tooth gap from 0 (-1: none), region of the tooth 1 to 7
+        (0: none).
+    """
+
+    time: Array
+    tooth_force: Array
+    tooth_penetration: Array
+    sprocket: IntArray
+    tooth: IntArray
+    region: IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class Strand:
+    """One strand over time.
+
+    Attributes
+    ----------
+    time : ndarray, (times,)
+        Report times [s].
+    tension : ndarray, (times,)
+        Mean tension of the strand's hinges [N].
+    """
+
+    time: Array
+    tension: Array
+
+
+@dataclass(frozen=True, eq=False)
+class SprocketMotion:
+    """One sprocket over time.
+
+    Attributes
+    ----------
+    time : ndarray, (times,)
+        Report times [s].
+    angle, speed, torque : ndarray, (times,)
+        Angle [rad], speed [rad/s] and torque on the shaft [N m], counterclockwise positive.
+    center : ndarray, (times, 2)
+        Centre [m].
+    """
+
+    time: Array
+    angle: Array
+    speed: Array
+    torque: Array
+    center: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Energy:
+    """The energy balance over time.
+
+    Attributes
+    ----------
+    kinetic, gravity, elastic : ndarray, (times,)
+        Energy stored [J].
+    dissipated, worked_in : ndarray, (times,)
+        Energy lost in contacts, and work of motors and tensioner, so far [J].
+    residual : ndarray, (times,)
+        What the balance misses [J]: the honest error figure of a long run.
+    """
+
+    kinetic: Array
+    gravity: Array
+    elastic: Array
+    dissipated: Array
+    worked_in: Array
+    residual: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Peaks:
+    """The largest forces [N] and impulses [N s] within each report interval; row i ends at time i.
+
+    An impact lasts 15 to 80 us, so that most of them fall between two rows of the other arrays.
+    """
+
+    _result: Result
+
+    @property
+    def hinge_force(self) -> Array:
+        """Largest force of each hinge [N], (times, hinges)."""
+        return self._result.array("peak_hinge_force")
+
+    @property
+    def hinge_impulse(self) -> Array:
+        """Largest impulse of each hinge [N s], (times, hinges)."""
+        return self._result.array("peak_hinge_impulse")
+
+    @property
+    def tooth_force(self) -> Array:
+        """Largest tooth force of each bushing [N], (times, bushings)."""
+        return self._result.array("peak_tooth_force")
+
+    @property
+    def tooth_impulse(self) -> Array:
+        """Largest tooth impulse of each bushing [N s], (times, bushings)."""
+        return self._result.array("peak_tooth_impulse")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Result:
+    """What a run recorded, and of what.
+
+    Hinges, bushings and sprockets are numbered from 1 in calls, from 0 in arrays.
+
+    Attributes
+    ----------
+    arrays : dict of ndarray
+        Everything recorded, by name; time is the first axis. `to_xarray` adds dims and units.
+    drive, hinge_law, tooth_law, solver, min_approach_speed
+        What was simulated, and how.
+    body_names : tuple of str
+        Names of the bodies.
+    initial_positions, initial_velocities, final_positions, final_velocities : ndarray, (bodies, 3)
+        State at both ends [m, m, rad] and [m/s, m/s, rad/s].
+    status : {"finished", "interrupted", "failed"}
+        How the run ended.
+    message : str
+        The same in words.
+    stats : dict
+        Steps, evaluations, contacts, wall time by phase [s].
+    """
+
+    arrays: dict[str, npt.NDArray[Any]]
+    drive: ChainDrive
+    hinge_law: ForceLaw
+    tooth_law: ForceLaw
+    solver: Solver
+    min_approach_speed: float
+    body_names: tuple[str, ...]
+    initial_positions: Array
+    initial_velocities: Array
+    final_positions: Array
+    final_velocities: Array
+    status: Status
+    message: str
+    stats: dict[str, Any]
+
+    def __repr__(self) -> str:
+        """Return how the run ended and what is there."""
+        name = self.drive.name or "chain drive"
+        span = f"{self.time[0]:.6g} to {self.time[-1]:.6g} s in {len(self.time)} rows"
+        return f"<Result of {name}: {self.status}, {span}: {', '.join(self.groups)}>"
+
+    @property
+    def success(self) -> bool:
+        """Whether the run reached its end."""
+        return self.status == "finished"
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """What was recorded."""
+        return tuple(
+            dict.fromkeys(v.group for name, v in _VARIABLES.items() if name in self.arrays)
+        )
+
+    @property
+    def time(self) -> Array:
+        """Report times [s], (times,)."""
+        return self.arrays["time"]
+
+    def array(self, name: str) -> npt.NDArray[Any]:
+        """Return a recorded array by its name in `arrays`, or raise with the remedy."""
+        if name in self.arrays:
+            return self.arrays[name]
+        if name not in _VARIABLES:
+            msg = f"no array {name!r}; {suggest(name, _VARIABLES)}"
+            raise NotRecorded(msg)
+        group = _VARIABLES[name].group
+        if group == "energy":
+            msg = "the energy balance was not recorded; pass energy=True to run"
+        else:
+            msg = f"{group} were not recorded; pass record=(..., {group!r}) to run"
+        raise NotRecorded(msg)
+
+    def hinge(self, number: int) -> Hinge:
+        """Return hinge `number`, which joins the front of that link and the rear of the next."""
+        k = _position("hinge", number, self.drive.chain.links)
+        names = ("force", "force_vector", "penetration", "eccentricity")
+        return Hinge(self.time, *(self.array(f"hinge_{name}")[:, k] for name in names))
+
+    def bushing(self, number: int) -> Bushing:
+        """Return bushing `number`, that of the hinge with the same number."""
+        k = _position("bushing", number, self.drive.chain.links)
+        names = ("force", "penetration", "sprocket", "index", "region")
+        return Bushing(self.time, *(self.array(f"tooth_{name}")[:, k] for name in names))
+
+    def strand(self, name: str) -> Strand:
+        """Return the strand "upper" or "lower"."""
+        if name not in _STRANDS:
+            msg = f"strand: {name!r} is no strand; {suggest(name, _STRANDS)}"
+            raise InvalidInput(msg)
+        return Strand(self.time, self.array("strand_tension")[:, _STRANDS.index(name)])
+
+    def sprocket(self, number: int) -> SprocketMotion:
+        """Return sprocket `number`; 1 is the driver."""
+        k = _position("sprocket", number, len(self.drive.sprockets))
+        names = ("angle", "speed", "torque", "center")
+        return SprocketMotion(self.time, *(self.array(f"sprocket_{name}")[:, k] for name in names))
+
+    @property
+    def energy(self) -> Energy:
+        """The energy balance."""
+        names = ("kinetic", "gravity", "elastic", "dissipated", "worked_in", "residual")
+        return Energy(*(self.array(f"energy_{name}") for name in names))
+
+    @property
+    def peaks(self) -> Peaks:
+        """The largest forces and impulses between the report times."""
+        return Peaks(self)
+
+    @property
+    def plot(self) -> Plots:
+        """Figures; see `rustchain.plot.Plots`."""
+        from rustchain.plot import Plots
+
+        return Plots(self)
+
+    def to_xarray(self) -> xr.Dataset:
+        """Return everything as a dataset with units; the scene is in its attributes."""
+        import xarray as xr
+
+        coordinates = {
+            "time": xr.Variable("time", self.time, {"units": "s", "long_name": "time"}),
+            "hinge": np.arange(1, self.drive.chain.links + 1),
+            "bushing": np.arange(1, self.drive.chain.links + 1),
+            "sprocket": np.arange(1, len(self.drive.sprockets) + 1),
+            "strand": list(_STRANDS),
+            "axis": ["x", "y"],
+            "body": list(self.body_names),
+            "coordinate": ["x", "y", "theta"],
+        }
+        variables = {
+            name: (
+                ("time", *v.dims),
+                self.arrays[name],
+                {"units": v.units, "long_name": v.long_name},
+            )
+            for name, v in _VARIABLES.items()
+            if name in self.arrays
+        }
+        for name in _ENDS:
+            end, quantity = name.split("_")
+            units = _VARIABLES[quantity].units
+            attributes = {"units": units, "long_name": f"{end} {quantity} of the bodies"}
+            variables[name] = (("body", "coordinate"), getattr(self, name), attributes)
+        used = {"time"}.union(*(dims for dims, *_ in variables.values()))
+        return xr.Dataset(
+            variables,
+            {name: values for name, values in coordinates.items() if name in used},
+            {name: getattr(self, name).to_json() for name in _SCENE}
+            | {
+                "min_approach_speed": self.min_approach_speed,
+                "status": self.status,
+                "message": self.message,
+                "stats": json.dumps(self.stats),
+                "rustchain_version": version("rustchain"),
+            },
+        )
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a row for each time and a column for each number: ``hinge_force_vector_6_x``."""
+        import pandas as pd
+
+        dataset = self.to_xarray()
+        columns: dict[str, npt.NDArray[Any]] = {}
+        for name in filter(self.arrays.__contains__, _VARIABLES):
+            labels = product([name], *(dataset[d].values for d in _VARIABLES[name].dims))
+            series = self.arrays[name].reshape(len(self.time), -1).T
+            columns |= {
+                "_".join(map(str, label)): one for label, one in zip(labels, series, strict=True)
+            }
+        return pd.DataFrame(columns, index=pd.Index(self.time, name="time"))
+
+    def save(self, path: str | Path) -> None:
+        """Write everything to a netCDF file, for `load_result`."""
+        dataset = self.to_xarray()
+        packed = {name: {"zlib": True, "complevel": 1} for name in dataset.data_vars}
+        dataset.to_netcdf(path, engine="h5netcdf", encoding=packed)
+
+
+_SCENE = ("drive", "hinge_law", "tooth_law", "solver")
+_ENDS = ("initial_positions", "initial_velocities", "final_positions", "final_velocities")
+
+
+@known_keywords
+def load_result(path: str | Path) -> Result:
+    """Return the result that `Result.save` wrote to `path`."""
+    import xarray as xr
+
+    data = xr.load_dataset(path, engine="h5netcdf", decode_times=False)
+    if "rustchain_version" not in data.attrs:
+        msg = f"path: {path} holds no result of rustchain"
+        raise InvalidInput(msg)
+    scene: dict[str, Any] = {name: Description.from_json(data.attrs[name]) for name in _SCENE}
+    scene |= {name: data[name].values for name in _ENDS}
+    return Result(
+        arrays={"time": data["time"].values}
+        | {name: data[name].values for name in _VARIABLES if name in data},
+        **scene,
+        min_approach_speed=float(data.attrs["min_approach_speed"]),
+        body_names=tuple(map(str, data["body"].values)),
+        status=data.attrs["status"],
+        message=data.attrs["message"],
+        stats=json.loads(data.attrs["stats"]),
+    )
+
+
+def _position(part: str, number: int, count: int) -> int:
+    """Return the place in arrays of the part with this number."""
+    if not 1 <= index(number) <= count:
+        msg = f"{part} {number}: {part}s are numbered 1 to {count}"
+        raise IndexError(msg)
+    return index(number) - 1

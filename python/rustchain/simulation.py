@@ -1,0 +1,297 @@
+"""A drive, its force laws and a solver: the present state, single evaluations and runs."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain import _rustchain
+from rustchain._description import Description
+from rustchain._names import known_keywords, suggest
+from rustchain.drive import ChainDrive
+from rustchain.errors import InvalidInput, RangeWarning, SimulationError
+from rustchain.force_law import ForceLaw, LankaraniNikravesh
+from rustchain.result import Array, Result, Status
+
+Group = Literal["hinges", "teeth", "sprockets", "bodies"]
+
+_WALL_BUDGET = 0.05  # [s] between looks at the keyboard and the progress bar
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Solver(Description):
+    """How the equations of motion are integrated: variable order and step, Adams-Bashforth-Moulton.
+
+    Attributes
+    ----------
+    method : {"auto", "pece"}
+        "pece": predict, evaluate, correct, evaluate. "auto": what suits the scene, so far always
+        "pece".
+    rtol, atol : float
+        Relative and absolute tolerance; one of them may be 0.
+    max_step : float
+        Largest step [s].
+    max_order : int
+        Highest order, 1 to 12.
+    """
+
+    method: Literal["auto", "pece"] = "auto"
+    rtol: float = 1e-5
+    atol: float = 1e-5
+    max_step: float = 1e-4
+    max_order: int = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """Accelerations and contacts of one state.
+
+    Attributes
+    ----------
+    accelerations : ndarray, (bodies, 3)
+        Accelerations [m/s^2, m/s^2, rad/s^2].
+    hinge_force, hinge_penetration : ndarray, (hinges,)
+        Force [N] and penetration [m] of each hinge; penetration is negative when apart.
+    hinge_force_vector : ndarray, (hinges, 2)
+        Force on the pin [N].
+    tooth_force, tooth_penetration : ndarray, (bushings, sprockets)
+        Force [N] and penetration [m] of each bushing; penetration is -inf when not even near.
+    tooth_force_vector : ndarray, (bushings, sprockets, 2)
+        Force on the bushing [N].
+    tooth_region, tooth_index : ndarray of int, (bushings, sprockets)
+        Region of the tooth, 1 to 7 (0: none), and its gap, from 0 (-1: none).
+    """
+
+    accelerations: Array
+    hinge_force: Array
+    hinge_penetration: Array
+    hinge_force_vector: Array
+    tooth_force: Array
+    tooth_penetration: Array
+    tooth_force_vector: Array
+    tooth_region: npt.NDArray[np.int32]
+    tooth_index: npt.NDArray[np.int32]
+
+
+_LAW = LankaraniNikravesh()
+_SOLVER = Solver()
+
+
+@known_keywords
+class Simulation:
+    """A chain drive in motion.
+
+    Parameters
+    ----------
+    drive : ChainDrive
+        What moves.
+    force_law : ForceLaw
+        Law of every contact.
+    hinge_law, tooth_law : ForceLaw, optional
+        Law of pins in bushings, of bushings on teeth; by default `force_law`.
+    min_approach_speed : float
+        Least approach speed that the damping reckons with [m/s]; without it, a contact that begins
+        slowly would be damped without limit.
+    positions, velocities : array_like, (bodies, 3), optional
+        A start of one's own [m, m, rad] and [m/s, m/s, rad/s]; by default the generated one.
+    solver : Solver
+        Method and tolerances.
+
+    Raises
+    ------
+    InvalidInput
+        A value is out of its range.
+
+    Warns
+    -----
+    RangeWarning
+        A contact has left the range of its law.
+    """
+
+    def __init__(
+        self,
+        drive: ChainDrive,
+        force_law: ForceLaw = _LAW,
+        hinge_law: ForceLaw | None = None,
+        tooth_law: ForceLaw | None = None,
+        min_approach_speed: float = 1e-3,
+        positions: npt.ArrayLike | None = None,
+        velocities: npt.ArrayLike | None = None,
+        solver: Solver = _SOLVER,
+    ) -> None:
+        self.drive = drive
+        self.hinge_law = hinge_law or force_law
+        self.tooth_law = tooth_law or force_law
+        self.min_approach_speed = min_approach_speed
+        self.solver = solver
+        self._core = _rustchain.Core(
+            drive,
+            self.hinge_law,
+            self.tooth_law,
+            min_approach_speed,
+            solver,
+            _floats(positions),
+            _floats(velocities),
+        )
+        self._warn()
+
+    def __repr__(self) -> str:
+        """Return what moves, and the time."""
+        return f"<Simulation of {self.drive.name or 'a chain drive'} at t = {self.time:.6g} s>"
+
+    @property
+    def body_names(self) -> list[str]:
+        """Names of the bodies, in the order of every (bodies, 3) array."""
+        return self._core.body_names
+
+    @property
+    def time(self) -> float:
+        """Present time [s]."""
+        return self._core.time
+
+    @property
+    def positions(self) -> Array:
+        """Present positions [m, m, rad], (bodies, 3)."""
+        return self._core.positions
+
+    @property
+    def velocities(self) -> Array:
+        """Present velocities [m/s, m/s, rad/s], (bodies, 3)."""
+        return self._core.velocities
+
+    def state(self) -> dict[str, Any]:
+        """Return all that decides how the run goes on, the memory of the contacts included."""
+        return self._core.state()
+
+    @known_keywords
+    def evaluate(
+        self,
+        positions: npt.ArrayLike | None = None,
+        velocities: npt.ArrayLike | None = None,
+        time: float | None = None,
+    ) -> Evaluation:
+        """Return accelerations and contacts of a state, without touching the simulation.
+
+        Parameters
+        ----------
+        positions, velocities : array_like, (bodies, 3), optional
+            By default the present ones. With positions given, no contact has a memory.
+        time : float, optional
+            By default the present one [s].
+        """
+        return Evaluation(**self._core.evaluate(_floats(positions), _floats(velocities), time))
+
+    @known_keywords
+    def step_to(self, t: float) -> None:
+        """Go on to exactly `t` [s]."""
+        try:
+            while not self._core.step_to(t, _WALL_BUDGET):
+                pass
+        finally:
+            self._warn()
+
+    @known_keywords
+    def run(
+        self,
+        duration: float,
+        report_step: float = 1e-4,
+        record: Sequence[Group] = ("hinges", "teeth", "sprockets"),
+        energy: bool = True,
+        progress: bool = True,
+    ) -> Result:
+        """Go on for a while and record.
+
+        Parameters
+        ----------
+        duration : float
+            Simulated time from now on [s].
+        report_step : float
+            Time between two rows of the result [s].
+        record : sequence of {"hinges", "teeth", "sprockets", "bodies"}
+            What to record.
+        energy : bool
+            Whether to keep the energy balance.
+        progress : bool
+            Whether to show a progress bar, where a terminal is there to show it.
+
+        Returns
+        -------
+        Result
+            After Ctrl-C with status "interrupted" and the rows until then.
+
+        Raises
+        ------
+        SimulationError
+            The run cannot go on; ``error.result`` holds the rows until then.
+        """
+        start = (self.positions, self.velocities)
+        self._core.start_recording(duration, report_step, _known_groups(record), energy)
+
+        def result(status: Status, message: str) -> Result:
+            return Result(
+                arrays=self._core.take_recording(),
+                drive=self.drive,
+                hinge_law=self.hinge_law,
+                tooth_law=self.tooth_law,
+                solver=self.solver,
+                min_approach_speed=self.min_approach_speed,
+                body_names=tuple(self.body_names),
+                initial_positions=start[0],
+                initial_velocities=start[1],
+                final_positions=self.positions,
+                final_velocities=self.velocities,
+                status=status,
+                message=message,
+                stats=self._core.stats(),
+            )
+
+        try:
+            self._advance(duration, progress)
+            return result("finished", f"reached t = {self.time:.6g} s")
+        except KeyboardInterrupt:
+            return result("interrupted", f"interrupted at t = {self.time:.6g} s")
+        except SimulationError as error:
+            error.result = result("failed", str(error))
+            raise
+        finally:
+            self._warn()
+
+    def _advance(self, duration: float, progress: bool) -> None:
+        """Advance to the end of the recording, with a bar of simulated seconds."""
+        from tqdm import tqdm
+
+        start = self.time
+        form = "{l_bar}{bar}| {n:.4f}/{total:.4f} s [{elapsed}<{remaining}, {rate_noinv_fmt}]"
+        with tqdm(
+            total=duration, unit=" s", bar_format=form, disable=None if progress else True
+        ) as bar:
+            finished = False
+            while not finished:
+                finished = self._core.advance(_WALL_BUDGET)
+                bar.update(self.time - start - bar.n)
+
+    def _warn(self) -> None:
+        """Pass the core's warnings on, as if from the line that called the public method."""
+        for message in self._core.take_warnings():
+            warnings.warn(message, RangeWarning, stacklevel=4)
+
+
+def _floats(values: npt.ArrayLike | None) -> Array | None:
+    """Return `values` as the compiled module wants them."""
+    return None if values is None else np.ascontiguousarray(values, dtype=float)
+
+
+def _known_groups(record: Sequence[str]) -> list[str]:
+    """Return the groups to record, each of which must exist."""
+    groups = [record] if isinstance(record, str) else list(record)
+    for group in groups:
+        if group not in get_args(Group):
+            msg = f"record: {group!r} is no group; {suggest(group, get_args(Group))}"
+            raise InvalidInput(msg)
+    return groups

@@ -1,0 +1,83 @@
+//! What each live contact remembers from its onset: approach speed and stiffness. Written between steps only.
+
+use crate::geometry::Surface;
+
+/// Onset speeds and surfaces; a speed of zero means that the pair has no memory.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImpactMemory {
+    /// Approach speed at onset of each hinge \[m/s\].
+    pub hinge_speed: Vec<f64>,
+    /// Approach speed at onset of each pair of bushing and sprocket \[m/s\].
+    pub tooth_speed: Vec<f64>,
+    /// Surface at onset of each pair of bushing and sprocket.
+    pub tooth_surface: Vec<Surface>,
+    /// Floor of the approach speed \[m/s\].
+    floor: f64,
+    /// Onsets so far.
+    counts: OnsetCounts,
+}
+
+/// Onsets so far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct OnsetCounts {
+    /// All.
+    pub onsets: u64,
+    /// Those whose approach speed was below the floor.
+    pub at_floor: u64,
+}
+
+impl ImpactMemory {
+    /// No pair has a memory.
+    #[must_use]
+    pub fn new(hinges: usize, tooth_pairs: usize, floor: f64) -> Self {
+        Self {
+            hinge_speed: vec![0.0; hinges],
+            tooth_speed: vec![0.0; tooth_pairs],
+            tooth_surface: vec![Surface::Seating; tooth_pairs],
+            floor,
+            counts: OnsetCounts::default(),
+        }
+    }
+
+    /// The onset speed that a law uses: the remembered one, or for a pair without memory the present rate, not below the floor.
+    #[must_use]
+    #[inline]
+    pub fn onset_speed(&self, remembered: f64, rate: f64) -> f64 {
+        if remembered > 0.0 {
+            remembered
+        } else {
+            rate.max(self.floor)
+        }
+    }
+
+    /// Hinge `k` came into contact at `rate` \[m/s\].
+    pub fn begin_hinge(&mut self, k: usize, rate: f64) {
+        self.hinge_speed[k] = self.count(rate);
+    }
+
+    /// A bushing came into contact with a tooth at `rate` \[m/s\].
+    pub fn begin_tooth(&mut self, pair: usize, rate: f64, surface: Surface) {
+        self.tooth_speed[pair] = self.count(rate);
+        self.tooth_surface[pair] = surface;
+    }
+
+    fn count(&mut self, rate: f64) -> f64 {
+        self.counts.onsets += 1;
+        if rate < self.floor {
+            self.counts.at_floor += 1;
+        }
+        rate.max(self.floor)
+    }
+
+    /// Onsets so far.
+    #[must_use]
+    pub fn counts(&self) -> OnsetCounts {
+        self.counts
+    }
+
+    /// Forgets every pair.
+    pub fn clear(&mut self) {
+        self.hinge_speed.fill(0.0);
+        self.tooth_speed.fill(0.0);
+    }
+}

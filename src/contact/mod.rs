@@ -1,0 +1,24 @@
+//! Who touches whom, how deep, how fast.
+
+mod clearance_joint;
+mod impact_memory;
+mod onset;
+mod tooth_contact;
+
+pub use clearance_joint::HingeContacts;
+pub use impact_memory::{ImpactMemory, OnsetCounts};
+pub use onset::{PairPath, first_crossing, hinge_path, tooth_path};
+pub use tooth_contact::{ToothContacts, bushing_on_sprocket};
+
+use crate::geometry::Vec2;
+
+/// One pair of surfaces, near or in contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// Unit vector in which the penetration grows.
+    pub normal: Vec2,
+    /// Penetration δ \[m\]; negative when apart.
+    pub penetration: f64,
+    /// dδ/dt \[m/s\].
+    pub penetration_rate: f64,
+}

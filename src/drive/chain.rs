@@ -1,0 +1,132 @@
+//! The chain: its links, hinges and contact surfaces.
+
+use super::Material;
+use crate::error::{Error, Result, check};
+
+/// Mass properties of a link about its own centre, midway between its hinges.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Link {
+    /// Mass \[kg\].
+    pub mass: f64,
+    /// Moment of inertia \[kg m²\].
+    pub inertia: f64,
+}
+
+/// A pin in a bushing with clearance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClearanceHinge {
+    /// Radius of the pin \[m\].
+    pub pin_radius: f64,
+    /// Radius of the bushing's bore \[m\].
+    pub bore_radius: f64,
+    /// Length of contact \[m\].
+    pub length: f64,
+}
+
+impl ClearanceHinge {
+    /// Radial clearance c \[m\].
+    #[must_use]
+    pub fn clearance(&self) -> f64 {
+        self.bore_radius - self.pin_radius
+    }
+}
+
+/// A closed bushing chain: inner links with two bushings alternate with outer links with two pins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chain {
+    /// Distance of the hinges of a link \[m\].
+    pub pitch: f64,
+    /// Number of links, even.
+    pub links: u32,
+    /// Links 1, 3, ...
+    pub inner: Link,
+    /// Links 2, 4, ...
+    pub outer: Link,
+    /// The hinges.
+    pub hinge: ClearanceHinge,
+    /// Outside radius of the bushings \[m\].
+    pub bushing_radius: f64,
+    /// Length of contact between bushing and tooth \[m\].
+    pub tooth_contact_length: f64,
+    /// Material of all contacts.
+    pub material: Material,
+}
+
+impl Chain {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn validate(&self) -> Result<()> {
+        check::positive("Chain.pitch", self.pitch, "m")?;
+        if self.links % 2 != 0 {
+            return Err(Error::invalid(
+                "Chain.links",
+                self.links,
+                format!(
+                    "must be even, for inner and outer links alternate: the nearest are {} and {}",
+                    self.links - 1,
+                    self.links + 1
+                ),
+            ));
+        }
+        if self.links < 4 {
+            return Err(Error::invalid("Chain.links", self.links, "must be at least 4"));
+        }
+        for (name, link) in [("inner", self.inner), ("outer", self.outer)] {
+            check::positive(&format!("Chain.{name}.mass"), link.mass, "kg")?;
+            check::positive(&format!("Chain.{name}.inertia"), link.inertia, "kg m^2")?;
+        }
+        self.hinge.validate()?;
+        check::positive("Chain.bushing_radius", self.bushing_radius, "m")?;
+        if self.bushing_radius <= self.hinge.bore_radius {
+            return Err(Error::invalid(
+                "Chain.bushing_radius",
+                self.bushing_radius,
+                format!("must be larger than the bore's, {} m", self.hinge.bore_radius),
+            ));
+        }
+        if 2.0 * self.bushing_radius >= self.pitch {
+            return Err(Error::invalid(
+                "Chain.bushing_radius",
+                self.bushing_radius,
+                format!(
+                    "neighbouring bushings would overlap: must be below half the pitch, {} m",
+                    0.5 * self.pitch
+                ),
+            ));
+        }
+        check::positive("Chain.tooth_contact_length", self.tooth_contact_length, "m")?;
+        self.material.validate()
+    }
+}
+
+impl Link {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn validate(&self) -> Result<()> {
+        check::positive("Link.mass", self.mass, "kg")?;
+        check::positive("Link.inertia", self.inertia, "kg m^2")
+    }
+}
+
+impl ClearanceHinge {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn validate(&self) -> Result<()> {
+        check::positive("ClearanceHinge.pin_radius", self.pin_radius, "m")?;
+        check::positive("ClearanceHinge.bore_radius", self.bore_radius, "m")?;
+        if self.bore_radius <= self.pin_radius {
+            return Err(Error::invalid(
+                "ClearanceHinge.bore_radius",
+                self.bore_radius,
+                format!("must be larger than the pin's, {} m", self.pin_radius),
+            ));
+        }
+        check::positive("ClearanceHinge.length", self.length, "m")
+    }
+}

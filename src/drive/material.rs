@@ -1,0 +1,43 @@
+//! What a contact's surfaces are made of.
+
+use crate::error::{Result, check};
+
+/// Elastic constants and restitution, the same for all parts of a drive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Young's modulus E \[Pa\].
+    pub elastic_modulus: f64,
+    /// Poisson's ratio ν.
+    pub poisson_ratio: f64,
+    /// Coefficient of restitution `c_e`.
+    pub restitution: f64,
+}
+
+impl Default for Material {
+    /// Steel, as the paper has it.
+    fn default() -> Self {
+        Self {
+            elastic_modulus: 2.07e11,
+            poisson_ratio: 0.3,
+            restitution: 0.71,
+        }
+    }
+}
+
+impl Material {
+    /// E* \[Pa\] of two bodies of this material: E / (2 (1 - ν²)).
+    #[must_use]
+    pub fn contact_modulus(&self) -> f64 {
+        self.elastic_modulus / (2.0 * (1.0 - self.poisson_ratio * self.poisson_ratio))
+    }
+
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn validate(&self) -> Result<()> {
+        check::positive("Material.elastic_modulus", self.elastic_modulus, "Pa")?;
+        check::within("Material.poisson_ratio", self.poisson_ratio, 0.0, 0.5)?;
+        check::within("Material.restitution", self.restitution, 0.0, 1.0)
+    }
+}

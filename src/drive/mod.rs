@@ -1,0 +1,72 @@
+//! What the user describes: plain data in SI, validated once.
+
+mod chain;
+mod material;
+mod profile;
+mod sprocket;
+mod tensioner;
+mod time_table;
+
+pub use chain::{Chain, ClearanceHinge, Link};
+pub use material::Material;
+pub use profile::AnsiTooth;
+pub use sprocket::{Bearing, Motion, Sprocket};
+pub use tensioner::Tensioner;
+pub use time_table::TimeTable;
+
+use crate::error::{Error, Result, check};
+use crate::geometry::Vec2;
+
+/// A chain drive.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drive {
+    /// The chain.
+    pub chain: Chain,
+    /// The sprockets; the first one is the driver by custom.
+    pub sprockets: Vec<Sprocket>,
+    /// What tightens it, if anything does.
+    pub tensioner: Option<Tensioner>,
+    /// Gravity \[m/s²\].
+    pub gravity: Vec2,
+}
+
+impl Drive {
+    /// Checks every part and that the parts fit together.
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn validate(&self) -> Result<()> {
+        self.chain.validate()?;
+        for sprocket in &self.sprockets {
+            sprocket.validate()?;
+        }
+        if self.sprockets.len() != 2 {
+            return Err(Error::invalid(
+                "ChainDrive.sprockets",
+                format!("{} sprockets", self.sprockets.len()),
+                "must be exactly two",
+            ));
+        }
+        for (name, value) in [("x", self.gravity.x), ("y", self.gravity.y)] {
+            check::finite(&format!("ChainDrive.gravity ({name})"), value, "m/s^2")?;
+        }
+        if let Some(tensioner) = &self.tensioner {
+            tensioner.validate()?;
+            let Some(sprocket) = self.sprockets.get(tensioner.sprocket.wrapping_sub(1)) else {
+                return Err(Error::invalid(
+                    "Tensioner.sprocket",
+                    tensioner.sprocket,
+                    format!("must be the number of a sprocket, 1 to {}", self.sprockets.len()),
+                ));
+            };
+            if sprocket.bearing == Bearing::Floating {
+                return Err(Error::invalid(
+                    "Tensioner.sprocket",
+                    tensioner.sprocket,
+                    "its sprocket has bearing=\"floating\"; a tensioner moves one with bearing=\"fixed\"",
+                ));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,129 @@
+//! A number that may depend on time: constant, or piecewise linear between rows.
+
+use crate::error::{Error, Result, check};
+
+/// Value against time; held constant before the first and after the last row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TimeTable {
+    times: Vec<f64>,
+    values: Vec<f64>,
+    /// Integral from the first row to each row.
+    sums: Vec<f64>,
+}
+
+impl From<f64> for TimeTable {
+    fn from(value: f64) -> Self {
+        Self {
+            times: vec![0.0],
+            values: vec![value],
+            sums: vec![0.0],
+        }
+    }
+}
+
+impl TimeTable {
+    /// A table of rows (time \[s\], value); `field` names it in errors.
+    ///
+    /// # Errors
+    /// When there is no row, a number is not finite or times do not increase.
+    pub fn new(field: &str, unit: &str, rows: &[(f64, f64)]) -> Result<Self> {
+        if rows.is_empty() {
+            return Err(Error::invalid(field, "()", "needs at least one row (time, value)"));
+        }
+        for &(time, value) in rows {
+            check::finite(&format!("{field} (time)"), time, "s")?;
+            check::finite(&format!("{field} (value)"), value, unit)?;
+        }
+        if let Some(pair) = rows.windows(2).find(|pair| pair[1].0 <= pair[0].0) {
+            return Err(Error::invalid(
+                field,
+                format!("{} s after {} s", pair[1].0, pair[0].0),
+                "times must increase from row to row",
+            ));
+        }
+        let mut sums = vec![0.0];
+        for pair in rows.windows(2) {
+            let area = 0.5 * (pair[1].0 - pair[0].0) * (pair[0].1 + pair[1].1);
+            sums.push(sums[sums.len() - 1] + area);
+        }
+        Ok(Self {
+            times: rows.iter().map(|r| r.0).collect(),
+            values: rows.iter().map(|r| r.1).collect(),
+            sums,
+        })
+    }
+
+    /// Row at or before `t`, if any.
+    fn row(&self, t: f64) -> Option<usize> {
+        self.times.partition_point(|&time| time <= t).checked_sub(1)
+    }
+
+    /// The value at time `t` \[s\].
+    #[must_use]
+    pub fn value(&self, t: f64) -> f64 {
+        match self.row(t) {
+            None => self.values[0],
+            Some(i) => self.values[i] + self.slope_after(i) * (t - self.times[i]),
+        }
+    }
+
+    /// Its rate of change at `t`, from the right.
+    #[must_use]
+    pub fn slope(&self, t: f64) -> f64 {
+        self.row(t).map_or(0.0, |i| self.slope_after(i))
+    }
+
+    fn slope_after(&self, row: usize) -> f64 {
+        match (self.times.get(row + 1), self.values.get(row + 1)) {
+            (Some(time), Some(value)) => (value - self.values[row]) / (time - self.times[row]),
+            _ => 0.0,
+        }
+    }
+
+    fn sum(&self, t: f64) -> f64 {
+        match self.row(t) {
+            None => self.values[0] * (t - self.times[0]),
+            Some(i) => {
+                let dt = t - self.times[i];
+                self.sums[i] + dt * (self.values[i] + 0.5 * self.slope_after(i) * dt)
+            }
+        }
+    }
+
+    /// Integral from time zero to `t`.
+    #[must_use]
+    pub fn integral(&self, t: f64) -> f64 {
+        if self.times.len() == 1 {
+            return self.values[0] * t;
+        }
+        self.sum(t) - self.sum(0.0)
+    }
+
+    /// Whether every value is zero.
+    #[must_use]
+    pub fn is_zero(&self) -> bool {
+        self.values.iter().all(|&v| v == 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ramp_integrates_to_its_parabola_and_holds_its_ends() {
+        let table = TimeTable::new("w", "rad/s", &[(0.5, 0.0), (1.5, 4.0), (2.0, 2.0)]).unwrap();
+        assert_eq!(table.value(0.0), 0.0);
+        assert_eq!(table.value(1.0), 2.0);
+        assert_eq!(table.value(9.0), 2.0);
+        assert_eq!(table.slope(1.75), -4.0);
+        assert!((table.integral(1.0) - 0.5).abs() < 1e-15);
+        assert!((table.integral(3.0) - (2.0 + 1.5 + 2.0)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn times_that_do_not_increase_are_refused() {
+        let error = TimeTable::new("w", "rad/s", &[(1.0, 0.0), (1.0, 4.0)]).unwrap_err();
+        assert!(error.to_string().contains("must increase"));
+    }
+}

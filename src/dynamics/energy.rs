@@ -1,0 +1,68 @@
+//! Kinetic, gravitational and elastic energy of the whole drive.
+
+use super::Dynamics;
+use crate::force_law::{ElasticLaw, with_law};
+use crate::geometry::Vec2;
+use crate::model::{Model, Rotation, Support};
+
+/// Energies \[J\].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Energy {
+    /// Of all bodies but for the rotation of sprockets with prescribed speed.
+    pub kinetic: f64,
+    /// In the field of gravity, of all bodies that can move.
+    pub gravity: f64,
+    /// Stored in the contacts.
+    pub elastic: f64,
+}
+
+impl Energy {
+    /// The sum.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.gravity + self.elastic
+    }
+}
+
+pub(super) fn energy(dynamics: &Dynamics) -> Energy {
+    let (model, motion) = (dynamics.model(), &dynamics.motion);
+    let mut energy = Energy::default();
+    let mut add_body = |body: usize, mass: f64, inertia: f64| {
+        let (vx, vy, spin) = (motion.vx[body], motion.vy[body], motion.spin[body]);
+        energy.kinetic += 0.5 * mass * (vx * vx + vy * vy) + 0.5 * inertia * spin * spin;
+        energy.gravity -= mass * model.gravity.dot(&Vec2::new(motion.x[body], motion.y[body]));
+    };
+    for i in 0..model.links {
+        add_body(i, model.mass[i], model.inertia[i]);
+    }
+    for (s, sprocket) in model.sprockets.iter().enumerate() {
+        let mass = if sprocket.support == Support::Fixed {
+            0.0
+        } else {
+            sprocket.mass
+        };
+        let inertia = if matches!(sprocket.rotation, Rotation::Prescribed(_)) {
+            0.0
+        } else {
+            sprocket.inertia
+        };
+        add_body(model.links + s, mass, inertia);
+    }
+    energy.elastic = elastic_energy(dynamics);
+    energy
+}
+
+fn elastic_energy(dynamics: &Dynamics) -> f64 {
+    let model = dynamics.model();
+    let hinges: f64 = with_law!(&model.hinge_law.pairs, Law, pairs => {
+        dynamics.hinges.penetration.iter().map(|&depth| Law::energy(&pairs[0], depth)).sum()
+    });
+    let teeth: f64 = with_law!(&model.tooth_law.pairs, Law, pairs => {
+        dynamics.teeth.near.iter().map(|&pair| {
+            let pair = pair as usize;
+            let number = Model::tooth_pair(pair / model.links, dynamics.stiffness_surface(pair));
+            Law::energy(&pairs[number], dynamics.teeth.penetration[pair])
+        }).sum()
+    });
+    hinges + teeth
+}

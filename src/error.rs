@@ -1,0 +1,106 @@
+//! Every way a description or a run can fail, each with the numbers that show why.
+
+use thiserror::Error;
+
+/// What went wrong.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum Error {
+    /// A field of a description has a value that is not allowed.
+    #[error("{field} = {value}: {expected}")]
+    InvalidValue {
+        /// Type and field, as in `Chain.pitch`.
+        field: String,
+        /// The value, as text.
+        value: String,
+        /// What is allowed, and the remedy where there is one.
+        expected: String,
+    },
+    /// The parts do not fit together.
+    #[error("{0}")]
+    Impossible(String),
+    /// The step size fell to rounding.
+    #[error("step size fell to {step_size:.1e} s at t = {time:.9} s, {culprit}")]
+    StepTooSmall {
+        /// Time reached \[s\].
+        time: f64,
+        /// The step that failed \[s\].
+        step_size: f64,
+        /// Body whose error is largest, and the contact it is in.
+        culprit: String,
+    },
+    /// The tolerances ask for more than rounding allows.
+    #[error("tolerances are {factor:.1} times below what rounding allows at t = {time:.9} s: raise rtol or atol")]
+    ToleranceTooSmall {
+        /// Time reached \[s\].
+        time: f64,
+        /// By what factor both would have to grow.
+        factor: f64,
+    },
+}
+
+impl Error {
+    /// A field with a value that is not allowed.
+    pub fn invalid(field: impl Into<String>, value: impl ToString, expected: impl Into<String>) -> Self {
+        Self::InvalidValue {
+            field: field.into(),
+            value: value.to_string(),
+            expected: expected.into(),
+        }
+    }
+}
+
+/// Short for a result with this crate's error.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Checks shared by the descriptions; each names field, value and what is allowed.
+pub(crate) mod check {
+    use super::{Error, Result};
+
+    /// Finite and above zero.
+    pub(crate) fn positive(field: &str, value: f64, unit: &str) -> Result<()> {
+        if value.is_finite() && value > 0.0 {
+            return Ok(());
+        }
+        Err(Error::invalid(
+            field,
+            value,
+            format!("must be a positive number in {unit}"),
+        ))
+    }
+
+    /// Finite and not below zero.
+    pub(crate) fn not_negative(field: &str, value: f64, unit: &str) -> Result<()> {
+        if value.is_finite() && value >= 0.0 {
+            return Ok(());
+        }
+        Err(Error::invalid(
+            field,
+            value,
+            format!("must be zero or a positive number in {unit}"),
+        ))
+    }
+
+    /// Neither infinite nor NaN.
+    pub(crate) fn finite(field: &str, value: f64, unit: &str) -> Result<()> {
+        if value.is_finite() {
+            return Ok(());
+        }
+        Err(Error::invalid(
+            field,
+            value,
+            format!("must be a finite number in {unit}"),
+        ))
+    }
+
+    /// Within a closed range.
+    pub(crate) fn within(field: &str, value: f64, low: f64, high: f64) -> Result<()> {
+        if (low..=high).contains(&value) {
+            return Ok(());
+        }
+        Err(Error::invalid(
+            field,
+            value,
+            format!("must be between {low} and {high}"),
+        ))
+    }
+}

@@ -1,0 +1,54 @@
+//! Hertz's law for spheres, f = K δ^1.5 with K = (4/3) E* sqrt(R_i R_j / ΔR) (paper's Eq. 4 without its damping).
+
+use super::{ElasticLaw, SurfacePair};
+
+/// Hertz's law.
+#[derive(Debug, Clone, Copy)]
+pub struct Hertz;
+
+/// Constants of one pair.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HertzPair {
+    /// K \[N/m^1.5\].
+    pub stiffness: f64,
+}
+
+impl ElasticLaw for Hertz {
+    type Pair = HertzPair;
+
+    fn prepare(surfaces: &SurfacePair) -> HertzPair {
+        HertzPair {
+            stiffness: 4.0 / 3.0 * surfaces.contact_modulus * surfaces.effective_radius.sqrt(),
+        }
+    }
+
+    fn force(pair: &HertzPair, penetration: f64) -> f64 {
+        let depth = penetration.max(0.0);
+        pair.stiffness * depth * depth.sqrt()
+    }
+
+    fn energy(pair: &HertzPair, penetration: f64) -> f64 {
+        0.4 * Self::force(pair, penetration) * penetration.max(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bushing_on_the_working_curve_carries_48_newtons_at_2500_nanometres() {
+        let modulus = 2.07e11 / (2.0 * (1.0 - 0.09));
+        let pair = Hertz::prepare(&SurfacePair::internal(3.968_75e-3, 10.376_694e-3, 0.007, modulus));
+        assert!((pair.stiffness * 10f64.powf(-4.5) - 3.844e5).abs() < 50.0);
+        assert!((Hertz::force(&pair, 2.5e-6) - 48.05).abs() < 0.05);
+    }
+
+    #[test]
+    fn energy_is_the_integral_of_the_force() {
+        let pair = HertzPair { stiffness: 1e10 };
+        let (d, h) = (2e-6, 1e-9);
+        let slope = (Hertz::energy(&pair, d + h) - Hertz::energy(&pair, d - h)) / (2.0 * h);
+        assert!((slope / Hertz::force(&pair, d) - 1.0).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,218 @@
+//! One contact's normal force: numbers in, newtons out; no bodies.
+//!
+//! A law is an elastic part times a damping factor, so that any two combine:
+//! f = elastic(δ) · max(0, 1 + λ δ' / δ'₀).
+
+mod dissipation;
+mod enhanced_cylinder;
+mod hertz;
+mod johnson;
+
+pub use dissipation::{Damping, damping_factor, restitution_obtained};
+pub use enhanced_cylinder::{EnhancedCylinder, EnhancedCylinderPair};
+pub use hertz::{Hertz, HertzPair};
+pub use johnson::{Johnson, JohnsonPair};
+
+/// Inside (a cylinder in a bore or on a concave flank) or outside (two convex cylinders).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)] // the names say it
+pub enum Conformity {
+    Internal,
+    External,
+}
+
+/// Two surfaces that may touch, as the laws see them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfacePair {
+    /// Inside or outside.
+    pub conformity: Conformity,
+    /// ΔR \[m\]: `R_j - R_i` inside, `R_i + R_j` outside.
+    pub radius_difference: f64,
+    /// `R_i R_j / ΔR` \[m\].
+    pub effective_radius: f64,
+    /// Length of contact L \[m\].
+    pub length: f64,
+    /// E* \[Pa\]: 1/E* = (1 - `nu_i²)/E_i` + (1 - `nu_j²)/E_j`.
+    pub contact_modulus: f64,
+}
+
+impl SurfacePair {
+    /// A cylinder of radius `inner` in a bore of radius `outer`.
+    #[must_use]
+    pub fn internal(inner: f64, outer: f64, length: f64, contact_modulus: f64) -> Self {
+        let radius_difference = outer - inner;
+        Self {
+            conformity: Conformity::Internal,
+            radius_difference,
+            effective_radius: inner * outer / radius_difference,
+            length,
+            contact_modulus,
+        }
+    }
+
+    /// Two convex cylinders.
+    #[must_use]
+    pub fn external(radius_i: f64, radius_j: f64, length: f64, contact_modulus: f64) -> Self {
+        let radius_difference = radius_i + radius_j;
+        Self {
+            conformity: Conformity::External,
+            radius_difference,
+            effective_radius: radius_i * radius_j / radius_difference,
+            length,
+            contact_modulus,
+        }
+    }
+
+    /// A cylinder on a flat that continues as a convex curve of `next_radius`.
+    ///
+    /// The flat has no radius: Hertz takes the limit `R_j` to infinity; laws whose limit does not exist take the next curve's ΔR.
+    #[must_use]
+    pub fn flat(radius: f64, next_radius: f64, length: f64, contact_modulus: f64) -> Self {
+        Self {
+            conformity: Conformity::External,
+            radius_difference: radius + next_radius,
+            effective_radius: radius,
+            length,
+            contact_modulus,
+        }
+    }
+}
+
+/// The elastic part of a force law; the run's loops are generic over it.
+pub trait ElasticLaw {
+    /// Constants of one pair of surfaces.
+    type Pair: Copy + std::fmt::Debug + Send + Sync;
+
+    /// What the law needs of a pair, worked out once when the model is compiled.
+    fn prepare(surfaces: &SurfacePair) -> Self::Pair;
+
+    /// Elastic force \[N\] at penetration δ \[m\]; zero for δ <= 0.
+    fn force(pair: &Self::Pair, penetration: f64) -> f64;
+
+    /// Elastic energy \[J\] at penetration δ \[m\], the integral of the force.
+    fn energy(pair: &Self::Pair, penetration: f64) -> f64;
+
+    /// Penetration \[m\] at which the law's range ends.
+    fn range_end(_pair: &Self::Pair) -> f64 {
+        f64::INFINITY
+    }
+
+    /// Why the law is outside its range for these surfaces whatever the penetration, if it is.
+    fn range_note(_surfaces: &SurfacePair) -> Option<String> {
+        None
+    }
+}
+
+/// The elastic law a user picks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Elastic {
+    /// Hertz for spheres, as Lankarani and Nikravesh use it.
+    Hertz,
+    /// Johnson's cylinders.
+    Johnson,
+    /// The enhanced cylindrical law of Pereira, Ramalho and Ambrósio.
+    EnhancedCylinder,
+}
+
+impl Elastic {
+    /// The name used in messages and descriptions.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hertz => "hertz",
+            Self::Johnson => "johnson",
+            Self::EnhancedCylinder => "enhanced-cylinder",
+        }
+    }
+}
+
+/// Which stiffness a contact on a tooth has when it moves on to the next region under load.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Regions {
+    /// The one it began with, until it ends: the energy balance closes.
+    Kept,
+    /// The present region's: the force jumps at the junctions, as in the paper.
+    Sharp,
+}
+
+/// A complete force law.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ForceLaw {
+    /// Elastic part.
+    pub elastic: Elastic,
+    /// Damping part.
+    pub damping: Damping,
+    /// What happens between the regions of a tooth.
+    pub regions: Regions,
+}
+
+impl Default for ForceLaw {
+    fn default() -> Self {
+        Self {
+            elastic: Elastic::Hertz,
+            damping: Damping::LankaraniNikravesh,
+            regions: Regions::Kept,
+        }
+    }
+}
+
+/// The constants of all pairs of one group, one arm a law: one match, then a loop without any.
+#[derive(Debug, Clone)]
+#[allow(missing_docs)] // the names say it
+pub enum PairTable {
+    Hertz(Vec<HertzPair>),
+    Johnson(Vec<JohnsonPair>),
+    EnhancedCylinder(Vec<EnhancedCylinderPair>),
+}
+
+impl PairTable {
+    /// The constants of `law` for every pair.
+    #[must_use]
+    pub fn prepare(law: Elastic, surfaces: &[SurfacePair]) -> Self {
+        match law {
+            Elastic::Hertz => Self::Hertz(surfaces.iter().map(Hertz::prepare).collect()),
+            Elastic::Johnson => Self::Johnson(surfaces.iter().map(Johnson::prepare).collect()),
+            Elastic::EnhancedCylinder => {
+                Self::EnhancedCylinder(surfaces.iter().map(EnhancedCylinder::prepare).collect())
+            }
+        }
+    }
+}
+
+/// Runs a generic function over the law of a table: `with_law!(table, Law, pairs => expression)`.
+macro_rules! with_law {
+    ($table:expr, $law:ident, $pairs:ident => $body:expr) => {
+        match $table {
+            $crate::force_law::PairTable::Hertz($pairs) => {
+                type $law = $crate::force_law::Hertz;
+                $body
+            }
+            $crate::force_law::PairTable::Johnson($pairs) => {
+                type $law = $crate::force_law::Johnson;
+                $body
+            }
+            $crate::force_law::PairTable::EnhancedCylinder($pairs) => {
+                type $law = $crate::force_law::EnhancedCylinder;
+                $body
+            }
+        }
+    };
+}
+pub(crate) use with_law;
+
+/// Why `law` is outside its range for these surfaces, if it is.
+#[must_use]
+pub fn range_note(law: Elastic, surfaces: &SurfacePair) -> Option<String> {
+    match law {
+        Elastic::Hertz => Hertz::range_note(surfaces),
+        Elastic::Johnson => Johnson::range_note(surfaces),
+        Elastic::EnhancedCylinder => EnhancedCylinder::range_note(surfaces),
+    }
+}
+
+/// Elastic force \[N\] of one pair over many penetrations \[m\].
+#[must_use]
+pub fn elastic_forces(law: Elastic, surfaces: &SurfacePair, penetrations: &[f64]) -> Vec<f64> {
+    let table = PairTable::prepare(law, std::slice::from_ref(surfaces));
+    with_law!(&table, Law, pairs => penetrations.iter().map(|&d| Law::force(&pairs[0], d)).collect())
+}

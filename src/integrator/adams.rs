@@ -1,0 +1,442 @@
+//! One step of the Adams-Bashforth-Moulton method, told as a story; the details wait in the files beside it.
+
+use serde::{Deserialize, Serialize};
+
+use super::coefficients::Coefficients;
+use super::dense_output::DenseOutput;
+use super::differences::Differences;
+use super::order_control::{ErrorEstimate, choose_order, choose_step, gamma_star};
+use super::{OdeSystem, StepControl};
+
+/// A step that was accepted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// Where it began \[s\].
+    pub start: f64,
+    /// Where it ended \[s\].
+    pub end: f64,
+    /// Order of its predictor.
+    pub order: usize,
+}
+
+/// Why a step could not be made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StepFailure {
+    /// The step size fell to rounding.
+    TooSmall {
+        /// Time reached \[s\].
+        time: f64,
+        /// The step that failed \[s\].
+        step_size: f64,
+        /// Component with the largest error.
+        component: usize,
+    },
+    /// The tolerances are below rounding.
+    ToleranceTooSmall {
+        /// Time reached \[s\].
+        time: f64,
+        /// By what factor they would have to grow.
+        factor: f64,
+    },
+}
+
+/// Work done so far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Counts {
+    /// Accepted steps.
+    pub steps: u64,
+    /// Rejected steps.
+    pub rejected: u64,
+    /// Evaluations of the derivative.
+    pub evaluations: u64,
+}
+
+/// The integrator and all that it carries from step to step.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Adams {
+    control: StepControl,
+    time: f64,
+    step_size: f64,
+    order: usize,
+    last_step_size: f64,
+    last_order: usize,
+    /// Below this, a step is lost in rounding \[s\].
+    smallest_step: f64,
+    /// Nothing is known yet: the first step has to evaluate the slope at its start.
+    starting: bool,
+    /// While the solution is smooth from the start on, order and step size grow with every step.
+    growing: bool,
+    y: Vec<f64>,
+    slope: Vec<f64>,
+    predicted: Vec<f64>,
+    inverse_weight: Vec<f64>,
+    coefficients: Coefficients,
+    differences: Differences,
+    counts: Counts,
+}
+
+impl Adams {
+    /// An integrator for systems of `dimension`; give it a start with [`Self::restart`].
+    #[must_use]
+    pub fn new(dimension: usize, control: StepControl) -> Self {
+        Self {
+            control,
+            time: 0.0,
+            step_size: 0.0,
+            order: 1,
+            last_step_size: 0.0,
+            last_order: 0,
+            smallest_step: 0.0,
+            starting: true,
+            growing: true,
+            y: vec![0.0; dimension],
+            slope: vec![0.0; dimension],
+            predicted: vec![0.0; dimension],
+            inverse_weight: vec![0.0; dimension],
+            coefficients: Coefficients::new(),
+            differences: Differences::new(dimension),
+            counts: Counts::default(),
+        }
+    }
+
+    /// Begins anew at (`t`, `y`) and forgets the history.
+    pub fn restart(&mut self, t: f64, y: &[f64]) {
+        self.time = t;
+        self.y.copy_from_slice(y);
+        self.last_order = 0;
+        self.starting = true;
+    }
+
+    /// Time reached \[s\].
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Solution at [`Self::time`].
+    #[must_use]
+    pub fn y(&self) -> &[f64] {
+        &self.y
+    }
+
+    /// Slope at [`Self::time`].
+    #[must_use]
+    pub fn slope(&self) -> &[f64] {
+        &self.slope
+    }
+
+    /// Work done so far.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Size of the next step \[s\].
+    #[must_use]
+    pub fn step_size(&self) -> f64 {
+        self.step_size
+    }
+
+    /// Order of the next step.
+    #[must_use]
+    pub fn order(&self) -> usize {
+        self.order
+    }
+
+    /// The solution at `t` inside the last step.
+    #[must_use]
+    pub fn dense(&self, t: f64) -> DenseOutput<'_> {
+        DenseOutput::new(
+            t - self.time,
+            self.last_order,
+            &self.coefficients.psi,
+            &self.y,
+            &self.differences,
+        )
+    }
+
+    /// Writes the solution at `t` inside the last step.
+    pub fn interpolate(&self, t: f64, y: &mut [f64]) {
+        self.dense(t).write(y);
+    }
+
+    /// Makes one step.
+    ///
+    /// # Errors
+    /// When the step size falls to rounding or the tolerances are below it.
+    pub fn step(&mut self, system: &mut impl OdeSystem) -> Result<Step, StepFailure> {
+        let controlled = system.controlled();
+        self.weigh(controlled);
+        self.check_tolerances(controlled)?;
+        if self.starting {
+            self.start(system, controlled);
+        }
+        let begin = self.time;
+        let mut failures = 0;
+        let estimate = loop {
+            self.coefficients
+                .update(self.step_size, self.order, self.last_step_size, self.last_order);
+            self.differences.predict(
+                &self.coefficients,
+                self.order,
+                self.step_size,
+                &self.y,
+                &mut self.predicted,
+            );
+            self.evaluate_prediction(system);
+            let estimate = self.estimate_error(controlled);
+            if estimate.accepts() {
+                break estimate;
+            }
+            failures += 1;
+            self.retreat(&estimate, failures, controlled)?;
+        };
+        self.correct_and_evaluate(system);
+        self.choose_order_and_step(&estimate, controlled);
+        Ok(Step {
+            start: begin,
+            end: self.time,
+            order: self.last_order,
+        })
+    }
+
+    /// 1/(atol + rtol |y|) for the components that the error test watches.
+    fn weigh(&mut self, controlled: usize) {
+        let StepControl { rtol, atol, .. } = self.control;
+        for (weight, y) in self.inverse_weight[..controlled].iter_mut().zip(&self.y) {
+            *weight = 1.0 / (atol + rtol * y.abs());
+        }
+    }
+
+    /// Root mean square of `values` over their weights.
+    fn norm(&self, values: &[f64], controlled: usize) -> f64 {
+        let sum: f64 = values[..controlled]
+            .iter()
+            .zip(&self.inverse_weight)
+            .map(|(v, w)| (v * w) * (v * w))
+            .sum();
+        sum.sqrt()
+    }
+
+    fn check_tolerances(&self, controlled: usize) -> Result<(), StepFailure> {
+        let rounding = 2.0 * f64::EPSILON * self.norm(&self.y, controlled);
+        if rounding > 0.5 {
+            return Err(StepFailure::ToleranceTooSmall {
+                time: self.time,
+                factor: 2.0 * rounding,
+            });
+        }
+        Ok(())
+    }
+
+    /// The slope at the start and a first step that a method of order one would accept.
+    fn start(&mut self, system: &mut impl OdeSystem, controlled: usize) {
+        system.derivative(self.time, &self.y, &mut self.slope);
+        self.counts.evaluations += 1;
+        let rounding = 2.0 * f64::EPSILON * self.norm(&self.y, controlled);
+        self.differences.restart(&self.slope, 0.5 <= 100.0 * rounding);
+        let slope = self.norm(&self.slope, controlled);
+        let scale = if slope > 0.0 {
+            self.norm(&self.y, controlled) / slope
+        } else {
+            1.0
+        };
+        let mut h = self.control.max_step.min(scale.max(1e-6));
+        if 16.0 * slope * h * h > 1.0 {
+            h = 0.25 / slope.sqrt();
+        }
+        self.smallest_step = 4.0 * f64::EPSILON * self.time.abs().max(1e-3 * h);
+        self.step_size = h.max(self.smallest_step);
+        self.order = 1;
+        self.last_step_size = 0.0;
+        self.last_order = 0;
+        self.coefficients = Coefficients::new();
+        self.starting = false;
+        self.growing = true;
+    }
+
+    fn evaluate_prediction(&mut self, system: &mut impl OdeSystem) {
+        system.derivative(self.time + self.step_size, &self.predicted, &mut self.slope);
+        self.counts.evaluations += 1;
+    }
+
+    /// Errors of this step and, had steps been equal, of the two orders below.
+    fn estimate_error(&self, controlled: usize) -> ErrorEstimate {
+        let (k, h) = (self.order, self.step_size);
+        let first = self.differences.row(0);
+        let one_below_row = self.differences.row(k - 1);
+        let two_below_row = self.differences.row(k.saturating_sub(2));
+        let (mut at, mut one, mut two) = (0.0, 0.0, 0.0);
+        for i in 0..controlled {
+            let weight = self.inverse_weight[i];
+            let change = self.slope[i] - first[i];
+            let square = |x: f64| (x * weight) * (x * weight);
+            at += square(change);
+            one += square(one_below_row[i] + change);
+            two += square(two_below_row[i] + change);
+        }
+        let mean = |sum: f64| h * sum.sqrt();
+        let c = &self.coefficients;
+        let at = mean(at);
+        ErrorEstimate {
+            local: at * (c.g[k - 1] - c.g[k]),
+            at_order: at * c.sigma[k] * gamma_star(k),
+            one_below: if k >= 2 {
+                mean(one) * c.sigma[k - 1] * gamma_star(k - 1)
+            } else {
+                0.0
+            },
+            two_below: if k >= 3 {
+                mean(two) * c.sigma[k - 2] * gamma_star(k - 2)
+            } else {
+                0.0
+            },
+        }
+    }
+
+    /// Takes a failed step back and makes it smaller; from the third failure on at order one.
+    fn retreat(&mut self, estimate: &ErrorEstimate, failures: u32, controlled: usize) -> Result<(), StepFailure> {
+        self.counts.rejected += 1;
+        self.growing = false;
+        let failed = self.step_size;
+        let component = self.worst_component(controlled);
+        self.differences.retreat(&self.coefficients, self.order);
+        self.coefficients.retreat(self.order, failed);
+        let mut shrink = 0.5;
+        if failures > 3 && 0.5 < 0.25 * estimate.at_order {
+            shrink = (0.5 / estimate.at_order).sqrt();
+        }
+        if failures >= 3 {
+            self.order = 1;
+        } else if estimate.prefers_lower(self.order) {
+            self.order -= 1;
+        }
+        self.step_size = shrink * failed;
+        self.smallest_step = self.smallest_step.max(4.0 * f64::EPSILON * self.time.abs());
+        if self.step_size.is_nan() || self.step_size < self.smallest_step {
+            return Err(StepFailure::TooSmall {
+                time: self.time,
+                step_size: failed,
+                component,
+            });
+        }
+        Ok(())
+    }
+
+    /// The component whose slope was foretold worst, or is not a number.
+    fn worst_component(&self, controlled: usize) -> usize {
+        let error = |i: usize| ((self.slope[i] - self.differences.row(0)[i]) * self.inverse_weight[i]).abs();
+        (0..controlled)
+            .find(|&i| error(i).is_nan())
+            .or_else(|| (0..controlled).max_by(|&a, &b| error(a).total_cmp(&error(b))))
+            .unwrap_or(0)
+    }
+
+    fn correct_and_evaluate(&mut self, system: &mut impl OdeSystem) {
+        let (k, h) = (self.order, self.step_size);
+        self.last_order = k;
+        self.last_step_size = h;
+        self.time += h;
+        self.differences
+            .correct(&self.coefficients, k, h, &self.predicted, &self.slope, &mut self.y);
+        system.derivative(self.time, &self.y, &mut self.slope);
+        self.differences.update(k, &self.slope);
+        self.counts.evaluations += 1;
+        self.counts.steps += 1;
+    }
+
+    fn choose_order_and_step(&mut self, estimate: &ErrorEstimate, controlled: usize) {
+        let (k, h) = (self.order, self.step_size);
+        if estimate.prefers_lower(k) || k >= self.control.max_order {
+            self.growing = false;
+        }
+        if self.growing {
+            self.order = k + 1;
+            self.step_size = (2.0 * h).min(self.control.max_step);
+            return;
+        }
+        let enough_equal_steps = k < self.coefficients.equal_steps;
+        let choice = choose_order(k, self.control.max_order, estimate, enough_equal_steps, || {
+            h * gamma_star(k + 1) * self.norm(self.differences.row(k + 1), controlled)
+        });
+        self.order = choice.order;
+        self.step_size = choose_step(h, choice.order, choice.error)
+            .max(4.0 * f64::EPSILON * self.time.abs())
+            .min(self.control.max_step);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// y' = y^2, y(0) = 1: y = 1/(1 - t).
+    struct Riccati;
+
+    impl OdeSystem for Riccati {
+        fn dimension(&self) -> usize {
+            1
+        }
+        fn derivative(&mut self, _t: f64, y: &[f64], dydt: &mut [f64]) {
+            dydt[0] = y[0] * y[0];
+        }
+    }
+
+    fn control(tolerance: f64) -> StepControl {
+        StepControl {
+            rtol: tolerance,
+            atol: tolerance,
+            max_step: f64::INFINITY,
+            max_order: 12,
+        }
+    }
+
+    #[test]
+    fn two_evaluations_a_step_and_one_a_rejected_one() {
+        let mut adams = Adams::new(1, control(1e-8));
+        adams.restart(0.0, &[1.0]);
+        while adams.time() < 0.9 {
+            adams.step(&mut Riccati).unwrap();
+        }
+        let counts = adams.counts();
+        assert_eq!(counts.evaluations, 1 + 2 * counts.steps + counts.rejected);
+        assert!(counts.rejected > 0);
+    }
+
+    #[test]
+    fn dense_output_meets_both_ends_of_a_step() {
+        let mut adams = Adams::new(1, control(1e-10));
+        adams.restart(0.0, &[1.0]);
+        for _ in 0..40 {
+            let before = adams.y()[0];
+            let step = adams.step(&mut Riccati).unwrap();
+            assert!((adams.dense(step.end).value(0) - adams.y()[0]).abs() < 1e-15 * adams.y()[0]);
+            assert!((adams.dense(step.start).value(0) - before).abs() < 1e-8 * before);
+        }
+    }
+
+    #[test]
+    fn a_pole_ends_in_a_failure_that_names_time_and_step() {
+        let mut adams = Adams::new(1, control(1e-8));
+        adams.restart(0.0, &[1.0]);
+        let failure = loop {
+            match adams.step(&mut Riccati) {
+                Ok(_) => assert!(adams.counts().steps < 1_000_000),
+                Err(failure) => break failure,
+            }
+        };
+        match failure {
+            StepFailure::TooSmall { time, .. } | StepFailure::ToleranceTooSmall { time, .. } => {
+                assert!((time - 1.0).abs() < 1e-3);
+            }
+        }
+    }
+
+    #[test]
+    fn tolerances_below_rounding_are_refused() {
+        let mut adams = Adams::new(1, control(1e-17));
+        adams.restart(0.0, &[1.0]);
+        let failure = adams.step(&mut Riccati).unwrap_err();
+        assert!(matches!(failure, StepFailure::ToleranceTooSmall { factor, .. } if factor > 1.0));
+    }
+}

@@ -1,0 +1,112 @@
+//! Coefficients of the Adams formulas on the steps taken so far (Shampine and Gordon, chapter 5).
+//!
+//! Index 0 here is index 1 in the book.
+
+use serde::{Deserialize, Serialize};
+
+use super::MAX_ORDER;
+
+/// Coefficients for one step of size h from the history of steps.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct Coefficients {
+    /// ψ_i: sum of the last i steps, this one included.
+    pub(super) psi: [f64; MAX_ORDER],
+    /// α_i = h/ψ_i.
+    alpha: [f64; MAX_ORDER],
+    /// β_i, the factors that turn φ into φ*.
+    pub(super) beta: [f64; MAX_ORDER],
+    /// σ_i, scaled by which the differences estimate the error.
+    pub(super) sigma: [f64; MAX_ORDER + 1],
+    /// g_i, the weights of the differences in the step.
+    pub(super) g: [f64; MAX_ORDER + 1],
+    v: [f64; MAX_ORDER],
+    w: [f64; MAX_ORDER],
+    /// Steps of the present size and order or lower, this one included.
+    pub(super) equal_steps: usize,
+}
+
+impl Coefficients {
+    pub(super) fn new() -> Self {
+        let mut new = Self {
+            psi: [0.0; MAX_ORDER],
+            alpha: [0.0; MAX_ORDER],
+            beta: [0.0; MAX_ORDER],
+            sigma: [0.0; MAX_ORDER + 1],
+            g: [0.0; MAX_ORDER + 1],
+            v: [0.0; MAX_ORDER],
+            w: [0.0; MAX_ORDER],
+            equal_steps: 0,
+        };
+        new.sigma[0] = 1.0;
+        new.g[0] = 1.0;
+        new.g[1] = 0.5;
+        new
+    }
+
+    /// Prepares a step of size `h` at `order`, after a step of size `last_h` at `last_order`.
+    pub(super) fn update(&mut self, h: f64, order: usize, last_h: f64, last_order: usize) {
+        if h.to_bits() != last_h.to_bits() {
+            self.equal_steps = 0;
+        }
+        if self.equal_steps <= last_order {
+            self.equal_steps += 1;
+        }
+        let (k, ns) = (order, self.equal_steps);
+        if k < ns {
+            return; // nothing changes: constant step, constant or lower order
+        }
+        // Entries below ns stay as they were.
+        self.beta[ns - 1] = 1.0;
+        self.alpha[ns - 1] = 1.0 / ns as f64;
+        let mut sum = h * ns as f64;
+        self.sigma[ns] = 1.0;
+        for i in ns..k {
+            let previous = self.psi[i - 1];
+            self.psi[i - 1] = sum;
+            self.beta[i] = self.beta[i - 1] * self.psi[i - 1] / previous;
+            sum = previous + h;
+            self.alpha[i] = h / sum;
+            self.sigma[i + 1] = (i + 1) as f64 * self.alpha[i] * self.sigma[i];
+        }
+        self.psi[k - 1] = sum;
+        self.update_g(k, ns, last_order);
+    }
+
+    fn update_g(&mut self, k: usize, ns: usize, last_order: usize) {
+        if ns <= 1 {
+            for i in 0..k {
+                self.v[i] = 1.0 / ((i + 1) * (i + 2)) as f64;
+                self.w[i] = self.v[i];
+            }
+        } else {
+            if k > last_order {
+                self.v[k - 1] = 1.0 / (k * (k + 1)) as f64;
+                for j in 0..ns.saturating_sub(2) {
+                    let i = k - 2 - j;
+                    self.v[i] -= self.alpha[j + 1] * self.v[i + 1];
+                }
+            }
+            let alpha = self.alpha[ns - 1];
+            for i in 0..=(k - ns) {
+                self.v[i] -= alpha * self.v[i + 1];
+                self.w[i] = self.v[i];
+            }
+            self.g[ns] = self.w[0];
+        }
+        for i in (ns + 1)..=k {
+            let alpha = self.alpha[i - 1];
+            for j in 0..=(k - i) {
+                self.w[j] -= alpha * self.w[j + 1];
+            }
+            self.g[i] = self.w[0];
+        }
+    }
+
+    /// Takes back what `update` did to ψ, for a step that failed.
+    pub(super) fn retreat(&mut self, order: usize, h: f64) {
+        for i in 1..order {
+            self.psi[i - 1] = self.psi[i] - h;
+        }
+        self.equal_steps = 0;
+    }
+}

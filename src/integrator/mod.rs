@@ -1,0 +1,92 @@
+//! Variable-order, variable-step Adams-Bashforth-Moulton in PECE form, after Shampine and Gordon,
+//! *Computer Solution of Ordinary Differential Equations* (1975), whose code is DE/STEP.
+//!
+//! Knows only [`OdeSystem`]: a pendulum will do.
+
+mod adams;
+mod coefficients;
+mod dense_output;
+mod differences;
+mod order_control;
+
+use serde::{Deserialize, Serialize};
+
+pub use adams::{Adams, Counts, Step, StepFailure};
+pub use dense_output::DenseOutput;
+
+/// Highest order of the predictor.
+pub const MAX_ORDER: usize = 12;
+
+/// A first-order system dy/dt = f(t, y).
+pub trait OdeSystem {
+    /// Number of components.
+    fn dimension(&self) -> usize;
+
+    /// How many of the leading components the error test watches; the rest are sums that ride along.
+    fn controlled(&self) -> usize {
+        self.dimension()
+    }
+
+    /// Writes f(t, y) into `dydt`. Must depend on nothing that changes during a step.
+    fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]);
+}
+
+/// Tolerances and limits of a run.
+///
+/// A step is accepted when the root mean square over the components of error / (`atol` + `rtol` |y|) is at most one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StepControl {
+    /// Relative tolerance.
+    pub rtol: f64,
+    /// Absolute tolerance, in the unit of each component.
+    pub atol: f64,
+    /// Largest step \[s\].
+    pub max_step: f64,
+    /// Highest order, 1 to [`MAX_ORDER`].
+    pub max_order: usize,
+}
+
+impl Default for StepControl {
+    fn default() -> Self {
+        Self {
+            rtol: 1e-5,
+            atol: 1e-5,
+            max_step: 1e-4,
+            max_order: MAX_ORDER,
+        }
+    }
+}
+
+impl StepControl {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn validate(&self) -> crate::error::Result<()> {
+        use crate::error::{Error, check};
+        check::not_negative("Solver.rtol", self.rtol, "relative units")?;
+        check::not_negative("Solver.atol", self.atol, "the unit of each component")?;
+        if self.rtol == 0.0 && self.atol == 0.0 {
+            return Err(Error::invalid(
+                "Solver.atol",
+                self.atol,
+                "rtol and atol must not both be zero",
+            ));
+        }
+        if self.max_step.is_nan() || self.max_step <= 0.0 {
+            return Err(Error::invalid(
+                "Solver.max_step",
+                self.max_step,
+                "must be a positive number of seconds",
+            ));
+        }
+        if !(1..=MAX_ORDER).contains(&self.max_order) {
+            return Err(Error::invalid(
+                "Solver.max_order",
+                self.max_order,
+                "must be between 1 and 12",
+            ));
+        }
+        Ok(())
+    }
+}

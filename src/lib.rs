@@ -1,0 +1,32 @@
+//! Chain drives as planar multibody systems: clearance hinges, compliant contact with standard teeth, an embedded
+//! variable-order Adams integrator.
+//!
+//! The flow, each module importing from its left:
+//!
+//! ```text
+//! drive -> state::Start -> model -> contact -> dynamics -> integrator -> recorder -> simulate
+//! ```
+//!
+//! Three leaves stand free of the chain and are tested without one: [`geometry`] (plane curves), [`force_law`] (numbers in,
+//! newtons out) and [`integrator`] (knows only [`integrator::OdeSystem`]).
+
+pub mod contact;
+pub mod drive;
+pub mod dynamics;
+mod error;
+pub mod force_law;
+pub mod geometry;
+pub mod integrator;
+pub mod model;
+mod recorder;
+mod simulate;
+pub mod state;
+
+#[cfg(feature = "python")]
+mod python;
+
+pub use drive::Drive;
+pub use error::{Error, Result};
+pub use model::{ForceLaws, Model};
+pub use recorder::{Channel, Groups, Recording, Values};
+pub use simulate::{Simulation, Statistics};

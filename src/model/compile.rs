@@ -1,0 +1,223 @@
+//! Drive and start -> `Model`: inertias, coordinates, pair constants.
+
+use super::{ContactLaw, Model, Rotation, SprocketModel, Support};
+use crate::drive::{Bearing, Drive, Motion, Sprocket};
+use crate::error::{Error, Result, check};
+use crate::force_law::{ForceLaw, PairTable, SurfacePair, range_note};
+use crate::geometry::{Surface, ToothProfile, Vec2};
+use crate::state::Start;
+
+/// The laws of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ForceLaws {
+    /// Pins in bushings.
+    pub hinge: ForceLaw,
+    /// Bushings on teeth.
+    pub tooth: ForceLaw,
+    /// Floor of the approach speed at onset \[m/s\].
+    pub min_approach_speed: f64,
+}
+
+impl Default for ForceLaws {
+    fn default() -> Self {
+        Self {
+            hinge: ForceLaw::default(),
+            tooth: ForceLaw::default(),
+            min_approach_speed: 1e-3,
+        }
+    }
+}
+
+/// Hands out generalized coordinates.
+struct Coordinates(usize);
+
+impl Coordinates {
+    fn take(&mut self) -> usize {
+        self.0 += 1;
+        self.0 - 1
+    }
+}
+
+impl Model {
+    /// Compiles a drive that begins at `start`.
+    ///
+    /// # Errors
+    /// When a description does not hold, or a law does not apply to a pair of surfaces.
+    pub fn compile(drive: &Drive, laws: &ForceLaws, start: &Start) -> Result<Self> {
+        drive.validate()?;
+        check::positive("min_approach_speed", laws.min_approach_speed, "m/s")?;
+        let chain = &drive.chain;
+        let links = chain.links as usize;
+        if start.positions.len() != links + drive.sprockets.len() {
+            return Err(Error::invalid(
+                "positions",
+                format!("{} rows", start.positions.len()),
+                format!("needs one row for each of the {} bodies", links + drive.sprockets.len()),
+            ));
+        }
+        let link = |i: usize| if Self::is_inner(i) { chain.inner } else { chain.outer };
+        let mut coordinates = Coordinates(3 * links);
+        let mut sprockets = Vec::new();
+        for (number, sprocket) in drive.sprockets.iter().enumerate() {
+            sprockets.push(place_sprocket(drive, number, sprocket, start, &mut coordinates)?);
+        }
+
+        let modulus = chain.material.contact_modulus();
+        let hinge = &chain.hinge;
+        let hinge_pairs = [SurfacePair::internal(
+            hinge.pin_radius,
+            hinge.bore_radius,
+            hinge.length,
+            modulus,
+        )];
+        let tooth_pairs: Vec<SurfacePair> = sprockets
+            .iter()
+            .flat_map(|s: &SprocketModel| {
+                Surface::ALL.map(|kind| {
+                    tooth_surfaces(
+                        &s.profile,
+                        kind,
+                        chain.bushing_radius,
+                        chain.tooth_contact_length,
+                        modulus,
+                    )
+                })
+            })
+            .collect();
+        let mut range_notes = Vec::new();
+        for (law, pairs, name) in [
+            (laws.hinge, &hinge_pairs[..], "pin and bushing"),
+            (laws.tooth, &tooth_pairs[..], "bushing and"),
+        ] {
+            for (i, pair) in pairs.iter().enumerate() {
+                let Some(note) = range_note(law.elastic, pair) else {
+                    continue;
+                };
+                let surface = if pairs.len() > 1 {
+                    format!(" {} of sprocket {}", Surface::ALL[i % 4].name(), i / 4 + 1)
+                } else {
+                    String::new()
+                };
+                range_notes.push(format!("{} law, {name}{surface}: {note}", law.elastic.name()));
+            }
+        }
+        let ready = |law: ForceLaw, pairs: &[SurfacePair]| ContactLaw {
+            elastic: law.elastic,
+            pairs: PairTable::prepare(law.elastic, pairs),
+            lambda: law.damping.lambda(chain.material.restitution),
+            regions: law.regions,
+        };
+        let mass: Vec<f64> = (0..links).map(|i| link(i).mass).collect();
+        let inertia: Vec<f64> = (0..links).map(|i| link(i).inertia).collect();
+        Ok(Self {
+            links,
+            coordinates: coordinates.0,
+            half_pitch: 0.5 * chain.pitch,
+            inverse_mass: mass.iter().map(|m| 1.0 / m).collect(),
+            inverse_inertia: inertia.iter().map(|j| 1.0 / j).collect(),
+            mass,
+            inertia,
+            clearance: hinge.clearance(),
+            bushing_radius: chain.bushing_radius,
+            hinge_law: ready(laws.hinge, &hinge_pairs),
+            tooth_law: ready(laws.tooth, &tooth_pairs),
+            min_approach_speed: laws.min_approach_speed,
+            gravity: drive.gravity,
+            sprockets,
+            range_notes,
+        })
+    }
+}
+
+fn place_sprocket(
+    drive: &Drive,
+    number: usize,
+    sprocket: &Sprocket,
+    start: &Start,
+    coordinates: &mut Coordinates,
+) -> Result<SprocketModel> {
+    let chain = &drive.chain;
+    let profile = sprocket.tooth_profile(chain);
+    if profile.seating.radius <= chain.bushing_radius {
+        return Err(Error::invalid(
+            "AnsiTooth.roller_diameter",
+            sprocket.profile.roller_diameter.unwrap_or_default(),
+            format!(
+                "sprocket {}: its seating radius {:.6} m must be larger than the bushing's radius {} m; take about {} m",
+                number + 1,
+                profile.seating.radius,
+                chain.bushing_radius,
+                2.0 * chain.bushing_radius
+            ),
+        ));
+    }
+    let (mass, inertia) = sprocket.mass_properties(chain);
+    let [x, y, angle] = start.positions[chain.links as usize + number];
+    let center = Vec2::new(x, y);
+    let tensioner = drive.tensioner.filter(|t| t.sprocket == number + 1);
+    let support = match (&tensioner, sprocket.bearing) {
+        (Some(tensioner), _) => {
+            let other = drive.sprockets[1 - number].center;
+            let away = sprocket.center - other;
+            let direction = tensioner.direction.unwrap_or(away).normalize();
+            Support::Slide {
+                index: coordinates.take(),
+                direction,
+                pull: tensioner_pull(drive, tensioner.pretension),
+                ramp_time: tensioner.ramp_time,
+                damping: tensioner.damping,
+            }
+        }
+        (None, Bearing::Fixed) => Support::Fixed,
+        (None, Bearing::Floating) => Support::Floating {
+            x: coordinates.take(),
+            y: coordinates.take(),
+        },
+    };
+    let rotation = match &sprocket.motion {
+        Motion::PrescribedSpeed(table) => Rotation::Prescribed(table.clone()),
+        Motion::AppliedTorque(table) => Rotation::Free {
+            index: coordinates.take(),
+            torque: (!table.is_zero()).then(|| table.clone()),
+        },
+        Motion::Free => Rotation::Free {
+            index: coordinates.take(),
+            torque: None,
+        },
+    };
+    let gap_directions = (0..profile.teeth)
+        .map(|gap| {
+            let (sin, cos) = (f64::from(gap) * profile.gap_angle()).sin_cos();
+            (cos, sin)
+        })
+        .collect();
+    Ok(SprocketModel {
+        reach: profile.reach(chain.bushing_radius),
+        profile,
+        gap_directions,
+        mass,
+        inertia,
+        center,
+        phase: angle,
+        support,
+        rotation,
+    })
+}
+
+/// Pull \[N\] along the line of centres that gives both strands `pretension` \[N\]: 2 T for sprockets of one size.
+pub(crate) fn tensioner_pull(drive: &Drive, pretension: f64) -> f64 {
+    let [first, second] =
+        [0, 1].map(|i| crate::geometry::wrap::pitch_radius(drive.chain.pitch, drive.sprockets[i].teeth));
+    let distance = (drive.sprockets[1].center - drive.sprockets[0].center).norm();
+    let sin = (first - second) / distance;
+    2.0 * pretension * (1.0 - sin * sin).max(0.0).sqrt()
+}
+
+fn tooth_surfaces(profile: &ToothProfile, kind: Surface, radius: f64, length: f64, modulus: f64) -> SurfacePair {
+    match kind {
+        Surface::Seating => SurfacePair::internal(radius, profile.seating.radius, length, modulus),
+        Surface::Working => SurfacePair::internal(radius, profile.working.radius, length, modulus),
+        Surface::Flat => SurfacePair::flat(radius, profile.topping.radius, length, modulus),
+        Surface::Topping => SurfacePair::external(radius, profile.topping.radius, length, modulus),
+    }
+}

@@ -1,0 +1,204 @@
+//! What a run needs: flat, indexed, immutable.
+
+mod compile;
+
+pub use compile::ForceLaws;
+pub(crate) use compile::tensioner_pull;
+
+use crate::drive::TimeTable;
+use crate::force_law::{Elastic, PairTable, Regions};
+use crate::geometry::{Surface, ToothProfile, Vec2};
+
+/// The complete model of a drive. Read-only during a run.
+///
+/// Bodies: links first, then sprockets. Generalized coordinates q: all link x, all link y, all link θ, then those that the
+/// sprockets have. Hinge `k` joins the front of link `k` and the rear of link `k + 1`; bushing `k` belongs to the inner one.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// Number of links, hinges and bushings.
+    pub links: usize,
+    /// Number of generalized coordinates.
+    pub coordinates: usize,
+    /// Half the pitch \[m\]: a link's hinges lie at (± half pitch, 0).
+    pub half_pitch: f64,
+    /// Mass of each link \[kg\].
+    pub mass: Vec<f64>,
+    /// Moment of inertia of each link \[kg m²\].
+    pub inertia: Vec<f64>,
+    /// 1/mass of each link \[1/kg\].
+    pub inverse_mass: Vec<f64>,
+    /// 1/inertia of each link \[1/(kg m²)\].
+    pub inverse_inertia: Vec<f64>,
+    /// Radial clearance of the hinges \[m\].
+    pub clearance: f64,
+    /// Outside radius of the bushings \[m\].
+    pub bushing_radius: f64,
+    /// The sprockets.
+    pub sprockets: Vec<SprocketModel>,
+    /// Law of the hinges: one pair for all.
+    pub hinge_law: ContactLaw,
+    /// Law of the teeth: pair `4 * sprocket + surface`.
+    pub tooth_law: ContactLaw,
+    /// Floor of the approach speed at onset \[m/s\].
+    pub min_approach_speed: f64,
+    /// Gravity \[m/s²\].
+    pub gravity: Vec2,
+    /// Why a law is outside its range in this drive, one line each.
+    pub range_notes: Vec<String>,
+}
+
+/// A force law made ready for one group of pairs.
+#[derive(Debug, Clone)]
+pub struct ContactLaw {
+    /// Which elastic law.
+    pub elastic: Elastic,
+    /// Its constants for each pair.
+    pub pairs: PairTable,
+    /// λ of the damping factor; zero without damping.
+    pub lambda: f64,
+    /// What happens between the regions of a tooth.
+    pub regions: Regions,
+}
+
+/// One sprocket.
+#[derive(Debug, Clone)]
+pub struct SprocketModel {
+    /// Tooth profile.
+    pub profile: ToothProfile,
+    /// Directions (cos, sin) of the gaps in the sprocket's own frame.
+    pub gap_directions: Vec<(f64, f64)>,
+    /// Distance of a bushing beyond which nothing touches \[m\].
+    pub reach: f64,
+    /// Mass \[kg\].
+    pub mass: f64,
+    /// Moment of inertia \[kg m²\].
+    pub inertia: f64,
+    /// Centre at the start \[m\].
+    pub center: Vec2,
+    /// Angle at time zero \[rad\]: that of gap 0.
+    pub phase: f64,
+    /// What holds the centre.
+    pub support: Support,
+    /// What the rotation obeys.
+    pub rotation: Rotation,
+}
+
+/// What holds a sprocket's centre; indices point into q.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Support {
+    /// At rest.
+    Fixed,
+    /// Slides along a line, pulled and damped by a tensioner.
+    Slide {
+        /// Coordinate: distance from the start along `direction` \[m\].
+        index: usize,
+        /// Unit vector.
+        direction: Vec2,
+        /// Full pull \[N\].
+        pull: f64,
+        /// Time in which the pull grows \[s\].
+        ramp_time: f64,
+        /// Dashpot \[N s/m\].
+        damping: f64,
+    },
+    /// Free in the plane: coordinates x and y \[m\].
+    Floating {
+        /// Coordinate x.
+        x: usize,
+        /// Coordinate y.
+        y: usize,
+    },
+}
+
+/// What a sprocket's rotation obeys.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Rotation {
+    /// Turns at a given speed \[rad/s\]: no coordinate.
+    Prescribed(TimeTable),
+    /// Turned by a torque \[N m\] and the chain.
+    Free {
+        /// Coordinate θ \[rad\].
+        index: usize,
+        /// Applied torque, if any.
+        torque: Option<TimeTable>,
+    },
+}
+
+impl Model {
+    /// Number of bodies: links and sprockets.
+    #[must_use]
+    pub fn bodies(&self) -> usize {
+        self.links + self.sprockets.len()
+    }
+
+    /// Names of the bodies, in the order of every array over bodies.
+    #[must_use]
+    pub fn body_names(&self) -> Vec<String> {
+        (1..=self.links)
+            .map(|i| format!("link_{i}"))
+            .chain((1..=self.sprockets.len()).map(|i| format!("sprocket_{i}")))
+            .collect()
+    }
+
+    /// Whether link `i` (from 0) is an inner one, which carries bushings.
+    #[must_use]
+    pub fn is_inner(link: usize) -> bool {
+        link % 2 == 0
+    }
+
+    /// The link that bushing `k` is rigid with.
+    #[must_use]
+    pub fn link_of_bushing(&self, bushing: usize) -> usize {
+        if Self::is_inner(bushing) {
+            bushing
+        } else {
+            (bushing + 1) % self.links
+        }
+    }
+
+    /// The pair constants' number for a surface of a sprocket.
+    #[must_use]
+    pub fn tooth_pair(sprocket: usize, surface: Surface) -> usize {
+        Surface::ALL.len() * sprocket + surface as usize
+    }
+
+    /// The body that generalized coordinate `index` belongs to.
+    #[must_use]
+    pub fn body_of_coordinate(&self, index: usize) -> usize {
+        if index < 3 * self.links {
+            return index % self.links;
+        }
+        let owns = |s: &SprocketModel| {
+            let by_support = match s.support {
+                Support::Fixed => false,
+                Support::Slide { index: i, .. } => i == index,
+                Support::Floating { x, y } => x == index || y == index,
+            };
+            by_support || matches!(s.rotation, Rotation::Free { index: i, .. } if i == index)
+        };
+        self.links + self.sprockets.iter().position(owns).unwrap_or(0)
+    }
+}
+
+impl SprocketModel {
+    /// Torque applied from outside at time `t` \[N m\]; zero where the rotation is prescribed or free.
+    #[must_use]
+    pub fn applied_torque(&self, t: f64) -> f64 {
+        match &self.rotation {
+            Rotation::Free {
+                torque: Some(table), ..
+            } => table.value(t),
+            _ => 0.0,
+        }
+    }
+
+    /// The tensioner's pull \[N\] at time `t`, along its direction.
+    #[must_use]
+    pub fn pull(&self, t: f64) -> f64 {
+        match self.support {
+            Support::Slide { pull, ramp_time, .. } if t < ramp_time => pull * (t / ramp_time).max(0.0),
+            Support::Slide { pull, .. } => pull,
+            _ => 0.0,
+        }
+    }
+}

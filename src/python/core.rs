@@ -1,0 +1,318 @@
+//! A run as Python sees it.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+
+use super::describe;
+use super::errors::to_python;
+use crate::dynamics::Dynamics;
+use crate::error::{Error, check};
+use crate::model::{ForceLaws, Model};
+use crate::recorder::{Groups, Values};
+use crate::simulate::Simulation;
+use crate::state::Start;
+
+/// A compiled model, its state and its integrator.
+#[pyclass(module = "rustchain._rustchain")]
+pub(super) struct Core {
+    simulation: Simulation,
+    warnings_taken: usize,
+}
+
+type Rows = Vec<[f64; 3]>;
+
+#[pymethods]
+impl Core {
+    #[new]
+    #[allow(clippy::needless_pass_by_value)] // PyO3 hands arrays over
+    fn new(
+        drive: &Bound<'_, PyAny>,
+        hinge_law: &Bound<'_, PyAny>,
+        tooth_law: &Bound<'_, PyAny>,
+        min_approach_speed: f64,
+        solver: &Bound<'_, PyAny>,
+        positions: Option<PyReadonlyArray2<'_, f64>>,
+        velocities: Option<PyReadonlyArray2<'_, f64>>,
+    ) -> PyResult<Self> {
+        let py = drive.py();
+        let description = describe::drive(drive)?;
+        let laws = ForceLaws {
+            hinge: describe::force_law(hinge_law, "hinge_law")?,
+            tooth: describe::force_law(tooth_law, "tooth_law")?,
+            min_approach_speed,
+        };
+        let control = describe::solver(solver)?;
+        let positions = rows(py, "positions", positions.as_ref())?;
+        let velocities = rows(py, "velocities", velocities.as_ref())?;
+        let start = match (positions, velocities) {
+            (Some(positions), Some(velocities)) => Start { positions, velocities },
+            (None, velocities) => {
+                let (generated, _) = describe::checked(py, Start::generate(&description))?;
+                Start {
+                    positions: generated.positions,
+                    velocities: velocities.unwrap_or(generated.velocities),
+                }
+            }
+            (Some(_), None) => {
+                return Err(to_python(
+                    py,
+                    &Error::invalid("velocities", "None", "must be given when positions are"),
+                ));
+            }
+        };
+        let model = describe::checked(py, Model::compile(&description, &laws, &start))?;
+        let simulation = describe::checked(py, Simulation::new(Arc::new(model), &start, control))?;
+        Ok(Self {
+            simulation,
+            warnings_taken: 0,
+        })
+    }
+
+    #[getter]
+    fn body_names(&self) -> Vec<String> {
+        self.simulation.model().body_names()
+    }
+
+    #[getter]
+    fn time(&self) -> f64 {
+        self.simulation.time()
+    }
+
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        table(py, self.simulation.motion().positions())
+    }
+
+    #[getter]
+    fn velocities<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        table(py, self.simulation.motion().velocities())
+    }
+
+    /// All that decides how the run goes on.
+    fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (model, memory) = (self.simulation.model(), self.simulation.memory());
+        let state = PyDict::new(py);
+        state.set_item("time", self.simulation.time())?;
+        state.set_item("positions", self.positions(py)?)?;
+        state.set_item("velocities", self.velocities(py)?)?;
+        state.set_item("hinge_onset_speed", memory.hinge_speed.clone().into_pyarray(py))?;
+        state.set_item(
+            "tooth_onset_speed",
+            by_bushing(model, |pair| memory.tooth_speed[pair])
+                .into_pyarray(py)
+                .reshape([model.links, model.sprockets.len()])?,
+        )?;
+        state.set_item(
+            "tooth_onset_surface",
+            by_bushing(model, |pair| memory.tooth_surface[pair] as i32)
+                .into_pyarray(py)
+                .reshape([model.links, model.sprockets.len()])?,
+        )?;
+        let integrator = postcard::to_allocvec(self.simulation.integrator())
+            .map_err(|error| pyo3::exceptions::PyRuntimeError::new_err(error.to_string()))?;
+        state.set_item("integrator", PyBytes::new(py, &integrator))?;
+        Ok(state)
+    }
+
+    #[allow(clippy::needless_pass_by_value)] // PyO3 hands arrays over
+    fn evaluate<'py>(
+        &self,
+        py: Python<'py>,
+        positions: Option<PyReadonlyArray2<'py, f64>>,
+        velocities: Option<PyReadonlyArray2<'py, f64>>,
+        time: Option<f64>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let bodies = self.simulation.model().bodies();
+        let positions = rows(py, "positions", positions.as_ref())?;
+        let velocities = rows(py, "velocities", velocities.as_ref())?;
+        for (name, given) in [("positions", &positions), ("velocities", &velocities)] {
+            if let Some(given) = given
+                && given.len() != bodies
+            {
+                return Err(to_python(
+                    py,
+                    &Error::invalid(
+                        name,
+                        format!("{} rows", given.len()),
+                        format!("needs one row (3 numbers) for each of the {bodies} bodies"),
+                    ),
+                ));
+            }
+        }
+        let dynamics = self
+            .simulation
+            .evaluate_elsewhere(positions.as_deref(), velocities.as_deref(), time);
+        evaluation(py, &dynamics)
+    }
+
+    #[allow(clippy::needless_pass_by_value)] // PyO3 hands lists over
+    fn start_recording(
+        &mut self,
+        py: Python<'_>,
+        duration: f64,
+        report_step: f64,
+        groups: Vec<String>,
+        energy: bool,
+    ) -> PyResult<()> {
+        describe::checked(py, check::positive("duration", duration, "s"))?;
+        describe::checked(py, check::positive("report_step", report_step, "s"))?;
+        if duration / report_step > 1e9 {
+            return Err(to_python(
+                py,
+                &Error::invalid(
+                    "report_step",
+                    report_step,
+                    "gives more than 1e9 reports: make it larger",
+                ),
+            ));
+        }
+        let has = |name: &str| groups.iter().any(|g| g == name);
+        let groups = Groups {
+            hinges: has("hinges"),
+            teeth: has("teeth"),
+            sprockets: has("sprockets"),
+            bodies: has("bodies"),
+            energy,
+        };
+        self.simulation.start_recording(duration, report_step, groups);
+        Ok(())
+    }
+
+    fn advance(&mut self, py: Python<'_>, wall_budget: f64) -> PyResult<bool> {
+        let outcome = py.detach(|| self.simulation.record(budget(wall_budget)));
+        describe::checked(py, outcome)
+    }
+
+    fn take_recording<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let recording = self.simulation.take_recording();
+        let rows = recording.time.len();
+        let arrays = PyDict::new(py);
+        arrays.set_item("time", recording.time.into_pyarray(py))?;
+        for channel in recording.channels {
+            let shape: Vec<usize> = std::iter::once(rows).chain(channel.row_shape).collect();
+            match channel.values {
+                Values::Real(values) => arrays.set_item(channel.name, values.into_pyarray(py).reshape(shape)?)?,
+                Values::Whole(values) => arrays.set_item(channel.name, values.into_pyarray(py).reshape(shape)?)?,
+            }
+        }
+        Ok(arrays)
+    }
+
+    fn step_to(&mut self, py: Python<'_>, t: f64, wall_budget: f64) -> PyResult<bool> {
+        let now = self.simulation.time();
+        if !t.is_finite() || t < now {
+            return Err(to_python(
+                py,
+                &Error::invalid("t", t, format!("must not lie before the present time, {now} s")),
+            ));
+        }
+        let outcome = py.detach(|| self.simulation.advance(t, budget(wall_budget)));
+        describe::checked(py, outcome)
+    }
+
+    fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let statistics = self.simulation.statistics();
+        let stats = PyDict::new(py);
+        stats.set_item("steps", statistics.counts.steps)?;
+        stats.set_item("rejected", statistics.counts.rejected)?;
+        stats.set_item("evaluations", statistics.counts.evaluations)?;
+        stats.set_item("onsets", statistics.onsets)?;
+        stats.set_item("onsets_at_floor", statistics.onsets_at_floor)?;
+        stats.set_item("wall_stepping", statistics.wall_stepping)?;
+        stats.set_item("wall_onsets", statistics.wall_onsets)?;
+        stats.set_item("wall_reports", statistics.wall_reports)?;
+        Ok(stats)
+    }
+
+    fn take_warnings(&mut self) -> Vec<String> {
+        let notes = self.simulation.range_notes();
+        let new = notes[self.warnings_taken..].to_vec();
+        self.warnings_taken = notes.len();
+        new
+    }
+}
+
+fn budget(seconds: f64) -> Duration {
+    Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)
+}
+
+/// Rows of three numbers, one a body.
+fn rows(py: Python<'_>, field: &str, array: Option<&PyReadonlyArray2<'_, f64>>) -> PyResult<Option<Rows>> {
+    let Some(array) = array else { return Ok(None) };
+    let array = array.as_array();
+    if array.ncols() != 3 {
+        return Err(to_python(
+            py,
+            &Error::invalid(
+                field,
+                format!("an array of shape ({}, {})", array.nrows(), array.ncols()),
+                "must have three columns (x, y, theta)",
+            ),
+        ));
+    }
+    Ok(Some(array.rows().into_iter().map(|r| [r[0], r[1], r[2]]).collect()))
+}
+
+fn table(py: Python<'_>, rows: Rows) -> PyResult<Bound<'_, PyArray2<f64>>> {
+    let count = rows.len();
+    rows.into_iter()
+        .flatten()
+        .collect::<Vec<f64>>()
+        .into_pyarray(py)
+        .reshape([count, 3])
+}
+
+/// Values over (bushings, sprockets) from values over pairs.
+fn by_bushing<T>(model: &Model, value: impl Fn(usize) -> T) -> Vec<T> {
+    let (links, sprockets) = (model.links, model.sprockets.len());
+    (0..links)
+        .flat_map(|k| (0..sprockets).map(move |s| s * links + k))
+        .map(value)
+        .collect()
+}
+
+#[allow(clippy::cast_possible_wrap)] // gaps are few
+fn evaluation<'py>(py: Python<'py>, dynamics: &Dynamics) -> PyResult<Bound<'py, PyDict>> {
+    let model = dynamics.model();
+    let (links, sprockets) = (model.links, model.sprockets.len());
+    let (hinges, teeth, a) = (&dynamics.hinges, &dynamics.teeth, &dynamics.accelerations);
+    let near = |pair: usize| teeth.penetration[pair] > f64::NEG_INFINITY;
+    let accelerations = (0..model.bodies()).map(|i| [a.x[i], a.y[i], a.angle[i]]).collect();
+    let shape = [links, sprockets];
+    let found = PyDict::new(py);
+    found.set_item("accelerations", table(py, accelerations)?)?;
+    found.set_item("hinge_force", hinges.force.clone().into_pyarray(py))?;
+    found.set_item("hinge_penetration", hinges.penetration.clone().into_pyarray(py))?;
+    let on_pins: Vec<f64> = (0..links)
+        .flat_map(|k| <[f64; 2]>::from(hinges.force_on_pin(k)))
+        .collect();
+    found.set_item("hinge_force_vector", on_pins.into_pyarray(py).reshape([links, 2])?)?;
+    let real = |value: &dyn Fn(usize) -> f64| by_bushing(model, value).into_pyarray(py).reshape(shape);
+    found.set_item("tooth_force", real(&|p| if near(p) { teeth.force[p] } else { 0.0 })?)?;
+    found.set_item("tooth_penetration", real(&|p| teeth.penetration[p])?)?;
+    let vectors: Vec<f64> = by_bushing(model, |p| {
+        let force = if near(p) { teeth.force[p] } else { 0.0 };
+        [-force * teeth.normal_x[p], -force * teeth.normal_y[p]]
+    })
+    .into_iter()
+    .flatten()
+    .collect();
+    found.set_item(
+        "tooth_force_vector",
+        vectors.into_pyarray(py).reshape([links, sprockets, 2])?,
+    )?;
+    let whole = |value: &dyn Fn(usize) -> i32| by_bushing(model, value).into_pyarray(py).reshape(shape);
+    found.set_item(
+        "tooth_region",
+        whole(&|p| if near(p) { i32::from(teeth.region[p]) } else { 0 })?,
+    )?;
+    found.set_item(
+        "tooth_index",
+        whole(&|p| if near(p) { teeth.gap[p] as i32 } else { -1 })?,
+    )?;
+    Ok(found)
+}

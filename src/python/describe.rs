@@ -1,0 +1,348 @@
+//! Python's frozen dataclasses -> the descriptions of this crate, field by field.
+
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyString, PyTuple};
+
+use super::errors::{InvalidInput, to_python};
+use crate::drive::{
+    AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Link, Material, Motion, Sprocket, Tensioner, TimeTable,
+};
+use crate::error::{Error, Result};
+use crate::force_law::{Damping, Elastic, ForceLaw, Regions};
+use crate::geometry::{Seat, Vec2};
+use crate::integrator::StepControl;
+
+/// One description object, whose fields are read by name.
+struct Reader<'a, 'py> {
+    object: &'a Bound<'py, PyAny>,
+    kind: String,
+}
+
+impl<'a, 'py> Reader<'a, 'py> {
+    /// Reads `object`, which must be a description of one of the `kinds`.
+    fn new(object: &'a Bound<'py, PyAny>, field: &str, kinds: &[&str]) -> PyResult<Self> {
+        let kind = kind_of(object);
+        if kinds.contains(&kind.as_str()) {
+            return Ok(Self { object, kind });
+        }
+        Err(refuse(
+            object.py(),
+            field,
+            object,
+            &format!("must be a {}", kinds.join(" or a ")),
+        ))
+    }
+
+    fn name(&self, field: &str) -> String {
+        format!("{}.{field}", self.kind)
+    }
+
+    fn get(&self, field: &str) -> PyResult<Bound<'py, PyAny>> {
+        self.object.getattr(field)
+    }
+
+    fn number(&self, field: &str, unit: &str) -> PyResult<f64> {
+        number(&self.get(field)?, &self.name(field), unit)
+    }
+
+    fn optional_number(&self, field: &str, unit: &str) -> PyResult<Option<f64>> {
+        let value = self.get(field)?;
+        if value.is_none() {
+            return Ok(None);
+        }
+        number(&value, &self.name(field), unit).map(Some)
+    }
+
+    fn count(&self, field: &str) -> PyResult<u32> {
+        let value = self.get(field)?;
+        if !value.is_instance_of::<PyBool>()
+            && let Ok(count) = value.extract::<u32>()
+        {
+            return Ok(count);
+        }
+        Err(refuse(
+            value.py(),
+            &self.name(field),
+            &value,
+            "must be a whole number, not negative",
+        ))
+    }
+
+    fn vector(&self, field: &str, unit: &str) -> PyResult<Vec2> {
+        let value = self.get(field)?;
+        if let Ok(pair) = value.cast::<PyTuple>()
+            && pair.len() == 2
+        {
+            let name = self.name(field);
+            return Ok(Vec2::new(
+                number(&pair.get_item(0)?, &format!("{name} (x)"), unit)?,
+                number(&pair.get_item(1)?, &format!("{name} (y)"), unit)?,
+            ));
+        }
+        Err(refuse(
+            value.py(),
+            &self.name(field),
+            &value,
+            &format!("must be two numbers (x, y) in {unit}"),
+        ))
+    }
+
+    /// One of several words, each standing for a value; `None` in Python is the word "None".
+    fn word<T: Copy>(&self, field: &str, words: &[(&str, T)]) -> PyResult<T> {
+        let value = self.get(field)?;
+        let text = if value.is_none() {
+            "None".to_string()
+        } else {
+            value.extract::<String>().unwrap_or_default()
+        };
+        if let Some((_, found)) = words.iter().find(|(word, _)| *word == text) {
+            return Ok(*found);
+        }
+        let allowed: Vec<String> = words
+            .iter()
+            .map(|(word, _)| {
+                if *word == "None" {
+                    "None".to_string()
+                } else {
+                    format!("\"{word}\"")
+                }
+            })
+            .collect();
+        Err(refuse(
+            value.py(),
+            &self.name(field),
+            &value,
+            &format!("must be {}", allowed.join(" or ")),
+        ))
+    }
+
+    fn table(&self, field: &str, unit: &str) -> PyResult<TimeTable> {
+        let value = self.get(field)?;
+        let name = self.name(field);
+        let Ok(rows) = value.cast::<PyTuple>() else {
+            let constant = number(&value, &name, unit)?;
+            return checked(
+                value.py(),
+                crate::error::check::finite(&name, constant, unit).map(|()| constant.into()),
+            );
+        };
+        let mut pairs = Vec::new();
+        for row in rows {
+            let Ok(pair) = row.cast::<PyTuple>() else {
+                return Err(refuse(row.py(), &name, &row, "each row must be (time, value)"));
+            };
+            if pair.len() != 2 {
+                return Err(refuse(row.py(), &name, &row, "each row must be (time, value)"));
+            }
+            pairs.push((
+                number(&pair.get_item(0)?, &format!("{name} (time)"), "s")?,
+                number(&pair.get_item(1)?, &format!("{name} (value)"), unit)?,
+            ));
+        }
+        checked(value.py(), TimeTable::new(&name, unit, &pairs))
+    }
+}
+
+fn kind_of(object: &Bound<'_, PyAny>) -> String {
+    object.get_type().name().map(|n| n.to_string()).unwrap_or_default()
+}
+
+fn number(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyResult<f64> {
+    if !value.is_instance_of::<PyBool>()
+        && !value.is_instance_of::<PyString>()
+        && let Ok(number) = value.extract::<f64>()
+    {
+        return Ok(number);
+    }
+    Err(refuse(value.py(), field, value, &format!("must be a number in {unit}")))
+}
+
+fn refuse(py: Python<'_>, field: &str, value: &Bound<'_, PyAny>, expected: &str) -> PyErr {
+    let shown = value.repr().map(|r| r.to_string()).unwrap_or_default();
+    to_python(py, &Error::invalid(field, shown, expected))
+}
+
+pub(super) fn checked<T>(py: Python<'_>, result: Result<T>) -> PyResult<T> {
+    result.map_err(|error| to_python(py, &error))
+}
+
+pub(super) fn material(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Material> {
+    let read = Reader::new(object, field, &["Material"])?;
+    Ok(Material {
+        elastic_modulus: read.number("elastic_modulus", "Pa")?,
+        poisson_ratio: read.number("poisson_ratio", "1")?,
+        restitution: read.number("restitution", "1")?,
+    })
+}
+
+fn link(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Link> {
+    let read = Reader::new(object, field, &["Link"])?;
+    Ok(Link {
+        mass: read.number("mass", "kg")?,
+        inertia: read.number("inertia", "kg m^2")?,
+    })
+}
+
+fn hinge(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ClearanceHinge> {
+    let read = Reader::new(object, field, &["ClearanceHinge"])?;
+    Ok(ClearanceHinge {
+        pin_radius: read.number("pin_radius", "m")?,
+        bore_radius: read.number("bore_radius", "m")?,
+        length: read.number("length", "m")?,
+    })
+}
+
+pub(super) fn chain(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Chain> {
+    let read = Reader::new(object, field, &["Chain"])?;
+    Ok(Chain {
+        pitch: read.number("pitch", "m")?,
+        links: read.count("links")?,
+        inner: link(&read.get("inner")?, "Chain.inner")?,
+        outer: link(&read.get("outer")?, "Chain.outer")?,
+        hinge: hinge(&read.get("hinge")?, "Chain.hinge")?,
+        bushing_radius: read.number("bushing_radius", "m")?,
+        tooth_contact_length: read.number("tooth_contact_length", "m")?,
+        material: material(&read.get("material")?, "Chain.material")?,
+    })
+}
+
+fn ansi_tooth(object: &Bound<'_, PyAny>, field: &str) -> PyResult<AnsiTooth> {
+    let read = Reader::new(object, field, &["AnsiTooth"])?;
+    Ok(AnsiTooth {
+        seat: read.word(
+            "seat",
+            &[
+                ("bottom-diameter", Seat::BottomDiameter),
+                ("pitch-circle", Seat::PitchCircle),
+            ],
+        )?,
+        roller_diameter: read.optional_number("roller_diameter", "m")?,
+    })
+}
+
+fn motion(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Motion> {
+    let read = Reader::new(object, field, &["PrescribedSpeed", "AppliedTorque", "Free"])?;
+    Ok(match read.kind.as_str() {
+        "PrescribedSpeed" => Motion::PrescribedSpeed(read.table("speed", "rad/s")?),
+        "AppliedTorque" => Motion::AppliedTorque(read.table("torque", "N m")?),
+        _ => Motion::Free,
+    })
+}
+
+pub(super) fn sprocket(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Sprocket> {
+    let read = Reader::new(object, field, &["Sprocket"])?;
+    Ok(Sprocket {
+        teeth: read.count("teeth")?,
+        center: read.vector("center", "m")?,
+        motion: motion(&read.get("motion")?, "Sprocket.motion")?,
+        profile: ansi_tooth(&read.get("profile")?, "Sprocket.profile")?,
+        mass: read.optional_number("mass", "kg")?,
+        inertia: read.optional_number("inertia", "kg m^2")?,
+        initial_speed: read.optional_number("initial_speed", "rad/s")?,
+        bearing: read.word("bearing", &[("fixed", Bearing::Fixed), ("floating", Bearing::Floating)])?,
+    })
+}
+
+fn tensioner(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Tensioner> {
+    let read = Reader::new(object, field, &["Tensioner"])?;
+    Ok(Tensioner {
+        sprocket: read.count("sprocket")? as usize,
+        pretension: read.number("pretension", "N")?,
+        ramp_time: read.number("ramp_time", "s")?,
+        damping: read.number("damping", "N s/m")?,
+        direction: if read.get("direction")?.is_none() {
+            None
+        } else {
+            Some(read.vector("direction", "m")?)
+        },
+    })
+}
+
+/// Reads a `ChainDrive`, unchecked.
+pub(super) fn drive(object: &Bound<'_, PyAny>) -> PyResult<Drive> {
+    let read = Reader::new(object, "drive", &["ChainDrive"])?;
+    let sprockets = read.get("sprockets")?;
+    let Ok(sprockets) = sprockets.cast::<PyTuple>() else {
+        return Err(refuse(
+            object.py(),
+            "ChainDrive.sprockets",
+            &sprockets,
+            "must be a sequence of Sprocket",
+        ));
+    };
+    let tight = read.get("tensioner")?;
+    Ok(Drive {
+        chain: chain(&read.get("chain")?, "ChainDrive.chain")?,
+        sprockets: sprockets
+            .iter()
+            .enumerate()
+            .map(|(i, s)| sprocket(&s, &format!("ChainDrive.sprockets[{i}]")))
+            .collect::<PyResult<_>>()?,
+        tensioner: if tight.is_none() {
+            None
+        } else {
+            Some(tensioner(&tight, "ChainDrive.tensioner")?)
+        },
+        gravity: read.vector("gravity", "m/s^2")?,
+    })
+}
+
+const LAWS: [&str; 4] = ["LankaraniNikravesh", "Hertz", "Johnson", "EnhancedCylinder"];
+
+/// Reads a force law.
+pub(super) fn force_law(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ForceLaw> {
+    let read = Reader::new(object, field, &LAWS)?;
+    Ok(ForceLaw {
+        elastic: read.word(
+            "elastic",
+            &[Elastic::Hertz, Elastic::Johnson, Elastic::EnhancedCylinder].map(|law| (law.name(), law)),
+        )?,
+        damping: read.word(
+            "damping",
+            &[
+                ("lankarani-nikravesh", Damping::LankaraniNikravesh),
+                ("None", Damping::None),
+            ],
+        )?,
+        regions: read.word("regions", &[("kept", Regions::Kept), ("sharp", Regions::Sharp)])?,
+    })
+}
+
+/// Reads a `Solver` and checks it.
+pub(super) fn solver(object: &Bound<'_, PyAny>) -> PyResult<StepControl> {
+    let read = Reader::new(object, "solver", &["Solver"])?;
+    read.word("method", &[("auto", ()), ("pece", ())])?;
+    let control = StepControl {
+        rtol: read.number("rtol", "relative units")?,
+        atol: read.number("atol", "the unit of each component")?,
+        max_step: read.number("max_step", "s")?,
+        max_order: read.count("max_order")? as usize,
+    };
+    checked(object.py(), control.validate())?;
+    Ok(control)
+}
+
+/// Raises `InvalidInput` when a field of a description is not allowed.
+#[pyfunction]
+pub(super) fn validate(description: &Bound<'_, PyAny>) -> PyResult<()> {
+    let object = description;
+    let outcome = match kind_of(object).as_str() {
+        "Material" => material(object, "")?.validate(),
+        "Link" => link(object, "")?.validate(),
+        "ClearanceHinge" => hinge(object, "")?.validate(),
+        "Chain" => chain(object, "")?.validate(),
+        "AnsiTooth" => ansi_tooth(object, "")?.validate(),
+        "PrescribedSpeed" | "AppliedTorque" | "Free" => motion(object, "").map(|_| Ok(()))?,
+        "Sprocket" => sprocket(object, "")?.validate(),
+        "Tensioner" => tensioner(object, "")?.validate(),
+        "ChainDrive" => drive(object)?.validate(),
+        "Solver" => solver(object).map(|_| Ok(()))?,
+        kind if LAWS.contains(&kind) => force_law(object, "").map(|_| Ok(()))?,
+        kind => {
+            return Err(InvalidInput::new_err(format!(
+                "{kind} is not a description that this version knows"
+            )));
+        }
+    };
+    checked(object.py(), outcome)
+}

@@ -1,0 +1,44 @@
+//! This crate's errors as Python exceptions.
+
+use pyo3::create_exception;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+
+use crate::error::Error;
+
+create_exception!(
+    rustchain._rustchain,
+    InvalidInput,
+    PyValueError,
+    "A description or an argument is out of its allowed range."
+);
+create_exception!(
+    rustchain._rustchain,
+    SimulationError,
+    PyRuntimeError,
+    "A run cannot go on."
+);
+
+/// The exception that stands for `error`.
+pub(super) fn to_python(py: Python<'_>, error: &Error) -> PyErr {
+    let (time, step_size, contact) = match error {
+        Error::InvalidValue { .. } | Error::Impossible(_) => return InvalidInput::new_err(error.to_string()),
+        Error::StepTooSmall {
+            time,
+            step_size,
+            culprit,
+        } => (*time, *step_size, Some(culprit.as_str())),
+        Error::ToleranceTooSmall { time, .. } => (*time, 0.0, None),
+    };
+    let exception = SimulationError::new_err(error.to_string());
+    let value = exception.value(py);
+    let attributes = value
+        .setattr("time", time)
+        .and_then(|()| value.setattr("step_size", step_size))
+        .and_then(|()| value.setattr("contact", contact))
+        .and_then(|()| value.setattr("result", py.None()));
+    match attributes {
+        Ok(()) => exception,
+        Err(error) => error,
+    }
+}

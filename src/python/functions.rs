@@ -1,0 +1,285 @@
+//! Free functions for Python.
+
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::describe;
+use super::errors::{InvalidInput, to_python};
+use crate::error::Error;
+use crate::force_law::{SurfacePair, elastic_forces};
+use crate::integrator::{Adams, OdeSystem, StepControl, StepFailure};
+use crate::state::{self, Start};
+
+/// Lays the chain of a drive and tells what was chosen.
+#[pyfunction]
+pub(super) fn layout<'py>(drive: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
+    let py = drive.py();
+    let description = describe::drive(drive)?;
+    let (_, layout) = describe::checked(py, Start::generate(&description))?;
+    let path = &layout.path;
+    let gap_angle = [0, 1].map(|i| 2.0 * std::f64::consts::PI / f64::from(description.sprockets[i].teeth));
+    let found = PyDict::new(py);
+    found.set_item("links", description.chain.links)?;
+    found.set_item("pitch", description.chain.pitch)?;
+    found.set_item("teeth", [0, 1].map(|i| description.sprockets[i].teeth))?;
+    found.set_item("center_distance", path.center_distance)?;
+    found.set_item("closing_center_distance", layout.closing_center_distance)?;
+    found.set_item("pitch_radius", layout.pitch_radius)?;
+    found.set_item("wrap_pitches", path.split.seated)?;
+    found.set_item(
+        "wrap_angle",
+        [0, 1].map(|i| f64::from(path.split.seated[i]) * gap_angle[i]),
+    )?;
+    found.set_item("first_seat_angle", path.first_seat)?;
+    found.set_item("phase", layout.phase)?;
+    found.set_item("strand_pitches", path.split.strands)?;
+    found.set_item("strand_slack", path.slack)?;
+    found.set_item("sag", path.sag)?;
+    found.set_item("hinge_stretch", layout.hinge_stretch)?;
+    found.set_item("start_gap", layout.start_gap)?;
+    found.set_item("speed_ratio", layout.speed_ratio)?;
+    found.set_item("tension_force", layout.tension_force)?;
+    found.set_item("warnings", layout.warnings)?;
+    Ok(found)
+}
+
+fn check_pitch_and_teeth(py: Python<'_>, pitch: f64, teeth: (u32, u32)) -> PyResult<[u32; 2]> {
+    describe::checked(py, crate::error::check::positive("pitch", pitch, "m"))?;
+    let teeth = [teeth.0, teeth.1];
+    if teeth.iter().any(|n| !(5..=1000).contains(n)) {
+        return Err(to_python(
+            py,
+            &Error::invalid("teeth", format!("{teeth:?}"), "must be two numbers between 5 and 1000"),
+        ));
+    }
+    Ok(teeth)
+}
+
+/// Centre distance \[m\] at which both strands are taut and straight.
+#[pyfunction]
+pub(super) fn closing_center_distance(py: Python<'_>, pitch: f64, teeth: (u32, u32), links: u32) -> PyResult<f64> {
+    let teeth = check_pitch_and_teeth(py, pitch, teeth)?;
+    state::closing_center_distance(pitch, teeth, links).ok_or_else(|| {
+        let fewest = fewest_links(pitch, teeth);
+        InvalidInput::new_err(format!(
+            "links = {links}: too few for sprockets of {} and {} teeth, which need at least {fewest} to stand clear of \
+             each other",
+            teeth[0], teeth[1]
+        ))
+    })
+}
+
+/// Links that close round two sprockets which just stand clear of each other.
+fn fewest_links(pitch: f64, teeth: [u32; 2]) -> u32 {
+    let outside = |n: u32| {
+        let half = std::f64::consts::PI / f64::from(n);
+        0.5 * pitch * (0.6 + 1.0 / half.tan())
+    };
+    state::links_for(pitch, teeth, 1.001 * (outside(teeth[0]) + outside(teeth[1])))
+}
+
+/// Smallest even number of links that closes round two sprockets.
+#[pyfunction]
+pub(super) fn links_for(py: Python<'_>, pitch: f64, teeth: (u32, u32), center_distance: f64) -> PyResult<u32> {
+    let teeth = check_pitch_and_teeth(py, pitch, teeth)?;
+    describe::checked(
+        py,
+        crate::error::check::positive("center_distance", center_distance, "m"),
+    )?;
+    if center_distance > 1e5 * pitch {
+        return Err(to_python(
+            py,
+            &Error::invalid(
+                "center_distance",
+                center_distance,
+                format!("must be below 100000 pitches, {} m", 1e5 * pitch),
+            ),
+        ));
+    }
+    Ok(state::links_for(pitch, teeth, center_distance))
+}
+
+/// Closed outline of a sprocket in its own frame \[m\], (points, 2).
+#[pyfunction]
+pub(super) fn tooth_outline<'py>(
+    sprocket: &Bound<'py, PyAny>,
+    chain: &Bound<'py, PyAny>,
+    points: usize,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let sprocket_description = describe::sprocket(sprocket, "sprocket")?;
+    let outline = sprocket_description
+        .tooth_profile(&describe::chain(chain, "chain")?)
+        .outline(points);
+    let rows = outline.len();
+    let flat: Vec<f64> = outline.into_iter().flat_map(|p| [p.x, p.y]).collect();
+    flat.into_pyarray(sprocket.py()).reshape([rows, 2])
+}
+
+/// Elastic force \[N\] of a law at each penetration \[m\].
+#[pyfunction]
+#[allow(clippy::too_many_arguments)] // the two surfaces, one keyword each in Python
+pub(super) fn law_force<'py>(
+    law: &Bound<'py, PyAny>,
+    kind: &str,
+    radius_i: f64,
+    radius_j: f64,
+    length: f64,
+    material: &Bound<'py, PyAny>,
+    penetration: PyReadonlyArray1<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let py = law.py();
+    let modulus = describe::material(material, "material")?.contact_modulus();
+    let pair = match kind {
+        "internal" if radius_j > radius_i => SurfacePair::internal(radius_i, radius_j, length, modulus),
+        "external" => SurfacePair::external(radius_i, radius_j, length, modulus),
+        "internal" => {
+            return Err(to_python(
+                py,
+                &Error::invalid(
+                    "radius_j",
+                    radius_j,
+                    format!("must be larger than radius_i, {radius_i} m"),
+                ),
+            ));
+        }
+        _ => {
+            return Err(to_python(
+                py,
+                &Error::invalid("kind", kind, "must be \"internal\" or \"external\""),
+            ));
+        }
+    };
+    let law = describe::force_law(law, "law")?;
+    Ok(elastic_forces(law.elastic, &pair, penetration.as_slice()?).into_pyarray(py))
+}
+
+/// A Python callable as a system; the first exception it raises ends the run.
+struct Callable<'py> {
+    function: Bound<'py, PyAny>,
+    dimension: usize,
+    failure: Option<PyErr>,
+}
+
+impl Callable<'_> {
+    fn call(&self, t: f64, y: &[f64], dydt: &mut [f64]) -> PyResult<()> {
+        let py = self.function.py();
+        let values = self.function.call1((t, PyArray1::from_slice(py, y)))?;
+        let array = py.import("numpy")?.call_method1("asarray", (values, "float64"))?;
+        let array = array.cast_into::<PyArray1<f64>>()?;
+        let array = array.readonly();
+        let found = array.as_array();
+        if found.len() != dydt.len() {
+            return Err(to_python(
+                py,
+                &Error::invalid(
+                    "fun",
+                    format!("{} values", found.len()),
+                    format!("must return {} values", dydt.len()),
+                ),
+            ));
+        }
+        for (slot, value) in dydt.iter_mut().zip(found) {
+            *slot = *value;
+        }
+        Ok(())
+    }
+}
+
+impl OdeSystem for Callable<'_> {
+    fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+        if self.failure.is_none() {
+            self.failure = self.call(t, y, dydt).err();
+        }
+        if self.failure.is_some() {
+            dydt.fill(f64::NAN);
+        }
+    }
+}
+
+/// Integrates y' = fun(t, y) with the embedded Adams-Bashforth-Moulton method.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)] // SciPy's
+pub(super) fn integrate<'py>(
+    fun: &Bound<'py, PyAny>,
+    t_span: (f64, f64),
+    y0: PyReadonlyArray1<'py, f64>,
+    rtol: f64,
+    atol: f64,
+    max_step: f64,
+    max_order: usize,
+    t_eval: Option<PyReadonlyArray1<'py, f64>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let py = fun.py();
+    let control = StepControl {
+        rtol,
+        atol,
+        max_step: max_step.min(t_span.1 - t_span.0),
+        max_order,
+    };
+    if t_span.1.partial_cmp(&t_span.0) != Some(std::cmp::Ordering::Greater) {
+        return Err(to_python(
+            py,
+            &Error::invalid("t_span", format!("{t_span:?}"), "must end after it begins"),
+        ));
+    }
+    describe::checked(py, control.validate())?;
+    let y0 = y0.as_array().to_vec();
+    let times = match t_eval {
+        Some(times) => times.as_array().to_vec(),
+        None => vec![t_span.1],
+    };
+    if times.iter().any(|t| !(t_span.0..=t_span.1).contains(t)) || times.windows(2).any(|w| w[1] < w[0]) {
+        return Err(to_python(
+            py,
+            &Error::invalid("t_eval", "its times", "must rise and lie within t_span"),
+        ));
+    }
+    let mut system = Callable {
+        function: fun.clone(),
+        dimension: y0.len(),
+        failure: None,
+    };
+    let mut adams = Adams::new(y0.len(), control);
+    adams.restart(t_span.0, &y0);
+    let mut rows = vec![0.0; times.len() * y0.len()];
+    for (&t, row) in times.iter().zip(rows.chunks_mut(y0.len().max(1))) {
+        while adams.time() < t {
+            let outcome = adams.step(&mut system);
+            if let Some(failure) = system.failure.take() {
+                return Err(failure);
+            }
+            py.check_signals()?;
+            outcome.map_err(|failure| to_python(py, &describe_failure(failure)))?;
+        }
+        adams.interpolate(t, row);
+    }
+    let counts = adams.counts();
+    let found = PyDict::new(py);
+    let (count, width) = (times.len(), y0.len());
+    found.set_item("t", times.into_pyarray(py))?;
+    found.set_item("y", rows.into_pyarray(py).reshape([count, width])?)?;
+    found.set_item("evaluations", counts.evaluations)?;
+    found.set_item("steps", counts.steps)?;
+    found.set_item("rejected", counts.rejected)?;
+    Ok(found)
+}
+
+fn describe_failure(failure: StepFailure) -> Error {
+    match failure {
+        StepFailure::TooSmall {
+            time,
+            step_size,
+            component,
+        } => Error::StepTooSmall {
+            time,
+            step_size,
+            culprit: format!("component {component}"),
+        },
+        StepFailure::ToleranceTooSmall { time, factor } => Error::ToleranceTooSmall { time, factor },
+    }
+}

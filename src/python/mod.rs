@@ -1,0 +1,24 @@
+//! The boundary to Python: reads a description, runs, hands arrays back. No physics.
+
+mod core;
+mod describe;
+mod errors;
+mod functions;
+
+use pyo3::prelude::*;
+
+/// The compiled module `rustchain._rustchain`.
+#[pymodule]
+fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    let py = module.py();
+    module.add("InvalidInput", py.get_type::<errors::InvalidInput>())?;
+    module.add("SimulationError", py.get_type::<errors::SimulationError>())?;
+    module.add_class::<core::Core>()?;
+    module.add_function(wrap_pyfunction!(describe::validate, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::layout, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::closing_center_distance, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::links_for, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::tooth_outline, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::law_force, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::integrate, module)?)
+}

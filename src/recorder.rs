@@ -1,0 +1,390 @@
+//! Chosen channels at the report times.
+
+use crate::contact::ToothContacts;
+use crate::dynamics::{Dynamics, Energy};
+use crate::geometry::Vec2;
+use crate::model::Model;
+
+/// Which groups of channels are recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[allow(clippy::struct_excessive_bools)] // independent switches
+pub struct Groups {
+    /// Force, penetration and eccentricity of every hinge, with peaks; strand tensions.
+    pub hinges: bool,
+    /// Deepest tooth contact of every bushing, with peaks.
+    pub teeth: bool,
+    /// Angle, speed, torque and centre of every sprocket.
+    pub sprockets: bool,
+    /// Positions and velocities of all bodies.
+    pub bodies: bool,
+    /// The energy balance.
+    pub energy: bool,
+}
+
+/// Values of one channel, row after row.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// Real numbers.
+    Real(Vec<f64>),
+    /// Whole numbers.
+    Whole(Vec<i32>),
+}
+
+/// One recorded quantity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// Its name.
+    pub name: &'static str,
+    /// Shape of one row; empty for a number.
+    pub row_shape: Vec<usize>,
+    /// All rows.
+    pub values: Values,
+}
+
+/// What was recorded: one row of each channel at each time.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Recording {
+    /// Report times \[s\].
+    pub time: Vec<f64>,
+    /// The channels.
+    pub channels: Vec<Channel>,
+}
+
+/// Channels being written.
+#[derive(Debug, Clone)]
+pub(crate) struct Recorder {
+    groups: Groups,
+    report_step: f64,
+    begin: f64,
+    end: f64,
+    /// Index of the next report.
+    next: u64,
+    /// Energy, sums and time at the first report.
+    reference: Option<f64>,
+    recording: Recording,
+    hinge_peaks: Peaks,
+    tooth_peaks: Peaks,
+    tooth_forces: Vec<f64>,
+}
+
+impl Recorder {
+    pub(crate) fn new(model: &Model, groups: Groups, begin: f64, duration: f64, report_step: f64) -> Self {
+        let mut recording = Recording::default();
+        let mut add = |name: &'static str, row_shape: &[usize], whole: bool| {
+            recording.channels.push(Channel {
+                name,
+                row_shape: row_shape.to_vec(),
+                values: if whole {
+                    Values::Whole(Vec::new())
+                } else {
+                    Values::Real(Vec::new())
+                },
+            });
+        };
+        let (n, s, bodies) = (model.links, model.sprockets.len(), model.bodies());
+        if groups.hinges {
+            add("hinge_force", &[n], false);
+            add("hinge_force_vector", &[n, 2], false);
+            add("hinge_penetration", &[n], false);
+            add("hinge_eccentricity", &[n, 2], false);
+            add("strand_tension", &[2], false);
+            add("peak_hinge_force", &[n], false);
+            add("peak_hinge_impulse", &[n], false);
+        }
+        if groups.teeth {
+            add("tooth_force", &[n], false);
+            add("tooth_penetration", &[n], false);
+            add("tooth_sprocket", &[n], true);
+            add("tooth_index", &[n], true);
+            add("tooth_region", &[n], true);
+            add("peak_tooth_force", &[n], false);
+            add("peak_tooth_impulse", &[n], false);
+        }
+        if groups.sprockets {
+            add("sprocket_angle", &[s], false);
+            add("sprocket_speed", &[s], false);
+            add("sprocket_torque", &[s], false);
+            add("sprocket_center", &[s, 2], false);
+        }
+        if groups.bodies {
+            add("positions", &[bodies, 3], false);
+            add("velocities", &[bodies, 3], false);
+        }
+        if groups.energy {
+            for name in [
+                "energy_kinetic",
+                "energy_gravity",
+                "energy_elastic",
+                "energy_dissipated",
+                "energy_worked_in",
+                "energy_residual",
+            ] {
+                add(name, &[], false);
+            }
+        }
+        Self {
+            groups,
+            report_step,
+            begin,
+            end: begin + duration,
+            next: 0,
+            reference: None,
+            recording,
+            hinge_peaks: Peaks::new(n, begin),
+            tooth_peaks: Peaks::new(n, begin),
+            tooth_forces: vec![0.0; n],
+        }
+    }
+
+    /// Time of the next report \[s\]; `None` when all are made. The last one lies exactly at the end.
+    pub(crate) fn next_report(&self) -> Option<f64> {
+        let t = self.begin + self.next as f64 * self.report_step;
+        let rounding = 1e-9 * self.report_step;
+        if t < self.end - rounding {
+            Some(t)
+        } else if self.recording.time.last().is_none_or(|&last| last < self.end) {
+            Some(self.end)
+        } else {
+            None
+        }
+    }
+
+    pub(crate) fn end(&self) -> f64 {
+        self.end
+    }
+
+    pub(crate) fn into_recording(self) -> Recording {
+        self.recording
+    }
+
+    /// Sets aside the forces at the end of a step, before reports inside it are evaluated.
+    pub(crate) fn keep_step_forces(&mut self, dynamics: &Dynamics) {
+        if self.groups.hinges {
+            self.hinge_peaks.arriving.copy_from_slice(&dynamics.hinges.force);
+        }
+        if self.groups.teeth {
+            gather_by_bushing(&dynamics.teeth, dynamics.model().links, &mut self.tooth_peaks.arriving);
+        }
+    }
+
+    /// Takes the set-aside forces into the peaks.
+    pub(crate) fn take_step_forces(&mut self, t: f64) {
+        if self.groups.hinges {
+            self.hinge_peaks.arrive(t);
+        }
+        if self.groups.teeth {
+            self.tooth_peaks.arrive(t);
+        }
+    }
+
+    /// Writes a row for `dynamics` as evaluated at `t`; `sums` are its energy dissipated and worked in \[J\].
+    pub(crate) fn report(&mut self, t: f64, dynamics: &Dynamics, sums: [f64; 2]) {
+        let model = dynamics.model();
+        let groups = self.groups;
+        let energy = groups.energy.then(|| dynamics.energy());
+        let first = self.recording.time.is_empty();
+        self.recording.time.push(t);
+        self.next += 1;
+        let mut row = Row {
+            channels: self.recording.channels.iter_mut(),
+        };
+        if groups.hinges {
+            write_hinges(&mut row, dynamics);
+            self.hinge_peaks.close(t, &dynamics.hinges.force, first, &mut row);
+        }
+        if groups.teeth {
+            write_teeth(&mut row, &dynamics.teeth, model.links, model.sprockets.len());
+            gather_by_bushing(&dynamics.teeth, model.links, &mut self.tooth_forces);
+            self.tooth_peaks.close(t, &self.tooth_forces, first, &mut row);
+        }
+        if groups.sprockets {
+            let sprockets = model.links..model.bodies();
+            row.real(dynamics.motion.angle[sprockets.clone()].iter().copied());
+            row.real(dynamics.motion.spin[sprockets.clone()].iter().copied());
+            row.real((0..model.sprockets.len()).map(|s| dynamics.accelerations.shaft_torque(model, s, t)));
+            row.real(sprockets.flat_map(|body| [dynamics.motion.x[body], dynamics.motion.y[body]]));
+        }
+        if groups.bodies {
+            row.real(dynamics.motion.positions().into_iter().flatten());
+            row.real(dynamics.motion.velocities().into_iter().flatten());
+        }
+        if let Some(energy) = energy {
+            write_energy(&mut row, energy, sums, &mut self.reference);
+        }
+    }
+}
+
+/// Channels of one row, in the order in which they were added.
+struct Row<'a> {
+    channels: std::slice::IterMut<'a, Channel>,
+}
+
+impl Row<'_> {
+    fn real(&mut self, values: impl IntoIterator<Item = f64>) {
+        if let Some(Channel {
+            values: Values::Real(all),
+            ..
+        }) = self.channels.next()
+        {
+            all.extend(values);
+        }
+    }
+
+    fn whole(&mut self, values: impl IntoIterator<Item = i32>) {
+        if let Some(Channel {
+            values: Values::Whole(all),
+            ..
+        }) = self.channels.next()
+        {
+            all.extend(values);
+        }
+    }
+}
+
+fn write_hinges(row: &mut Row, dynamics: &Dynamics) {
+    let hinges = &dynamics.hinges;
+    let n = hinges.force.len();
+    row.real(hinges.force.iter().copied());
+    row.real((0..n).flat_map(|k| <[f64; 2]>::from(hinges.force_on_pin(k))));
+    row.real(hinges.penetration.iter().copied());
+    row.real((0..n).flat_map(|k| <[f64; 2]>::from(hinges.eccentricity(k))));
+    row.real(strand_tensions(dynamics));
+}
+
+/// Mean pull along the chain of the hinges between the two sprockets: upper strand (left of the line from the first to the
+/// second centre), lower strand \[N\].
+fn strand_tensions(dynamics: &Dynamics) -> [f64; 2] {
+    let (model, motion, hinges) = (dynamics.model(), &dynamics.motion, &dynamics.hinges);
+    let n = model.links;
+    let center = |s: usize| Vec2::new(motion.x[n + s], motion.y[n + s]);
+    let line = center(1) - center(0);
+    let distance = line.norm();
+    let axis = line / distance;
+    let [r1, r2] = [0, 1].map(|s| model.sprockets[s].profile.pitch_radius);
+    // A common tangent leaves each pitch circle where its normal does.
+    let cos = (r1 - r2) / distance;
+    let between = (r1 * cos)..=(distance + r2 * cos);
+    let (mut sums, mut counts) = ([0.0; 2], [0.0; 2]);
+    for k in 0..n {
+        let offset = hinges.bushing(k).0 - center(0);
+        if !between.contains(&offset.dot(&axis)) {
+            continue;
+        }
+        let next = (k + 1) % n;
+        let along = Vec2::new(motion.x[next] - motion.x[k], motion.y[next] - motion.y[k]).normalize();
+        let strand = usize::from(axis.x * offset.y - axis.y * offset.x < 0.0);
+        sums[strand] += hinges.force_on_front(k).dot(&along);
+        counts[strand] += 1.0;
+    }
+    [0, 1].map(|i| if counts[i] > 0.0 { sums[i] / counts[i] } else { 0.0 })
+}
+
+/// The deepest contact of every bushing.
+#[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap)] // few sprockets, gaps and regions
+fn write_teeth(row: &mut Row, teeth: &ToothContacts, links: usize, sprockets: usize) {
+    let deepest: Vec<(usize, f64)> = (0..links)
+        .map(|k| {
+            (0..sprockets)
+                .map(|s| (s * links + k, teeth.penetration[s * links + k]))
+                .fold((k, f64::NEG_INFINITY), |a, b| if b.1 > a.1 { b } else { a })
+        })
+        .collect();
+    let touching = |value: i32, none: i32, depth: f64| if depth > 0.0 { value } else { none };
+    row.real(
+        deepest
+            .iter()
+            .map(|&(pair, depth)| if depth > 0.0 { teeth.force[pair] } else { 0.0 }),
+    );
+    row.real(deepest.iter().map(|&(_, depth)| depth));
+    row.whole(
+        deepest
+            .iter()
+            .map(|&(pair, depth)| touching((pair / links + 1) as i32, 0, depth)),
+    );
+    row.whole(
+        deepest
+            .iter()
+            .map(|&(pair, depth)| touching(teeth.gap[pair] as i32, -1, depth)),
+    );
+    row.whole(
+        deepest
+            .iter()
+            .map(|&(pair, depth)| touching(i32::from(teeth.region[pair]), 0, depth)),
+    );
+}
+
+fn write_energy(row: &mut Row, energy: Energy, [dissipated, worked_in]: [f64; 2], reference: &mut Option<f64>) {
+    let balance = energy.total() + dissipated - worked_in;
+    let residual = balance - *reference.get_or_insert(balance);
+    for value in [
+        energy.kinetic,
+        energy.gravity,
+        energy.elastic,
+        dissipated,
+        worked_in,
+        residual,
+    ] {
+        row.real([value]);
+    }
+}
+
+/// Tooth force on every bushing \[N\], over all sprockets.
+fn gather_by_bushing(teeth: &ToothContacts, links: usize, forces: &mut [f64]) {
+    forces.fill(0.0);
+    for &pair in &teeth.near {
+        forces[pair as usize % links] += teeth.force[pair as usize];
+    }
+}
+
+/// Largest force and impulse of every contact since the last report, from the forces at the ends of the steps.
+#[derive(Debug, Clone)]
+struct Peaks {
+    time: f64,
+    last: Vec<f64>,
+    arriving: Vec<f64>,
+    force: Vec<f64>,
+    impulse: Vec<f64>,
+}
+
+impl Peaks {
+    fn new(contacts: usize, t: f64) -> Self {
+        let zeros = || vec![0.0; contacts];
+        Self {
+            time: t,
+            last: zeros(),
+            arriving: zeros(),
+            force: zeros(),
+            impulse: zeros(),
+        }
+    }
+
+    /// Takes in the forces that have been set aside for time `t`.
+    fn arrive(&mut self, t: f64) {
+        let forces = std::mem::take(&mut self.arriving);
+        self.account(t, &forces);
+        self.arriving = forces;
+    }
+
+    fn account(&mut self, t: f64, forces: &[f64]) {
+        let half = 0.5 * (t - self.time);
+        for (i, &force) in forces.iter().enumerate() {
+            self.force[i] = self.force[i].max(force);
+            self.impulse[i] += half * (self.last[i] + force);
+        }
+        self.last.copy_from_slice(forces);
+        self.time = t;
+    }
+
+    /// Ends an interval at a report with the forces there, writes it and begins the next.
+    fn close(&mut self, t: f64, forces: &[f64], first: bool, row: &mut Row) {
+        self.account(t, forces);
+        if first {
+            self.force.fill(0.0);
+            self.impulse.fill(0.0);
+        }
+        row.real(self.force.iter().copied());
+        row.real(self.impulse.iter().copied());
+        self.force.copy_from_slice(forces);
+        self.impulse.fill(0.0);
+    }
+}

@@ -1,0 +1,324 @@
+//! The run: steps, onsets, reports.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use crate::dynamics::Dynamics;
+use crate::error::{Error, Result};
+use crate::integrator::{Adams, Counts, OdeSystem, StepControl, StepFailure};
+use crate::model::{Model, Rotation, Support};
+use crate::recorder::{Groups, Recorder, Recording};
+use crate::state::{Motion, Start};
+
+/// A drive being run.
+#[derive(Debug, Clone)]
+pub struct Simulation {
+    dynamics: Dynamics,
+    adams: Adams,
+    /// Present time of the user \[s\]; the integrator may be ahead by a part of a step.
+    now: f64,
+    recorder: Option<Recorder>,
+    /// Scratch: state at a time inside the last step.
+    inside: Vec<f64>,
+    wall: Wall,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Wall {
+    stepping: Duration,
+    onsets: Duration,
+    reports: Duration,
+}
+
+/// What a run has cost so far.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Statistics {
+    /// Steps, rejected steps, evaluations.
+    pub counts: Counts,
+    /// Contacts begun.
+    pub onsets: u64,
+    /// Those that began slower than the floor of the approach speed.
+    pub onsets_at_floor: u64,
+    /// Wall time in steps \[s\].
+    pub wall_stepping: f64,
+    /// Wall time in finding onsets \[s\].
+    pub wall_onsets: f64,
+    /// Wall time in reports \[s\].
+    pub wall_reports: f64,
+}
+
+/// How often the wall clock is looked at, in steps.
+const STEPS_BETWEEN_CLOCK_READINGS: u32 = 64;
+
+impl Simulation {
+    /// A run of `model` from `start` at time zero.
+    ///
+    /// # Errors
+    /// When a control or the start does not fit.
+    pub fn new(model: Arc<Model>, start: &Start, control: StepControl) -> Result<Self> {
+        control.validate()?;
+        check_start(&model, start)?;
+        let mut dynamics = Dynamics::new(model);
+        let dimension = dynamics.dimension();
+        let mut y = vec![0.0; dimension];
+        let mut motion = Motion::new(dynamics.model().bodies());
+        motion.set(&start.positions, &start.velocities);
+        motion.write(dynamics.model(), &mut y);
+        dynamics.remember_present_contacts(0.0, &y);
+        let mut adams = Adams::new(dimension, control);
+        adams.restart(0.0, &y);
+        Ok(Self {
+            dynamics,
+            adams,
+            now: 0.0,
+            recorder: None,
+            inside: y,
+            wall: Wall::default(),
+        })
+    }
+
+    /// The model.
+    #[must_use]
+    pub fn model(&self) -> &Arc<Model> {
+        self.dynamics.model()
+    }
+
+    /// Present time \[s\].
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.now
+    }
+
+    /// The dynamics, evaluated at the present time.
+    pub fn present(&mut self) -> &Dynamics {
+        self.evaluate_at(self.now);
+        &self.dynamics
+    }
+
+    /// The integrator.
+    #[must_use]
+    pub fn integrator(&self) -> &Adams {
+        &self.adams
+    }
+
+    /// Positions and velocities of all bodies at the present time.
+    #[must_use]
+    pub fn motion(&self) -> Motion {
+        let mut motion = Motion::new(self.model().bodies());
+        let mut y = vec![0.0; self.inside.len()];
+        self.adams.interpolate(self.now, &mut y);
+        motion.read(self.model(), self.now, &y);
+        motion
+    }
+
+    /// The contacts' memory.
+    #[must_use]
+    pub fn memory(&self) -> &crate::contact::ImpactMemory {
+        &self.dynamics.memory
+    }
+
+    /// What the run has cost so far.
+    #[must_use]
+    pub fn statistics(&self) -> Statistics {
+        let onsets = self.dynamics.memory.counts();
+        Statistics {
+            counts: self.adams.counts(),
+            onsets: onsets.onsets,
+            onsets_at_floor: onsets.at_floor,
+            wall_stepping: self.wall.stepping.as_secs_f64(),
+            wall_onsets: self.wall.onsets.as_secs_f64(),
+            wall_reports: self.wall.reports.as_secs_f64(),
+        }
+    }
+
+    /// Which laws left their range, a line each.
+    #[must_use]
+    pub fn range_notes(&self) -> Vec<String> {
+        let model = self.model().range_notes.iter();
+        model.chain(self.dynamics.past_range()).cloned().collect()
+    }
+
+    /// Dynamics evaluated at other positions and velocities, or another time, without touching the run.
+    ///
+    /// Positions that are just given have no contact memory.
+    #[must_use]
+    pub fn evaluate_elsewhere(
+        &self,
+        positions: Option<&[[f64; 3]]>,
+        velocities: Option<&[[f64; 3]]>,
+        time: Option<f64>,
+    ) -> Dynamics {
+        let mut dynamics = self.dynamics.clone();
+        if positions.is_some() {
+            dynamics.memory.clear();
+        }
+        let present = self.motion();
+        let (present_positions, present_velocities) = (present.positions(), present.velocities());
+        dynamics.motion.set(
+            positions.unwrap_or(&present_positions),
+            velocities.unwrap_or(&present_velocities),
+        );
+        dynamics.evaluate_motion(time.unwrap_or(self.now));
+        dynamics
+    }
+
+    /// Begins a recording at the present time.
+    pub fn start_recording(&mut self, duration: f64, report_step: f64, groups: Groups) {
+        self.dynamics.keep_energy(groups.energy);
+        self.recorder = Some(Recorder::new(self.model(), groups, self.now, duration, report_step));
+    }
+
+    /// Ends the recording and hands it over, with all rows made so far.
+    pub fn take_recording(&mut self) -> Recording {
+        self.dynamics.keep_energy(false);
+        self.recorder.take().map(Recorder::into_recording).unwrap_or_default()
+    }
+
+    /// Goes on with the recording for as long as `budget` of wall time allows; true when its end is reached.
+    ///
+    /// # Errors
+    /// When the integrator cannot go on: time, step size, body and contact.
+    pub fn record(&mut self, budget: Duration) -> Result<bool> {
+        let Some(end) = self.recorder.as_ref().map(Recorder::end) else {
+            return Ok(true);
+        };
+        self.advance(end, budget)
+    }
+
+    /// Steps to exactly `target` \[s\] for as long as `budget` of wall time allows; true when it is reached.
+    ///
+    /// # Errors
+    /// When the integrator cannot go on: time, step size, body and contact.
+    pub fn advance(&mut self, target: f64, budget: Duration) -> Result<bool> {
+        let begin = Instant::now();
+        let mut steps = 0u32;
+        loop {
+            self.report();
+            if target <= self.adams.time() {
+                self.now = target.max(self.now);
+                return Ok(true);
+            }
+            if steps % STEPS_BETWEEN_CLOCK_READINGS == 0 && steps > 0 && begin.elapsed() >= budget {
+                self.now = self.adams.time();
+                return Ok(false);
+            }
+            self.step()?;
+            steps += 1;
+        }
+    }
+
+    fn step(&mut self) -> Result<()> {
+        let begin = Instant::now();
+        self.dynamics.begin_step();
+        let step = match self.adams.step(&mut self.dynamics) {
+            Ok(step) => step,
+            Err(failure) => {
+                self.now = self.adams.time();
+                return Err(self.explain(failure));
+            }
+        };
+        let stepped = Instant::now();
+        self.dynamics.finish_step(&self.adams, &step);
+        if let Some(recorder) = &mut self.recorder {
+            recorder.keep_step_forces(&self.dynamics);
+        }
+        self.wall.stepping += stepped - begin;
+        self.wall.onsets += stepped.elapsed();
+        Ok(())
+    }
+
+    /// Makes the reports that lie inside the last step.
+    fn report(&mut self) {
+        let Some(mut recorder) = self.recorder.take() else {
+            return;
+        };
+        let end = self.adams.time();
+        if recorder.next_report().is_some_and(|t| t <= end) {
+            let begin = Instant::now();
+            while let Some(t) = recorder.next_report().filter(|&t| t <= end) {
+                let sums = self.evaluate_at(t);
+                recorder.report(t, &self.dynamics, sums);
+            }
+            self.wall.reports += begin.elapsed();
+        }
+        recorder.take_step_forces(end);
+        self.recorder = Some(recorder);
+    }
+
+    /// Evaluates the dynamics at `t` inside the last step; returns energy dissipated and worked in \[J\].
+    fn evaluate_at(&mut self, t: f64) -> [f64; 2] {
+        self.adams.interpolate(t, &mut self.inside);
+        self.dynamics.evaluate(t, &self.inside);
+        let sums = self.dynamics.controlled();
+        [self.inside[sums], self.inside[sums + 1]]
+    }
+
+    fn explain(&mut self, failure: StepFailure) -> Error {
+        match failure {
+            StepFailure::ToleranceTooSmall { time, factor } => Error::ToleranceTooSmall { time, factor },
+            StepFailure::TooSmall {
+                time,
+                step_size,
+                component,
+            } => {
+                let model = Arc::clone(self.model());
+                let body = model.body_of_coordinate(component % model.coordinates);
+                self.evaluate_at(time);
+                let contact = self.dynamics.busiest_contact(body);
+                Error::StepTooSmall {
+                    time,
+                    step_size,
+                    culprit: format!(
+                        "{} ({})",
+                        model.body_names()[body],
+                        contact.unwrap_or_else(|| "not in contact".to_string())
+                    ),
+                }
+            }
+        }
+    }
+}
+
+/// Numbers, and what the supports and motors hold must agree with them.
+fn check_start(model: &Model, start: &Start) -> Result<()> {
+    let bodies = model.bodies();
+    for (field, rows) in [("positions", &start.positions), ("velocities", &start.velocities)] {
+        if rows.len() != bodies {
+            return Err(Error::invalid(
+                field,
+                format!("{} rows", rows.len()),
+                format!("needs one row (3 numbers) for each of the {bodies} bodies"),
+            ));
+        }
+        for (body, row) in rows.iter().enumerate() {
+            if let Some(bad) = row.iter().find(|v| !v.is_finite()) {
+                return Err(Error::invalid(
+                    format!("{field} of {}", model.body_names()[body]),
+                    bad,
+                    "must be finite numbers",
+                ));
+            }
+        }
+    }
+    for (s, sprocket) in model.sprockets.iter().enumerate() {
+        let [vx, vy, spin] = start.velocities[model.links + s];
+        if sprocket.support == Support::Fixed && (vx != 0.0 || vy != 0.0) {
+            return Err(Error::invalid(
+                format!("velocities of sprocket_{}", s + 1),
+                format!("({vx}, {vy})"),
+                "its bearing is fixed: must be (0, 0)",
+            ));
+        }
+        if let Rotation::Prescribed(speed) = &sprocket.rotation {
+            let prescribed = speed.value(0.0);
+            if (spin - prescribed).abs() > 1e-9 * prescribed.abs().max(1.0) {
+                return Err(Error::invalid(
+                    format!("velocities of sprocket_{}", s + 1),
+                    spin,
+                    format!("its speed is prescribed: must be {prescribed} rad/s at the start"),
+                ));
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,91 @@
+"""The command line: files and figures made, errors said in one line."""
+
+import pytest
+from typer.testing import CliRunner
+
+import rustchain as rc
+from rustchain.cli import app
+
+
+def rustchain(*arguments):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("run") / "new" / "run.nc"
+    done = rustchain(
+        "run", "paper", "--duration", 2e-3, "--pretension", 25, "--law", "enhanced-cylinder",
+        "--rtol", 1e-6, "--atol", 1e-6, "--report-step", 5e-4, "--record", "hinges,teeth",
+        "--out", path,
+    )  # fmt: skip
+    assert done.exit_code == 0, done.output
+    return path
+
+
+def test_a_run_leaves_a_file_with_all_that_was_asked_for(file):
+    result = rc.load_result(file)
+    assert result.success
+    assert len(result.time) == 5
+    assert result.drive == rc.paper_drive(pretension=25.0)
+    assert result.hinge_law == rc.EnhancedCylinder()
+    assert (result.solver.rtol, result.solver.atol) == (1e-6, 1e-6)
+    assert set(result.groups) == {"hinges", "teeth", "energy"}
+
+
+def test_plot_leaves_the_figures(file, tmp_path):
+    done = rustchain("plot", file, "--out", tmp_path / "figures", "--hinges", "6,11")
+    assert done.exit_code == 0, done.output
+    names = {path.name for path in (tmp_path / "figures").iterdir()}
+    assert {"drive.png", "tooth_force.png", "orbit.png", "energy.png"} <= names
+
+
+def test_plot_leaves_out_what_was_not_recorded(tmp_path):
+    path = tmp_path / "run.nc"
+    rustchain("run", "paper", "--duration", 1e-3, "--record", "teeth", "--out", path)
+    done = rustchain("plot", path, "--out", tmp_path)
+    assert done.exit_code == 0, done.output
+    assert "hinges were not recorded" in done.output
+    assert (tmp_path / "tooth_force.png").exists()
+    assert not (tmp_path / "orbit.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("run", "papre"), "did you mean 'paper'"),
+        (("run", "paper", "--record", "hinges,teth"), "did you mean 'teeth'"),
+        (("run", "paper", "--duration", -1), "error: "),
+        (("run", "paper", "--rtol", -1), "rtol"),
+        (("run", "paper", "--law", "hooke"), "--law"),
+        (("plot", "no-such-file.nc"), "no-such-file.nc"),
+    ],
+)
+def test_an_error_is_said_without_a_traceback(arguments, message, tmp_path):
+    out = ("--out", tmp_path / "out") if arguments[0] == "run" else ()
+    done = rustchain(*arguments, *out)
+    assert done.exit_code in (1, 2)
+    assert message in done.output
+    assert "Traceback" not in done.output
+    assert isinstance(done.exception, SystemExit)
+
+
+def test_numbers_out_of_range_are_answered_with_the_range(file, tmp_path):
+    done = rustchain("plot", file, "--out", tmp_path, "--hinges", "6,99")
+    assert done.exit_code == 1
+    assert "numbered 1 to 38" in done.output
+
+
+def test_ctrl_c_saves_what_there_is(monkeypatch, tmp_path):
+    def interrupted(self, duration, progress):
+        self._core.advance(0.0)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(rc.Simulation, "_advance", interrupted)
+    done = rustchain("run", "paper", "--out", tmp_path / "run.nc")
+    assert done.exit_code == 130
+    assert rc.load_result(tmp_path / "run.nc").status == "interrupted"
+
+
+def test_the_version_is_printed():
+    assert rustchain("--version").output == f"rustchain {rc.__version__}\n"

@@ -1,0 +1,247 @@
+"""What a run hands back: views, errors with a remedy, files, figures."""
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+import rustchain as rc
+
+GROUPS = ("hinges", "teeth", "sprockets", "bodies")
+DURATION, REPORT_STEP = 6e-3, 1e-4
+ROWS = 61
+
+
+@pytest.fixture(scope="module")
+def result():
+    simulation = rc.Simulation(rc.paper_drive(pretension=25.0))
+    return simulation.run(DURATION, REPORT_STEP, GROUPS, progress=False)
+
+
+@pytest.fixture(scope="module")
+def bare():
+    """Nothing recorded but time."""
+    return rc.Simulation(rc.paper_drive()).run(1e-3, record=(), energy=False, progress=False)
+
+
+class BrokenCore:
+    """A core that advances a little, then raises."""
+
+    def __init__(self, core, error):
+        self.core, self.error, self.calls = core, error, 0
+
+    def __getattr__(self, name):
+        return getattr(self.core, name)
+
+    def advance(self, wall_budget):
+        self.calls += 1
+        if self.calls > 1:
+            raise self.error
+        return self.core.advance(0.0)
+
+
+def broken(error):
+    simulation = rc.Simulation(rc.paper_drive())
+    simulation._core = BrokenCore(simulation._core, error)
+    return simulation
+
+
+def test_rows_are_at_the_report_times(result):
+    np.testing.assert_allclose(result.time, REPORT_STEP * np.arange(ROWS), atol=1e-12)
+    assert result.success
+    assert result.status == "finished"
+    assert result.stats["steps"] > 0
+
+
+def test_a_second_run_goes_on_where_the_first_ended():
+    simulation = rc.Simulation(rc.paper_drive())
+    simulation.run(1e-3, progress=False)
+    second = simulation.run(1e-3, progress=False)
+    np.testing.assert_allclose(second.time[[0, -1]], [1e-3, 2e-3], atol=1e-12)
+
+
+def test_views_have_one_row_for_each_time(result):
+    hinge, bushing, sprocket = result.hinge(6), result.bushing(6), result.sprocket(1)
+    for values in (hinge.force, hinge.penetration, bushing.tooth_force, bushing.tooth_penetration):
+        assert values.shape == (ROWS,)
+    for values in (hinge.force_vector, hinge.eccentricity, sprocket.center):
+        assert values.shape == (ROWS, 2)
+    for values in (bushing.sprocket, bushing.tooth, bushing.region, sprocket.angle, sprocket.speed):
+        assert values.shape == (ROWS,)
+    assert sprocket.torque.shape == (ROWS,)
+    assert result.strand("upper").tension.shape == result.strand("lower").tension.shape == (ROWS,)
+    assert result.energy.residual.shape == result.energy.worked_in.shape == (ROWS,)
+    assert result.peaks.hinge_force.shape == result.peaks.tooth_impulse.shape == (ROWS, 38)
+
+
+def test_views_are_columns_of_the_arrays(result):
+    np.testing.assert_array_equal(result.hinge(6).force, result.array("hinge_force")[:, 5])
+    np.testing.assert_array_equal(result.bushing(38).tooth, result.array("tooth_index")[:, 37])
+
+
+def test_no_contact_is_sprocket_0_and_tooth_minus_1(result):
+    bushing = result.bushing(6)
+    none = bushing.sprocket == 0
+    assert (bushing.tooth[none] == -1).all()
+    assert not bushing.tooth_force[none].any()
+
+
+def test_the_driver_turns_at_its_speed(result):
+    np.testing.assert_allclose(result.sprocket(1).speed, 4 * np.pi, rtol=1e-9)
+
+
+def test_the_ends_of_the_run_are_kept(result):
+    np.testing.assert_array_equal(result.initial_positions, result.array("positions")[0])
+    np.testing.assert_allclose(result.final_positions, result.array("positions")[-1], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("ask", "message"),
+    [
+        (lambda r: r.hinge(0), "hinges are numbered 1 to 38"),
+        (lambda r: r.hinge(39), "hinges are numbered 1 to 38"),
+        (lambda r: r.bushing(-1), "bushings are numbered 1 to 38"),
+        (lambda r: r.sprocket(3), "sprockets are numbered 1 to 2"),
+    ],
+)
+def test_a_number_out_of_range_is_answered_with_the_range(result, ask, message):
+    with pytest.raises(IndexError, match=message):
+        ask(result)
+
+
+def test_an_unknown_strand_is_answered_with_the_nearest(result):
+    with pytest.raises(ValueError, match="did you mean 'upper'"):
+        result.strand("uper")
+
+
+@pytest.mark.parametrize(
+    ("ask", "remedy"),
+    [
+        (lambda r: r.hinge(6), "pass record=.*'hinges'"),
+        (lambda r: r.strand("upper"), "pass record=.*'hinges'"),
+        (lambda r: r.bushing(6), "pass record=.*'teeth'"),
+        (lambda r: r.sprocket(1), "pass record=.*'sprockets'"),
+        (lambda r: r.peaks.hinge_force, "pass record=.*'hinges'"),
+        (lambda r: r.energy, "pass energy=True"),
+        (lambda r: r.plot.drive(time=5e-4), "pass record=.*'bodies'"),
+    ],
+)
+def test_what_was_not_recorded_is_answered_with_the_remedy(bare, ask, remedy):
+    with pytest.raises(rc.NotRecorded, match=remedy):
+        ask(bare)
+
+
+def test_an_unknown_group_is_answered_with_the_nearest():
+    with pytest.raises(ValueError, match="did you mean 'hinges'"):
+        rc.Simulation(rc.paper_drive()).run(1e-3, record=("hinge",), progress=False)
+
+
+def test_ctrl_c_keeps_what_there_is():
+    result = broken(KeyboardInterrupt()).run(2.0, progress=False)
+    assert result.status == "interrupted"
+    assert not result.success
+    assert len(result.time) >= 1
+
+
+def test_a_run_that_fails_keeps_what_there_is():
+    with pytest.raises(rc.SimulationError) as caught:
+        broken(rc.SimulationError("step size fell to 3e-16 s")).run(2.0, progress=False)
+    kept = caught.value.result
+    assert kept.status == "failed"
+    assert kept.message == "step size fell to 3e-16 s"
+    assert len(kept.time) >= 1
+
+
+def test_a_file_gives_everything_back(result, tmp_path):
+    result.save(tmp_path / "run.nc")
+    loaded = rc.load_result(tmp_path / "run.nc")
+    assert loaded.arrays.keys() == result.arrays.keys()
+    for name, values in result.arrays.items():
+        np.testing.assert_array_equal(loaded.arrays[name], values, strict=True)
+    for name in ("initial_positions", "initial_velocities", "final_positions", "final_velocities"):
+        np.testing.assert_array_equal(getattr(loaded, name), getattr(result, name))
+    for name in ("drive", "hinge_law", "tooth_law", "solver", "min_approach_speed", "body_names"):
+        assert getattr(loaded, name) == getattr(result, name)
+    assert (loaded.status, loaded.message, loaded.stats) == (
+        result.status,
+        result.message,
+        result.stats,
+    )
+
+
+def test_a_long_table_of_speeds_fits_into_a_file(tmp_path):
+    times = np.linspace(0.0, 1.0, 5000)
+    speed = np.stack([times, 4 * np.pi + 1e-3 * np.sin(times)], axis=1)
+    drive = rc.two_sprocket_drive(chain="ANSI 40", teeth=(17, 17), links=38, speed=speed)
+    rc.Simulation(drive).run(1e-4, record=(), progress=False).save(tmp_path / "run.nc")
+    assert rc.load_result(tmp_path / "run.nc").drive == drive
+
+
+def test_a_file_of_others_is_refused(tmp_path):
+    xr = pytest.importorskip("xarray")
+    xr.Dataset({"a": 1.0}).to_netcdf(tmp_path / "other.nc", engine="h5netcdf")
+    with pytest.raises(rc.InvalidInput, match="holds no result"):
+        rc.load_result(tmp_path / "other.nc")
+
+
+def test_every_variable_of_the_dataset_has_unit_and_name(result):
+    dataset = result.to_xarray()
+    for variable in dataset.data_vars.values():
+        assert variable.attrs["units"]
+        assert variable.attrs["long_name"]
+    assert dataset["time"].attrs["units"] == "s"
+    force = dataset["hinge_force"].sel(hinge=6)
+    np.testing.assert_array_equal(force, result.hinge(6).force)
+    np.testing.assert_array_equal(
+        dataset["positions"].sel(body="sprocket_1", coordinate="theta"),
+        result.array("positions")[:, 38, 2],
+    )
+
+
+def test_the_table_has_a_column_for_each_number(result):
+    table = result.to_pandas()
+    assert len(table) == ROWS
+    np.testing.assert_array_equal(table["hinge_force_6"], result.hinge(6).force)
+    np.testing.assert_array_equal(
+        table["hinge_force_vector_6_y"], result.hinge(6).force_vector[:, 1]
+    )
+    np.testing.assert_array_equal(table["strand_tension_lower"], result.strand("lower").tension)
+    np.testing.assert_array_equal(table["energy_residual"], result.energy.residual)
+
+
+@pytest.mark.parametrize(
+    ("draw", "panels"),
+    [
+        (lambda plot: plot.hinge_force(6, 11), 2),
+        (lambda plot: plot.tooth_force(6, 11, start=1e-3), 2),
+        (lambda plot: plot.force_penetration(6), 1),
+        (lambda plot: plot.force_penetration(6, 8, 10, 12, contact="hinge"), 4),
+        (lambda plot: plot.orbit(6), 1),
+        (lambda plot: plot.tension(end=4e-3), 1),
+        (lambda plot: plot.energy(), 2),
+        (lambda plot: plot.drive(), 1),
+        (lambda plot: plot.drive(time=3e-3), 1),
+    ],
+)
+def test_figures_are_drawn(result, draw, panels, tmp_path):
+    mpl.use("Agg")
+    figure = draw(result.plot)
+    figure.savefig(tmp_path / "figure.png")
+    assert len(figure.axes) == panels
+    plt.close(figure)
+
+
+def test_a_figure_of_no_rows_says_what_there_is(result):
+    with pytest.raises(ValueError, match=r"the result has 0 to 0\.006 s"):
+        result.plot.tension(start=1.0)
+
+
+def test_an_unknown_keyword_of_a_figure_is_answered_with_the_nearest(result):
+    with pytest.raises(TypeError, match="did you mean 'start'"):
+        result.plot.tension(strat=1.0)
+
+
+def test_a_loaded_result_draws_itself(result, tmp_path):
+    mpl.use("Agg")
+    result.save(tmp_path / "run.nc")
+    plt.close(rc.load_result(tmp_path / "run.nc").plot.drive(time=3e-3))
