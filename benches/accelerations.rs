@@ -15,13 +15,20 @@ fn derivative(criterion: &mut Criterion) {
         let states = [
             ("start", common::at_start(elastic, damping)),
             ("under_way", common::under_way(elastic, damping)),
+            ("pressed", common::pressed(elastic, damping)),
         ];
         for (place, mut simulation) in states {
-            let Halves { mut dynamics, adams } = Halves::of(&mut simulation);
+            let Halves {
+                mut dynamics,
+                adams,
+            } = Halves::of(&mut simulation);
             let (t, y) = (adams.time(), adams.y().to_vec());
             let mut dydt = vec![0.0; y.len()];
             dynamics.derivative(t, &y, &mut dydt);
-            print_counts(&format!("accelerations/{law}/{place}"), &contacts(&dynamics));
+            print_counts(
+                &format!("accelerations/{law}/{place}"),
+                &contacts(&dynamics),
+            );
             group.bench_function(format!("{law}/{place}"), |b| {
                 b.iter(|| dynamics.derivative(black_box(t), black_box(&y), &mut dydt));
             });
@@ -33,7 +40,10 @@ fn derivative(criterion: &mut Criterion) {
 /// The same with the sums of the energy balance.
 fn derivative_with_energy(criterion: &mut Criterion) {
     let (law, elastic, damping) = LAWS[0];
-    let Halves { mut dynamics, adams } = Halves::of(&mut common::under_way(elastic, damping));
+    let Halves {
+        mut dynamics,
+        adams,
+    } = Halves::of(&mut common::under_way(elastic, damping));
     let (t, y) = (adams.time(), adams.y().to_vec());
     let mut dydt = vec![0.0; y.len()];
     dynamics.keep_energy(true);

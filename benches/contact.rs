@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use common::{Halves, LAWS, contacts, print_counts};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use rustchain::contact::{first_crossing, hinge_path, tooth_path};
+use rustchain::contact::{first_crossing, hinge_at, tooth_at};
 use rustchain::geometry::Vec2;
 
 /// Points to each of the curves of a flank.
@@ -14,21 +14,23 @@ const POINTS: usize = 64;
 
 fn all_pairs(criterion: &mut Criterion) {
     let (_, elastic, damping) = LAWS[0];
-    let mut dynamics = common::under_way(elastic, damping).present().clone();
+    let mut dynamics = common::pressed(elastic, damping).present().clone();
     let model = dynamics.model().clone();
     let mut group = criterion.benchmark_group("contact");
     print_counts("contact/hinges, contact/teeth", &contacts(&dynamics));
 
     group.throughput(Throughput::Elements(model.links as u64));
     group.bench_function("hinges", |b| {
-        b.iter(|| dynamics.hinges.find(black_box(&model), &dynamics.motion))
+        b.iter(|| {
+            dynamics.hinges.find(black_box(&model), &dynamics.motion);
+        });
     });
     group.throughput(Throughput::Elements(dynamics.teeth.penetration.len() as u64));
     group.bench_function("teeth", |b| {
         b.iter(|| {
             dynamics
                 .teeth
-                .find(black_box(&model), &dynamics.motion, &dynamics.hinges)
+                .find(black_box(&model), &dynamics.motion, &dynamics.hinges);
         });
     });
     group.finish();
@@ -75,11 +77,14 @@ fn onset(criterion: &mut Criterion) {
         let model = run.dynamics.model();
         let (k, s) = (index % model.links, index / model.links);
         let find = || {
-            if kind == "tooth_onset" {
-                first_crossing(tooth_path(model, &run.adams, k, s), black_box(start), end)
-            } else {
-                first_crossing(hinge_path(model, &run.adams, k), black_box(start), end)
-            }
+            let contact = |t| {
+                if kind == "tooth_onset" {
+                    tooth_at(model, &run.adams, k, s, t).map(|found| found.contact)
+                } else {
+                    Some(hinge_at(model, &run.adams, k, t))
+                }
+            };
+            first_crossing(contact, black_box(start), end)
         };
         let (at, rate) = find();
         let counts = format!(

@@ -8,7 +8,9 @@ use common::print_counts;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use rustchain::drive::Material;
-use rustchain::force_law::{Damping, ElasticLaw, EnhancedCylinder, Hertz, Johnson, SurfacePair, damping_factor};
+use rustchain::force_law::{
+    Damping, ElasticLaw, EnhancedCylinder, Hertz, Johnson, SurfacePair, damping_factor,
+};
 
 /// Penetrations in a batch.
 const COUNT: u32 = 1024;
@@ -20,12 +22,19 @@ fn penetrations() -> Vec<f64> {
         .collect()
 }
 
-fn law<L: ElasticLaw>(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, surfaces: &[(&str, SurfacePair)]) {
+fn law<L: ElasticLaw>(
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    name: &str,
+    surfaces: &[(&str, SurfacePair)],
+) {
     let depths = penetrations();
     for (place, pair) in surfaces {
         let constants = L::prepare(pair);
         let largest = L::force(&constants, depths[depths.len() - 1]);
-        let past_end = depths.iter().filter(|&&depth| depth > L::range_end(&constants)).count();
+        let past_end = depths
+            .iter()
+            .filter(|&&depth| depth > L::range_end(&constants))
+            .count();
         print_counts(
             &format!("force_law/{name}/{place}"),
             &format!("{COUNT} forces up to {largest:.1} N, {past_end} past the end of the law"),

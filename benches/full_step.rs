@@ -16,7 +16,7 @@ fn full_step(criterion: &mut Criterion) {
         let walk = |run: &mut Halves| (0..STEPS).for_each(|_| run.step());
         print_counts(&format!("full_step/{law}"), &counts(&ready, walk));
         group.bench_function(law, |b| {
-            b.iter_batched_ref(|| ready.clone(), walk, BatchSize::SmallInput)
+            b.iter_batched_ref(|| ready.clone(), walk, BatchSize::SmallInput);
         });
     }
     group.finish();

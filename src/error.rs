@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::integrator::StepFailure;
+
 /// What went wrong.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum Error {
@@ -28,23 +30,86 @@ pub enum Error {
         /// Body whose error is largest, and the contact it is in.
         culprit: String,
     },
+    /// Forces or positions are not numbers.
+    #[error(
+        "the solution is not a number within {step_size:.1e} s after t = {time:.9} s, {culprit}"
+    )]
+    NotFinite {
+        /// Time reached \[s\].
+        time: f64,
+        /// The step that failed \[s\].
+        step_size: f64,
+        /// Body that it begins with, and the contact it is in.
+        culprit: String,
+    },
     /// The tolerances ask for more than rounding allows.
-    #[error("tolerances are {factor:.1} times below what rounding allows at t = {time:.9} s: raise rtol or atol")]
+    #[error(
+        "tolerances are {factor:.1} times below what rounding allows at t = {time:.9} s, {culprit}: raise rtol or atol"
+    )]
     ToleranceTooSmall {
         /// Time reached \[s\].
         time: f64,
+        /// The step that would be next \[s\].
+        step_size: f64,
         /// By what factor both would have to grow.
         factor: f64,
+        /// Body whose state is largest beside its tolerance, and the contact it is in.
+        culprit: String,
     },
 }
 
 impl Error {
     /// A field with a value that is not allowed.
-    pub fn invalid(field: impl Into<String>, value: impl ToString, expected: impl Into<String>) -> Self {
+    #[allow(clippy::needless_pass_by_value)] // numbers and text alike
+    pub fn invalid(
+        field: impl Into<String>,
+        value: impl ToString,
+        expected: impl Into<String>,
+    ) -> Self {
         Self::InvalidValue {
             field: field.into(),
             value: value.to_string(),
             expected: expected.into(),
+        }
+    }
+}
+
+impl Error {
+    /// What a failed step means; `name` turns time and component into words.
+    pub(crate) fn from_failure(
+        failure: StepFailure,
+        name: impl FnOnce(f64, usize) -> String,
+    ) -> Self {
+        match failure {
+            StepFailure::TooSmall {
+                time,
+                step_size,
+                component,
+            } => Self::StepTooSmall {
+                time,
+                step_size,
+                culprit: name(time, component),
+            },
+            StepFailure::NotFinite {
+                time,
+                step_size,
+                component,
+            } => Self::NotFinite {
+                time,
+                step_size,
+                culprit: name(time, component),
+            },
+            StepFailure::ToleranceTooSmall {
+                time,
+                step_size,
+                factor,
+                component,
+            } => Self::ToleranceTooSmall {
+                time,
+                step_size,
+                factor,
+                culprit: name(time, component),
+            },
         }
     }
 }

@@ -29,4 +29,4 @@ pub use drive::Drive;
 pub use error::{Error, Result};
 pub use model::{ForceLaws, Model};
 pub use recorder::{Channel, Groups, Recording, Values};
-pub use simulate::{Simulation, Statistics};
+pub use simulate::{Simulation, Statistics, check_rows};

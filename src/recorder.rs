@@ -59,16 +59,29 @@ pub(crate) struct Recorder {
     end: f64,
     /// Index of the next report.
     next: u64,
-    /// Energy, sums and time at the first report.
-    reference: Option<f64>,
+    /// The energy balance at the first report.
+    energy_at_start: Option<EnergyAtStart>,
     recording: Recording,
     hinge_peaks: Peaks,
     tooth_peaks: Peaks,
     tooth_forces: Vec<f64>,
 }
 
+/// Energy stored, and the sums of energy dissipated and worked in, when a recording begins \[J\].
+#[derive(Debug, Clone, Copy)]
+struct EnergyAtStart {
+    total: f64,
+    sums: [f64; 2],
+}
+
 impl Recorder {
-    pub(crate) fn new(model: &Model, groups: Groups, begin: f64, duration: f64, report_step: f64) -> Self {
+    pub(crate) fn new(
+        model: &Model,
+        groups: Groups,
+        begin: f64,
+        duration: f64,
+        report_step: f64,
+    ) -> Self {
         let mut recording = Recording::default();
         let mut add = |name: &'static str, row_shape: &[usize], whole: bool| {
             recording.channels.push(Channel {
@@ -128,7 +141,7 @@ impl Recorder {
             begin,
             end: begin + duration,
             next: 0,
-            reference: None,
+            energy_at_start: None,
             recording,
             hinge_peaks: Peaks::new(n, begin),
             tooth_peaks: Peaks::new(n, begin),
@@ -142,7 +155,12 @@ impl Recorder {
         let rounding = 1e-9 * self.report_step;
         if t < self.end - rounding {
             Some(t)
-        } else if self.recording.time.last().is_none_or(|&last| last < self.end) {
+        } else if self
+            .recording
+            .time
+            .last()
+            .is_none_or(|&last| last < self.end)
+        {
             Some(self.end)
         } else {
             None
@@ -160,10 +178,16 @@ impl Recorder {
     /// Sets aside the forces at the end of a step, before reports inside it are evaluated.
     pub(crate) fn keep_step_forces(&mut self, dynamics: &Dynamics) {
         if self.groups.hinges {
-            self.hinge_peaks.arriving.copy_from_slice(&dynamics.hinges.force);
+            self.hinge_peaks
+                .arriving
+                .copy_from_slice(&dynamics.hinges.force);
         }
         if self.groups.teeth {
-            gather_by_bushing(&dynamics.teeth, dynamics.model().links, &mut self.tooth_peaks.arriving);
+            gather_by_bushing(
+                &dynamics.teeth,
+                dynamics.model().links,
+                &mut self.tooth_peaks.arriving,
+            );
         }
     }
 
@@ -190,18 +214,28 @@ impl Recorder {
         };
         if groups.hinges {
             write_hinges(&mut row, dynamics);
-            self.hinge_peaks.close(t, &dynamics.hinges.force, first, &mut row);
+            self.hinge_peaks
+                .close(t, &dynamics.hinges.force, first, &mut row);
         }
         if groups.teeth {
-            write_teeth(&mut row, &dynamics.teeth, model.links, model.sprockets.len());
+            write_teeth(
+                &mut row,
+                &dynamics.teeth,
+                model.links,
+                model.sprockets.len(),
+            );
             gather_by_bushing(&dynamics.teeth, model.links, &mut self.tooth_forces);
-            self.tooth_peaks.close(t, &self.tooth_forces, first, &mut row);
+            self.tooth_peaks
+                .close(t, &self.tooth_forces, first, &mut row);
         }
         if groups.sprockets {
             let sprockets = model.links..model.bodies();
             row.real(dynamics.motion.angle[sprockets.clone()].iter().copied());
             row.real(dynamics.motion.spin[sprockets.clone()].iter().copied());
-            row.real((0..model.sprockets.len()).map(|s| dynamics.accelerations.shaft_torque(model, s, t)));
+            row.real(
+                (0..model.sprockets.len())
+                    .map(|s| dynamics.accelerations.shaft_torque(model, s, t)),
+            );
             row.real(sprockets.flat_map(|body| [dynamics.motion.x[body], dynamics.motion.y[body]]));
         }
         if groups.bodies {
@@ -209,7 +243,7 @@ impl Recorder {
             row.real(dynamics.motion.velocities().into_iter().flatten());
         }
         if let Some(energy) = energy {
-            write_energy(&mut row, energy, sums, &mut self.reference);
+            write_energy(&mut row, energy, sums, &mut self.energy_at_start);
         }
     }
 }
@@ -271,12 +305,19 @@ fn strand_tensions(dynamics: &Dynamics) -> [f64; 2] {
             continue;
         }
         let next = (k + 1) % n;
-        let along = Vec2::new(motion.x[next] - motion.x[k], motion.y[next] - motion.y[k]).normalize();
+        let along =
+            Vec2::new(motion.x[next] - motion.x[k], motion.y[next] - motion.y[k]).normalize();
         let strand = usize::from(axis.x * offset.y - axis.y * offset.x < 0.0);
         sums[strand] += hinges.force_on_front(k).dot(&along);
         counts[strand] += 1.0;
     }
-    [0, 1].map(|i| if counts[i] > 0.0 { sums[i] / counts[i] } else { 0.0 })
+    [0, 1].map(|i| {
+        if counts[i] > 0.0 {
+            sums[i] / counts[i]
+        } else {
+            0.0
+        }
+    })
 }
 
 /// The deepest contact of every bushing.
@@ -313,9 +354,13 @@ fn write_teeth(row: &mut Row, teeth: &ToothContacts, links: usize, sprockets: us
     );
 }
 
-fn write_energy(row: &mut Row, energy: Energy, [dissipated, worked_in]: [f64; 2], reference: &mut Option<f64>) {
-    let balance = energy.total() + dissipated - worked_in;
-    let residual = balance - *reference.get_or_insert(balance);
+fn write_energy(row: &mut Row, energy: Energy, sums: [f64; 2], begin: &mut Option<EnergyAtStart>) {
+    let begin = begin.get_or_insert(EnergyAtStart {
+        total: energy.total(),
+        sums,
+    });
+    let [dissipated, worked_in] = [0, 1].map(|i| sums[i] - begin.sums[i]);
+    let residual = energy.total() - begin.total + dissipated - worked_in;
     for value in [
         energy.kinetic,
         energy.gravity,

@@ -65,6 +65,7 @@ impl Simulation {
         motion.set(&start.positions, &start.velocities);
         motion.write(dynamics.model(), &mut y);
         dynamics.remember_present_contacts(0.0, &y);
+        check_hinges(&dynamics)?;
         let mut adams = Adams::new(dimension, control);
         adams.restart(0.0, &y);
         Ok(Self {
@@ -111,10 +112,10 @@ impl Simulation {
         motion
     }
 
-    /// The contacts' memory.
+    /// The dynamics as they were last evaluated, with the contacts' memory.
     #[must_use]
-    pub fn memory(&self) -> &crate::contact::ImpactMemory {
-        &self.dynamics.memory
+    pub fn dynamics(&self) -> &Dynamics {
+        &self.dynamics
     }
 
     /// What the run has cost so far.
@@ -164,14 +165,32 @@ impl Simulation {
 
     /// Begins a recording at the present time.
     pub fn start_recording(&mut self, duration: f64, report_step: f64, groups: Groups) {
+        if groups.energy && !self.dynamics.keeps_energy() {
+            self.begin_energy_sums();
+        }
         self.dynamics.keep_energy(groups.energy);
-        self.recorder = Some(Recorder::new(self.model(), groups, self.now, duration, report_step));
+        let mut recorder = Recorder::new(self.model(), groups, self.now, duration, report_step);
+        // The present time may lie inside the last step, whose end then belongs to the first interval.
+        self.dynamics.evaluate(self.adams.time(), self.adams.y());
+        recorder.keep_step_forces(&self.dynamics);
+        self.recorder = Some(recorder);
+    }
+
+    /// Lets the sums of the energy balance grow from now on; the integrator's history of them is made up as constant power.
+    fn begin_energy_sums(&mut self) {
+        self.dynamics.keep_energy(true);
+        let powers = self.dynamics.evaluate(self.adams.time(), self.adams.y());
+        let sums = self.dynamics.controlled();
+        self.adams.assume_constant_slope(sums, powers.dissipated);
+        self.adams.assume_constant_slope(sums + 1, powers.worked_in);
     }
 
     /// Ends the recording and hands it over, with all rows made so far.
     pub fn take_recording(&mut self) -> Recording {
-        self.dynamics.keep_energy(false);
-        self.recorder.take().map(Recorder::into_recording).unwrap_or_default()
+        self.recorder
+            .take()
+            .map(Recorder::into_recording)
+            .unwrap_or_default()
     }
 
     /// Goes on with the recording for as long as `budget` of wall time allows; true when its end is reached.
@@ -193,12 +212,17 @@ impl Simulation {
         let begin = Instant::now();
         let mut steps = 0u32;
         loop {
-            self.report();
+            if !self.report(begin, budget) {
+                return Ok(false);
+            }
             if target <= self.adams.time() {
                 self.now = target.max(self.now);
                 return Ok(true);
             }
-            if steps % STEPS_BETWEEN_CLOCK_READINGS == 0 && steps > 0 && begin.elapsed() >= budget {
+            if steps.is_multiple_of(STEPS_BETWEEN_CLOCK_READINGS)
+                && steps > 0
+                && begin.elapsed() >= budget
+            {
                 self.now = self.adams.time();
                 return Ok(false);
             }
@@ -227,10 +251,10 @@ impl Simulation {
         Ok(())
     }
 
-    /// Makes the reports that lie inside the last step.
-    fn report(&mut self) {
+    /// Makes the reports that lie inside the last step; false when the budget ended before all were made.
+    fn report(&mut self, start: Instant, budget: Duration) -> bool {
         let Some(mut recorder) = self.recorder.take() else {
-            return;
+            return true;
         };
         let end = self.adams.time();
         if recorder.next_report().is_some_and(|t| t <= end) {
@@ -238,11 +262,19 @@ impl Simulation {
             while let Some(t) = recorder.next_report().filter(|&t| t <= end) {
                 let sums = self.evaluate_at(t);
                 recorder.report(t, &self.dynamics, sums);
+                self.now = t;
+                if start.elapsed() >= budget {
+                    break;
+                }
             }
             self.wall.reports += begin.elapsed();
         }
-        recorder.take_step_forces(end);
+        let complete = recorder.next_report().is_none_or(|t| t > end);
+        if complete {
+            recorder.take_step_forces(end);
+        }
         self.recorder = Some(recorder);
+        complete
     }
 
     /// Evaluates the dynamics at `t` inside the last step; returns energy dissipated and worked in \[J\].
@@ -254,69 +286,107 @@ impl Simulation {
     }
 
     fn explain(&mut self, failure: StepFailure) -> Error {
-        match failure {
-            StepFailure::ToleranceTooSmall { time, factor } => Error::ToleranceTooSmall { time, factor },
-            StepFailure::TooSmall {
-                time,
-                step_size,
-                component,
-            } => {
-                let model = Arc::clone(self.model());
-                let body = model.body_of_coordinate(component % model.coordinates);
-                self.evaluate_at(time);
-                let contact = self.dynamics.busiest_contact(body);
-                Error::StepTooSmall {
-                    time,
-                    step_size,
-                    culprit: format!(
-                        "{} ({})",
-                        model.body_names()[body],
-                        contact.unwrap_or_else(|| "not in contact".to_string())
-                    ),
-                }
-            }
+        Error::from_failure(failure, |time, component| self.culprit(time, component))
+    }
+
+    /// The body that a component of the state belongs to, and the hardest pressed of its contacts.
+    fn culprit(&mut self, time: f64, component: usize) -> String {
+        let model = Arc::clone(self.model());
+        let body = model.body_of_coordinate(component % model.coordinates);
+        self.evaluate_at(time);
+        let contact = self.dynamics.busiest_contact(body);
+        format!(
+            "{} ({})",
+            model.body_names()[body],
+            contact.unwrap_or_else(|| "not in contact".to_string())
+        )
+    }
+}
+
+/// One row of finite numbers a body.
+///
+/// # Errors
+/// Names the body and the number.
+pub fn check_rows(model: &Model, field: &str, rows: &[[f64; 3]]) -> Result<()> {
+    let bodies = model.bodies();
+    if rows.len() != bodies {
+        return Err(Error::invalid(
+            field,
+            format!("{} rows", rows.len()),
+            format!("needs one row (3 numbers) for each of the {bodies} bodies"),
+        ));
+    }
+    for (body, row) in rows.iter().enumerate() {
+        if let Some(bad) = row.iter().find(|v| !v.is_finite()) {
+            let name = &model.body_names()[body];
+            return Err(Error::invalid(
+                format!("{field} of {name}"),
+                bad,
+                "must be finite numbers",
+            ));
         }
     }
+    Ok(())
+}
+
+/// A pin may be pressed into its bushing, but must be in it.
+fn check_hinges(dynamics: &Dynamics) -> Result<()> {
+    let model = dynamics.model();
+    let apart = |k: usize| dynamics.hinges.penetration[k] + model.clearance;
+    let Some(k) = (0..model.links).find(|&k| apart(k) > 0.1 * model.half_pitch) else {
+        return Ok(());
+    };
+    Err(Error::invalid(
+        "positions",
+        format!("link_{} and link_{}", k + 1, (k + 1) % model.links + 1),
+        format!(
+            "hinge {} is torn: its pin and bushing are {:.3e} m apart, with a clearance of {:.3e} m",
+            k + 1,
+            apart(k),
+            model.clearance
+        ),
+    ))
 }
 
 /// Numbers, and what the supports and motors hold must agree with them.
 fn check_start(model: &Model, start: &Start) -> Result<()> {
-    let bodies = model.bodies();
-    for (field, rows) in [("positions", &start.positions), ("velocities", &start.velocities)] {
-        if rows.len() != bodies {
-            return Err(Error::invalid(
-                field,
-                format!("{} rows", rows.len()),
-                format!("needs one row (3 numbers) for each of the {bodies} bodies"),
-            ));
-        }
-        for (body, row) in rows.iter().enumerate() {
-            if let Some(bad) = row.iter().find(|v| !v.is_finite()) {
-                return Err(Error::invalid(
-                    format!("{field} of {}", model.body_names()[body]),
-                    bad,
-                    "must be finite numbers",
-                ));
-            }
-        }
-    }
+    check_rows(model, "positions", &start.positions)?;
+    check_rows(model, "velocities", &start.velocities)?;
     for (s, sprocket) in model.sprockets.iter().enumerate() {
         let [vx, vy, spin] = start.velocities[model.links + s];
-        if sprocket.support == Support::Fixed && (vx != 0.0 || vy != 0.0) {
-            return Err(Error::invalid(
+        let refuse = |value: String, expected: String| {
+            Err(Error::invalid(
                 format!("velocities of sprocket_{}", s + 1),
-                format!("({vx}, {vy})"),
-                "its bearing is fixed: must be (0, 0)",
-            ));
+                value,
+                expected,
+            ))
+        };
+        match sprocket.support {
+            Support::Fixed if vx != 0.0 || vy != 0.0 => {
+                return refuse(
+                    format!("({vx}, {vy})"),
+                    "its bearing is fixed: must be (0, 0)".to_string(),
+                );
+            }
+            Support::Slide { direction, .. } => {
+                let across = direction.x * vy - direction.y * vx;
+                if across.abs() > 1e-9 * vx.hypot(vy) {
+                    let (x, y) = (direction.x, direction.y);
+                    return refuse(
+                        format!("({vx}, {vy})"),
+                        format!("its tensioner lets it slide along ({x}, {y}) only"),
+                    );
+                }
+            }
+            _ => {}
         }
         if let Rotation::Prescribed(speed) = &sprocket.rotation {
             let prescribed = speed.value(0.0);
             if (spin - prescribed).abs() > 1e-9 * prescribed.abs().max(1.0) {
-                return Err(Error::invalid(
-                    format!("velocities of sprocket_{}", s + 1),
-                    spin,
+                return refuse(
+                    spin.to_string(),
                     format!("its speed is prescribed: must be {prescribed} rad/s at the start"),
-                ));
+                );
             }
         }
     }

@@ -11,13 +11,18 @@ use std::time::Duration;
 use criterion::Criterion;
 use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic, ForceLaw};
+use rustchain::geometry::{Seat, Vec2};
 use rustchain::integrator::{Adams, StepControl};
 use rustchain::state::Start;
 use rustchain::{ForceLaws, Model, Simulation};
 
 /// The laws as users know them.
 pub const LAWS: [(&str, Elastic, Damping); 3] = [
-    ("lankarani_nikravesh", Elastic::Hertz, Damping::LankaraniNikravesh),
+    (
+        "lankarani_nikravesh",
+        Elastic::Hertz,
+        Damping::LankaraniNikravesh,
+    ),
     ("johnson", Elastic::Johnson, Damping::None),
     (
         "enhanced_cylinder",
@@ -31,7 +36,36 @@ pub const UNDER_WAY: f64 = 6e-3;
 
 /// The paper's drive at its start, where nothing touches.
 pub fn at_start(elastic: Elastic, damping: Damping) -> Simulation {
-    let drive = drives::paper_drive();
+    build(elastic, damping, Seat::PitchCircle, |_| {})
+}
+
+/// The paper's drive with the standard's seats, pulled into all of its hinges and seats at once, up to 1 um deep.
+pub fn pressed(elastic: Elastic, damping: Damping) -> Simulation {
+    build(elastic, damping, Seat::BottomDiameter, |start| {
+        let (links, sprockets) = start
+            .positions
+            .split_at_mut(drives::paper_chain().links as usize);
+        let (first, last) = (sprockets[0][0], sprockets[1][0]);
+        for (i, link) in links.iter_mut().enumerate() {
+            let from_axis = Vec2::new(link[0] - link[0].clamp(first, last), link[1]).normalize();
+            // A seat is 1 um away and a hinge has 25 um of clearance.
+            let shift = if Model::is_inner(i) { -1.5e-6 } else { 24.5e-6 } * from_axis;
+            link[0] += shift.x;
+            link[1] += shift.y;
+        }
+    })
+}
+
+fn build(
+    elastic: Elastic,
+    damping: Damping,
+    seat: Seat,
+    change: impl Fn(&mut Start),
+) -> Simulation {
+    let mut drive = drives::paper_drive();
+    for sprocket in &mut drive.sprockets {
+        sprocket.profile.seat = seat;
+    }
     let law = ForceLaw {
         elastic,
         damping,
@@ -42,7 +76,8 @@ pub fn at_start(elastic: Elastic, damping: Damping) -> Simulation {
         tooth: law,
         ..ForceLaws::default()
     };
-    let (start, _) = Start::generate(&drive).unwrap();
+    let (mut start, _) = Start::generate(&drive).unwrap();
+    change(&mut start);
     let model = Arc::new(Model::compile(&drive, &laws, &start).unwrap());
     Simulation::new(model, &start, StepControl::default()).unwrap()
 }
@@ -50,7 +85,10 @@ pub fn at_start(elastic: Elastic, damping: Damping) -> Simulation {
 /// The same at [`UNDER_WAY`].
 pub fn under_way(elastic: Elastic, damping: Damping) -> Simulation {
     let mut simulation = at_start(elastic, damping);
-    while !simulation.advance(UNDER_WAY, Duration::from_secs(1)).unwrap() {}
+    while !simulation
+        .advance(UNDER_WAY, Duration::from_secs(1))
+        .unwrap()
+    {}
     simulation
 }
 
@@ -96,7 +134,7 @@ pub fn contacts(dynamics: &Dynamics) -> String {
 /// Prints the counts that belong to a benchmark beside its time.
 #[allow(clippy::print_stdout)] // where criterion prints the time
 pub fn print_counts(benchmark: &str, counts: &str) {
-    println!("{benchmark:<40}counts: {counts}");
+    println!("{benchmark:<50}counts: {counts}");
 }
 
 /// Criterion as every benchmark here uses it.

@@ -12,6 +12,19 @@ from rustchain.force_law import ForceLaw
 from rustchain.result import Result
 from rustchain.simulation import Solver
 
+__all__ = [
+    "Core",
+    "InvalidInput",
+    "SimulationError",
+    "closing_center_distance",
+    "integrate",
+    "law_force",
+    "layout",
+    "links_for",
+    "tooth_outline",
+    "validate",
+]
+
 _Array = npt.NDArray[np.float64]
 
 class InvalidInput(ValueError):
@@ -70,8 +83,9 @@ class Core:
     def __new__(
         cls,
         drive: ChainDrive,
-        hinge_law: ForceLaw,
-        tooth_law: ForceLaw,
+        force_law: ForceLaw,
+        hinge_law: ForceLaw | None,
+        tooth_law: ForceLaw | None,
         min_approach_speed: float,
         solver: Solver,
         positions: npt.NDArray[np.float64] | None,
@@ -108,7 +122,7 @@ class Core:
         """Return the rows recorded up to now."""
     def step_to(self, t: float, wall_budget: float) -> bool:
         """Go on towards exactly `t` [s]; return whether it is reached."""
-    def stats(self) -> dict[str, Any]:
+    def stats(self) -> dict[str, float]:
         """Return the counts and wall times of the run."""
     def take_warnings(self) -> list[str]:
         """Return the warnings that have come up since the last call."""

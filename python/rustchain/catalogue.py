@@ -254,7 +254,7 @@ def _tensioner(pretension: float | None) -> Tensioner | None:
 def _listed(name: str) -> str:
     """Return the name as it stands in the catalogue, whatever its case here."""
     for listed in ANSI_SIZES:
-        if listed.casefold() == name.casefold():
+        if listed.casefold() == str(name).casefold():
             return listed
     msg = f"chain: {name!r} is not in the catalogue; {suggest(name, ANSI_SIZES)}"
     raise InvalidInput(msg)

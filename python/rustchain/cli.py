@@ -157,6 +157,19 @@ def _numbers(text: str) -> list[int]:
 def _save(result: rc.Result, out: Path) -> None:
     """Save a result and say so."""
     result.save(out)
+    stats, span = result.stats, result.time[-1] - result.time[0]
+    wall = sum(seconds for name, seconds in stats.items() if name.startswith("wall_"))
+    typer.echo(
+        f"{stats['steps']} steps, {stats['rejected']} rejected, "
+        f"{stats['evaluations']} evaluations, {stats['onsets']} onsets of contact, {wall:.1f} s"
+        + (f" ({wall / span:.2f} s for each simulated second)" if span > 0.0 else "")
+    )
+    if "energy" in result.groups:
+        energy = result.energy
+        typer.echo(
+            f"energy: {energy.dissipated[-1]:.3e} J dissipated, "
+            f"{energy.residual[-1]:.1e} J missing from the balance"
+        )
     typer.echo(f"{result.message}: {len(result.time)} rows in {out}")
 
 

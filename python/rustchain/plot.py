@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
@@ -17,7 +18,7 @@ from matplotlib.patches import Circle
 
 from rustchain import _rustchain
 from rustchain._names import known_keywords, suggest
-from rustchain.errors import InvalidInput, NotRecorded
+from rustchain.errors import InvalidInput
 from rustchain.result import Array, Bushing, Result
 
 if TYPE_CHECKING:
@@ -205,7 +206,8 @@ class Plots:
     def drive(self, time: float | None = None) -> Figure:
         """Draw the drive at the row nearest to `time` [s], by default at the start.
 
-        Any time but the start and the end needs the bodies recorded.
+        Without bodies recorded, the start or the end is drawn, whichever is nearer, with a warning
+        where that is not what was asked for.
         """
         time, positions = self._snapshot(time)
         drive, chain = self.result.drive, self.result.drive.chain
@@ -257,12 +259,16 @@ class Plots:
         found = float(result.time[row])
         if "positions" in result.arrays:
             return found, result.arrays["positions"][row]
-        if row == 0:
-            return found, result.initial_positions
-        if row == len(result.time) - 1:
-            return found, result.final_positions
-        msg = "bodies were not recorded between start and end; pass record=(..., 'bodies') to run"
-        raise NotRecorded(msg)
+        last = len(result.time) - 1
+        if row not in (0, last):
+            row = last if 2 * row > last else 0
+            found = float(result.time[row])
+            msg = (
+                f"drawn at t = {found:g} s: bodies were not recorded between start and end; "
+                "pass record=(..., 'bodies') to run"
+            )
+            warnings.warn(msg, UserWarning, stacklevel=3)
+        return found, result.final_positions if row == last else result.initial_positions
 
     def _tooth_loops(self, axes: Axes, number: int, rows: slice) -> None:
         """Draw force against penetration of a bushing, coloured by region."""

@@ -19,7 +19,8 @@ Pair: TypeAlias = tuple[float, float]
 class DriveReport:
     """How a chain lies round its sprockets at the start; ``print(report)`` shows it as a table.
 
-    Pairs belong to sprockets 1 and 2, or to the upper and the lower strand.
+    Pairs belong to sprockets 1 and 2, or to the upper strand (left of the line from sprocket 1 to
+    sprocket 2) and the lower one.
 
     Attributes
     ----------

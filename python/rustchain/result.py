@@ -54,7 +54,7 @@ _VARIABLES = {
         "hinges", ("hinge",), "N", "largest hinge force since the last row"
     ),
     "peak_hinge_impulse": _Variable(
-        "hinges", ("hinge",), "N s", "largest hinge impulse since the last row"
+        "hinges", ("hinge",), "N s", "impulse of the hinge since the last row"
     ),
     "tooth_force": _Variable("teeth", ("bushing",), "N", "force of tooth on bushing"),
     "tooth_penetration": _Variable("teeth", ("bushing",), "m", "penetration of bushing into tooth"),
@@ -67,7 +67,7 @@ _VARIABLES = {
         "teeth", ("bushing",), "N", "largest tooth force since the last row"
     ),
     "peak_tooth_impulse": _Variable(
-        "teeth", ("bushing",), "N s", "largest tooth impulse since the last row"
+        "teeth", ("bushing",), "N s", "impulse of the tooth since the last row"
     ),
     "sprocket_angle": _Variable("sprockets", ("sprocket",), "rad", "angle of the sprocket"),
     "sprocket_speed": _Variable("sprockets", ("sprocket",), "rad/s", "speed of the sprocket"),
@@ -138,7 +138,7 @@ class Bushing:
 
 @dataclass(frozen=True, eq=False)
 class Strand:
-    """One strand over time.
+    """One strand over time: "upper" lies left of the line from sprocket 1 to sprocket 2.
 
     Attributes
     ----------
@@ -182,7 +182,8 @@ class Energy:
     kinetic, gravity, elastic : ndarray, (times,)
         Energy stored [J].
     dissipated, worked_in : ndarray, (times,)
-        Energy lost in contacts, and work of motors and tensioner, so far [J].
+        Energy lost in contacts and in the tensioner's dashpot, and work of motors and tensioner, so
+        far [J].
     residual : ndarray, (times,)
         What the balance misses [J]: the honest error figure of a long run.
     """
@@ -197,7 +198,7 @@ class Energy:
 
 @dataclass(frozen=True, eq=False)
 class Peaks:
-    """The largest forces [N] and impulses [N s] within each report interval; row i ends at time i.
+    """Largest forces [N] and impulses [N s] within each report interval; row i ends at time i.
 
     An impact lasts 15 to 80 us, so that most of them fall between two rows of the other arrays.
     """
@@ -211,7 +212,7 @@ class Peaks:
 
     @property
     def hinge_impulse(self) -> Array:
-        """Largest impulse of each hinge [N s], (times, hinges)."""
+        """Impulse of each hinge [N s], (times, hinges)."""
         return self._result.array("peak_hinge_impulse")
 
     @property
@@ -221,7 +222,7 @@ class Peaks:
 
     @property
     def tooth_impulse(self) -> Array:
-        """Largest tooth impulse of each bushing [N s], (times, bushings)."""
+        """Impulse of the teeth on each bushing [N s], (times, bushings)."""
         return self._result.array("peak_tooth_impulse")
 
 
@@ -246,7 +247,7 @@ class Result:
     message : str
         The same in words.
     stats : dict
-        Steps, evaluations, contacts, wall time by phase [s].
+        Steps, evaluations, onsets of contacts and wall time by phase [s] of this run.
     """
 
     arrays: dict[str, npt.NDArray[Any]]
@@ -314,7 +315,7 @@ class Result:
         return Bushing(self.time, *(self.array(f"tooth_{name}")[:, k] for name in names))
 
     def strand(self, name: str) -> Strand:
-        """Return the strand "upper" or "lower"."""
+        """Return the strand "upper" (left of the line from sprocket 1 to 2) or "lower"."""
         if name not in _STRANDS:
             msg = f"strand: {name!r} is no strand; {suggest(name, _STRANDS)}"
             raise InvalidInput(msg)

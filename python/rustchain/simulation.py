@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import reprlib
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
@@ -18,7 +19,7 @@ from rustchain.errors import InvalidInput, RangeWarning, SimulationError
 from rustchain.force_law import ForceLaw, LankaraniNikravesh
 from rustchain.result import Array, Result, Status
 
-Group = Literal["hinges", "teeth", "sprockets", "bodies"]
+Group = Literal["hinges", "teeth", "sprockets", "bodies", "energy"]
 
 _WALL_BUDGET = 0.05  # [s] between looks at the keyboard and the progress bar
 
@@ -126,18 +127,21 @@ class Simulation:
         solver: Solver = _SOLVER,
     ) -> None:
         self.drive = drive
-        self.hinge_law = hinge_law or force_law
-        self.tooth_law = tooth_law or force_law
+        self.hinge_law = force_law if hinge_law is None else hinge_law
+        self.tooth_law = force_law if tooth_law is None else tooth_law
         self.min_approach_speed = min_approach_speed
         self.solver = solver
+        known = isinstance(drive, ChainDrive)  # the core refuses anything else
+        bodies = drive.chain.links + len(drive.sprockets) if known else "bodies"
         self._core = _rustchain.Core(
             drive,
-            self.hinge_law,
-            self.tooth_law,
+            force_law,
+            hinge_law,
+            tooth_law,
             min_approach_speed,
             solver,
-            _floats(positions),
-            _floats(velocities),
+            _rows("positions", positions, bodies),
+            _rows("velocities", velocities, bodies),
         )
         self._warn()
 
@@ -185,7 +189,13 @@ class Simulation:
         time : float, optional
             By default the present one [s].
         """
-        return Evaluation(**self._core.evaluate(_floats(positions), _floats(velocities), time))
+        return Evaluation(
+            **self._core.evaluate(
+                _rows("positions", positions, len(self.body_names)),
+                _rows("velocities", velocities, len(self.body_names)),
+                time,
+            )
+        )
 
     @known_keywords
     def step_to(self, t: float) -> None:
@@ -213,10 +223,10 @@ class Simulation:
             Simulated time from now on [s].
         report_step : float
             Time between two rows of the result [s].
-        record : sequence of {"hinges", "teeth", "sprockets", "bodies"}
+        record : sequence of {"hinges", "teeth", "sprockets", "bodies", "energy"}
             What to record.
         energy : bool
-            Whether to keep the energy balance.
+            Whether to keep the energy balance, whatever `record` says.
         progress : bool
             Whether to show a progress bar, where a terminal is there to show it.
 
@@ -231,7 +241,10 @@ class Simulation:
             The run cannot go on; ``error.result`` holds the rows until then.
         """
         start = (self.positions, self.velocities)
-        self._core.start_recording(duration, report_step, _known_groups(record), energy)
+        before = self._core.stats()
+        groups = _known_groups(record)
+        energy = True if "energy" in groups else energy
+        self._core.start_recording(duration, report_step, groups, energy)
 
         def result(status: Status, message: str) -> Result:
             return Result(
@@ -248,7 +261,7 @@ class Simulation:
                 final_velocities=self.velocities,
                 status=status,
                 message=message,
-                stats=self._core.stats(),
+                stats={name: n - before[name] for name, n in self._core.stats().items()},
             )
 
         try:
@@ -260,6 +273,7 @@ class Simulation:
             error.result = result("failed", str(error))
             raise
         finally:
+            self._core.take_recording()  # whatever else ended the run
             self._warn()
 
     def _advance(self, duration: float, progress: bool) -> None:
@@ -282,13 +296,27 @@ class Simulation:
             warnings.warn(message, RangeWarning, stacklevel=4)
 
 
-def _floats(values: npt.ArrayLike | None) -> Array | None:
-    """Return `values` as the compiled module wants them."""
-    return None if values is None else np.ascontiguousarray(values, dtype=float)
+def _rows(name: str, values: npt.ArrayLike | None, bodies: int | str) -> Array | None:
+    """Return `values` as the compiled module wants them: (bodies, 3) real numbers."""
+    if values is None:
+        return None
+    try:
+        given = np.asarray(values)
+        array = np.ascontiguousarray(given, dtype=float) if given.dtype.kind in "iuf" else None
+    except ValueError:  # ragged
+        given, array = np.empty(0, dtype=object), None
+    if array is None or array.ndim != 2:
+        shown = reprlib.repr(values) if array is None else f"an array of shape {given.shape}"
+        msg = f"{name} = {shown}, {given.dtype}: must be numbers of shape ({bodies}, 3)"
+        raise InvalidInput(msg)
+    return array
 
 
 def _known_groups(record: Sequence[str]) -> list[str]:
     """Return the groups to record, each of which must exist."""
+    if not isinstance(record, Iterable):
+        msg = f"record = {record!r}: must be a sequence of groups: {', '.join(get_args(Group))}"
+        raise InvalidInput(msg)
     groups = [record] if isinstance(record, str) else list(record)
     for group in groups:
         if group not in get_args(Group):

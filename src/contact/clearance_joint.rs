@@ -64,7 +64,10 @@ impl HingeContacts {
         self.place_ends(n, model.half_pitch, motion);
         for k in 0..n {
             let next = if k + 1 == n { 0 } else { k + 1 };
-            let offset = Vec2::new(self.front_x[k] - self.rear_x[next], self.front_y[k] - self.rear_y[next]);
+            let offset = Vec2::new(
+                self.front_x[k] - self.rear_x[next],
+                self.front_y[k] - self.rear_y[next],
+            );
             let velocity = Vec2::new(
                 self.front_vx[k] - self.rear_vx[next],
                 self.front_vy[k] - self.rear_vy[next],
@@ -113,7 +116,10 @@ impl HingeContacts {
     #[must_use]
     pub fn eccentricity(&self, k: usize) -> Vec2 {
         let next = if k + 1 == self.rear_x.len() { 0 } else { k + 1 };
-        let offset = Vec2::new(self.front_x[k] - self.rear_x[next], self.front_y[k] - self.rear_y[next]);
+        let offset = Vec2::new(
+            self.front_x[k] - self.rear_x[next],
+            self.front_y[k] - self.rear_y[next],
+        );
         if Model::is_inner(k) { -offset } else { offset }
     }
 
@@ -121,7 +127,11 @@ impl HingeContacts {
     #[must_use]
     pub fn force_on_pin(&self, k: usize) -> Vec2 {
         let on_front = self.force_on_front(k);
-        if Model::is_inner(k) { -on_front } else { on_front }
+        if Model::is_inner(k) {
+            -on_front
+        } else {
+            on_front
+        }
     }
 
     /// Force on the front end of link `k` at hinge `k` \[N\].

@@ -7,8 +7,8 @@ mod tooth_contact;
 
 pub use clearance_joint::HingeContacts;
 pub use impact_memory::{ImpactMemory, OnsetCounts};
-pub use onset::{PairPath, first_crossing, hinge_path, tooth_path};
-pub use tooth_contact::{ToothContacts, bushing_on_sprocket};
+pub use onset::{first_crossing, hinge_at, tooth_at};
+pub use tooth_contact::{OnGap, SprocketFrame, ToothContacts, bushing_on_sprocket};
 
 use crate::geometry::Vec2;
 

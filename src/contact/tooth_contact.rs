@@ -22,7 +22,7 @@ pub struct ToothContacts {
     pub arm_x: Vec<f64>,
     /// The same, y \[m\].
     pub arm_y: Vec<f64>,
-    /// Kind of surface, as its number.
+    /// Kind of surface.
     pub surface: Vec<Surface>,
     /// Region 1 to 7.
     pub region: Vec<u8>,
@@ -127,13 +127,17 @@ impl SprocketFrame {
     }
 }
 
-/// A bushing in its gap.
+/// A bushing in the gap of a sprocket.
 #[derive(Debug, Clone, Copy)]
-struct OnGap {
-    contact: Contact,
-    surface: Surface,
-    region: u8,
-    gap: u32,
+pub struct OnGap {
+    /// Depth and rate.
+    pub contact: Contact,
+    /// Kind of surface.
+    pub surface: Surface,
+    /// Region 1 to 7.
+    pub region: u8,
+    /// Gap, from 0.
+    pub gap: u32,
 }
 
 /// One bushing against one sprocket; `None` when it is out of reach of every tooth.
@@ -144,15 +148,21 @@ pub fn bushing_on_sprocket(
     point: Vec2,
     velocity: Vec2,
     radius: f64,
-) -> Option<Contact> {
+) -> Option<OnGap> {
     let arm = point - frame.center;
     if arm.norm_squared() >= sprocket.reach * sprocket.reach {
         return None;
     }
-    Some(on_gap(sprocket, frame, arm, velocity, radius).contact)
+    Some(on_gap(sprocket, frame, arm, velocity, radius))
 }
 
-fn on_gap(sprocket: &SprocketModel, frame: &SprocketFrame, arm: Vec2, velocity: Vec2, radius: f64) -> OnGap {
+fn on_gap(
+    sprocket: &SprocketModel,
+    frame: &SprocketFrame,
+    arm: Vec2,
+    velocity: Vec2,
+    radius: f64,
+) -> OnGap {
     let profile = &sprocket.profile;
     let in_body = Vec2::new(
         arm.x * frame.cos + arm.y * frame.sin,
@@ -161,9 +171,15 @@ fn on_gap(sprocket: &SprocketModel, frame: &SprocketFrame, arm: Vec2, velocity: 
     let gap = profile.nearest_gap(in_body.y.atan2(in_body.x));
     let (cos, sin) = sprocket.gap_directions[gap as usize];
     // v: radially outward through the gap; u: v turned clockwise.
-    let v = Vec2::new(frame.cos * cos - frame.sin * sin, frame.sin * cos + frame.cos * sin);
+    let v = Vec2::new(
+        frame.cos * cos - frame.sin * sin,
+        frame.sin * cos + frame.cos * sin,
+    );
     let u = Vec2::new(v.y, -v.x);
-    let found = profile.contact(Vec2::new(arm.dot(&u), arm.dot(&v) - profile.seat_center_radius), radius);
+    let found = profile.contact(
+        Vec2::new(arm.dot(&u), arm.dot(&v) - profile.seat_center_radius),
+        radius,
+    );
     let normal = found.normal.x * u + found.normal.y * v;
     // Each surface is fixed in the sprocket and its normal points along the line of centres (or is constant): the
     // bushing's velocity seen from the sprocket at the same place gives the rate in every region.

@@ -3,6 +3,9 @@
 use super::Material;
 use crate::error::{Error, Result, check};
 
+/// Largest number of links: about 10 GB of memory in a run.
+const MOST_LINKS: u32 = 1_000_000;
+
 /// Mass properties of a link about its own centre, midway between its hinges.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Link {
@@ -59,7 +62,7 @@ impl Chain {
     /// Names the field, its value and what is allowed.
     pub fn validate(&self) -> Result<()> {
         check::positive("Chain.pitch", self.pitch, "m")?;
-        if self.links % 2 != 0 {
+        if !self.links.is_multiple_of(2) {
             return Err(Error::invalid(
                 "Chain.links",
                 self.links,
@@ -70,9 +73,7 @@ impl Chain {
                 ),
             ));
         }
-        if self.links < 4 {
-            return Err(Error::invalid("Chain.links", self.links, "must be at least 4"));
-        }
+        check_links("Chain.links", self.links)?;
         for (name, link) in [("inner", self.inner), ("outer", self.outer)] {
             check::positive(&format!("Chain.{name}.mass"), link.mass, "kg")?;
             check::positive(&format!("Chain.{name}.inertia"), link.inertia, "kg m^2")?;
@@ -83,7 +84,10 @@ impl Chain {
             return Err(Error::invalid(
                 "Chain.bushing_radius",
                 self.bushing_radius,
-                format!("must be larger than the bore's, {} m", self.hinge.bore_radius),
+                format!(
+                    "must be larger than the bore's, {} m",
+                    self.hinge.bore_radius
+                ),
             ));
         }
         if 2.0 * self.bushing_radius >= self.pitch {
@@ -99,6 +103,18 @@ impl Chain {
         check::positive("Chain.tooth_contact_length", self.tooth_contact_length, "m")?;
         self.material.validate()
     }
+}
+
+/// The number of links must lie in a range that a computer can hold.
+///
+/// # Errors
+/// Names the field, its value and the range.
+pub fn check_links(field: &str, links: u32) -> Result<()> {
+    if (4..=MOST_LINKS).contains(&links) {
+        return Ok(());
+    }
+    let expected = format!("must be between 4 and {MOST_LINKS}");
+    Err(Error::invalid(field, links, expected))
 }
 
 impl Link {

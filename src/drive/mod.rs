@@ -7,7 +7,7 @@ mod sprocket;
 mod tensioner;
 mod time_table;
 
-pub use chain::{Chain, ClearanceHinge, Link};
+pub use chain::{Chain, ClearanceHinge, Link, check_links};
 pub use material::Material;
 pub use profile::AnsiTooth;
 pub use sprocket::{Bearing, Motion, Sprocket};
@@ -39,6 +39,7 @@ impl Drive {
         self.chain.validate()?;
         for sprocket in &self.sprockets {
             sprocket.validate()?;
+            sprocket.check_against(&self.chain)?;
         }
         if self.sprockets.len() != 2 {
             return Err(Error::invalid(
@@ -56,7 +57,10 @@ impl Drive {
                 return Err(Error::invalid(
                     "Tensioner.sprocket",
                     tensioner.sprocket,
-                    format!("must be the number of a sprocket, 1 to {}", self.sprockets.len()),
+                    format!(
+                        "must be the number of a sprocket, 1 to {}",
+                        self.sprockets.len()
+                    ),
                 ));
             };
             if sprocket.bearing == Bearing::Floating {

@@ -27,7 +27,8 @@ impl AnsiTooth {
     /// # Errors
     /// Names the field, its value and what is allowed.
     pub fn validate(&self) -> Result<()> {
-        self.roller_diameter
-            .map_or(Ok(()), |d| check::positive("AnsiTooth.roller_diameter", d, "m"))
+        self.roller_diameter.map_or(Ok(()), |d| {
+            check::positive("AnsiTooth.roller_diameter", d, "m")
+        })
     }
 }

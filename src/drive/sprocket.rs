@@ -66,7 +66,10 @@ impl Sprocket {
         for (name, value) in [("x", self.center.x), ("y", self.center.y)] {
             check::finite(&format!("Sprocket.center ({name})"), value, "m")?;
         }
-        for (name, value, unit) in [("mass", self.mass, "kg"), ("inertia", self.inertia, "kg m^2")] {
+        for (name, value, unit) in [
+            ("mass", self.mass, "kg"),
+            ("inertia", self.inertia, "kg m^2"),
+        ] {
             if let Some(value) = value {
                 check::positive(&format!("Sprocket.{name}"), value, unit)?;
             }
@@ -84,10 +87,36 @@ impl Sprocket {
         self.profile.validate()
     }
 
+    /// Checks that the teeth suit `chain`.
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn check_against(&self, chain: &Chain) -> Result<()> {
+        let bushing = 2.0 * chain.bushing_radius;
+        let roller = self.profile.roller_diameter.unwrap_or(bushing);
+        let seat = self.tooth_profile(chain).seating.radius;
+        if seat <= chain.bushing_radius || roller >= chain.pitch {
+            return Err(Error::invalid(
+                "AnsiTooth.roller_diameter",
+                roller,
+                format!(
+                    "must be below the pitch, {} m, and give a seat wider than the bushing of {bushing} m (this one's is \
+                     {:.6} m): take {bushing} m",
+                    chain.pitch,
+                    2.0 * seat
+                ),
+            ));
+        }
+        Ok(())
+    }
+
     /// The tooth profile for `chain`.
     #[must_use]
     pub fn tooth_profile(&self, chain: &Chain) -> ToothProfile {
-        let roller = self.profile.roller_diameter.unwrap_or(2.0 * chain.bushing_radius);
+        let roller = self
+            .profile
+            .roller_diameter
+            .unwrap_or(2.0 * chain.bushing_radius);
         ToothProfile::ansi(chain.pitch, roller, self.teeth, self.profile.seat)
     }
 

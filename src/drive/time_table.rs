@@ -28,7 +28,11 @@ impl TimeTable {
     /// When there is no row, a number is not finite or times do not increase.
     pub fn new(field: &str, unit: &str, rows: &[(f64, f64)]) -> Result<Self> {
         if rows.is_empty() {
-            return Err(Error::invalid(field, "()", "needs at least one row (time, value)"));
+            return Err(Error::invalid(
+                field,
+                "()",
+                "needs at least one row (time, value)",
+            ));
         }
         for &(time, value) in rows {
             check::finite(&format!("{field} (time)"), time, "s")?;

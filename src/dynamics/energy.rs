@@ -30,7 +30,10 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
     let mut add_body = |body: usize, mass: f64, inertia: f64| {
         let (vx, vy, spin) = (motion.vx[body], motion.vy[body], motion.spin[body]);
         energy.kinetic += 0.5 * mass * (vx * vx + vy * vy) + 0.5 * inertia * spin * spin;
-        energy.gravity -= mass * model.gravity.dot(&Vec2::new(motion.x[body], motion.y[body]));
+        energy.gravity -= mass
+            * model
+                .gravity
+                .dot(&Vec2::new(motion.x[body], motion.y[body]));
     };
     for i in 0..model.links {
         add_body(i, model.mass[i], model.inertia[i]);

@@ -20,7 +20,12 @@ pub(super) fn hinge_forces<L: ElasticLaw, const ENERGY: bool>(
         }
         let rate = hinges.rate[k];
         let elastic = L::force(pair, depth);
-        let force = elastic * damping_factor(lambda, rate, memory.onset_speed(memory.hinge_speed[k], rate));
+        let force = elastic
+            * damping_factor(
+                lambda,
+                rate,
+                memory.onset_speed(memory.hinge_speed[k], rate),
+            );
         hinges.force[k] = force;
         if ENERGY {
             dissipated += (force - elastic) * rate;
@@ -53,7 +58,10 @@ pub(super) fn tooth_forces<L: ElasticLaw, const ENERGY: bool>(
         } else {
             teeth.surface[pair]
         };
-        let elastic = L::force(&pairs[Model::tooth_pair(pair / model.links, surface)], depth);
+        let elastic = L::force(
+            &pairs[Model::tooth_pair(pair / model.links, surface)],
+            depth,
+        );
         let force = elastic * damping_factor(lambda, rate, memory.onset_speed(remembered, rate));
         teeth.force[pair] = force;
         if ENERGY {

@@ -84,7 +84,8 @@ impl Accelerations {
                 front += Vec2::new(self.tooth_x[i], self.tooth_y[i]);
                 rear += Vec2::new(self.tooth_x[before], self.tooth_y[before]);
             }
-            let moment = model.half_pitch * (motion.cos[i] * (front.y - rear.y) - motion.sin[i] * (front.x - rear.x));
+            let moment = model.half_pitch
+                * (motion.cos[i] * (front.y - rear.y) - motion.sin[i] * (front.x - rear.x));
             self.x[i] = (front.x + rear.x) * model.inverse_mass[i] + model.gravity.x;
             self.y[i] = (front.y + rear.y) * model.inverse_mass[i] + model.gravity.y;
             self.angle[i] = moment * model.inverse_inertia[i];
@@ -97,7 +98,9 @@ impl Accelerations {
             let force = self.chain_force[s];
             let acceleration = match sprocket.support {
                 Support::Fixed => Vec2::zeros(),
-                Support::Slide { direction, damping, .. } => {
+                Support::Slide {
+                    direction, damping, ..
+                } => {
                     let speed = motion.vx[body] * direction.x + motion.vy[body] * direction.y;
                     let along = force.dot(&direction) + sprocket.pull(t) - damping * speed;
                     (along / sprocket.mass + model.gravity.dot(&direction)) * direction
@@ -108,7 +111,9 @@ impl Accelerations {
             self.y[body] = acceleration.y;
             self.angle[body] = match &sprocket.rotation {
                 Rotation::Prescribed(speed) => speed.slope(t),
-                Rotation::Free { .. } => (self.chain_moment[s] + sprocket.applied_torque(t)) / sprocket.inertia,
+                Rotation::Free { .. } => {
+                    (self.chain_moment[s] + sprocket.applied_torque(t)) / sprocket.inertia
+                }
             };
         }
     }
@@ -142,7 +147,10 @@ pub(super) fn add_outside_powers(
             Rotation::Prescribed(_) => -accelerations.chain_moment[s] * spin,
             Rotation::Free { .. } => sprocket.applied_torque(t) * spin,
         };
-        if let Support::Slide { direction, damping, .. } = sprocket.support {
+        if let Support::Slide {
+            direction, damping, ..
+        } = sprocket.support
+        {
             let speed = motion.vx[body] * direction.x + motion.vy[body] * direction.y;
             powers.worked_in += sprocket.pull(t) * speed;
             powers.dissipated += damping * speed * speed;

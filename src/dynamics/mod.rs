@@ -10,7 +10,9 @@ use std::sync::Arc;
 
 pub use energy::Energy;
 
-use crate::contact::{HingeContacts, ImpactMemory, ToothContacts, first_crossing, hinge_path, tooth_path};
+use crate::contact::{
+    HingeContacts, ImpactMemory, ToothContacts, first_crossing, hinge_at, tooth_at,
+};
 use crate::force_law::{Elastic, Regions, with_law};
 use crate::integrator::{Adams, OdeSystem, Step};
 use crate::model::{Model, Rotation, Support};
@@ -37,8 +39,10 @@ pub struct Dynamics {
     keeps_energy: bool,
     /// Pairs that came apart in the last step; they keep their memory until the next one begins, for reports inside it.
     parted: Vec<Pair>,
-    /// The deepest a contact has been past the end of its law \[m\], with its name.
-    past_range: Vec<String>,
+    /// The first hinge that went past the end of its law, in words.
+    hinge_past_range: Option<String>,
+    /// The first tooth contact that did.
+    tooth_past_range: Option<String>,
 }
 
 /// A hinge, or a bushing and a sprocket.
@@ -61,7 +65,8 @@ impl Dynamics {
             accelerations: Accelerations::new(model.bodies()),
             keeps_energy: false,
             parted: Vec::with_capacity(links * (1 + sprockets)),
-            past_range: Vec::new(),
+            hinge_past_range: None,
+            tooth_past_range: None,
             model,
         }
     }
@@ -72,9 +77,28 @@ impl Dynamics {
         &self.model
     }
 
+    /// Whether the sums of the energy balance grow.
+    #[must_use]
+    pub fn keeps_energy(&self) -> bool {
+        self.keeps_energy
+    }
+
     /// Switches the sums of the energy balance on or off.
     pub fn keep_energy(&mut self, keep: bool) {
         self.keeps_energy = keep;
+    }
+
+    /// Hinges, and pairs of bushing and sprocket, that came apart in the last step: their memory ends with it.
+    #[must_use]
+    pub fn parted(&self) -> (Vec<usize>, Vec<usize>) {
+        let mut parted = (Vec::new(), Vec::new());
+        for pair in &self.parted {
+            match *pair {
+                Pair::Hinge(k) => parted.0.push(k),
+                Pair::Tooth(pair) => parted.1.push(pair),
+            }
+        }
+        parted
     }
 
     /// Evaluates contacts, forces and accelerations at (`t`, `y`).
@@ -99,7 +123,13 @@ impl Dynamics {
             worked_in: 0.0,
         };
         if self.keeps_energy {
-            loads::add_outside_powers(&self.model, &self.motion, &self.accelerations, t, &mut powers);
+            loads::add_outside_powers(
+                &self.model,
+                &self.motion,
+                &self.accelerations,
+                t,
+                &mut powers,
+            );
         }
         powers
     }
@@ -154,7 +184,11 @@ impl Dynamics {
                 continue;
             }
             if touching {
-                let (_, rate) = first_crossing(hinge_path(&model, adams, k), step.start, step.end);
+                let (_, rate) = first_crossing(
+                    |t| Some(hinge_at(&model, adams, k, t)),
+                    step.start,
+                    step.end,
+                );
                 self.memory.begin_hinge(k, rate);
             } else {
                 self.parted.push(Pair::Hinge(k));
@@ -167,9 +201,11 @@ impl Dynamics {
             }
             if touching {
                 let (sprocket, bushing) = (pair / model.links, pair % model.links);
-                let path = tooth_path(&model, adams, bushing, sprocket);
-                let (_, rate) = first_crossing(path, step.start, step.end);
-                self.memory.begin_tooth(pair, rate, self.teeth.surface[pair]);
+                let at = |t| tooth_at(&model, adams, bushing, sprocket, t);
+                let (t, rate) =
+                    first_crossing(|t| at(t).map(|found| found.contact), step.start, step.end);
+                let surface = at(t).map_or(self.teeth.surface[pair], |found| found.surface);
+                self.memory.begin_tooth(pair, rate, surface);
             } else {
                 self.parted.push(Pair::Tooth(pair));
             }
@@ -177,46 +213,33 @@ impl Dynamics {
         self.watch_ranges();
     }
 
-    /// Notes the first contact that goes past the end of its law.
+    /// Notes the first hinge and the first tooth contact that go past the end of their law.
     fn watch_ranges(&mut self) {
         let model = &self.model;
-        if model.hinge_law.elastic == Elastic::Johnson && !self.past_range.iter().any(|note| note.contains("hinge")) {
+        if model.hinge_law.elastic == Elastic::Johnson && self.hinge_past_range.is_none() {
             let end = with_law!(&model.hinge_law.pairs, Law, pairs => range_end::<Law>(&pairs[0]));
-            if let Some(k) = self.hinges.penetration.iter().position(|&depth| depth > end) {
-                self.past_range.push(format!(
-                    "johnson law, hinge {}: penetration {:.3e} m is past the end of the law, {end:.3e} m; \
-                     the force goes on with the secant's stiffness",
-                    k + 1,
-                    self.hinges.penetration[k]
-                ));
+            let depths = &self.hinges.penetration;
+            if let Some(k) = depths.iter().position(|&depth| depth > end) {
+                self.hinge_past_range =
+                    Some(past_range(&format!("hinge {}", k + 1), depths[k], end));
             }
         }
-        if model.tooth_law.elastic == Elastic::Johnson && !self.past_range.iter().any(|note| note.contains("bushing")) {
-            for &pair in &self.teeth.near {
+        if model.tooth_law.elastic == Elastic::Johnson && self.tooth_past_range.is_none() {
+            self.tooth_past_range = self.teeth.near.iter().find_map(|&pair| {
                 let pair = pair as usize;
                 let depth = self.teeth.penetration[pair];
-                if depth <= 0.0 {
-                    continue;
-                }
-                let number = Model::tooth_pair(pair / model.links, self.stiffness_surface(pair));
+                let (s, k) = (pair / model.links, pair % model.links);
+                let number = Model::tooth_pair(s, self.stiffness_surface(pair));
                 let end = with_law!(&model.tooth_law.pairs, Law, pairs => range_end::<Law>(&pairs[number]));
-                if depth > end {
-                    self.past_range.push(format!(
-                        "johnson law, bushing {} on sprocket {}: penetration {depth:.3e} m is past the end of the law, \
-                         {end:.3e} m; the force goes on with the secant's stiffness",
-                        pair % model.links + 1,
-                        pair / model.links + 1
-                    ));
-                    break;
-                }
-            }
+                let name = || format!("bushing {} on sprocket {}", k + 1, s + 1);
+                (depth > end).then(|| past_range(&name(), depth, end))
+            });
         }
     }
 
-    /// Which contacts went past the end of their law, a line each.
-    #[must_use]
-    pub fn past_range(&self) -> &[String] {
-        &self.past_range
+    /// Which contacts were the first to go past the end of their law, a line each.
+    pub fn past_range(&self) -> impl Iterator<Item = &String> {
+        self.hinge_past_range.iter().chain(&self.tooth_past_range)
     }
 
     /// The surface whose stiffness a pair has now.
@@ -241,21 +264,38 @@ impl Dynamics {
         let hinge = (0..n)
             .filter(|&k| body >= n || k == body || (k + 1) % n == body)
             .map(|k| (self.hinges.force[k], format!("hinge {}", k + 1)));
-        let tooth = self.teeth.near.iter().map(|&p| p as usize).filter_map(|pair| {
-            let (s, k) = (pair / n, pair % n);
-            (self.model.link_of_bushing(k) == body || n + s == body).then(|| {
-                (
-                    self.teeth.force[pair],
-                    format!("bushing {} on sprocket {}, gap {}", k + 1, s + 1, self.teeth.gap[pair]),
-                )
-            })
-        });
+        let tooth = self
+            .teeth
+            .near
+            .iter()
+            .map(|&p| p as usize)
+            .filter_map(|pair| {
+                let (s, k) = (pair / n, pair % n);
+                (self.model.link_of_bushing(k) == body || n + s == body).then(|| {
+                    (
+                        self.teeth.force[pair],
+                        format!(
+                            "bushing {} on sprocket {}, gap {}",
+                            k + 1,
+                            s + 1,
+                            self.teeth.gap[pair]
+                        ),
+                    )
+                })
+            });
         hinge
             .chain(tooth)
             .filter(|(force, _)| *force != 0.0)
             .max_by(|a, b| a.0.total_cmp(&b.0))
             .map(|(force, name)| format!("{name} pressed by {force:.3} N"))
     }
+}
+
+fn past_range(contact: &str, depth: f64, end: f64) -> String {
+    format!(
+        "johnson law, {contact}: penetration {depth:.3e} m is past the end of the law, {end:.3e} m; \
+         the force goes on with the secant's stiffness"
+    )
 }
 
 fn range_end<L: crate::force_law::ElasticLaw>(pair: &L::Pair) -> f64 {
@@ -293,7 +333,9 @@ impl OdeSystem for Dynamics {
             let body = n + i;
             match sprocket.support {
                 Support::Fixed => {}
-                Support::Slide { index, direction, .. } => {
+                Support::Slide {
+                    index, direction, ..
+                } => {
                     rest[index] = a.x[body] * direction.x + a.y[body] * direction.y;
                 }
                 Support::Floating { x, y } => {

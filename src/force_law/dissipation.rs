@@ -5,7 +5,7 @@
 pub enum Damping {
     /// None: the contact is elastic.
     None,
-    /// 1 + 3 (1 - c_e²)/4 δ'/δ'₀ (Lankarani and Nikravesh 1990).
+    /// 1 + 3 (1 - `c_e²)/4` δ'/δ'₀ (Lankarani and Nikravesh 1990).
     LankaraniNikravesh,
 }
 

@@ -43,7 +43,8 @@ impl ElasticLaw for EnhancedCylinder {
             Conformity::External => (0.39, 0.85, 1.094),
             Conformity::Internal => (0.49, 0.10, internal_exponent(dr)),
         };
-        let stiffness = (a * dr + b) * (surfaces.length * METRE) * (surfaces.contact_modulus * PASCAL) / dr;
+        let stiffness =
+            (a * dr + b) * (surfaces.length * METRE) * (surfaces.contact_modulus * PASCAL) / dr;
         EnhancedCylinderPair {
             stiffness: stiffness * METRE.powf(exponent),
             exponent,
@@ -85,7 +86,12 @@ mod tests {
 
     #[test]
     fn pin_in_bushing_carries_50_newtons_at_0_1052_micrometres() {
-        let pair = EnhancedCylinder::prepare(&SurfacePair::internal(2.22e-3, 2.245e-3, 0.011, 2.07e11 / 1.82));
+        let pair = EnhancedCylinder::prepare(&SurfacePair::internal(
+            2.22e-3,
+            2.245e-3,
+            0.011,
+            2.07e11 / 1.82,
+        ));
         let penetration = (50.0 / pair.stiffness).powf(1.0 / pair.exponent);
         assert!((penetration - 0.1052e-6).abs() < 5e-11);
         assert!((EnhancedCylinder::force(&pair, penetration) - 50.0).abs() < 1e-9);

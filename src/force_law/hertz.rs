@@ -1,4 +1,4 @@
-//! Hertz's law for spheres, f = K δ^1.5 with K = (4/3) E* sqrt(R_i R_j / ΔR) (paper's Eq. 4 without its damping).
+//! Hertz's law for spheres, f = K δ^1.5 with K = (4/3) E* `sqrt(R_i` `R_j` / ΔR) (paper's Eq. 4 without its damping).
 
 use super::{ElasticLaw, SurfacePair};
 
@@ -39,7 +39,12 @@ mod tests {
     #[test]
     fn bushing_on_the_working_curve_carries_48_newtons_at_2500_nanometres() {
         let modulus = 2.07e11 / (2.0 * (1.0 - 0.09));
-        let pair = Hertz::prepare(&SurfacePair::internal(3.968_75e-3, 10.376_694e-3, 0.007, modulus));
+        let pair = Hertz::prepare(&SurfacePair::internal(
+            3.968_75e-3,
+            10.376_694e-3,
+            0.007,
+            modulus,
+        ));
         assert!((pair.stiffness * 10f64.powf(-4.5) - 3.844e5).abs() < 50.0);
         assert!((Hertz::force(&pair, 2.5e-6) - 48.05).abs() < 0.05);
     }

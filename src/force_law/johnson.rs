@@ -1,8 +1,8 @@
 //! Johnson's law for cylinders, δ = f/(π L E*) [ln(4 π L E* ΔR / f) - 1] (paper's Eq. 5), inverted exactly.
 //!
-//! The physical branch ends where δ is largest: δ_end = 4 ΔR/e², f_end = 4 π L E* ΔR/e² (e: Euler's number). With
-//! f = f_end exp(-x) the law reads x - ln(1 + x) = ln(δ_end/δ), x >= 0, which Newton's method solves without trouble from
-//! δ_end down to the smallest number (x = -1 - W₋₁(...), the lower Lambert branch).
+//! The physical branch ends where δ is largest: `δ_end` = 4 ΔR/e², `f_end` = 4 π L E* ΔR/e² (e: Euler's number). With
+//! f = `f_end` exp(-x) the law reads x - ln(1 + x) = `ln(δ_end/δ)`, x >= 0, which Newton's method solves without trouble from
+//! `δ_end` down to the smallest number (x = -1 - W₋₁(...), the lower Lambert branch).
 
 use super::{ElasticLaw, SurfacePair};
 
@@ -26,7 +26,10 @@ impl ElasticLaw for Johnson {
         let end_penetration = 4.0 * surfaces.radius_difference * (-2.0f64).exp();
         JohnsonPair {
             end_penetration,
-            end_force: std::f64::consts::PI * surfaces.length * surfaces.contact_modulus * end_penetration,
+            end_force: std::f64::consts::PI
+                * surfaces.length
+                * surfaces.contact_modulus
+                * end_penetration,
         }
     }
 
@@ -46,7 +49,8 @@ impl ElasticLaw for Johnson {
             return 0.0;
         }
         // With f = f_end exp(-x): the integral of f dδ is f² /(π L E*) (x/2 + 1/4), and π L E* = f_end/δ_end.
-        let up_to = |x: f64| pair.end_force * pair.end_penetration * (-2.0 * x).exp() * (0.5 * x + 0.25);
+        let up_to =
+            |x: f64| pair.end_force * pair.end_penetration * (-2.0 * x).exp() * (0.5 * x + 0.25);
         if penetration >= pair.end_penetration {
             let past = penetration / pair.end_penetration;
             return up_to(0.0) + 0.5 * pair.end_force * pair.end_penetration * (past * past - 1.0);
@@ -101,7 +105,10 @@ mod tests {
         while penetration < 0.9999 * pair.end_penetration {
             let f = Johnson::force(&pair, penetration);
             let back = f / scale * ((4.0 * scale * surfaces.radius_difference / f).ln() - 1.0);
-            assert!((back / penetration - 1.0).abs() < 1e-12, "{penetration} {back}");
+            assert!(
+                (back / penetration - 1.0).abs() < 1e-12,
+                "{penetration} {back}"
+            );
             penetration *= 1.07;
         }
     }

@@ -98,6 +98,7 @@ pub trait ElasticLaw {
     }
 
     /// Why the law is outside its range for these surfaces whatever the penetration, if it is.
+    #[must_use]
     fn range_note(_surfaces: &SurfacePair) -> Option<String> {
         None
     }

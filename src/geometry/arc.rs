@@ -17,7 +17,10 @@ impl Arc {
     pub fn depth_inside(&self, point: Vec2, radius: f64) -> (f64, Vec2) {
         let offset = point - self.center;
         let distance = offset.norm();
-        (distance - (self.radius - radius), direction(offset, distance))
+        (
+            distance - (self.radius - radius),
+            direction(offset, distance),
+        )
     }
 
     /// Penetration \[m\] of a cylinder of `radius` against the convex side, and the direction in which it grows.

@@ -169,12 +169,20 @@ impl ToothProfile {
         2.0 * PI / f64::from(self.teeth)
     }
 
-    /// The gap nearest to the direction `angle` \[rad\] in the sprocket's own frame.
+    /// The gap nearest to the direction `angle` \[rad\], between -π and π, in the sprocket's own frame.
     #[must_use]
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // in 0..teeth by rem_euclid
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_possible_wrap
+    )] // at most half the teeth either side
     pub fn nearest_gap(&self, angle: f64) -> u32 {
-        let n = f64::from(self.teeth);
-        (angle / self.gap_angle()).round().rem_euclid(n) as u32
+        let gap = (angle / self.gap_angle()).round() as i32;
+        (if gap < 0 {
+            gap + self.teeth as i32
+        } else {
+            gap
+        }) as u32
     }
 
     /// The surface of this gap that is nearest to a cylinder at `point` (u, v): the normals at the junctions divide the plane.
@@ -246,7 +254,11 @@ impl ToothProfile {
         let phi = (-self.flat.normal.y).atan2(self.flat.normal.x);
         let sweep = |arc: &Arc, from: f64, to: f64| -> Vec<Vec2> {
             (0..points)
-                .map(|i| arc.point(super::unit(from + (to - from) * i as f64 / (points - 1) as f64)))
+                .map(|i| {
+                    arc.point(super::unit(
+                        from + (to - from) * i as f64 / (points - 1) as f64,
+                    ))
+                })
                 .collect()
         };
         let mut outline = sweep(&self.seating, -PI / 2.0, -a_angle);
@@ -263,30 +275,31 @@ impl ToothProfile {
             }
             outline.push(tip);
         }
-        if let Some(end) = self.tip() {
-            outline.push(end);
-        }
+        outline.push(self.tip());
         outline
     }
 
     /// Where the topping curve meets the outside circle or, before that, the tooth's centre line (u, v) \[m\].
-    fn tip(&self) -> Option<Vec2> {
+    fn tip(&self) -> Vec2 {
         let center = Vec2::new(0.0, -self.seat_center_radius);
         let axis = super::unit(PI / 2.0 - 0.5 * self.gap_angle());
         let b = self.topping.center - center;
         let radius = self.topping.radius;
         // Intersection of two circles: outside circle about the sprocket's centre, topping circle about b.
         let distance = b.norm();
-        let along = (distance * distance + self.outside_radius.powi(2) - radius * radius) / (2.0 * distance);
-        let half_chord = (self.outside_radius.powi(2) - along * along).max(0.0).sqrt();
+        let along = (distance * distance + self.outside_radius.powi(2) - radius * radius)
+            / (2.0 * distance);
+        let half_chord = (self.outside_radius.powi(2) - along * along)
+            .max(0.0)
+            .sqrt();
         let e = b / distance;
         let on_circle = along * e + half_chord * super::turned_left(e);
         if on_circle.x * axis.y - on_circle.y * axis.x <= 0.0 {
-            return Some(on_circle + center);
+            return on_circle + center;
         }
         let beyond = b.x * axis.y - b.y * axis.x;
         let height = (radius * radius - beyond * beyond).max(0.0).sqrt();
-        Some((b.dot(&axis) + height) * axis + center)
+        (b.dot(&axis) + height) * axis + center
     }
 
     /// The closed outline of the whole sprocket in its own frame, counterclockwise \[m\]; `points` to a curve.
@@ -299,7 +312,10 @@ impl ToothProfile {
             // Counterclockwise is -u: the right half is walked from tip to seat, then the left one from seat to tip.
             let place = |p: Vec2| {
                 let (radial, tangential) = (p.y + self.seat_center_radius, -p.x);
-                Vec2::new(radial * cos - tangential * sin, radial * sin + tangential * cos)
+                Vec2::new(
+                    radial * cos - tangential * sin,
+                    radial * sin + tangential * cos,
+                )
             };
             outline.extend(right.iter().rev().map(|&p| place(p)));
             outline.extend(right.iter().skip(1).map(|&p| place(Vec2::new(-p.x, p.y))));
@@ -313,7 +329,7 @@ mod tests {
     use super::*;
 
     fn paper() -> ToothProfile {
-        ToothProfile::ansi(0.0127, 0.0079375, 17, Seat::BottomDiameter)
+        ToothProfile::ansi(0.0127, 0.007_937_5, 17, Seat::BottomDiameter)
     }
 
     #[test]
@@ -330,7 +346,10 @@ mod tests {
         assert!(close(p.seat_center_radius, 34.615_858 * mm));
         assert!(close(p.flat.start.x, 4.525_004 * mm) && close(p.flat.start.y, -0.235_846 * mm));
         assert!(close(p.flat.end().x, 4.901_547 * mm) && close(p.flat.end().y, 0.616_943 * mm));
-        assert!(close(p.topping.center.x, 10.923_289 * mm) && close(p.topping.center.y, -2.041_917 * mm));
+        assert!(
+            close(p.topping.center.x, 10.923_289 * mm)
+                && close(p.topping.center.y, -2.041_917 * mm)
+        );
         assert!((p.reach(0.003_968_75) - 43.4e-3).abs() < 0.1e-3);
     }
 
@@ -338,7 +357,7 @@ mod tests {
     fn a_seated_roller_just_touches_with_the_standard_seat() {
         let p = paper();
         let on_pitch_circle = Vec2::new(0.0, p.pitch_radius - p.seat_center_radius);
-        let contact = p.contact(on_pitch_circle, 0.5 * 0.0079375);
+        let contact = p.contact(on_pitch_circle, 0.5 * 0.007_937_5);
         assert_eq!(contact.region, Region::Seating);
         assert!(contact.penetration.abs() < 1e-17);
     }
@@ -353,8 +372,14 @@ mod tests {
             .map(|(a, b)| 0.5 * (a.x * b.y - a.y * b.x))
             .sum();
         assert!(area > 0.8 * PI * p.pitch_radius.powi(2));
-        assert!(outline.iter().all(|q| q.norm() <= p.outside_radius * (1.0 + 1e-12)));
-        let reaches_tip = outline.iter().any(|q| q.norm() > p.outside_radius * (1.0 - 1e-12));
+        assert!(
+            outline
+                .iter()
+                .all(|q| q.norm() <= p.outside_radius * (1.0 + 1e-12))
+        );
+        let reaches_tip = outline
+            .iter()
+            .any(|q| q.norm() > p.outside_radius * (1.0 - 1e-12));
         assert!(reaches_tip);
     }
 }

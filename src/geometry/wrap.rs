@@ -76,6 +76,8 @@ pub struct Path {
     pub split: Split,
     /// Angle of the first seated hinge of each sprocket, seen from its centre \[rad\].
     pub first_seat: [f64; 2],
+    /// Radius on which the hinges of each sprocket are seated \[m\].
+    pub hinge_radius: [f64; 2],
     /// Straight distance between the ends of the upper and the lower strand \[m\].
     pub spans: [f64; 2],
     /// Chain length in each strand less the straight distance \[m\]: positive when it sags, negative when it is stretched.
@@ -101,7 +103,9 @@ pub fn belt_length(pitch: f64, teeth: [u32; 2], center_distance: f64) -> f64 {
 fn belt(pitch: f64, teeth: [u32; 2], center_distance: f64) -> (f64, [f64; 2]) {
     let difference = pitch_radius(pitch, teeth[0]) - pitch_radius(pitch, teeth[1]);
     let tangent_angle = (difference / center_distance).clamp(-1.0, 1.0).acos();
-    let straight = (center_distance.powi(2) - difference.powi(2)).max(0.0).sqrt();
+    let straight = (center_distance.powi(2) - difference.powi(2))
+        .max(0.0)
+        .sqrt();
     let [n1, n2] = teeth.map(f64::from);
     (
         straight / pitch,
@@ -132,14 +136,15 @@ pub fn belt_center_distance(pitch: f64, teeth: [u32; 2], links: u32) -> Option<f
     Some(0.5 * (low + high))
 }
 
-/// Whole wrapped pitches of both sprockets; together they fill the belt's wrap as far as whole pitches can.
+/// Whole wrapped pitches of both sprockets: together the belt's wrap, filled up when more than a quarter of a pitch lacks.
+///
+/// With too few, the strands would start inside the last teeth; too many only seat a bushing past the tangent point.
 #[must_use]
 pub fn seated_pitches(pitch: f64, teeth: [u32; 2], center_distance: f64) -> [u32; 2] {
-    // A few ulps of slack, so that 8.5 + 8.5 counts as 17 on every machine.
-    let floor = |x: f64| whole((x + 1e-9).floor());
+    // A tie goes down on every machine: 8.5 + 8.5 pitches are 8 and 9.
     let (_, wrap) = belt(pitch, teeth, center_distance);
-    let first = floor(wrap[0]);
-    [first, floor(wrap[0] + wrap[1]).saturating_sub(first)]
+    let first = whole((wrap[0] - 1e-9).round());
+    [first, whole(wrap[0] + wrap[1] + 0.75).saturating_sub(first)]
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // counts of pitches, clamped to what u32 holds
@@ -168,7 +173,8 @@ impl Layout {
     fn seat(&self, sprocket: usize, first_seat: f64, index: u32, center_distance: f64) -> Vec2 {
         let wheel = self.wheels[sprocket];
         let center = if sprocket == 0 { 0.0 } else { center_distance };
-        Vec2::new(center, 0.0) + wheel.hinge_radius * unit(first_seat + f64::from(index) * wheel.gap_angle())
+        Vec2::new(center, 0.0)
+            + wheel.hinge_radius * unit(first_seat + f64::from(index) * wheel.gap_angle())
     }
 
     /// First and last hinge of a strand, in the direction of the path.
@@ -222,7 +228,10 @@ impl Layout {
         for _ in 0..60 {
             let (upper, a, b) = self.span(Strand::Upper, shift, distance);
             let (lower, c, d) = self.span(Strand::Lower, shift, distance);
-            let (f, g) = (upper - self.length(Strand::Upper), lower - self.length(Strand::Lower));
+            let (f, g) = (
+                upper - self.length(Strand::Upper),
+                lower - self.length(Strand::Lower),
+            );
             let residual = f.abs().max(g.abs());
             if residual < best {
                 (best, solution) = (residual, (shift, distance));
@@ -277,6 +286,7 @@ impl Layout {
             center_distance,
             split: self.split,
             first_seat,
+            hinge_radius: self.wheels.map(|wheel| wheel.hinge_radius),
             spans: [0.0; 2],
             slack: [0.0; 2],
             sag: [0.0; 2],
@@ -360,7 +370,8 @@ impl Bow {
         let radius = 0.5 * self.pitch / (0.5 * self.link_angle).sin();
         let half = 0.5 * n * self.link_angle;
         let angle = i * self.link_angle - half;
-        from + (0.5 * self.span + radius * angle.sin()) * e + radius * (angle.cos() - half.cos()) * right
+        from + (0.5 * self.span + radius * angle.sin()) * e
+            + radius * (angle.cos() - half.cos()) * right
     }
 }
 
@@ -380,7 +391,11 @@ pub fn taut_path(pitch: f64, wheels: [Wheel; 2], links: u32) -> Option<Path> {
     let teeth = wheels.map(|w| w.teeth);
     let guess = belt_center_distance(pitch, teeth, links)?;
     let split = even_split(seated_pitches(pitch, teeth, guess), links)?;
-    let layout = Layout { pitch, wheels, split };
+    let layout = Layout {
+        pitch,
+        wheels,
+        split,
+    };
     let (shift, distance) = layout.close(guess)?;
     Some(layout.path(shift, distance))
 }
@@ -395,7 +410,11 @@ pub fn path_at(
     center_distance: f64,
     slack_strand: Strand,
 ) -> Option<Path> {
-    let layout = Layout { pitch, wheels, split };
+    let layout = Layout {
+        pitch,
+        wheels,
+        split,
+    };
     let tight = slack_strand.other();
     if let Some(shift) = layout.tighten(tight, center_distance) {
         let path = layout.path(shift, center_distance);
@@ -410,11 +429,26 @@ pub fn path_at(
 
 /// Splits to try at a given centre distance, the most natural first.
 #[must_use]
-pub fn splits_at(pitch: f64, teeth: [u32; 2], links: u32, center_distance: f64, slack_strand: Strand) -> Vec<Split> {
+pub fn splits_at(
+    pitch: f64,
+    teeth: [u32; 2],
+    links: u32,
+    center_distance: f64,
+    slack_strand: Strand,
+) -> Vec<Split> {
     let (straight, _) = belt(pitch, teeth, center_distance);
     let natural = seated_pitches(pitch, teeth, center_distance);
     let mut splits = Vec::new();
-    for (more_first, more_second) in [(0, 0), (0, -1), (-1, 0), (-1, -1), (0, 1), (1, 0), (1, 1), (-2, -2)] {
+    for (more_first, more_second) in [
+        (0, 0),
+        (0, -1),
+        (-1, 0),
+        (-1, -1),
+        (0, 1),
+        (1, 0),
+        (1, 1),
+        (-2, -2),
+    ] {
         let (Some(first), Some(second)) = (
             natural[0].checked_add_signed(more_first),
             natural[1].checked_add_signed(more_second),
@@ -427,7 +461,11 @@ pub fn splits_at(pitch: f64, teeth: [u32; 2], links: u32, center_distance: f64, 
         let rest = even.strands[0] + even.strands[1];
         // The tight strand takes what lies straight, and never more than half.
         let tight = whole((straight - 1e-9).round()).clamp(1, rest / 2);
-        for tight in [tight, tight.saturating_sub(1).max(1), (tight + 1).min(rest - 1)] {
+        for tight in [
+            tight,
+            tight.saturating_sub(1).max(1),
+            (tight + 1).min(rest - 1),
+        ] {
             let mut split = even;
             split.strands[slack_strand as usize] = rest - tight;
             split.strands[slack_strand.other() as usize] = tight;
@@ -461,7 +499,11 @@ mod tests {
 
     #[test]
     fn neighbouring_hinges_of_a_slack_chain_are_one_pitch_apart() {
-        for (teeth, links, distance) in [([17, 17], 40, 0.14), ([13, 31], 70, 0.3), ([40, 12], 90, 0.38)] {
+        for (teeth, links, distance) in [
+            ([17, 17], 40, 0.14),
+            ([13, 31], 70, 0.3),
+            ([40, 12], 90, 0.38),
+        ] {
             for strand in [Strand::Lower, Strand::Upper] {
                 let split = splits_at(PITCH, teeth, links, distance, strand)[0];
                 let path = path_at(PITCH, wheels(teeth), split, distance, strand).unwrap();

@@ -31,12 +31,25 @@ pub enum StepFailure {
         /// Component with the largest error.
         component: usize,
     },
+    /// The derivative is not a number, however small the step.
+    NotFinite {
+        /// Time reached \[s\].
+        time: f64,
+        /// The step that failed \[s\].
+        step_size: f64,
+        /// First component that is not a number.
+        component: usize,
+    },
     /// The tolerances are below rounding.
     ToleranceTooSmall {
         /// Time reached \[s\].
         time: f64,
+        /// The step that would be next \[s\].
+        step_size: f64,
         /// By what factor they would have to grow.
         factor: f64,
+        /// Component that is largest beside its tolerance.
+        component: usize,
     },
 }
 
@@ -160,6 +173,12 @@ impl Adams {
         self.dense(t).write(y);
     }
 
+    /// Takes the past of one component to have had a constant `slope`, for sums that begin to grow.
+    pub fn assume_constant_slope(&mut self, component: usize, slope: f64) {
+        self.slope[component] = slope;
+        self.differences.assume_constant_slope(component, slope);
+    }
+
     /// Makes one step.
     ///
     /// # Errors
@@ -174,8 +193,12 @@ impl Adams {
         let begin = self.time;
         let mut failures = 0;
         let estimate = loop {
-            self.coefficients
-                .update(self.step_size, self.order, self.last_step_size, self.last_order);
+            self.coefficients.update(
+                self.step_size,
+                self.order,
+                self.last_step_size,
+                self.last_order,
+            );
             self.differences.predict(
                 &self.coefficients,
                 self.order,
@@ -208,7 +231,7 @@ impl Adams {
         }
     }
 
-    /// Root mean square of `values` over their weights.
+    /// Euclidean norm of `values` over their weights, as DE/STEP has it.
     fn norm(&self, values: &[f64], controlled: usize) -> f64 {
         let sum: f64 = values[..controlled]
             .iter()
@@ -221,9 +244,14 @@ impl Adams {
     fn check_tolerances(&self, controlled: usize) -> Result<(), StepFailure> {
         let rounding = 2.0 * f64::EPSILON * self.norm(&self.y, controlled);
         if rounding > 0.5 {
+            let size = |i: usize| (self.y[i] * self.inverse_weight[i]).abs();
             return Err(StepFailure::ToleranceTooSmall {
                 time: self.time,
+                step_size: self.step_size,
                 factor: 2.0 * rounding,
+                component: (0..controlled)
+                    .max_by(|&a, &b| size(a).total_cmp(&size(b)))
+                    .unwrap_or(0),
             });
         }
         Ok(())
@@ -234,7 +262,8 @@ impl Adams {
         system.derivative(self.time, &self.y, &mut self.slope);
         self.counts.evaluations += 1;
         let rounding = 2.0 * f64::EPSILON * self.norm(&self.y, controlled);
-        self.differences.restart(&self.slope, 0.5 <= 100.0 * rounding);
+        self.differences
+            .restart(&self.slope, 0.5 <= 100.0 * rounding);
         let slope = self.norm(&self.slope, controlled);
         let scale = if slope > 0.0 {
             self.norm(&self.y, controlled) / slope
@@ -295,7 +324,12 @@ impl Adams {
     }
 
     /// Takes a failed step back and makes it smaller; from the third failure on at order one.
-    fn retreat(&mut self, estimate: &ErrorEstimate, failures: u32, controlled: usize) -> Result<(), StepFailure> {
+    fn retreat(
+        &mut self,
+        estimate: &ErrorEstimate,
+        failures: u32,
+        controlled: usize,
+    ) -> Result<(), StepFailure> {
         self.counts.rejected += 1;
         self.growing = false;
         let failed = self.step_size;
@@ -303,7 +337,7 @@ impl Adams {
         self.differences.retreat(&self.coefficients, self.order);
         self.coefficients.retreat(self.order, failed);
         let mut shrink = 0.5;
-        if failures > 3 && 0.5 < 0.25 * estimate.at_order {
+        if failures > 3 && 0.5 < 0.25 * estimate.at_order && estimate.at_order.is_finite() {
             shrink = (0.5 / estimate.at_order).sqrt();
         }
         if failures >= 3 {
@@ -314,10 +348,19 @@ impl Adams {
         self.step_size = shrink * failed;
         self.smallest_step = self.smallest_step.max(4.0 * f64::EPSILON * self.time.abs());
         if self.step_size.is_nan() || self.step_size < self.smallest_step {
-            return Err(StepFailure::TooSmall {
-                time: self.time,
-                step_size: failed,
-                component,
+            let (time, step_size) = (self.time, failed);
+            return Err(if estimate.local.is_finite() {
+                StepFailure::TooSmall {
+                    time,
+                    step_size,
+                    component,
+                }
+            } else {
+                StepFailure::NotFinite {
+                    time,
+                    step_size,
+                    component,
+                }
             });
         }
         Ok(())
@@ -325,7 +368,9 @@ impl Adams {
 
     /// The component whose slope was foretold worst, or is not a number.
     fn worst_component(&self, controlled: usize) -> usize {
-        let error = |i: usize| ((self.slope[i] - self.differences.row(0)[i]) * self.inverse_weight[i]).abs();
+        let error = |i: usize| {
+            ((self.slope[i] - self.differences.row(0)[i]) * self.inverse_weight[i]).abs()
+        };
         (0..controlled)
             .find(|&i| error(i).is_nan())
             .or_else(|| (0..controlled).max_by(|&a, &b| error(a).total_cmp(&error(b))))
@@ -337,8 +382,14 @@ impl Adams {
         self.last_order = k;
         self.last_step_size = h;
         self.time += h;
-        self.differences
-            .correct(&self.coefficients, k, h, &self.predicted, &self.slope, &mut self.y);
+        self.differences.correct(
+            &self.coefficients,
+            k,
+            h,
+            &self.predicted,
+            &self.slope,
+            &mut self.y,
+        );
         system.derivative(self.time, &self.y, &mut self.slope);
         self.differences.update(k, &self.slope);
         self.counts.evaluations += 1;
@@ -356,9 +407,13 @@ impl Adams {
             return;
         }
         let enough_equal_steps = k < self.coefficients.equal_steps;
-        let choice = choose_order(k, self.control.max_order, estimate, enough_equal_steps, || {
-            h * gamma_star(k + 1) * self.norm(self.differences.row(k + 1), controlled)
-        });
+        let choice = choose_order(
+            k,
+            self.control.max_order,
+            estimate,
+            enough_equal_steps,
+            || h * gamma_star(k + 1) * self.norm(self.differences.row(k + 1), controlled),
+        );
         self.order = choice.order;
         self.step_size = choose_step(h, choice.order, choice.error)
             .max(4.0 * f64::EPSILON * self.time.abs())
@@ -426,7 +481,9 @@ mod tests {
             }
         };
         match failure {
-            StepFailure::TooSmall { time, .. } | StepFailure::ToleranceTooSmall { time, .. } => {
+            StepFailure::TooSmall { time, .. }
+            | StepFailure::NotFinite { time, .. }
+            | StepFailure::ToleranceTooSmall { time, .. } => {
                 assert!((time - 1.0).abs() < 1e-3);
             }
         }

@@ -9,15 +9,15 @@ use super::MAX_ORDER;
 /// Coefficients for one step of size h from the history of steps.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Coefficients {
-    /// ψ_i: sum of the last i steps, this one included.
+    /// `ψ_i`: sum of the last i steps, this one included.
     pub(super) psi: [f64; MAX_ORDER],
-    /// α_i = h/ψ_i.
+    /// `α_i` = `h/ψ_i`.
     alpha: [f64; MAX_ORDER],
-    /// β_i, the factors that turn φ into φ*.
+    /// `β_i`, the factors that turn φ into φ*.
     pub(super) beta: [f64; MAX_ORDER],
-    /// σ_i, scaled by which the differences estimate the error.
+    /// `σ_i`, scaled by which the differences estimate the error.
     pub(super) sigma: [f64; MAX_ORDER + 1],
-    /// g_i, the weights of the differences in the step.
+    /// `g_i`, the weights of the differences in the step.
     pub(super) g: [f64; MAX_ORDER + 1],
     v: [f64; MAX_ORDER],
     w: [f64; MAX_ORDER],

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::MAX_ORDER;
 use super::coefficients::Coefficients;
 
-/// φ_1 .. φ_{k+2} of the slopes, one row a difference, and the sums that keep rounding out of y at tight tolerances.
+/// `φ_1` .. φ_{k+2} of the slopes, one row a difference, and the sums that keep rounding out of y at tight tolerances.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Differences {
     /// Row i holds φ_{i+1} for every component.
@@ -47,7 +47,14 @@ impl Differences {
     }
 
     /// Turns φ into φ* and writes the predicted solution.
-    pub(super) fn predict(&mut self, c: &Coefficients, order: usize, h: f64, y: &[f64], predicted: &mut [f64]) {
+    pub(super) fn predict(
+        &mut self,
+        c: &Coefficients,
+        order: usize,
+        h: f64,
+        y: &[f64],
+        predicted: &mut [f64],
+    ) {
         for i in c.equal_steps..order {
             let beta = c.beta[i];
             self.rows[i].iter_mut().for_each(|phi| *phi *= beta);
@@ -66,9 +73,17 @@ impl Differences {
             }
         }
         match &mut self.carry {
-            None => predicted.iter_mut().zip(y).for_each(|(p, y)| *p = y + h * *p),
+            None => predicted
+                .iter_mut()
+                .zip(y)
+                .for_each(|(p, y)| *p = y + h * *p),
             Some(carry) => {
-                for (((p, y), kept), lost) in predicted.iter_mut().zip(y).zip(&carry.kept).zip(&mut carry.predicted) {
+                for (((p, y), kept), lost) in predicted
+                    .iter_mut()
+                    .zip(y)
+                    .zip(&carry.kept)
+                    .zip(&mut carry.predicted)
+                {
                     let tau = h * *p - kept;
                     *p = y + tau;
                     *lost = (*p - y) - tau;
@@ -123,7 +138,12 @@ impl Differences {
     pub(super) fn update(&mut self, order: usize, slope: &[f64]) {
         let (low, high) = self.rows.split_at_mut(order + 1);
         let (old, newest) = low.split_at_mut(order);
-        for (((newest, after), first), slope) in newest[0].iter_mut().zip(&mut high[0]).zip(&old[0]).zip(slope) {
+        for (((newest, after), first), slope) in newest[0]
+            .iter_mut()
+            .zip(&mut high[0])
+            .zip(&old[0])
+            .zip(slope)
+        {
             *newest = slope - first;
             *after = *newest - *after;
         }
@@ -132,5 +152,13 @@ impl Differences {
                 *phi += newest;
             }
         }
+    }
+
+    /// Takes the past of one component to have had a constant `slope`.
+    pub(super) fn assume_constant_slope(&mut self, component: usize, slope: f64) {
+        for row in &mut self.rows {
+            row[component] = 0.0;
+        }
+        self.rows[0][component] = slope;
     }
 }

@@ -2,7 +2,8 @@
 
 /// γ*_i: error constants of the Adams formulas for constant steps, index 0 for order 1.
 const GAMMA_STAR: [f64; 13] = [
-    0.5, 0.0833, 0.0417, 0.0264, 0.0188, 0.0143, 0.0114, 0.009_36, 0.007_89, 0.006_79, 0.005_92, 0.005_24, 0.004_68,
+    0.5, 0.0833, 0.0417, 0.0264, 0.0188, 0.0143, 0.0114, 0.009_36, 0.007_89, 0.006_79, 0.005_92,
+    0.005_24, 0.004_68,
 ];
 
 /// Estimated errors of a step, in units of the tolerance.
@@ -70,12 +71,20 @@ pub(super) fn choose_order(
         error: above,
     };
     if order == 1 {
-        return if above < 0.5 * estimate.at_order { raise } else { keep };
+        return if above < 0.5 * estimate.at_order {
+            raise
+        } else {
+            keep
+        };
     }
     if estimate.one_below <= estimate.at_order.min(above) {
         return lower;
     }
-    if above < estimate.at_order { raise } else { keep }
+    if above < estimate.at_order {
+        raise
+    } else {
+        keep
+    }
 }
 
 /// The next step size: doubled, kept, or reduced, so that the error at `order` stays at half the tolerance.

@@ -52,14 +52,29 @@ impl Model {
             return Err(Error::invalid(
                 "positions",
                 format!("{} rows", start.positions.len()),
-                format!("needs one row for each of the {} bodies", links + drive.sprockets.len()),
+                format!(
+                    "needs one row for each of the {} bodies",
+                    links + drive.sprockets.len()
+                ),
             ));
         }
-        let link = |i: usize| if Self::is_inner(i) { chain.inner } else { chain.outer };
+        let link = |i: usize| {
+            if Self::is_inner(i) {
+                chain.inner
+            } else {
+                chain.outer
+            }
+        };
         let mut coordinates = Coordinates(3 * links);
         let mut sprockets = Vec::new();
         for (number, sprocket) in drive.sprockets.iter().enumerate() {
-            sprockets.push(place_sprocket(drive, number, sprocket, start, &mut coordinates)?);
+            sprockets.push(place_sprocket(
+                drive,
+                number,
+                sprocket,
+                start,
+                &mut coordinates,
+            ));
         }
 
         let modulus = chain.material.contact_modulus();
@@ -98,7 +113,10 @@ impl Model {
                 } else {
                     String::new()
                 };
-                range_notes.push(format!("{} law, {name}{surface}: {note}", law.elastic.name()));
+                range_notes.push(format!(
+                    "{} law, {name}{surface}: {note}",
+                    law.elastic.name()
+                ));
             }
         }
         let ready = |law: ForceLaw, pairs: &[SurfacePair]| ContactLaw {
@@ -135,22 +153,9 @@ fn place_sprocket(
     sprocket: &Sprocket,
     start: &Start,
     coordinates: &mut Coordinates,
-) -> Result<SprocketModel> {
+) -> SprocketModel {
     let chain = &drive.chain;
     let profile = sprocket.tooth_profile(chain);
-    if profile.seating.radius <= chain.bushing_radius {
-        return Err(Error::invalid(
-            "AnsiTooth.roller_diameter",
-            sprocket.profile.roller_diameter.unwrap_or_default(),
-            format!(
-                "sprocket {}: its seating radius {:.6} m must be larger than the bushing's radius {} m; take about {} m",
-                number + 1,
-                profile.seating.radius,
-                chain.bushing_radius,
-                2.0 * chain.bushing_radius
-            ),
-        ));
-    }
     let (mass, inertia) = sprocket.mass_properties(chain);
     let [x, y, angle] = start.positions[chain.links as usize + number];
     let center = Vec2::new(x, y);
@@ -191,7 +196,7 @@ fn place_sprocket(
             (cos, sin)
         })
         .collect();
-    Ok(SprocketModel {
+    SprocketModel {
         reach: profile.reach(chain.bushing_radius),
         profile,
         gap_directions,
@@ -201,19 +206,25 @@ fn place_sprocket(
         phase: angle,
         support,
         rotation,
-    })
+    }
 }
 
 /// Pull \[N\] along the line of centres that gives both strands `pretension` \[N\]: 2 T for sprockets of one size.
 pub(crate) fn tensioner_pull(drive: &Drive, pretension: f64) -> f64 {
-    let [first, second] =
-        [0, 1].map(|i| crate::geometry::wrap::pitch_radius(drive.chain.pitch, drive.sprockets[i].teeth));
+    let [first, second] = [0, 1]
+        .map(|i| crate::geometry::wrap::pitch_radius(drive.chain.pitch, drive.sprockets[i].teeth));
     let distance = (drive.sprockets[1].center - drive.sprockets[0].center).norm();
     let sin = (first - second) / distance;
     2.0 * pretension * (1.0 - sin * sin).max(0.0).sqrt()
 }
 
-fn tooth_surfaces(profile: &ToothProfile, kind: Surface, radius: f64, length: f64, modulus: f64) -> SurfacePair {
+fn tooth_surfaces(
+    profile: &ToothProfile,
+    kind: Surface,
+    radius: f64,
+    length: f64,
+    modulus: f64,
+) -> SurfacePair {
     match kind {
         Surface::Seating => SurfacePair::internal(radius, profile.seating.radius, length, modulus),
         Surface::Working => SurfacePair::internal(radius, profile.working.radius, length, modulus),

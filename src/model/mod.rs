@@ -143,7 +143,7 @@ impl Model {
     /// Whether link `i` (from 0) is an inner one, which carries bushings.
     #[must_use]
     pub fn is_inner(link: usize) -> bool {
-        link % 2 == 0
+        link.is_multiple_of(2)
     }
 
     /// The link that bushing `k` is rigid with.
@@ -186,7 +186,8 @@ impl SprocketModel {
     pub fn applied_torque(&self, t: f64) -> f64 {
         match &self.rotation {
             Rotation::Free {
-                torque: Some(table), ..
+                torque: Some(table),
+                ..
             } => table.value(t),
             _ => 0.0,
         }
@@ -196,7 +197,9 @@ impl SprocketModel {
     #[must_use]
     pub fn pull(&self, t: f64) -> f64 {
         match self.support {
-            Support::Slide { pull, ramp_time, .. } if t < ramp_time => pull * (t / ramp_time).max(0.0),
+            Support::Slide {
+                pull, ramp_time, ..
+            } if t < ramp_time => pull * (t / ramp_time).max(0.0),
             Support::Slide { pull, .. } => pull,
             _ => 0.0,
         }

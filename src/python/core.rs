@@ -13,7 +13,7 @@ use crate::dynamics::Dynamics;
 use crate::error::{Error, check};
 use crate::model::{ForceLaws, Model};
 use crate::recorder::{Groups, Values};
-use crate::simulate::Simulation;
+use crate::simulate::{Simulation, check_rows};
 use crate::state::Start;
 
 /// A compiled model, its state and its integrator.
@@ -28,28 +28,33 @@ type Rows = Vec<[f64; 3]>;
 #[pymethods]
 impl Core {
     #[new]
-    #[allow(clippy::needless_pass_by_value)] // PyO3 hands arrays over
+    #[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // keywords in Python; PyO3 hands arrays over
     fn new(
         drive: &Bound<'_, PyAny>,
-        hinge_law: &Bound<'_, PyAny>,
-        tooth_law: &Bound<'_, PyAny>,
-        min_approach_speed: f64,
+        force_law: &Bound<'_, PyAny>,
+        hinge_law: Option<&Bound<'_, PyAny>>,
+        tooth_law: Option<&Bound<'_, PyAny>>,
+        min_approach_speed: &Bound<'_, PyAny>,
         solver: &Bound<'_, PyAny>,
         positions: Option<PyReadonlyArray2<'_, f64>>,
         velocities: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<Self> {
         let py = drive.py();
         let description = describe::drive(drive)?;
+        let law = describe::force_law(force_law, "force_law")?;
         let laws = ForceLaws {
-            hinge: describe::force_law(hinge_law, "hinge_law")?,
-            tooth: describe::force_law(tooth_law, "tooth_law")?,
-            min_approach_speed,
+            hinge: hinge_law.map_or(Ok(law), |own| describe::force_law(own, "hinge_law"))?,
+            tooth: tooth_law.map_or(Ok(law), |own| describe::force_law(own, "tooth_law"))?,
+            min_approach_speed: describe::number(min_approach_speed, "min_approach_speed", "m/s")?,
         };
         let control = describe::solver(solver)?;
         let positions = rows(py, "positions", positions.as_ref())?;
         let velocities = rows(py, "velocities", velocities.as_ref())?;
         let start = match (positions, velocities) {
-            (Some(positions), Some(velocities)) => Start { positions, velocities },
+            (Some(positions), Some(velocities)) => Start {
+                positions,
+                velocities,
+            },
             (None, velocities) => {
                 let (generated, _) = describe::checked(py, Start::generate(&description))?;
                 Start {
@@ -94,12 +99,16 @@ impl Core {
 
     /// All that decides how the run goes on.
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let (model, memory) = (self.simulation.model(), self.simulation.memory());
+        let (model, dynamics) = (self.simulation.model(), self.simulation.dynamics());
+        let (memory, parted) = (&dynamics.memory, dynamics.parted());
         let state = PyDict::new(py);
         state.set_item("time", self.simulation.time())?;
         state.set_item("positions", self.positions(py)?)?;
         state.set_item("velocities", self.velocities(py)?)?;
-        state.set_item("hinge_onset_speed", memory.hinge_speed.clone().into_pyarray(py))?;
+        state.set_item(
+            "hinge_onset_speed",
+            memory.hinge_speed.clone().into_pyarray(py),
+        )?;
         state.set_item(
             "tooth_onset_speed",
             by_bushing(model, |pair| memory.tooth_speed[pair])
@@ -112,6 +121,8 @@ impl Core {
                 .into_pyarray(py)
                 .reshape([model.links, model.sprockets.len()])?,
         )?;
+        state.set_item("parted_hinges", parted.0.into_pyarray(py))?;
+        state.set_item("parted_tooth_pairs", parted.1.into_pyarray(py))?;
         let integrator = postcard::to_allocvec(self.simulation.integrator())
             .map_err(|error| pyo3::exceptions::PyRuntimeError::new_err(error.to_string()))?;
         state.set_item("integrator", PyBytes::new(py, &integrator))?;
@@ -124,28 +135,19 @@ impl Core {
         py: Python<'py>,
         positions: Option<PyReadonlyArray2<'py, f64>>,
         velocities: Option<PyReadonlyArray2<'py, f64>>,
-        time: Option<f64>,
+        time: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let bodies = self.simulation.model().bodies();
         let positions = rows(py, "positions", positions.as_ref())?;
         let velocities = rows(py, "velocities", velocities.as_ref())?;
         for (name, given) in [("positions", &positions), ("velocities", &velocities)] {
-            if let Some(given) = given
-                && given.len() != bodies
-            {
-                return Err(to_python(
-                    py,
-                    &Error::invalid(
-                        name,
-                        format!("{} rows", given.len()),
-                        format!("needs one row (3 numbers) for each of the {bodies} bodies"),
-                    ),
-                ));
+            if let Some(given) = given {
+                describe::checked(py, check_rows(self.simulation.model(), name, given))?;
             }
         }
-        let dynamics = self
-            .simulation
-            .evaluate_elsewhere(positions.as_deref(), velocities.as_deref(), time);
+        let time = time.map(|t| describe::finite(t, "time", "s")).transpose()?;
+        let dynamics =
+            self.simulation
+                .evaluate_elsewhere(positions.as_deref(), velocities.as_deref(), time);
         evaluation(py, &dynamics)
     }
 
@@ -153,11 +155,14 @@ impl Core {
     fn start_recording(
         &mut self,
         py: Python<'_>,
-        duration: f64,
-        report_step: f64,
+        duration: &Bound<'_, PyAny>,
+        report_step: &Bound<'_, PyAny>,
         groups: Vec<String>,
-        energy: bool,
+        energy: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
+        let duration = describe::number(duration, "duration", "s")?;
+        let report_step = describe::number(report_step, "report_step", "s")?;
+        let energy = describe::truth(energy, "energy")?;
         describe::checked(py, check::positive("duration", duration, "s"))?;
         describe::checked(py, check::positive("report_step", report_step, "s"))?;
         if duration / report_step > 1e9 {
@@ -178,7 +183,8 @@ impl Core {
             bodies: has("bodies"),
             energy,
         };
-        self.simulation.start_recording(duration, report_step, groups);
+        self.simulation
+            .start_recording(duration, report_step, groups);
         Ok(())
     }
 
@@ -195,19 +201,33 @@ impl Core {
         for channel in recording.channels {
             let shape: Vec<usize> = std::iter::once(rows).chain(channel.row_shape).collect();
             match channel.values {
-                Values::Real(values) => arrays.set_item(channel.name, values.into_pyarray(py).reshape(shape)?)?,
-                Values::Whole(values) => arrays.set_item(channel.name, values.into_pyarray(py).reshape(shape)?)?,
+                Values::Real(values) => {
+                    arrays.set_item(channel.name, values.into_pyarray(py).reshape(shape)?)?;
+                }
+                Values::Whole(values) => {
+                    arrays.set_item(channel.name, values.into_pyarray(py).reshape(shape)?)?;
+                }
             }
         }
         Ok(arrays)
     }
 
-    fn step_to(&mut self, py: Python<'_>, t: f64, wall_budget: f64) -> PyResult<bool> {
+    fn step_to(
+        &mut self,
+        py: Python<'_>,
+        t: &Bound<'_, PyAny>,
+        wall_budget: f64,
+    ) -> PyResult<bool> {
+        let t = describe::finite(t, "t", "s")?;
         let now = self.simulation.time();
-        if !t.is_finite() || t < now {
+        if t < now {
             return Err(to_python(
                 py,
-                &Error::invalid("t", t, format!("must not lie before the present time, {now} s")),
+                &Error::invalid(
+                    "t",
+                    t,
+                    format!("must not lie before the present time, {now} s"),
+                ),
             ));
         }
         let outcome = py.detach(|| self.simulation.advance(t, budget(wall_budget)));
@@ -241,7 +261,11 @@ fn budget(seconds: f64) -> Duration {
 }
 
 /// Rows of three numbers, one a body.
-fn rows(py: Python<'_>, field: &str, array: Option<&PyReadonlyArray2<'_, f64>>) -> PyResult<Option<Rows>> {
+fn rows(
+    py: Python<'_>,
+    field: &str,
+    array: Option<&PyReadonlyArray2<'_, f64>>,
+) -> PyResult<Option<Rows>> {
     let Some(array) = array else { return Ok(None) };
     let array = array.as_array();
     if array.ncols() != 3 {
@@ -254,7 +278,13 @@ fn rows(py: Python<'_>, field: &str, array: Option<&PyReadonlyArray2<'_, f64>>) 
             ),
         ));
     }
-    Ok(Some(array.rows().into_iter().map(|r| [r[0], r[1], r[2]]).collect()))
+    Ok(Some(
+        array
+            .rows()
+            .into_iter()
+            .map(|r| [r[0], r[1], r[2]])
+            .collect(),
+    ))
 }
 
 fn table(py: Python<'_>, rows: Rows) -> PyResult<Bound<'_, PyArray2<f64>>> {
@@ -281,18 +311,30 @@ fn evaluation<'py>(py: Python<'py>, dynamics: &Dynamics) -> PyResult<Bound<'py, 
     let (links, sprockets) = (model.links, model.sprockets.len());
     let (hinges, teeth, a) = (&dynamics.hinges, &dynamics.teeth, &dynamics.accelerations);
     let near = |pair: usize| teeth.penetration[pair] > f64::NEG_INFINITY;
-    let accelerations = (0..model.bodies()).map(|i| [a.x[i], a.y[i], a.angle[i]]).collect();
+    let accelerations = (0..model.bodies())
+        .map(|i| [a.x[i], a.y[i], a.angle[i]])
+        .collect();
     let shape = [links, sprockets];
     let found = PyDict::new(py);
     found.set_item("accelerations", table(py, accelerations)?)?;
     found.set_item("hinge_force", hinges.force.clone().into_pyarray(py))?;
-    found.set_item("hinge_penetration", hinges.penetration.clone().into_pyarray(py))?;
+    found.set_item(
+        "hinge_penetration",
+        hinges.penetration.clone().into_pyarray(py),
+    )?;
     let on_pins: Vec<f64> = (0..links)
         .flat_map(|k| <[f64; 2]>::from(hinges.force_on_pin(k)))
         .collect();
-    found.set_item("hinge_force_vector", on_pins.into_pyarray(py).reshape([links, 2])?)?;
-    let real = |value: &dyn Fn(usize) -> f64| by_bushing(model, value).into_pyarray(py).reshape(shape);
-    found.set_item("tooth_force", real(&|p| if near(p) { teeth.force[p] } else { 0.0 })?)?;
+    found.set_item(
+        "hinge_force_vector",
+        on_pins.into_pyarray(py).reshape([links, 2])?,
+    )?;
+    let real =
+        |value: &dyn Fn(usize) -> f64| by_bushing(model, value).into_pyarray(py).reshape(shape);
+    found.set_item(
+        "tooth_force",
+        real(&|p| if near(p) { teeth.force[p] } else { 0.0 })?,
+    )?;
     found.set_item("tooth_penetration", real(&|p| teeth.penetration[p])?)?;
     let vectors: Vec<f64> = by_bushing(model, |p| {
         let force = if near(p) { teeth.force[p] } else { 0.0 };
@@ -305,10 +347,17 @@ fn evaluation<'py>(py: Python<'py>, dynamics: &Dynamics) -> PyResult<Bound<'py, 
         "tooth_force_vector",
         vectors.into_pyarray(py).reshape([links, sprockets, 2])?,
     )?;
-    let whole = |value: &dyn Fn(usize) -> i32| by_bushing(model, value).into_pyarray(py).reshape(shape);
+    let whole =
+        |value: &dyn Fn(usize) -> i32| by_bushing(model, value).into_pyarray(py).reshape(shape);
     found.set_item(
         "tooth_region",
-        whole(&|p| if near(p) { i32::from(teeth.region[p]) } else { 0 })?,
+        whole(&|p| {
+            if near(p) {
+                i32::from(teeth.region[p])
+            } else {
+                0
+            }
+        })?,
     )?;
     found.set_item(
         "tooth_index",

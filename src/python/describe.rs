@@ -5,7 +5,8 @@ use pyo3::types::{PyBool, PyString, PyTuple};
 
 use super::errors::{InvalidInput, to_python};
 use crate::drive::{
-    AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Link, Material, Motion, Sprocket, Tensioner, TimeTable,
+    AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Link, Material, Motion, Sprocket, Tensioner,
+    TimeTable,
 };
 use crate::error::{Error, Result};
 use crate::force_law::{Damping, Elastic, ForceLaw, Regions};
@@ -53,19 +54,22 @@ impl<'a, 'py> Reader<'a, 'py> {
         number(&value, &self.name(field), unit).map(Some)
     }
 
-    fn count(&self, field: &str) -> PyResult<u32> {
+    /// A name for people to read: nothing here uses it, but it has to be text.
+    fn check_text(&self, field: &str) -> PyResult<()> {
         let value = self.get(field)?;
-        if !value.is_instance_of::<PyBool>()
-            && let Ok(count) = value.extract::<u32>()
-        {
-            return Ok(count);
+        if value.is_instance_of::<PyString>() {
+            return Ok(());
         }
         Err(refuse(
             value.py(),
             &self.name(field),
             &value,
-            "must be a whole number, not negative",
+            "must be text",
         ))
+    }
+
+    fn count(&self, field: &str) -> PyResult<u32> {
+        count(&self.get(field)?, &self.name(field))
     }
 
     fn vector(&self, field: &str, unit: &str) -> PyResult<Vec2> {
@@ -129,10 +133,20 @@ impl<'a, 'py> Reader<'a, 'py> {
         let mut pairs = Vec::new();
         for row in rows {
             let Ok(pair) = row.cast::<PyTuple>() else {
-                return Err(refuse(row.py(), &name, &row, "each row must be (time, value)"));
+                return Err(refuse(
+                    row.py(),
+                    &name,
+                    &row,
+                    "each row must be (time, value)",
+                ));
             };
             if pair.len() != 2 {
-                return Err(refuse(row.py(), &name, &row, "each row must be (time, value)"));
+                return Err(refuse(
+                    row.py(),
+                    &name,
+                    &row,
+                    "each row must be (time, value)",
+                ));
             }
             pairs.push((
                 number(&pair.get_item(0)?, &format!("{name} (time)"), "s")?,
@@ -144,17 +158,71 @@ impl<'a, 'py> Reader<'a, 'py> {
 }
 
 fn kind_of(object: &Bound<'_, PyAny>) -> String {
-    object.get_type().name().map(|n| n.to_string()).unwrap_or_default()
+    object
+        .get_type()
+        .name()
+        .map(|n| n.to_string())
+        .unwrap_or_default()
 }
 
-fn number(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyResult<f64> {
+/// A finite number.
+pub(super) fn finite(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyResult<f64> {
+    let found = number(value, field, unit)?;
+    checked(value.py(), crate::error::check::finite(field, found, unit)).map(|()| found)
+}
+
+/// True or False.
+pub(super) fn truth(value: &Bound<'_, PyAny>, field: &str) -> PyResult<bool> {
+    value
+        .extract()
+        .map_err(|_| refuse(value.py(), field, value, "must be True or False"))
+}
+
+/// A whole number, not negative.
+pub(super) fn count(value: &Bound<'_, PyAny>, field: &str) -> PyResult<u32> {
+    if !value.is_instance_of::<PyBool>()
+        && let Ok(count) = value.extract::<u32>()
+    {
+        return Ok(count);
+    }
+    Err(refuse(
+        value.py(),
+        field,
+        value,
+        "must be a whole number, not negative",
+    ))
+}
+
+/// The numbers of teeth of two sprockets.
+pub(super) fn two_teeth(value: &Bound<'_, PyAny>) -> PyResult<[u32; 2]> {
+    if let Ok([first, second]) = value.extract::<[Bound<'_, PyAny>; 2]>()
+        && let (Ok(first), Ok(second)) = (count(&first, "teeth"), count(&second, "teeth"))
+        && [first, second].iter().all(|n| (5..=1000).contains(n))
+    {
+        return Ok([first, second]);
+    }
+    Err(refuse(
+        value.py(),
+        "teeth",
+        value,
+        "must be two whole numbers between 5 and 1000",
+    ))
+}
+
+/// A number, which may be infinite or NaN.
+pub(super) fn number(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyResult<f64> {
     if !value.is_instance_of::<PyBool>()
         && !value.is_instance_of::<PyString>()
         && let Ok(number) = value.extract::<f64>()
     {
         return Ok(number);
     }
-    Err(refuse(value.py(), field, value, &format!("must be a number in {unit}")))
+    let expected = if unit == "1" {
+        "must be a number".to_string()
+    } else {
+        format!("must be a number in {unit}")
+    };
+    Err(refuse(value.py(), field, value, &expected))
 }
 
 fn refuse(py: Python<'_>, field: &str, value: &Bound<'_, PyAny>, expected: &str) -> PyErr {
@@ -194,6 +262,7 @@ fn hinge(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ClearanceHinge> {
 
 pub(super) fn chain(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Chain> {
     let read = Reader::new(object, field, &["Chain"])?;
+    read.check_text("name")?;
     Ok(Chain {
         pitch: read.number("pitch", "m")?,
         links: read.count("links")?,
@@ -239,7 +308,10 @@ pub(super) fn sprocket(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Sproc
         mass: read.optional_number("mass", "kg")?,
         inertia: read.optional_number("inertia", "kg m^2")?,
         initial_speed: read.optional_number("initial_speed", "rad/s")?,
-        bearing: read.word("bearing", &[("fixed", Bearing::Fixed), ("floating", Bearing::Floating)])?,
+        bearing: read.word(
+            "bearing",
+            &[("fixed", Bearing::Fixed), ("floating", Bearing::Floating)],
+        )?,
     })
 }
 
@@ -253,7 +325,7 @@ fn tensioner(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Tensioner> {
         direction: if read.get("direction")?.is_none() {
             None
         } else {
-            Some(read.vector("direction", "m")?)
+            Some(read.vector("direction", "1")?)
         },
     })
 }
@@ -261,6 +333,7 @@ fn tensioner(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Tensioner> {
 /// Reads a `ChainDrive`, unchecked.
 pub(super) fn drive(object: &Bound<'_, PyAny>) -> PyResult<Drive> {
     let read = Reader::new(object, "drive", &["ChainDrive"])?;
+    read.check_text("name")?;
     let sprockets = read.get("sprockets")?;
     let Ok(sprockets) = sprockets.cast::<PyTuple>() else {
         return Err(refuse(
@@ -295,7 +368,8 @@ pub(super) fn force_law(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Forc
     Ok(ForceLaw {
         elastic: read.word(
             "elastic",
-            &[Elastic::Hertz, Elastic::Johnson, Elastic::EnhancedCylinder].map(|law| (law.name(), law)),
+            &[Elastic::Hertz, Elastic::Johnson, Elastic::EnhancedCylinder]
+                .map(|law| (law.name(), law)),
         )?,
         damping: read.word(
             "damping",
@@ -304,7 +378,10 @@ pub(super) fn force_law(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Forc
                 ("None", Damping::None),
             ],
         )?,
-        regions: read.word("regions", &[("kept", Regions::Kept), ("sharp", Regions::Sharp)])?,
+        regions: read.word(
+            "regions",
+            &[("kept", Regions::Kept), ("sharp", Regions::Sharp)],
+        )?,
     })
 }
 

@@ -22,13 +22,25 @@ create_exception!(
 /// The exception that stands for `error`.
 pub(super) fn to_python(py: Python<'_>, error: &Error) -> PyErr {
     let (time, step_size, contact) = match error {
-        Error::InvalidValue { .. } | Error::Impossible(_) => return InvalidInput::new_err(error.to_string()),
+        Error::InvalidValue { .. } | Error::Impossible(_) => {
+            return InvalidInput::new_err(error.to_string());
+        }
         Error::StepTooSmall {
             time,
             step_size,
             culprit,
+        }
+        | Error::NotFinite {
+            time,
+            step_size,
+            culprit,
+        }
+        | Error::ToleranceTooSmall {
+            time,
+            step_size,
+            culprit,
+            ..
         } => (*time, *step_size, Some(culprit.as_str())),
-        Error::ToleranceTooSmall { time, .. } => (*time, 0.0, None),
     };
     let exception = SimulationError::new_err(error.to_string());
     let value = exception.value(py);

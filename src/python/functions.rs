@@ -6,9 +6,10 @@ use pyo3::types::PyDict;
 
 use super::describe;
 use super::errors::{InvalidInput, to_python};
-use crate::error::Error;
+use crate::drive::check_links;
+use crate::error::{Error, check};
 use crate::force_law::{SurfacePair, elastic_forces};
-use crate::integrator::{Adams, OdeSystem, StepControl, StepFailure};
+use crate::integrator::{Adams, OdeSystem, StepControl};
 use crate::state::{self, Start};
 
 /// Lays the chain of a drive and tells what was chosen.
@@ -18,7 +19,8 @@ pub(super) fn layout<'py>(drive: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDi
     let description = describe::drive(drive)?;
     let (_, layout) = describe::checked(py, Start::generate(&description))?;
     let path = &layout.path;
-    let gap_angle = [0, 1].map(|i| 2.0 * std::f64::consts::PI / f64::from(description.sprockets[i].teeth));
+    let gap_angle =
+        [0, 1].map(|i| 2.0 * std::f64::consts::PI / f64::from(description.sprockets[i].teeth));
     let found = PyDict::new(py);
     found.set_item("links", description.chain.links)?;
     found.set_item("pitch", description.chain.pitch)?;
@@ -44,22 +46,23 @@ pub(super) fn layout<'py>(drive: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDi
     Ok(found)
 }
 
-fn check_pitch_and_teeth(py: Python<'_>, pitch: f64, teeth: (u32, u32)) -> PyResult<[u32; 2]> {
-    describe::checked(py, crate::error::check::positive("pitch", pitch, "m"))?;
-    let teeth = [teeth.0, teeth.1];
-    if teeth.iter().any(|n| !(5..=1000).contains(n)) {
-        return Err(to_python(
-            py,
-            &Error::invalid("teeth", format!("{teeth:?}"), "must be two numbers between 5 and 1000"),
-        ));
-    }
-    Ok(teeth)
+fn positive(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyResult<f64> {
+    let found = describe::number(value, field, unit)?;
+    describe::checked(value.py(), check::positive(field, found, unit)).map(|()| found)
 }
 
 /// Centre distance \[m\] at which both strands are taut and straight.
 #[pyfunction]
-pub(super) fn closing_center_distance(py: Python<'_>, pitch: f64, teeth: (u32, u32), links: u32) -> PyResult<f64> {
-    let teeth = check_pitch_and_teeth(py, pitch, teeth)?;
+pub(super) fn closing_center_distance(
+    pitch: &Bound<'_, PyAny>,
+    teeth: &Bound<'_, PyAny>,
+    links: &Bound<'_, PyAny>,
+) -> PyResult<f64> {
+    let pitch = positive(pitch, "pitch", "m")?;
+    let teeth = describe::two_teeth(teeth)?;
+    let count = describe::count(links, "links")?;
+    describe::checked(links.py(), check_links("links", count))?;
+    let links = count;
     state::closing_center_distance(pitch, teeth, links).ok_or_else(|| {
         let fewest = fewest_links(pitch, teeth);
         InvalidInput::new_err(format!(
@@ -76,17 +79,24 @@ fn fewest_links(pitch: f64, teeth: [u32; 2]) -> u32 {
         let half = std::f64::consts::PI / f64::from(n);
         0.5 * pitch * (0.6 + 1.0 / half.tan())
     };
-    state::links_for(pitch, teeth, 1.001 * (outside(teeth[0]) + outside(teeth[1])))
+    state::links_for(
+        pitch,
+        teeth,
+        1.001 * (outside(teeth[0]) + outside(teeth[1])),
+    )
 }
 
 /// Smallest even number of links that closes round two sprockets.
 #[pyfunction]
-pub(super) fn links_for(py: Python<'_>, pitch: f64, teeth: (u32, u32), center_distance: f64) -> PyResult<u32> {
-    let teeth = check_pitch_and_teeth(py, pitch, teeth)?;
-    describe::checked(
-        py,
-        crate::error::check::positive("center_distance", center_distance, "m"),
-    )?;
+pub(super) fn links_for(
+    pitch: &Bound<'_, PyAny>,
+    teeth: &Bound<'_, PyAny>,
+    center_distance: &Bound<'_, PyAny>,
+) -> PyResult<u32> {
+    let py = pitch.py();
+    let pitch = positive(pitch, "pitch", "m")?;
+    let teeth = describe::two_teeth(teeth)?;
+    let center_distance = positive(center_distance, "center_distance", "m")?;
     if center_distance > 1e5 * pitch {
         return Err(to_python(
             py,
@@ -118,7 +128,7 @@ pub(super) fn tooth_outline<'py>(
 
 /// Elastic force \[N\] of a law at each penetration \[m\].
 #[pyfunction]
-#[allow(clippy::too_many_arguments)] // the two surfaces, one keyword each in Python
+#[allow(clippy::too_many_arguments, clippy::needless_pass_by_value)] // the two surfaces; PyO3 hands arrays over
 pub(super) fn law_force<'py>(
     law: &Bound<'py, PyAny>,
     kind: &str,
@@ -131,7 +141,9 @@ pub(super) fn law_force<'py>(
     let py = law.py();
     let modulus = describe::material(material, "material")?.contact_modulus();
     let pair = match kind {
-        "internal" if radius_j > radius_i => SurfacePair::internal(radius_i, radius_j, length, modulus),
+        "internal" if radius_j > radius_i => {
+            SurfacePair::internal(radius_i, radius_j, length, modulus)
+        }
         "external" => SurfacePair::external(radius_i, radius_j, length, modulus),
         "internal" => {
             return Err(to_python(
@@ -165,7 +177,9 @@ impl Callable<'_> {
     fn call(&self, t: f64, y: &[f64], dydt: &mut [f64]) -> PyResult<()> {
         let py = self.function.py();
         let values = self.function.call1((t, PyArray1::from_slice(py, y)))?;
-        let array = py.import("numpy")?.call_method1("asarray", (values, "float64"))?;
+        let array = py
+            .import("numpy")?
+            .call_method1("asarray", (values, "float64"))?;
         let array = array.cast_into::<PyArray1<f64>>()?;
         let array = array.readonly();
         let found = array.as_array();
@@ -203,7 +217,7 @@ impl OdeSystem for Callable<'_> {
 
 /// Integrates y' = fun(t, y) with the embedded Adams-Bashforth-Moulton method.
 #[pyfunction]
-#[allow(clippy::too_many_arguments)] // SciPy's
+#[allow(clippy::too_many_arguments, clippy::needless_pass_by_value)] // SciPy's; PyO3 hands arrays over
 pub(super) fn integrate<'py>(
     fun: &Bound<'py, PyAny>,
     t_span: (f64, f64),
@@ -233,7 +247,9 @@ pub(super) fn integrate<'py>(
         Some(times) => times.as_array().to_vec(),
         None => vec![t_span.1],
     };
-    if times.iter().any(|t| !(t_span.0..=t_span.1).contains(t)) || times.windows(2).any(|w| w[1] < w[0]) {
+    if times.iter().any(|t| !(t_span.0..=t_span.1).contains(t))
+        || times.windows(2).any(|w| w[1] < w[0])
+    {
         return Err(to_python(
             py,
             &Error::invalid("t_eval", "its times", "must rise and lie within t_span"),
@@ -254,7 +270,10 @@ pub(super) fn integrate<'py>(
                 return Err(failure);
             }
             py.check_signals()?;
-            outcome.map_err(|failure| to_python(py, &describe_failure(failure)))?;
+            outcome.map_err(|failure| {
+                let name = |_, component| format!("component {component}");
+                to_python(py, &Error::from_failure(failure, name))
+            })?;
         }
         adams.interpolate(t, row);
     }
@@ -267,19 +286,4 @@ pub(super) fn integrate<'py>(
     found.set_item("steps", counts.steps)?;
     found.set_item("rejected", counts.rejected)?;
     Ok(found)
-}
-
-fn describe_failure(failure: StepFailure) -> Error {
-    match failure {
-        StepFailure::TooSmall {
-            time,
-            step_size,
-            component,
-        } => Error::StepTooSmall {
-            time,
-            step_size,
-            culprit: format!("component {component}"),
-        },
-        StepFailure::ToleranceTooSmall { time, factor } => Error::ToleranceTooSmall { time, factor },
-    }
 }

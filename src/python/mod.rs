@@ -16,7 +16,10 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<core::Core>()?;
     module.add_function(wrap_pyfunction!(describe::validate, module)?)?;
     module.add_function(wrap_pyfunction!(functions::layout, module)?)?;
-    module.add_function(wrap_pyfunction!(functions::closing_center_distance, module)?)?;
+    module.add_function(wrap_pyfunction!(
+        functions::closing_center_distance,
+        module
+    )?)?;
     module.add_function(wrap_pyfunction!(functions::links_for, module)?)?;
     module.add_function(wrap_pyfunction!(functions::tooth_outline, module)?)?;
     module.add_function(wrap_pyfunction!(functions::law_force, module)?)?;

@@ -1,8 +1,10 @@
 //! What changes: time, coordinates, velocities; and the motion of every body read from them.
 
 mod initial;
+mod layout;
 mod motion;
 
-pub use initial::{Layout, Start, closing_center_distance, links_for};
+pub use initial::Start;
+pub use layout::{Layout, closing_center_distance, links_for};
 pub use motion::Motion;
 pub(crate) use motion::sprocket_motion;

@@ -44,7 +44,10 @@ impl Motion {
     /// Reads the state `y` = [q, dq/dt, ...] at time `t`.
     pub fn read(&mut self, model: &Model, t: f64, y: &[f64]) {
         let n = model.links;
-        let (q, v) = (&y[..model.coordinates], &y[model.coordinates..2 * model.coordinates]);
+        let (q, v) = (
+            &y[..model.coordinates],
+            &y[model.coordinates..2 * model.coordinates],
+        );
         self.x[..n].copy_from_slice(&q[..n]);
         self.y[..n].copy_from_slice(&q[n..2 * n]);
         self.angle[..n].copy_from_slice(&q[2 * n..3 * n]);
@@ -52,7 +55,8 @@ impl Motion {
         self.vy[..n].copy_from_slice(&v[n..2 * n]);
         self.spin[..n].copy_from_slice(&v[2 * n..3 * n]);
         for (i, sprocket) in model.sprockets.iter().enumerate() {
-            let ((center, velocity), (angle, spin)) = sprocket_motion(sprocket, t, |j| (q[j], v[j]));
+            let ((center, velocity), (angle, spin)) =
+                sprocket_motion(sprocket, t, |j| (q[j], v[j]));
             let body = n + i;
             (self.x[body], self.y[body]) = (center.x, center.y);
             (self.vx[body], self.vy[body]) = (velocity.x, velocity.y);
@@ -108,7 +112,9 @@ impl Motion {
             let velocity = Vec2::new(self.vx[body], self.vy[body]);
             match sprocket.support {
                 Support::Fixed => {}
-                Support::Slide { index, direction, .. } => {
+                Support::Slide {
+                    index, direction, ..
+                } => {
                     q[index] = (center - sprocket.center).dot(&direction);
                     v[index] = velocity.dot(&direction);
                 }
@@ -132,7 +138,9 @@ pub(crate) fn sprocket_motion(
 ) -> ((Vec2, Vec2), (f64, f64)) {
     let at = match sprocket.support {
         Support::Fixed => (sprocket.center, Vec2::zeros()),
-        Support::Slide { index, direction, .. } => {
+        Support::Slide {
+            index, direction, ..
+        } => {
             let (s, speed) = value(index);
             (sprocket.center + s * direction, speed * direction)
         }

@@ -1,8 +1,18 @@
-//! Drives that several tests and benchmarks use.
+//! Drives and runs that several tests use.
 
-use rustchain::drive::{AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Link, Material, Motion, Sprocket};
+// Every test binary compiles this file anew and uses a part of it.
+#![allow(dead_code, unreachable_pub)]
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use rustchain::drive::{
+    AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Link, Material, Motion, Sprocket, Tensioner,
+};
 use rustchain::geometry::{Seat, Vec2};
-use rustchain::state::closing_center_distance;
+use rustchain::integrator::StepControl;
+use rustchain::state::{Start, closing_center_distance};
+use rustchain::{ForceLaws, Groups, Model, Recording, Simulation, Values};
 
 /// The chain of the paper's drive.
 pub fn paper_chain() -> Chain {
@@ -22,7 +32,7 @@ pub fn paper_chain() -> Chain {
             bore_radius: 2.245e-3,
             length: 0.011,
         },
-        bushing_radius: 3.96875e-3,
+        bushing_radius: 3.968_75e-3,
         tooth_contact_length: 0.007,
         material: Material::default(),
     }
@@ -51,5 +61,97 @@ pub fn paper_drive() -> Drive {
         chain,
         tensioner: None,
         gravity: Vec2::new(0.0, -9.81),
+    }
+}
+
+/// The paper's tensioner, on the driven sprocket.
+pub fn tensioner(pretension: f64, ramp_time: f64) -> Tensioner {
+    Tensioner {
+        sprocket: 2,
+        pretension,
+        ramp_time,
+        damping: 2000.0,
+        direction: None,
+    }
+}
+
+/// One tolerance, relative and absolute; else as by default.
+pub fn control(tolerance: f64) -> StepControl {
+    StepControl {
+        rtol: tolerance,
+        atol: tolerance,
+        ..StepControl::default()
+    }
+}
+
+/// A run of `drive` from its generated start.
+pub fn simulation(drive: &Drive, laws: &ForceLaws, control: StepControl) -> Simulation {
+    let (start, _) = Start::generate(drive).unwrap();
+    let model = Arc::new(Model::compile(drive, laws, &start).unwrap());
+    Simulation::new(model, &start, control).unwrap()
+}
+
+/// Goes on to `time` \[s\], however long it takes.
+pub fn advance(simulation: &mut Simulation, time: f64) {
+    assert!(simulation.advance(time, Duration::MAX).unwrap());
+    assert_eq!(simulation.time(), time);
+}
+
+/// Records `groups` from now for `duration` \[s\], every `report_step` \[s\].
+pub fn record(
+    simulation: &mut Simulation,
+    duration: f64,
+    report_step: f64,
+    groups: Groups,
+) -> Recording {
+    simulation.start_recording(duration, report_step, groups);
+    assert!(simulation.record(Duration::MAX).unwrap());
+    simulation.take_recording()
+}
+
+/// The values of one channel of real numbers.
+pub fn channel(recording: &Recording, name: &str) -> Vec<f64> {
+    let channel = recording
+        .channels
+        .iter()
+        .find(|channel| channel.name == name)
+        .unwrap();
+    match &channel.values {
+        Values::Real(values) => values.clone(),
+        Values::Whole(_) => panic!("{name} has whole numbers"),
+    }
+}
+
+/// The energy balance at each report \[J\].
+pub struct Energies {
+    pub kinetic: Vec<f64>,
+    pub elastic: Vec<f64>,
+    pub dissipated: Vec<f64>,
+    pub worked_in: Vec<f64>,
+    pub residual: Vec<f64>,
+}
+
+impl Energies {
+    /// Largest residual of all reports \[J\].
+    pub fn largest_residual(&self) -> f64 {
+        self.residual
+            .iter()
+            .fold(0.0, |largest, r| largest.max(r.abs()))
+    }
+}
+
+/// Runs for `duration` \[s\] with the energy balance.
+pub fn energies(simulation: &mut Simulation, duration: f64, report_step: f64) -> Energies {
+    let groups = Groups {
+        energy: true,
+        ..Groups::default()
+    };
+    let recording = record(simulation, duration, report_step, groups);
+    Energies {
+        kinetic: channel(&recording, "energy_kinetic"),
+        elastic: channel(&recording, "energy_elastic"),
+        dissipated: channel(&recording, "energy_dissipated"),
+        worked_in: channel(&recording, "energy_worked_in"),
+        residual: channel(&recording, "energy_residual"),
     }
 }

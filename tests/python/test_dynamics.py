@@ -154,7 +154,11 @@ def test_the_path_to_6_ms_converges_with_the_tolerance(paper_without_tension):
 
 
 @pytest.mark.parametrize(
-    "laws", ["lankarani-nikravesh", "sharp", "enhanced", "johnson hinges, enhanced teeth"]
+    "laws",
+    [
+        "lankarani-nikravesh",
+        pytest.param("johnson hinges, enhanced teeth", marks=pytest.mark.slow),
+    ],
 )
 def test_the_path_past_the_first_contacts_is_the_references(laws, paper_without_tension):
     # DOP853 stopped at every onset, each contact with its own memory.
@@ -167,15 +171,47 @@ def test_the_path_past_the_first_contacts_is_the_references(laws, paper_without_
     equations = DriveEquations(paper_without_tension, hinge_law, tooth_law)
     path = follow(equations, simulation.positions, simulation.velocities, end)
     assert path.tooth_onsets[0][0] == pytest.approx(4.09e-3, abs=5e-6)
-    assert path.hinge_onsets[0][0] == pytest.approx(4.32e-3, abs=5e-6)
+    if tooth_law.elastic == "hertz":  # the first hinge answers to the first tooth
+        assert path.hinge_onsets[0][0] == pytest.approx(4.32e-3, abs=5e-6)
+    assert len(path.tooth_onsets) >= 5
+    assert len(path.hinge_onsets) >= 5
     simulation.step_to(end)
-    assert_allclose(simulation.positions[:, :2], path.positions[:, :2], rtol=0.0, atol=1e-10)
-    assert_allclose(simulation.positions[:, 2], path.positions[:, 2], rtol=0.0, atol=2e-8)
-    assert_allclose(simulation.velocities[:, :2], path.velocities[:, :2], rtol=0.0, atol=1e-6)
-    # The memory shows in the present forces.
-    kin = equations.kinematics(path.positions, path.velocities)
-    e = simulation.evaluate()
-    assert np.array_equal(e.hinge_force > 0.0, kin.hinge_penetration > 0.0)
+    assert_same_path(simulation, path)
+
+
+@pytest.mark.slow
+def test_a_contact_that_slides_into_another_region_keeps_its_stiffness_or_not(
+    paper_without_tension,
+):
+    # Seven links thrown about, so that a bushing slides into the next region under load.
+    start = rc.Simulation(paper_without_tension)
+    positions, velocities = start.positions, start.velocities.copy()
+    velocities[19:26, :2] += np.random.default_rng(28).uniform(-0.4, 0.4, (38, 2))[19:26]
+    ends = {}
+    for regions in ("kept", "sharp"):
+        law = rc.LankaraniNikravesh(regions=regions)
+        simulation = rc.Simulation(
+            paper_without_tension,
+            force_law=law,
+            positions=positions,
+            velocities=velocities,
+            solver=rc.Solver(rtol=1e-12, atol=1e-12),
+        )
+        equations = DriveEquations(paper_without_tension, law, law)
+        path = follow(equations, positions, velocities, 3e-4)
+        simulation.step_to(3e-4)
+        assert_same_path(simulation, path)
+        ends[regions] = path.positions
+    assert np.max(np.abs(ends["kept"] - ends["sharp"])[:, :2]) > 1e-7
+
+
+def assert_same_path(simulation, path):
+    off = np.abs(simulation.positions - path.positions)
+    rates_off = np.abs(simulation.velocities - path.velocities)
+    assert np.max(off[:, :2]) <= 1e-12  # [m]
+    assert np.max(off[:, 2]) <= 1e-9  # [rad]
+    assert np.max(rates_off[:, :2]) <= 1e-8  # [m/s]
+    assert np.max(rates_off[:, 2]) <= 1e-5  # [rad/s]
 
 
 def test_first_contacts_come_at_4_09_and_4_32_ms(paper_without_tension):

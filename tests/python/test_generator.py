@@ -138,7 +138,7 @@ def test_a_generated_start_is_free_of_contact_and_consistent(case, seat):
     assert not np.any(e.hinge_force)
     assert not np.any(e.tooth_force)
     assert np.max(kin.hinge_penetration) <= -1e-7, "a hinge is within 0.1 um of its clearance"
-    assert np.max(kin.tooth_penetration) <= -1e-7, "a bushing is within 0.1 um of a tooth"
+    assert np.max(kin.tooth_penetration) <= -0.9e-6, "a bushing is within 0.9 um of a tooth"
 
     # The chain goes round, once and counterclockwise, outside both wheels' seats.
     following = (np.arange(n) + 1) % n
@@ -170,8 +170,10 @@ def test_a_generated_start_is_free_of_contact_and_consistent(case, seat):
     assert v[n, 2] == pytest.approx(speed)
     assert v[n + 1, 2] == pytest.approx(speed * ratio, rel=0.02, abs=1e-12)
     chain_speed = abs(speed) * pitch_radius(p, drive.sprockets[0].teeth)
-    closing = np.abs(kin.tooth_rate[kin.tooth_penetration > -1e-5])
-    assert np.all(closing <= 1e-3 * chain_speed + 1e-12)
+    # A strand's first link cannot follow both its ends: the strand's length changes at the rate
+    # of the polygon effect, a few thousandths of the speed.
+    closing = np.abs(kin.tooth_rate[kin.tooth_penetration > -2e-6])
+    assert np.all(closing <= 0.01 * chain_speed + 1e-12)
     half = 0.5 * p * np.stack([-np.sin(q[:n, 2]), np.cos(q[:n, 2])], axis=1) * v[:n, 2:]
     front, rear = v[:n, :2] + half, v[:n, :2] - half
     parting = np.hypot(*(front - rear[following]).T)
@@ -270,3 +272,12 @@ def test_a_hair_too_long_is_taken_up_by_the_clearances():
     assert np.max(e.hinge_penetration) < 0.0
     assert np.max(e.tooth_penetration) < 0.0
     assert min(stretched.check().strand_slack) < 0.0
+
+
+@pytest.mark.parametrize("seat", ["bottom-diameter", "pitch-circle"])
+@pytest.mark.parametrize("teeth", [(17, 17), (17, 25), (11, 60), (28, 31), (38, 15)])
+@pytest.mark.parametrize("links", [84, 90, 108])
+def test_at_its_own_centre_distance_a_chain_is_taut(seat, teeth, links):
+    report = rc.two_sprocket_drive(teeth=teeth, links=links, seat=seat).check()
+    assert np.max(np.abs(report.strand_slack)) < 1e-6
+    assert np.max(report.sag) == 0.0

@@ -123,12 +123,16 @@ def test_an_unknown_strand_is_answered_with_the_nearest(result):
         (lambda r: r.sprocket(1), "pass record=.*'sprockets'"),
         (lambda r: r.peaks.hinge_force, "pass record=.*'hinges'"),
         (lambda r: r.energy, "pass energy=True"),
-        (lambda r: r.plot.drive(time=5e-4), "pass record=.*'bodies'"),
     ],
 )
 def test_what_was_not_recorded_is_answered_with_the_remedy(bare, ask, remedy):
     with pytest.raises(rc.NotRecorded, match=remedy):
         ask(bare)
+
+
+def test_a_time_that_was_not_recorded_is_drawn_at_the_nearer_end_with_a_warning(bare):
+    with pytest.warns(UserWarning, match=r"drawn at t = 0 s: .*pass record=.*'bodies'"):
+        bare.plot.drive(time=5e-4)
 
 
 def test_an_unknown_group_is_answered_with_the_nearest():

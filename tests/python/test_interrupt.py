@@ -1,0 +1,222 @@
+"""Ctrl-C: a run stops soon, keeps its rows, and can go on; other threads run meanwhile."""
+
+import json
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+
+import rustchain as rc
+from rustchain import simulation as module
+
+# A child that interrupts itself, as Ctrl-C would, once its run is well under way.
+PRELUDE = """
+import json, os, signal, sys, threading
+import rustchain as rc
+
+under_way = threading.Event()
+
+class Watched:
+    def __init__(self, core):
+        self.core, self.calls = core, 0
+    def __getattr__(self, name):
+        return getattr(self.core, name)
+    def advance(self, budget):
+        return self.count(self.core.advance(budget))
+    def step_to(self, t, budget):
+        return self.count(self.core.step_to(t, budget))
+    def count(self, finished):
+        self.calls += 1
+        if self.calls == 4:
+            under_way.set()
+        return finished
+
+def interrupt():
+    under_way.wait()
+    os.kill(os.getpid(), signal.SIGINT)
+
+init = rc.Simulation.__init__
+def watched(self, *args, **keywords):
+    init(self, *args, **keywords)
+    self._core = Watched(self._core)
+rc.Simulation.__init__ = watched
+threading.Thread(target=interrupt, daemon=True).start()
+"""
+
+FAR = 1000.0  # [s], hours of wall time away
+
+
+def child(script, *arguments, **keywords):
+    return subprocess.run(
+        [sys.executable, "-W", "error", "-c", PRELUDE + script, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        **keywords,
+    )
+
+
+def test_an_interrupted_run_keeps_its_rows_and_can_go_on():
+    done = child(
+        f"""
+simulation = rc.Simulation(rc.paper_drive())
+result = simulation.run({FAR}, 1e-4, ("teeth",), progress=False)
+stopped = simulation.time
+calls = simulation._core.calls
+more = simulation.run(1e-3, 1e-4, ("teeth",), progress=False)
+print(json.dumps(dict(
+    status=result.status, message=result.message, success=result.success, stopped=stopped,
+    calls=calls, rows=len(result.time), begin=result.time[0], end=result.time[-1],
+    forces=len(result.array("tooth_force")), finite=bool(result.final_positions.any()),
+    more=more.status, again=more.time[0], last=more.time[-1],
+)))
+"""
+    )
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout)
+    assert said["status"] == "interrupted"
+    assert not said["success"]
+    assert "interrupted at t = " in said["message"]
+    assert 0.0 < said["stopped"] < 0.1 * FAR
+    # All rows up to there, and no more.
+    assert said["begin"] == 0.0
+    assert said["rows"] == said["forces"] > 1
+    assert said["end"] <= said["stopped"] < said["end"] + 2e-4
+    assert said["finite"]
+    assert said["more"] == "finished"
+    assert said["again"] == said["stopped"]
+    assert said["last"] == pytest.approx(said["stopped"] + 1e-3)
+
+
+def test_an_interrupted_step_to_leaves_the_simulation_where_it_is():
+    done = child(
+        f"""
+simulation = rc.Simulation(rc.paper_drive())
+try:
+    simulation.step_to({FAR})
+except KeyboardInterrupt:
+    stopped = simulation.time
+simulation.step_to(stopped + 1e-4)
+print(json.dumps(dict(stopped=stopped, time=simulation.time)))
+"""
+    )
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout)
+    assert 0.0 < said["stopped"] < 0.1 * FAR
+    assert said["time"] == said["stopped"] + 1e-4
+
+
+def test_the_command_saves_its_file_and_says_how_it_ended(tmp_path):
+    path = tmp_path / "run.nc"
+    done = child(
+        "from rustchain.cli import main; main()",
+        "run", "paper", "--duration", FAR, "--report-step", 1e-4, "--out", path,
+    )  # fmt: skip
+    assert done.returncode == 130, done.stderr
+    assert "Traceback" not in done.stderr
+    assert "interrupted at t = " in done.stdout
+    assert str(path) in done.stdout
+    result = rc.load_result(path)
+    assert result.status == "interrupted"
+    assert 1 < len(result.time) < 0.1 * FAR / 1e-4
+    assert f"{len(result.time)} rows" in done.stdout
+    assert result.array("tooth_force").shape == (len(result.time), 38)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGALRM"), reason="no interval timer here")
+def test_a_handler_of_ones_own_is_heard_during_a_run():
+    """Python looks for signals between slices of the run, whoever handles them."""
+
+    class Alarm(Exception):
+        pass
+
+    def ring(number, frame):
+        raise Alarm
+
+    simulation = rc.Simulation(rc.paper_drive())
+    before = signal.signal(signal.SIGALRM, ring)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.3)
+        with pytest.raises(Alarm):
+            simulation.run(FAR, progress=False)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+    assert 0.0 < simulation.time < 0.1 * FAR
+    assert simulation.run(1e-4, progress=False).success
+
+
+class Slices:
+    """A core that notes the wall time it is given."""
+
+    def __init__(self, core):
+        self.core, self.budgets = core, []
+
+    def __getattr__(self, name):
+        return getattr(self.core, name)
+
+    def advance(self, budget):
+        self.budgets.append(budget)
+        return self.core.advance(budget)
+
+    def step_to(self, t, budget):
+        self.budgets.append(budget)
+        return self.core.step_to(t, budget)
+
+
+def test_the_keyboard_is_looked_at_well_within_a_fifth_of_a_second():
+    simulation = rc.Simulation(rc.paper_drive())
+    simulation._core = slices = Slices(simulation._core)
+    simulation.run(2e-3, progress=False)
+    simulation.step_to(4e-3)
+    assert len(slices.budgets) >= 2
+    assert set(slices.budgets) == {module._WALL_BUDGET}
+    assert 0.0 < module._WALL_BUDGET <= 0.1
+
+
+@pytest.mark.parametrize("stepping", [False, True])
+def test_without_wall_time_left_a_slice_is_short(stepping):
+    """The budget is looked at every few steps: a slice of none at all makes few."""
+    simulation = rc.Simulation(rc.paper_drive())
+    core = simulation._core
+    simulation.step_to(5e-3)
+    core.start_recording(FAR, 1e-4, [], False)
+    for _ in range(20):
+        before = core.stats()["steps"]
+        finished = core.step_to(FAR, 0.0) if stepping else core.advance(0.0)
+        assert not finished
+        assert 0 < core.stats()["steps"] - before <= 100
+
+
+def test_other_threads_run_during_a_slice():
+    simulation = rc.Simulation(rc.paper_drive())
+    core = simulation._core
+    ticks, begin, end = 0, threading.Event(), threading.Event()
+
+    def tick():
+        nonlocal ticks
+        begin.wait()
+        while not end.is_set():
+            time.sleep(1e-3)
+            ticks += 1
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    core.start_recording(0.05, 1e-4, [], False)
+    begin.set()
+    finished = core.advance(1e9)  # one call; a held lock would let one tick through at most
+    ticks_during, _ = ticks, end.set()
+    thread.join()
+    assert finished
+    assert ticks_during >= 5
+
+
+def test_reports_closer_than_steps_do_not_hold_a_slice_up():
+    """With 100 reports in every step, a slice of no wall time ends after one of them."""
+    core = rc.Simulation(rc.paper_drive())._core
+    core.start_recording(4e-3, 1e-8, ["hinges", "teeth"], True)
+    for _ in range(39):
+        assert not core.advance(0.0)
+    assert len(core.take_recording()["time"]) == 39

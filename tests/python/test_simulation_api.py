@@ -1,0 +1,735 @@
+"""The public face in use: scripts run, looking changes no path, motions do as told."""
+
+import math
+import re
+import warnings
+from dataclasses import replace
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+import rustchain as rc
+
+END = 8e-3  # [s], after the first contacts of hinges and teeth
+ALL = ("hinges", "teeth", "sprockets", "bodies")
+SPEED = 4 * math.pi  # of the paper's driver [rad/s]
+
+
+def path_of(simulation):
+    """What must not depend on who looks: time, positions, velocities, memory, steps."""
+    state = simulation.state()
+    memory = [state[key] for key in sorted(state) if "onset" in key]
+    return [state["time"], state["positions"], state["velocities"], *memory]
+
+
+def assert_same_path(one, other):
+    for a, b in zip(path_of(one), path_of(other), strict=True):
+        np.testing.assert_array_equal(a, b)
+
+
+def assert_same_state(one, other):
+    assert one.keys() == other.keys()
+    for key, value in one.items():
+        np.testing.assert_array_equal(value, other[key], err_msg=key)
+
+
+@pytest.fixture(scope="module")
+def at_end():
+    """The paper's drive with 25 N after END, reached in one go."""
+    simulation = rc.Simulation(rc.paper_drive(pretension=25.0))
+    simulation.step_to(END)
+    return simulation
+
+
+def test_a_script_with_every_name_of_the_public_face_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    mpl.use("Agg")
+
+    drive = rc.paper_drive(pretension=0.0)
+    drive = rc.two_sprocket_drive(chain="ANSI 40", teeth=(17, 25), center_distance=0.247)
+    drive = rc.two_sprocket_drive(chain="ANSI 40", teeth=(17, 25), links=60, speed=12.566)
+    chain = rc.Chain(
+        pitch=0.0127,
+        links=60,
+        inner=rc.Link(mass=6.5e-3, inertia=1.8e-7),
+        outer=rc.Link(mass=8.3e-3, inertia=1.2e-7),
+        hinge=rc.ClearanceHinge(pin_radius=2.22e-3, bore_radius=2.245e-3, length=0.011),
+        bushing_radius=0.00396875,
+        tooth_contact_length=0.007,
+        material=rc.Material(elastic_modulus=2.07e11, poisson_ratio=0.3, restitution=0.71),
+    )
+    profile = rc.AnsiTooth(seat="bottom-diameter")
+    center = drive.sprockets[1].center
+    driver = rc.Sprocket(
+        teeth=17, center=(0, 0), motion=rc.PrescribedSpeed(12.566), profile=profile
+    )
+    for motion in (rc.Free(), rc.AppliedTorque(-0.1), rc.AppliedTorque([(0.0, 0.0), (0.1, -0.2)])):
+        driven = rc.Sprocket(teeth=25, center=center, motion=motion, profile=profile)
+        drive = rc.ChainDrive(
+            chain=chain,
+            sprockets=[driver, driven],
+            tensioner=rc.Tensioner(sprocket=2, pretension=10.0),
+            gravity=(0.0, -9.81),
+        )
+    report = drive.check()
+    assert report.links == 60
+    assert len(report.warnings) >= 0
+    assert {"wrap_angle", "phase", "strand_slack"} <= set(vars(report))
+    for law in (rc.LankaraniNikravesh(), rc.Johnson(), rc.EnhancedCylinder(), rc.Hertz()):
+        rc.Simulation(drive, force_law=law)
+    assert rc.Johnson().damping is None
+    law = rc.Johnson(damping="lankarani-nikravesh")
+    rc.LankaraniNikravesh(regions="kept")
+
+    sim = rc.Simulation(
+        drive,
+        force_law=rc.LankaraniNikravesh(regions="sharp"),
+        hinge_law=law,
+        tooth_law=None,
+        min_approach_speed=1e-3,
+        positions=None,
+        velocities=None,
+        solver=rc.Solver(method="auto", rtol=1e-5, atol=1e-5, max_step=1e-4),
+    )
+    assert rc.Solver(method="pece").method == "pece"
+    bodies, hinges, times = 62, 60, 11
+    assert [*sim.body_names[:2], *sim.body_names[-3:]] == [
+        "link_1",
+        "link_2",
+        "link_60",
+        "sprocket_1",
+        "sprocket_2",
+    ]
+    assert sim.time == 0.0
+    assert sim.positions.shape == sim.velocities.shape == (bodies, 3)
+    assert {"positions", "velocities"} <= sim.state().keys()
+    e = sim.evaluate(positions=None, velocities=None, time=None)
+    assert e.accelerations.shape == (bodies, 3)
+    assert e.hinge_force.shape == e.hinge_penetration.shape == (hinges,)
+    assert e.tooth_force.shape == e.tooth_penetration.shape == (hinges, 2)
+    assert not np.isnan(e.tooth_penetration).any()
+    assert (e.tooth_penetration == -math.inf).any()
+    sim.step_to(5e-4)
+    assert sim.time == 5e-4
+    result = sim.run(
+        duration=1e-3, report_step=1e-4, record=("hinges", "teeth", "sprockets"), progress=True
+    )
+
+    assert result.time.shape == (times,)
+    hinge = result.hinge(6)
+    assert hinge.force.shape == hinge.penetration.shape == (times,)
+    assert hinge.force_vector.shape == hinge.eccentricity.shape == (times, 2)
+    bushing = result.bushing(6)
+    for values in (
+        bushing.tooth_force,
+        bushing.tooth_penetration,
+        bushing.sprocket,
+        bushing.tooth,
+        bushing.region,
+    ):
+        assert values.shape == (times,)
+    assert result.strand("upper").tension.shape == result.strand("lower").tension.shape == (times,)
+    sprocket = result.sprocket(1)
+    for values in (sprocket.angle, sprocket.speed, sprocket.torque):
+        assert values.shape == (times,)
+    for name in ("kinetic", "gravity", "elastic", "dissipated", "worked_in", "residual"):
+        assert getattr(result.energy, name).shape == (times,)
+    assert result.peaks.hinge_force.shape == result.peaks.tooth_impulse.shape == (times, hinges)
+    assert result.status == "finished"
+    assert isinstance(result.message, str)
+    assert result.success
+    assert {"steps", "rejected", "evaluations", "onsets", "onsets_at_floor"} <= result.stats.keys()
+    assert any(key.startswith("wall_") for key in result.stats)
+    assert result.to_xarray().sizes["time"] == len(result.to_pandas()) == times
+    result.save("run.nc")
+    np.testing.assert_array_equal(rc.load_result("run.nc").time, result.time)
+    for figure in (
+        result.plot.hinge_force(6),
+        result.plot.tooth_force(6),
+        result.plot.force_penetration(6),
+        result.plot.orbit(6),
+        result.plot.tension(),
+        result.plot.drive(time=result.time[-1]),
+    ):
+        figure.savefig("figure.png")
+        plt.close(figure)
+
+
+# --- looking changes nothing
+
+
+@pytest.mark.parametrize(
+    "stops", [[1e-3, 2.5e-3, 4.4e-3], np.linspace(1e-5, 7.99e-3, 333).tolist()]
+)
+def test_step_to_reaches_each_time_exactly_and_keeps_the_path(stops, at_end):
+    simulation = rc.Simulation(rc.paper_drive(pretension=25.0))
+    for t in stops:
+        simulation.step_to(t)
+        assert simulation.time == t
+    simulation.step_to(simulation.time)
+    simulation.step_to(END)
+    assert simulation.time == END
+    assert_same_state(simulation.state(), at_end.state())
+
+
+def test_a_run_goes_on_where_step_to_stopped(at_end):
+    simulation = rc.Simulation(rc.paper_drive(pretension=25.0))
+    simulation.step_to(4.05e-3)
+    stopped = simulation.positions, simulation.velocities
+    first = simulation.run(1e-3, record="bodies", progress=False)
+    assert first.time[0] == 4.05e-3
+    assert first.time[-1] == simulation.time == 4.05e-3 + 1e-3
+    np.testing.assert_array_equal(first.array("positions")[0], stopped[0])
+    np.testing.assert_array_equal(first.array("velocities")[0], stopped[1])
+    second = simulation.run(END - simulation.time, record="bodies", progress=False)
+    assert second.time[0] == first.time[-1]
+    np.testing.assert_array_equal(second.array("positions")[0], first.array("positions")[-1])
+    simulation.step_to(END)
+    assert_same_path(simulation, at_end)
+
+
+@pytest.mark.parametrize("energy", [False, True])
+@pytest.mark.parametrize(
+    ("report_step", "record"), [(1.0, ()), (1e-3, ALL), (1e-4, ("teeth",)), (3.7e-6, ALL)]
+)
+def test_reports_and_the_energy_balance_do_not_change_the_path(report_step, record, energy, at_end):
+    simulation = rc.Simulation(rc.paper_drive(pretension=25.0))
+    result = simulation.run(END, report_step, record, energy=energy, progress=False)
+    assert_same_path(simulation, at_end)
+    np.testing.assert_array_equal(result.final_positions, at_end.positions)
+    assert result.time[-1] == END
+
+
+def test_reports_are_where_they_were_asked_for():
+    result = rc.Simulation(rc.paper_drive()).run(1e-3, 3e-4, ("bodies",), progress=False)
+    np.testing.assert_allclose(result.time, [0.0, 3e-4, 6e-4, 9e-4, 1e-3], rtol=1e-15)
+
+
+def test_rows_at_equal_times_are_equal_whatever_the_report_step():
+    results = [
+        rc.Simulation(rc.paper_drive()).run(END, step, ALL, progress=False)
+        for step in (2.0**-10, 2.0**-13)
+    ]
+    every = len(results[0].time) - 1  # the last row lies at the end, on no grid
+    for name, values in results[0].arrays.items():
+        if not name.startswith("peak"):
+            np.testing.assert_array_equal(values[:every], results[1].arrays[name][: 8 * every : 8])
+
+
+def test_the_same_run_twice_gives_the_same_bits():
+    one, other = (
+        rc.Simulation(rc.paper_drive(), rc.EnhancedCylinder()).run(
+            0.015, record=ALL, progress=False
+        )
+        for _ in range(2)
+    )
+    assert one.array("hinge_force").any()
+    assert one.array("tooth_force").any()
+    assert one.arrays.keys() == other.arrays.keys()
+    for name, values in one.arrays.items():
+        np.testing.assert_array_equal(values, other.arrays[name], strict=True)
+
+
+def test_evaluating_has_no_side_effects(at_end):
+    simulation = rc.Simulation(rc.paper_drive(pretension=25.0))
+    rng = np.random.default_rng(7)
+    for t in (1e-3, 4.5e-3, 6e-3):
+        simulation.step_to(t)
+        before = simulation.state()
+        positions = simulation.positions + 1e-6 * rng.standard_normal((40, 3))
+        velocities = simulation.velocities + 0.1 * rng.standard_normal((40, 3))
+        given = positions.copy(), velocities.copy()
+        simulation.evaluate()
+        simulation.evaluate(positions=positions, velocities=velocities, time=0.3)
+        simulation.evaluate(velocities=velocities)
+        np.testing.assert_array_equal((positions, velocities), given)
+        assert_same_state(simulation.state(), before)
+    simulation.step_to(END)
+    assert_same_state(simulation.state(), at_end.state())
+
+
+def test_what_is_handed_out_is_a_copy():
+    simulation = rc.Simulation(rc.paper_drive())
+    for get in (lambda: simulation.positions, lambda: simulation.velocities):
+        kept = get()
+        get()[:] = 0.0
+        np.testing.assert_array_equal(get(), kept)
+    state = simulation.state()
+    state["positions"][:] = 0.0
+    state["hinge_onset_speed"][:] = 1.0
+    assert simulation.positions.any()
+    assert not simulation.state()["hinge_onset_speed"].any()
+
+
+def test_a_state_is_complete(at_end):
+    state = at_end.state()
+    evaluation = at_end.evaluate()
+    assert state["time"] == END
+    np.testing.assert_array_equal(state["positions"], at_end.positions)
+    np.testing.assert_array_equal(state["velocities"], at_end.velocities)
+    # Whatever touches has a memory; of the rest, what begins or ends inside the last step.
+    for kind in ("hinge", "tooth"):
+        touching = getattr(evaluation, f"{kind}_penetration") > 0.0
+        remembered = state[f"{kind}_onset_speed"] > 0.0
+        assert touching.any()
+        assert remembered[touching].all()
+        assert np.count_nonzero(remembered[~touching]) <= 2
+    assert state["tooth_onset_surface"].shape == (38, 2)
+    assert isinstance(state["integrator"], bytes)
+    assert len(state["integrator"]) > 8 * 2 * 2 * 38 * 3
+
+
+# --- what evaluate says
+
+
+def test_positions_just_given_have_no_memory(at_end):
+    """Without memory and at rest, a force is the elastic one."""
+    rest = np.zeros_like(at_end.velocities)
+    e = at_end.evaluate(positions=at_end.positions, velocities=rest)
+    chain = at_end.drive.chain
+    pin, bore = chain.hinge.pin_radius, chain.hinge.bore_radius
+    modulus = chain.material.elastic_modulus / (2 * (1 - chain.material.poisson_ratio**2))
+    stiffness = 4 / 3 * modulus * math.sqrt(pin * bore / (bore - pin))
+    depth = np.maximum(e.hinge_penetration, 0.0)
+    assert np.count_nonzero(depth) > 5
+    np.testing.assert_allclose(e.hinge_force, stiffness * depth**1.5, rtol=1e-9)
+    np.testing.assert_allclose(
+        np.hypot(*e.hinge_force_vector.T), e.hinge_force, rtol=1e-12, atol=1e-12
+    )
+
+
+def test_velocities_alone_keep_the_memory(at_end):
+    e = at_end.evaluate(velocities=at_end.velocities)
+    np.testing.assert_array_equal(e.accelerations, at_end.evaluate().accelerations)
+    fresh = at_end.evaluate(positions=at_end.positions)
+    np.testing.assert_array_equal(fresh.hinge_penetration, e.hinge_penetration)
+    assert (fresh.hinge_force != e.hinge_force).any()
+
+
+def test_a_given_time_moves_the_loads_only():
+    simulation = rc.Simulation(rc.paper_drive(pretension=25.0))
+    early, late = simulation.evaluate(time=0.0), simulation.evaluate(time=0.05)
+    pull = 0.5 * 50.0  # half of the ramp
+    change = late.accelerations - early.accelerations
+    assert change[39, 0] == pytest.approx(pull / 0.817)
+    change[39, 0] = 0.0
+    assert not change.any()
+
+
+# --- recording
+
+
+@pytest.mark.parametrize("energy", [True, False])
+@pytest.mark.parametrize("record", [(), *[(group,) for group in ALL], ("teeth", "bodies"), ALL])
+def test_only_what_is_asked_for_is_recorded(record, energy):
+    result = rc.Simulation(rc.paper_drive()).run(2e-4, record=record, energy=energy, progress=False)
+    assert set(result.groups) == {*record, *(["energy"] if energy else [])}
+    first_words = {
+        "hinges": {"hinge", "strand", "peak_hinge"},
+        "teeth": {"tooth", "peak_tooth"},
+        "sprockets": {"sprocket"},
+        "bodies": {"positions", "velocities"},
+        "energy": {"energy"},
+    }
+    allowed = ("time", *(word for group in result.groups for word in first_words[group]))
+    assert all(name.startswith(allowed) for name in result.arrays)
+    assert all(values.shape[0] == 3 for values in result.arrays.values())
+
+
+def test_one_group_may_be_named_without_a_tuple():
+    result = rc.Simulation(rc.paper_drive()).run(2e-4, record="teeth", energy=False, progress=False)
+    assert result.groups == ("teeth",)
+
+
+def test_recorded_values_are_those_of_evaluate():
+    simulation = rc.Simulation(rc.paper_drive())
+    result = simulation.run(END, record=ALL, progress=False)
+    e = simulation.evaluate()
+    np.testing.assert_allclose(result.array("hinge_force")[-1], e.hinge_force, rtol=1e-12)
+    np.testing.assert_array_equal(result.array("hinge_penetration")[-1], e.hinge_penetration)
+    np.testing.assert_array_equal(
+        result.array("tooth_penetration")[-1], e.tooth_penetration.max(axis=1)
+    )
+    np.testing.assert_array_equal(result.array("tooth_force")[-1], e.tooth_force.max(axis=1))
+    np.testing.assert_array_equal(result.array("positions")[-1], simulation.positions)
+    eccentricity = np.hypot(*result.array("hinge_eccentricity")[-1].T)
+    np.testing.assert_allclose(eccentricity - 25e-6, e.hinge_penetration, rtol=0.0, atol=1e-15)
+
+
+def test_counts_add_up():
+    simulation = rc.Simulation(rc.paper_drive())
+    stats = simulation.run(END, progress=False).stats
+    assert stats["evaluations"] == 1 + 2 * stats["steps"] + stats["rejected"]
+    assert 0 < stats["onsets_at_floor"] < stats["onsets"] < stats["steps"]
+    assert all(stats[key] >= 0.0 for key in stats if key.startswith("wall_"))
+
+
+# --- peaks
+
+
+@pytest.fixture(scope="module")
+def coarse_and_fine():
+    """One path, reported every 1e-4 s and every 1e-7 s."""
+    return [
+        rc.Simulation(rc.paper_drive()).run(END, step, ("hinges", "teeth"), progress=False)
+        for step in (1e-4, 1e-7)
+    ]
+
+
+@pytest.mark.parametrize("kind", ["hinge", "tooth"])
+def test_the_impulse_of_an_interval_is_the_integral_of_the_force(kind, coarse_and_fine):
+    coarse, fine = coarse_and_fine
+    force = fine.array(f"{kind}_force")
+    area = np.zeros_like(force)
+    area[1:] = np.cumsum(0.5 * np.diff(fine.time)[:, None] * (force[1:] + force[:-1]), axis=0)
+    expected = np.diff(area[::1000], axis=0)
+    impulse = coarse.array(f"peak_{kind}_impulse")
+    assert np.count_nonzero(expected) > 50
+    assert not impulse[0].any()
+    np.testing.assert_allclose(impulse[1:], expected, rtol=1e-2, atol=1e-3 * expected.max())
+
+
+@pytest.mark.parametrize("kind", ["hinge", "tooth"])
+def test_a_peak_is_the_largest_force_of_its_interval(kind, coarse_and_fine):
+    coarse, fine = coarse_and_fine
+    peak, sampled = coarse.array(f"peak_{kind}_force"), coarse.array(f"{kind}_force")
+    assert not peak[0].any()
+    assert (peak[1:] >= sampled[1:]).all()
+    assert (peak[1:] >= sampled[:-1]).all()
+    links = peak.shape[1]
+    force = fine.array(f"{kind}_force")
+    largest = np.maximum(force[:-1].reshape(-1, 1000, links).max(axis=1), force[1000::1000])
+    np.testing.assert_allclose(peak[1:], largest, rtol=0.02, atol=1e-3 * largest.max())
+    # Most impacts are over before the next report.
+    assert peak.max() > 1.2 * sampled.max()
+
+
+# --- motions and loads
+
+
+def with_motions(first, second=None, drive=None, **changes):
+    """A drive whose sprockets move as told."""
+    drive = drive or rc.paper_drive()
+    motions = first, second or rc.Free()
+    sprockets = [
+        replace(sprocket, motion=motion)
+        for sprocket, motion in zip(drive.sprockets, motions, strict=True)
+    ]
+    return replace(drive, sprockets=sprockets, **changes)
+
+
+def test_a_prescribed_speed_follows_its_table():
+    times, speeds = np.array([0.0, 2e-3, 4e-3]), np.array([0.0, 10.0, 4.0])
+    drive = with_motions(rc.PrescribedSpeed(np.stack([times, speeds], axis=1)))
+    simulation = rc.Simulation(drive)
+    assert not simulation.velocities.any()  # from rest
+    assert simulation.evaluate(time=1e-3).accelerations[38, 2] == pytest.approx(5000.0)
+    assert simulation.evaluate(time=3e-3).accelerations[38, 2] == pytest.approx(-3000.0)
+    assert simulation.evaluate(time=9e-3).accelerations[38, 2] == 0.0
+    result = simulation.run(6e-3, 1e-5, ("sprockets",), progress=False)
+    driver = result.sprocket(1)
+    np.testing.assert_allclose(
+        driver.speed, np.interp(result.time, times, speeds), rtol=1e-12, atol=1e-12
+    )
+    fine = np.linspace(0.0, 6e-3, 6001)
+    values = np.interp(fine, times, speeds)
+    turned = np.concatenate([[0.0], np.cumsum(0.5e-6 * (values[1:] + values[:-1]))])
+    angle = driver.angle - driver.angle[0]
+    np.testing.assert_allclose(angle, np.interp(result.time, fine, turned), rtol=0.0, atol=1e-10)
+
+
+def test_a_table_begins_at_its_value_at_time_zero():
+    simulation = rc.Simulation(with_motions(rc.PrescribedSpeed([(-1.0, 4.0), (1.0, 8.0)])))
+    assert simulation.velocities[38, 2] == pytest.approx(6.0)
+    assert simulation.velocities[39, 2] == pytest.approx(6.0)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_torque_accelerates_a_sprocket_before_anything_touches(sign):
+    drive = with_motions(rc.AppliedTorque(0.02 * sign), gravity=(0.0, 0.0))
+    simulation = rc.Simulation(drive)
+    assert not simulation.velocities.any()
+    inertia = drive.sprockets[0].inertia
+    assert simulation.evaluate().accelerations[38, 2] == pytest.approx(0.02 * sign / inertia)
+    result = simulation.run(2e-3, 1e-4, ("sprockets", "teeth"), progress=False)
+    driver = result.sprocket(1)
+    assert not result.array("tooth_force").any()
+    np.testing.assert_allclose(driver.torque, 0.02 * sign)
+    np.testing.assert_allclose(
+        driver.speed, 0.02 * sign / inertia * result.time, rtol=1e-9, atol=1e-12
+    )
+    assert result.energy.worked_in[-1] == pytest.approx(result.energy.kinetic[-1], rel=1e-6)
+
+
+def test_a_torque_follows_its_table():
+    drive = with_motions(rc.PrescribedSpeed(SPEED), rc.AppliedTorque([(1e-3, 0.0), (3e-3, -0.4)]))
+    result = rc.Simulation(drive).run(5e-3, 1e-4, ("sprockets",), progress=False)
+    expected = np.interp(result.time, [1e-3, 3e-3], [0.0, -0.4])
+    np.testing.assert_allclose(result.sprocket(2).torque, expected, atol=1e-15)
+    assert result.sprocket(2).speed[-1] < SPEED
+
+
+def test_a_braked_drive_carries_its_load_in_the_pulling_strand():
+    """The driver turns counterclockwise, so that it pulls at the upper strand."""
+    load = 0.5
+    drive = with_motions(rc.PrescribedSpeed(SPEED), rc.AppliedTorque([(0.0, 0.0), (0.02, -load)]))
+    result = rc.Simulation(drive).run(0.06, 1e-4, progress=False)
+    late = result.time > 0.04
+    pull = load / 0.03456
+    tensions = {name: result.strand(name).tension[late].mean() for name in ("upper", "lower")}
+    tight, slack = sorted(tensions.values(), reverse=True)
+    assert tight == pytest.approx(pull, rel=0.25)
+    assert slack < 0.3 * pull
+    assert max(tensions, key=tensions.get) == "upper"
+    assert result.sprocket(1).torque[late].mean() == pytest.approx(load, rel=0.25)
+
+
+def test_without_motion_and_gravity_nothing_moves():
+    simulation = rc.Simulation(with_motions(rc.Free(), gravity=(0.0, 0.0)))
+    start = simulation.positions
+    result = simulation.run(0.01, record=ALL, progress=False)
+    np.testing.assert_array_equal(simulation.positions, start)
+    assert not result.array("hinge_force").any()
+    assert not result.array("sprocket_torque").any()
+
+
+def test_a_free_drive_falls_from_rest_and_is_caught():
+    result = rc.Simulation(with_motions(rc.Free())).run(0.02, record=ALL, progress=False)
+    assert not result.array("velocities")[0].any()
+    assert result.array("hinge_force").any()
+    assert result.energy.kinetic[0] == 0.0
+    assert not result.energy.worked_in.any()
+    assert abs(result.energy.residual).max() < 1e-6
+
+
+def test_an_initial_speed_sets_the_chain_going():
+    drive = rc.paper_drive()
+    sprockets = [
+        replace(drive.sprockets[0], motion=rc.Free(), initial_speed=SPEED),
+        drive.sprockets[1],
+    ]
+    simulation = rc.Simulation(replace(drive, sprockets=sprockets))
+    np.testing.assert_allclose(
+        simulation.velocities, rc.Simulation(drive).velocities, rtol=1e-12, atol=1e-12
+    )
+
+
+@pytest.mark.parametrize("teeth", [(17, 17), (17, 25)])
+def test_the_other_way_round_works_too(teeth):
+    links = {(17, 17): 38, (17, 25): 60}[teeth]
+    drive = rc.two_sprocket_drive(chain="ANSI 40", teeth=teeth, links=links, speed=-12.566)
+    simulation = rc.Simulation(drive)
+    ratio = teeth[0] / teeth[1]
+    assert simulation.velocities[links, 2] == -12.566
+    assert simulation.velocities[links + 1, 2] == pytest.approx(-12.566 * ratio, rel=0.02)
+    result = simulation.run(0.02, progress=False)
+    np.testing.assert_allclose(result.sprocket(1).speed, -12.566)
+    assert result.sprocket(2).speed.mean() == pytest.approx(-12.566 * ratio, rel=0.05)
+    assert (np.diff(result.sprocket(1).angle) < 0.0).all()
+    assert result.array("tooth_force").any()
+    through = result.energy.dissipated[-1] + abs(result.energy.worked_in[-1])
+    assert abs(result.energy.residual).max() < 0.02 * through
+
+
+def test_the_work_put_in_is_torque_times_angle():
+    drive = with_motions(rc.PrescribedSpeed(SPEED), rc.AppliedTorque(-0.2), rc.paper_drive(25.0))
+    simulation = rc.Simulation(drive)
+    result = simulation.run(0.012, 5e-7, ("sprockets",), progress=False)
+    t, energy = result.time, result.energy
+    center = result.sprocket(2).center[:, 0]
+    pull = 50.0 * np.minimum(t / 0.1, 1.0)
+    work = np.zeros_like(t)
+    for number in (1, 2):
+        sprocket = result.sprocket(number)
+        work[1:] += np.cumsum(
+            0.5 * np.diff(sprocket.angle) * (sprocket.torque[1:] + sprocket.torque[:-1])
+        )
+    work[1:] += np.cumsum(0.5 * np.diff(center) * (pull[1:] + pull[:-1]))
+    largest = abs(energy.worked_in).max()
+    assert largest > 1e-3
+    np.testing.assert_allclose(work, energy.worked_in, rtol=0.0, atol=0.01 * largest)
+    assert abs(energy.residual).max() < 0.01 * largest
+
+
+def test_the_balance_does_not_depend_on_when_it_begins():
+    """A balance begun in the middle of a run gains what one kept from the start gains."""
+    whole = rc.Simulation(rc.paper_drive(25.0)).run(END, 1e-4, (), progress=False)
+    simulation = rc.Simulation(rc.paper_drive(25.0))
+    simulation.step_to(5e-3)
+    part = simulation.run(END - 5e-3, 1e-4, (), progress=False)
+    for name in ("kinetic", "gravity", "elastic"):
+        values, all_values = getattr(part.energy, name), getattr(whole.energy, name)
+        np.testing.assert_allclose(values, all_values[50:], rtol=1e-6, atol=1e-9)
+    for name in ("dissipated", "worked_in"):
+        values, all_values = getattr(part.energy, name), getattr(whole.energy, name)
+        gain, whole_gain = values[-1] - values[0], all_values[-1] - all_values[50]
+        assert gain == pytest.approx(whole_gain, rel=1e-3)
+
+
+# --- the tensioner
+
+
+def test_no_pretension_is_no_tensioner():
+    assert rc.paper_drive(pretension=0.0).tensioner is None
+    tensioner = rc.paper_drive(pretension=100.0).tensioner
+    assert (tensioner.sprocket, tensioner.ramp_time, tensioner.damping) == (2, 0.1, 2000.0)
+
+
+def test_the_pull_gives_both_strands_the_pretension():
+    assert rc.paper_drive(pretension=25.0).check().tension_force == pytest.approx(50.0)
+    drive = rc.two_sprocket_drive(teeth=(17, 25), links=60, pretension=25.0)
+    report = drive.check()
+    slope = (report.pitch_radius[1] - report.pitch_radius[0]) / report.center_distance
+    assert report.tension_force == pytest.approx(50.0 * math.sqrt(1.0 - slope**2), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("sprocket", "direction", "along"),
+    [(2, None, (1.0, 0.0)), (1, None, (-1.0, 0.0)), (2, (3.0, 4.0), (0.6, 0.8))],
+)
+def test_the_pull_grows_along_its_direction(sprocket, direction, along):
+    tensioner = rc.Tensioner(25.0, sprocket=sprocket, ramp_time=0.02, direction=direction)
+    simulation = rc.Simulation(replace(rc.paper_drive(), tensioner=tensioner, gravity=(0.0, 0.0)))
+    body = 37 + sprocket
+    for time, share in ((0.0, 0.0), (0.005, 0.25), (0.02, 1.0), (1.0, 1.0)):
+        acceleration = simulation.evaluate(time=time).accelerations[body, :2]
+        expected = share * 50.0 / 0.817 * np.array(along)
+        np.testing.assert_allclose(acceleration, expected, rtol=1e-9, atol=1e-12)
+    # The dashpot takes 2000 N at 1 m/s; nothing but the slide's direction counts.
+    velocities = simulation.velocities
+    velocities[body, :2] = 0.01 * np.array(along)
+    acceleration = simulation.evaluate(velocities=velocities, time=0.0).accelerations[body, :2]
+    np.testing.assert_allclose(acceleration, -20.0 / 0.817 * np.array(along), rtol=1e-9, atol=1e-9)
+
+
+def test_a_tensioned_centre_stays_on_its_line():
+    tensioner = rc.Tensioner(25.0, ramp_time=0.0, direction=(1.0, 0.01))
+    drive = replace(rc.paper_drive(), tensioner=tensioner)
+    result = rc.Simulation(drive).run(5e-3, record=("sprockets",), progress=False)
+    moved = result.sprocket(2).center - result.sprocket(2).center[0]
+    assert moved[-1, 0] > 1e-6
+    np.testing.assert_allclose(moved[:, 1], 0.01 * moved[:, 0], atol=1e-15)
+    assert not np.ptp(result.sprocket(1).center, axis=0).any()
+
+
+def test_a_floating_sprocket_falls():
+    drive = rc.paper_drive()
+    sprockets = [drive.sprockets[0], replace(drive.sprockets[1], bearing="floating")]
+    simulation = rc.Simulation(replace(drive, sprockets=sprockets))
+    assert simulation.evaluate().accelerations[39].tolist() == [0.0, -9.81, 0.0]
+    simulation.step_to(1e-3)
+    assert simulation.velocities[39, 1] == pytest.approx(-9.81e-3, rel=1e-6)
+
+
+# --- starts of one's own
+
+
+def test_a_start_of_ones_own_goes_the_same_way():
+    generated = rc.Simulation(rc.paper_drive())
+    own = rc.Simulation(
+        rc.paper_drive(),
+        positions=generated.positions.tolist(),
+        velocities=np.asfortranarray(generated.velocities),
+    )
+    for simulation in (generated, own):
+        simulation.step_to(6e-3)
+    assert_same_path(generated, own)
+
+
+def test_a_start_in_contact_begins_there(at_end):
+    simulation = rc.Simulation(
+        at_end.drive, positions=at_end.positions, velocities=at_end.velocities
+    )
+    np.testing.assert_allclose(simulation.positions, at_end.positions, rtol=0.0, atol=1e-17)
+    touching = simulation.evaluate().hinge_penetration > 0.0
+    np.testing.assert_array_equal(simulation.state()["hinge_onset_speed"] > 0.0, touching)
+    assert simulation.time == 0.0
+    simulation.step_to(1e-4)
+
+
+# --- what goes wrong on the way
+
+
+def test_a_run_that_cannot_go_on_says_when_and_where_and_keeps_its_rows():
+    """One bad number far away in time: the driver is told to turn at 1e300 rad/s."""
+    table = [(0.0, SPEED), (5e-3, SPEED), (5.0001e-3, 1e300)]
+    simulation = rc.Simulation(with_motions(rc.PrescribedSpeed(table)))
+    with pytest.raises(rc.SimulationError, match=r"t = 0\.00") as caught:
+        simulation.run(0.01, record=ALL, progress=False)
+    error = caught.value
+    assert isinstance(error, RuntimeError)
+    assert 4.9e-3 <= error.time <= 5.1e-3
+    assert 0.0 < error.step_size < 1e-3
+    assert isinstance(error.contact, str)
+    assert error.result.status == "failed"
+    assert not error.result.success
+    assert len(error.result.time) >= 40
+    assert np.isfinite(error.result.array("positions")).all()
+
+
+def test_a_failure_names_the_contact_it_happens_in():
+    """One pin starts a millimetre deep in its bushing and at a speed no step can follow."""
+    calm = rc.Simulation(rc.paper_drive())
+    positions, velocities = calm.positions, calm.velocities
+    positions[16, 1] += 4e-4  # link 17, in the lower strand
+    velocities[16, 1] = 1e150
+    simulation = rc.Simulation(rc.paper_drive(), positions=positions, velocities=velocities)
+    with pytest.raises(rc.SimulationError) as caught:
+        simulation.run(1e-3, progress=False)
+    assert re.search(r"link_1[678] \(hinge 1[67] pressed by", caught.value.contact)
+    assert re.search(r"link_1[678] \(hinge 1[67] pressed by", str(caught.value))
+
+
+def test_links_that_are_torn_apart_are_refused():
+    calm = rc.Simulation(rc.paper_drive())
+    positions = calm.positions
+    positions[16, 1] += 0.01
+    with pytest.raises(rc.InvalidInput, match=r"positions = link_16 and link_17: hinge 16 is torn"):
+        rc.Simulation(rc.paper_drive(), positions=positions, velocities=calm.velocities)
+
+
+@pytest.mark.parametrize("kind", ["hinge", "tooth"])
+def test_peaks_are_the_same_in_one_run_and_in_two(kind):
+    """The second run begins inside a step, whose end belongs to its first interval."""
+    simulation = rc.Simulation(rc.paper_drive())
+    parts = [simulation.run(0.01, 1e-3, progress=False).peaks for _ in range(2)]
+    whole = rc.Simulation(rc.paper_drive()).run(0.02, 1e-3, progress=False).peaks
+    for name, bound in (("impulse", 1e-12), ("force", 1e-6)):
+        first, second = (getattr(peaks, f"{kind}_{name}") for peaks in parts)
+        joined = np.concatenate([first, second[1:]])
+        np.testing.assert_allclose(joined, getattr(whole, f"{kind}_{name}"), rtol=0, atol=bound)
+
+
+def test_a_second_run_counts_energies_and_steps_from_its_own_start():
+    simulation = rc.Simulation(rc.paper_drive())
+    first = simulation.run(0.01, 1e-3, progress=False)
+    second = simulation.run(0.01, 1e-3, progress=False)
+    assert (
+        second.energy.dissipated[0] == second.energy.worked_in[0] == second.energy.residual[0] == 0
+    )
+    whole = rc.Simulation(rc.paper_drive()).run(0.02, 1e-3, progress=False)
+    assert first.stats["steps"] + second.stats["steps"] == whole.stats["steps"]
+
+
+def test_tolerances_below_rounding_are_said_so():
+    simulation = rc.Simulation(rc.paper_drive(), solver=rc.Solver(rtol=1e-17, atol=1e-17))
+    with pytest.raises(rc.SimulationError, match="raise rtol or atol") as caught:
+        simulation.run(1e-3, progress=False)
+    assert caught.value.time == 0.0
+    assert len(caught.value.result.time) == 1
+
+
+def test_leaving_the_range_of_a_law_warns_once_with_law_pair_and_value():
+    drive = rc.two_sprocket_drive(chain="ANSI 160", teeth=(17, 17), links=38)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        simulation = rc.Simulation(drive, rc.EnhancedCylinder())
+        simulation.run(1e-3, progress=False)
+    assert all(warning.category is rc.RangeWarning for warning in caught)
+    messages = [str(warning.message) for warning in caught]
+    assert len(messages) == len(set(messages))
+    assert all("enhanced" in message for message in messages)
+    assert any("working" in message for message in messages)
+    assert all(warning.filename == __file__ for warning in caught)
