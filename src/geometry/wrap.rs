@@ -136,15 +136,19 @@ pub fn belt_center_distance(pitch: f64, teeth: [u32; 2], links: u32) -> Option<f
     Some(0.5 * (low + high))
 }
 
-/// Whole wrapped pitches of both sprockets: together the belt's wrap, filled up when more than a quarter of a pitch lacks.
+/// Whole wrapped pitches of both sprockets, each the nearest to the belt's wrap.
 ///
-/// With too few, the strands would start inside the last teeth; too many only seat a bushing past the tangent point.
+/// A strand begins d pitches before its tangent point, with d at most a quarter from the rounding of its sprocket's wrap and
+/// a quarter from the shift that strands of odd pitches need. Its first free hinge lies (d - 1/2) p²/R inside the pitch
+/// circle, so that d up to one half keeps it out of the teeth; a negative d only seats a bushing past the tangent point.
 #[must_use]
 pub fn seated_pitches(pitch: f64, teeth: [u32; 2], center_distance: f64) -> [u32; 2] {
-    // A tie goes down on every machine: 8.5 + 8.5 pitches are 8 and 9.
     let (_, wrap) = belt(pitch, teeth, center_distance);
-    let first = whole((wrap[0] - 1e-9).round());
-    [first, whole(wrap[0] + wrap[1] + 0.75).saturating_sub(first)]
+    // Ties go down on the first and up on the second on every machine: 8.5 and 8.5 pitches are 8 and 9.
+    [
+        whole((wrap[0] - 1e-9).round()),
+        whole((wrap[1] + 1e-9).round()),
+    ]
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // counts of pitches, clamped to what u32 holds
