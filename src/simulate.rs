@@ -293,8 +293,11 @@ impl Simulation {
     fn culprit(&mut self, time: f64, component: usize) -> String {
         let model = Arc::clone(self.model());
         let body = model.body_of_coordinate(component % model.coordinates);
-        self.evaluate_at(time);
-        let contact = self.dynamics.busiest_contact(body);
+        // The last evaluation was that of the step that failed; failing that, what was there before it.
+        let contact = self.dynamics.busiest_contact(body).or_else(|| {
+            self.evaluate_at(time);
+            self.dynamics.busiest_contact(body)
+        });
         format!(
             "{} ({})",
             model.body_names()[body],

@@ -287,7 +287,7 @@ impl Dynamics {
             .chain(tooth)
             .filter(|(force, _)| *force != 0.0)
             .max_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(force, name)| format!("{name} pressed by {force:.3} N"))
+            .map(|(force, name)| format!("{name} pressed by {force:.3e} N"))
     }
 }
 
