@@ -278,6 +278,10 @@ def test_a_hair_too_long_is_taken_up_by_the_clearances():
 @pytest.mark.parametrize("teeth", [(17, 17), (17, 25), (11, 60), (28, 31), (38, 15)])
 @pytest.mark.parametrize("links", [84, 90, 108])
 def test_at_its_own_centre_distance_a_chain_is_taut(seat, teeth, links):
+    """With the standard's seat, seats that start 1 um farther out leave slack of the same size."""
     report = rc.two_sprocket_drive(teeth=teeth, links=links, seat=seat).check()
-    assert np.max(np.abs(report.strand_slack)) < 1e-6
-    assert np.max(report.sag) == 0.0
+    slack = np.abs(report.strand_slack)
+    assert np.max(slack) < (1e-6 if seat == "bottom-diameter" else 1e-12)
+    span = np.multiply(report.strand_pitches, report.pitch)
+    # A flat arc's rise; rounding of the slack itself is a few ulps of the span.
+    assert np.all(np.asarray(report.sag) <= 1.01 * np.sqrt(0.375 * slack * span) + 1e-9)
