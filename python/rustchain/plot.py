@@ -123,8 +123,9 @@ class Plots:
     ) -> Figure:
         """Draw force against penetration of bushings on teeth, or of pins in bushings.
 
-        Tooth contacts are coloured by the region of the tooth; hinges are shown with the elastic
-        part of their law.
+        Tooth contacts are coloured by the region of the tooth that the bushing is on; with regions
+        "kept" its stiffness is that of the region where the contact began, so that points of one
+        colour may lie on two lines. Hinges are shown with the elastic part of their law.
         """
         if contact not in ("tooth", "hinge"):
             msg = f"contact: {contact!r} is no contact; {suggest(contact, ('tooth', 'hinge'))}"

@@ -84,8 +84,8 @@ _VARIABLES = {
     "energy_kinetic": _Variable("energy", (), "J", "kinetic energy"),
     "energy_gravity": _Variable("energy", (), "J", "potential energy of gravity"),
     "energy_elastic": _Variable("energy", (), "J", "elastic energy of the contacts"),
-    "energy_dissipated": _Variable("energy", (), "J", "energy dissipated so far"),
-    "energy_worked_in": _Variable("energy", (), "J", "work of motors and tensioner so far"),
+    "energy_dissipated": _Variable("energy", (), "J", "energy dissipated since the first row"),
+    "energy_worked_in": _Variable("energy", (), "J", "work put in since the first row"),
     "energy_residual": _Variable("energy", (), "J", "residual of the energy balance"),
 }
 
@@ -182,8 +182,8 @@ class Energy:
     kinetic, gravity, elastic : ndarray, (times,)
         Energy stored [J].
     dissipated, worked_in : ndarray, (times,)
-        Energy lost in contacts and in the tensioner's dashpot, and work of motors and tensioner, so
-        far [J].
+        Energy lost in contacts and in the tensioner's dashpot, and work of motors and tensioner,
+        since the first row [J].
     residual : ndarray, (times,)
         What the balance misses [J]: the honest error figure of a long run.
     """
