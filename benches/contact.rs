@@ -109,7 +109,7 @@ fn step_to_onset(run: &mut Halves, of_tooth: bool) -> (f64, f64, usize) {
             if of_tooth {
                 memory.tooth_speed.clone()
             } else {
-                memory.hinge_speed.clone()
+                memory.hinge_speed().to_vec()
             }
         };
         let (old, new) = (pairs(&before), pairs(run));

@@ -17,10 +17,12 @@ mod error;
 pub mod force_law;
 pub mod geometry;
 pub mod integrator;
+mod kernels;
 pub mod model;
 mod recorder;
 mod simulate;
 pub mod state;
+pub mod vector;
 
 #[cfg(feature = "python")]
 mod python;

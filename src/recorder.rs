@@ -178,16 +178,10 @@ impl Recorder {
     /// Sets aside the forces at the end of a step, before reports inside it are evaluated.
     pub(crate) fn keep_step_forces(&mut self, dynamics: &Dynamics) {
         if self.groups.hinges {
-            self.hinge_peaks
-                .arriving
-                .copy_from_slice(&dynamics.hinges.force);
+            dynamics.write_hinge_forces(&mut self.hinge_peaks.arriving);
         }
         if self.groups.teeth {
-            gather_by_bushing(
-                &dynamics.teeth,
-                dynamics.model().links,
-                &mut self.tooth_peaks.arriving,
-            );
+            dynamics.write_tooth_forces(&mut self.tooth_peaks.arriving);
         }
     }
 

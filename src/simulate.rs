@@ -171,7 +171,8 @@ impl Simulation {
         self.dynamics.keep_energy(groups.energy);
         let mut recorder = Recorder::new(self.model(), groups, self.now, duration, report_step);
         // The present time may lie inside the last step, whose end then belongs to the first interval.
-        self.dynamics.evaluate(self.adams.time(), self.adams.y());
+        self.dynamics
+            .differentiate(self.adams.time(), self.adams.y());
         recorder.keep_step_forces(&self.dynamics);
         self.recorder = Some(recorder);
     }
@@ -295,7 +296,8 @@ impl Simulation {
         let body = model.body_of_coordinate(component % model.coordinates);
         // The last evaluation was that of the step that failed; failing that, what was there before it.
         let contact = self.dynamics.busiest_contact(body).or_else(|| {
-            self.evaluate_at(time);
+            self.adams.interpolate(time, &mut self.inside);
+            self.dynamics.differentiate(time, &self.inside);
             self.dynamics.busiest_contact(body)
         });
         format!(

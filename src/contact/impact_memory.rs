@@ -1,12 +1,15 @@
 //! What each live contact remembers from its onset: approach speed and stiffness. Written between steps only.
 
 use crate::geometry::Surface;
+use crate::vector::{Numbers, padded_zeros};
 
 /// Onset speeds and surfaces; a speed of zero means that the pair has no memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImpactMemory {
     /// Approach speed at onset of each hinge \[m/s\].
-    pub hinge_speed: Vec<f64>,
+    hinge_speed: Vec<f64>,
+    /// Its inverse \[s/m\], zero without memory; padded for the kernels.
+    hinge_inverse: Numbers,
     /// Approach speed at onset of each pair of bushing and sprocket \[m/s\].
     pub tooth_speed: Vec<f64>,
     /// Surface at onset of each pair of bushing and sprocket.
@@ -32,6 +35,7 @@ impl ImpactMemory {
     pub fn new(hinges: usize, tooth_pairs: usize, floor: f64) -> Self {
         Self {
             hinge_speed: vec![0.0; hinges],
+            hinge_inverse: padded_zeros(hinges),
             tooth_speed: vec![0.0; tooth_pairs],
             tooth_surface: vec![Surface::Seating; tooth_pairs],
             floor,
@@ -53,12 +57,36 @@ impl ImpactMemory {
     /// Hinge `k` came into contact at `rate` \[m/s\].
     pub fn begin_hinge(&mut self, k: usize, rate: f64) {
         self.hinge_speed[k] = self.count(rate);
+        self.hinge_inverse[k] = 1.0 / self.hinge_speed[k];
+    }
+
+    /// Hinge `k` came apart.
+    pub fn end_hinge(&mut self, k: usize) {
+        self.hinge_speed[k] = 0.0;
+        self.hinge_inverse[k] = 0.0;
+    }
+
+    /// Approach speed at onset of each hinge \[m/s\].
+    #[must_use]
+    pub fn hinge_speed(&self) -> &[f64] {
+        &self.hinge_speed
+    }
+
+    /// Its inverse \[s/m\], zero without memory; padded.
+    #[must_use]
+    pub(crate) fn hinge_inverse(&self) -> &[f64] {
+        &self.hinge_inverse
     }
 
     /// A bushing came into contact with a tooth at `rate` \[m/s\].
     pub fn begin_tooth(&mut self, pair: usize, rate: f64, surface: Surface) {
         self.tooth_speed[pair] = self.count(rate);
         self.tooth_surface[pair] = surface;
+    }
+
+    /// A bushing left its tooth.
+    pub fn end_tooth(&mut self, pair: usize) {
+        self.tooth_speed[pair] = 0.0;
     }
 
     fn count(&mut self, rate: f64) -> f64 {
@@ -78,6 +106,7 @@ impl ImpactMemory {
     /// Forgets every pair.
     pub fn clear(&mut self) {
         self.hinge_speed.fill(0.0);
+        self.hinge_inverse.fill(0.0);
         self.tooth_speed.fill(0.0);
     }
 }

@@ -1,10 +1,14 @@
 //! Who touches whom, how deep, how fast.
 
+mod candidates;
 mod clearance_joint;
 mod impact_memory;
 mod onset;
 mod tooth_contact;
 
+pub(crate) use candidates::{
+    Candidates, Run, SprocketCandidates, gap_direction, surface_constants,
+};
 pub use clearance_joint::HingeContacts;
 pub use impact_memory::{ImpactMemory, OnsetCounts};
 pub use onset::{first_crossing, hinge_at, tooth_at};

@@ -24,7 +24,7 @@ pub(super) fn hinge_forces<L: ElasticLaw, const ENERGY: bool>(
             * damping_factor(
                 lambda,
                 rate,
-                memory.onset_speed(memory.hinge_speed[k], rate),
+                memory.onset_speed(memory.hinge_speed()[k], rate),
             );
         hinges.force[k] = force;
         if ENERGY {

@@ -3,8 +3,17 @@
 use super::Powers;
 use crate::contact::{HingeContacts, ToothContacts};
 use crate::geometry::Vec2;
-use crate::model::{Model, Rotation, Support};
+use crate::model::{Model, Rotation, SprocketModel, Support};
 use crate::state::Motion;
+
+/// What the chain does to a sprocket.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SprocketLoad {
+    /// Force \[N\].
+    pub force: Vec2,
+    /// Moment about the sprocket's centre \[N m\].
+    pub moment: f64,
+}
 
 /// Accelerations of all bodies, and what the chain does to the sprockets.
 #[derive(Debug, Clone)]
@@ -15,10 +24,8 @@ pub struct Accelerations {
     pub y: Vec<f64>,
     /// d²θ/dt² \[rad/s²\]
     pub angle: Vec<f64>,
-    /// Force of the chain on each sprocket \[N\].
-    pub chain_force: Vec<Vec2>,
-    /// Moment of the chain on each sprocket about its centre \[N m\].
-    pub chain_moment: Vec<f64>,
+    /// What the chain does to each sprocket.
+    pub chain: Vec<SprocketLoad>,
     /// Tooth force on each bushing, x \[N\].
     tooth_x: Vec<f64>,
     /// Tooth force on each bushing, y \[N\].
@@ -26,14 +33,13 @@ pub struct Accelerations {
 }
 
 impl Accelerations {
-    pub(super) fn new(bodies: usize) -> Self {
-        let zeros = || vec![0.0; bodies];
+    pub(super) fn new(links: usize, sprockets: usize) -> Self {
+        let zeros = || vec![0.0; links + sprockets];
         Self {
             x: zeros(),
             y: zeros(),
             angle: zeros(),
-            chain_force: vec![Vec2::zeros(); bodies],
-            chain_moment: zeros(),
+            chain: vec![SprocketLoad::default(); sprockets],
             tooth_x: zeros(),
             tooth_y: zeros(),
         }
@@ -56,8 +62,7 @@ impl Accelerations {
     fn gather_teeth(&mut self, model: &Model, teeth: &ToothContacts) {
         self.tooth_x.fill(0.0);
         self.tooth_y.fill(0.0);
-        self.chain_force.fill(Vec2::zeros());
-        self.chain_moment.fill(0.0);
+        self.chain.fill(SprocketLoad::default());
         for &pair in &teeth.near {
             let pair = pair as usize;
             let force = teeth.force[pair];
@@ -68,8 +73,8 @@ impl Accelerations {
             let push = force * Vec2::new(teeth.normal_x[pair], teeth.normal_y[pair]);
             self.tooth_x[k] -= push.x;
             self.tooth_y[k] -= push.y;
-            self.chain_force[s] += push;
-            self.chain_moment[s] += teeth.arm_x[pair] * push.y - teeth.arm_y[pair] * push.x;
+            self.chain[s].force += push;
+            self.chain[s].moment += teeth.arm_x[pair] * push.y - teeth.arm_y[pair] * push.x;
         }
     }
 
@@ -95,26 +100,12 @@ impl Accelerations {
     fn accelerate_sprockets(&mut self, model: &Model, motion: &Motion, t: f64) {
         for (s, sprocket) in model.sprockets.iter().enumerate() {
             let body = model.links + s;
-            let force = self.chain_force[s];
-            let acceleration = match sprocket.support {
-                Support::Fixed => Vec2::zeros(),
-                Support::Slide {
-                    direction, damping, ..
-                } => {
-                    let speed = motion.vx[body] * direction.x + motion.vy[body] * direction.y;
-                    let along = force.dot(&direction) + sprocket.pull(t) - damping * speed;
-                    (along / sprocket.mass + model.gravity.dot(&direction)) * direction
-                }
-                Support::Floating { .. } => force / sprocket.mass + model.gravity,
-            };
-            self.x[body] = acceleration.x;
-            self.y[body] = acceleration.y;
-            self.angle[body] = match &sprocket.rotation {
-                Rotation::Prescribed(speed) => speed.slope(t),
-                Rotation::Free { .. } => {
-                    (self.chain_moment[s] + sprocket.applied_torque(t)) / sprocket.inertia
-                }
-            };
+            let velocity = Vec2::new(motion.vx[body], motion.vy[body]);
+            let (center, angle) =
+                sprocket_acceleration(sprocket, model.gravity, velocity, &self.chain[s], t);
+            self.x[body] = center.x;
+            self.y[body] = center.y;
+            self.angle[body] = angle;
         }
     }
 
@@ -123,37 +114,63 @@ impl Accelerations {
     pub fn shaft_torque(&self, model: &Model, s: usize, t: f64) -> f64 {
         let sprocket = &model.sprockets[s];
         match &sprocket.rotation {
-            Rotation::Prescribed(speed) => sprocket.inertia * speed.slope(t) - self.chain_moment[s],
+            Rotation::Prescribed(speed) => sprocket.inertia * speed.slope(t) - self.chain[s].moment,
             Rotation::Free { .. } => sprocket.applied_torque(t),
         }
     }
 }
 
-/// Adds the powers of motors, applied torques and tensioners.
+/// Acceleration of a sprocket's centre \[m/s²\] and of its angle \[rad/s²\].
+pub(crate) fn sprocket_acceleration(
+    sprocket: &SprocketModel,
+    gravity: Vec2,
+    velocity: Vec2,
+    chain: &SprocketLoad,
+    t: f64,
+) -> (Vec2, f64) {
+    let center = match sprocket.support {
+        Support::Fixed => Vec2::zeros(),
+        Support::Slide {
+            direction, damping, ..
+        } => {
+            let along =
+                chain.force.dot(&direction) + sprocket.pull(t) - damping * velocity.dot(&direction);
+            (along / sprocket.mass + gravity.dot(&direction)) * direction
+        }
+        Support::Floating { .. } => chain.force / sprocket.mass + gravity,
+    };
+    let angle = match &sprocket.rotation {
+        Rotation::Prescribed(speed) => speed.slope(t),
+        Rotation::Free { .. } => (chain.moment + sprocket.applied_torque(t)) / sprocket.inertia,
+    };
+    (center, angle)
+}
+
+/// Powers of a sprocket's motor, applied torque and tensioner.
 ///
 /// A sprocket of prescribed speed is a support: its own kinetic energy stays out of the balance, and the work done on the
 /// drive is that of its teeth on the chain.
-pub(super) fn add_outside_powers(
-    model: &Model,
-    motion: &Motion,
-    accelerations: &Accelerations,
+pub(crate) fn outside_powers(
+    sprocket: &SprocketModel,
+    velocity: Vec2,
+    spin: f64,
+    chain: &SprocketLoad,
     t: f64,
-    powers: &mut Powers,
-) {
-    for (s, sprocket) in model.sprockets.iter().enumerate() {
-        let body = model.links + s;
-        let spin = motion.spin[body];
-        powers.worked_in += match &sprocket.rotation {
-            Rotation::Prescribed(_) => -accelerations.chain_moment[s] * spin,
+) -> Powers {
+    let mut powers = Powers {
+        dissipated: 0.0,
+        worked_in: match &sprocket.rotation {
+            Rotation::Prescribed(_) => -chain.moment * spin,
             Rotation::Free { .. } => sprocket.applied_torque(t) * spin,
-        };
-        if let Support::Slide {
-            direction, damping, ..
-        } = sprocket.support
-        {
-            let speed = motion.vx[body] * direction.x + motion.vy[body] * direction.y;
-            powers.worked_in += sprocket.pull(t) * speed;
-            powers.dissipated += damping * speed * speed;
-        }
+        },
+    };
+    if let Support::Slide {
+        direction, damping, ..
+    } = sprocket.support
+    {
+        let speed = velocity.dot(&direction);
+        powers.worked_in += sprocket.pull(t) * speed;
+        powers.dissipated += damping * speed * speed;
     }
+    powers
 }

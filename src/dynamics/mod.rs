@@ -9,14 +9,19 @@ mod loads;
 use std::sync::Arc;
 
 pub use energy::Energy;
+pub use loads::SprocketLoad;
+pub(crate) use loads::{outside_powers, sprocket_acceleration};
 
 use crate::contact::{
     HingeContacts, ImpactMemory, ToothContacts, first_crossing, hinge_at, tooth_at,
 };
 use crate::force_law::{Elastic, Regions, with_law};
+use crate::geometry::{Surface, Vec2};
 use crate::integrator::{Adams, OdeSystem, Step};
-use crate::model::{Model, Rotation, Support};
+use crate::kernels::Kernels;
+use crate::model::Model;
 use crate::state::Motion;
+use crate::vector::InstructionSet;
 use loads::Accelerations;
 
 /// A drive in motion: the right-hand side that the integrator calls, and the memory of its contacts.
@@ -36,9 +41,14 @@ pub struct Dynamics {
     pub teeth: ToothContacts,
     /// Accelerations at the last evaluation.
     pub accelerations: Accelerations,
+    kernels: Kernels,
     keeps_energy: bool,
     /// Pairs that came apart in the last step; they keep their memory until the next one begins, for reports inside it.
     parted: Vec<Pair>,
+    /// Scratch: tooth contacts that began in the last step.
+    begun: Vec<(usize, usize)>,
+    /// Scratch: a derivative that nobody asked for.
+    slope: Vec<f64>,
     /// The first hinge that went past the end of its law, in words.
     hinge_past_range: Option<String>,
     /// The first tooth contact that did.
@@ -62,9 +72,12 @@ impl Dynamics {
             motion: Motion::new(model.bodies()),
             hinges: HingeContacts::new(links),
             teeth: ToothContacts::new(links, sprockets),
-            accelerations: Accelerations::new(model.bodies()),
+            accelerations: Accelerations::new(links, sprockets),
+            kernels: Kernels::new(&model),
             keeps_energy: false,
             parted: Vec::with_capacity(links * (1 + sprockets)),
+            slope: vec![0.0; 2 * model.coordinates + 2],
+            begun: Vec::with_capacity(links * sprockets),
             hinge_past_range: None,
             tooth_past_range: None,
             model,
@@ -123,13 +136,13 @@ impl Dynamics {
             worked_in: 0.0,
         };
         if self.keeps_energy {
-            loads::add_outside_powers(
-                &self.model,
-                &self.motion,
-                &self.accelerations,
-                t,
-                &mut powers,
-            );
+            let motion = &self.motion;
+            for (s, sprocket) in self.model.sprockets.iter().enumerate() {
+                let body = self.model.links + s;
+                let velocity = Vec2::new(motion.vx[body], motion.vy[body]);
+                let chain = &self.accelerations.chain[s];
+                powers += outside_powers(sprocket, velocity, motion.spin[body], chain, t);
+            }
         }
         powers
     }
@@ -162,79 +175,115 @@ impl Dynamics {
                     .begin_tooth(pair, self.teeth.rate[pair], self.teeth.surface[pair]);
             }
         }
+        self.kernels.candidates.invalidate();
     }
 
     /// Forgets the contacts that ended in the last step; call before the next one.
     pub fn begin_step(&mut self) {
         for pair in self.parted.drain(..) {
             match pair {
-                Pair::Hinge(k) => self.memory.hinge_speed[k] = 0.0,
-                Pair::Tooth(pair) => self.memory.tooth_speed[pair] = 0.0,
+                Pair::Hinge(k) => self.memory.end_hinge(k),
+                Pair::Tooth(pair) => {
+                    self.memory.end_tooth(pair);
+                    let (s, k) = (pair / self.model.links, pair % self.model.links);
+                    self.kernels
+                        .candidates
+                        .update_memory(&self.model, &self.memory, s, k);
+                }
             }
         }
     }
 
-    /// Finds the contacts that began in the step just made and their onset speeds; call after it, before any other evaluation.
-    #[allow(clippy::cast_possible_truncation)]
+    /// Finds the contacts that began in the step just made and their onset speeds; call after it, before another derivative.
     pub fn finish_step(&mut self, adams: &Adams, step: &Step) {
-        let model = Arc::clone(&self.model);
-        for k in 0..model.links {
-            let touching = self.hinges.penetration[k] > 0.0;
-            if touching == (self.memory.hinge_speed[k] > 0.0) {
+        if self.kernels.changed() {
+            self.find_hinge_onsets(adams, step);
+            self.find_tooth_onsets(adams, step);
+        }
+        self.watch_ranges(adams);
+    }
+
+    fn find_hinge_onsets(&mut self, adams: &Adams, step: &Step) {
+        let model = &self.model;
+        for (k, &depth) in self.kernels.hinge_depths(model).iter().enumerate() {
+            let touching = depth > 0.0;
+            if touching == (self.memory.hinge_speed()[k] > 0.0) {
                 continue;
             }
             if touching {
-                let (_, rate) = first_crossing(
-                    |t| Some(hinge_at(&model, adams, k, t)),
-                    step.start,
-                    step.end,
-                );
+                let at = |t| Some(hinge_at(model, adams, k, t));
+                let (_, rate) = first_crossing(at, step.start, step.end);
                 self.memory.begin_hinge(k, rate);
             } else {
                 self.parted.push(Pair::Hinge(k));
             }
         }
-        for (pair, &depth) in self.teeth.penetration.iter().enumerate() {
+    }
+
+    fn find_tooth_onsets(&mut self, adams: &Adams, step: &Step) {
+        let model = &self.model;
+        let mut begun = std::mem::take(&mut self.begun);
+        for (s, k, depth, _) in self.kernels.tooth_contacts(model) {
+            let pair = s * model.links + k;
             let touching = depth > 0.0;
             if touching == (self.memory.tooth_speed[pair] > 0.0) {
                 continue;
             }
             if touching {
-                let (sprocket, bushing) = (pair / model.links, pair % model.links);
-                let at = |t| tooth_at(&model, adams, bushing, sprocket, t);
+                let at = |t| tooth_at(model, adams, k, s, t);
                 let (t, rate) =
                     first_crossing(|t| at(t).map(|found| found.contact), step.start, step.end);
-                let surface = at(t).map_or(self.teeth.surface[pair], |found| found.surface);
+                let surface = at(t).map_or(Surface::Topping, |found| found.surface);
                 self.memory.begin_tooth(pair, rate, surface);
+                begun.push((s, k));
             } else {
                 self.parted.push(Pair::Tooth(pair));
             }
         }
-        self.watch_ranges();
+        for (s, k) in begun.drain(..) {
+            self.kernels
+                .candidates
+                .update_memory(model, &self.memory, s, k);
+        }
+        self.begun = begun;
     }
 
     /// Notes the first hinge and the first tooth contact that go past the end of their law.
-    fn watch_ranges(&mut self) {
+    fn watch_ranges(&mut self, adams: &Adams) {
         let model = &self.model;
         if model.hinge_law.elastic == Elastic::Johnson && self.hinge_past_range.is_none() {
             let end = with_law!(&model.hinge_law.pairs, Law, pairs => range_end::<Law>(&pairs[0]));
-            let depths = &self.hinges.penetration;
+            let depths = self.kernels.hinge_depths(model);
             if let Some(k) = depths.iter().position(|&depth| depth > end) {
                 self.hinge_past_range =
                     Some(past_range(&format!("hinge {}", k + 1), depths[k], end));
             }
         }
         if model.tooth_law.elastic == Elastic::Johnson && self.tooth_past_range.is_none() {
-            self.tooth_past_range = self.teeth.near.iter().find_map(|&pair| {
-                let pair = pair as usize;
-                let depth = self.teeth.penetration[pair];
-                let (s, k) = (pair / model.links, pair % model.links);
-                let number = Model::tooth_pair(s, self.stiffness_surface(pair));
-                let end = with_law!(&model.tooth_law.pairs, Law, pairs => range_end::<Law>(&pairs[number]));
-                let name = || format!("bushing {} on sprocket {}", k + 1, s + 1);
-                (depth > end).then(|| past_range(&name(), depth, end))
+            let nearest_end = with_law!(&model.tooth_law.pairs, Law, pairs => {
+                pairs.iter().map(range_end::<Law>).fold(f64::INFINITY, f64::min)
             });
+            let beyond = |(_, _, depth, _): (usize, usize, f64, f64)| depth > nearest_end;
+            if self.kernels.tooth_contacts(model).any(beyond) {
+                self.evaluate(adams.time(), adams.y());
+                self.tooth_past_range = self.tooth_past_its_end();
+            }
         }
+    }
+
+    /// The first tooth contact of the last evaluation that is past the end of its own surface's law.
+    fn tooth_past_its_end(&self) -> Option<String> {
+        let model = &self.model;
+        self.teeth.near.iter().find_map(|&pair| {
+            let pair = pair as usize;
+            let depth = self.teeth.penetration[pair];
+            let (s, k) = (pair / model.links, pair % model.links);
+            let number = Model::tooth_pair(s, self.stiffness_surface(pair));
+            let end =
+                with_law!(&model.tooth_law.pairs, Law, pairs => range_end::<Law>(&pairs[number]));
+            let name = || format!("bushing {} on sprocket {}", k + 1, s + 1);
+            (depth > end).then(|| past_range(&name(), depth, end))
+        })
     }
 
     /// Which contacts were the first to go past the end of their law, a line each.
@@ -243,7 +292,7 @@ impl Dynamics {
     }
 
     /// The surface whose stiffness a pair has now.
-    fn stiffness_surface(&self, pair: usize) -> crate::geometry::Surface {
+    fn stiffness_surface(&self, pair: usize) -> Surface {
         if self.model.tooth_law.regions == Regions::Kept && self.memory.tooth_speed[pair] > 0.0 {
             self.memory.tooth_surface[pair]
         } else {
@@ -257,37 +306,77 @@ impl Dynamics {
         energy::energy(self)
     }
 
-    /// The hardest pressed contact of a body (links, then sprockets), in words.
+    /// The hardest pressed contact of a body (links, then sprockets) at the last derivative, in words.
     #[must_use]
     pub fn busiest_contact(&self, body: usize) -> Option<String> {
-        let n = self.model.links;
-        let hinge = (0..n)
+        let (model, n) = (&self.model, self.model.links);
+        let hinges = (0..n)
             .filter(|&k| body >= n || k == body || (k + 1) % n == body)
-            .map(|k| (self.hinges.force[k], format!("hinge {}", k + 1)));
-        let tooth = self
-            .teeth
-            .near
-            .iter()
-            .map(|&p| p as usize)
-            .filter_map(|pair| {
-                let (s, k) = (pair / n, pair % n);
-                (self.model.link_of_bushing(k) == body || n + s == body).then(|| {
-                    (
-                        self.teeth.force[pair],
-                        format!(
-                            "bushing {} on sprocket {}, gap {}",
-                            k + 1,
-                            s + 1,
-                            self.teeth.gap[pair]
-                        ),
-                    )
-                })
+            .map(|k| (self.kernels.hinge_force(k), format!("hinge {}", k + 1)));
+        let teeth = self
+            .kernels
+            .tooth_contacts(model)
+            .filter(|&(s, k, ..)| model.link_of_bushing(k) == body || n + s == body)
+            .map(|(s, k, _, force)| {
+                let name = format!("bushing {} on sprocket {}", k + 1, s + 1);
+                (force, name)
             });
-        hinge
-            .chain(tooth)
+        hinges
+            .chain(teeth)
             .filter(|(force, _)| *force != 0.0)
             .max_by(|a, b| a.0.total_cmp(&b.0))
             .map(|(force, name)| format!("{name} pressed by {force:.3e} N"))
+    }
+
+    /// Normal force of every hinge at the last derivative \[N\].
+    pub(crate) fn write_hinge_forces(&self, forces: &mut [f64]) {
+        for (k, force) in forces.iter_mut().enumerate() {
+            *force = self.kernels.hinge_force(k);
+        }
+    }
+
+    /// Tooth force on every bushing at the last derivative, over all sprockets \[N\].
+    pub(crate) fn write_tooth_forces(&self, forces: &mut [f64]) {
+        forces.fill(0.0);
+        for (_, k, _, force) in self.kernels.tooth_contacts(&self.model) {
+            forces[k] += force;
+        }
+    }
+
+    /// Sprocket, bushing, depth \[m\] (zero where apart) and normal force \[N\] of every candidate at the last derivative: the
+    /// pairs that were looked at.
+    pub fn candidates(&self) -> impl Iterator<Item = (usize, usize, f64, f64)> {
+        self.kernels.tooth_contacts(&self.model)
+    }
+
+    /// How often the list of candidates was made.
+    #[must_use]
+    pub fn candidate_refreshes(&self) -> u64 {
+        self.kernels.candidates.refreshes()
+    }
+
+    /// Depth \[m\] (zero where apart) and normal force \[N\] of every hinge at the last derivative.
+    pub fn hinge_contacts(&self) -> impl Iterator<Item = (f64, f64)> {
+        let depths = self.kernels.hinge_depths(&self.model).iter().enumerate();
+        depths.map(|(k, &depth)| (depth, self.kernels.hinge_force(k)))
+    }
+
+    /// Evaluates the right-hand side at (`t`, `y`) for what it leaves behind: depths and forces of contacts.
+    pub(crate) fn differentiate(&mut self, t: f64, y: &[f64]) {
+        let mut slope = std::mem::take(&mut self.slope);
+        self.derivative(t, y, &mut slope);
+        self.slope = slope;
+    }
+
+    /// Goes on with other instructions than the widest ones that this machine has.
+    pub fn use_instructions(&mut self, instructions: InstructionSet) {
+        self.kernels.use_instructions(instructions);
+    }
+
+    /// The instructions in use.
+    #[must_use]
+    pub fn instructions(&self) -> InstructionSet {
+        self.kernels.instructions()
     }
 }
 
@@ -311,6 +400,13 @@ pub struct Powers {
     pub worked_in: f64,
 }
 
+impl std::ops::AddAssign for Powers {
+    fn add_assign(&mut self, other: Self) {
+        self.dissipated += other.dissipated;
+        self.worked_in += other.worked_in;
+    }
+}
+
 impl OdeSystem for Dynamics {
     fn dimension(&self) -> usize {
         self.controlled() + 2
@@ -321,32 +417,15 @@ impl OdeSystem for Dynamics {
     }
 
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
-        let powers = self.evaluate(t, y);
-        let (nq, n) = (self.model.coordinates, self.model.links);
+        let nq = self.model.coordinates;
         let (rates, rest) = dydt.split_at_mut(nq);
         rates.copy_from_slice(&y[nq..2 * nq]);
-        let a = &self.accelerations;
-        rest[..n].copy_from_slice(&a.x[..n]);
-        rest[n..2 * n].copy_from_slice(&a.y[..n]);
-        rest[2 * n..3 * n].copy_from_slice(&a.angle[..n]);
-        for (i, sprocket) in self.model.sprockets.iter().enumerate() {
-            let body = n + i;
-            match sprocket.support {
-                Support::Fixed => {}
-                Support::Slide {
-                    index, direction, ..
-                } => {
-                    rest[index] = a.x[body] * direction.x + a.y[body] * direction.y;
-                }
-                Support::Floating { x, y } => {
-                    rest[x] = a.x[body];
-                    rest[y] = a.y[body];
-                }
-            }
-            if let Rotation::Free { index, .. } = sprocket.rotation {
-                rest[index] = a.angle[body];
-            }
-        }
+        let (kernels, model, memory) = (&mut self.kernels, &self.model, &self.memory);
+        let powers = if self.keeps_energy {
+            kernels.accelerations::<true>(model, memory, t, y, rest)
+        } else {
+            kernels.accelerations::<false>(model, memory, t, y, rest)
+        };
         rest[nq] = powers.dissipated;
         rest[nq + 1] = powers.worked_in;
     }

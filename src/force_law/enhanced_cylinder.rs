@@ -2,7 +2,10 @@
 //!
 //! Fitted in millimetres and N/mm²; converted here, once, so that the run stays in SI.
 
-use super::{Conformity, ElasticLaw, SurfacePair};
+use pulp::Simd;
+
+use super::{Conformity, ElasticLaw, SurfacePair, VectorLaw};
+use crate::vector::{Lanes, exp_of_remainder, nearest_whole, octaves_of_quotient};
 
 /// The enhanced cylindrical law.
 #[derive(Debug, Clone, Copy)]
@@ -19,6 +22,12 @@ pub struct EnhancedCylinderPair {
 
 /// Range of ΔR \[mm\] in which the internal exponent was fitted.
 const INTERNAL_RANGE: (f64, f64) = (0.005, 10.0);
+
+/// Penetration \[m\] that the vector form measures others by: a power of two near a micrometre.
+const REFERENCE: f64 = f64::from_bits((1023 - 20) << 52);
+
+/// Penetration \[m\] below which the vector form gives zero, 2^-600: the law itself gives less than 1e-170 N there.
+const LEAST: f64 = f64::from_bits((1023 - 600) << 52);
 
 const METRE: f64 = 1e3; // in mm
 const PASCAL: f64 = 1e-6; // in N/mm²
@@ -74,9 +83,94 @@ impl ElasticLaw for EnhancedCylinder {
     }
 }
 
+impl VectorLaw for EnhancedCylinder {
+    /// The force at 2^-20 m, and n.
+    fn constants(pair: &EnhancedCylinderPair) -> [f64; 2] {
+        // In two factors: of 2^(-20 n) in one the rounding of 20 n alone would cost 10 units in the last place.
+        let whole = (-20.0 * pair.exponent).round();
+        let rest = pair.exponent.mul_add(-20.0, -whole);
+        [pair.stiffness * rest.exp2() * whole.exp2(), pair.exponent]
+    }
+
+    /// From 2^-600 m to 2^600 m to 4 units in the last place; zero below, infinite above.
+    ///
+    /// With ln(δ/2^-20 m) = k ln 2 + rest the force is that at 2^-20 m times 2^j e^r, where j is whole and
+    /// j ln 2 + r = n (k ln 2 + rest). The whole part is taken off before anything is rounded.
+    #[inline(always)]
+    fn forces<S: Simd>([force, n]: [Lanes<S>; 2], penetration: Lanes<S>) -> Lanes<S> {
+        let number = |value| penetration.constant(value);
+        let (k, rest) = octaves_of_quotient(penetration, number(REFERENCE));
+        // n to 2^-30: its product with k is exact.
+        let rounding = number(1.5 * f64::from(1 << 22));
+        let head = (n + rounding) - rounding;
+        let tail = n - head;
+        let within_octave = n * rest;
+        let (j, power) =
+            nearest_whole(head.mul_add(k, within_octave * number(std::f64::consts::LOG2_E)));
+        let ln_2 = number(std::f64::consts::LN_2);
+        let r = head
+            .mul_add(k, -j)
+            .mul_add(ln_2, (tail * k).mul_add(ln_2, within_octave));
+        let force = force * exp_of_remainder(r) * power;
+
+        let force = penetration.less(number(LEAST)).select(number(0.0), force);
+        let beyond = penetration * number(f64::INFINITY);
+        penetration
+            .exceeds(number(1.0 / LEAST))
+            .select(beyond, force)
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+    use crate::force_law::testing::for_each_force;
+    use crate::vector::testing::ulps;
+
+    fn pair(inner: f64, outer: f64) -> EnhancedCylinderPair {
+        EnhancedCylinder::prepare(&SurfacePair::internal(inner, outer, 0.011, 2.07e11 / 1.82))
+    }
+
+    #[test]
+    fn ends_of_the_range_of_the_vector_form() {
+        let pair = pair(2.22e-3, 2.245e-3);
+        let zero = [0.0, -0.0, 5e-324, f64::MIN_POSITIVE, LEAST.next_down()];
+        for_each_force::<EnhancedCylinder>(&pair, &zero, |set, d, force, twin| {
+            assert_eq!(force, 0.0, "{set} at {d:e}");
+            assert!(twin < 1e-170);
+        });
+        let beyond = [f64::INFINITY, f64::NAN];
+        for_each_force::<EnhancedCylinder>(&pair, &beyond, |set, d, force, twin| {
+            assert_eq!(ulps(force, twin), 0, "{set} at {d:e}");
+        });
+        let ends = [
+            LEAST,
+            1.0 / LEAST,
+            REFERENCE,
+            0.75 * REFERENCE,
+            1.5 * REFERENCE,
+        ];
+        for_each_force::<EnhancedCylinder>(&pair, &ends, |set, d, force, twin| {
+            assert!(ulps(force, twin) <= 5, "{set} at {d:e}: {force:e} {twin:e}");
+        });
+    }
+
+    proptest! {
+        #[test]
+        fn the_vector_form_is_within_5_units_of_the_twin(
+            clearance in 1e-6..1e-2f64,
+            exponents in proptest::collection::vec(-12.0..-4.0f64, 64),
+            far in proptest::collection::vec(-180.0..180.0f64, 16),
+        ) {
+            let depths: Vec<f64> = exponents.into_iter().chain(far).map(|e| 10f64.powf(e)).collect();
+            let pair = pair(2.22e-3, 2.22e-3 + clearance);
+            for_each_force::<EnhancedCylinder>(&pair, &depths, |set, d, force, twin| {
+                assert!(ulps(force, twin) <= 5, "{set} at {d:e}: {force:e} {twin:e} {pair:?}");
+            });
+        }
+    }
 
     #[test]
     fn exponents_of_the_paper_s_pairs() {

@@ -1,6 +1,9 @@
 //! Hertz's law for spheres, f = K δ^1.5 with K = (4/3) E* `sqrt(R_i` `R_j` / ΔR) (paper's Eq. 4 without its damping).
 
-use super::{ElasticLaw, SurfacePair};
+use pulp::Simd;
+
+use super::{ElasticLaw, SurfacePair, VectorLaw};
+use crate::vector::Lanes;
 
 /// Hertz's law.
 #[derive(Debug, Clone, Copy)]
@@ -32,9 +35,49 @@ impl ElasticLaw for Hertz {
     }
 }
 
+impl VectorLaw for Hertz {
+    fn constants(pair: &HertzPair) -> [f64; 2] {
+        [pair.stiffness, 0.0]
+    }
+
+    #[inline(always)]
+    fn forces<S: Simd>([stiffness, _]: [Lanes<S>; 2], penetration: Lanes<S>) -> Lanes<S> {
+        stiffness * penetration * penetration.sqrt()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::force_law::testing::for_each_force;
+
+    #[test]
+    fn the_vector_form_has_the_bits_of_the_twin() {
+        let depths = [
+            0.0,
+            5e-324,
+            1e-310,
+            1e-12,
+            2.5e-6,
+            1e-4,
+            1e200,
+            f64::INFINITY,
+        ];
+        for_each_force::<Hertz>(
+            &HertzPair { stiffness: 1e10 },
+            &depths,
+            |set, d, force, twin| {
+                assert_eq!(force.to_bits(), twin.to_bits(), "{set} at {d:e}");
+            },
+        );
+        for_each_force::<Hertz>(
+            &HertzPair { stiffness: 1e10 },
+            &[f64::NAN],
+            |_, _, force, _| {
+                assert!(force.is_nan());
+            },
+        );
+    }
 
     #[test]
     fn bushing_on_the_working_curve_carries_48_newtons_at_2500_nanometres() {

@@ -3,15 +3,24 @@
 //! A law is an elastic part times a damping factor, so that any two combine:
 //! f = elastic(δ) · max(0, 1 + λ δ' / δ'₀).
 
+// The vector forms must be inlined into the kernel that chose the instructions.
+#![allow(clippy::inline_always)]
+
 mod dissipation;
 mod enhanced_cylinder;
 mod hertz;
 mod johnson;
+#[cfg(test)]
+mod testing;
 
 pub use dissipation::{Damping, damping_factor, restitution_obtained};
 pub use enhanced_cylinder::{EnhancedCylinder, EnhancedCylinderPair};
 pub use hertz::{Hertz, HertzPair};
 pub use johnson::{Johnson, JohnsonPair};
+
+use pulp::Simd;
+
+use crate::vector::Lanes;
 
 /// Inside (a cylinder in a bore or on a concave flank) or outside (two convex cylinders).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -102,6 +111,15 @@ pub trait ElasticLaw {
     fn range_note(_surfaces: &SurfacePair) -> Option<String> {
         None
     }
+}
+
+/// The vector form of a law: the same force for a register of penetrations.
+pub(crate) trait VectorLaw: ElasticLaw {
+    /// The constants of one pair as numbers; what a law does not need is zero.
+    fn constants(pair: &Self::Pair) -> [f64; 2];
+
+    /// Elastic force \[N\] at penetrations δ >= 0 \[m\]; zero at zero; not a number stays so.
+    fn forces<S: Simd>(constants: [Lanes<S>; 2], penetration: Lanes<S>) -> Lanes<S>;
 }
 
 /// The elastic law a user picks.

@@ -107,7 +107,7 @@ impl Core {
         state.set_item("velocities", self.velocities(py)?)?;
         state.set_item(
             "hinge_onset_speed",
-            memory.hinge_speed.clone().into_pyarray(py),
+            memory.hinge_speed().to_vec().into_pyarray(py),
         )?;
         state.set_item(
             "tooth_onset_speed",

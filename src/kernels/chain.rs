@@ -1,0 +1,445 @@
+//! The chain in one pass: directions and ends of the links, hinges between them, and where the bushings are.
+
+use std::marker::PhantomData;
+
+use pulp::{Simd, WithSimd};
+
+use super::layout::{ChainArrays, FIRST, LinkConstants};
+use crate::force_law::VectorLaw;
+use crate::vector::{
+    Lanes, Mask, Numbers, PartialSums, WIDTH, both, both_mut, lane_numbers, load, partial_load,
+    sin_cos, vectors, vectors_mut,
+};
+
+/// What the chain found besides its forces.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct ChainFound {
+    /// Largest squared distance of a bushing from its reference \[m²\].
+    pub(super) moved_squared: f64,
+    /// Whether a hinge touches that has no memory, or has one and does not touch.
+    pub(super) changed: bool,
+    /// Power dissipated \[W\], when asked for.
+    pub(super) dissipated: f64,
+}
+
+/// One law, one loop. `DAMPED`: with the damping factor; `ENERGY`: with the power that it dissipates; `RATES`: with the
+/// velocities of the bushings, which teeth may need when hinges do not.
+///
+pub(super) struct JoinChain<'a, L, const DAMPED: bool, const RATES: bool, const ENERGY: bool> {
+    pub(super) law: PhantomData<L>,
+    pub(super) law_constants: [f64; 2],
+    pub(super) clearance: f64,
+    pub(super) lambda: f64,
+    pub(super) floor: f64,
+    /// x, y \[m\] and θ \[rad\] of the links.
+    pub(super) places: [&'a [f64]; 3],
+    /// Their rates.
+    pub(super) speeds: [&'a [f64]; 3],
+    /// 1/onset speed of every hinge \[s/m\]; zero without memory.
+    pub(super) inverse_onset: &'a [f64],
+    /// Where the bushings were when the candidates were chosen, x and y \[m\].
+    pub(super) reference: &'a [Numbers; 2],
+    /// How many bushings are needed again behind the last one.
+    pub(super) overhang: usize,
+    pub(super) constants: &'a LinkConstants,
+    pub(super) arrays: &'a mut ChainArrays,
+}
+
+impl<L: VectorLaw, const DAMPED: bool, const RATES: bool, const ENERGY: bool> WithSimd
+    for JoinChain<'_, L, DAMPED, RATES, ENERGY>
+{
+    type Output = ChainFound;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> ChainFound {
+        let n = self.places[0].len();
+        let blocks = n.div_ceil(S::F64_LANES);
+        let whole = blocks - 1;
+        let splat = |value| Lanes::splat(simd, value);
+        let arrays = self.arrays;
+        point::<S>(simd, self.places[2], &mut arrays.cos, &mut arrays.sin);
+        point_sprockets::<S>(simd, arrays);
+        let mut hinges = Hinges::<S, L, DAMPED, RATES, ENERGY> {
+            law: PhantomData,
+            law_constants: self.law_constants.map(splat),
+            clearance: splat(self.clearance),
+            lambda: splat(self.lambda),
+            floor: splat(self.floor),
+            onset: vectors::<S>(self.inverse_onset, blocks),
+            on_front: vectors::<S>(&self.constants.bushing_on_front, blocks),
+            reference: both::<S>(self.reference, 0, blocks),
+            depth: vectors_mut::<S>(&mut arrays.depth, blocks),
+            force: vectors_mut::<S>(&mut arrays.force, blocks),
+            front_force: both_mut::<S>(&mut arrays.front_force, 0, blocks),
+            rear_force: both_mut::<S>(&mut arrays.rear_force, FIRST + 1, blocks),
+            bushing: both_mut::<S>(&mut arrays.bushing, 0, blocks),
+            bushing_velocity: both_mut::<S>(&mut arrays.bushing_velocity, 0, blocks),
+            moved_squared: splat(0.0),
+            changed: false,
+            power: PartialSums::default(),
+        };
+        let [x, y, _] = self.places;
+        let [vx, vy, spin] = self.speeds;
+        let links = [x, y, vx, vy, spin];
+        let last = last_links(simd, links, whole * S::F64_LANES);
+        let direction = [&arrays.cos[..], &arrays.sin[..]];
+        let fronts = Links::<S>::of(links, 0, whole);
+        let front_arms = Arms::<S>::of(&self.constants.front_arm, direction, 0, blocks);
+        let rear_arms = Arms::<S>::of(&self.constants.rear_arm, direction, 1, blocks);
+        if S::F64_LANES == WIDTH {
+            // Wide registers that do not begin at a cache line are slow to load: the rear ends are moved on by one link.
+            let last_lane = lane_numbers(simd).greater(splat(WIDTH as f64 - 1.5));
+            let here = if whole > 0 { fronts.at(simd, 0) } else { last };
+            let [arm, cos, sin] = front_arms.at(simd, 0);
+            let mut front = End::new::<RATES>(here, [arm, cos, sin]);
+            let mut rear = End::new::<RATES>(here, [-arm, cos, sin]);
+            for i in 0..whole {
+                let next = if i + 1 < whole {
+                    fronts.at(simd, i + 1)
+                } else {
+                    last
+                };
+                let [arm, cos, sin] = front_arms.at(simd, i + 1);
+                let next_rear = End::new::<RATES>(next, [-arm, cos, sin]);
+                hinges.join(
+                    i,
+                    &front,
+                    &End::moved_on::<RATES>(&rear, &next_rear, last_lane),
+                );
+                front = End::new::<RATES>(next, [arm, cos, sin]);
+                rear = next_rear;
+            }
+            let behind = behind_last(links, last, whole * S::F64_LANES);
+            let rear = End::new::<RATES>(behind, rear_arms.at(simd, whole));
+            hinges.join(whole, &front, &rear);
+        } else {
+            let rears = Links::<S>::of(links, 1, whole);
+            for i in 0..whole {
+                let front = End::new::<RATES>(fronts.at(simd, i), front_arms.at(simd, i));
+                let rear = End::new::<RATES>(rears.at(simd, i), rear_arms.at(simd, i));
+                hinges.join(i, &front, &rear);
+            }
+            let front = End::new::<RATES>(last, front_arms.at(simd, whole));
+            let behind = behind_last(links, last, whole * S::F64_LANES);
+            let rear = End::new::<RATES>(behind, rear_arms.at(simd, whole));
+            hinges.join(whole, &front, &rear);
+        }
+
+        let found = ChainFound {
+            moved_squared: hinges.moved_squared.greatest(),
+            changed: hinges.changed,
+            dissipated: hinges.power.total(),
+        };
+        RepeatBushings {
+            links: n,
+            overhang: self.overhang,
+            rates: RATES,
+            arrays,
+        }
+        .with_simd(simd);
+        found
+    }
+}
+
+/// Cosines and sines of the links' angles; the first once more behind the last.
+#[inline(always)]
+fn point<S: Simd>(simd: S, angle: &[f64], cos: &mut [f64], sin: &mut [f64]) {
+    let n = angle.len();
+    let (whole, rest) = S::as_simd_f64s(angle);
+    let blocks = whole.len() + usize::from(!rest.is_empty());
+    {
+        let (cos, sin) = (vectors_mut::<S>(cos, blocks), vectors_mut::<S>(sin, blocks));
+        for (i, angle) in whole.iter().enumerate() {
+            let (s, c) = sin_cos(load(simd, angle));
+            (cos[i], sin[i]) = (c.values(), s.values());
+        }
+        if !rest.is_empty() {
+            let (s, c) = sin_cos(partial_load(simd, rest));
+            (cos[blocks - 1], sin[blocks - 1]) = (c.values(), s.values());
+        }
+    }
+    cos[n] = cos[0];
+    sin[n] = sin[0];
+}
+
+/// The same of the sprockets.
+#[inline(always)]
+fn point_sprockets<S: Simd>(simd: S, arrays: &mut ChainArrays) {
+    let blocks = arrays.sprocket_angle.len() / S::F64_LANES;
+    let angle = vectors::<S>(&arrays.sprocket_angle, blocks);
+    let cos = vectors_mut::<S>(&mut arrays.sprocket_cos, blocks);
+    let sin = vectors_mut::<S>(&mut arrays.sprocket_sin, blocks);
+    for i in 0..blocks {
+        let (s, c) = sin_cos(load(simd, &angle[i]));
+        (cos[i], sin[i]) = (c.values(), s.values());
+    }
+}
+
+/// x, y \[m\], dx/dt, dy/dt \[m/s\] and dθ/dt \[rad/s\] of links, from one of them on.
+struct Links<'a, S: Simd>([&'a [S::f64s]; 5]);
+
+impl<'a, S: Simd> Links<'a, S> {
+    #[inline(always)]
+    fn of([x, y, vx, vy, spin]: [&'a [f64]; 5], first: usize, blocks: usize) -> Self {
+        Self([
+            vectors::<S>(&x[first..], blocks),
+            vectors::<S>(&y[first..], blocks),
+            vectors::<S>(&vx[first..], blocks),
+            vectors::<S>(&vy[first..], blocks),
+            vectors::<S>(&spin[first..], blocks),
+        ])
+    }
+
+    #[inline(always)]
+    fn at(&self, simd: S, i: usize) -> [Lanes<S>; 5] {
+        let [x, y, vx, vy, spin] = self.0;
+        [
+            load(simd, &x[i]),
+            load(simd, &y[i]),
+            load(simd, &vx[i]),
+            load(simd, &vy[i]),
+            load(simd, &spin[i]),
+        ]
+    }
+}
+
+/// The last register of links, from link `from` on.
+#[inline(always)]
+fn last_links<S: Simd>(simd: S, links: [&[f64]; 5], from: usize) -> [Lanes<S>; 5] {
+    let [x, y, vx, vy, spin] = links;
+    [
+        partial_load(simd, &x[from..]),
+        partial_load(simd, &y[from..]),
+        partial_load(simd, &vx[from..]),
+        partial_load(simd, &vy[from..]),
+        partial_load(simd, &spin[from..]),
+    ]
+}
+
+/// The register that begins one link later and ends with the first link of all.
+#[inline(always)]
+fn behind_last<S: Simd>(links: [&[f64]; 5], last: [Lanes<S>; 5], from: usize) -> [Lanes<S>; 5] {
+    let [x, y, vx, vy, spin] = links;
+    let count = x.len() - from;
+    [
+        last[0].followed_by(x[0], count),
+        last[1].followed_by(y[0], count),
+        last[2].followed_by(vx[0], count),
+        last[3].followed_by(vy[0], count),
+        last[4].followed_by(spin[0], count),
+    ]
+}
+
+/// Where ends are along their links, and directions of the links, from one of them on.
+struct Arms<'a, S: Simd> {
+    arm: &'a [S::f64s],
+    cos: &'a [S::f64s],
+    sin: &'a [S::f64s],
+}
+
+impl<'a, S: Simd> Arms<'a, S> {
+    #[inline(always)]
+    fn of(arm: &'a [f64], [cos, sin]: [&'a [f64]; 2], first: usize, blocks: usize) -> Self {
+        Self {
+            arm: vectors::<S>(arm, blocks),
+            cos: vectors::<S>(&cos[first..], blocks),
+            sin: vectors::<S>(&sin[first..], blocks),
+        }
+    }
+
+    #[inline(always)]
+    fn at(&self, simd: S, i: usize) -> [Lanes<S>; 3] {
+        [
+            load(simd, &self.arm[i]),
+            load(simd, &self.cos[i]),
+            load(simd, &self.sin[i]),
+        ]
+    }
+}
+
+/// One end of a register of links.
+#[derive(Clone, Copy)]
+struct End<S: Simd> {
+    x: Lanes<S>,
+    y: Lanes<S>,
+    vx: Lanes<S>,
+    vy: Lanes<S>,
+}
+
+impl<S: Simd> End<S> {
+    /// All but the first of `here` and the first of `next`.
+    #[inline(always)]
+    fn moved_on<const RATES: bool>(here: &Self, next: &Self, last_lane: Mask<S>) -> Self {
+        let mut moved = *next;
+        moved.x = here.x.moved_on(next.x, last_lane);
+        moved.y = here.y.moved_on(next.y, last_lane);
+        if RATES {
+            moved.vx = here.vx.moved_on(next.vx, last_lane);
+            moved.vy = here.vy.moved_on(next.vy, last_lane);
+        }
+        moved
+    }
+
+    #[inline(always)]
+    fn new<const RATES: bool>(
+        [x, y, vx, vy, spin]: [Lanes<S>; 5],
+        [arm, cos, sin]: [Lanes<S>; 3],
+    ) -> Self {
+        let (vx, vy) = if RATES {
+            let turn = arm * spin;
+            (turn.negate_mul_add(sin, vx), turn.mul_add(cos, vy))
+        } else {
+            (vx, vy)
+        };
+        Self {
+            x: arm.mul_add(cos, x),
+            y: arm.mul_add(sin, y),
+            vx,
+            vy,
+        }
+    }
+}
+
+/// The hinges as registers.
+struct Hinges<'a, S: Simd, L, const DAMPED: bool, const RATES: bool, const ENERGY: bool> {
+    law: PhantomData<L>,
+    law_constants: [Lanes<S>; 2],
+    clearance: Lanes<S>,
+    lambda: Lanes<S>,
+    floor: Lanes<S>,
+    onset: &'a [S::f64s],
+    on_front: &'a [S::f64s],
+    reference: [&'a [S::f64s]; 2],
+    depth: &'a mut [S::f64s],
+    force: &'a mut [S::f64s],
+    front_force: [&'a mut [S::f64s]; 2],
+    rear_force: [&'a mut [S::f64s]; 2],
+    bushing: [&'a mut [S::f64s]; 2],
+    bushing_velocity: [&'a mut [S::f64s]; 2],
+    moved_squared: Lanes<S>,
+    changed: bool,
+    power: PartialSums,
+}
+
+impl<S: Simd, L: VectorLaw, const DAMPED: bool, const RATES: bool, const ENERGY: bool>
+    Hinges<'_, S, L, DAMPED, RATES, ENERGY>
+{
+    /// One register of hinges.
+    #[inline(always)]
+    fn join(&mut self, i: usize, front: &End<S>, rear: &End<S>) {
+        let simd = self.clearance.simd();
+        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        self.place_bushings(i, front, rear);
+        let (ex, ey) = (front.x - rear.x, front.y - rear.y);
+        let distance_squared = ex.mul_add(ex, ey * ey);
+        let near = distance_squared.exceeds(self.clearance * self.clearance);
+        let inverse_onset = load(simd, &self.onset[i]);
+        let remembered = inverse_onset.greater(zero);
+        if !near.any() {
+            self.put(i, [zero; 4]);
+            self.changed |= remembered.any();
+            return;
+        }
+        let distance = distance_squared.sqrt();
+        let inverse_distance = near.select(one / distance, zero);
+        let depth = near.select((distance - self.clearance).positive_part(), zero);
+        let (nx, ny) = (ex * inverse_distance, ey * inverse_distance);
+        let touching = depth.exceeds(zero);
+        self.changed |= touching.differs(remembered).any();
+        let elastic = L::forces(self.law_constants, depth);
+        let mut force = elastic;
+        if DAMPED {
+            let rate = nx.mul_add(front.vx - rear.vx, ny * (front.vy - rear.vy));
+            let mut inverse_onset = inverse_onset;
+            if touching.and(remembered.not()).any() {
+                inverse_onset = remembered.select(inverse_onset, one / self.floor.max(rate));
+            }
+            force = elastic
+                * (self.lambda * rate)
+                    .mul_add(inverse_onset, one)
+                    .positive_part();
+            if ENERGY {
+                self.power.add(i, (force - elastic) * rate);
+            }
+        }
+        self.put(i, [depth, force, force * nx, force * ny]);
+    }
+
+    /// Depth, force, and its direction as it acts on the rear ends.
+    #[inline(always)]
+    fn put(&mut self, i: usize, [depth, force, x, y]: [Lanes<S>; 4]) {
+        self.depth[i] = depth.values();
+        self.force[i] = force.values();
+        self.front_force[0][i] = (-x).values();
+        self.front_force[1][i] = (-y).values();
+        self.rear_force[0][i] = x.values();
+        self.rear_force[1][i] = y.values();
+    }
+
+    /// The bushings of these hinges, and how far they have moved from their references.
+    #[inline(always)]
+    fn place_bushings(&mut self, i: usize, front: &End<S>, rear: &End<S>) {
+        let simd = self.clearance.simd();
+        let on_front = load(simd, &self.on_front[i]).greater(Lanes::splat(simd, 0.0));
+        let x = on_front.select(front.x, rear.x);
+        let y = on_front.select(front.y, rear.y);
+        self.bushing[0][i] = x.values();
+        self.bushing[1][i] = y.values();
+        let dx = x - load(simd, &self.reference[0][i]);
+        let dy = y - load(simd, &self.reference[1][i]);
+        self.moved_squared = self.moved_squared.max(dx.mul_add(dx, dy * dy));
+        if RATES {
+            self.bushing_velocity[0][i] = on_front.select(front.vx, rear.vx).values();
+            self.bushing_velocity[1][i] = on_front.select(front.vy, rear.vy).values();
+        }
+    }
+}
+
+/// Writes the first bushings once more behind the last one, and zeros where teeth will add their forces.
+pub(super) struct RepeatBushings<'a> {
+    pub(super) links: usize,
+    pub(super) overhang: usize,
+    pub(super) rates: bool,
+    pub(super) arrays: &'a mut ChainArrays,
+}
+
+impl WithSimd for RepeatBushings<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (n, overhang) = (self.links, self.overhang);
+        for array in &mut self.arrays.bushing {
+            repeat::<S>(array, n, overhang);
+        }
+        if self.rates {
+            for array in &mut self.arrays.bushing_velocity {
+                repeat::<S>(array, n, overhang);
+            }
+        }
+        let ChainArrays {
+            front_force,
+            rear_force,
+            ..
+        } = self.arrays;
+        for (array, first) in front_force
+            .iter_mut()
+            .map(|array| (array, 0))
+            .chain(rear_force.iter_mut().map(|array| (array, FIRST + 1)))
+        {
+            for from in (0..overhang).step_by(S::F64_LANES) {
+                vectors_mut::<S>(&mut array[first + n + from..], 1)[0] =
+                    Lanes::splat(simd, 0.0).values();
+            }
+        }
+    }
+}
+
+/// Copies the first `overhang` entries behind entry `n`.
+#[inline(always)]
+fn repeat<S: Simd>(array: &mut [f64], n: usize, overhang: usize) {
+    for from in (0..overhang).step_by(S::F64_LANES) {
+        let values = vectors::<S>(&array[from..], 1)[0];
+        vectors_mut::<S>(&mut array[n + from..], 1)[0] = values;
+    }
+}

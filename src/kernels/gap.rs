@@ -1,0 +1,229 @@
+//! A tooth gap over a register of bushings: the nearest surface, the depth there and the direction in which it grows.
+
+use pulp::Simd;
+
+use crate::contact::surface_constants;
+use crate::force_law::Regions;
+use crate::geometry::{Surface, Vec2};
+use crate::model::Model;
+use crate::vector::{Lanes, Mask};
+
+/// A tooth gap in numbers, and the constants of its four surfaces.
+#[derive(Debug, Clone)]
+pub(super) struct ToothConstants {
+    seat_center_radius: f64,
+    seat_end_tangent: [f64; 2],
+    seating_clearance: f64,
+    working_center: [f64; 2],
+    working_clearance: f64,
+    flat_start: [f64; 2],
+    flat_tangent: [f64; 2],
+    flat_normal: [f64; 2],
+    flat_length: f64,
+    topping_center: [f64; 2],
+    topping_distance: f64,
+    bushing_radius: f64,
+    /// Cosine and sine of half the angle from gap to gap.
+    half_gap: [f64; 2],
+    /// Law constants: [constant][surface].
+    law: [[f64; 4]; 2],
+    /// Whether a contact keeps the stiffness that it began with.
+    pub(super) keeps_stiffness: bool,
+}
+
+impl ToothConstants {
+    pub(super) fn new(model: &Model, s: usize) -> Self {
+        let profile = &model.sprockets[s].profile;
+        let radius = model.bushing_radius;
+        let pair = |v: Vec2| [v.x, v.y];
+        let (sin, cos) = (0.5 * profile.gap_angle()).sin_cos();
+        let law = Surface::ALL.map(|surface| surface_constants(model, s, surface));
+        Self {
+            seat_center_radius: profile.seat_center_radius,
+            seat_end_tangent: pair(profile.seat_end_tangent),
+            seating_clearance: profile.seating.radius - radius,
+            working_center: pair(profile.working.center),
+            working_clearance: profile.working.radius - radius,
+            flat_start: pair(profile.flat.start),
+            flat_tangent: pair(profile.flat.tangent),
+            flat_normal: pair(profile.flat.normal),
+            flat_length: profile.flat.length,
+            topping_center: pair(profile.topping.center),
+            topping_distance: profile.topping.radius + radius,
+            bushing_radius: radius,
+            half_gap: [cos, sin],
+            law: [0, 1].map(|i| law.map(|constants| constants[i])),
+            keeps_stiffness: model.tooth_law.regions == Regions::Kept,
+        }
+    }
+}
+
+/// Bushings in the frames of their gaps.
+pub(super) struct InGap<S: Simd> {
+    /// v, radially outward through the gap; u is v turned clockwise.
+    direction: [Lanes<S>; 2],
+    /// Along u \[m\].
+    u: Lanes<S>,
+    /// Along v, from the sprocket's centre \[m\].
+    outward: Lanes<S>,
+}
+
+impl<S: Simd> InGap<S> {
+    /// Bushings at `arm` from the centre of a sprocket that has turned to `direction`, in gaps at `gap` in its own frame.
+    #[inline(always)]
+    pub(super) fn new(
+        [arm_x, arm_y]: [Lanes<S>; 2],
+        [cos, sin]: [Lanes<S>; 2],
+        [gap_cos, gap_sin]: [Lanes<S>; 2],
+    ) -> Self {
+        let vx = cos.mul_add(gap_cos, -(sin * gap_sin));
+        let vy = sin.mul_add(gap_cos, cos * gap_sin);
+        Self {
+            direction: [vx, vy],
+            u: arm_x.mul_add(vy, -(arm_y * vx)),
+            outward: arm_x.mul_add(vx, arm_y * vy),
+        }
+    }
+}
+
+/// A gap with its constants in registers.
+pub(super) struct Gap<'a, S: Simd> {
+    simd: S,
+    constants: &'a ToothConstants,
+}
+
+/// The surface nearest to each bushing, where its centre of curvature is seen from there, and whether it is within touch.
+pub(super) struct Nearest<S: Simd> {
+    seating: Mask<S>,
+    working: Mask<S>,
+    topping: Mask<S>,
+    /// Bushing seen from the centre of curvature, u on the right flank, v \[m\].
+    offset: [Lanes<S>; 2],
+    distance_squared: Lanes<S>,
+    /// Distance of the centres at which bushing and curve touch \[m\].
+    touch: Lanes<S>,
+    /// Bushings on the flat: depth there.
+    flat: Option<(Mask<S>, Lanes<S>)>,
+    pub(super) near: Mask<S>,
+}
+
+impl<'a, S: Simd> Gap<'a, S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, constants: &'a ToothConstants) -> Self {
+        Self { simd, constants }
+    }
+
+    #[inline(always)]
+    fn splat(&self, value: f64) -> Lanes<S> {
+        Lanes::splat(self.simd, value)
+    }
+
+    /// Bushings that are nearer to a neighbouring gap.
+    #[inline(always)]
+    pub(super) fn left(&self, place: &InGap<S>) -> Mask<S> {
+        let [cos, sin] = self.constants.half_gap;
+        (place.u.abs() * self.splat(cos)).greater(place.outward * self.splat(sin))
+    }
+
+    /// The surface nearest to bushings.
+    #[inline(always)]
+    pub(super) fn nearest(&self, place: &InGap<S>) -> Nearest<S> {
+        let c = self.constants;
+        let splat = |value| self.splat(value);
+        let zero = splat(0.0);
+        let right = place.u.abs();
+        let v = place.outward - splat(c.seat_center_radius);
+        let seating = right
+            .mul_add(
+                splat(c.seat_end_tangent[0]),
+                v * splat(c.seat_end_tangent[1]),
+            )
+            .less(zero);
+        let from_start = [right - splat(c.flat_start[0]), v - splat(c.flat_start[1])];
+        let along = from_start[0].mul_add(
+            splat(c.flat_tangent[0]),
+            from_start[1] * splat(c.flat_tangent[1]),
+        );
+        let working = along.less(zero);
+        let topping = along.greater(splat(c.flat_length)).and(seating.not());
+        let of = |seat: f64, work: f64, top: f64| {
+            seating.select(splat(seat), working.select(splat(work), splat(top)))
+        };
+        let offset = [
+            right - of(0.0, c.working_center[0], c.topping_center[0]),
+            v - of(0.0, c.working_center[1], c.topping_center[1]),
+        ];
+        let touch = of(c.seating_clearance, c.working_clearance, c.topping_distance);
+        let distance_squared = offset[0].mul_add(offset[0], offset[1] * offset[1]);
+        let beyond = distance_squared - touch * touch;
+        let near = topping.select(-beyond, beyond).exceeds(zero);
+        let flat = seating.or(working).or(topping).not();
+        if !flat.any() {
+            return Nearest {
+                seating,
+                working,
+                topping,
+                offset,
+                distance_squared,
+                touch,
+                flat: None,
+                near,
+            };
+        }
+        let depth = from_start[0].mul_add(
+            splat(c.flat_normal[0]),
+            from_start[1] * splat(c.flat_normal[1]),
+        ) + splat(c.bushing_radius);
+        let near = flat.and(depth.exceeds(zero)).or(flat.not().and(near));
+        Nearest {
+            seating,
+            working,
+            topping,
+            offset,
+            distance_squared,
+            touch,
+            flat: Some((flat, depth)),
+            near,
+        }
+    }
+
+    /// Depth and the direction in which it grows.
+    #[inline(always)]
+    pub(super) fn depth(
+        &self,
+        surface: &Nearest<S>,
+        place: &InGap<S>,
+    ) -> (Lanes<S>, [Lanes<S>; 2]) {
+        let zero = self.splat(0.0);
+        let distance = surface.distance_squared.sqrt();
+        let inverse = distance
+            .exceeds(zero)
+            .select(self.splat(1.0) / distance, zero);
+        let outside = |value: Lanes<S>| surface.topping.select(-value, value);
+        let inverse = outside(inverse);
+        let mut depth = outside(distance - surface.touch);
+        let mut normal_u = surface.offset[0] * inverse;
+        let mut normal_v = surface.offset[1] * inverse;
+        if let Some((flat, flat_depth)) = surface.flat {
+            let [flat_u, flat_v] = self.constants.flat_normal;
+            depth = flat.select(flat_depth, depth);
+            normal_u = flat.select(self.splat(flat_u), normal_u);
+            normal_v = flat.select(self.splat(flat_v), normal_v);
+        }
+        let normal_u = place.u.less(zero).select(-normal_u, normal_u);
+        let [vx, vy] = place.direction;
+        let normal_x = normal_u.mul_add(vy, normal_v * vx);
+        let normal_y = normal_v.mul_add(vy, -(normal_u * vx));
+        (depth, [normal_x, normal_y])
+    }
+
+    /// Law constants of the surfaces.
+    #[inline(always)]
+    pub(super) fn law_constants(&self, surface: &Nearest<S>) -> [Lanes<S>; 2] {
+        self.constants.law.map(|[seat, work, flat, top]| {
+            let rest = surface.topping.select(self.splat(top), self.splat(flat));
+            let rest = surface.working.select(self.splat(work), rest);
+            surface.seating.select(self.splat(seat), rest)
+        })
+    }
+}

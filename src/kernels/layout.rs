@@ -1,0 +1,90 @@
+//! What the kernels read of a model and the arrays they write, one array a quantity, padded to whole registers.
+
+use crate::model::Model;
+use crate::vector::{Numbers, WIDTH, padded_zeros};
+
+/// What the kernels need to know of the links; a link that is not there, in the padding, has no length and no mass.
+#[derive(Debug, Clone)]
+pub(super) struct LinkConstants {
+    /// Half the pitch \[m\]: where the front of link k is.
+    pub(super) front_arm: Numbers,
+    /// Where the rear of link k + 1 is: minus half the pitch \[m\].
+    pub(super) rear_arm: Numbers,
+    /// 1/mass \[1/kg\].
+    pub(super) inverse_mass: Numbers,
+    /// 1/inertia \[1/(kg m²)\].
+    pub(super) inverse_inertia: Numbers,
+    /// One where bushing k is on the front of link k, zero where it is on the rear of link k + 1; twice around the chain.
+    pub(super) bushing_on_front: Numbers,
+}
+
+impl LinkConstants {
+    pub(super) fn new(model: &Model) -> Self {
+        let n = model.links;
+        let lay_out = |count: usize, value: &dyn Fn(usize) -> f64| {
+            let mut values = padded_zeros(count);
+            for (i, place) in values[..count].iter_mut().enumerate() {
+                *place = value(i % n);
+            }
+            values
+        };
+        Self {
+            front_arm: lay_out(n, &|_| model.half_pitch),
+            rear_arm: lay_out(n, &|_| -model.half_pitch),
+            inverse_mass: lay_out(n, &|i| model.inverse_mass[i]),
+            inverse_inertia: lay_out(n, &|i| model.inverse_inertia[i]),
+            bushing_on_front: lay_out(2 * n + WIDTH, &|k| f64::from(model.link_of_bushing(k) == k)),
+        }
+    }
+}
+
+/// Where arrays of forces on rear ends have that of the first link: that of hinge 0 on the second link is then aligned.
+pub(super) const FIRST: usize = WIDTH - 1;
+
+/// What an evaluation leaves of the chain.
+#[derive(Debug, Clone)]
+pub(super) struct ChainArrays {
+    /// Angles of the sprockets \[rad\], written before the chain is joined.
+    pub(super) sprocket_angle: Numbers,
+    /// Their cosines.
+    pub(super) sprocket_cos: Numbers,
+    /// Their sines.
+    pub(super) sprocket_sin: Numbers,
+    /// Cosines of the links' angles, that of the first link again behind the last.
+    pub(super) cos: Numbers,
+    /// Their sines, likewise.
+    pub(super) sin: Numbers,
+    /// Depth of every hinge \[m\]; zero where apart.
+    pub(super) depth: Numbers,
+    /// Normal force of every hinge \[N\].
+    pub(super) force: Numbers,
+    /// Force on the front of every link, x and y \[N\]; behind the last one what belongs to the first ones.
+    pub(super) front_force: [Numbers; 2],
+    /// Force on the rear of link k, x and y \[N\], k from [`FIRST`] on; from link n on what belongs to the first ones.
+    pub(super) rear_force: [Numbers; 2],
+    /// Centres of the bushings, x and y \[m\]. Runs of candidates that go past the last one find the first ones again behind it.
+    pub(super) bushing: [Numbers; 2],
+    /// Their velocities, x and y \[m/s\].
+    pub(super) bushing_velocity: [Numbers; 2],
+}
+
+impl ChainArrays {
+    pub(super) fn new(model: &Model) -> Self {
+        let n = model.links;
+        let twice = || [0, 1].map(|_| padded_zeros(2 * n + 3 * WIDTH));
+        let sprockets = || padded_zeros(model.sprockets.len());
+        Self {
+            sprocket_angle: sprockets(),
+            sprocket_cos: sprockets(),
+            sprocket_sin: sprockets(),
+            cos: padded_zeros(n + WIDTH),
+            sin: padded_zeros(n + WIDTH),
+            depth: padded_zeros(n),
+            force: padded_zeros(n),
+            front_force: twice(),
+            rear_force: twice(),
+            bushing: twice(),
+            bushing_velocity: twice(),
+        }
+    }
+}

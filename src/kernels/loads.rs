@@ -1,0 +1,111 @@
+//! Forces of hinges and teeth gathered per link, without conflicts: every link knows its two ends.
+
+use pulp::{Simd, WithSimd};
+
+use super::layout::{ChainArrays, FIRST, LinkConstants};
+use crate::vector::{Lanes, both, load, vectors, vectors_mut};
+
+/// Accelerations of all links.
+pub(super) struct AccelerateLinks<'a> {
+    pub(super) constants: &'a LinkConstants,
+    pub(super) arrays: &'a mut ChainArrays,
+    /// How many tooth forces there are behind entry n.
+    pub(super) overhang: usize,
+    pub(super) gravity: [f64; 2],
+    /// d²x/dt², d²y/dt² \[m/s²\] and d²θ/dt² \[rad/s²\] of all links.
+    pub(super) accelerations: [&'a mut [f64]; 3],
+}
+
+impl WithSimd for AccelerateLinks<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self {
+            constants,
+            arrays,
+            overhang,
+            gravity,
+            accelerations,
+        } = self;
+        let n = accelerations[0].len();
+        let ChainArrays {
+            cos,
+            sin,
+            front_force,
+            rear_force,
+            ..
+        } = arrays;
+        for force in &mut *front_force {
+            take_back::<S>(simd, force, 0, n, overhang);
+        }
+        for force in &mut *rear_force {
+            take_back::<S>(simd, force, FIRST + 1, n, overhang);
+            force[FIRST] = force[FIRST + n];
+        }
+        let [(x, x_rest), (y, y_rest), (angle, angle_rest)] =
+            accelerations.map(|array| S::as_mut_simd_f64s(array));
+        let whole = x.len();
+        let blocks = whole + usize::from(!x_rest.is_empty());
+        let loads = Loads::<S> {
+            simd,
+            gravity: gravity.map(|g| Lanes::splat(simd, g)),
+            cos: vectors::<S>(cos, blocks),
+            sin: vectors::<S>(sin, blocks),
+            arm: vectors::<S>(&constants.front_arm, blocks),
+            inverse_mass: vectors::<S>(&constants.inverse_mass, blocks),
+            inverse_inertia: vectors::<S>(&constants.inverse_inertia, blocks),
+            front: both::<S>(front_force, 0, blocks),
+            rear: both::<S>(rear_force, FIRST, blocks),
+        };
+        let (y, angle) = (&mut y[..whole], &mut angle[..whole]);
+        for i in 0..whole {
+            [x[i], y[i], angle[i]] = loads.accelerations(i);
+        }
+        if !x_rest.is_empty() {
+            let [x, y, angle] = loads.accelerations(whole);
+            simd.partial_store_f64s(x_rest, x);
+            simd.partial_store_f64s(y_rest, y);
+            simd.partial_store_f64s(angle_rest, angle);
+        }
+    }
+}
+
+/// Adds to the first links what runs of candidates that go past the last one have left behind it.
+#[inline(always)]
+fn take_back<S: Simd>(simd: S, force: &mut [f64], first: usize, n: usize, overhang: usize) {
+    for from in (first..first + overhang).step_by(S::F64_LANES) {
+        let past = load(simd, &vectors::<S>(&force[n + from..], 1)[0]);
+        let place = &mut vectors_mut::<S>(&mut force[from..], 1)[0];
+        *place = (load(simd, place) + past).values();
+    }
+}
+
+/// All loads as registers.
+struct Loads<'a, S: Simd> {
+    simd: S,
+    gravity: [Lanes<S>; 2],
+    cos: &'a [S::f64s],
+    sin: &'a [S::f64s],
+    arm: &'a [S::f64s],
+    inverse_mass: &'a [S::f64s],
+    inverse_inertia: &'a [S::f64s],
+    front: [&'a [S::f64s]; 2],
+    rear: [&'a [S::f64s]; 2],
+}
+
+impl<S: Simd> Loads<'_, S> {
+    /// Accelerations of one register of links: x, y, angle.
+    #[inline(always)]
+    fn accelerations(&self, i: usize) -> [S::f64s; 3] {
+        let at = |array: &[S::f64s]| load(self.simd, &array[i]);
+        let (front_x, front_y) = (at(self.front[0]), at(self.front[1]));
+        let (rear_x, rear_y) = (at(self.rear[0]), at(self.rear[1]));
+        let inverse_mass = at(self.inverse_mass);
+        let x = (front_x + rear_x).mul_add(inverse_mass, self.gravity[0]);
+        let y = (front_y + rear_y).mul_add(inverse_mass, self.gravity[1]);
+        let turn = at(self.cos).mul_add(front_y - rear_y, -(at(self.sin) * (front_x - rear_x)));
+        let angle = at(self.arm) * turn * at(self.inverse_inertia);
+        [x, y, angle].map(Lanes::values)
+    }
+}

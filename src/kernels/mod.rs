@@ -1,0 +1,293 @@
+//! The right-hand side as a run needs it: the same equations as `contact` and `dynamics` write out for one contact, over
+//! registers of contacts and with the instructions that the machine has.
+//!
+//! chain (directions, ends, hinges, bushings) -> candidates -> teeth -> loads -> accelerations
+//!
+//! Each kernel is one law in one loop over arrays of one quantity. What a scene does not need has its own instance of the loop,
+//! without it: rates where nothing is damped, the power dissipated where no energy balance is kept.
+
+#![allow(clippy::inline_always)] // what is not inlined into a kernel does not run with its instructions
+
+mod chain;
+mod gap;
+mod layout;
+mod loads;
+mod teeth;
+
+use std::marker::PhantomData;
+
+use chain::{ChainFound, JoinChain, RepeatBushings};
+use gap::ToothConstants;
+use layout::{ChainArrays, LinkConstants};
+use loads::AccelerateLinks;
+use teeth::{SprocketPose, TeethFound, TouchTeeth};
+
+use crate::contact::{Candidates, ImpactMemory};
+use crate::dynamics::{Powers, SprocketLoad, outside_powers, sprocket_acceleration};
+use crate::force_law::{VectorLaw, with_law};
+use crate::geometry::Vec2;
+use crate::model::{Model, Rotation, Support};
+use crate::state::sprocket_motion;
+use crate::vector::InstructionSet;
+
+/// Arrays of the right-hand side and the instructions it runs with.
+#[derive(Debug, Clone)]
+pub(crate) struct Kernels {
+    instructions: InstructionSet,
+    links: LinkConstants,
+    chain: ChainArrays,
+    pub(crate) candidates: Candidates,
+    teeth: Vec<ToothConstants>,
+    poses: Vec<SprocketPose>,
+    loads: Vec<SprocketLoad>,
+    /// Whether at the last evaluation some contact had no memory, or some memory no contact.
+    changed: bool,
+}
+
+impl Kernels {
+    /// Arrays for `model`.
+    pub(crate) fn new(model: &Model) -> Self {
+        let sprockets = model.sprockets.len();
+        Self {
+            instructions: InstructionSet::detect(),
+            links: LinkConstants::new(model),
+            chain: ChainArrays::new(model),
+            candidates: Candidates::new(model),
+            teeth: (0..sprockets)
+                .map(|s| ToothConstants::new(model, s))
+                .collect(),
+            poses: vec![SprocketPose::default(); sprockets],
+            loads: vec![SprocketLoad::default(); sprockets],
+            changed: true,
+        }
+    }
+
+    /// Goes on with other instructions.
+    pub(crate) fn use_instructions(&mut self, instructions: InstructionSet) {
+        self.instructions = instructions;
+    }
+
+    /// The instructions in use.
+    pub(crate) fn instructions(&self) -> InstructionSet {
+        self.instructions
+    }
+
+    /// Whether at the last evaluation some contact had no memory, or some memory no contact.
+    pub(crate) fn changed(&self) -> bool {
+        self.changed
+    }
+
+    /// Depth of every hinge at the last evaluation \[m\]; zero where apart.
+    pub(crate) fn hinge_depths(&self, model: &Model) -> &[f64] {
+        &self.chain.depth[..model.links]
+    }
+
+    /// Normal force of hinge `k` at the last evaluation \[N\].
+    pub(crate) fn hinge_force(&self, k: usize) -> f64 {
+        self.chain.force[k]
+    }
+
+    /// Sprocket, bushing, depth \[m\] and normal force \[N\] of every candidate at the last evaluation.
+    pub(crate) fn tooth_contacts(
+        &self,
+        model: &Model,
+    ) -> impl Iterator<Item = (usize, usize, f64, f64)> {
+        let links = model.links;
+        let sprockets = self.candidates.sprockets.iter().enumerate();
+        sprockets.flat_map(move |(s, candidates)| {
+            candidates
+                .bushings(links)
+                .map(move |(slot, k)| (s, k, candidates.depth[slot], candidates.force[slot]))
+        })
+    }
+
+    /// Writes the accelerations at (`t`, `y`) into `rates`, coordinate by coordinate; returns the powers when energy is kept.
+    pub(crate) fn accelerations<const ENERGY: bool>(
+        &mut self,
+        model: &Model,
+        memory: &ImpactMemory,
+        t: f64,
+        y: &[f64],
+        rates: &mut [f64],
+    ) -> Powers {
+        self.place_sprockets(model, t, y);
+        let chain = with_law!(&model.hinge_law.pairs, Law, pairs => {
+            self.join_chain::<Law, ENERGY>(model, memory, Law::constants(&pairs[0]), y)
+        });
+        for (s, pose) in self.poses.iter_mut().enumerate() {
+            pose.direction = [self.chain.sprocket_cos[s], self.chain.sprocket_sin[s]];
+        }
+        self.choose_candidates(model, memory, chain.moved_squared);
+        self.changed = chain.changed;
+        let mut dissipated = chain.dissipated;
+        for s in 0..model.sprockets.len() {
+            let teeth = with_law!(&model.tooth_law.pairs, Law, _pairs => {
+                self.touch_teeth::<Law, ENERGY>(model, s)
+            });
+            self.changed |= teeth.changed;
+            dissipated += teeth.dissipated;
+            self.loads[s] = SprocketLoad {
+                force: Vec2::new(teeth.force[0], teeth.force[1]),
+                moment: teeth.moment,
+            };
+        }
+        self.accelerate_links(model, rates);
+        self.accelerate_sprockets(model, t, rates);
+        let mut powers = Powers {
+            dissipated,
+            worked_in: 0.0,
+        };
+        if ENERGY {
+            for ((sprocket, pose), load) in model.sprockets.iter().zip(&self.poses).zip(&self.loads)
+            {
+                powers += outside_powers(sprocket, Vec2::from(pose.velocity), pose.spin, load, t);
+            }
+        }
+        powers
+    }
+
+    fn place_sprockets(&mut self, model: &Model, t: f64, y: &[f64]) {
+        let (q, v) = y.split_at(model.coordinates);
+        let angles = &mut self.chain.sprocket_angle;
+        for ((sprocket, pose), place) in model
+            .sprockets
+            .iter()
+            .zip(&mut self.poses)
+            .zip(angles.iter_mut())
+        {
+            let ((center, velocity), (angle, spin)) =
+                sprocket_motion(sprocket, t, |i| (q[i], v[i]));
+            *pose = SprocketPose {
+                center: center.into(),
+                velocity: velocity.into(),
+                spin,
+                direction: [1.0, 0.0],
+            };
+            *place = angle;
+        }
+    }
+
+    fn join_chain<L: VectorLaw, const ENERGY: bool>(
+        &mut self,
+        model: &Model,
+        memory: &ImpactMemory,
+        law_constants: [f64; 2],
+        y: &[f64],
+    ) -> ChainFound {
+        let law = &model.hinge_law;
+        let n = model.links;
+        let (q, v) = y.split_at(model.coordinates);
+        macro_rules! join {
+            ($damped:literal, $rates:literal, $energy:expr) => {
+                self.instructions
+                    .run(JoinChain::<L, $damped, $rates, { $energy }> {
+                        law: PhantomData,
+                        law_constants,
+                        clearance: model.clearance,
+                        lambda: law.lambda,
+                        floor: model.min_approach_speed,
+                        places: [&q[..n], &q[n..2 * n], &q[2 * n..3 * n]],
+                        speeds: [&v[..n], &v[n..2 * n], &v[2 * n..3 * n]],
+                        inverse_onset: memory.hinge_inverse(),
+                        reference: &self.candidates.reference,
+                        overhang: self.candidates.overhang,
+                        constants: &self.links,
+                        arrays: &mut self.chain,
+                    })
+            };
+        }
+        match (law.lambda > 0.0, needs_rates(model)) {
+            (true, _) => join!(true, true, ENERGY),
+            (false, true) => join!(false, true, false),
+            (false, false) => join!(false, false, false),
+        }
+    }
+
+    /// Makes the list of candidates again when something has moved too far for it.
+    fn choose_candidates(&mut self, model: &Model, memory: &ImpactMemory, moved_squared: f64) {
+        let poses = &self.poses;
+        let center = |s: usize| Vec2::from(poses[s].center);
+        if !self.candidates.hold(moved_squared, center) {
+            let frames = poses
+                .iter()
+                .map(|pose| (Vec2::from(pose.center), pose.direction));
+            let [x, y] = &self.chain.bushing;
+            self.candidates.refresh(model, memory, [x, y], frames);
+            self.instructions.run(RepeatBushings {
+                links: model.links,
+                overhang: self.candidates.overhang,
+                rates: needs_rates(model),
+                arrays: &mut self.chain,
+            });
+        }
+    }
+
+    fn touch_teeth<L: VectorLaw, const ENERGY: bool>(
+        &mut self,
+        model: &Model,
+        s: usize,
+    ) -> TeethFound {
+        let law = &model.tooth_law;
+        macro_rules! touch {
+            ($damped:literal, $energy:expr) => {
+                self.instructions
+                    .run(TouchTeeth::<L, $damped, { $energy }> {
+                        law: PhantomData,
+                        sprocket: &model.sprockets[s],
+                        constants: &self.teeth[s],
+                        pose: &self.poses[s],
+                        lambda: law.lambda,
+                        floor: model.min_approach_speed,
+                        links: &self.links,
+                        arrays: &mut self.chain,
+                        candidates: &mut self.candidates.sprockets[s],
+                    })
+            };
+        }
+        if law.lambda > 0.0 {
+            touch!(true, ENERGY)
+        } else {
+            touch!(false, false)
+        }
+    }
+
+    fn accelerate_links(&mut self, model: &Model, rates: &mut [f64]) {
+        let n = model.links;
+        let (x, rest) = rates.split_at_mut(n);
+        let (y, rest) = rest.split_at_mut(n);
+        self.instructions.run(AccelerateLinks {
+            constants: &self.links,
+            arrays: &mut self.chain,
+            overhang: self.candidates.overhang,
+            gravity: model.gravity.into(),
+            accelerations: [x, y, &mut rest[..n]],
+        });
+    }
+
+    fn accelerate_sprockets(&self, model: &Model, t: f64, rates: &mut [f64]) {
+        for ((sprocket, pose), load) in model.sprockets.iter().zip(&self.poses).zip(&self.loads) {
+            if sprocket.support == Support::Fixed
+                && matches!(sprocket.rotation, Rotation::Prescribed(_))
+            {
+                continue;
+            }
+            let velocity = Vec2::from(pose.velocity);
+            let (center, angle) = sprocket_acceleration(sprocket, model.gravity, velocity, load, t);
+            match sprocket.support {
+                Support::Fixed => {}
+                Support::Slide {
+                    index, direction, ..
+                } => rates[index] = center.dot(&direction),
+                Support::Floating { x, y } => (rates[x], rates[y]) = (center.x, center.y),
+            }
+            if let Rotation::Free { index, .. } = sprocket.rotation {
+                rates[index] = angle;
+            }
+        }
+    }
+}
+
+/// Whether any force depends on how fast contacts approach.
+fn needs_rates(model: &Model) -> bool {
+    model.hinge_law.lambda > 0.0 || model.tooth_law.lambda > 0.0
+}

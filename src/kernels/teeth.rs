@@ -1,0 +1,259 @@
+//! Candidates of one sprocket against its teeth: surface, depth, force.
+
+use std::marker::PhantomData;
+
+use pulp::{Simd, WithSimd};
+
+use super::gap::{Gap, InGap, ToothConstants};
+use super::layout::{ChainArrays, FIRST, LinkConstants};
+use crate::contact::{Run, SprocketCandidates, gap_direction};
+use crate::force_law::VectorLaw;
+use crate::geometry::Vec2;
+use crate::model::SprocketModel;
+use crate::vector::{
+    Lanes, Mask, PartialSums, both, both_mut, lane_numbers, load, vectors, vectors_mut,
+};
+
+/// Where a sprocket is and how it moves.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct SprocketPose {
+    /// Centre \[m\].
+    pub(super) center: [f64; 2],
+    /// Its velocity \[m/s\].
+    pub(super) velocity: [f64; 2],
+    /// Angular speed \[rad/s\].
+    pub(super) spin: f64,
+    /// Cosine and sine of the angle.
+    pub(super) direction: [f64; 2],
+}
+
+/// What the chain does to a sprocket, and what else its teeth found.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct TeethFound {
+    /// Force on the sprocket \[N\].
+    pub(super) force: [f64; 2],
+    /// Moment about its centre \[N m\].
+    pub(super) moment: f64,
+    /// Whether a candidate touches that has no memory, or has one and does not touch.
+    pub(super) changed: bool,
+    /// Power dissipated \[W\], when asked for.
+    pub(super) dissipated: f64,
+}
+
+/// One law, one loop; see the hinges.
+pub(super) struct TouchTeeth<'a, L, const DAMPED: bool, const ENERGY: bool> {
+    pub(super) law: PhantomData<L>,
+    pub(super) sprocket: &'a SprocketModel,
+    pub(super) constants: &'a ToothConstants,
+    pub(super) pose: &'a SprocketPose,
+    pub(super) lambda: f64,
+    pub(super) floor: f64,
+    pub(super) links: &'a LinkConstants,
+    pub(super) arrays: &'a mut ChainArrays,
+    pub(super) candidates: &'a mut SprocketCandidates,
+}
+
+impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
+    for TouchTeeth<'_, L, DAMPED, ENERGY>
+{
+    type Output = TeethFound;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> TeethFound {
+        let splat = |value| Lanes::splat(simd, value);
+        let pair = |values: [f64; 2]| values.map(splat);
+        let mut teeth = Teeth::<S, L, DAMPED, ENERGY> {
+            law: PhantomData,
+            gap: Gap::new(simd, self.constants),
+            center: pair(self.pose.center),
+            velocity: pair(self.pose.velocity),
+            direction: pair(self.pose.direction),
+            spin: splat(self.pose.spin),
+            lambda: splat(self.lambda),
+            floor: splat(self.floor),
+            keeps_stiffness: self.constants.keeps_stiffness,
+            changed: false,
+            sums: [PartialSums::default(); 4],
+        };
+        let SprocketCandidates {
+            runs,
+            gap_cos,
+            gap_sin,
+            inverse_onset,
+            kept_constants,
+            depth,
+            force,
+        } = self.candidates;
+        let ChainArrays {
+            front_force,
+            rear_force,
+            bushing,
+            bushing_velocity,
+            ..
+        } = self.arrays;
+        for &Run {
+            first,
+            length,
+            slot,
+        } in &*runs
+        {
+            let blocks = length.div_ceil(S::F64_LANES);
+            let mut run = RunOfBushings::<S> {
+                bushing: both::<S>(bushing, first, blocks),
+                velocity: both::<S>(bushing_velocity, first, blocks),
+                on_front: vectors::<S>(&self.links.bushing_on_front[first..], blocks),
+                inverse_onset: vectors::<S>(&inverse_onset[slot..], blocks),
+                kept_constants: both::<S>(kept_constants, slot, blocks),
+                depth: vectors_mut::<S>(&mut depth[slot..], blocks),
+                force: vectors_mut::<S>(&mut force[slot..], blocks),
+                front_force: both_mut::<S>(front_force, first, blocks),
+                rear_force: both_mut::<S>(rear_force, FIRST + 1 + first, blocks),
+            };
+            let (gap_cos, gap_sin) = (&mut gap_cos[slot..], &mut gap_sin[slot..]);
+            for b in 0..blocks {
+                let from = b * S::F64_LANES;
+                let valid = lane_numbers(simd).less(splat((length - from) as f64));
+                let arm = teeth.arm(b, &run);
+                let mut place = teeth.place(b, arm, gap_cos, gap_sin);
+                if teeth.gap.left(&place).and(valid).any() {
+                    for j in from..length.min(from + S::F64_LANES) {
+                        let arm = Vec2::new(bushing[0][first + j], bushing[1][first + j])
+                            - Vec2::from(self.pose.center);
+                        (gap_cos[j], gap_sin[j]) =
+                            gap_direction(self.sprocket, arm, self.pose.direction);
+                    }
+                    place = teeth.place(b, arm, gap_cos, gap_sin);
+                }
+                teeth.touch(b, arm, &place, valid, &mut run);
+            }
+        }
+        let [x, y, moment, dissipated] = teeth.sums.map(|sum| sum.total());
+        TeethFound {
+            force: [x, y],
+            moment,
+            changed: teeth.changed,
+            dissipated,
+        }
+    }
+}
+
+/// Arrays of one run as registers.
+struct RunOfBushings<'a, S: Simd> {
+    bushing: [&'a [S::f64s]; 2],
+    velocity: [&'a [S::f64s]; 2],
+    on_front: &'a [S::f64s],
+    inverse_onset: &'a [S::f64s],
+    kept_constants: [&'a [S::f64s]; 2],
+    depth: &'a mut [S::f64s],
+    force: &'a mut [S::f64s],
+    front_force: [&'a mut [S::f64s]; 2],
+    rear_force: [&'a mut [S::f64s]; 2],
+}
+
+/// A sprocket's teeth in registers, and sums over their contacts.
+struct Teeth<'a, S: Simd, L, const DAMPED: bool, const ENERGY: bool> {
+    law: PhantomData<L>,
+    gap: Gap<'a, S>,
+    center: [Lanes<S>; 2],
+    velocity: [Lanes<S>; 2],
+    direction: [Lanes<S>; 2],
+    spin: Lanes<S>,
+    lambda: Lanes<S>,
+    floor: Lanes<S>,
+    keeps_stiffness: bool,
+    changed: bool,
+    /// Force x, y \[N\], moment \[N m\], power dissipated \[W\].
+    sums: [PartialSums; 4],
+}
+
+impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
+    Teeth<'_, S, L, DAMPED, ENERGY>
+{
+    /// Bushings seen from the sprocket's centre \[m\].
+    #[inline(always)]
+    fn arm(&self, b: usize, run: &RunOfBushings<S>) -> [Lanes<S>; 2] {
+        let simd = self.spin.simd();
+        [
+            load(simd, &run.bushing[0][b]) - self.center[0],
+            load(simd, &run.bushing[1][b]) - self.center[1],
+        ]
+    }
+
+    /// The same in the gaps that they were last seen in.
+    #[inline(always)]
+    fn place(&self, b: usize, arm: [Lanes<S>; 2], gap_cos: &[f64], gap_sin: &[f64]) -> InGap<S> {
+        let simd = self.spin.simd();
+        let gap = [gap_cos, gap_sin].map(|array| load(simd, &vectors::<S>(array, b + 1)[b]));
+        InGap::new(arm, self.direction, gap)
+    }
+
+    /// Depth, force and what it does to links and sprocket, for one register of bushings.
+    #[inline(always)]
+    fn touch(
+        &mut self,
+        b: usize,
+        [arm_x, arm_y]: [Lanes<S>; 2],
+        place: &InGap<S>,
+        valid: Mask<S>,
+        run: &mut RunOfBushings<S>,
+    ) {
+        let at = |array: &[S::f64s]| load(arm_x.simd(), &array[b]);
+        let (zero, one) = (arm_x.constant(0.0), arm_x.constant(1.0));
+        let surface = self.gap.nearest(place);
+        let near = surface.near.and(valid);
+        let inverse_onset = at(run.inverse_onset);
+        let remembered = inverse_onset.greater(zero);
+        if !near.any() {
+            run.depth[b] = zero.values();
+            run.force[b] = zero.values();
+            self.changed |= remembered.any();
+            return;
+        }
+        let (depth, [nx, ny]) = self.gap.depth(&surface, place);
+        let depth = near.select(depth.positive_part(), zero);
+        let touching = depth.exceeds(zero);
+        self.changed |= touching.differs(remembered).any();
+
+        let mut law = self.gap.law_constants(&surface);
+        if self.keeps_stiffness {
+            law[0] = remembered.select(at(run.kept_constants[0]), law[0]);
+            law[1] = remembered.select(at(run.kept_constants[1]), law[1]);
+        }
+        let elastic = L::forces(law, depth);
+        let mut force = elastic;
+        if DAMPED {
+            // Every surface is at rest in the sprocket: its velocity at the bushing's place gives the rate in every region.
+            let vx = self
+                .spin
+                .mul_add(arm_y, at(run.velocity[0]) - self.velocity[0]);
+            let vy = self
+                .spin
+                .negate_mul_add(arm_x, at(run.velocity[1]) - self.velocity[1]);
+            let rate = nx.mul_add(vx, ny * vy);
+            let mut inverse_onset = inverse_onset;
+            if touching.and(remembered.not()).any() {
+                inverse_onset = remembered.select(inverse_onset, one / self.floor.max(rate));
+            }
+            force = elastic
+                * (self.lambda * rate)
+                    .mul_add(inverse_onset, one)
+                    .positive_part();
+            if ENERGY {
+                self.sums[3].add(b, (force - elastic) * rate);
+            }
+        }
+        run.depth[b] = depth.values();
+        run.force[b] = force.values();
+
+        let (push_x, push_y) = (force * nx, force * ny);
+        self.sums[0].add(b, push_x);
+        self.sums[1].add(b, push_y);
+        self.sums[2].add(b, arm_x.mul_add(push_y, -(arm_y * push_x)));
+        let on_front = at(run.on_front).greater(zero);
+        let (front_x, front_y) = (on_front.select(push_x, zero), on_front.select(push_y, zero));
+        run.front_force[0][b] = (at(run.front_force[0]) - front_x).values();
+        run.front_force[1][b] = (at(run.front_force[1]) - front_y).values();
+        run.rear_force[0][b] = (at(run.rear_force[0]) - (push_x - front_x)).values();
+        run.rear_force[1][b] = (at(run.rear_force[1]) - (push_y - front_y)).values();
+    }
+}

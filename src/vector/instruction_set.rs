@@ -1,0 +1,68 @@
+//! Which instructions the kernels use.
+
+use pulp::{Arch, WithSimd};
+
+/// An instruction set that this machine has.
+#[derive(Debug, Clone, Copy)]
+pub struct InstructionSet(Arch);
+
+impl InstructionSet {
+    /// The widest one here.
+    #[must_use]
+    pub fn detect() -> Self {
+        Self(Arch::new())
+    }
+
+    /// All that this machine has, the widest first. The last one is the plain one, of one number at a time.
+    #[must_use]
+    pub fn available() -> Vec<Self> {
+        let mut sets = Vec::new();
+        #[cfg(target_arch = "x86_64")]
+        {
+            sets.extend(pulp::x86::V4::try_new().map(|v4| Self(Arch::V4(v4))));
+            sets.extend(pulp::x86::V3::try_new().map(|v3| Self(Arch::V3(v3))));
+        }
+        #[cfg(target_arch = "aarch64")]
+        sets.extend(pulp::aarch64::Neon::try_new().map(|neon| Self(Arch::Neon(neon))));
+        sets.push(Self(Arch::Scalar));
+        sets
+    }
+
+    /// The one of this name: "avx512", "avx2", "neon" or "plain"; `None` when this machine does not have it.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::available().into_iter().find(|set| set.name() == name)
+    }
+
+    /// Its name: "avx512", "avx2", "neon" or "plain".
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            #[cfg(target_arch = "x86_64")]
+            Arch::V4(_) => "avx512",
+            #[cfg(target_arch = "x86_64")]
+            Arch::V3(_) => "avx2",
+            #[cfg(target_arch = "aarch64")]
+            Arch::Neon(_) => "neon",
+            _ => "plain",
+        }
+    }
+
+    /// Whether products and sums are fused, with one rounding.
+    #[must_use]
+    pub fn has_fused_multiply_add(self) -> bool {
+        !matches!(self.0, Arch::Scalar)
+    }
+
+    /// Runs a kernel with these instructions.
+    #[inline(always)]
+    pub(crate) fn run<Kernel: WithSimd>(self, kernel: Kernel) -> Kernel::Output {
+        self.0.dispatch(kernel)
+    }
+}
+
+impl Default for InstructionSet {
+    fn default() -> Self {
+        Self::detect()
+    }
+}
