@@ -27,6 +27,7 @@ from rustchain.force_law import EnhancedCylinder, ForceLaw, Hertz, Johnson, Lank
 from rustchain.report import DriveReport
 from rustchain.result import Result, load_result
 from rustchain.simulation import Evaluation, Simulation, Solver
+from rustchain.sweep import SweepResult, sweep
 
 __version__ = version("rustchain")
 
@@ -55,9 +56,11 @@ __all__ = [
     "SimulationError",
     "Solver",
     "Sprocket",
+    "SweepResult",
     "Tensioner",
     "catalogue_chain",
     "load_result",
     "paper_drive",
+    "sweep",
     "two_sprocket_drive",
 ]
