@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import inspect
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -55,7 +56,7 @@ def check_names(drive: Drive, scene: Parameters, cases: Sequence[Parameters]) ->
         msg = f"drive = {drive!r}: must be a ChainDrive, or a function that returns one"
         raise InvalidInput(msg)
     own, needed, takes_all = _arguments(drive)
-    known = [*own, "pretension", "speed", *scene, *_SOLVER_FIELDS, *_paths(ChainDrive)]
+    known = [*own, "pretension", "speed", *scene, *_SOLVER_FIELDS, *_drive_fields()]
     for name in dict.fromkeys(name for case in cases for name in case):
         if not takes_all and _dotted(name) not in known:
             ends = [path for path in known if path.endswith(f".{name}")]
@@ -77,7 +78,7 @@ def check_names(drive: Drive, scene: Parameters, cases: Sequence[Parameters]) ->
 def scene_of(drive: Drive, scene: Parameters, parameters: Parameters) -> Parameters:
     """Return `scene` with its drive, changed by the parameters of one case."""
     own, _, takes_all = _arguments(drive)
-    known = {"pretension", "speed", *scene, *_SOLVER_FIELDS, *_paths(ChainDrive)}
+    known = {"pretension", "speed", *scene, *_SOLVER_FIELDS, *_drive_fields()}
     to_function = {
         name: value
         for name, value in parameters.items()
@@ -167,6 +168,12 @@ def _arguments(drive: Drive) -> tuple[list[str], list[str], bool]:
     named = [p for p in found if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
     needed = [p.name for p in named if p.default is p.empty]
     return [p.name for p in named], needed, any(p.kind is p.VAR_KEYWORD for p in found)
+
+
+@functools.cache
+def _drive_fields() -> tuple[str, ...]:
+    """Return the dotted names of all fields of a drive."""
+    return tuple(_paths(ChainDrive))
 
 
 def _paths(description: type[Description]) -> Iterator[str]:
