@@ -146,9 +146,9 @@ fn no_more_cases_begin_than_there_are_threads_for() {
     let ensemble = Ensemble::new(vec![case(0.0); 6], NonZero::new(2)).unwrap();
     ensemble.run(|_, _| {
         assert!(inside.fetch_add(1, Ordering::SeqCst) < 2);
-        let before = handed.fetch_add(1, Ordering::SeqCst);
-        // At most the two that are being handed over, those before them, and one that runs.
+        // At most those that were handed over before, this one, and one of the other thread.
         let simulated = ensemble.simulated() / DURATION;
+        let before = handed.fetch_add(1, Ordering::SeqCst);
         assert!(simulated < before as f64 + 2.0 + 1e-9, "{simulated}");
         inside.fetch_sub(1, Ordering::SeqCst);
     });
