@@ -56,6 +56,9 @@ pub enum Error {
         /// Body whose state is largest beside its tolerance, and the contact it is in.
         culprit: String,
     },
+    /// A case of an ensemble met a defect of this crate.
+    #[error("the run panicked, a defect of rustchain that is worth a report: {0}")]
+    Panicked(String),
 }
 
 impl Error {

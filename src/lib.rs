@@ -4,7 +4,7 @@
 //! The flow, each module importing from its left:
 //!
 //! ```text
-//! drive -> state::Start -> model -> contact -> dynamics -> integrator -> recorder -> simulate
+//! drive -> state::Start -> model -> contact -> dynamics -> integrator -> recorder -> simulate -> ensemble
 //! ```
 //!
 //! Three leaves stand free of the chain and are tested without one: [`geometry`] (plane curves), [`force_law`] (numbers in,
@@ -13,6 +13,7 @@
 pub mod contact;
 pub mod drive;
 pub mod dynamics;
+pub mod ensemble;
 mod error;
 pub mod force_law;
 pub mod geometry;
@@ -31,4 +32,4 @@ pub use drive::Drive;
 pub use error::{Error, Result};
 pub use model::{ForceLaws, Model};
 pub use recorder::{Channel, Groups, Recording, Values};
-pub use simulate::{Simulation, Statistics, check_rows};
+pub use simulate::{Simulation, Statistics, check_reports, check_rows};

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::dynamics::Dynamics;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check};
 use crate::integrator::{Adams, Counts, OdeSystem, StepControl, StepFailure};
 use crate::model::{Model, Rotation, Support};
 use crate::recorder::{Groups, Recorder, Recording};
@@ -306,6 +306,23 @@ impl Simulation {
             contact.unwrap_or_else(|| "not in contact".to_string())
         )
     }
+}
+
+/// A recording of `duration` \[s\] with rows `report_step` \[s\] apart.
+///
+/// # Errors
+/// Names the field, its value and what is allowed.
+pub fn check_reports(duration: f64, report_step: f64) -> Result<()> {
+    check::positive("duration", duration, "s")?;
+    check::positive("report_step", report_step, "s")?;
+    if duration / report_step > 1e9 {
+        return Err(Error::invalid(
+            "report_step",
+            report_step,
+            "gives more than 1e9 reports: make it larger",
+        ));
+    }
+    Ok(())
 }
 
 /// One row of finite numbers a body.

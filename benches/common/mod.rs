@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)] // a benchmark whose inputs cannot be built has nothing to say
 
 #[path = "../../tests/common/mod.rs"]
-mod drives;
+pub mod drives;
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -27,6 +27,8 @@ from rustchain.force_law import EnhancedCylinder, ForceLaw, Hertz, Johnson, Lank
 from rustchain.report import DriveReport
 from rustchain.result import Result, load_result
 from rustchain.simulation import Evaluation, Simulation, Solver
+from rustchain.sweep import sweep
+from rustchain.sweep_result import SweepResult
 
 __version__ = version("rustchain")
 
@@ -55,9 +57,11 @@ __all__ = [
     "SimulationError",
     "Solver",
     "Sprocket",
+    "SweepResult",
     "Tensioner",
     "catalogue_chain",
     "load_result",
     "paper_drive",
+    "sweep",
     "two_sprocket_drive",
 ]

@@ -11,12 +11,14 @@ from typing import Any, TypeVar
 _Target = TypeVar("_Target", bound=Callable[..., object])
 
 
-def suggest(word: object, known: Iterable[str]) -> str:
-    """Return ``did you mean 'x'?``, or the known names where none is near."""
+def suggest(word: object, known: Iterable[str], main: Iterable[str] | None = None) -> str:
+    """Return ``did you mean 'x'?``, or the known names (of many, the `main` ones)."""
     names = list(known)
     folded = {name.casefold(): name for name in names}
     near = get_close_matches(str(word).casefold(), folded, n=1)
-    return f"did you mean {folded[near[0]]!r}?" if near else f"known: {', '.join(map(repr, names))}"
+    if near:
+        return f"did you mean {folded[near[0]]!r}?"
+    return f"known: {', '.join(map(repr, names if main is None else main))}"
 
 
 def known_keywords(target: _Target) -> _Target:

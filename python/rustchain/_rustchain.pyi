@@ -13,7 +13,9 @@ from rustchain.result import Result
 from rustchain.simulation import Solver
 
 __all__ = [
+    "Case",
     "Core",
+    "Ensemble",
     "InvalidInput",
     "SimulationError",
     "closing_center_distance",
@@ -33,10 +35,10 @@ class InvalidInput(ValueError):
 class SimulationError(RuntimeError):
     """A run cannot go on."""
 
-    time: float  # [s]
-    step_size: float  # [s]
+    time: float | None  # [s]; all None for a case that panicked
+    step_size: float | None  # [s]
     contact: str | None
-    result: Result | None  # what was recorded; set by Simulation.run
+    result: Result | None  # what was recorded; set by Simulation.run and sweep
 
 def validate(description: Description) -> None:
     """Raise InvalidInput, naming the field, its value and what is allowed."""
@@ -126,3 +128,40 @@ class Core:
         """Return the counts and wall times of the run."""
     def take_warnings(self) -> list[str]:
         """Return the warnings that have come up since the last call."""
+
+@final
+class Case:
+    """A scene and what to record of it, checked and ready to run."""
+
+    def __new__(
+        cls,
+        drive: ChainDrive,
+        force_law: ForceLaw,
+        hinge_law: ForceLaw | None,
+        tooth_law: ForceLaw | None,
+        min_approach_speed: float,
+        solver: Solver,
+        duration: float,
+        report_step: float,
+        groups: list[str],
+        energy: bool,
+    ) -> Case: ...
+
+@final
+class Ensemble:
+    """Cases on their way, on threads of their own."""
+
+    def __new__(cls, cases: list[Case], threads: int | None) -> Ensemble: ...
+    @property
+    def simulated(self) -> float:
+        """Simulated time that all cases together have behind them [s]."""
+    def fetch(
+        self, wall_budget: float
+    ) -> tuple[int, tuple[Core, tuple[_Array, _Array]] | None, Exception | None] | None:
+        """Wait for about `wall_budget` seconds of wall time for a case that has ended.
+
+        Return its number, its run with the positions and velocities at its start (None when it did
+        not begin), and what went wrong.
+        """
+    def close(self) -> None:
+        """Stop all cases, and wait until they have."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import reprlib
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, NoReturn, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,9 @@ from rustchain.drive import ChainDrive
 from rustchain.errors import InvalidInput, RangeWarning, SimulationError
 from rustchain.force_law import ForceLaw, LankaraniNikravesh
 from rustchain.result import Array, Result, Status
+
+if TYPE_CHECKING:
+    from tqdm import tqdm
 
 Group = Literal["hinges", "teeth", "sprockets", "bodies", "energy"]
 
@@ -82,6 +85,7 @@ class Evaluation:
 
 _LAW = LankaraniNikravesh()
 _SOLVER = Solver()
+_SCENE = ("drive", "force_law", "hinge_law", "tooth_law", "min_approach_speed", "solver")
 
 
 @known_keywords
@@ -126,11 +130,7 @@ class Simulation:
         velocities: npt.ArrayLike | None = None,
         solver: Solver = _SOLVER,
     ) -> None:
-        self.drive = drive
-        self.hinge_law = force_law if hinge_law is None else hinge_law
-        self.tooth_law = force_law if tooth_law is None else tooth_law
-        self.min_approach_speed = min_approach_speed
-        self.solver = solver
+        self._describe(drive, force_law, hinge_law, tooth_law, min_approach_speed, solver)
         known = isinstance(drive, ChainDrive)  # the core refuses anything else
         bodies = drive.chain.links + len(drive.sprockets) if known else "bodies"
         self._core = _rustchain.Core(
@@ -242,49 +242,77 @@ class Simulation:
         """
         start = (self.positions, self.velocities)
         before = self._core.stats()
-        groups = _known_groups(record)
-        energy = True if "energy" in groups else energy
-        self._core.start_recording(duration, report_step, groups, energy)
-
-        def result(status: Status, message: str) -> Result:
-            return Result(
-                arrays=self._core.take_recording(),
-                drive=self.drive,
-                hinge_law=self.hinge_law,
-                tooth_law=self.tooth_law,
-                solver=self.solver,
-                min_approach_speed=self.min_approach_speed,
-                body_names=tuple(self.body_names),
-                initial_positions=start[0],
-                initial_velocities=start[1],
-                final_positions=self.positions,
-                final_velocities=self.velocities,
-                status=status,
-                message=message,
-                stats={name: n - before[name] for name, n in self._core.stats().items()},
-            )
-
+        self._core.start_recording(duration, report_step, *known_groups(record, energy))
         try:
             self._advance(duration, progress)
-            return result("finished", f"reached t = {self.time:.6g} s")
+            return self._result("finished", start, before)
         except KeyboardInterrupt:
-            return result("interrupted", f"interrupted at t = {self.time:.6g} s")
+            return self._result("interrupted", start, before)
         except SimulationError as error:
-            error.result = result("failed", str(error))
+            error.result = self._result("failed", start, before, str(error))
             raise
         finally:
             self._core.take_recording()  # whatever else ended the run
             self._warn()
 
+    @classmethod
+    def _around(cls, core: _rustchain.Core, scene: Mapping[str, Any]) -> Simulation:
+        """Return the simulation of `scene` that `core` is in the middle of."""
+        simulation = cls.__new__(cls)
+        simulation._core = core
+        simulation._describe(**{name: scene[name] for name in _SCENE})
+        return simulation
+
+    def _describe(
+        self,
+        drive: ChainDrive,
+        force_law: ForceLaw,
+        hinge_law: ForceLaw | None,
+        tooth_law: ForceLaw | None,
+        min_approach_speed: float,
+        solver: Solver,
+    ) -> None:
+        """Remember what is simulated, and how."""
+        self.drive = drive
+        self.hinge_law = force_law if hinge_law is None else hinge_law
+        self.tooth_law = force_law if tooth_law is None else tooth_law
+        self.min_approach_speed = min_approach_speed
+        self.solver = solver
+
+    def _result(
+        self,
+        status: Status,
+        start: tuple[Array, Array],
+        before: Mapping[str, float],
+        failure: str = "",
+    ) -> Result:
+        """Take the recording, which began at `start` when the statistics stood at `before`."""
+        messages = {
+            "finished": f"reached t = {self.time:.6g} s",
+            "interrupted": f"interrupted at t = {self.time:.6g} s",
+            "failed": failure,
+        }
+        return Result(
+            arrays=self._core.take_recording(),
+            drive=self.drive,
+            hinge_law=self.hinge_law,
+            tooth_law=self.tooth_law,
+            solver=self.solver,
+            min_approach_speed=self.min_approach_speed,
+            body_names=tuple(self.body_names),
+            initial_positions=start[0],
+            initial_velocities=start[1],
+            final_positions=self.positions,
+            final_velocities=self.velocities,
+            status=status,
+            message=messages[status],
+            stats={name: n - before.get(name, 0) for name, n in self._core.stats().items()},
+        )
+
     def _advance(self, duration: float, progress: bool) -> None:
         """Advance to the end of the recording, with a bar of simulated seconds."""
-        from tqdm import tqdm
-
         start = self.time
-        form = "{l_bar}{bar}| {n:.4f}/{total:.4f} s [{elapsed}<{remaining}, {rate_noinv_fmt}]"
-        with tqdm(
-            total=duration, unit=" s", bar_format=form, disable=None if progress else True
-        ) as bar:
+        with seconds_bar(duration, progress) as bar:
             finished = False
             while not finished:
                 finished = self._core.advance(_WALL_BUDGET)
@@ -312,8 +340,8 @@ def _rows(name: str, values: npt.ArrayLike | None, bodies: int | str) -> Array |
     return array
 
 
-def _known_groups(record: Sequence[str]) -> list[str]:
-    """Return the groups to record, each of which must exist."""
+def known_groups(record: Sequence[str], energy: bool) -> tuple[list[str], bool]:
+    """Return the groups to record, each of which must exist, and whether to keep the energy."""
     if not isinstance(record, Iterable):
         msg = f"record = {record!r}: must be a sequence of groups: {', '.join(get_args(Group))}"
         raise InvalidInput(msg)
@@ -322,4 +350,18 @@ def _known_groups(record: Sequence[str]) -> list[str]:
         if group not in get_args(Group):
             msg = f"record: {group!r} is no group; {suggest(group, get_args(Group))}"
             raise InvalidInput(msg)
-    return groups
+    return groups, True if "energy" in groups else energy
+
+
+def seconds_bar(total: float, progress: bool, description: str | None = None) -> tqdm[NoReturn]:
+    """Return a bar of simulated seconds [s]."""
+    from tqdm import tqdm
+
+    form = "{l_bar}{bar}| {n:.4f}/{total:.4f} s [{elapsed}<{remaining}, {rate_noinv_fmt}]"
+    return tqdm(
+        desc=description,
+        total=total,
+        unit=" s",
+        bar_format=form,
+        disable=None if progress else True,
+    )

@@ -10,9 +10,9 @@ use pyo3::types::{PyBytes, PyDict};
 use super::describe;
 use super::errors::to_python;
 use crate::dynamics::Dynamics;
-use crate::error::{Error, check};
-use crate::model::{ForceLaws, Model};
-use crate::recorder::{Groups, Values};
+use crate::error::Error;
+use crate::model::Model;
+use crate::recorder::Values;
 use crate::simulate::{Simulation, check_rows};
 use crate::state::Start;
 
@@ -41,12 +41,7 @@ impl Core {
     ) -> PyResult<Self> {
         let py = drive.py();
         let description = describe::drive(drive)?;
-        let law = describe::force_law(force_law, "force_law")?;
-        let laws = ForceLaws {
-            hinge: hinge_law.map_or(Ok(law), |own| describe::force_law(own, "hinge_law"))?,
-            tooth: tooth_law.map_or(Ok(law), |own| describe::force_law(own, "tooth_law"))?,
-            min_approach_speed: describe::number(min_approach_speed, "min_approach_speed", "m/s")?,
-        };
+        let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_approach_speed)?;
         let control = describe::solver(solver)?;
         let positions = rows(py, "positions", positions.as_ref())?;
         let velocities = rows(py, "velocities", velocities.as_ref())?;
@@ -71,10 +66,7 @@ impl Core {
         };
         let model = describe::checked(py, Model::compile(&description, &laws, &start))?;
         let simulation = describe::checked(py, Simulation::new(Arc::new(model), &start, control))?;
-        Ok(Self {
-            simulation,
-            warnings_taken: 0,
-        })
+        Ok(simulation.into())
     }
 
     #[getter]
@@ -154,35 +146,13 @@ impl Core {
     #[allow(clippy::needless_pass_by_value)] // PyO3 hands lists over
     fn start_recording(
         &mut self,
-        py: Python<'_>,
         duration: &Bound<'_, PyAny>,
         report_step: &Bound<'_, PyAny>,
         groups: Vec<String>,
         energy: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
-        let duration = describe::number(duration, "duration", "s")?;
-        let report_step = describe::number(report_step, "report_step", "s")?;
-        let energy = describe::truth(energy, "energy")?;
-        describe::checked(py, check::positive("duration", duration, "s"))?;
-        describe::checked(py, check::positive("report_step", report_step, "s"))?;
-        if duration / report_step > 1e9 {
-            return Err(to_python(
-                py,
-                &Error::invalid(
-                    "report_step",
-                    report_step,
-                    "gives more than 1e9 reports: make it larger",
-                ),
-            ));
-        }
-        let has = |name: &str| groups.iter().any(|g| g == name);
-        let groups = Groups {
-            hinges: has("hinges"),
-            teeth: has("teeth"),
-            sprockets: has("sprockets"),
-            bodies: has("bodies"),
-            energy,
-        };
+        let (duration, report_step, groups) =
+            describe::reports(duration, report_step, &groups, energy)?;
         self.simulation
             .start_recording(duration, report_step, groups);
         Ok(())
@@ -256,7 +226,16 @@ impl Core {
     }
 }
 
-fn budget(seconds: f64) -> Duration {
+impl From<Simulation> for Core {
+    fn from(simulation: Simulation) -> Self {
+        Self {
+            simulation,
+            warnings_taken: 0,
+        }
+    }
+}
+
+pub(super) fn budget(seconds: f64) -> Duration {
     Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)
 }
 
@@ -287,7 +266,7 @@ fn rows(
     ))
 }
 
-fn table(py: Python<'_>, rows: Rows) -> PyResult<Bound<'_, PyArray2<f64>>> {
+pub(super) fn table(py: Python<'_>, rows: Rows) -> PyResult<Bound<'_, PyArray2<f64>>> {
     let count = rows.len();
     rows.into_iter()
         .flatten()

@@ -12,6 +12,9 @@ use crate::error::{Error, Result};
 use crate::force_law::{Damping, Elastic, ForceLaw, Regions};
 use crate::geometry::{Seat, Vec2};
 use crate::integrator::StepControl;
+use crate::model::ForceLaws;
+use crate::recorder::Groups;
+use crate::simulate::check_reports;
 
 /// One description object, whose fields are read by name.
 struct Reader<'a, 'py> {
@@ -172,7 +175,7 @@ pub(super) fn finite(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyRes
 }
 
 /// True or False.
-pub(super) fn truth(value: &Bound<'_, PyAny>, field: &str) -> PyResult<bool> {
+fn truth(value: &Bound<'_, PyAny>, field: &str) -> PyResult<bool> {
     value
         .extract()
         .map_err(|_| refuse(value.py(), field, value, "must be True or False"))
@@ -383,6 +386,44 @@ pub(super) fn force_law(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Forc
             &[("kept", Regions::Kept), ("sharp", Regions::Sharp)],
         )?,
     })
+}
+
+/// Reads the laws of a run; `None`: as `force_law`.
+pub(super) fn force_laws(
+    force_law: &Bound<'_, PyAny>,
+    hinge_law: Option<&Bound<'_, PyAny>>,
+    tooth_law: Option<&Bound<'_, PyAny>>,
+    min_approach_speed: &Bound<'_, PyAny>,
+) -> PyResult<ForceLaws> {
+    let law = self::force_law(force_law, "force_law")?;
+    Ok(ForceLaws {
+        hinge: hinge_law.map_or(Ok(law), |own| self::force_law(own, "hinge_law"))?,
+        tooth: tooth_law.map_or(Ok(law), |own| self::force_law(own, "tooth_law"))?,
+        min_approach_speed: number(min_approach_speed, "min_approach_speed", "m/s")?,
+    })
+}
+
+/// Reads and checks what to record: duration \[s\], time between two rows \[s\], and the groups by their names.
+pub(super) fn reports(
+    duration: &Bound<'_, PyAny>,
+    report_step: &Bound<'_, PyAny>,
+    groups: &[String],
+    energy: &Bound<'_, PyAny>,
+) -> PyResult<(f64, f64, Groups)> {
+    let py = duration.py();
+    let duration = number(duration, "duration", "s")?;
+    let report_step = number(report_step, "report_step", "s")?;
+    let energy = truth(energy, "energy")?;
+    checked(py, check_reports(duration, report_step))?;
+    let has = |name: &str| groups.iter().any(|g| g == name);
+    let groups = Groups {
+        hinges: has("hinges"),
+        teeth: has("teeth"),
+        sprockets: has("sprockets"),
+        bodies: has("bodies"),
+        energy,
+    };
+    Ok((duration, report_step, groups))
 }
 
 /// Reads a `Solver` and checks it.

@@ -40,7 +40,8 @@ pub(super) fn to_python(py: Python<'_>, error: &Error) -> PyErr {
             step_size,
             culprit,
             ..
-        } => (*time, *step_size, Some(culprit.as_str())),
+        } => (Some(*time), Some(*step_size), Some(culprit.as_str())),
+        Error::Panicked(_) => (None, None, None),
     };
     let exception = SimulationError::new_err(error.to_string());
     let value = exception.value(py);

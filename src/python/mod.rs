@@ -2,6 +2,7 @@
 
 mod core;
 mod describe;
+mod ensemble;
 mod errors;
 mod functions;
 
@@ -14,6 +15,8 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("InvalidInput", py.get_type::<errors::InvalidInput>())?;
     module.add("SimulationError", py.get_type::<errors::SimulationError>())?;
     module.add_class::<core::Core>()?;
+    module.add_class::<ensemble::Case>()?;
+    module.add_class::<ensemble::Ensemble>()?;
     module.add_function(wrap_pyfunction!(describe::validate, module)?)?;
     module.add_function(wrap_pyfunction!(functions::layout, module)?)?;
     module.add_function(wrap_pyfunction!(

@@ -1,0 +1,197 @@
+"""What a parameter of a sweep may be called, and what it changes in a scene."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import inspect
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from types import UnionType
+from typing import Any, TypeAlias, Union, get_args, get_origin, get_type_hints
+
+from rustchain._description import Description, plain
+from rustchain._names import suggest
+from rustchain.drive import ChainDrive, PrescribedSpeed, Sprocket, Tensioner
+from rustchain.errors import InvalidInput
+from rustchain.simulation import Solver
+
+Drive: TypeAlias = ChainDrive | Callable[..., ChainDrive]
+Parameters: TypeAlias = dict[str, Any]
+Path: TypeAlias = tuple[str, ...]
+
+_SOLVER_FIELDS = tuple(field.name for field in dataclasses.fields(Solver))
+
+
+def axes_of(axes: Mapping[str, Iterable[Any]]) -> dict[str, tuple[Any, ...]]:
+    """Return the values of each axis as a tuple."""
+    found = {}
+    for name, values in axes.items():
+        if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
+            msg = f"axes[{name!r}] = {values!r}: must be a sequence of values, one for each case"
+            raise InvalidInput(msg)
+        found[name] = tuple(map(plain, values))
+        if not found[name]:
+            msg = f"axes[{name!r}] = {values!r}: must hold at least one value"
+            raise InvalidInput(msg)
+    return found
+
+
+def cases_of(cases: object) -> list[Parameters]:
+    """Return the parameters of each case of a list of cases."""
+    listed = list(cases) if isinstance(cases, Iterable) and not isinstance(cases, str) else []
+    if not listed or not all(isinstance(case, Mapping) for case in listed):
+        msg = (
+            f"axes = {cases!r}: must map names to sequences of values, "
+            "or be a list with a mapping of names to values for each case"
+        )
+        raise InvalidInput(msg)
+    return [{name: plain(value) for name, value in case.items()} for case in listed]
+
+
+def check_names(drive: Drive, scene: Parameters, cases: Sequence[Parameters]) -> None:
+    """Raise where a name of the cases means nothing, or the function `drive` lacks an argument."""
+    if not isinstance(drive, ChainDrive) and not callable(drive):
+        msg = f"drive = {drive!r}: must be a ChainDrive, or a function that returns one"
+        raise InvalidInput(msg)
+    own, needed, takes_all = _arguments(drive)
+    known = [*own, "pretension", "speed", *scene, *_SOLVER_FIELDS, *_drive_fields()]
+    for name in dict.fromkeys(name for case in cases for name in case):
+        if not takes_all and _dotted(name) not in known:
+            ends = [path for path in known if path.endswith(f".{name}")]
+            main = [each for each in known if "." not in each] + ["chain.pitch", "..."]
+            near = f"did you mean {ends[0]!r}?" if ends else suggest(name, known, main)
+            msg = f"axes: {name!r} is no parameter of this sweep; {near}"
+            raise InvalidInput(msg)
+    for case in cases:
+        missing = [name for name in needed if name not in case]
+        if missing:
+            msg = f"drive: the function needs {missing[0]!r}: make it an axis, or give it a default"
+            raise InvalidInput(msg)
+        twice = _first_twice([name if name in own else _target(name) for name in case])
+        if twice is not None:
+            msg = f"axes: {twice!r} is there twice, under two names"
+            raise InvalidInput(msg)
+
+
+def scene_of(drive: Drive, scene: Parameters, parameters: Parameters) -> Parameters:
+    """Return `scene` with its drive, changed by the parameters of one case."""
+    own, _, takes_all = _arguments(drive)
+    known = {"pretension", "speed", *scene, *_SOLVER_FIELDS, *_drive_fields()}
+    to_function = {
+        name: value
+        for name, value in parameters.items()
+        if name in own or (takes_all and _dotted(name) not in known)
+    }
+    rest = {name: value for name, value in parameters.items() if name not in to_function}
+    changed = scene | {name: value for name, value in rest.items() if name in scene}
+    steps = {name: value for name, value in rest.items() if name in _SOLVER_FIELDS}
+    if steps and isinstance(changed["solver"], Solver):
+        changed["solver"] = replace(changed["solver"], **steps)
+    made = drive if isinstance(drive, ChainDrive) else drive(**to_function)
+    fields = {n: value for n, value in rest.items() if n not in changed and n not in steps}
+    return changed | {"drive": _with_fields(made, fields) if fields else made}
+
+
+def _with_fields(drive: ChainDrive, changes: Parameters) -> ChainDrive:
+    """Return `drive` with other fields, all changed at once."""
+    if not isinstance(drive, ChainDrive):
+        msg = f"drive = {drive!r}: the function must return a ChainDrive"
+        raise InvalidInput(msg)
+    fields = {tuple(_target(name).split(".")): value for name, value in changes.items()}
+    if "pretension" in changes and fields.get(("tensioner",), drive.tensioner) is None:
+        fields["tensioner",] = Tensioner(pretension=changes["pretension"])
+    if "speed" in changes:
+        driven = (isinstance(s.motion, PrescribedSpeed) for s in drive.sprockets)
+        driver = next((number for number, is_driver in enumerate(driven) if is_driver), None)
+        if driver is None:
+            msg = (
+                f"speed = {changes['speed']!r}: no sprocket of this drive has a PrescribedSpeed "
+                "that could be changed"
+            )
+            raise InvalidInput(msg)
+        fields["sprockets", str(driver), "motion", "speed"] = fields.pop(("speed",))
+    changed: ChainDrive = _replaced(drive, fields, "drive")
+    # At 0 N the centres are fixed, as in the generators.
+    none = changes.get("pretension") == 0 and changed.tensioner is not None
+    return replace(changed, tensioner=None) if none else changed
+
+
+def _replaced(part: Any, changes: Mapping[Path, Any], name: str) -> Any:  # noqa: ANN401
+    """Return `part`, called `name`, with the changes at the ends of their paths."""
+    if () in changes:
+        part = changes[()]
+    below: dict[str, dict[Path, Any]] = {}
+    for path, value in changes.items():
+        if path:
+            below.setdefault(path[0], {})[path[1:]] = value
+    if not below:
+        return part
+    if isinstance(part, tuple):
+        parts = {str(place): each for place, each in enumerate(part)}
+    else:
+        fields = dataclasses.fields(part) if isinstance(part, Description) else ()
+        parts = {field.name: getattr(part, field.name) for field in fields}
+    for head in below:
+        if head not in parts:
+            kind = "None" if part is None else f"a {type(part).__name__}"
+            msg = f"{name}.{head}: cannot be changed, for {name} is {kind}"
+            raise InvalidInput(msg)
+    changed = {
+        head: _replaced(parts[head], deeper, f"{name}.{head}") for head, deeper in below.items()
+    }
+    if isinstance(part, tuple):
+        return tuple((parts | changed).values())
+    return replace(part, **changed)
+
+
+def _dotted(name: str) -> str:
+    """Return the name of a field with dots alone: ``sprockets[1].teeth`` is sprockets.1.teeth."""
+    return re.sub(r"\[(\d+)\]", r".\1", str(name))
+
+
+def _target(name: str) -> str:
+    """Return the dotted name of what a parameter changes."""
+    return "tensioner.pretension" if name == "pretension" else _dotted(name)
+
+
+def _first_twice(names: list[str]) -> str | None:
+    return next((name for name in names if names.count(name) > 1), None)
+
+
+def _arguments(drive: Drive) -> tuple[list[str], list[str], bool]:
+    """Return names that a function takes, those it needs, and whether it takes any other too."""
+    if isinstance(drive, ChainDrive):
+        return [], [], False
+    found = inspect.signature(drive).parameters.values()
+    named = [p for p in found if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
+    needed = [p.name for p in named if p.default is p.empty]
+    return [p.name for p in named], needed, any(p.kind is p.VAR_KEYWORD for p in found)
+
+
+@functools.cache
+def _drive_fields() -> tuple[str, ...]:
+    """Return the dotted names of all fields of a drive."""
+    return tuple(_paths(ChainDrive))
+
+
+def _paths(description: type[Description]) -> Iterator[str]:
+    """Yield the dotted names of all fields: whole parts, what is in them, and coordinates."""
+    hints = get_type_hints(description)
+    for field in dataclasses.fields(description):
+        yield field.name
+        hint = hints[field.name]
+        members = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+        inside = (path for member in members for path in _inside(member))
+        yield from (f"{field.name}.{path}" for path in inside)
+
+
+def _inside(hint: Any) -> Iterator[str]:  # noqa: ANN401
+    """Yield the dotted names of what lies within a value of this type; a table is taken whole."""
+    if isinstance(hint, type) and issubclass(hint, Description):
+        yield from _paths(hint)
+    elif get_origin(hint) is tuple or get_args(hint) == (Sprocket,):
+        for place in ("0", "1"):  # two coordinates, two sprockets
+            yield place
+            yield from (f"{place}.{path}" for path in _inside(get_args(hint)[0]))

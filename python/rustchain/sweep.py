@@ -1,0 +1,227 @@
+"""Many runs at once: the cases of a grid or a list, measured one by one as they finish."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import product
+from typing import Any
+
+from rustchain import _rustchain
+from rustchain._axes import Drive, Parameters, axes_of, cases_of, check_names, scene_of
+from rustchain._names import known_keywords
+from rustchain.errors import RangeWarning, SimulationError
+from rustchain.force_law import ForceLaw
+from rustchain.result import Array, Result
+from rustchain.simulation import (
+    _LAW,
+    _SCENE,
+    _SOLVER,
+    _WALL_BUDGET,
+    Group,
+    Simulation,
+    Solver,
+    known_groups,
+    seconds_bar,
+)
+from rustchain.sweep_result import SweepResult
+
+
+@known_keywords
+def sweep(
+    drive: Drive,
+    axes: Mapping[str, Iterable[Any]] | Sequence[Mapping[str, Any]],
+    measure: Callable[[Result], Any] | None = None,
+    duration: float = 2.0,
+    report_step: float = 1e-4,
+    record: Sequence[Group] = ("hinges", "teeth", "sprockets"),
+    energy: bool = True,
+    force_law: ForceLaw = _LAW,
+    hinge_law: ForceLaw | None = None,
+    tooth_law: ForceLaw | None = None,
+    min_approach_speed: float = 1e-3,
+    solver: Solver = _SOLVER,
+    threads: int | None = None,
+    progress: bool = True,
+) -> SweepResult:
+    """Run a drive with other parameters again and again, several runs at once.
+
+    Each case runs on one thread; its numbers are those of ``Simulation(...).run(...)`` to the last
+    bit, whatever the number of threads. A case that fails leaves the others alone.
+
+    What a parameter may be called:
+
+    - an argument of `drive`, where that is a function: it goes there, before all else;
+    - "pretension" [N]: makes, changes or (0 N) removes the tensioner; "speed" [rad/s]: that of the
+      driver;
+    - a keyword below, from `duration` to `solver`, which it takes the place of, or a field of the
+      solver, such as "rtol";
+    - a field of the drive, dotted: "chain.material.restitution", "sprockets.1.teeth" (as
+      ``drive.sprockets[1].teeth``: the first sprocket is 0). No other field follows: with other
+      teeth, centre distance or links may have to change as well, which a function does best.
+
+    Parameters
+    ----------
+    drive : ChainDrive, or function that returns one
+        What moves.
+    axes : mapping of str to sequence, or sequence of mappings
+        Values of each parameter, all of which are combined; or the parameters of each case.
+    measure : function of a Result, optional
+        Returns what to keep of a case: a number, an array, or a dict of them. It is called in the
+        thread that called `sweep`, for one case at a time, while others go on running. By default
+        the results themselves are kept, which takes memory for all of them.
+    duration : float
+        Simulated time [s].
+    report_step, record, energy
+        As in `Simulation.run`.
+    force_law, hinge_law, tooth_law, min_approach_speed, solver
+        As in `Simulation`.
+    threads : int, optional
+        How many cases run at once; by default as many as there are cores.
+    progress : bool
+        Whether to show a progress bar, where a terminal is there to show it.
+
+    Returns
+    -------
+    SweepResult
+        After Ctrl-C with status "interrupted" and the cases that had finished.
+
+    Raises
+    ------
+    InvalidInput
+        A parameter is not known, or no case has values that are allowed.
+
+    Warns
+    -----
+    RuntimeWarning
+        Cases have failed: how many, and the first.
+    RangeWarning
+        Contacts have left the range of their law: in how many cases, and the first.
+    """
+    scene: Parameters = {
+        "duration": duration,
+        "report_step": report_step,
+        "record": record,
+        "energy": energy,
+        "force_law": force_law,
+        "hinge_law": hinge_law,
+        "tooth_law": tooth_law,
+        "min_approach_speed": min_approach_speed,
+        "solver": solver,
+    }
+    grid = axes_of(axes) if isinstance(axes, Mapping) else None
+    if grid is None:
+        cases = cases_of(axes)
+    else:
+        cases = [dict(zip(grid, values, strict=True)) for values in product(*grid.values())]
+    check_names(drive, scene, cases)
+
+    found = SweepResult(cases, grid, [None] * len(cases), _measured=measure is not None)
+    scenes: dict[int, Parameters] = {}
+    ready: dict[int, _rustchain.Case] = {}
+    for number, case in enumerate(cases):
+        try:
+            scenes[number] = scene_of(drive, scene, case)
+            ready[number] = _ready(scenes[number])
+        except Exception as error:  # a function of the user's may raise anything
+            _fail(found, number, error)
+    if not ready:
+        raise found.errors[0]
+    _run_all(found, scenes, ready, measure, threads, progress)
+    found.errors = dict(sorted(found.errors.items()))
+    found.range_notes = dict(sorted(found.range_notes.items()))
+    _warn(found)
+    return found
+
+
+def _ready(scene: Parameters) -> _rustchain.Case:
+    """Return a scene as the compiled module runs it."""
+    groups, energy = known_groups(scene["record"], scene["energy"])
+    names = (*_SCENE, "duration", "report_step")
+    given = {name: scene[name] for name in names}
+    return _rustchain.Case(**given, groups=groups, energy=energy)
+
+
+def _run_all(
+    found: SweepResult,
+    scenes: Mapping[int, Parameters],
+    ready: Mapping[int, _rustchain.Case],
+    measure: Callable[[Result], Any] | None,
+    threads: int | None,
+    progress: bool,
+) -> None:
+    """Run the cases that are ready, and measure each as soon as it has ended."""
+    numbers = list(ready)
+    total = sum(scenes[number]["duration"] for number in numbers)
+    ensemble = _rustchain.Ensemble(list(ready.values()), threads)
+    try:
+        with seconds_bar(total, progress, f"0 of {len(numbers)} cases") as bar:
+            left = len(numbers)
+            while left:
+                fetched = ensemble.fetch(_WALL_BUDGET)
+                bar.update(ensemble.simulated - bar.n)
+                if fetched is None:
+                    continue
+                place, run, error = fetched
+                _take(found, numbers[place], scenes[numbers[place]], run, error, measure)
+                left -= 1
+                bar.set_description(f"{len(numbers) - left} of {len(numbers)} cases")
+    except KeyboardInterrupt:
+        found.status = "interrupted"
+    finally:
+        ensemble.close()
+
+
+def _take(
+    found: SweepResult,
+    number: int,
+    scene: Parameters,
+    run: tuple[_rustchain.Core, tuple[Array, Array]] | None,
+    error: Exception | None,
+    measure: Callable[[Result], Any] | None,
+) -> None:
+    """Take what came of a case: its measured value, or its error."""
+    if run is not None:
+        core, start = run
+        if notes := core.take_warnings():
+            found.range_notes[number] = notes
+        simulation = Simulation._around(core, scene)
+        if error is None:
+            result = simulation._result("finished", start, {})
+            try:
+                found.values[number] = result if measure is None else measure(result)
+                found._ended.add(number)
+            except Exception as raised:  # a function of the user's may raise anything
+                error = raised
+        elif isinstance(error, SimulationError):
+            error.result = simulation._result("failed", start, {}, str(error))
+    if error is not None:
+        _fail(found, number, error)
+
+
+def _fail(found: SweepResult, number: int, error: Exception) -> None:
+    """Keep the error of a case, with a note that tells which."""
+    # What add_note does, which Python 3.10 lacks.
+    note = f"in {_name(found, number)} of the sweep"
+    error.__notes__ = [*getattr(error, "__notes__", ()), note]
+    found.errors[number] = error
+
+
+def _name(found: SweepResult, number: int) -> str:
+    """Return a case by its number and parameters, in words."""
+    parameters = ", ".join(f"{name}={value!r}" for name, value in found.cases[number].items())
+    return f"case {number} ({parameters})"
+
+
+def _warn(found: SweepResult) -> None:
+    """Warn once of all cases that failed, and once of all laws that left their range."""
+    for number, error in list(found.errors.items())[:1]:
+        which = (
+            f"{len(found.errors)} of {len(found.cases)} cases failed, first {_name(found, number)}"
+        )
+        warnings.warn(f"{which}: {type(error).__name__}: {error}", RuntimeWarning, stacklevel=4)
+    for number, notes in list(found.range_notes.items())[:1]:
+        which = (
+            f"{len(found.range_notes)} of {len(found.cases)} cases, first {_name(found, number)}"
+        )
+        warnings.warn(f"{which}: {'; '.join(notes)}", RangeWarning, stacklevel=4)

@@ -1,0 +1,167 @@
+//! Many runs at once, as Python sees them: they run on threads of their own, and are fetched one by one.
+
+use std::num::NonZero;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+
+use numpy::PyArray2;
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+
+use super::core::{Core, budget, table};
+use super::describe;
+use super::errors::to_python;
+use crate::ensemble::{self, Failure, Outcome, Run};
+use crate::error::Error;
+
+/// A scene and what to record of it, checked and ready to run.
+#[pyclass(module = "rustchain._rustchain", frozen)]
+pub(super) struct Case(ensemble::Case);
+
+#[pymethods]
+impl Case {
+    #[new]
+    #[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // keywords in Python; PyO3 hands lists over
+    fn new(
+        drive: &Bound<'_, PyAny>,
+        force_law: &Bound<'_, PyAny>,
+        hinge_law: Option<&Bound<'_, PyAny>>,
+        tooth_law: Option<&Bound<'_, PyAny>>,
+        min_approach_speed: &Bound<'_, PyAny>,
+        solver: &Bound<'_, PyAny>,
+        duration: &Bound<'_, PyAny>,
+        report_step: &Bound<'_, PyAny>,
+        groups: Vec<String>,
+        energy: &Bound<'_, PyAny>,
+    ) -> PyResult<Self> {
+        let description = describe::drive(drive)?;
+        let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_approach_speed)?;
+        let control = describe::solver(solver)?;
+        let (duration, report_step, groups) =
+            describe::reports(duration, report_step, &groups, energy)?;
+        Ok(Self(ensemble::Case {
+            drive: description,
+            laws,
+            control,
+            duration,
+            report_step,
+            groups,
+        }))
+    }
+}
+
+/// Cases on their way.
+#[pyclass(module = "rustchain._rustchain", frozen)]
+pub(super) struct Ensemble {
+    running: Arc<ensemble::Ensemble>,
+    outcomes: Mutex<Option<Receiver<(usize, Outcome)>>>,
+    runner: Mutex<Option<JoinHandle<()>>>,
+}
+
+type Start<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+/// Number of the case; the run and where it began, if it did begin; what went wrong, if anything did.
+type Fetched<'py> = (usize, Option<(Core, Start<'py>)>, Option<Py<PyAny>>);
+
+#[pymethods]
+impl Ensemble {
+    #[new]
+    #[allow(clippy::needless_pass_by_value)] // PyO3 hands lists over
+    fn new(
+        cases: Vec<PyRef<'_, Case>>,
+        threads: Option<&Bound<'_, PyAny>>,
+        py: Python<'_>,
+    ) -> PyResult<Self> {
+        let threads = threads.map(number_of_threads).transpose()?;
+        let cases = cases.iter().map(|case| case.0.clone()).collect();
+        let running = describe::checked(py, ensemble::Ensemble::new(cases, threads))?;
+        let running = Arc::new(running);
+        // Each thread may lay one case down and go on with its next: memory stays bounded by the number of threads.
+        let (sender, outcomes) = sync_channel(running.threads());
+        let shared = Arc::clone(&running);
+        let runner = std::thread::spawn(move || {
+            shared.run(|number, outcome| {
+                // Nobody listens any more after `close`.
+                let _ = sender.send((number, outcome));
+            });
+        });
+        Ok(Self {
+            running,
+            outcomes: Mutex::new(Some(outcomes)),
+            runner: Mutex::new(Some(runner)),
+        })
+    }
+
+    #[getter]
+    fn simulated(&self) -> f64 {
+        self.running.simulated()
+    }
+
+    fn fetch<'py>(&self, py: Python<'py>, wall_budget: f64) -> PyResult<Option<Fetched<'py>>> {
+        let found = py.detach(|| {
+            let outcomes = self.outcomes.lock().unwrap_or_else(PoisonError::into_inner);
+            outcomes
+                .as_ref()
+                .map(|outcomes| outcomes.recv_timeout(budget(wall_budget)))
+        });
+        let (number, outcome) = match found {
+            Some(Ok(found)) => found,
+            Some(Err(RecvTimeoutError::Timeout)) => return Ok(None),
+            Some(Err(RecvTimeoutError::Disconnected)) | None => {
+                return Err(PyRuntimeError::new_err(
+                    "all cases were fetched, or the ensemble was closed",
+                ));
+            }
+        };
+        let (run, error) = match outcome {
+            Ok(run) => (Some(run), None),
+            Err(Failure { run, error }) => (run, Some(error)),
+        };
+        let error = error.map(|error| to_python(py, &error).into_value(py).into_any());
+        let run = run.map(|run| begun(py, *run)).transpose()?;
+        Ok(Some((number, run, error)))
+    }
+
+    fn close(&self, py: Python<'_>) {
+        self.running.cancel();
+        py.detach(|| {
+            // Threads that wait to lay a case down go on when nobody listens.
+            drop(
+                self.outcomes
+                    .lock()
+                    .unwrap_or_else(PoisonError::into_inner)
+                    .take(),
+            );
+            let runner = self
+                .runner
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .take();
+            runner.map(JoinHandle::join)
+        });
+    }
+}
+
+impl Drop for Ensemble {
+    fn drop(&mut self) {
+        self.running.cancel();
+    }
+}
+
+fn begun(py: Python<'_>, run: Run) -> PyResult<(Core, Start<'_>)> {
+    let Run { start, simulation } = run;
+    let start = (table(py, start.positions)?, table(py, start.velocities)?);
+    Ok((simulation.into(), start))
+}
+
+fn number_of_threads(value: &Bound<'_, PyAny>) -> PyResult<NonZero<usize>> {
+    let count = describe::count(value, "threads")?;
+    let refuse = || {
+        Error::invalid(
+            "threads",
+            count,
+            "must be at least 1, or None for all cores",
+        )
+    };
+    describe::checked(value.py(), NonZero::new(count as usize).ok_or_else(refuse))
+}

@@ -1,0 +1,507 @@
+"""Many runs at once: the numbers of single runs, failures that stay alone, Ctrl-C, names."""
+
+import json
+import signal
+import subprocess
+import sys
+import threading
+import time
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import rustchain as rc
+
+PAPER = rc.paper_drive()
+SHORT = {"duration": 5e-3, "report_step": 1e-4, "progress": False}  # contacts begin at 4.1 ms
+TABLE = [(0.0, 4 * np.pi), (2e-3, 4 * np.pi), (2.0001e-3, 1e300)]  # no run gets past 2 ms
+FAR = 1000.0  # [s], hours of wall time away
+
+
+def peak(result):
+    return result.peaks.tooth_force.max()
+
+
+def assert_same_run(one, other):
+    assert one.arrays.keys() == other.arrays.keys()
+    for name, values in one.arrays.items():
+        np.testing.assert_array_equal(values, other.arrays[name], strict=True)
+    for name in ("drive", "hinge_law", "tooth_law", "solver", "min_approach_speed", "body_names"):
+        assert getattr(one, name) == getattr(other, name)
+    for end in ("initial", "final"):
+        for quantity in ("positions", "velocities"):
+            name = f"{end}_{quantity}"
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+    assert (one.status, one.message) == (other.status, other.message)
+    assert {n: v for n, v in one.stats.items() if "wall" not in n} == {
+        n: v for n, v in other.stats.items() if "wall" not in n
+    }
+
+
+@pytest.mark.parametrize("threads", [1, 2, 4])
+def test_every_case_is_its_single_run_to_the_last_bit(threads):
+    """With pretensions that have and have not a tensioner, and laws and lengths that differ."""
+    cases = [
+        {"pretension": 0},
+        {"pretension": 25},
+        {"pretension": 25, "hinge_law": rc.Johnson(), "record": ("hinges", "bodies")},
+        {"speed": 10.0, "rtol": 1e-7, "duration": 3e-3},
+        {"pretension": 100.0, "min_approach_speed": 1e-2, "energy": False},
+    ]
+    swept = rc.sweep(PAPER, cases, threads=threads, **SHORT)
+    assert swept.success
+    assert (swept.status, swept.errors, swept.axes) == ("finished", {}, None)
+    driver = replace(PAPER.sprockets[0], motion=rc.PrescribedSpeed(10.0))
+    slow = replace(PAPER, sprockets=[driver, PAPER.sprockets[1]])
+    run = {"duration": 5e-3, "report_step": 1e-4, "progress": False}
+    single = [
+        rc.Simulation(PAPER).run(**run),
+        rc.Simulation(rc.paper_drive(25)).run(**run),
+        rc.Simulation(rc.paper_drive(25), hinge_law=rc.Johnson()).run(
+            **run, record=("hinges", "bodies")
+        ),
+        rc.Simulation(slow, solver=rc.Solver(rtol=1e-7)).run(**(run | {"duration": 3e-3})),
+        rc.Simulation(rc.paper_drive(100.0), min_approach_speed=1e-2).run(**run, energy=False),
+    ]
+    for one, other in zip(swept.results, single, strict=True):
+        assert_same_run(one, other)
+
+
+def test_a_grid_is_ordered_as_nested_loops_and_measured_in_that_order():
+    calls = []
+
+    def measure(result):
+        tensioner = result.drive.tensioner
+        calls.append(threading.current_thread())
+        return (tensioner.pretension if tensioner else 0.0), result.drive.chain.material.restitution
+
+    swept = rc.sweep(
+        PAPER,
+        # The first cases take longest, so that others finish before them.
+        {"pretension": [100, 0], "duration": [4e-3, 1e-4], "chain.material.restitution": [0.5, 1]},
+        measure,
+        threads=2,
+        progress=False,
+    )
+    assert swept.cases[1] == {
+        "pretension": 100,
+        "duration": 4e-3,
+        "chain.material.restitution": 1,
+    }
+    assert swept.values == [(p, r) for p in (100, 0) for _ in range(2) for r in (0.5, 1)]
+    assert set(calls) == {threading.current_thread()}
+
+
+def test_measured_numbers_become_a_dataset_with_the_axes_as_dimensions():
+    def measure(result):
+        return {"peak": peak(result), "tension": result.strand("upper").tension[-3:]}
+
+    axes = {"pretension": np.array([0.0, 25.0]), "hinge_law": [rc.Hertz(), rc.Johnson()]}
+    swept = rc.sweep(PAPER, axes, measure, **SHORT)
+    data = swept.to_xarray()
+    assert data.sizes == {"pretension": 2, "hinge_law": 2, "tension_0": 3}
+    assert data["tension"].dims == ("pretension", "hinge_law", "tension_0")
+    assert list(data["hinge_law"].values) == ["Hertz", "Johnson"]
+    for case, value in zip(swept.cases, swept.values, strict=True):
+        there = data.sel(pretension=case["pretension"], hinge_law=type(case["hinge_law"]).__name__)
+        assert float(there["peak"]) == value["peak"] > 0.0
+        np.testing.assert_array_equal(there["tension"], value["tension"])
+    table = swept.to_pandas()
+    assert list(table.columns) == [*axes, "peak", "tension_0", "tension_1", "tension_2"]
+    np.testing.assert_array_equal(table["peak"], data["peak"].values.ravel())
+    assert list(table["pretension"]) == [0.0, 0.0, 25.0, 25.0]
+
+
+def test_listed_cases_become_a_dataset_over_the_cases():
+    swept = rc.sweep(PAPER, [{"pretension": 0}, {"pretension": 25, "rtol": 1e-4}], peak, **SHORT)
+    data = swept.to_xarray()
+    assert data["value"].dims == data["pretension"].dims == ("case",)
+    np.testing.assert_array_equal(data["value"], swept.values)
+    np.testing.assert_array_equal(data["rtol"], [np.nan, 1e-4])
+    assert list(swept.to_pandas()["pretension"]) == [0, 25]
+
+
+def test_laws_of_one_kind_are_told_apart():
+    laws = [rc.Johnson(), rc.Johnson(damping="lankarani-nikravesh")]
+    swept = rc.sweep(PAPER, {"force_law": laws}, peak, duration=1e-4, progress=False)
+    assert list(swept.to_xarray()["force_law"].values) == list(map(repr, laws))
+
+
+def test_measuring_arrays_of_different_shapes_leaves_them_as_values():
+    swept = rc.sweep(PAPER, {"duration": [1e-3, 2e-3]}, lambda r: r.time, progress=False)
+    assert [len(time) for time in swept.values] == [11, 21]
+    with pytest.raises(rc.InvalidInput, match=r"'value' has shape \(11,\) .* and \(21,\)"):
+        swept.to_xarray()
+
+
+def test_whole_numbers_stay_whole_where_nothing_is_missing():
+    swept = rc.sweep(PAPER, {"rtol": [1e-4, 1e-5]}, lambda r: r.stats["steps"], **SHORT)
+    assert swept.to_xarray()["value"].dtype.kind == "i"
+
+
+def test_results_are_kept_or_measured_and_each_says_so():
+    kept = rc.sweep(PAPER, {"pretension": [0]}, duration=1e-4, progress=False)
+    assert isinstance(kept.results[0], rc.Result)
+    for table in (kept.to_xarray, kept.to_pandas):
+        with pytest.raises(rc.NotRecorded, match="measure="):
+            table()
+    measured = rc.sweep(PAPER, {"pretension": [0]}, peak, duration=1e-4, progress=False)
+    with pytest.raises(rc.NotRecorded, match="without measure"):
+        _ = measured.results
+
+
+def test_a_measured_quantity_may_not_have_the_name_of_an_axis():
+    swept = rc.sweep(PAPER, {"speed": [1.0]}, lambda r: {"speed": 1.0}, **SHORT)
+    with pytest.raises(rc.InvalidInput, match="'speed' is a parameter of the sweep too"):
+        swept.to_xarray()
+
+
+# --- parameters
+
+
+def test_pretension_makes_changes_and_removes_the_tensioner():
+    def tensioner(result):
+        return (result.drive.tensioner,)
+
+    def swept(drive, axes):
+        return [v[0] for v in rc.sweep(drive, axes, tensioner, duration=1e-4).values]
+
+    assert swept(PAPER, {"pretension": [0, 25]}) == [None, rc.Tensioner(25.0)]
+    own = rc.Tensioner(10.0, sprocket=1, ramp_time=0.2, direction=(-1.0, 0.0))
+    tight = replace(PAPER, tensioner=own)
+    assert swept(tight, {"pretension": [0.0, 25]}) == [None, replace(own, pretension=25)]
+    both = {"pretension": [0, 25], "tensioner.damping": [1.0]}
+    assert swept(PAPER, both) == [None, rc.Tensioner(25, damping=1.0)]
+    replaced = {"tensioner": [None, own], "pretension": [5]}
+    assert swept(PAPER, replaced) == [rc.Tensioner(5), replace(own, pretension=5)]
+
+
+def test_speed_is_that_of_the_driver():
+    second = rc.Sprocket(17, PAPER.sprockets[1].center, rc.PrescribedSpeed(3.0))
+    first = replace(PAPER.sprockets[0], motion=rc.Free())
+    table = ((0.0, 5.0), (0.1, 6.0))
+    swept = rc.sweep(
+        replace(PAPER, sprockets=[first, second]),
+        {"speed": [5.0, table]},
+        lambda result: [sprocket.motion for sprocket in result.drive.sprockets],
+        duration=1e-4,
+    )
+    assert swept.values == [[rc.Free(), rc.PrescribedSpeed(v)] for v in (5.0, table)]
+
+
+def test_fields_that_only_go_together_are_changed_together():
+    """Either alone is refused: the pin would be larger than the bore, the bore than the bushing."""
+    axes = [{"chain.hinge.pin_radius": 3e-3, "chain.hinge.bore_radius": 3.025e-3}]
+    swept = rc.sweep(PAPER, axes, lambda r: r.drive.chain.hinge.clearance, duration=1e-4)
+    assert swept.values == [3.025e-3 - 3e-3]
+
+
+@pytest.mark.parametrize("name", ["sprockets.1.mass", "sprockets[1].mass"])
+def test_the_parts_of_sequences_count_from_0(name):
+    swept = rc.sweep(
+        PAPER,
+        {name: [2.0], "gravity.1": [0.0], "solver": [rc.Solver(atol=1e-6)], "rtol": [1e-7]},
+        duration=1e-4,
+    )
+    result = swept.results[0]
+    assert [sprocket.mass for sprocket in result.drive.sprockets] == [0.817, 2.0]
+    assert result.drive.gravity == (0.0, 0.0)
+    assert result.solver == rc.Solver(rtol=1e-7, atol=1e-6)
+
+
+def test_a_function_gets_the_parameters_that_are_its_arguments():
+    def build(teeth, speed=12.0):
+        return rc.two_sprocket_drive(teeth=(17, teeth), links=60, speed=2 * speed)
+
+    swept = rc.sweep(
+        build,
+        {"teeth": [17, 25], "speed": [5.0, 6.0], "chain.material.restitution": [0.5]},
+        lambda r: (r.drive.sprockets[1].teeth, r.drive.sprockets[0].motion.speed),
+        duration=1e-4,
+    )
+    assert swept.values == [(17, 10.0), (17, 12.0), (25, 10.0), (25, 12.0)]
+    generator = rc.sweep(rc.paper_drive, {"pretension": [0, 25]}, peak, **SHORT)
+    assert generator.values == rc.sweep(PAPER, {"pretension": [0, 25]}, peak, **SHORT).values
+    free = rc.sweep(lambda **keywords: build(**keywords), {"teeth": [18]}, duration=1e-4)
+    assert free.results[0].drive.sprockets[1].teeth == 18
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("pretention", "did you mean 'pretension'"),
+        ("rtoll", "did you mean 'rtol'"),
+        ("durration", "did you mean 'duration'"),
+        ("restitution", "did you mean 'chain.material.restitution'"),
+        ("chain.material.restitutoin", "did you mean 'chain.material.restitution'"),
+        ("sprocket.1.teeth", "did you mean 'sprockets.1.teeth'"),
+        ("sprockets.2.teeth", "did you mean 'sprockets.1.teeth'"),
+        ("positions", "is no parameter"),
+        ("threads", "is no parameter"),
+        ("zzz", "known: .*'pretension', 'speed', 'duration'"),
+    ],
+)
+def test_an_unknown_axis_is_refused_at_once_with_the_nearest_name(name, said):
+    for axes in ({name: [1]}, [{}, {name: 1}]):
+        with pytest.raises(rc.InvalidInput, match=said) as caught:
+            rc.sweep(PAPER, axes)
+        assert repr(name) in str(caught.value)
+    with pytest.raises(rc.InvalidInput, match=said):
+        rc.sweep(lambda center=0: PAPER, {name: [1]})
+
+
+REFUSED = {
+    "a drive that is none": (lambda: rc.sweep("paper", {}), "drive = 'paper': must be a ChainDr"),
+    "a value in place of an axis": (lambda: rc.sweep(PAPER, {"rtol": 1e-5}), r"axes\['rtol'\] = 1"),
+    "a word in place of an axis": (
+        lambda: rc.sweep(PAPER, {"method": "pece"}),
+        r"axes\['method'\] = 'pece': must be a sequence",
+    ),
+    "an empty axis": (lambda: rc.sweep(PAPER, {"rtol": []}), "at least one value"),
+    "no cases": (lambda: rc.sweep(PAPER, []), r"axes = \[\]: must map names"),
+    "cases that are none": (lambda: rc.sweep(PAPER, [1.0]), r"axes = \[1.0\]: must map names"),
+    "no axes": (lambda: rc.sweep(PAPER, None), "axes = None: must map names"),
+    "two names for one field": (
+        lambda: rc.sweep(PAPER, {"pretension": [1], "tensioner.pretension": [2]}),
+        "'tensioner.pretension' is there twice",
+    ),
+    "a function that lacks an argument": (
+        lambda: rc.sweep(lambda teeth, speed: PAPER, {"teeth": [17]}),
+        "the function needs 'speed'",
+    ),
+    "a function that returns no drive": (
+        lambda: rc.sweep(lambda teeth: None, {"teeth": [17]}),
+        "drive = None: must be a ChainDrive",
+    ),
+    "a function that returns no drive to change": (
+        lambda: rc.sweep(lambda: None, {"speed": [17]}),
+        "drive = None: the function must return a ChainDrive",
+    ),
+    "no driver": (
+        lambda: rc.sweep(
+            replace(PAPER, sprockets=[replace(s, motion=rc.Free()) for s in PAPER.sprockets]),
+            {"speed": [1.0]},
+        ),
+        "speed = 1.0: no sprocket",
+    ),
+    "a field of nothing": (
+        lambda: rc.sweep(PAPER, {"tensioner.damping": [1.0]}),
+        "tensioner.damping: cannot be changed, for drive.tensioner is None",
+    ),
+    "a field of another motion": (
+        lambda: rc.sweep(PAPER, {"sprockets.1.motion.torque": [1.0]}),
+        "sprockets.1.motion is a Free",
+    ),
+    "a keyword that no case can do with": (
+        lambda: rc.sweep(PAPER, {"pretension": [0, 25]}, duration=-1.0),
+        r"duration = -1: must be a positive",
+    ),
+    "a group that is none": (
+        lambda: rc.sweep(PAPER, {"pretension": [0]}, record=("hinge",)),
+        "did you mean 'hinges'",
+    ),
+    "no solver": (lambda: rc.sweep(PAPER, {"rtol": [1e-5]}, solver=None), "solver = None: must be"),
+    "no threads": (lambda: rc.sweep(PAPER, {"rtol": [1e-5]}, threads=0), "threads = 0: .*least 1"),
+    "half a thread": (lambda: rc.sweep(PAPER, {"rtol": [1e-5]}, threads=0.5), "threads = 0.5"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_makes_no_sweep_is_refused_by_name(case):
+    call, message = REFUSED[case]
+    with pytest.raises(rc.InvalidInput, match=message):
+        call()
+
+
+def test_an_unknown_keyword_is_answered_with_the_nearest_name():
+    with pytest.raises(TypeError, match="'measure'"):
+        rc.sweep(PAPER, {"pretension": [0]}, mesure=peak)
+
+
+# --- failures
+
+
+def test_failing_cases_leave_the_others_alone_and_are_told_once():
+    cases = [
+        {"pretension": 0},
+        {"pretension": -1},  # refused as a value
+        {"chain.links": 20},  # cannot be laid
+        {"speed": TABLE},  # fails under way
+        {"pretension": 25},
+    ]
+    with pytest.warns(RuntimeWarning) as caught:
+        swept = rc.sweep(PAPER, cases, peak, **SHORT)
+    assert [warning.filename for warning in caught] == [__file__]
+    said = str(caught[0].message)
+    assert said.startswith("3 of 5 cases failed, first case 1 (pretension=-1): InvalidInput: Tens")
+    assert (swept.status, swept.success) == ("finished", False)
+    assert "2 of 5 cases finished, 3 failed" in swept.message
+    assert list(swept.errors) == [1, 2, 3]
+    assert swept.values[1:4] == [None] * 3
+    for place in (0, 4):
+        drive = rc.paper_drive(cases[place]["pretension"])
+        assert swept.values[place] == peak(rc.Simulation(drive).run(**SHORT))
+    assert "Tensioner.pretension = -1" in str(swept.errors[1])
+    assert "the chain cannot be laid" in str(swept.errors[2])
+    error = swept.errors[3]
+    assert isinstance(error, rc.SimulationError)
+    assert error.__notes__[-1].startswith("in case 3 (speed=((0.0, ")
+    driver = replace(PAPER.sprockets[0], motion=rc.PrescribedSpeed(TABLE))
+    alone = rc.Simulation(replace(PAPER, sprockets=[driver, PAPER.sprockets[1]]))
+    with pytest.raises(rc.SimulationError) as single:
+        alone.run(**SHORT)
+    assert str(error) == str(single.value)
+    assert len(error.result.time) >= 20
+    assert_same_run(error.result, single.value.result)
+
+
+def test_failed_cases_are_nan_in_the_tables():
+    with pytest.warns(RuntimeWarning, match="1 of 2 cases failed"):
+        swept = rc.sweep(PAPER, {"pretension": [-1, 0]}, lambda r: {"n": len(r.time)}, **SHORT)
+    np.testing.assert_array_equal(swept.to_xarray()["n"], [np.nan, 51])
+    np.testing.assert_array_equal(swept.to_pandas()["n"], [np.nan, 51])
+
+
+def test_a_measure_that_raises_is_the_error_of_its_case():
+    def measure(result):
+        if result.drive.tensioner is None:
+            raise LookupError("no tensioner")
+        return peak(result)
+
+    with pytest.warns(RuntimeWarning, match="case 1 .*LookupError: 'no tensioner'|no tensioner"):
+        swept = rc.sweep(PAPER, {"pretension": [25, 0, 50]}, measure, threads=2, **SHORT)
+    assert list(swept.errors) == [1]
+    assert isinstance(swept.errors[1], LookupError)
+    assert swept.errors[1].__notes__ == ["in case 1 (pretension=0) of the sweep"]
+    assert [value is None for value in swept.values] == [False, True, False]
+
+
+def test_a_sweep_of_which_every_measure_fails_still_has_its_axes():
+    with pytest.warns(RuntimeWarning, match="2 of 2"):
+        swept = rc.sweep(PAPER, {"rtol": [1e-5, 1e-4]}, lambda r: 1 / 0, duration=1e-4)
+    assert dict(swept.to_xarray().sizes) == {"rtol": 2}
+
+
+def test_laws_out_of_their_range_are_told_once_for_the_whole_sweep():
+    drive = rc.two_sprocket_drive(chain="ANSI 160", teeth=(17, 17), links=38)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        swept = rc.sweep(
+            drive,
+            {"force_law": [rc.Hertz(), rc.EnhancedCylinder()], "speed": [5.0, 6.0]},
+            duration=1e-4,
+        )
+    assert [(w.category, w.filename) for w in caught] == [(rc.RangeWarning, __file__)]
+    assert "2 of 4 cases, first case 2 (force_law=EnhancedCylinder(" in str(caught[0].message)
+    assert list(swept.range_notes) == [2, 3]
+    assert all("enhanced" in note for notes in swept.range_notes.values() for note in notes)
+
+
+# --- under way
+
+
+def test_others_run_on_while_a_case_is_measured():
+    """The first case is measured until the second one, which runs meanwhile, has ended."""
+    ensembles = []
+    make = rc._rustchain.Ensemble
+
+    def watched(*arguments):
+        ensembles.append(make(*arguments))
+        return ensembles[0]
+
+    def measure(result):
+        if len(measured) == 0:
+            while ensembles[0].simulated < 3e-3 - 1e-12:
+                time.sleep(1e-3)
+        measured.append(result.time[-1])
+
+    measured = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(rc._rustchain, "Ensemble", watched)
+        rc.sweep(PAPER, {"duration": [1e-3, 2e-3]}, measure, threads=1, progress=False)
+    assert measured == [1e-3, 2e-3]
+
+
+def test_an_interrupted_sweep_returns_soon_with_what_has_finished():
+    script = f"""
+import json, os, signal, threading
+import rustchain as rc
+
+measured = []
+def measure(result):
+    measured.append(result.time[-1])
+    if len(measured) == 2:
+        threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
+    return float(result.time[-1])
+
+axes = {{"duration": [1e-3, {FAR}, 2e-3, {FAR}, {FAR}]}}
+swept = rc.sweep(rc.paper_drive(), axes, measure, threads=3, record=(), energy=False)
+print(json.dumps(dict(
+    status=swept.status, message=swept.message, success=swept.success, values=swept.values,
+    errors=len(swept.errors), missing=int(swept.to_xarray()["value"].isnull().sum()),
+)))
+"""
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", script], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout)
+    assert (said["status"], said["success"], said["errors"]) == ("interrupted", False, 0)
+    assert said["message"] == "interrupted: 2 of 5 cases finished, 0 failed"
+    assert said["values"] == [1e-3, None, 2e-3, None, None]
+    assert said["missing"] == 3
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGALRM"), reason="no interval timer here")
+def test_a_handler_of_ones_own_is_heard_and_ends_the_runs():
+    class Alarm(BaseException):
+        pass
+
+    def ring(number, frame):
+        raise Alarm
+
+    before = signal.signal(signal.SIGALRM, ring)
+    threads = threading.active_count()
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.3)
+        with pytest.raises(Alarm):
+            rc.sweep(PAPER, {"duration": [FAR, FAR]}, record=(), energy=False, progress=False)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+    assert threading.active_count() == threads
+
+
+def test_progress_is_shown_in_cases_and_simulated_seconds(monkeypatch):
+    bars = []
+
+    class Bar:
+        def __init__(self, **keywords):
+            self.n, self.keywords, self.said = 0.0, keywords, []
+            bars.append(self)
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *_):
+            pass
+
+        def update(self, n):
+            assert n >= 0.0
+            self.n += n
+
+        def set_description(self, text):
+            self.said.append(text)
+
+    monkeypatch.setattr("tqdm.tqdm", Bar)
+    rc.sweep(PAPER, {"duration": [1e-3, 2e-3]})
+    rc.sweep(PAPER, {"duration": [1e-3]}, progress=False)
+    shown, hidden = bars
+    assert shown.keywords["total"] == pytest.approx(3e-3)
+    assert shown.n == pytest.approx(3e-3)
+    assert shown.keywords["desc"] == "0 of 2 cases"
+    assert shown.said == ["1 of 2 cases", "2 of 2 cases"]
+    assert shown.keywords["disable"] is None  # where there is no terminal
+    assert hidden.keywords["disable"] is True
