@@ -201,6 +201,14 @@ impl Candidates {
         }
     }
 
+    /// The gap of sprocket `s` that bushing `k` was last seen in.
+    pub(crate) fn gap(&self, model: &Model, s: usize, k: usize) -> Option<u32> {
+        let candidates = &self.sprockets[s];
+        let slot = candidates.slot_of(k, model.links)?;
+        let angle = candidates.gap_sin[slot].atan2(candidates.gap_cos[slot]);
+        Some(model.sprockets[s].profile.nearest_gap(angle))
+    }
+
     /// Brings what the slot of bushing `k` on sprocket `s` knows of its onset in line with `memory`.
     pub(crate) fn update_memory(
         &mut self,
