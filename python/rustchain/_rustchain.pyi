@@ -1,7 +1,7 @@
 """The typed face of the compiled module."""
 
 from collections.abc import Callable
-from typing import Any, Literal, final
+from typing import Any, Literal, Literal, final
 
 import numpy as np
 import numpy.typing as npt
@@ -42,6 +42,13 @@ class SimulationError(RuntimeError):
 
 def validate(description: Description) -> None:
     """Raise InvalidInput, naming the field, its value and what is allowed."""
+
+def instruction_set() -> Literal["avx512", "avx2", "neon", "plain"]:
+    """Return the instructions that the kernels run with on this machine.
+
+    "avx512" and "avx2" give the same bits as each other; "plain", without fused multiply-add,
+    differs by rounding.
+    """
 
 def layout(drive: ChainDrive) -> dict[str, Any]:
     """Return the fields of a DriveReport."""
