@@ -19,6 +19,7 @@ __all__ = [
     "InvalidInput",
     "SimulationError",
     "closing_center_distance",
+    "instruction_set",
     "integrate",
     "law_force",
     "layout",
