@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use crate::dynamics::Dynamics;
 use crate::error::{Error, Result, check};
-use crate::integrator::{Adams, Counts, OdeSystem, StepControl, StepFailure};
+use crate::integrator::{Adams, Corrector, Counts, OdeSystem, StepControl, StepFailure};
 use crate::model::{Model, Rotation, Support};
 use crate::recorder::{Groups, Recorder, Recording};
 use crate::state::{Motion, Start};
@@ -15,6 +15,7 @@ use crate::state::{Motion, Start};
 pub struct Simulation {
     dynamics: Dynamics,
     adams: Adams,
+    corrector: Corrector,
     /// Present time of the user \[s\]; the integrator may be ahead by a part of a step.
     now: f64,
     recorder: Option<Recorder>,
@@ -71,6 +72,7 @@ impl Simulation {
         Ok(Self {
             dynamics,
             adams,
+            corrector: control.corrector,
             now: 0.0,
             recorder: None,
             inside: y,
@@ -235,7 +237,11 @@ impl Simulation {
     fn step(&mut self) -> Result<()> {
         let begin = Instant::now();
         self.dynamics.begin_step();
-        let step = match self.adams.step(&mut self.dynamics) {
+        let step = match self.corrector {
+            Corrector::Pece => self.adams.step(&mut self.dynamics),
+            Corrector::Newton => self.adams.step_newton(&mut self.dynamics),
+        };
+        let step = match step {
             Ok(step) => step,
             Err(failure) => {
                 self.now = self.adams.time();

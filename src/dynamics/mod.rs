@@ -2,12 +2,16 @@
 //!
 //! A scene without ideal joints has no constraints: accelerations are forces over masses, and no linear system exists.
 
+mod chain_solver;
 mod energy;
 mod forces;
+mod implicit;
+mod jacobian;
 mod loads;
 
 use std::sync::Arc;
 
+use chain_solver::ChainMatrix;
 pub use energy::Energy;
 pub use loads::SprocketLoad;
 pub(crate) use loads::{outside_powers, sprocket_acceleration};
@@ -42,6 +46,8 @@ pub struct Dynamics {
     /// Accelerations at the last evaluation.
     pub accelerations: Accelerations,
     kernels: Kernels,
+    /// Matrix of Newton's method, where it is used.
+    matrix: ChainMatrix,
     keeps_energy: bool,
     /// Pairs that came apart in the last step; they keep their memory until the next one begins, for reports inside it.
     parted: Vec<Pair>,
@@ -74,6 +80,7 @@ impl Dynamics {
             teeth: ToothContacts::new(links, sprockets),
             accelerations: Accelerations::new(links, sprockets),
             kernels: Kernels::new(&model),
+            matrix: ChainMatrix::new(links, model.coordinates - 3 * links),
             keeps_energy: false,
             parted: Vec::with_capacity(links * (1 + sprockets)),
             slope: vec![0.0; 2 * model.coordinates + 2],

@@ -67,6 +67,13 @@ impl ElasticLaw for EnhancedCylinder {
         pair.stiffness * penetration.powf(pair.exponent)
     }
 
+    fn stiffness(pair: &EnhancedCylinderPair, penetration: f64) -> f64 {
+        if penetration <= 0.0 {
+            return 0.0;
+        }
+        pair.exponent * Self::force(pair, penetration) / penetration
+    }
+
     fn energy(pair: &EnhancedCylinderPair, penetration: f64) -> f64 {
         Self::force(pair, penetration) * penetration.max(0.0) / (pair.exponent + 1.0)
     }

@@ -30,6 +30,10 @@ impl ElasticLaw for Hertz {
         pair.stiffness * depth * depth.sqrt()
     }
 
+    fn stiffness(pair: &HertzPair, penetration: f64) -> f64 {
+        1.5 * pair.stiffness * penetration.max(0.0).sqrt()
+    }
+
     fn energy(pair: &HertzPair, penetration: f64) -> f64 {
         0.4 * Self::force(pair, penetration) * penetration.max(0.0)
     }

@@ -47,6 +47,19 @@ impl ElasticLaw for Johnson {
         pair.end_force * (-exponent(-(penetration / pair.end_penetration).ln())).exp()
     }
 
+    fn stiffness(pair: &JohnsonPair, penetration: f64) -> f64 {
+        if penetration <= 0.0 {
+            return 0.0;
+        }
+        let secant = Self::force(pair, penetration) / penetration;
+        if penetration >= pair.end_penetration {
+            return secant;
+        }
+        // d ln f = -dx and d ln δ = -x/(1 + x) dx; at the end of the branch the slope is infinite.
+        let x = exponent(-(penetration / pair.end_penetration).ln());
+        secant * (1.0 + x) / x.max(f64::EPSILON)
+    }
+
     fn energy(pair: &JohnsonPair, penetration: f64) -> f64 {
         if penetration <= 0.0 {
             return 0.0;

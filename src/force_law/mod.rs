@@ -98,6 +98,9 @@ pub trait ElasticLaw {
     /// Elastic force \[N\] at penetration δ \[m\]; zero for δ <= 0.
     fn force(pair: &Self::Pair, penetration: f64) -> f64;
 
+    /// Its slope df/dδ \[N/m\]; zero for δ <= 0.
+    fn stiffness(pair: &Self::Pair, penetration: f64) -> f64;
+
     /// Elastic energy \[J\] at penetration δ \[m\], the integral of the force.
     fn energy(pair: &Self::Pair, penetration: f64) -> f64;
 

@@ -64,34 +64,39 @@ pub struct Counts {
     pub rejected: u64,
     /// Evaluations of the derivative.
     pub evaluations: u64,
+    /// Matrices that the implicit corrector factorised.
+    pub jacobians: u64,
 }
 
 /// The integrator and all that it carries from step to step.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Adams {
-    control: StepControl,
-    time: f64,
-    step_size: f64,
-    order: usize,
-    last_step_size: f64,
-    last_order: usize,
+    pub(super) control: StepControl,
+    pub(super) time: f64,
+    pub(super) step_size: f64,
+    pub(super) order: usize,
+    pub(super) last_step_size: f64,
+    pub(super) last_order: usize,
     /// Below this, a step is lost in rounding \[s\].
-    smallest_step: f64,
+    pub(super) smallest_step: f64,
     /// Nothing is known yet: the first step has to evaluate the slope at its start.
-    starting: bool,
+    pub(super) starting: bool,
     /// While the solution is smooth from the start on, order and step size grow with every step.
-    growing: bool,
-    dimension: usize,
+    pub(super) growing: bool,
+    pub(super) dimension: usize,
     /// The arrays below are padded with zeros.
-    y: Numbers,
-    slope: Numbers,
-    predicted: Numbers,
-    inverse_weight: Numbers,
-    coefficients: Coefficients,
-    differences: Differences,
-    counts: Counts,
+    pub(super) y: Numbers,
+    pub(super) slope: Numbers,
+    pub(super) predicted: Numbers,
+    pub(super) inverse_weight: Numbers,
+    pub(super) coefficients: Coefficients,
+    pub(super) differences: Differences,
+    pub(super) counts: Counts,
+    /// Scratch of the implicit corrector: the solution being sought and its residual.
+    pub(super) trial: Numbers,
+    pub(super) residual: Numbers,
     #[serde(skip)]
-    instructions: InstructionSet,
+    pub(super) instructions: InstructionSet,
 }
 
 impl Adams {
@@ -116,6 +121,8 @@ impl Adams {
             coefficients: Coefficients::new(),
             differences: Differences::new(dimension),
             counts: Counts::default(),
+            trial: padded_zeros(dimension),
+            residual: padded_zeros(dimension),
             instructions: InstructionSet::detect(),
         }
     }
@@ -206,20 +213,7 @@ impl Adams {
         let begin = self.time;
         let mut failures = 0;
         let estimate = loop {
-            self.coefficients.update(
-                self.step_size,
-                self.order,
-                self.last_step_size,
-                self.last_order,
-            );
-            self.differences.predict(
-                self.instructions,
-                &self.coefficients,
-                self.order,
-                self.step_size,
-                &self.y,
-                &mut self.predicted,
-            );
+            self.predict();
             self.evaluate_prediction(system);
             let estimate = self.estimate_error();
             if estimate.accepts() {
@@ -273,7 +267,7 @@ impl Adams {
     }
 
     /// The slope at the start and a first step that a method of order one would accept.
-    fn start(&mut self, system: &mut impl OdeSystem) {
+    pub(super) fn start(&mut self, system: &mut impl OdeSystem) {
         system.derivative(
             self.time,
             &self.y[..self.dimension],
@@ -301,6 +295,24 @@ impl Adams {
         self.coefficients = Coefficients::new();
         self.starting = false;
         self.growing = true;
+    }
+
+    /// Coefficients of a step of the present size and order, and the prediction.
+    pub(super) fn predict(&mut self) {
+        self.coefficients.update(
+            self.step_size,
+            self.order,
+            self.last_step_size,
+            self.last_order,
+        );
+        self.differences.predict(
+            self.instructions,
+            &self.coefficients,
+            self.order,
+            self.step_size,
+            &self.y,
+            &mut self.predicted,
+        );
     }
 
     fn evaluate_prediction(&mut self, system: &mut impl OdeSystem) {
@@ -386,7 +398,7 @@ impl Adams {
     }
 
     /// The component whose slope was foretold worst, or is not a number.
-    fn worst_component(&self, controlled: usize) -> usize {
+    pub(super) fn worst_component(&self, controlled: usize) -> usize {
         let error = |i: usize| {
             ((self.slope[i] - self.differences.row(0)[i]) * self.inverse_weight[i]).abs()
         };

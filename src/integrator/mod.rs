@@ -9,6 +9,7 @@ mod adams;
 mod coefficients;
 mod dense_output;
 mod differences;
+mod newton;
 mod order_control;
 mod table;
 
@@ -34,6 +35,22 @@ pub trait OdeSystem {
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]);
 }
 
+/// A system of second order: the first components are coordinates q, as many after them their velocities, the rest sums.
+pub trait SecondOrderSystem: OdeSystem {
+    /// Number of coordinates.
+    fn coordinates(&self) -> usize;
+
+    /// Prepares [`Self::correct`] at (`t`, `y`), where the derivative was just evaluated: factors of 1 - γ da/dv - γ² da/dq
+    /// for accelerations a. False when there are none.
+    fn factorise(&mut self, t: f64, y: &[f64], gamma: f64) -> bool;
+
+    /// Overwrites a residual of velocities by the correction that it asks for.
+    fn correct(&mut self, residual: &mut [f64]);
+
+    /// Writes for every coordinate the length that turns it into one \[m\]: 1 for lengths, an arm for angles.
+    fn scale(&self, lengths: &mut [f64]);
+}
+
 /// Tolerances and limits of a run.
 ///
 /// A step is accepted when the Euclidean norm over the components of error / (`atol` + `rtol` |y|) is at most one, as in
@@ -49,6 +66,19 @@ pub struct StepControl {
     pub max_step: f64,
     /// Highest order, 1 to [`MAX_ORDER`].
     pub max_order: usize,
+    /// Which corrector.
+    pub corrector: Corrector,
+    /// Error in lengths that the implicit corrector allows a step \[m\], as a root mean square over all coordinates.
+    pub accuracy: f64,
+}
+
+/// How the corrector's equation is solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Corrector {
+    /// Predict, evaluate, correct, evaluate.
+    Pece,
+    /// Newton's method.
+    Newton,
 }
 
 impl Default for StepControl {
@@ -58,6 +88,8 @@ impl Default for StepControl {
             atol: 1e-5,
             max_step: 1e-4,
             max_order: MAX_ORDER,
+            corrector: Corrector::Pece,
+            accuracy: 1e-9,
         }
     }
 }

@@ -181,6 +181,21 @@ impl Model {
 }
 
 impl SprocketModel {
+    /// Calls `each` with every coordinate of the sprocket and its mass \[kg\] or moment of inertia \[kg m²\].
+    pub(crate) fn for_each_inertia(&self, mut each: impl FnMut(usize, f64)) {
+        match self.support {
+            Support::Fixed => {}
+            Support::Slide { index, .. } => each(index, self.mass),
+            Support::Floating { x, y } => {
+                each(x, self.mass);
+                each(y, self.mass);
+            }
+        }
+        if let Rotation::Free { index, .. } = self.rotation {
+            each(index, self.inertia);
+        }
+    }
+
     /// Torque applied from outside at time `t` \[N m\]; zero where the rotation is prescribed or free.
     #[must_use]
     pub fn applied_torque(&self, t: f64) -> f64 {

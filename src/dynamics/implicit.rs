@@ -1,0 +1,189 @@
+//! What Newton's method asks of the dynamics: the matrix of its last derivative, factors of it, and corrections of velocities.
+
+use super::Dynamics;
+use super::jacobian::{
+    FAR, Lever, PointForce, Pressed, link_levers, sprocket_levers,
+};
+use crate::contact::{SprocketFrame, bushing_on_sprocket};
+use crate::force_law::{ElasticLaw, Regions, with_law};
+use crate::geometry::{Surface, Vec2, unit};
+use crate::integrator::SecondOrderSystem;
+use crate::model::Model;
+use crate::state::sprocket_motion;
+
+/// Force \[N\] and its slopes with penetration \[N/m\] and rate \[N s/m\].
+fn slopes<L: ElasticLaw>(
+    pair: &L::Pair,
+    depth: f64,
+    rate: f64,
+    lambda: f64,
+    remembered: f64,
+    floor: f64,
+) -> (f64, f64, f64) {
+    let (elastic, stiffness) = (L::force(pair, depth), L::stiffness(pair, depth));
+    // Without memory the present rate is the onset speed: the factor is a constant, above the floor.
+    let onset = if remembered > 0.0 { remembered } else { rate.max(floor) };
+    let factor = 1.0 + lambda * rate / onset;
+    if factor <= 0.0 {
+        return (0.0, 0.0, 0.0);
+    }
+    let fresh_and_fast = remembered == 0.0 && rate > floor;
+    let damping = if fresh_and_fast { 0.0 } else { elastic * lambda / onset };
+    (elastic * factor, stiffness * factor, damping)
+}
+
+impl Dynamics {
+    fn add_hinges(&mut self, y: &[f64], gamma: f64) {
+        let model = &self.model;
+        let n = model.links;
+        let (q, v) = y.split_at(model.coordinates);
+        for (k, &depth) in self.kernels.hinge_depths(model).iter().enumerate() {
+            if depth <= 0.0 {
+                continue;
+            }
+            let next = (k + 1) % n;
+            let a = model.half_pitch;
+            let end = |i: usize, side: f64| {
+                let arm = side * a * unit(q[2 * n + i]);
+                (
+                    Vec2::new(q[i], q[n + i]) + arm,
+                    Vec2::new(v[i], v[n + i]) + v[2 * n + i] * crate::geometry::turned_left(arm),
+                )
+            };
+            let ((front, front_v), (rear, rear_v)) = (end(k, 1.0), end(next, -1.0));
+            let (offset, velocity) = (front - rear, front_v - rear_v);
+            let distance = offset.norm();
+            let normal = offset / distance;
+            let law = &model.hinge_law;
+            let (force, stiffness, damping) = with_law!(&law.pairs, Law, pairs => {
+                slopes::<Law>(&pairs[0], depth, normal.dot(&velocity), law.lambda,
+                    self.memory.hinge_speed()[k], model.min_approach_speed)
+            });
+            let contact = PointForce::new(
+                &Pressed {
+                    normal,
+                    side: 1.0,
+                    distance,
+                    velocity,
+                    force,
+                    stiffness,
+                    damping,
+                },
+                gamma,
+            );
+            let front = link_levers(1.0, a, q[2 * n + k], v[2 * n + k]);
+            let rear = link_levers(-1.0, a, q[2 * n + next], v[2 * n + next]);
+            self.matrix.add_hinge(k, &contact, &front, &rear);
+        }
+    }
+
+    fn add_teeth(&mut self, t: f64, y: &[f64], gamma: f64) {
+        let model = &self.model;
+        let n = model.links;
+        let (q, v) = y.split_at(model.coordinates);
+        for (s, k, depth, _) in self.kernels.tooth_contacts(model) {
+            if depth <= 0.0 {
+                continue;
+            }
+            let sprocket = &model.sprockets[s];
+            let ((center, center_v), (angle, spin)) =
+                sprocket_motion(sprocket, t, |i| (q[i], v[i]));
+            let link = model.link_of_bushing(k);
+            let arm = if link == k { model.half_pitch } else { -model.half_pitch };
+            let along = arm * unit(q[2 * n + link]);
+            let point = Vec2::new(q[link], q[n + link]) + along;
+            let velocity = Vec2::new(v[link], v[n + link])
+                + v[2 * n + link] * crate::geometry::turned_left(along);
+            let frame = SprocketFrame::new(center, center_v, angle, spin);
+            let Some(found) =
+                bushing_on_sprocket(sprocket, &frame, point, velocity, model.bushing_radius)
+            else {
+                continue;
+            };
+            let profile = &sprocket.profile;
+            let (side, distance) = match found.surface {
+                Surface::Seating => (1.0, depth + profile.seating.radius - model.bushing_radius),
+                Surface::Working => (1.0, depth + profile.working.radius - model.bushing_radius),
+                Surface::Flat => (1.0, FAR),
+                Surface::Topping => (-1.0, profile.topping.radius + model.bushing_radius - depth),
+            };
+            let normal = found.contact.normal;
+            let from_center = point - center - side * distance * normal;
+            let velocity = velocity - center_v - spin * crate::geometry::turned_left(from_center);
+            let pair = s * n + k;
+            let remembered = self.memory.tooth_speed[pair];
+            let law = &model.tooth_law;
+            let surface = if law.regions == Regions::Kept && remembered > 0.0 {
+                self.memory.tooth_surface[pair]
+            } else {
+                found.surface
+            };
+            let (force, stiffness, damping) = with_law!(&law.pairs, Law, pairs => {
+                slopes::<Law>(&pairs[Model::tooth_pair(s, surface)], depth,
+                    found.contact.penetration_rate, law.lambda, remembered, model.min_approach_speed)
+            });
+            let contact = PointForce::new(
+                &Pressed {
+                    normal,
+                    side,
+                    distance,
+                    velocity,
+                    force,
+                    stiffness,
+                    damping,
+                },
+                gamma,
+            );
+            let bushing = link_levers(1.0, arm, q[2 * n + link], v[2 * n + link]);
+            let mut levers = [(0, bushing[0]); 4];
+            let mut count = 0;
+            sprocket_levers(model, s, from_center, spin, |j, lever: Lever| {
+                levers[count] = (j, lever);
+                count += 1;
+            });
+            self.matrix
+                .add_tooth(link, &contact, &bushing, &levers[..count]);
+        }
+    }
+}
+
+impl SecondOrderSystem for Dynamics {
+    fn coordinates(&self) -> usize {
+        self.model.coordinates
+    }
+
+    fn factorise(&mut self, t: f64, y: &[f64], gamma: f64) -> bool {
+        self.matrix.clear();
+        let model = std::sync::Arc::clone(&self.model);
+        self.matrix.add_masses(&model, gamma);
+        self.add_hinges(y, gamma);
+        self.add_teeth(t, y, gamma);
+        self.matrix.factorise()
+    }
+
+    fn correct(&mut self, residual: &mut [f64]) {
+        let model = &self.model;
+        let n = model.links;
+        for i in 0..n {
+            residual[i] *= model.mass[i];
+            residual[n + i] *= model.mass[i];
+            residual[2 * n + i] *= model.inertia[i];
+        }
+        for sprocket in &model.sprockets {
+            sprocket.for_each_inertia(|index, inertia| residual[index] *= inertia);
+        }
+        self.matrix.solve(residual);
+    }
+
+    fn scale(&self, lengths: &mut [f64]) {
+        let model = &self.model;
+        let n = model.links;
+        lengths.fill(1.0);
+        lengths[2 * n..3 * n].fill(model.half_pitch);
+        for sprocket in &model.sprockets {
+            if let crate::model::Rotation::Free { index, .. } = sprocket.rotation {
+                lengths[index] = sprocket.profile.pitch_radius;
+            }
+        }
+    }
+}

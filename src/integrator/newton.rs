@@ -1,0 +1,206 @@
+//! The implicit corrector: the Adams-Moulton formula of the predictor's own order, solved by Newton's method for velocities.
+//!
+//! y = p + γ (f(y) - φ*), γ = h g_k, of which order 2 is the trapezoid. For a system of second order the coordinates follow from
+//! the velocities, q = p_q + γ (v - φ*_q), so that Newton's method solves for v alone:
+//! v - p_v - γ (a(q, v) - φ*_v) = 0.
+
+use super::adams::{Adams, Step, StepFailure};
+use super::SecondOrderSystem;
+
+/// Corrections a step may take before it is made smaller.
+const MAX_ITERATIONS: u32 = 6;
+
+/// What is left to correct, in units of the tolerance, when the iteration ends.
+const REMAINDER: f64 = 0.1;
+
+/// Speed that is allowed for each length that is, in 1/s: an error of a nanometre goes with one of 0.1 mm/s.
+const SPEED_PER_LENGTH: f64 = 1e5;
+
+impl Adams {
+    /// Makes one step with the implicit corrector.
+    ///
+    /// # Errors
+    /// When the step size falls to rounding.
+    pub fn step_newton(
+        &mut self,
+        system: &mut impl SecondOrderSystem,
+    ) -> Result<Step, StepFailure> {
+        let controlled = system.controlled();
+        self.weigh_by_scale(system);
+        if self.starting {
+            self.start(system);
+            self.step_size = self.step_size.min(1e-7);
+        }
+        let begin = self.time;
+        let mut failures = 0;
+        let error = loop {
+            self.predict();
+            if let Some(error) = self.solve_corrector(system) {
+                if error <= 1.0 {
+                    break error;
+                }
+                failures += 1;
+                let shrink = (0.9 * error.powf(-1.0 / (self.order + 1) as f64)).clamp(0.2, 0.9);
+                self.shrink(shrink, failures, controlled)?;
+            } else {
+                failures += 1;
+                self.shrink(0.25, failures, controlled)?;
+            }
+        };
+        self.accept_newton();
+        let order = self.last_order;
+        let grow = (0.9 * error.max(1e-6).powf(-1.0 / (order + 1) as f64)).clamp(0.3, 2.0);
+        self.order = (order + 1).min(2).min(self.control.max_order);
+        // A step that is kept lets coefficients be kept.
+        if !(0.9..1.15).contains(&grow) {
+            self.step_size *= grow;
+        }
+        self.step_size = self
+            .step_size
+            .max(4.0 * f64::EPSILON * self.time.abs())
+            .min(self.control.max_step);
+        Ok(Step {
+            start: begin,
+            end: self.time,
+            order,
+        })
+    }
+
+    /// One over the error that is allowed for each component: `accuracy` in lengths, a hundred thousand times that a second in
+    /// speeds, angles through their arms.
+    fn weigh_by_scale(&mut self, system: &impl SecondOrderSystem) {
+        let nq = system.coordinates();
+        let (lengths, rest) = self.inverse_weight.split_at_mut(nq);
+        system.scale(lengths);
+        for length in lengths.iter_mut() {
+            *length /= self.control.accuracy;
+        }
+        let (speeds, sums) = rest.split_at_mut(nq);
+        for (speed, length) in speeds.iter_mut().zip(lengths) {
+            *speed = *length / SPEED_PER_LENGTH;
+        }
+        sums.fill(0.0);
+    }
+
+    /// Root mean square over coordinates and velocities, in units of the tolerance.
+    fn mean(sum: f64, coordinates: usize) -> f64 {
+        (sum / (2 * coordinates) as f64).sqrt()
+    }
+
+    /// Solves the corrector from the prediction; the error of the step, or `None` when the iteration does not end.
+    fn solve_corrector(&mut self, system: &mut impl SecondOrderSystem) -> Option<f64> {
+        let (nq, k, h) = (system.coordinates(), self.order, self.step_size);
+        let gamma = h * self.coefficients.g[k - 1];
+        let end = self.time + h;
+        self.trial.copy_from_slice(&self.predicted);
+        let phi = self.differences.row(0);
+        for i in 0..nq {
+            self.trial[i] += gamma * (self.trial[nq + i] - phi[i]);
+        }
+        let mut last = f64::INFINITY;
+        for iteration in 0..MAX_ITERATIONS {
+            let trial = &mut self.trial[..self.dimension];
+            system.derivative(end, trial, &mut self.slope[..self.dimension]);
+            self.counts.evaluations += 1;
+            let phi = self.differences.row(0);
+            for i in 0..nq {
+                self.residual[i] = self.predicted[nq + i] - trial[nq + i]
+                    + gamma * (self.slope[nq + i] - phi[nq + i]);
+            }
+            if iteration == 0 {
+                self.counts.jacobians += 1;
+                if !system.factorise(end, trial, gamma) {
+                    return None;
+                }
+            }
+            let residual = &mut self.residual[..nq];
+            system.correct(residual);
+            let mut sum = 0.0;
+            for i in 0..nq {
+                let correction = residual[i];
+                trial[nq + i] += correction;
+                trial[i] += gamma * correction;
+                let (length, speed) = (
+                    gamma * correction * self.inverse_weight[i],
+                    correction * self.inverse_weight[nq + i],
+                );
+                sum += length * length + speed * speed;
+            }
+            let size = Self::mean(sum, nq);
+            if !size.is_finite() {
+                return None;
+            }
+            let rate = size / last;
+            let left = if iteration == 0 { size } else { size * rate / (1.0 - rate).max(0.1) };
+            if left <= REMAINDER {
+                return Some(self.finish_corrector(nq, gamma));
+            }
+            if iteration > 1 && rate > 0.9 {
+                return None;
+            }
+            last = size;
+        }
+        None
+    }
+
+    /// The slopes that the solution stands for, the sums, and the error.
+    fn finish_corrector(&mut self, nq: usize, gamma: f64) -> f64 {
+        let (k, h) = (self.order, self.step_size);
+        let phi = self.differences.row(0);
+        for i in 0..nq {
+            self.slope[nq + i] = phi[nq + i] + (self.trial[nq + i] - self.predicted[nq + i]) / gamma;
+            self.slope[i] = self.trial[nq + i];
+        }
+        for i in 2 * nq..self.dimension {
+            self.trial[i] = self.predicted[i] + gamma * (self.slope[i] - phi[i]);
+        }
+        let mut sum = 0.0;
+        for i in 0..2 * nq {
+            let change = (self.slope[i] - phi[i]) * self.inverse_weight[i];
+            sum += change * change;
+        }
+        h * (self.coefficients.g[k - 1] - self.coefficients.g[k]).abs() * Self::mean(sum, nq)
+    }
+
+    fn accept_newton(&mut self) {
+        self.last_order = self.order;
+        self.last_step_size = self.step_size;
+        self.time += self.step_size;
+        self.y.copy_from_slice(&self.trial);
+        self.differences
+            .update(self.instructions, self.order, &self.slope);
+        self.counts.steps += 1;
+    }
+
+    /// Takes a step back and makes it smaller.
+    fn shrink(&mut self, factor: f64, failures: u32, controlled: usize) -> Result<(), StepFailure> {
+        self.counts.rejected += 1;
+        let failed = self.step_size;
+        let component = self.worst_component(controlled);
+        self.differences
+            .retreat(self.instructions, &self.coefficients, self.order);
+        self.coefficients.retreat(self.order, failed);
+        if failures >= 3 {
+            self.order = 1;
+        }
+        self.step_size = factor * failed;
+        self.smallest_step = self.smallest_step.max(4.0 * f64::EPSILON * self.time.abs());
+        if self.step_size >= self.smallest_step {
+            return Ok(());
+        }
+        let (time, step_size) = (self.time, failed);
+        Err(if self.slope.iter().all(|s| s.is_finite()) {
+            StepFailure::TooSmall {
+                time,
+                step_size,
+                component,
+            }
+        } else {
+            StepFailure::NotFinite {
+                time,
+                step_size,
+                component,
+            }
+        })
+    }
+}
