@@ -1,6 +1,7 @@
 //! The kernels against their scalar twins: the same contacts, forces, accelerations and powers, to roundings that are stated.
 
 #![allow(clippy::unwrap_used)]
+#![allow(clippy::print_stdout)] // what a machine lacks is said
 
 mod common;
 
