@@ -1,7 +1,7 @@
 //! What an evaluation is for: contacts that nobody asked for are neither looked for nor given a force.
 
 /// How much of one kind of contact is wanted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Want {
     /// Nothing.
     Nothing,
