@@ -9,7 +9,11 @@ use std::cell::Cell;
 use std::time::Duration;
 
 use rustchain::force_law::{Damping, Elastic, ForceLaw, Regions};
+use rustchain::integrator::OdeSystem;
+use rustchain::vector::InstructionSet;
 use rustchain::{ForceLaws, Groups};
+
+use common::scenes::{Scene, geared_drive, laws};
 
 /// Counts what this thread asks for.
 struct Counting;
@@ -83,6 +87,67 @@ fn ten_milliseconds_with_hundreds_of_onsets_allocate_nothing() {
             assert!(done.counts.steps > begun.counts.steps + 2000, "{elastic:?}");
             assert!(done.onsets > begun.onsets + 100, "{elastic:?}");
             assert_eq!(allocations, 0, "{elastic:?} {regions:?}");
+        }
+    }
+}
+
+const LAWS: [Elastic; 3] = [Elastic::Hertz, Elastic::Johnson, Elastic::EnhancedCylinder];
+
+#[test]
+fn evaluations_that_choose_candidates_anew_allocate_nothing_whatever_the_instructions() {
+    for elastic in LAWS {
+        for damping in [Damping::None, Damping::LankaraniNikravesh] {
+            for regions in [Regions::Kept, Regions::Sharp] {
+                let drive = geared_drive([17, 25], 60, 20.0);
+                let scene = Scene::laid(&drive, &laws(elastic, damping, regions));
+                for set in InstructionSet::available() {
+                    let (mut dynamics, _) = scene.ready(common::control(1e-5));
+                    dynamics.use_instructions(set);
+                    dynamics.keep_energy(true);
+                    let mut y = scene.y();
+                    let mut dydt = vec![0.0; y.len()];
+                    let before = ALLOCATIONS.get();
+                    for _ in 0..100 {
+                        // All of the chain to one side, and back.
+                        for x in [2e-3, 5e-3, -7e-3] {
+                            y[..60].iter_mut().for_each(|place| *place += x);
+                            dynamics.derivative(0.0, &y, &mut dydt);
+                        }
+                    }
+                    assert_eq!(ALLOCATIONS.get() - before, 0, "{} {elastic:?}", set.name());
+                    assert!(dynamics.candidate_refreshes() > 100);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn steps_with_onsets_and_new_candidates_allocate_nothing_whatever_the_instructions() {
+    for elastic in LAWS {
+        let laws = laws(elastic, Damping::LankaraniNikravesh, Regions::Kept);
+        let scene = Scene::laid(&geared_drive([17, 17], 38, 100.0), &laws);
+        for set in InstructionSet::available() {
+            let (mut dynamics, mut adams) = scene.ready(common::control(1e-4));
+            dynamics.use_instructions(set);
+            let (mut allocations, mut begun) = (0, (0, 0));
+            while adams.time() < 6e-3 {
+                let before = ALLOCATIONS.get();
+                dynamics.begin_step();
+                let step = adams.step(&mut dynamics).unwrap();
+                dynamics.finish_step(&adams, &step);
+                // The first contact past the end of its law is put into words, once.
+                if dynamics.past_range().count() == begun.0 {
+                    allocations += ALLOCATIONS.get() - before;
+                }
+                begun = (
+                    dynamics.past_range().count(),
+                    dynamics.memory.counts().onsets,
+                );
+            }
+            let refreshes = dynamics.candidate_refreshes();
+            assert_eq!(allocations, 0, "{} {elastic:?}", set.name());
+            assert!(refreshes > 3 && begun.1 > 100, "{refreshes} {begun:?}");
         }
     }
 }

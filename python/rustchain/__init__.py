@@ -8,6 +8,7 @@
 
 from importlib.metadata import version
 
+from rustchain._rustchain import instruction_set
 from rustchain.catalogue import catalogue_chain, paper_drive, two_sprocket_drive
 from rustchain.drive import (
     AnsiTooth,
@@ -60,6 +61,7 @@ __all__ = [
     "SweepResult",
     "Tensioner",
     "catalogue_chain",
+    "instruction_set",
     "load_result",
     "paper_drive",
     "sweep",

@@ -19,6 +19,7 @@ __all__ = [
     "InvalidInput",
     "SimulationError",
     "closing_center_distance",
+    "instruction_set",
     "integrate",
     "law_force",
     "layout",
@@ -42,6 +43,13 @@ class SimulationError(RuntimeError):
 
 def validate(description: Description) -> None:
     """Raise InvalidInput, naming the field, its value and what is allowed."""
+
+def instruction_set() -> Literal["avx512", "avx2", "neon", "plain"]:
+    """Return the instructions that the kernels run with on this machine.
+
+    "avx512" and "avx2" give the same bits as each other; "plain", without fused multiply-add,
+    differs by rounding.
+    """
 
 def layout(drive: ChainDrive) -> dict[str, Any]:
     """Return the fields of a DriveReport."""

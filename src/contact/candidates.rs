@@ -1,7 +1,8 @@
 //! Which bushings may touch which sprockets before anything has moved far, and in which gap each of them is.
 //!
 //! A list holds until a bushing, or a bushing seen from a sprocket, has moved by more than the margin with which it was made. Every evaluation
-//! measures that, so no contact can be missed whatever a step tries. The gaps are hints: the kernel sees when a bushing has
+//! measures that, so no contact can be missed whatever a step tries. A list made where something was nowhere holds for nothing.
+//! A pair that has a memory stays a candidate until the memory has ended. The gaps are hints: the kernel sees when a bushing has
 //! crossed to the next one and asks for it.
 
 use crate::contact::ImpactMemory;
@@ -171,17 +172,24 @@ impl Candidates {
         let n = model.links;
         self.reference[0][..n].copy_from_slice(&x[..n]);
         self.reference[1][..n].copy_from_slice(&y[..n]);
-        self.stale = false;
+        // From a place that is no number nothing has moved by any number.
+        let finite = |places: &[f64]| places[..n].iter().all(|place| place.is_finite());
+        self.stale = !(finite(x) && finite(y));
         self.refreshes += 1;
         self.overhang = 0;
         for (s, (center, direction)) in frames.enumerate() {
             if let Some((_, reference)) = self.movable.iter_mut().find(|(movable, _)| *movable == s)
             {
                 *reference = center;
+                self.stale |= !(center.x.is_finite() && center.y.is_finite());
             }
             let candidates = &mut self.sprockets[s];
             let limit = model.sprockets[s].reach + self.margin;
-            let near = |k: usize| (Vec2::new(x[k], y[k]) - center).norm_squared() < limit * limit;
+            let live = &memory.tooth_speed[s * n..(s + 1) * n];
+            let near = |k: usize| {
+                let distance_squared = (Vec2::new(x[k], y[k]) - center).norm_squared();
+                distance_squared < limit * limit || distance_squared.is_nan() || live[k] > 0.0
+            };
             let slots = find_runs(n, near, &mut candidates.runs);
             candidates.resize(slots);
             for i in 0..candidates.runs.len() {
@@ -199,6 +207,14 @@ impl Candidates {
                 }
             }
         }
+    }
+
+    /// The gap of sprocket `s` that bushing `k` was last seen in.
+    pub(crate) fn gap(&self, model: &Model, s: usize, k: usize) -> Option<u32> {
+        let candidates = &self.sprockets[s];
+        let slot = candidates.slot_of(k, model.links)?;
+        let angle = candidates.gap_sin[slot].atan2(candidates.gap_cos[slot]);
+        Some(model.sprockets[s].profile.nearest_gap(angle))
     }
 
     /// Brings what the slot of bushing `k` on sprocket `s` knows of its onset in line with `memory`.

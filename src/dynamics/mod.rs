@@ -350,7 +350,8 @@ impl Dynamics {
             .tooth_contacts(model)
             .filter(|&(s, k, ..)| model.link_of_bushing(k) == body || n + s == body)
             .map(|(s, k, _, force)| {
-                let name = format!("bushing {} on sprocket {}", k + 1, s + 1);
+                let gap = self.kernels.candidates.gap(model, s, k).unwrap_or(0);
+                let name = format!("bushing {} on sprocket {}, gap {gap}", k + 1, s + 1);
                 (force, name)
             });
         hinges

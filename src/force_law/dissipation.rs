@@ -20,11 +20,12 @@ impl Damping {
     }
 }
 
-/// The factor 1 + λ δ'/δ'₀, never negative: damping does not pull.
+/// The factor 1 + λ δ'/δ'₀, never negative: damping does not pull. Not a number stays so.
 #[must_use]
 #[inline]
 pub fn damping_factor(lambda: f64, rate: f64, onset_speed: f64) -> f64 {
-    (1.0 + lambda * rate / onset_speed).max(0.0)
+    let factor = 1.0 + lambda * rate / onset_speed;
+    if factor < 0.0 { 0.0 } else { factor }
 }
 
 /// The restitution e' that a factor with `lambda` really gives, whatever the stiffness, mass and speed.
@@ -57,6 +58,7 @@ mod tests {
     fn damping_never_pulls() {
         assert!(damping_factor(0.4, -1.0, 1e-3).abs() < f64::EPSILON);
         assert!((damping_factor(0.4, 1e-3, 1e-3) - 1.4).abs() < 1e-15);
+        assert!(damping_factor(0.4, f64::NAN, 1e-3).is_nan());
     }
 
     #[test]

@@ -26,8 +26,10 @@ impl ElasticLaw for Hertz {
     }
 
     fn force(pair: &HertzPair, penetration: f64) -> f64 {
-        let depth = penetration.max(0.0);
-        pair.stiffness * depth * depth.sqrt()
+        if penetration <= 0.0 {
+            return 0.0;
+        }
+        pair.stiffness * penetration * penetration.sqrt()
     }
 
     fn energy(pair: &HertzPair, penetration: f64) -> f64 {

@@ -95,7 +95,7 @@ pub trait ElasticLaw {
     /// What the law needs of a pair, worked out once when the model is compiled.
     fn prepare(surfaces: &SurfacePair) -> Self::Pair;
 
-    /// Elastic force \[N\] at penetration δ \[m\]; zero for δ <= 0.
+    /// Elastic force \[N\] at penetration δ \[m\]; zero for δ <= 0; not a number stays so.
     fn force(pair: &Self::Pair, penetration: f64) -> f64;
 
     /// Elastic energy \[J\] at penetration δ \[m\], the integral of the force.

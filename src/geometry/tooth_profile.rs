@@ -233,7 +233,9 @@ impl ToothProfile {
     /// Distance from the sprocket's centre \[m\] beyond which a cylinder of `radius` touches no tooth.
     ///
     /// There the circles of radius F + r about the topping centres of neighbouring gaps cross, on the tooth's centre line;
-    /// inside it a cylinder cannot pass from one gap to the next without deep contact.
+    /// inside it a cylinder cannot pass from one gap to the next without deep contact. Rollers thinner than a third of the
+    /// pitch leave room for the topping's centre before that line: then its circle is farthest straight above the centre.
+    /// Cylinders much thinner than a roller of nearly the pitch meet the line on the flat.
     #[must_use]
     pub fn reach(&self, radius: f64) -> f64 {
         let (sin, cos) = (0.5 * self.gap_angle()).sin_cos();
@@ -241,6 +243,17 @@ impl ToothProfile {
         let beyond = b.x * cos - b.y * sin; // distance of b from the tooth's centre line
         let along = b.x * sin + b.y * cos;
         let touch = self.topping.radius + radius;
+        if beyond < 0.0 {
+            return b.norm() + touch;
+        }
+        let past_line = |p: Vec2| p.x * cos - p.y * sin;
+        let to_cylinder = Vec2::new(0.0, self.seat_center_radius) - radius * self.flat.normal;
+        let start = self.flat.start + to_cylinder;
+        if past_line(self.flat.end() + to_cylinder) > 0.0 {
+            // Where the flat meets the line, or where it begins, which is farther out than whatever lies before it.
+            let meets = -past_line(start) / past_line(self.flat.tangent);
+            return (start + meets.max(0.0) * self.flat.tangent).norm();
+        }
         along + (touch * touch - beyond * beyond).max(0.0).sqrt()
     }
 

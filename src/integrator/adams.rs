@@ -6,7 +6,9 @@ use super::coefficients::Coefficients;
 use super::dense_output::DenseOutput;
 use super::differences::Differences;
 use super::order_control::{ErrorEstimate, choose_order, choose_step, gamma_star};
+use super::table::{Errors, Weigh, WeightedSquares};
 use super::{OdeSystem, StepControl};
+use crate::vector::{InstructionSet, Numbers, padded_zeros};
 
 /// A step that was accepted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,13 +81,17 @@ pub struct Adams {
     starting: bool,
     /// While the solution is smooth from the start on, order and step size grow with every step.
     growing: bool,
-    y: Vec<f64>,
-    slope: Vec<f64>,
-    predicted: Vec<f64>,
-    inverse_weight: Vec<f64>,
+    dimension: usize,
+    /// The arrays below are padded with zeros.
+    y: Numbers,
+    slope: Numbers,
+    predicted: Numbers,
+    inverse_weight: Numbers,
     coefficients: Coefficients,
     differences: Differences,
     counts: Counts,
+    #[serde(skip)]
+    instructions: InstructionSet,
 }
 
 impl Adams {
@@ -102,20 +108,27 @@ impl Adams {
             smallest_step: 0.0,
             starting: true,
             growing: true,
-            y: vec![0.0; dimension],
-            slope: vec![0.0; dimension],
-            predicted: vec![0.0; dimension],
-            inverse_weight: vec![0.0; dimension],
+            dimension,
+            y: padded_zeros(dimension),
+            slope: padded_zeros(dimension),
+            predicted: padded_zeros(dimension),
+            inverse_weight: padded_zeros(dimension),
             coefficients: Coefficients::new(),
             differences: Differences::new(dimension),
             counts: Counts::default(),
+            instructions: InstructionSet::detect(),
         }
+    }
+
+    /// Goes on with other instructions than the widest ones that this machine has.
+    pub fn use_instructions(&mut self, instructions: InstructionSet) {
+        self.instructions = instructions;
     }
 
     /// Begins anew at (`t`, `y`) and forgets the history.
     pub fn restart(&mut self, t: f64, y: &[f64]) {
         self.time = t;
-        self.y.copy_from_slice(y);
+        self.y[..self.dimension].copy_from_slice(y);
         self.last_order = 0;
         self.starting = true;
     }
@@ -129,13 +142,13 @@ impl Adams {
     /// Solution at [`Self::time`].
     #[must_use]
     pub fn y(&self) -> &[f64] {
-        &self.y
+        &self.y[..self.dimension]
     }
 
     /// Slope at [`Self::time`].
     #[must_use]
     pub fn slope(&self) -> &[f64] {
-        &self.slope
+        &self.slope[..self.dimension]
     }
 
     /// Work done so far.
@@ -163,7 +176,7 @@ impl Adams {
             t - self.time,
             self.last_order,
             &self.coefficients.psi,
-            &self.y,
+            self.y(),
             &self.differences,
         )
     }
@@ -188,7 +201,7 @@ impl Adams {
         self.weigh(controlled);
         self.check_tolerances(controlled)?;
         if self.starting {
-            self.start(system, controlled);
+            self.start(system);
         }
         let begin = self.time;
         let mut failures = 0;
@@ -200,6 +213,7 @@ impl Adams {
                 self.last_order,
             );
             self.differences.predict(
+                self.instructions,
                 &self.coefficients,
                 self.order,
                 self.step_size,
@@ -207,7 +221,7 @@ impl Adams {
                 &mut self.predicted,
             );
             self.evaluate_prediction(system);
-            let estimate = self.estimate_error(controlled);
+            let estimate = self.estimate_error();
             if estimate.accepts() {
                 break estimate;
             }
@@ -215,7 +229,7 @@ impl Adams {
             self.retreat(&estimate, failures, controlled)?;
         };
         self.correct_and_evaluate(system);
-        self.choose_order_and_step(&estimate, controlled);
+        self.choose_order_and_step(&estimate);
         Ok(Step {
             start: begin,
             end: self.time,
@@ -223,26 +237,27 @@ impl Adams {
         })
     }
 
-    /// 1/(atol + rtol |y|) for the components that the error test watches.
+    /// 1/(atol + rtol |y|) for the components that the error test watches, zero for the others.
     fn weigh(&mut self, controlled: usize) {
-        let StepControl { rtol, atol, .. } = self.control;
-        for (weight, y) in self.inverse_weight[..controlled].iter_mut().zip(&self.y) {
-            *weight = 1.0 / (atol + rtol * y.abs());
-        }
+        self.instructions.run(Weigh {
+            control: &self.control,
+            y: &self.y,
+            inverse_weight: &mut self.inverse_weight,
+        });
+        self.inverse_weight[controlled..].fill(0.0);
     }
 
     /// Euclidean norm of `values` over their weights, as DE/STEP has it.
-    fn norm(&self, values: &[f64], controlled: usize) -> f64 {
-        let sum: f64 = values[..controlled]
-            .iter()
-            .zip(&self.inverse_weight)
-            .map(|(v, w)| (v * w) * (v * w))
-            .sum();
+    fn norm(&self, values: &[f64]) -> f64 {
+        let sum = self.instructions.run(WeightedSquares {
+            values,
+            inverse_weight: &self.inverse_weight,
+        });
         sum.sqrt()
     }
 
     fn check_tolerances(&self, controlled: usize) -> Result<(), StepFailure> {
-        let rounding = 2.0 * f64::EPSILON * self.norm(&self.y, controlled);
+        let rounding = 2.0 * f64::EPSILON * self.norm(&self.y);
         if rounding > 0.5 {
             let size = |i: usize| (self.y[i] * self.inverse_weight[i]).abs();
             return Err(StepFailure::ToleranceTooSmall {
@@ -258,15 +273,19 @@ impl Adams {
     }
 
     /// The slope at the start and a first step that a method of order one would accept.
-    fn start(&mut self, system: &mut impl OdeSystem, controlled: usize) {
-        system.derivative(self.time, &self.y, &mut self.slope);
+    fn start(&mut self, system: &mut impl OdeSystem) {
+        system.derivative(
+            self.time,
+            &self.y[..self.dimension],
+            &mut self.slope[..self.dimension],
+        );
         self.counts.evaluations += 1;
-        let rounding = 2.0 * f64::EPSILON * self.norm(&self.y, controlled);
+        let rounding = 2.0 * f64::EPSILON * self.norm(&self.y);
         self.differences
             .restart(&self.slope, 0.5 <= 100.0 * rounding);
-        let slope = self.norm(&self.slope, controlled);
+        let slope = self.norm(&self.slope);
         let scale = if slope > 0.0 {
-            self.norm(&self.y, controlled) / slope
+            self.norm(&self.y) / slope
         } else {
             1.0
         };
@@ -285,25 +304,24 @@ impl Adams {
     }
 
     fn evaluate_prediction(&mut self, system: &mut impl OdeSystem) {
-        system.derivative(self.time + self.step_size, &self.predicted, &mut self.slope);
+        system.derivative(
+            self.time + self.step_size,
+            &self.predicted[..self.dimension],
+            &mut self.slope[..self.dimension],
+        );
         self.counts.evaluations += 1;
     }
 
     /// Errors of this step and, had steps been equal, of the two orders below.
-    fn estimate_error(&self, controlled: usize) -> ErrorEstimate {
+    fn estimate_error(&self) -> ErrorEstimate {
         let (k, h) = (self.order, self.step_size);
-        let first = self.differences.row(0);
-        let one_below_row = self.differences.row(k - 1);
-        let two_below_row = self.differences.row(k.saturating_sub(2));
-        let (mut at, mut one, mut two) = (0.0, 0.0, 0.0);
-        for i in 0..controlled {
-            let weight = self.inverse_weight[i];
-            let change = self.slope[i] - first[i];
-            let square = |x: f64| (x * weight) * (x * weight);
-            at += square(change);
-            one += square(one_below_row[i] + change);
-            two += square(two_below_row[i] + change);
-        }
+        let [at, one, two] = self.instructions.run(Errors {
+            slope: &self.slope,
+            first: self.differences.row(0),
+            one_below: self.differences.row(k - 1),
+            two_below: self.differences.row(k.saturating_sub(2)),
+            inverse_weight: &self.inverse_weight,
+        });
         let mean = |sum: f64| h * sum.sqrt();
         let c = &self.coefficients;
         let at = mean(at);
@@ -334,7 +352,8 @@ impl Adams {
         self.growing = false;
         let failed = self.step_size;
         let component = self.worst_component(controlled);
-        self.differences.retreat(&self.coefficients, self.order);
+        self.differences
+            .retreat(self.instructions, &self.coefficients, self.order);
         self.coefficients.retreat(self.order, failed);
         let mut shrink = 0.5;
         if failures > 3 && 0.5 < 0.25 * estimate.at_order && estimate.at_order.is_finite() {
@@ -383,20 +402,23 @@ impl Adams {
         self.last_step_size = h;
         self.time += h;
         self.differences.correct(
-            &self.coefficients,
-            k,
-            h,
+            self.instructions,
+            h * self.coefficients.g[k],
             &self.predicted,
             &self.slope,
             &mut self.y,
         );
-        system.derivative(self.time, &self.y, &mut self.slope);
-        self.differences.update(k, &self.slope);
+        system.derivative(
+            self.time,
+            &self.y[..self.dimension],
+            &mut self.slope[..self.dimension],
+        );
+        self.differences.update(self.instructions, k, &self.slope);
         self.counts.evaluations += 1;
         self.counts.steps += 1;
     }
 
-    fn choose_order_and_step(&mut self, estimate: &ErrorEstimate, controlled: usize) {
+    fn choose_order_and_step(&mut self, estimate: &ErrorEstimate) {
         let (k, h) = (self.order, self.step_size);
         if estimate.prefers_lower(k) || k >= self.control.max_order {
             self.growing = false;
@@ -412,7 +434,7 @@ impl Adams {
             self.control.max_order,
             estimate,
             enough_equal_steps,
-            || h * gamma_star(k + 1) * self.norm(self.differences.row(k + 1), controlled),
+            || h * gamma_star(k + 1) * self.norm(self.differences.row(k + 1)),
         );
         self.order = choice.order;
         self.step_size = choose_step(h, choice.order, choice.error)

@@ -4,12 +4,16 @@ use serde::{Deserialize, Serialize};
 
 use super::MAX_ORDER;
 use super::coefficients::Coefficients;
+use super::table::{Correct, Predict, Retreat, Update};
+use crate::vector::{InstructionSet, Numbers, padded, padded_zeros};
 
 /// `φ_1` .. φ_{k+2} of the slopes, one row a difference, and the sums that keep rounding out of y at tight tolerances.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Differences {
-    /// Row i holds φ_{i+1} for every component.
-    rows: Vec<Vec<f64>>,
+    /// Row i holds φ_{i+1} for every component, padded; the rows follow one another.
+    table: Numbers,
+    /// Components of a row, padded.
+    width: usize,
     /// What rounding took from y so far; used when the tolerance is near rounding.
     carry: Option<Carry>,
 }
@@ -24,18 +28,18 @@ struct Carry {
 
 impl Differences {
     pub(super) fn new(dimension: usize) -> Self {
+        let width = padded(dimension);
         Self {
-            rows: vec![vec![0.0; dimension]; MAX_ORDER + 2],
+            table: padded_zeros(width * (MAX_ORDER + 2)),
+            width,
             carry: None,
         }
     }
 
     /// Starts anew from the slope at one point.
     pub(super) fn restart(&mut self, slope: &[f64], compensate: bool) {
-        self.rows[0].copy_from_slice(slope);
-        for row in &mut self.rows[1..] {
-            row.fill(0.0);
-        }
+        self.table.fill(0.0);
+        self.table[..slope.len()].copy_from_slice(slope);
         self.carry = compensate.then(|| Carry {
             kept: vec![0.0; slope.len()],
             predicted: vec![0.0; slope.len()],
@@ -43,40 +47,28 @@ impl Differences {
     }
 
     pub(super) fn row(&self, i: usize) -> &[f64] {
-        &self.rows[i]
+        &self.table[i * self.width..(i + 1) * self.width]
     }
 
     /// Turns φ into φ* and writes the predicted solution.
     pub(super) fn predict(
         &mut self,
+        set: InstructionSet,
         c: &Coefficients,
         order: usize,
         h: f64,
         y: &[f64],
         predicted: &mut [f64],
     ) {
-        for i in c.equal_steps..order {
-            let beta = c.beta[i];
-            self.rows[i].iter_mut().for_each(|phi| *phi *= beta);
-        }
-        // φ_{k+2} keeps the old φ_{k+1} for the error estimate one order up.
-        let (low, high) = self.rows.split_at_mut(order + 1);
-        high[0].copy_from_slice(&low[order]);
-        low[order].fill(0.0);
-        predicted.fill(0.0);
-        for i in (0..order).rev() {
-            let g = c.g[i];
-            let (low, high) = self.rows.split_at_mut(i + 1);
-            for ((p, phi), next) in predicted.iter_mut().zip(&mut low[i]).zip(&high[0]) {
-                *p += g * *phi;
-                *phi += next;
-            }
-        }
+        set.run(Predict {
+            coefficients: c,
+            order,
+            step: h,
+            table: &mut self.table,
+            increment: predicted,
+        });
         match &mut self.carry {
-            None => predicted
-                .iter_mut()
-                .zip(y)
-                .for_each(|(p, y)| *p = y + h * *p),
+            None => predicted.iter_mut().zip(y).for_each(|(p, y)| *p += y),
             Some(carry) => {
                 for (((p, y), kept), lost) in predicted
                     .iter_mut()
@@ -84,7 +76,7 @@ impl Differences {
                     .zip(&carry.kept)
                     .zip(&mut carry.predicted)
                 {
-                    let tau = h * *p - kept;
+                    let tau = *p - kept;
                     *p = y + tau;
                     *lost = (*p - y) - tau;
                 }
@@ -93,34 +85,33 @@ impl Differences {
     }
 
     /// Takes back a prediction whose step failed.
-    pub(super) fn retreat(&mut self, c: &Coefficients, order: usize) {
-        for i in 0..order {
-            let inverse = 1.0 / c.beta[i];
-            let (low, high) = self.rows.split_at_mut(i + 1);
-            for (phi, next) in low[i].iter_mut().zip(&high[0]) {
-                *phi = inverse * (*phi - next);
-            }
-        }
+    pub(super) fn retreat(&mut self, set: InstructionSet, c: &Coefficients, order: usize) {
+        set.run(Retreat {
+            coefficients: c,
+            order,
+            dimension: self.width,
+            table: &mut self.table,
+        });
     }
 
     /// Corrects the prediction with the slope found there: y = p + h g_{k+1} (f(p) - φ*_1).
     pub(super) fn correct(
         &mut self,
-        c: &Coefficients,
-        order: usize,
-        h: f64,
+        set: InstructionSet,
+        weight: f64,
         predicted: &[f64],
         slope: &[f64],
         y: &mut [f64],
     ) {
-        let weight = h * c.g[order];
-        let first = &self.rows[0];
+        let first = &self.table[..self.width];
         match &mut self.carry {
-            None => {
-                for (((y, p), slope), phi) in y.iter_mut().zip(predicted).zip(slope).zip(first) {
-                    *y = p + weight * (slope - phi);
-                }
-            }
+            None => set.run(Correct {
+                weight,
+                predicted,
+                slope,
+                first,
+                y,
+            }),
             Some(carry) => {
                 let sums = carry.kept.iter_mut().zip(&carry.predicted);
                 for ((((y, p), slope), phi), (kept, lost)) in
@@ -135,30 +126,19 @@ impl Differences {
     }
 
     /// Takes in the slope at the corrected solution.
-    pub(super) fn update(&mut self, order: usize, slope: &[f64]) {
-        let (low, high) = self.rows.split_at_mut(order + 1);
-        let (old, newest) = low.split_at_mut(order);
-        for (((newest, after), first), slope) in newest[0]
-            .iter_mut()
-            .zip(&mut high[0])
-            .zip(&old[0])
-            .zip(slope)
-        {
-            *newest = slope - first;
-            *after = *newest - *after;
-        }
-        for row in old {
-            for (phi, newest) in row.iter_mut().zip(&newest[0]) {
-                *phi += newest;
-            }
-        }
+    pub(super) fn update(&mut self, set: InstructionSet, order: usize, slope: &[f64]) {
+        set.run(Update {
+            order,
+            slope,
+            table: &mut self.table,
+        });
     }
 
     /// Takes the past of one component to have had a constant `slope`.
     pub(super) fn assume_constant_slope(&mut self, component: usize, slope: f64) {
-        for row in &mut self.rows {
+        for row in self.table.chunks_exact_mut(self.width) {
             row[component] = 0.0;
         }
-        self.rows[0][component] = slope;
+        self.table[component] = slope;
     }
 }

@@ -3,11 +3,14 @@
 //!
 //! Knows only [`OdeSystem`]: a pendulum will do.
 
+#![allow(clippy::inline_always)] // what is not inlined into a kernel does not run with its instructions
+
 mod adams;
 mod coefficients;
 mod dense_output;
 mod differences;
 mod order_control;
+mod table;
 
 use serde::{Deserialize, Serialize};
 

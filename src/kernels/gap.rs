@@ -4,7 +4,7 @@ use pulp::Simd;
 
 use crate::contact::surface_constants;
 use crate::force_law::Regions;
-use crate::geometry::{Surface, Vec2};
+use crate::geometry::{Surface, ToothProfile, Vec2};
 use crate::model::Model;
 use crate::vector::{Lanes, Mask};
 
@@ -33,11 +33,17 @@ pub(super) struct ToothConstants {
 
 impl ToothConstants {
     pub(super) fn new(model: &Model, s: usize) -> Self {
-        let profile = &model.sprockets[s].profile;
-        let radius = model.bushing_radius;
+        let law = Surface::ALL.map(|surface| surface_constants(model, s, surface));
+        Self {
+            keeps_stiffness: model.tooth_law.regions == Regions::Kept,
+            ..Self::of(&model.sprockets[s].profile, model.bushing_radius, law)
+        }
+    }
+
+    /// Cylinders of `radius` on `profile`, with the law constants of the four surfaces; no stiffness is kept.
+    fn of(profile: &ToothProfile, radius: f64, law: [[f64; 2]; 4]) -> Self {
         let pair = |v: Vec2| [v.x, v.y];
         let (sin, cos) = (0.5 * profile.gap_angle()).sin_cos();
-        let law = Surface::ALL.map(|surface| surface_constants(model, s, surface));
         Self {
             seat_center_radius: profile.seat_center_radius,
             seat_end_tangent: pair(profile.seat_end_tangent),
@@ -53,7 +59,7 @@ impl ToothConstants {
             bushing_radius: radius,
             half_gap: [cos, sin],
             law: [0, 1].map(|i| law.map(|constants| constants[i])),
-            keeps_stiffness: model.tooth_law.regions == Regions::Kept,
+            keeps_stiffness: false,
         }
     }
 }
@@ -225,5 +231,111 @@ impl<'a, S: Simd> Gap<'a, S> {
             let rest = surface.working.select(self.splat(work), rest);
             surface.seating.select(self.splat(seat), rest)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use pulp::WithSimd;
+
+    use super::*;
+    use crate::geometry::Seat;
+    use crate::vector::InstructionSet;
+
+    const RADIUS: f64 = 3.968_75e-3;
+
+    fn profile(teeth: u32, seat: Seat) -> ToothProfile {
+        ToothProfile::ansi(0.0127, 2.0 * RADIUS, teeth, seat)
+    }
+
+    /// What the kernel finds at one point: surface, depth, normal (u, v), and whether it is near.
+    struct At<'a>(&'a ToothConstants, Vec2);
+
+    impl WithSimd for At<'_> {
+        type Output = (Surface, f64, Vec2, bool);
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+            let splat = |value| Lanes::splat(simd, value);
+            let gap = Gap::new(simd, self.0);
+            let along_x = [splat(1.0), splat(0.0)];
+            // v along x, so that u is along -y.
+            let place = InGap::new([splat(self.1.y), splat(-self.1.x)], along_x, along_x);
+            let surface = gap.nearest(&place);
+            let (depth, [x, y]) = gap.depth(&surface, &place);
+            let number = gap.law_constants(&surface)[0].greatest();
+            let surface_of = |s: &Surface| f64::from(*s as u8) == number;
+            (
+                Surface::ALL.into_iter().find(surface_of).unwrap(),
+                depth.greatest(),
+                Vec2::new(-y.greatest(), x.greatest()),
+                surface.near.any(),
+            )
+        }
+    }
+
+    /// Points (u, outward) of both flanks on, and to a few numbers beside, the middle of the gap and the normals at the junctions.
+    fn points(profile: &ToothProfile) -> Vec<Vec2> {
+        let [x, y] = [profile.seat_end_tangent.x, profile.seat_end_tangent.y];
+        let normals = [
+            (Vec2::zeros(), Vec2::new(y, -x)),
+            (profile.flat.start, profile.flat.normal),
+            (profile.flat.end(), profile.flat.normal),
+            (Vec2::zeros(), Vec2::new(0.0, -1.0)),
+        ];
+        let mut points = Vec::new();
+        for (foot, normal) in normals {
+            for i in -400..=100 {
+                let mut point = foot + 1e-5 * f64::from(i) * normal;
+                point.y += profile.seat_center_radius;
+                for beside in -3..=3 {
+                    let u = point.x + f64::from(beside) * f64::EPSILON * RADIUS;
+                    points.extend([Vec2::new(u, point.y), Vec2::new(-u, point.y)]);
+                }
+            }
+        }
+        points
+    }
+
+    /// With the same point for both: depths to 2 units of the distance of centres, normals to 4.
+    #[test]
+    fn a_point_on_every_surface_and_junction_has_the_depth_and_normal_of_the_twin() {
+        let law = [0.0, 1.0, 2.0, 3.0].map(|number| [number, 0.0]);
+        let mut seen = [0; 4];
+        for teeth in [6, 9, 17, 60, 150] {
+            for seat in [Seat::BottomDiameter, Seat::PitchCircle] {
+                let profile = profile(teeth, seat);
+                let constants = ToothConstants::of(&profile, RADIUS, law);
+                for point in points(&profile) {
+                    let in_gap = point - Vec2::new(0.0, profile.seat_center_radius);
+                    let twin = profile.contact(in_gap, RADIUS);
+                    seen[twin.surface as usize] += 1;
+                    for set in InstructionSet::available() {
+                        let (surface, depth, normal, near) = set.run(At(&constants, point));
+                        let what =
+                            format!("{} {teeth} teeth at {in_gap:?}: {surface:?}", set.name());
+                        // On a junction either of the two is nearest; they meet there with one normal.
+                        let same = profile.contact_with(surface, in_gap, RADIUS);
+                        assert!((surface as u8).abs_diff(twin.surface as u8) <= 1, "{what}");
+                        assert!(
+                            (same.penetration - twin.penetration).abs() < 1e-17,
+                            "{what}"
+                        );
+                        let size = 4.0 * RADIUS;
+                        let off = (depth - same.penetration).abs();
+                        assert!(off <= 2.0 * f64::EPSILON * size, "{what}: {off:e}");
+                        let distance = (in_gap.norm() > 1e-4) || surface != Surface::Seating;
+                        let turned = (normal - same.normal).amax();
+                        assert!(
+                            turned <= 4.0 * f64::EPSILON || !distance,
+                            "{what}: {turned:e}"
+                        );
+                        assert!(near || depth <= 0.0, "{what}: {depth:e} unseen");
+                        assert!(!near || depth >= 0.0, "{what}: {depth:e}");
+                    }
+                }
+            }
+        }
+        assert!(seen.iter().all(|&count| count > 1000), "{seen:?}");
     }
 }

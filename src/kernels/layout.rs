@@ -87,4 +87,12 @@ impl ChainArrays {
             bushing_velocity: twice(),
         }
     }
+
+    /// Puts zeros behind the last of `links` bushings, where longer runs may have left what is no number: registers at the end of
+    /// a run read it, and no number times no force is none.
+    pub(super) fn clear_repeated(&mut self, links: usize) {
+        for array in self.bushing.iter_mut().chain(&mut self.bushing_velocity) {
+            array[links..].fill(0.0);
+        }
+    }
 }

@@ -49,7 +49,8 @@ impl WithSimd for AccelerateLinks<'_> {
         let blocks = whole + usize::from(!x_rest.is_empty());
         let loads = Loads::<S> {
             simd,
-            gravity: gravity.map(|g| Lanes::splat(simd, g)),
+            // With no sign on a zero: that of a force of none depends on what shares its register.
+            gravity: gravity.map(|g| Lanes::splat(simd, g + 0.0)),
             cos: vectors::<S>(cos, blocks),
             sin: vectors::<S>(sin, blocks),
             arm: vectors::<S>(&constants.front_arm, blocks),
@@ -105,7 +106,9 @@ impl<S: Simd> Loads<'_, S> {
         let x = (front_x + rear_x).mul_add(inverse_mass, self.gravity[0]);
         let y = (front_y + rear_y).mul_add(inverse_mass, self.gravity[1]);
         let turn = at(self.cos).mul_add(front_y - rear_y, -(at(self.sin) * (front_x - rear_x)));
-        let angle = at(self.arm) * turn * at(self.inverse_inertia);
+        // Nothing added takes the sign off a zero; see gravity.
+        let nothing = Lanes::splat(self.simd, 0.0);
+        let angle = (at(self.arm) * turn).mul_add(at(self.inverse_inertia), nothing);
         [x, y, angle].map(Lanes::values)
     }
 }

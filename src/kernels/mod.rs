@@ -213,6 +213,7 @@ impl Kernels {
                 .map(|pose| (Vec2::from(pose.center), pose.direction));
             let [x, y] = &self.chain.bushing;
             self.candidates.refresh(model, memory, [x, y], frames);
+            self.chain.clear_repeated(model.links);
             self.instructions.run(RepeatBushings {
                 links: model.links,
                 overhang: self.candidates.overhang,

@@ -11,6 +11,15 @@ use crate::error::{Error, check};
 use crate::force_law::{SurfacePair, elastic_forces};
 use crate::integrator::{Adams, OdeSystem, StepControl};
 use crate::state::{self, Start};
+use crate::vector::InstructionSet;
+
+/// The instructions that the kernels run with on this machine: "avx512", "avx2", "neon" or "plain".
+///
+/// "avx512" and "avx2" give the same bits as each other; "plain", without fused multiply-add, differs by rounding.
+#[pyfunction]
+pub(super) fn instruction_set() -> &'static str {
+    InstructionSet::detect().name()
+}
 
 /// Lays the chain of a drive and tells what was chosen.
 #[pyfunction]

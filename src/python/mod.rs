@@ -18,6 +18,7 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<ensemble::Case>()?;
     module.add_class::<ensemble::Ensemble>()?;
     module.add_function(wrap_pyfunction!(describe::validate, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::instruction_set, module)?)?;
     module.add_function(wrap_pyfunction!(functions::layout, module)?)?;
     module.add_function(wrap_pyfunction!(
         functions::closing_center_distance,

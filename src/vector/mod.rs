@@ -13,6 +13,7 @@ mod lanes;
 mod logarithm;
 mod power_of_e;
 mod sines;
+mod sums;
 #[cfg(test)]
 pub(crate) mod testing;
 
@@ -23,6 +24,7 @@ pub(crate) use lanes::{
 pub(crate) use logarithm::{ln_of_quotient, octaves_of_quotient};
 pub(crate) use power_of_e::{exp_of_remainder, nearest_whole};
 pub(crate) use sines::sin_cos;
+pub(crate) use sums::{PartialSums, Squares};
 
 /// Numbers that arrays are padded to a multiple of: those of the widest registers.
 pub const WIDTH: usize = 8;
@@ -40,24 +42,4 @@ pub(crate) type Numbers = AVec<f64, ConstAlign<64>>;
 #[must_use]
 pub(crate) fn padded_zeros(length: usize) -> Numbers {
     avec![[64]| 0.0; padded(length)]
-}
-
-/// A sum in [`WIDTH`] parts, one for each place in a register of the widest kind.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct PartialSums([f64; WIDTH]);
-
-impl PartialSums {
-    /// Adds the numbers of block `block` of an array.
-    #[inline(always)]
-    pub(crate) fn add<S: pulp::Simd>(&mut self, block: usize, values: Lanes<S>) {
-        let parts = S::as_mut_simd_f64s(&mut self.0).0;
-        let part = &mut parts[block % (WIDTH / S::F64_LANES)];
-        *part = (values + load(values.simd(), part)).values();
-    }
-
-    /// The sum, in one order for all widths.
-    pub(crate) fn total(&self) -> f64 {
-        let [a, b, c, d, e, f, g, h] = self.0;
-        ((a + e) + (c + g)) + ((b + f) + (d + h))
-    }
 }

@@ -3,6 +3,9 @@
 // Every test binary compiles this file anew and uses a part of it.
 #![allow(dead_code, unreachable_pub)]
 
+pub mod scenes;
+pub mod twins;
+
 use std::sync::Arc;
 use std::time::Duration;
 

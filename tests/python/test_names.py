@@ -117,3 +117,7 @@ def test_importing_rustchain_leaves_the_heavy_packages_alone():
 
 def test_all_public_names_are_there():
     assert all(hasattr(rc, name) for name in rc.__all__)
+
+
+def test_the_instruction_set_has_a_name():
+    assert rc.instruction_set() in {"avx512", "avx2", "neon", "plain"}

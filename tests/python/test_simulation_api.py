@@ -293,7 +293,7 @@ def test_positions_just_given_have_no_memory(at_end):
     modulus = chain.material.elastic_modulus / (2 * (1 - chain.material.poisson_ratio**2))
     stiffness = 4 / 3 * modulus * math.sqrt(pin * bore / (bore - pin))
     depth = np.maximum(e.hinge_penetration, 0.0)
-    assert np.count_nonzero(depth) > 5
+    assert np.count_nonzero(depth) >= 3
     np.testing.assert_allclose(e.hinge_force, stiffness * depth**1.5, rtol=1e-9)
     np.testing.assert_allclose(
         np.hypot(*e.hinge_force_vector.T), e.hinge_force, rtol=1e-12, atol=1e-12

@@ -1,0 +1,51 @@
+//! Sums over arrays in [`WIDTH`] parts, so that every width of registers gives the same bits.
+
+use pulp::Simd;
+
+use super::{Lanes, WIDTH, load, vectors_mut};
+
+/// A sum in parts, one for each place in a register of the widest kind. Kept in memory: for loops that seldom add.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct PartialSums([f64; WIDTH]);
+
+impl PartialSums {
+    /// Adds the numbers of register `block` of an array.
+    #[inline(always)]
+    pub(crate) fn add<S: Simd>(&mut self, block: usize, values: Lanes<S>) {
+        let parts = WIDTH / S::F64_LANES;
+        let part = &mut vectors_mut::<S>(&mut self.0, parts)[block % parts];
+        *part = (values + load(values.simd(), part)).values();
+    }
+
+    /// The sum, in one order for all widths.
+    pub(crate) fn total(&self) -> f64 {
+        let [a, b, c, d, e, f, g, h] = self.0;
+        ((a + e) + (c + g)) + ((b + f) + (d + h))
+    }
+}
+
+/// A sum of squares in registers, for loops that add in every round.
+pub(crate) struct Squares<S: Simd>([Lanes<S>; WIDTH]);
+
+impl<S: Simd> Squares<S> {
+    #[inline(always)]
+    pub(crate) fn new(simd: S) -> Self {
+        Self([Lanes::splat(simd, 0.0); WIDTH])
+    }
+
+    /// Adds the squares of the numbers in register `part` of a group of [`WIDTH`].
+    #[inline(always)]
+    pub(crate) fn add(&mut self, part: usize, values: Lanes<S>) {
+        self.0[part] = values.mul_add(values, self.0[part]);
+    }
+
+    /// The sum, in one order for all widths.
+    #[inline(always)]
+    pub(crate) fn total(&self) -> f64 {
+        let mut sums = PartialSums::default();
+        for (part, &values) in self.0.iter().enumerate().take(WIDTH / S::F64_LANES) {
+            sums.add(part, values);
+        }
+        sums.total()
+    }
+}

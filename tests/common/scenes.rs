@@ -1,0 +1,160 @@
+//! Drives, states and random numbers for the tests of the right-hand side.
+
+use std::sync::Arc;
+
+use rustchain::drive::{Bearing, Drive, Motion, TimeTable};
+use rustchain::dynamics::Dynamics;
+use rustchain::force_law::{Damping, Elastic, ForceLaw, Regions};
+use rustchain::geometry::{Surface, Vec2, unit};
+use rustchain::integrator::{Adams, StepControl};
+use rustchain::state::{Motion as Motions, Start, closing_center_distance};
+use rustchain::{ForceLaws, Model};
+
+/// The paper's chain round sprockets of other sizes, the first one driven at `speed` \[rad/s\].
+pub fn geared_drive(teeth: [u32; 2], links: u32, speed: impl Into<TimeTable>) -> Drive {
+    let mut drive = super::paper_drive();
+    drive.chain.links = links;
+    let distance = closing_center_distance(drive.chain.pitch, teeth, links).unwrap();
+    for (sprocket, teeth) in drive.sprockets.iter_mut().zip(teeth) {
+        sprocket.teeth = teeth;
+        sprocket.mass = None;
+        sprocket.inertia = None;
+    }
+    drive.sprockets[1].center = Vec2::new(distance, 0.0);
+    drive.sprockets[0].motion = Motion::PrescribedSpeed(speed.into());
+    drive
+}
+
+/// One law for hinges and teeth.
+pub fn laws(elastic: Elastic, damping: Damping, regions: Regions) -> ForceLaws {
+    let law = ForceLaw {
+        elastic,
+        damping,
+        regions,
+    };
+    ForceLaws {
+        hinge: law,
+        tooth: law,
+        ..ForceLaws::default()
+    }
+}
+
+/// A model and a state of it.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    pub model: Arc<Model>,
+    pub motion: Motions,
+}
+
+impl Scene {
+    /// The drive as it is laid.
+    pub fn laid(drive: &Drive, laws: &ForceLaws) -> Self {
+        Self::of(drive, laws, &Start::generate(drive).unwrap().0)
+    }
+
+    /// A closed ring of few links, seated all round one sprocket of as many teeth and beside another, floating one.
+    pub fn ring(links: u32, laws: &ForceLaws) -> Self {
+        let mut drive = geared_drive([links.max(5), 7], 38, 12.0);
+        drive.chain.links = links;
+        drive.sprockets[1].bearing = Bearing::Floating;
+        let n = f64::from(links);
+        let turn = 2.0 * std::f64::consts::PI / n;
+        let apothem = 0.5 * drive.chain.pitch / (0.5 * turn).tan();
+        let link = |i: u32| {
+            let angle = turn * f64::from(i);
+            let center = apothem * unit(angle);
+            [center.x, center.y, angle + 0.5 * std::f64::consts::PI]
+        };
+        let mut positions: Vec<[f64; 3]> = (0..links).map(link).collect();
+        positions.push([0.0, 0.0, 0.5 * turn]);
+        positions.push([1.5 * drive.chain.pitch, 0.0, 0.1]);
+        let start = Start {
+            velocities: vec![[0.0; 3]; positions.len()],
+            positions,
+        };
+        Self::of(&drive, laws, &start)
+    }
+
+    fn of(drive: &Drive, laws: &ForceLaws, start: &Start) -> Self {
+        let model = Arc::new(Model::compile(drive, laws, start).unwrap());
+        let mut motion = Motions::new(model.bodies());
+        motion.set(&start.positions, &start.velocities);
+        Self { model, motion }
+    }
+
+    /// Number of y.
+    pub fn dimension(&self) -> usize {
+        2 * self.model.coordinates + 2
+    }
+
+    /// The state.
+    pub fn y(&self) -> Vec<f64> {
+        let mut y = vec![0.0; self.dimension()];
+        self.motion.write(&self.model, &mut y);
+        y
+    }
+
+    /// Shakes every body by up to `shake` \[m\], and links' ends by as much against one another; velocities up to `speed` \[m/s\].
+    pub fn shake(&mut self, noise: &mut Noise, shake: f64, speed: f64) {
+        let (motion, p) = (&mut self.motion, 2.0 * self.model.half_pitch);
+        for i in 0..motion.x.len() {
+            motion.x[i] += shake * noise.sign();
+            motion.y[i] += shake * noise.sign();
+            motion.angle[i] += shake / p * noise.sign();
+            motion.vx[i] += speed * noise.sign();
+            motion.vy[i] += speed * noise.sign();
+            motion.spin[i] += speed / p * noise.sign();
+        }
+    }
+
+    /// Its dynamics, in which a `share` of hinges and of pairs of bushing and sprocket have a memory.
+    pub fn remembering(&self, noise: &mut Noise, share: f64) -> Dynamics {
+        let mut dynamics = Dynamics::new(Arc::clone(&self.model));
+        let n = self.model.links;
+        for k in 0..n {
+            if noise.share() < share {
+                dynamics.memory.begin_hinge(k, noise.share());
+            }
+        }
+        for pair in 0..n * self.model.sprockets.len() {
+            if noise.share() < share {
+                let surface = Surface::ALL[(noise.next() % 4) as usize];
+                dynamics.memory.begin_tooth(pair, noise.share(), surface);
+            }
+        }
+        dynamics
+    }
+
+    /// Its dynamics and an integrator at the start, as a run has them.
+    pub fn ready(&self, control: StepControl) -> (Dynamics, Adams) {
+        let mut dynamics = Dynamics::new(Arc::clone(&self.model));
+        let y = self.y();
+        dynamics.remember_present_contacts(0.0, &y);
+        let mut adams = Adams::new(self.dimension(), control);
+        adams.restart(0.0, &y);
+        (dynamics, adams)
+    }
+}
+
+/// Random numbers that are the same everywhere (`SplitMix64`).
+pub struct Noise(pub u64);
+
+impl Noise {
+    pub fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// Between 0 and 1.
+    pub fn share(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Between -1 and 1.
+    pub fn sign(&mut self) -> f64 {
+        2.0 * self.share() - 1.0
+    }
+}

@@ -1,0 +1,383 @@
+//! The right-hand side of the kernels beside that of the scalar twins, difference by difference over its rounding.
+//!
+//! A depth is a small difference of large numbers: its error counts in units in the last place of the largest coordinate it
+//! comes from, called the grain of the contact. Directions are wrong by grain over distance of centres, rates by that times
+//! the speed, forces by what depth and rate make of them; the rest is counted in units of the quantity itself. All sums below are
+//! those of first order with every rounding taken as one unit; the ratios say how many units it were.
+
+use rustchain::dynamics::Dynamics;
+use rustchain::force_law::{ElasticLaw, EnhancedCylinder, Hertz, Johnson, PairTable, Regions};
+use rustchain::geometry::Surface;
+use rustchain::integrator::OdeSystem;
+use rustchain::model::{Model, Rotation, Support};
+
+const UNIT: f64 = f64::EPSILON;
+
+/// How many roundings lie between kernels and twins, the most of all contacts or bodies.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Agreement {
+    /// Contacts that touch.
+    pub touching: usize,
+    /// Depths of hinges and of teeth, in grains.
+    pub hinge_depth: f64,
+    pub tooth_depth: f64,
+    /// Elastic forces at the depths that the kernels found, in units of their own; undamped laws only.
+    pub elastic: f64,
+    /// Normal forces, over their first-order error.
+    pub force: f64,
+    /// Accelerations of links and of sprockets, over theirs.
+    pub link: f64,
+    pub sprocket: f64,
+    /// Powers, over theirs.
+    pub power: f64,
+}
+
+impl Agreement {
+    pub fn values(&self) -> [f64; 7] {
+        [
+            self.hinge_depth,
+            self.tooth_depth,
+            self.elastic,
+            self.force,
+            self.link,
+            self.sprocket,
+            self.power,
+        ]
+    }
+}
+
+/// Elastic force by the scalar form of a law.
+pub fn elastic(table: &PairTable, pair: usize, depth: f64) -> f64 {
+    match table {
+        PairTable::Hertz(pairs) => Hertz::force(&pairs[pair], depth),
+        PairTable::Johnson(pairs) => Johnson::force(&pairs[pair], depth),
+        PairTable::EnhancedCylinder(pairs) => EnhancedCylinder::force(&pairs[pair], depth),
+    }
+}
+
+/// Error of `force` at `depth` \[N\]: one unit, with Johnson's law what its scalar form makes of one; none with Hertz's, whose
+/// forms have the same bits.
+fn law_error(table: &PairTable, pair: usize, depth: f64, force: f64) -> f64 {
+    match table {
+        PairTable::Hertz(_) => 0.0,
+        PairTable::EnhancedCylinder(_) => UNIT * force,
+        PairTable::Johnson(pairs) => {
+            // Its exponent is rounded, and so is δ/δ_end, to which the exponent is steep near the end.
+            let pair = pairs[pair];
+            let to_end = (1.0 - depth / pair.end_penetration).max(UNIT);
+            let exponent = (pair.end_force / force).ln().abs();
+            UNIT * force * (1.0 + exponent + 0.5 / to_end.sqrt())
+        }
+    }
+}
+
+/// One contact that the twins found, and its first-order errors for one unit each.
+#[derive(Debug, Clone, Copy)]
+struct Errors {
+    grain: f64,
+    force: f64,
+    /// Of the normal force \[N\].
+    force_error: f64,
+    /// Of any of its components \[N\].
+    vector_error: f64,
+    /// Of the power that it dissipates \[W\].
+    power_error: f64,
+}
+
+struct Found {
+    depth: f64,
+    rate: f64,
+    force: f64,
+    /// Distance of the centres.
+    distance: f64,
+    /// Largest coordinate and speed.
+    size: f64,
+    speed: f64,
+    onset: f64,
+    lambda: f64,
+}
+
+impl Found {
+    fn errors(&self, law: impl Fn(f64) -> f64) -> Errors {
+        let grain = UNIT * self.size;
+        let direction = UNIT + grain / self.distance.max(grain);
+        let rate_error = 2.0 * self.speed * direction;
+        let factor = (1.0 + self.lambda * self.rate / self.onset).max(0.0);
+        // The floor of the factor hides errors of rates beside it.
+        let factor_error = self.lambda * rate_error / self.onset
+            + UNIT * (1.0 + (self.lambda * self.rate / self.onset).abs());
+        let at = law(self.depth.max(0.0));
+        let steep = law(self.depth.max(0.0) + grain) - law((self.depth - grain).max(0.0));
+        let force_error =
+            steep * (factor + factor_error) + (at + steep) * factor_error + UNIT * self.force;
+        let elastic_error = steep + UNIT * at;
+        Errors {
+            grain,
+            force: self.force,
+            force_error,
+            vector_error: force_error + self.force * direction,
+            power_error: (force_error + elastic_error) * (self.rate.abs() + rate_error)
+                + (self.force - at).abs() * rate_error
+                + UNIT * (self.force + at) * self.rate.abs(),
+        }
+    }
+}
+
+/// |a - b| in units of `error`; equal numbers, also infinite ones, differ by none.
+fn ratio(a: f64, b: f64, error: f64) -> f64 {
+    if a == b || (a.is_nan() && b.is_nan()) {
+        0.0
+    } else {
+        (a - b).abs() / error.max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Runs kernels and twins at one state.
+pub fn compare(dynamics: &mut Dynamics, t: f64, y: &[f64]) -> Agreement {
+    let mut dydt = vec![0.0; y.len()];
+    dynamics.derivative(t, y, &mut dydt);
+    let powers = dynamics.evaluate(t, y);
+    let model = dynamics.model().clone();
+    let (n, nq) = (model.links, model.coordinates);
+    assert_eq!(dydt[..nq], y[nq..2 * nq]);
+    let mut all = Agreement::default();
+
+    let hinges: Vec<Errors> = (0..n).map(|k| hinge_errors(dynamics, k)).collect();
+    for (k, ((depth, force), errors)) in dynamics.hinge_contacts().zip(&hinges).enumerate() {
+        let twin = dynamics.hinges.penetration[k].max(0.0);
+        all.touching += usize::from(depth > 0.0);
+        all.hinge_depth = all.hinge_depth.max(ratio(depth, twin, errors.grain));
+        all.force = all
+            .force
+            .max(ratio(force, errors.force, errors.force_error));
+        if model.hinge_law.lambda == 0.0 {
+            let law = elastic(&model.hinge_law.pairs, 0, depth);
+            let error = law_error(&model.hinge_law.pairs, 0, depth, law);
+            all.elastic = all.elastic.max(ratio(force, law, error));
+        }
+    }
+
+    let mut teeth = vec![None; n * model.sprockets.len()];
+    for &pair in &dynamics.teeth.near {
+        teeth[pair as usize] = Some(tooth_errors(dynamics, pair as usize));
+    }
+    let mut seen = vec![false; teeth.len()];
+    for (s, k, depth, force) in dynamics.candidates() {
+        let pair = s * n + k;
+        seen[pair] = true;
+        let Some(errors) = teeth[pair] else {
+            assert!(
+                depth == 0.0 && force == 0.0,
+                "beyond reach: {depth:e} m, {force:e} N"
+            );
+            continue;
+        };
+        let twin = dynamics.teeth.penetration[pair].max(0.0);
+        all.touching += usize::from(depth > 0.0);
+        all.tooth_depth = all.tooth_depth.max(ratio(depth, twin, errors.grain));
+        all.force = all
+            .force
+            .max(ratio(force, errors.force, errors.force_error));
+        if model.tooth_law.lambda == 0.0 {
+            let number = Model::tooth_pair(s, stiffness_surface(dynamics, pair));
+            let law = elastic(&model.tooth_law.pairs, number, depth);
+            let error = law_error(&model.tooth_law.pairs, number, depth, law);
+            all.elastic = all.elastic.max(ratio(force, law, error));
+        }
+    }
+    for &pair in &dynamics.teeth.near {
+        let pair = pair as usize;
+        assert!(
+            seen[pair] || dynamics.teeth.penetration[pair] <= 0.0,
+            "pair {pair} was not looked at"
+        );
+    }
+
+    compare_links(dynamics, &hinges, &teeth, &dydt[nq..], &mut all);
+    compare_sprockets(dynamics, &teeth, &dydt[nq..2 * nq], &mut all);
+    let mut dissipated_error = UNIT * powers.dissipated.abs();
+    let mut worked_in_error = UNIT * powers.worked_in.abs();
+    for errors in hinges.iter().chain(teeth.iter().flatten()) {
+        dissipated_error += errors.power_error;
+    }
+    for (s, sprocket) in model.sprockets.iter().enumerate() {
+        let (_, moment_error) = sprocket_errors(dynamics, &teeth, s);
+        if matches!(sprocket.rotation, Rotation::Prescribed(_)) {
+            worked_in_error += moment_error * dynamics.motion.spin[n + s].abs();
+        }
+        if let Support::Slide { damping, .. } = sprocket.support {
+            let speed = dynamics.motion.vx[n + s].hypot(dynamics.motion.vy[n + s]);
+            dissipated_error += 4.0 * UNIT * damping * speed * speed;
+        }
+    }
+    all.power = ratio(dydt[2 * nq], powers.dissipated, dissipated_error).max(ratio(
+        dydt[2 * nq + 1],
+        powers.worked_in,
+        worked_in_error,
+    ));
+    all
+}
+
+fn hinge_errors(dynamics: &Dynamics, k: usize) -> Errors {
+    let (model, hinges, motion) = (dynamics.model(), &dynamics.hinges, &dynamics.motion);
+    let next = (k + 1) % model.links;
+    let size = [k, next].map(|i| motion.x[i].abs().max(motion.y[i].abs()));
+    let speed = [k, next].map(|i| {
+        motion.vx[i].abs().max(motion.vy[i].abs()) + model.half_pitch * motion.spin[i].abs()
+    });
+    let rate = hinges.rate[k];
+    Found {
+        depth: hinges.penetration[k],
+        rate,
+        force: hinges.force[k],
+        distance: hinges.penetration[k] + model.clearance,
+        size: size[0].max(size[1]) + model.half_pitch,
+        speed: speed[0].max(speed[1]),
+        onset: dynamics
+            .memory
+            .onset_speed(dynamics.memory.hinge_speed()[k], rate),
+        lambda: model.hinge_law.lambda,
+    }
+    .errors(|depth| elastic(&model.hinge_law.pairs, 0, depth))
+}
+
+fn stiffness_surface(dynamics: &Dynamics, pair: usize) -> Surface {
+    let kept = dynamics.model().tooth_law.regions == Regions::Kept;
+    if kept && dynamics.memory.tooth_speed[pair] > 0.0 {
+        dynamics.memory.tooth_surface[pair]
+    } else {
+        dynamics.teeth.surface[pair]
+    }
+}
+
+fn tooth_errors(dynamics: &Dynamics, pair: usize) -> Errors {
+    let (model, teeth, motion) = (dynamics.model(), &dynamics.teeth, &dynamics.motion);
+    let (s, k) = (pair / model.links, pair % model.links);
+    let profile = &model.sprockets[s].profile;
+    let (bushing, velocity) = dynamics.hinges.bushing(k);
+    let body = model.links + s;
+    let depth = teeth.penetration[pair];
+    let radius = model.bushing_radius;
+    let distance = match teeth.surface[pair] {
+        Surface::Seating => depth + profile.seating.radius - radius,
+        Surface::Working => depth + profile.working.radius - radius,
+        Surface::Flat => f64::INFINITY,
+        Surface::Topping => profile.topping.radius + radius - depth,
+    };
+    let rate = teeth.rate[pair];
+    let number = Model::tooth_pair(s, stiffness_surface(dynamics, pair));
+    let reach = model.sprockets[s].reach;
+    let link = model.link_of_bushing(k);
+    Found {
+        depth,
+        rate,
+        force: teeth.force[pair],
+        distance,
+        size: bushing
+            .amax()
+            .max(motion.x[body].abs())
+            .max(motion.y[body].abs())
+            + reach,
+        speed: velocity.amax()
+            + motion.vx[body].abs().max(motion.vy[body].abs())
+            + reach * motion.spin[body].abs()
+            + model.half_pitch * motion.spin[link].abs(),
+        onset: dynamics
+            .memory
+            .onset_speed(dynamics.memory.tooth_speed[pair], rate),
+        lambda: model.tooth_law.lambda,
+    }
+    .errors(|depth| elastic(&model.tooth_law.pairs, number, depth))
+}
+
+fn compare_links(
+    dynamics: &Dynamics,
+    hinges: &[Errors],
+    teeth: &[Option<Errors>],
+    accelerations: &[f64],
+    all: &mut Agreement,
+) {
+    let (model, twins) = (dynamics.model(), &dynamics.accelerations);
+    let n = model.links;
+    for i in 0..n {
+        let before = (i + n - 1) % n;
+        let mut error = 0.0;
+        for k in [i, before] {
+            let contact = hinges[k];
+            error += contact.vector_error + UNIT * contact.force;
+            if Model::is_inner(i) {
+                for errors in (0..model.sprockets.len()).filter_map(|s| teeth[s * n + k]) {
+                    error += errors.vector_error + UNIT * errors.force;
+                }
+            }
+        }
+        let linear = error * model.inverse_mass[i] + UNIT * model.gravity.amax();
+        let angular = error * 2.0 * model.half_pitch * model.inverse_inertia[i];
+        all.link = all
+            .link
+            .max(ratio(accelerations[i], twins.x[i], linear))
+            .max(ratio(accelerations[n + i], twins.y[i], linear))
+            .max(ratio(accelerations[2 * n + i], twins.angle[i], angular));
+    }
+}
+
+/// Errors of the force \[N\] and of the moment \[N m\] on sprocket `s`.
+fn sprocket_errors(dynamics: &Dynamics, teeth: &[Option<Errors>], s: usize) -> (f64, f64) {
+    let model = dynamics.model();
+    let n = model.links;
+    let (mut force_error, mut moment_error, mut sum) = (0.0, 0.0, 0.0);
+    for errors in teeth[s * n..(s + 1) * n].iter().flatten() {
+        // Each sum so far is rounded once more.
+        sum += errors.force;
+        force_error += errors.vector_error + UNIT * sum;
+        moment_error += errors.force * errors.grain;
+    }
+    (
+        force_error,
+        moment_error + force_error * model.sprockets[s].reach,
+    )
+}
+
+fn compare_sprockets(
+    dynamics: &Dynamics,
+    teeth: &[Option<Errors>],
+    accelerations: &[f64],
+    all: &mut Agreement,
+) {
+    let (model, twins) = (dynamics.model(), &dynamics.accelerations);
+    for (s, sprocket) in model.sprockets.iter().enumerate() {
+        let body = model.links + s;
+        let (force_error, moment_error) = sprocket_errors(dynamics, teeth, s);
+        let linear =
+            |twin: f64| force_error / sprocket.mass + UNIT * (model.gravity.amax() + twin.abs());
+        match sprocket.support {
+            Support::Fixed => {}
+            Support::Slide {
+                index,
+                direction,
+                damping,
+                pull,
+                ..
+            } => {
+                let twin = direction.x * twins.x[body] + direction.y * twins.y[body];
+                let speed = dynamics.motion.vx[body].hypot(dynamics.motion.vy[body]);
+                let other = UNIT * (damping * speed + pull) / sprocket.mass;
+                all.sprocket =
+                    all.sprocket
+                        .max(ratio(accelerations[index], twin, linear(twin) + other));
+            }
+            Support::Floating { x, y } => {
+                for (index, twin) in [(x, twins.x[body]), (y, twins.y[body])] {
+                    all.sprocket =
+                        all.sprocket
+                            .max(ratio(accelerations[index], twin, linear(twin)));
+                }
+            }
+        }
+        if let Rotation::Free { index, .. } = sprocket.rotation {
+            let twin = twins.angle[body];
+            let error = moment_error / sprocket.inertia + UNIT * twin.abs();
+            all.sprocket = all.sprocket.max(ratio(accelerations[index], twin, error));
+        }
+    }
+}
