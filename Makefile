@@ -101,11 +101,13 @@ lint-python: build $(STAMPS)/lint-tools
 
 # --- benchmarks: each prints its counts (evaluations, steps, contacts) beside the times
 
-bench: ## Measure; BENCH_ARGS=--quick for a first look, BENCH_ARGS=hertz for one name
+bench: build ## Measure; BENCH_ARGS=--quick for a first look, BENCH_ARGS=hertz for one name
 	cargo bench --bench '*' -- $(BENCH_ARGS)
+	$(BIN)/python benches/numpy_reference.py
 
-bench-smoke: ## Run every benchmark once, without measuring
+bench-smoke: build ## Run every benchmark once, without measuring
 	cargo bench --bench '*' -- --test
+	$(BIN)/python benches/numpy_reference.py --test
 
 # --- release
 

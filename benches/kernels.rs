@@ -1,52 +1,21 @@
 //! The right-hand side with every instruction set beside the scalar twins, as ratios of one run.
-//!
-//! Times are the least of many short batches, taken in turns: on a machine that does other things too, the least is what the code
-//! takes when it is left alone, and turns keep a slow moment from meeting one competitor only.
 
 mod common;
 
 use std::hint::black_box;
-use std::time::Instant;
 
-use common::{Halves, LAWS, contacts};
+use common::{Effort, Halves, LAWS, contacts, race};
 use rustchain::dynamics::Dynamics;
 use rustchain::integrator::OdeSystem;
 use rustchain::vector::InstructionSet;
 
-/// Batches a competitor gets, and calls in a batch.
-struct Effort {
-    batches: usize,
-    calls: usize,
-}
-
-/// Least times of one call of each competitor \[ns\].
-fn race(effort: &Effort, competitors: &mut [Box<dyn FnMut() + '_>]) -> Vec<f64> {
-    let mut least = vec![f64::INFINITY; competitors.len()];
-    for _ in 0..effort.batches {
-        for (run, least) in competitors.iter_mut().zip(&mut least) {
-            let begin = Instant::now();
-            for _ in 0..effort.calls {
-                run();
-            }
-            *least = least.min(begin.elapsed().as_secs_f64() / effort.calls as f64 * 1e9);
-        }
-    }
-    least
-}
-
 #[allow(clippy::print_stdout)] // a benchmark's figures
 fn main() {
-    let effort = if std::env::args().any(|a| a == "--test") {
-        Effort {
-            batches: 1,
-            calls: 1,
-        }
-    } else {
-        Effort {
-            batches: 3000,
-            calls: 50,
-        }
-    };
+    let effort = Effort {
+        batches: 3000,
+        calls: 50,
+    }
+    .or_once();
     let sets = InstructionSet::available();
     println!(
         "right-hand side of the paper's drive, ns a call; in brackets how many times faster than the twins"
@@ -81,7 +50,7 @@ fn main() {
                     dynamics.derivative(black_box(t), black_box(y), dydt);
                 }));
             }
-            let times = race(&effort, &mut competitors);
+            let times = race(effort, &mut competitors);
             print!("{:<36}{:>9.0}", format!("{law}, {place}"), times[0]);
             for time in &times[1..] {
                 print!("{:>9.0} ({:>4.1})", time, times[0] / time);

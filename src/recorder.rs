@@ -1,9 +1,9 @@
 //! Chosen channels at the report times.
 
 use crate::contact::ToothContacts;
-use crate::dynamics::{Dynamics, Energy};
+use crate::dynamics::{Dynamics, Energy, Needs, Want};
 use crate::geometry::Vec2;
-use crate::model::Model;
+use crate::model::{Model, Rotation};
 
 /// Which groups of channels are recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -167,6 +167,25 @@ impl Recorder {
         }
     }
 
+    /// What a row needs to know of the dynamics.
+    pub(crate) fn needs(&self, model: &Model) -> Needs {
+        let groups = self.groups;
+        // A motor's torque is what the teeth leave to it; an applied one is known without them.
+        let prescribed = |rotation: &Rotation| matches!(rotation, Rotation::Prescribed(_));
+        let sprocket_loads =
+            groups.sprockets && model.sprockets.iter().any(|s| prescribed(&s.rotation));
+        let want = |forces: bool| match (forces, groups.energy) {
+            (true, _) => Want::Forces,
+            (false, true) => Want::Depths,
+            (false, false) => Want::Nothing,
+        };
+        Needs {
+            hinges: want(groups.hinges),
+            teeth: want(groups.teeth || sprocket_loads),
+            sprocket_loads,
+        }
+    }
+
     pub(crate) fn end(&self) -> f64 {
         self.end
     }
@@ -195,7 +214,7 @@ impl Recorder {
         }
     }
 
-    /// Writes a row for `dynamics` as evaluated at `t`; `sums` are its energy dissipated and worked in \[J\].
+    /// Writes a row for `dynamics` as evaluated at `t` for what [`Self::needs`] says; `sums` are its energy dissipated and worked in \[J\].
     pub(crate) fn report(&mut self, t: f64, dynamics: &Dynamics, sums: [f64; 2]) {
         let model = dynamics.model();
         let groups = self.groups;

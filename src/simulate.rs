@@ -94,7 +94,8 @@ impl Simulation {
 
     /// The dynamics, evaluated at the present time.
     pub fn present(&mut self) -> &Dynamics {
-        self.evaluate_at(self.now);
+        self.adams.interpolate(self.now, &mut self.inside);
+        self.dynamics.evaluate(self.now, &self.inside);
         &self.dynamics
     }
 
@@ -172,17 +173,21 @@ impl Simulation {
         }
         self.dynamics.keep_energy(groups.energy);
         let mut recorder = Recorder::new(self.model(), groups, self.now, duration, report_step);
-        // The present time may lie inside the last step, whose end then belongs to the first interval.
-        self.dynamics
-            .differentiate(self.adams.time(), self.adams.y());
-        recorder.keep_step_forces(&self.dynamics);
+        if groups.hinges || groups.teeth {
+            // The present time may lie inside the last step, whose end then belongs to the first interval.
+            self.dynamics
+                .differentiate(self.adams.time(), self.adams.y());
+            recorder.keep_step_forces(&self.dynamics);
+        }
         self.recorder = Some(recorder);
     }
 
     /// Lets the sums of the energy balance grow from now on; the integrator's history of them is made up as constant power.
     fn begin_energy_sums(&mut self) {
         self.dynamics.keep_energy(true);
-        let powers = self.dynamics.evaluate(self.adams.time(), self.adams.y());
+        let powers = self
+            .dynamics
+            .differentiate(self.adams.time(), self.adams.y());
         let sums = self.dynamics.controlled();
         self.adams.assume_constant_slope(sums, powers.dissipated);
         self.adams.assume_constant_slope(sums + 1, powers.worked_in);
@@ -212,6 +217,10 @@ impl Simulation {
     /// # Errors
     /// When the integrator cannot go on: time, step size, body and contact.
     pub fn advance(&mut self, target: f64, budget: Duration) -> Result<bool> {
+        if self.recorder.is_none() {
+            // Nobody reads the sums: a run that goes on without a recording does not make them.
+            self.dynamics.keep_energy(false);
+        }
         let begin = Instant::now();
         let mut steps = 0u32;
         loop {
@@ -266,8 +275,12 @@ impl Simulation {
         let end = self.adams.time();
         if recorder.next_report().is_some_and(|t| t <= end) {
             let begin = Instant::now();
+            let needs = recorder.needs(self.model());
+            let sums = self.dynamics.controlled();
             while let Some(t) = recorder.next_report().filter(|&t| t <= end) {
-                let sums = self.evaluate_at(t);
+                self.adams.interpolate(t, &mut self.inside);
+                self.dynamics.evaluate_for(needs, t, &self.inside);
+                let sums = [self.inside[sums], self.inside[sums + 1]];
                 recorder.report(t, &self.dynamics, sums);
                 self.now = t;
                 if start.elapsed() >= budget {
@@ -282,14 +295,6 @@ impl Simulation {
         }
         self.recorder = Some(recorder);
         complete
-    }
-
-    /// Evaluates the dynamics at `t` inside the last step; returns energy dissipated and worked in \[J\].
-    fn evaluate_at(&mut self, t: f64) -> [f64; 2] {
-        self.adams.interpolate(t, &mut self.inside);
-        self.dynamics.evaluate(t, &self.inside);
-        let sums = self.dynamics.controlled();
-        [self.inside[sums], self.inside[sums + 1]]
     }
 
     fn explain(&mut self, failure: StepFailure) -> Error {

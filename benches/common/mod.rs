@@ -1,4 +1,4 @@
-//! What the benchmarks share: the paper's drive at rest in its start and under way, and lines of counts.
+//! What the benchmarks share: the paper's drive at rest in its start and under way, least times, and lines of counts.
 #![allow(dead_code, unreachable_pub)] // each benchmark takes what it needs
 #![allow(clippy::unwrap_used)] // a benchmark whose inputs cannot be built has nothing to say
 
@@ -6,14 +6,15 @@
 pub mod drives;
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use criterion::Criterion;
+use rustchain::drive::Drive;
 use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic, ForceLaw};
 use rustchain::geometry::{Seat, Vec2};
 use rustchain::integrator::{Adams, StepControl};
-use rustchain::state::Start;
+use rustchain::state::{Start, closing_center_distance};
 use rustchain::{ForceLaws, Model, Simulation};
 
 /// The laws as users know them.
@@ -36,50 +37,68 @@ pub const UNDER_WAY: f64 = 6e-3;
 
 /// The paper's drive at its start, where nothing touches.
 pub fn at_start(elastic: Elastic, damping: Damping) -> Simulation {
-    build(elastic, damping, Seat::PitchCircle, |_| {})
+    at_start_of(&drives::paper_drive(), &laws(elastic, damping))
 }
 
 /// The paper's drive with the standard's seats, pulled into all of its hinges and seats at once, up to 1 um deep.
 pub fn pressed(elastic: Elastic, damping: Damping) -> Simulation {
-    build(elastic, damping, Seat::BottomDiameter, |start| {
-        let (links, sprockets) = start
-            .positions
-            .split_at_mut(drives::paper_chain().links as usize);
-        let (first, last) = (sprockets[0][0], sprockets[1][0]);
-        for (i, link) in links.iter_mut().enumerate() {
-            let from_axis = Vec2::new(link[0] - link[0].clamp(first, last), link[1]).normalize();
-            // A seat is 1 um away and a hinge has 25 um of clearance.
-            let shift = if Model::is_inner(i) { -1.5e-6 } else { 24.5e-6 } * from_axis;
-            link[0] += shift.x;
-            link[1] += shift.y;
-        }
-    })
+    pressed_into_seats(&drives::paper_drive(), &laws(elastic, damping))
 }
 
-fn build(
-    elastic: Elastic,
-    damping: Damping,
-    seat: Seat,
-    change: impl Fn(&mut Start),
-) -> Simulation {
-    let mut drive = drives::paper_drive();
-    for sprocket in &mut drive.sprockets {
-        sprocket.profile.seat = seat;
-    }
+/// One law for hinges and teeth.
+pub fn laws(elastic: Elastic, damping: Damping) -> ForceLaws {
     let law = ForceLaw {
         elastic,
         damping,
         ..ForceLaw::default()
     };
-    let laws = ForceLaws {
+    ForceLaws {
         hinge: law,
         tooth: law,
         ..ForceLaws::default()
-    };
+    }
+}
+
+/// The paper's drive with other sprockets and another chain, its centres as far apart as makes the chain taut.
+pub fn longer_drive(teeth: [u32; 2], links: u32) -> Drive {
+    let mut drive = drives::paper_drive();
+    drive.chain.links = links;
+    let distance = closing_center_distance(drive.chain.pitch, teeth, links).unwrap();
+    for (sprocket, teeth) in drive.sprockets.iter_mut().zip(teeth) {
+        sprocket.teeth = teeth;
+    }
+    drive.sprockets[1].center = Vec2::new(distance, 0.0);
+    drive
+}
+
+/// `drive` at its start, where nothing touches.
+pub fn at_start_of(drive: &Drive, laws: &ForceLaws) -> Simulation {
+    let (start, _) = Start::generate(drive).unwrap();
+    from(drive, laws, &start)
+}
+
+/// `drive`, whose sprockets lie along x and are equal, with the standard's seats and pulled into all hinges and seats.
+pub fn pressed_into_seats(drive: &Drive, laws: &ForceLaws) -> Simulation {
+    let mut drive = drive.clone();
+    for sprocket in &mut drive.sprockets {
+        sprocket.profile.seat = Seat::BottomDiameter;
+    }
     let (mut start, _) = Start::generate(&drive).unwrap();
-    change(&mut start);
-    let model = Arc::new(Model::compile(&drive, &laws, &start).unwrap());
-    Simulation::new(model, &start, StepControl::default()).unwrap()
+    let (links, sprockets) = start.positions.split_at_mut(drive.chain.links as usize);
+    let (first, last) = (sprockets[0][0], sprockets[1][0]);
+    for (i, link) in links.iter_mut().enumerate() {
+        let from_axis = Vec2::new(link[0] - link[0].clamp(first, last), link[1]).normalize();
+        // A seat is 1 um away and a hinge has 25 um of clearance.
+        let shift = if Model::is_inner(i) { -1.5e-6 } else { 24.5e-6 } * from_axis;
+        link[0] += shift.x;
+        link[1] += shift.y;
+    }
+    from(&drive, laws, &start)
+}
+
+fn from(drive: &Drive, laws: &ForceLaws, start: &Start) -> Simulation {
+    let model = Arc::new(Model::compile(drive, laws, start).unwrap());
+    Simulation::new(model, start, StepControl::default()).unwrap()
 }
 
 /// The same at [`UNDER_WAY`].
@@ -135,6 +154,50 @@ pub fn contacts(dynamics: &Dynamics) -> String {
 #[allow(clippy::print_stdout)] // where criterion prints the time
 pub fn print_counts(benchmark: &str, counts: &str) {
     println!("{benchmark:<50}counts: {counts}");
+}
+
+/// Batches a competitor gets in [`race`], and calls in a batch.
+#[derive(Clone, Copy)]
+pub struct Effort {
+    pub batches: usize,
+    pub calls: usize,
+}
+
+impl Effort {
+    /// This effort, or once each when the benchmarks are only tried (`--test`).
+    pub fn or_once(self) -> Self {
+        if only_tried() {
+            Self {
+                batches: 1,
+                calls: 1,
+            }
+        } else {
+            self
+        }
+    }
+}
+
+/// Whether the benchmarks are only tried, not measured.
+pub fn only_tried() -> bool {
+    std::env::args().any(|argument| argument == "--test")
+}
+
+/// Least times of one call of each competitor \[ns\].
+///
+/// On a machine that does other things too, the least is what the code takes when it is left alone; turns keep a slow moment
+/// from meeting one competitor only.
+pub fn race(effort: Effort, competitors: &mut [Box<dyn FnMut() + '_>]) -> Vec<f64> {
+    let mut least = vec![f64::INFINITY; competitors.len()];
+    for _ in 0..effort.batches {
+        for (run, least) in competitors.iter_mut().zip(&mut least) {
+            let begin = Instant::now();
+            for _ in 0..effort.calls {
+                run();
+            }
+            *least = least.min(begin.elapsed().as_secs_f64() / effort.calls as f64 * 1e9);
+        }
+    }
+    least
 }
 
 /// Criterion as every benchmark here uses it.

@@ -61,7 +61,7 @@ impl HingeContacts {
     /// Finds the depth of every hinge.
     pub fn find(&mut self, model: &Model, motion: &Motion) {
         let n = model.links;
-        self.place_ends(n, model.half_pitch, motion);
+        self.place_ends(model, motion);
         for k in 0..n {
             let next = if k + 1 == n { 0 } else { k + 1 };
             let offset = Vec2::new(
@@ -80,9 +80,13 @@ impl HingeContacts {
         }
     }
 
-    fn place_ends(&mut self, n: usize, half_pitch: f64, motion: &Motion) {
-        for i in 0..n {
-            let (dx, dy) = (half_pitch * motion.cos[i], half_pitch * motion.sin[i]);
+    /// Finds the ends of the links only, and with them the bushings.
+    pub(crate) fn place_ends(&mut self, model: &Model, motion: &Motion) {
+        for i in 0..model.links {
+            let (dx, dy) = (
+                model.half_pitch * motion.cos[i],
+                model.half_pitch * motion.sin[i],
+            );
             let (dvx, dvy) = (-dy * motion.spin[i], dx * motion.spin[i]);
             self.front_x[i] = motion.x[i] + dx;
             self.front_y[i] = motion.y[i] + dy;

@@ -59,7 +59,7 @@ impl Accelerations {
     }
 
     /// Tooth forces by bushing and by sprocket.
-    fn gather_teeth(&mut self, model: &Model, teeth: &ToothContacts) {
+    pub(super) fn gather_teeth(&mut self, model: &Model, teeth: &ToothContacts) {
         self.tooth_x.fill(0.0);
         self.tooth_y.fill(0.0);
         self.chain.fill(SprocketLoad::default());

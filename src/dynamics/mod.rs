@@ -8,6 +8,7 @@ mod forces;
 mod implicit;
 mod jacobian;
 mod loads;
+mod needs;
 
 use std::sync::Arc;
 
@@ -15,6 +16,7 @@ use chain_solver::ChainMatrix;
 pub use energy::Energy;
 pub use loads::SprocketLoad;
 pub(crate) use loads::{outside_powers, sprocket_acceleration};
+pub(crate) use needs::{Needs, Want};
 
 use crate::contact::{
     HingeContacts, ImpactMemory, ToothContacts, first_crossing, hinge_at, tooth_at,
@@ -132,9 +134,9 @@ impl Dynamics {
         self.hinges.find(&self.model, &self.motion);
         self.teeth.find(&self.model, &self.motion, &self.hinges);
         let dissipated = if self.keeps_energy {
-            self.forces::<true>()
+            self.hinge_forces::<true>() + self.tooth_forces::<true>()
         } else {
-            self.forces::<false>()
+            self.hinge_forces::<false>() + self.tooth_forces::<false>()
         };
         self.accelerations
             .gather(&self.model, &self.motion, &self.hinges, &self.teeth, t);
@@ -154,16 +156,46 @@ impl Dynamics {
         powers
     }
 
-    /// Normal forces of all contacts; returns the power they dissipate when asked to \[W\].
-    fn forces<const ENERGY: bool>(&mut self) -> f64 {
+    /// Evaluates at (`t`, `y`) what `needs` asks for; the rest stays as it was, or what it was is gone.
+    pub(crate) fn evaluate_for(&mut self, needs: Needs, t: f64, y: &[f64]) {
+        self.motion.read_places(&self.model, t, y);
+        if needs.hinges == Want::Nothing && needs.teeth == Want::Nothing {
+            return;
+        }
+        self.motion.turn();
+        if needs.hinges == Want::Nothing {
+            self.hinges.place_ends(&self.model, &self.motion);
+        } else {
+            self.hinges.find(&self.model, &self.motion);
+        }
+        if needs.hinges == Want::Forces {
+            self.hinge_forces::<false>();
+        }
+        if needs.teeth != Want::Nothing {
+            self.teeth.find(&self.model, &self.motion, &self.hinges);
+        }
+        if needs.teeth == Want::Forces {
+            self.tooth_forces::<false>();
+        }
+        if needs.sprocket_loads {
+            self.accelerations.gather_teeth(&self.model, &self.teeth);
+        }
+    }
+
+    /// Normal forces of all hinges; returns the power they dissipate when asked to \[W\].
+    fn hinge_forces<const ENERGY: bool>(&mut self) -> f64 {
         let model = &self.model;
-        let hinges = with_law!(&model.hinge_law.pairs, Law, pairs => {
+        with_law!(&model.hinge_law.pairs, Law, pairs => {
             forces::hinge_forces::<Law, ENERGY>(&pairs[0], model.hinge_law.lambda, &self.memory, &mut self.hinges)
-        });
-        let teeth = with_law!(&model.tooth_law.pairs, Law, pairs => {
+        })
+    }
+
+    /// The same of all teeth.
+    fn tooth_forces<const ENERGY: bool>(&mut self) -> f64 {
+        let model = &self.model;
+        with_law!(&model.tooth_law.pairs, Law, pairs => {
             forces::tooth_forces::<Law, ENERGY>(pairs, model, &self.memory, &mut self.teeth)
-        });
-        hinges + teeth
+        })
     }
 
     /// Gives every pair that is in contact now a memory, as if it had begun here (positions just given).
@@ -369,11 +401,17 @@ impl Dynamics {
         depths.map(|(k, &depth)| (depth, self.kernels.hinge_force(k)))
     }
 
-    /// Evaluates the right-hand side at (`t`, `y`) for what it leaves behind: depths and forces of contacts.
-    pub(crate) fn differentiate(&mut self, t: f64, y: &[f64]) {
+    /// Evaluates the right-hand side at (`t`, `y`) for what it leaves behind, depths and forces of contacts; returns the powers
+    /// when energy is kept.
+    pub(crate) fn differentiate(&mut self, t: f64, y: &[f64]) -> Powers {
         let mut slope = std::mem::take(&mut self.slope);
         self.derivative(t, y, &mut slope);
         self.slope = slope;
+        let sums = self.controlled();
+        Powers {
+            dissipated: self.slope[sums],
+            worked_in: self.slope[sums + 1],
+        }
     }
 
     /// Goes on with other instructions than the widest ones that this machine has.

@@ -43,6 +43,12 @@ impl Motion {
 
     /// Reads the state `y` = [q, dq/dt, ...] at time `t`.
     pub fn read(&mut self, model: &Model, t: f64, y: &[f64]) {
+        self.read_places(model, t, y);
+        self.turn();
+    }
+
+    /// The same without sines and cosines.
+    pub(crate) fn read_places(&mut self, model: &Model, t: f64, y: &[f64]) {
         let n = model.links;
         let (q, v) = (
             &y[..model.coordinates],
@@ -62,7 +68,6 @@ impl Motion {
             (self.vx[body], self.vy[body]) = (velocity.x, velocity.y);
             (self.angle[body], self.spin[body]) = (angle, spin);
         }
-        self.turn();
     }
 
     /// Takes positions and velocities of all bodies as they are.
@@ -74,7 +79,8 @@ impl Motion {
         self.turn();
     }
 
-    fn turn(&mut self) {
+    /// Sines and cosines of the angles.
+    pub(crate) fn turn(&mut self) {
         for ((angle, cos), sin) in self.angle.iter().zip(&mut self.cos).zip(&mut self.sin) {
             (*sin, *cos) = angle.sin_cos();
         }

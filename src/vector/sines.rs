@@ -107,7 +107,7 @@ fn with_sign<S: Simd>(value: Lanes<S>, quadrant: S::u64s) -> Lanes<S> {
     Lanes::new(simd, simd.transmute_f64s_u64s(bits))
 }
 
-/// The sum of `coefficients` times powers of z, in pairs: shorter to wait for than one after the other.
+/// The sum of `coefficients` times powers of z, from the highest down.
 #[inline(always)]
 fn polynomial<S: Simd>(z: Lanes<S>, coefficients: [f64; 6]) -> Lanes<S> {
     let [a, b, c, d, e, f] = coefficients.map(|coefficient| z.constant(coefficient));
