@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::vector::{Lanes, Mask};
 
 /// A tooth gap in numbers, and the constants of its four surfaces.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct ToothConstants {
     seat_center_radius: f64,
     seat_end_tangent: [f64; 2],

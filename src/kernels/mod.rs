@@ -37,7 +37,10 @@ pub(crate) struct Kernels {
     links: LinkConstants,
     chain: ChainArrays,
     pub(crate) candidates: Candidates,
+    /// One for each kind of sprocket: identical teeth share one.
     teeth: Vec<ToothConstants>,
+    /// Which of them each sprocket has.
+    kind: Vec<usize>,
     poses: Vec<SprocketPose>,
     loads: Vec<SprocketLoad>,
     /// Whether at the last evaluation some contact had no memory, or some memory no contact.
@@ -48,14 +51,22 @@ impl Kernels {
     /// Arrays for `model`.
     pub(crate) fn new(model: &Model) -> Self {
         let sprockets = model.sprockets.len();
+        let (mut teeth, mut kind) = (Vec::new(), Vec::new());
+        for s in 0..sprockets {
+            let own = ToothConstants::new(model, s);
+            let known = teeth.iter().position(|other| *other == own);
+            kind.push(known.unwrap_or(teeth.len()));
+            if known.is_none() {
+                teeth.push(own);
+            }
+        }
         Self {
             instructions: InstructionSet::detect(),
             links: LinkConstants::new(model),
             chain: ChainArrays::new(model),
             candidates: Candidates::new(model),
-            teeth: (0..sprockets)
-                .map(|s| ToothConstants::new(model, s))
-                .collect(),
+            teeth,
+            kind,
             poses: vec![SprocketPose::default(); sprockets],
             loads: vec![SprocketLoad::default(); sprockets],
             changed: true,
@@ -235,7 +246,7 @@ impl Kernels {
                     .run(TouchTeeth::<L, $damped, { $energy }> {
                         law: PhantomData,
                         sprocket: &model.sprockets[s],
-                        constants: &self.teeth[s],
+                        constants: &self.teeth[self.kind[s]],
                         pose: &self.poses[s],
                         lambda: law.lambda,
                         floor: model.min_approach_speed,
