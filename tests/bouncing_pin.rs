@@ -104,6 +104,7 @@ fn bounce<L: ElasticLaw>(mut impact: Impact<L>) -> Bounce {
         atol: 1e-12,
         max_step: 0.1,
         max_order: 12,
+        ..StepControl::default()
     };
     let mut adams = Adams::new(2, control);
     adams.restart(0.0, &[-0.05, 1.0]);

@@ -99,6 +99,7 @@ fn control(tolerance: f64) -> StepControl {
         atol: tolerance,
         max_step: f64::INFINITY,
         max_order: 12,
+        ..StepControl::default()
     }
 }
 
@@ -232,6 +233,7 @@ fn fixed_order_errors(problem: Problem, order: usize, step_size: f64) -> (f64, f
         atol: 1e6,
         max_step: step_size,
         max_order: order,
+        ..StepControl::default()
     };
     let lead = 20;
     let mut prepared = Prepared {

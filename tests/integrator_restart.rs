@@ -32,6 +32,7 @@ fn adams(dimension: usize) -> Adams {
             atol: 1e-9,
             max_step: f64::INFINITY,
             max_order: 12,
+            ..StepControl::default()
         },
     )
 }

@@ -30,26 +30,34 @@ _WALL_BUDGET = 0.05  # [s] between looks at the keyboard and the progress bar
 @known_keywords
 @dataclass(frozen=True)
 class Solver(Description):
-    """How the equations of motion are integrated: variable order and step, Adams-Bashforth-Moulton.
+    """How the equations of motion are integrated: variable step, Adams' formulas.
 
     Attributes
     ----------
-    method : {"auto", "pece"}
-        "pece": predict, evaluate, correct, evaluate. "auto": what suits the scene, so far always
-        "pece".
+    method : {"auto", "pece", "newton"}
+        How the corrector's equation is solved. "pece": predict, evaluate, correct, evaluate, of
+        variable order (Adams-Bashforth-Moulton, Shampine and Gordon 1975); held to small steps
+        by stiff contacts. "newton": Newton's method with the exact derivatives of all contacts, at
+        order 2, the trapezoid; its steps are held by accuracy alone. "auto": what suits the scene,
+        so far always "pece".
     rtol, atol : float
-        Relative and absolute tolerance; one of them may be 0.
+        Relative and absolute tolerance of "pece"; one of them may be 0.
     max_step : float
         Largest step [s].
     max_order : int
-        Highest order, 1 to 12.
+        Highest order of "pece", 1 to 12.
+    accuracy : float
+        Error that "newton" allows a step: root mean square over all coordinates and velocities,
+        lengths over `accuracy` [m], speeds over `accuracy` times 1e5/s, angles through half the
+        pitch (of a sprocket through its pitch radius).
     """
 
-    method: Literal["auto", "pece"] = "auto"
+    method: Literal["auto", "pece", "newton"] = "auto"
     rtol: float = 1e-5
     atol: float = 1e-5
     max_step: float = 1e-4
     max_order: int = 12
+    accuracy: float = 1e-9
 
 
 @dataclass(frozen=True, eq=False)

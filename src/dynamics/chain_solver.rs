@@ -242,8 +242,8 @@ fn eliminate(matrix: &mut [f64], pivots: &mut [usize], size: usize) -> bool {
 /// Solves with the factors of [`eliminate`].
 fn substitute(matrix: &[f64], pivots: &[usize], right: &mut [f64]) {
     let size = right.len();
-    for k in 0..size {
-        right.swap(k, pivots[k]);
+    for (k, &pivot) in pivots.iter().enumerate() {
+        right.swap(k, pivot);
     }
     for i in 0..size {
         for j in 0..i {

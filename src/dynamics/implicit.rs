@@ -1,9 +1,7 @@
 //! What Newton's method asks of the dynamics: the matrix of its last derivative, factors of it, and corrections of velocities.
 
 use super::Dynamics;
-use super::jacobian::{
-    FAR, Lever, PointForce, Pressed, link_levers, sprocket_levers,
-};
+use super::jacobian::{FAR, Lever, PointForce, Pressed, link_levers, sprocket_levers};
 use crate::contact::{SprocketFrame, bushing_on_sprocket};
 use crate::force_law::{ElasticLaw, Regions, with_law};
 use crate::geometry::{Surface, Vec2, unit};
@@ -22,13 +20,21 @@ fn slopes<L: ElasticLaw>(
 ) -> (f64, f64, f64) {
     let (elastic, stiffness) = (L::force(pair, depth), L::stiffness(pair, depth));
     // Without memory the present rate is the onset speed: the factor is a constant, above the floor.
-    let onset = if remembered > 0.0 { remembered } else { rate.max(floor) };
+    let onset = if remembered > 0.0 {
+        remembered
+    } else {
+        rate.max(floor)
+    };
     let factor = 1.0 + lambda * rate / onset;
     if factor <= 0.0 {
         return (0.0, 0.0, 0.0);
     }
     let fresh_and_fast = remembered == 0.0 && rate > floor;
-    let damping = if fresh_and_fast { 0.0 } else { elastic * lambda / onset };
+    let damping = if fresh_and_fast {
+        0.0
+    } else {
+        elastic * lambda / onset
+    };
     (elastic * factor, stiffness * factor, damping)
 }
 
@@ -89,7 +95,11 @@ impl Dynamics {
             let ((center, center_v), (angle, spin)) =
                 sprocket_motion(sprocket, t, |i| (q[i], v[i]));
             let link = model.link_of_bushing(k);
-            let arm = if link == k { model.half_pitch } else { -model.half_pitch };
+            let arm = if link == k {
+                model.half_pitch
+            } else {
+                -model.half_pitch
+            };
             let along = arm * unit(q[2 * n + link]);
             let point = Vec2::new(q[link], q[n + link]) + along;
             let velocity = Vec2::new(v[link], v[n + link])

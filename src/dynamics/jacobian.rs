@@ -1,9 +1,9 @@
 //! Exact derivatives of the loads, contact by contact, in the chain's own pattern.
 //!
-//! Every contact is a force between two points: F on the one, a function of their offset e and its rate. A coordinate q_j moves
-//! the offset by g_j = de/dq_j, so that its generalized force is g_j F, and the matrix of Newton's method for velocities,
-//! M - γ dQ/dv - γ² dQ/dq, gets -g_i [(γ² K + γ D) g_j + γ² D h_j] with K = dF/de, D = dF/d(de/dt), h_j = d(de/dt)/dq_j.
-//! On a tooth the second point is the centre of curvature, which is at rest in the sprocket.
+//! Every contact is a force between two points: F on the one, a function of their offset e and its rate. A coordinate moves the
+//! offset by g = de/dq and its rate by h = d(de/dt)/dq; its generalized force is g·F. The matrix of Newton's method for
+//! velocities, M - γ dQ/dv - γ² dQ/dq, gets `-g_i·[(γ² K + γ D) g_j + γ² D h_j]` with K = dF/de and D = dF/d(de/dt), and on its
+//! diagonal what comes of the bend d²e/dq². On a tooth the second point is the centre of curvature, at rest in the sprocket.
 
 use nalgebra::{Matrix2, Matrix3, RowVector3, Vector3};
 

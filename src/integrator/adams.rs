@@ -477,6 +477,7 @@ mod tests {
             atol: tolerance,
             max_step: f64::INFINITY,
             max_order: 12,
+            ..StepControl::default()
         }
     }
 

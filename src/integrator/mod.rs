@@ -110,6 +110,7 @@ impl StepControl {
                 "rtol and atol must not both be zero",
             ));
         }
+        check::positive("Solver.accuracy", self.accuracy, "m")?;
         if self.max_step.is_nan() || self.max_step <= 0.0 {
             return Err(Error::invalid(
                 "Solver.max_step",

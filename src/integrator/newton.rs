@@ -4,8 +4,8 @@
 //! the velocities, q = p_q + γ (v - φ*_q), so that Newton's method solves for v alone:
 //! v - p_v - γ (a(q, v) - φ*_v) = 0.
 
-use super::adams::{Adams, Step, StepFailure};
 use super::SecondOrderSystem;
+use super::adams::{Adams, Step, StepFailure};
 
 /// Corrections a step may take before it is made smaller.
 const MAX_ITERATIONS: u32 = 6;
@@ -131,7 +131,11 @@ impl Adams {
                 return None;
             }
             let rate = size / last;
-            let left = if iteration == 0 { size } else { size * rate / (1.0 - rate).max(0.1) };
+            let left = if iteration == 0 {
+                size
+            } else {
+                size * rate / (1.0 - rate).max(0.1)
+            };
             if left <= REMAINDER {
                 return Some(self.finish_corrector(nq, gamma));
             }
@@ -148,7 +152,8 @@ impl Adams {
         let (k, h) = (self.order, self.step_size);
         let phi = self.differences.row(0);
         for i in 0..nq {
-            self.slope[nq + i] = phi[nq + i] + (self.trial[nq + i] - self.predicted[nq + i]) / gamma;
+            self.slope[nq + i] =
+                phi[nq + i] + (self.trial[nq + i] - self.predicted[nq + i]) / gamma;
             self.slope[i] = self.trial[nq + i];
         }
         for i in 2 * nq..self.dimension {

@@ -210,6 +210,7 @@ impl Core {
         stats.set_item("steps", statistics.counts.steps)?;
         stats.set_item("rejected", statistics.counts.rejected)?;
         stats.set_item("evaluations", statistics.counts.evaluations)?;
+        stats.set_item("jacobians", statistics.counts.jacobians)?;
         stats.set_item("onsets", statistics.onsets)?;
         stats.set_item("onsets_at_floor", statistics.onsets_at_floor)?;
         stats.set_item("wall_stepping", statistics.wall_stepping)?;

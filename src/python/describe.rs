@@ -11,7 +11,7 @@ use crate::drive::{
 use crate::error::{Error, Result};
 use crate::force_law::{Damping, Elastic, ForceLaw, Regions};
 use crate::geometry::{Seat, Vec2};
-use crate::integrator::StepControl;
+use crate::integrator::{Corrector, StepControl};
 use crate::model::ForceLaws;
 use crate::recorder::Groups;
 use crate::simulate::check_reports;
@@ -429,12 +429,21 @@ pub(super) fn reports(
 /// Reads a `Solver` and checks it.
 pub(super) fn solver(object: &Bound<'_, PyAny>) -> PyResult<StepControl> {
     let read = Reader::new(object, "solver", &["Solver"])?;
-    read.word("method", &[("auto", ()), ("pece", ())])?;
+    let corrector = read.word(
+        "method",
+        &[
+            ("auto", Corrector::Pece),
+            ("pece", Corrector::Pece),
+            ("newton", Corrector::Newton),
+        ],
+    )?;
     let control = StepControl {
         rtol: read.number("rtol", "relative units")?,
         atol: read.number("atol", "the unit of each component")?,
         max_step: read.number("max_step", "s")?,
         max_order: read.count("max_order")? as usize,
+        corrector,
+        accuracy: read.number("accuracy", "m")?,
     };
     checked(object.py(), control.validate())?;
     Ok(control)

@@ -243,6 +243,7 @@ pub(super) fn integrate<'py>(
         atol,
         max_step: max_step.min(t_span.1 - t_span.0),
         max_order,
+        ..StepControl::default()
     };
     if t_span.1.partial_cmp(&t_span.0) != Some(std::cmp::Ordering::Greater) {
         return Err(to_python(
