@@ -61,7 +61,7 @@ fn the_matrix_is_that_of_finite_differences() {
             let touching = dynamics.hinge_contacts().filter(|(d, _)| *d > 0.0).count()
                 + dynamics.candidates().filter(|c| c.2 > 0.0).count();
             assert!(touching > 0);
-            assert!(dynamics.factorise(t, &y, gamma));
+            assert!(dynamics.factorise(&y, gamma));
             for seed in 0..5 {
                 let residual: Vec<f64> = (0..nq)
                     .map(|i| ((i * 37 + seed * 101) % 17) as f64 / 17.0 - 0.5)
@@ -197,7 +197,7 @@ impl SecondOrderSystem for Pendulum {
     fn coordinates(&self) -> usize {
         1
     }
-    fn factorise(&mut self, _t: f64, y: &[f64], gamma: f64) -> bool {
+    fn factorise(&mut self, y: &[f64], gamma: f64) -> bool {
         self.factor = 1.0 + 0.5 * gamma + gamma * gamma * 100.0 * y[0].cos();
         true
     }

@@ -9,7 +9,7 @@ use std::cell::Cell;
 use std::time::Duration;
 
 use rustchain::force_law::{Damping, Elastic, ForceLaw, Regions};
-use rustchain::integrator::OdeSystem;
+use rustchain::integrator::{Corrector, OdeSystem, StepControl};
 use rustchain::vector::InstructionSet;
 use rustchain::{ForceLaws, Groups};
 
@@ -67,26 +67,35 @@ fn ten_milliseconds_with_hundreds_of_onsets_allocate_nothing() {
                 tooth: law,
                 ..ForceLaws::default()
             };
-            let mut simulation =
-                common::simulation(&common::paper_drive(), &laws, common::control(1e-5));
-            simulation.start_recording(
-                1.0,
-                1.0,
-                Groups {
-                    energy: true,
-                    ..Groups::default()
-                },
-            );
-            // Past the first report, which makes the room for its row.
-            simulation.advance(5e-3, Duration::MAX).unwrap();
-            let begun = simulation.statistics();
-            let before = ALLOCATIONS.get();
-            simulation.advance(15e-3, Duration::MAX).unwrap();
-            let allocations = ALLOCATIONS.get() - before;
-            let done = simulation.statistics();
-            assert!(done.counts.steps > begun.counts.steps + 2000, "{elastic:?}");
-            assert!(done.onsets > begun.onsets + 100, "{elastic:?}");
-            assert_eq!(allocations, 0, "{elastic:?} {regions:?}");
+            for corrector in [Corrector::Pece, Corrector::Newton] {
+                let control = StepControl {
+                    corrector,
+                    accuracy: 1e-11,
+                    ..common::control(1e-5)
+                };
+                let mut simulation = common::simulation(&common::paper_drive(), &laws, control);
+                simulation.start_recording(
+                    1.0,
+                    1.0,
+                    Groups {
+                        energy: true,
+                        ..Groups::default()
+                    },
+                );
+                // Past the first report, which makes the room for its row.
+                simulation.advance(5e-3, Duration::MAX).unwrap();
+                let begun = simulation.statistics();
+                let before = ALLOCATIONS.get();
+                simulation.advance(15e-3, Duration::MAX).unwrap();
+                let allocations = ALLOCATIONS.get() - before;
+                let done = simulation.statistics();
+                assert!(
+                    done.counts.steps > begun.counts.steps + 1000,
+                    "{elastic:?} {corrector:?}"
+                );
+                assert!(done.onsets > begun.onsets + 100, "{elastic:?}");
+                assert_eq!(allocations, 0, "{elastic:?} {regions:?} {corrector:?}");
+            }
         }
     }
 }

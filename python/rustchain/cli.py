@@ -13,7 +13,7 @@ import typer
 
 import rustchain as rc
 from rustchain._names import suggest
-from rustchain.simulation import Group
+from rustchain.simulation import Group, Method
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -72,8 +72,10 @@ def run(
     duration: Annotated[float, typer.Option(help="Simulated time [s].")] = 2.0,
     pretension: Annotated[float, typer.Option(help="Tension given to each strand [N].")] = 0.0,
     law: Annotated[Law, typer.Option(help="Force law of every contact.")] = Law.LANKARANI_NIKRAVESH,
-    rtol: Annotated[float, typer.Option(help="Relative tolerance.")] = 1e-5,
-    atol: Annotated[float, typer.Option(help="Absolute tolerance.")] = 1e-5,
+    method: Annotated[str, typer.Option(help="Of integration: auto, pece or newton.")] = "auto",
+    rtol: Annotated[float, typer.Option(help="Relative tolerance of pece.")] = 1e-5,
+    atol: Annotated[float, typer.Option(help="Absolute tolerance of pece.")] = 1e-5,
+    accuracy: Annotated[float, typer.Option(help="Error a step of newton may make [m].")] = 1e-9,
     max_step: Annotated[float, typer.Option(help="Largest step [s].")] = 1e-4,
     report_step: Annotated[float, typer.Option(help="Time between two rows [s].")] = 1e-4,
     record: Annotated[
@@ -86,7 +88,9 @@ def run(
         if drive != "paper":
             _fail(f"drive: {drive!r} is not known; {suggest(drive, ['paper'])}")
         out.parent.mkdir(parents=True, exist_ok=True)
-        solver = rc.Solver(rtol=rtol, atol=atol, max_step=max_step)
+        solver = rc.Solver(
+            method=cast("Method", method), rtol=rtol, atol=atol, max_step=max_step, accuracy=accuracy
+        )
         simulation = rc.Simulation(rc.paper_drive(pretension), law.value_of(), solver=solver)
         groups = cast("list[Group]", [group.strip() for group in record.split(",")])
         try:

@@ -22,6 +22,7 @@ from rustchain.result import Array, Result, Status
 if TYPE_CHECKING:
     from tqdm import tqdm
 
+Method = Literal["auto", "pece", "newton"]
 Group = Literal["hinges", "teeth", "sprockets", "bodies", "energy"]
 
 _WALL_BUDGET = 0.05  # [s] between looks at the keyboard and the progress bar
@@ -52,7 +53,7 @@ class Solver(Description):
         pitch (of a sprocket through its pitch radius).
     """
 
-    method: Literal["auto", "pece", "newton"] = "auto"
+    method: Method = "auto"
     rtol: float = 1e-5
     atol: float = 1e-5
     max_step: float = 1e-4

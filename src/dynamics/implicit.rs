@@ -2,12 +2,11 @@
 
 use super::Dynamics;
 use super::jacobian::{FAR, Lever, PointForce, Pressed, link_levers, sprocket_levers};
-use crate::contact::{SprocketFrame, bushing_on_sprocket};
+use crate::contact::bushing_on_sprocket;
 use crate::force_law::{ElasticLaw, Regions, with_law};
-use crate::geometry::{Surface, Vec2, unit};
+use crate::geometry::{Surface, Vec2, turned_left};
 use crate::integrator::SecondOrderSystem;
 use crate::model::Model;
-use crate::state::sprocket_motion;
 
 /// Force \[N\] and its slopes with penetration \[N/m\] and rate \[N s/m\].
 fn slopes<L: ElasticLaw>(
@@ -50,13 +49,15 @@ impl Dynamics {
             let next = (k + 1) % n;
             let a = model.half_pitch;
             let end = |i: usize, side: f64| {
-                let arm = side * a * unit(q[2 * n + i]);
+                let along = side * a * self.kernels.link_direction(i);
                 (
-                    Vec2::new(q[i], q[n + i]) + arm,
-                    Vec2::new(v[i], v[n + i]) + v[2 * n + i] * crate::geometry::turned_left(arm),
+                    Vec2::new(q[i], q[n + i]) + along,
+                    Vec2::new(v[i], v[n + i]) + v[2 * n + i] * turned_left(along),
+                    along,
                 )
             };
-            let ((front, front_v), (rear, rear_v)) = (end(k, 1.0), end(next, -1.0));
+            let ((front, front_v, front_arm), (rear, rear_v, rear_arm)) =
+                (end(k, 1.0), end(next, -1.0));
             let (offset, velocity) = (front - rear, front_v - rear_v);
             let distance = offset.norm();
             let normal = offset / distance;
@@ -77,13 +78,13 @@ impl Dynamics {
                 },
                 gamma,
             );
-            let front = link_levers(1.0, a, q[2 * n + k], v[2 * n + k]);
-            let rear = link_levers(-1.0, a, q[2 * n + next], v[2 * n + next]);
+            let front = link_levers(1.0, front_arm, v[2 * n + k]);
+            let rear = link_levers(-1.0, -rear_arm, v[2 * n + next]);
             self.matrix.add_hinge(k, &contact, &front, &rear);
         }
     }
 
-    fn add_teeth(&mut self, t: f64, y: &[f64], gamma: f64) {
+    fn add_teeth(&mut self, y: &[f64], gamma: f64) {
         let model = &self.model;
         let n = model.links;
         let (q, v) = y.split_at(model.coordinates);
@@ -92,19 +93,16 @@ impl Dynamics {
                 continue;
             }
             let sprocket = &model.sprockets[s];
-            let ((center, center_v), (angle, spin)) =
-                sprocket_motion(sprocket, t, |i| (q[i], v[i]));
+            let frame = self.kernels.sprocket_frame(s);
             let link = model.link_of_bushing(k);
             let arm = if link == k {
                 model.half_pitch
             } else {
                 -model.half_pitch
             };
-            let along = arm * unit(q[2 * n + link]);
+            let along = arm * self.kernels.link_direction(link);
             let point = Vec2::new(q[link], q[n + link]) + along;
-            let velocity = Vec2::new(v[link], v[n + link])
-                + v[2 * n + link] * crate::geometry::turned_left(along);
-            let frame = SprocketFrame::new(center, center_v, angle, spin);
+            let velocity = Vec2::new(v[link], v[n + link]) + v[2 * n + link] * turned_left(along);
             let Some(found) =
                 bushing_on_sprocket(sprocket, &frame, point, velocity, model.bushing_radius)
             else {
@@ -118,8 +116,8 @@ impl Dynamics {
                 Surface::Topping => (-1.0, profile.topping.radius + model.bushing_radius - depth),
             };
             let normal = found.contact.normal;
-            let from_center = point - center - side * distance * normal;
-            let velocity = velocity - center_v - spin * crate::geometry::turned_left(from_center);
+            let from_center = point - frame.center - side * distance * normal;
+            let velocity = velocity - frame.velocity - frame.spin * turned_left(from_center);
             let pair = s * n + k;
             let remembered = self.memory.tooth_speed[pair];
             let law = &model.tooth_law;
@@ -144,10 +142,10 @@ impl Dynamics {
                 },
                 gamma,
             );
-            let bushing = link_levers(1.0, arm, q[2 * n + link], v[2 * n + link]);
+            let bushing = link_levers(1.0, along, v[2 * n + link]);
             let mut levers = [(0, bushing[0]); 4];
             let mut count = 0;
-            sprocket_levers(model, s, from_center, spin, |j, lever: Lever| {
+            sprocket_levers(model, s, from_center, frame.spin, |j, lever: Lever| {
                 levers[count] = (j, lever);
                 count += 1;
             });
@@ -162,12 +160,12 @@ impl SecondOrderSystem for Dynamics {
         self.model.coordinates
     }
 
-    fn factorise(&mut self, t: f64, y: &[f64], gamma: f64) -> bool {
+    fn factorise(&mut self, y: &[f64], gamma: f64) -> bool {
         self.matrix.clear();
         let model = std::sync::Arc::clone(&self.model);
         self.matrix.add_masses(&model, gamma);
         self.add_hinges(y, gamma);
-        self.add_teeth(t, y, gamma);
+        self.add_teeth(y, gamma);
         self.matrix.factorise()
     }
 

@@ -8,7 +8,7 @@
 use nalgebra::{Matrix2, Matrix3, RowVector3, Vector3};
 
 use super::chain_solver::ChainMatrix;
-use crate::geometry::{Vec2, turned_left, unit};
+use crate::geometry::{Vec2, turned_left};
 use crate::model::{Model, Rotation, Support};
 
 /// Distance that stands for the centre of curvature of a flat \[m\].
@@ -79,14 +79,13 @@ pub(super) struct Lever {
     bend: Vec2,
 }
 
-/// The three coordinates of a link's end on one side of a contact.
-pub(super) fn link_levers(sign: f64, arm: f64, angle: f64, spin: f64) -> [Lever; 3] {
+/// The three coordinates of a link whose end on one side of a contact lies at `along` from its centre.
+pub(super) fn link_levers(sign: f64, along: Vec2, spin: f64) -> [Lever; 3] {
     let straight = |offset| Lever {
         offset,
         velocity: Vec2::zeros(),
         bend: Vec2::zeros(),
     };
-    let along = arm * unit(angle);
     [
         straight(Vec2::new(sign, 0.0)),
         straight(Vec2::new(0.0, sign)),
@@ -141,7 +140,7 @@ pub(super) fn sprocket_levers(
     }
 }
 
-/// -[g_i (...) of levers i and j].
+/// The entry of levers i and j.
 fn entry(force: &PointForce, i: &Lever, j: &Lever) -> f64 {
     -i.offset.dot(&force.change(j))
 }

@@ -40,9 +40,9 @@ pub trait SecondOrderSystem: OdeSystem {
     /// Number of coordinates.
     fn coordinates(&self) -> usize;
 
-    /// Prepares [`Self::correct`] at (`t`, `y`), where the derivative was just evaluated: factors of 1 - γ da/dv - γ² da/dq
+    /// Prepares [`Self::correct`] at `y`, where the derivative was just evaluated: factors of 1 - γ da/dv - γ² da/dq
     /// for accelerations a. False when there are none.
-    fn factorise(&mut self, t: f64, y: &[f64], gamma: f64) -> bool;
+    fn factorise(&mut self, y: &[f64], gamma: f64) -> bool;
 
     /// Overwrites a residual of velocities by the correction that it asks for.
     fn correct(&mut self, residual: &mut [f64]);

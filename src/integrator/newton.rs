@@ -1,8 +1,8 @@
 //! The implicit corrector: the Adams-Moulton formula of the predictor's own order, solved by Newton's method for velocities.
 //!
-//! y = p + γ (f(y) - φ*), γ = h g_k, of which order 2 is the trapezoid. For a system of second order the coordinates follow from
-//! the velocities, q = p_q + γ (v - φ*_q), so that Newton's method solves for v alone:
-//! v - p_v - γ (a(q, v) - φ*_v) = 0.
+//! `y = p + γ (f(y) - φ*)`, `γ = h g_k`, of which order 2 is the trapezoid. For a system of second order the coordinates follow
+//! from the velocities, `q = p_q + γ (v - φ*_q)`, so that Newton's method solves for v alone:
+//! `v - p_v - γ (a(q, v) - φ*_v) = 0`.
 
 use super::SecondOrderSystem;
 use super::adams::{Adams, Step, StepFailure};
@@ -109,7 +109,7 @@ impl Adams {
             }
             if iteration == 0 {
                 self.counts.jacobians += 1;
-                if !system.factorise(end, trial, gamma) {
+                if !system.factorise(trial, gamma) {
                     return None;
                 }
             }

@@ -22,7 +22,7 @@ use layout::{ChainArrays, LinkConstants};
 use loads::AccelerateLinks;
 use teeth::{SprocketPose, TeethFound, TouchTeeth};
 
-use crate::contact::{Candidates, ImpactMemory};
+use crate::contact::{Candidates, ImpactMemory, SprocketFrame};
 use crate::dynamics::{Powers, SprocketLoad, outside_powers, sprocket_acceleration};
 use crate::force_law::{VectorLaw, with_law};
 use crate::geometry::Vec2;
@@ -86,6 +86,23 @@ impl Kernels {
     /// Whether at the last evaluation some contact had no memory, or some memory no contact.
     pub(crate) fn changed(&self) -> bool {
         self.changed
+    }
+
+    /// Direction of link `i` at the last evaluation.
+    pub(crate) fn link_direction(&self, i: usize) -> Vec2 {
+        Vec2::new(self.chain.cos[i], self.chain.sin[i])
+    }
+
+    /// Place and motion of sprocket `s` at the last evaluation.
+    pub(crate) fn sprocket_frame(&self, s: usize) -> SprocketFrame {
+        let pose = &self.poses[s];
+        SprocketFrame {
+            center: pose.center.into(),
+            velocity: pose.velocity.into(),
+            spin: pose.spin,
+            cos: pose.direction[0],
+            sin: pose.direction[1],
+        }
     }
 
     /// Depth of every hinge at the last evaluation \[m\]; zero where apart.

@@ -190,7 +190,7 @@ FIELDS = {
     "Johnson": LAW,
     "EnhancedCylinder": LAW,
     "Solver": {
-        "method": word("auto", "pece"),
+        "method": word("auto", "pece", "newton"),
         "rtol": not_negative("relative units"),
         "atol": not_negative("the unit of each component"),
         "max_step": [
@@ -198,6 +198,7 @@ FIELDS = {
             *[(value, "must be a number in s") for value in NO_NUMBER],
         ],
         "max_order": count(1, 12, 0, 13),
+        "accuracy": positive("m"),
     },
 }
 

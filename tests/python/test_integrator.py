@@ -242,3 +242,21 @@ def test_the_error_of_ten_orbits_falls_with_the_tolerance(work):
     meaningful = errors < MEANINGFUL
     slope = np.polyfit(-DECADES[meaningful], np.log10(errors[meaningful]), 1)[0]
     assert 0.8 < slope < 1.3
+
+
+def test_newton_and_pece_agree_on_a_pretensioned_strand():
+    """Mean tension of both strands over 10 ms, after the tensioner's ramp has begun."""
+    tension = {}
+    for solver in (rc.Solver(), rc.Solver(method="newton", accuracy=1e-10)):
+        result = rc.Simulation(rc.paper_drive(25.0), solver=solver).run(
+            0.01, record=("hinges",), progress=False
+        )
+        upper, lower = (result.strand(side).tension for side in ("upper", "lower"))
+        tension[solver.method] = np.mean(upper[50:] + lower[50:])
+        assert (result.stats["jacobians"] > 0) == (solver.method == "newton")
+    assert abs(tension["newton"] / tension["auto"] - 1) < 0.03
+
+
+def test_newton_says_what_it_cannot_do_with_its_accuracy():
+    with pytest.raises(rc.InvalidInput, match=r"Solver.accuracy = 0"):
+        rc.Simulation(rc.paper_drive(), solver=rc.Solver(method="newton", accuracy=0.0))
