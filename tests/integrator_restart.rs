@@ -100,6 +100,7 @@ fn a_restart_goes_on_counting_and_costs_one_evaluation() {
         steps,
         rejected,
         evaluations,
+        ..
     } = adams.counts();
     assert_eq!(steps, before.steps + 30);
     assert_eq!(evaluations, 2 + 2 * steps + rejected);

@@ -1,14 +1,12 @@
 //! The implicit corrector: its matrix against finite differences, and runs with it.
 
-mod common;
+#![allow(clippy::unwrap_used)]
 
-use std::sync::Arc;
-use std::time::Duration;
+mod common;
 
 use rustchain::force_law::{Damping, Elastic, ForceLaw};
 use rustchain::integrator::{Adams, Corrector, OdeSystem, SecondOrderSystem, StepControl};
-use rustchain::state::Start;
-use rustchain::{ForceLaws, Groups, Model, Simulation, Values};
+use rustchain::{ForceLaws, Groups, Simulation};
 
 fn simulation(
     elastic: Elastic,
@@ -18,13 +16,7 @@ fn simulation(
 ) -> Simulation {
     let mut drive = common::paper_drive();
     if pretension > 0.0 {
-        drive.tensioner = Some(rustchain::drive::Tensioner {
-            sprocket: 2,
-            pretension,
-            direction: None,
-            ramp_time: 2e-3,
-            damping: 0.0,
-        });
+        drive.tensioner = Some(common::tensioner(pretension, 2e-3));
     }
     let law = ForceLaw {
         elastic,
@@ -36,9 +28,7 @@ fn simulation(
         tooth: law,
         ..ForceLaws::default()
     };
-    let (start, _) = Start::generate(&drive).unwrap();
-    let model = Arc::new(Model::compile(&drive, &laws, &start).unwrap());
-    Simulation::new(model, &start, control).unwrap()
+    common::simulation(&drive, &laws, control)
 }
 
 #[test]
@@ -51,7 +41,7 @@ fn the_matrix_is_that_of_finite_differences() {
     ] {
         for pretension in [25.0, 100.0] {
             let mut run = simulation(elastic, damping, pretension, StepControl::default());
-            while !run.advance(8e-3, Duration::from_secs(1)).unwrap() {}
+            common::advance(&mut run, 8e-3);
             let (t, y) = (run.integrator().time(), run.integrator().y().to_vec());
             let mut dynamics = run.dynamics().clone();
             let nq = dynamics.coordinates();
@@ -111,16 +101,8 @@ fn balance(pretension: f64, duration: f64, accuracy: f64) -> (f64, u64) {
         energy: true,
         ..Groups::default()
     };
-    run.start_recording(duration, duration, groups);
-    while !run.record(Duration::from_secs(1)).unwrap() {}
-    let recording = run.take_recording();
-    let last = |name: &str| {
-        let channel = recording.channels.iter().find(|c| c.name == name).unwrap();
-        match &channel.values {
-            Values::Real(values) => *values.last().unwrap(),
-            Values::Whole(_) => unreachable!("{name} is real"),
-        }
-    };
+    let recording = common::record(&mut run, duration, duration, groups);
+    let last = |name: &str| *common::channel(&recording, name).last().unwrap();
     let residual = last("energy_residual") / last("energy_dissipated");
     (residual.abs(), run.statistics().counts.steps)
 }
@@ -145,7 +127,7 @@ fn the_balance_closes_better_with_the_accuracy() {
 fn stiff_contacts_do_not_hold_the_steps() {
     let steps = |control| {
         let mut run = simulation(Elastic::Hertz, Damping::LankaraniNikravesh, 100.0, control);
-        while !run.advance(0.01, Duration::from_secs(1)).unwrap() {}
+        common::advance(&mut run, 0.01);
         run.statistics().counts.steps
     };
     let (explicit, implicit) = (steps(StepControl::default()), steps(newton(1e-9)));
@@ -157,7 +139,7 @@ fn stiff_contacts_do_not_hold_the_steps() {
 fn the_path_converges_to_that_of_the_explicit_method() {
     let at_5_ms = |control| {
         let mut run = simulation(Elastic::Hertz, Damping::LankaraniNikravesh, 0.0, control);
-        while !run.advance(5e-3, Duration::from_secs(1)).unwrap() {}
+        common::advance(&mut run, 5e-3);
         run.motion().positions()
     };
     let reference = at_5_ms(StepControl {
@@ -173,7 +155,6 @@ fn the_path_converges_to_that_of_the_explicit_method() {
             .fold(0.0, f64::max)
     };
     let errors = [1e-9, 1e-10, 1e-11, 1e-12].map(off);
-    println!("{errors:?}");
     assert!(errors[0] < 2e-6, "{errors:?}");
     assert!(errors[3] < 0.03 * errors[0], "{errors:?}");
 }

@@ -146,6 +146,7 @@ fn the_same_run_twice_is_the_same_to_the_last_bit() {
         steps,
         evaluations,
         rejected,
+        ..
     } = one.statistics().counts;
     assert_eq!(evaluations, 1 + 2 * steps + rejected);
     assert!(one.statistics().onsets > 100);

@@ -89,7 +89,11 @@ def run(
             _fail(f"drive: {drive!r} is not known; {suggest(drive, ['paper'])}")
         out.parent.mkdir(parents=True, exist_ok=True)
         solver = rc.Solver(
-            method=cast("Method", method), rtol=rtol, atol=atol, max_step=max_step, accuracy=accuracy
+            method=cast("Method", method),
+            rtol=rtol,
+            atol=atol,
+            max_step=max_step,
+            accuracy=accuracy,
         )
         simulation = rc.Simulation(rc.paper_drive(pretension), law.value_of(), solver=solver)
         groups = cast("list[Group]", [group.strip() for group in record.split(",")])

@@ -87,6 +87,7 @@ impl Adams {
         (sum / (2 * coordinates) as f64).sqrt()
     }
 
+    #[allow(clippy::needless_range_loop)] // one index into coordinates and, moved on, into velocities
     /// Solves the corrector from the prediction; the error of the step, or `None` when the iteration does not end.
     fn solve_corrector(&mut self, system: &mut impl SecondOrderSystem) -> Option<f64> {
         let (nq, k, h) = (system.coordinates(), self.order, self.step_size);
@@ -147,6 +148,7 @@ impl Adams {
         None
     }
 
+    #[allow(clippy::needless_range_loop)] // likewise
     /// The slopes that the solution stands for, the sums, and the error.
     fn finish_corrector(&mut self, nq: usize, gamma: f64) -> f64 {
         let (k, h) = (self.order, self.step_size);

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+import rustchain as rc
 from rustchain import _rustchain
 
 
@@ -245,16 +246,16 @@ def test_the_error_of_ten_orbits_falls_with_the_tolerance(work):
 
 
 def test_newton_and_pece_agree_on_a_pretensioned_strand():
-    """Mean tension of both strands over 10 ms, after the tensioner's ramp has begun."""
+    """Mean tension of both strands from 20 to 80 ms, past the tensioner's ramp."""
     tension = {}
     for solver in (rc.Solver(), rc.Solver(method="newton", accuracy=1e-10)):
         result = rc.Simulation(rc.paper_drive(25.0), solver=solver).run(
-            0.01, record=("hinges",), progress=False
+            0.08, record=("hinges",), progress=False
         )
         upper, lower = (result.strand(side).tension for side in ("upper", "lower"))
-        tension[solver.method] = np.mean(upper[50:] + lower[50:])
+        tension[solver.method] = np.mean(upper[200:] + lower[200:])
         assert (result.stats["jacobians"] > 0) == (solver.method == "newton")
-    assert abs(tension["newton"] / tension["auto"] - 1) < 0.03
+    assert abs(tension["newton"] / tension["auto"] - 1) < 0.05
 
 
 def test_newton_says_what_it_cannot_do_with_its_accuracy():
