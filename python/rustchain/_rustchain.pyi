@@ -1,7 +1,7 @@
 """The typed face of the compiled module."""
 
 from collections.abc import Callable
-from typing import Any, Literal, Literal, final
+from typing import Any, Literal, final
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,7 @@ __all__ = [
     "InvalidInput",
     "SimulationError",
     "closing_center_distance",
+    "instruction_set",
     "integrate",
     "law_force",
     "layout",
