@@ -1,7 +1,11 @@
 //! The run: steps, onsets, reports.
 
+mod snapshot;
+
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+
+pub use snapshot::Snapshot;
 
 use crate::dynamics::Dynamics;
 use crate::error::{Error, Result, check};
@@ -15,6 +19,7 @@ use crate::state::{Motion, Start};
 pub struct Simulation {
     dynamics: Dynamics,
     adams: Adams,
+    start: Start,
     /// Present time of the user \[s\]; the integrator may be ahead by a part of a step.
     now: f64,
     recorder: Option<Recorder>,
@@ -71,6 +76,7 @@ impl Simulation {
         Ok(Self {
             dynamics,
             adams,
+            start: start.clone(),
             now: 0.0,
             recorder: None,
             inside: y,
@@ -94,6 +100,12 @@ impl Simulation {
     pub fn present(&mut self) -> &Dynamics {
         self.evaluate_at(self.now);
         &self.dynamics
+    }
+
+    /// Where the run began.
+    #[must_use]
+    pub fn start(&self) -> &Start {
+        &self.start
     }
 
     /// The integrator.

@@ -4,6 +4,10 @@
 //! measures that, so no contact can be missed whatever a step tries. The gaps are hints: the kernel sees when a bushing has
 //! crossed to the next one and asks for it.
 
+mod origin;
+
+pub(crate) use origin::CandidatesOrigin;
+
 use crate::contact::ImpactMemory;
 use crate::force_law::{VectorLaw, with_law};
 use crate::geometry::{Surface, Vec2};

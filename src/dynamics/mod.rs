@@ -2,12 +2,16 @@
 //!
 //! A scene without ideal joints has no constraints: accelerations are forces over masses, and no linear system exists.
 
+mod carried;
 mod energy;
 mod forces;
 mod loads;
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
+pub(crate) use carried::Carried;
 pub use energy::Energy;
 pub use loads::SprocketLoad;
 pub(crate) use loads::{outside_powers, sprocket_acceleration};
@@ -56,7 +60,7 @@ pub struct Dynamics {
 }
 
 /// A hinge, or a bushing and a sprocket.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 enum Pair {
     Hinge(usize),
     Tooth(usize),
