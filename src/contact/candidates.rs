@@ -4,9 +4,9 @@
 //! measures that, so no contact can be missed whatever a step tries. The gaps are hints: the kernel sees when a bushing has
 //! crossed to the next one and asks for it.
 
-mod origin;
+mod carried;
 
-pub(crate) use origin::CandidatesOrigin;
+pub(crate) use carried::CarriedCandidates;
 
 use crate::contact::ImpactMemory;
 use crate::force_law::{VectorLaw, with_law};
@@ -282,6 +282,11 @@ fn find_runs(n: usize, near: impl Fn(usize) -> bool, runs: &mut Vec<Run>) -> usi
         last.length = first.first + n + first.length - last.first;
         runs.remove(0);
     }
+    lay_out(runs)
+}
+
+/// Gives the runs their slots and returns how many there are.
+fn lay_out(runs: &mut [Run]) -> usize {
     let mut slots = 0;
     for run in runs {
         run.slot = slots;

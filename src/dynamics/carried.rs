@@ -3,13 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Dynamics, Pair};
-use crate::contact::{CandidatesOrigin, ImpactMemory};
+use crate::contact::{CarriedCandidates, ImpactMemory};
 
 /// All that decides, with the integrator's state, how the dynamics go on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Carried {
     memory: ImpactMemory,
-    candidates: CandidatesOrigin,
+    candidates: CarriedCandidates,
     keeps_energy: bool,
     parted: Vec<Pair>,
     hinge_past_range: Option<String>,
@@ -21,7 +21,7 @@ impl Dynamics {
     pub(crate) fn carried(&self) -> Carried {
         Carried {
             memory: self.memory.clone(),
-            candidates: self.kernels.candidates.origin(&self.model),
+            candidates: self.kernels.candidates.carried(&self.model),
             keeps_energy: self.keeps_energy,
             parted: self.parted.clone(),
             hinge_past_range: self.hinge_past_range.clone(),
@@ -42,7 +42,7 @@ impl Dynamics {
         }
         dynamics.memory = carried.memory.clone();
         let candidates = &mut dynamics.kernels.candidates;
-        candidates.make_again(&dynamics.model, &dynamics.memory, &carried.candidates)?;
+        candidates.carry_on(&dynamics.model, &dynamics.memory, &carried.candidates)?;
         dynamics.keeps_energy = carried.keeps_energy;
         // Steps put parted pairs where there is room already.
         dynamics.parted.extend_from_slice(&carried.parted);
