@@ -32,4 +32,4 @@ pub use drive::Drive;
 pub use error::{Error, Result};
 pub use model::{ForceLaws, Model};
 pub use recorder::{Channel, Groups, Recording, Values};
-pub use simulate::{Simulation, Statistics, check_reports, check_rows};
+pub use simulate::{Simulation, Snapshot, Statistics, check_reports, check_rows};

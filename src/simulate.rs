@@ -1,7 +1,11 @@
 //! The run: steps, onsets, reports.
 
+mod snapshot;
+
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+
+pub use snapshot::Snapshot;
 
 use crate::dynamics::Dynamics;
 use crate::error::{Error, Result, check};
@@ -15,7 +19,7 @@ use crate::state::{Motion, Start};
 pub struct Simulation {
     dynamics: Dynamics,
     adams: Adams,
-    corrector: Corrector,
+    start: Start,
     /// Present time of the user \[s\]; the integrator may be ahead by a part of a step.
     now: f64,
     recorder: Option<Recorder>,
@@ -72,7 +76,7 @@ impl Simulation {
         Ok(Self {
             dynamics,
             adams,
-            corrector: control.corrector,
+            start: start.clone(),
             now: 0.0,
             recorder: None,
             inside: y,
@@ -97,6 +101,12 @@ impl Simulation {
         self.adams.interpolate(self.now, &mut self.inside);
         self.dynamics.evaluate(self.now, &self.inside);
         &self.dynamics
+    }
+
+    /// Where the run began.
+    #[must_use]
+    pub fn start(&self) -> &Start {
+        &self.start
     }
 
     /// The integrator.
@@ -246,7 +256,7 @@ impl Simulation {
     fn step(&mut self) -> Result<()> {
         let begin = Instant::now();
         self.dynamics.begin_step();
-        let step = match self.corrector {
+        let step = match self.adams.control().corrector {
             Corrector::Pece => self.adams.step(&mut self.dynamics),
             Corrector::Newton => self.adams.step_newton(&mut self.dynamics),
         };

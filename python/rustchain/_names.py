@@ -37,7 +37,7 @@ def _checked(function: _Target, name: str) -> _Target:
     """Wrap `function` so that unknown keywords raise before it is called."""
     named = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
     parameters = inspect.signature(function).parameters.values()
-    known = [p.name for p in parameters if p.kind in named and p.name != "self"]
+    known = [p.name for p in parameters if p.kind in named and p.name not in ("self", "cls")]
 
     @functools.wraps(function)
     def checked(*args: Any, **keywords: Any) -> object:  # noqa: ANN401

@@ -115,6 +115,10 @@ class Core:
         """Present velocities [m/s, m/s, rad/s], (bodies, 3)."""
     def state(self) -> dict[str, Any]:
         """Return all that decides how the run goes on."""
+    def restored(self, snapshot: bytes) -> Core:
+        """Return the same simulation in the state of `snapshot`; this one stays as it is."""
+    def start(self) -> list[_Array]:
+        """Return positions and velocities that the simulation was made with."""
     def evaluate(
         self,
         positions: npt.NDArray[np.float64] | None,

@@ -6,12 +6,13 @@ import reprlib
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NoReturn, get_args
 
 import numpy as np
 import numpy.typing as npt
 
-from rustchain import _rustchain
+from rustchain import _rustchain, _state_file
 from rustchain._description import Description
 from rustchain._names import known_keywords, suggest
 from rustchain.drive import ChainDrive
@@ -179,8 +180,99 @@ class Simulation:
         return self._core.velocities
 
     def state(self) -> dict[str, Any]:
-        """Return all that decides how the run goes on, the memory of the contacts included."""
+        """Return all that decides how the run goes on, for `set_state`.
+
+        Not in it are wall times. The copy is the caller's own: `copy` and `pickle` take it.
+
+        Returns
+        -------
+        dict
+            To look at:
+
+            - ``time`` [s]; ``positions`` and ``velocities``, (bodies, 3) [m, m, rad], [m/s, m/s,
+              rad/s];
+            - ``hinge_onset_speed``, (hinges,), and ``tooth_onset_speed``, (bushings, sprockets):
+              approach speed at which each live contact began [m/s], 0 without contact;
+            - ``tooth_onset_surface``, (bushings, sprockets): where it began, 0 seating curve, 1
+              working curve, 2 flat, 3 topping curve;
+            - ``parted_hinges`` and ``parted_tooth_pairs`` (sprocket · bushings + bushing): what
+              came apart in the last step.
+
+            And ``snapshot``: bytes that hold all of it and all else, to the last bit.
+        """
         return self._core.state()
+
+    @known_keywords
+    def set_state(self, state: Mapping[str, Any]) -> None:
+        """Go on from `state`, to the same bits as the simulation that gave it.
+
+        Counts (steps, evaluations, onsets) go on from those of the state, wall times from those of
+        this simulation. The bits are the same where `rustchain.instruction_set` is, or is one of
+        "avx2" and "avx512".
+
+        Parameters
+        ----------
+        state : dict
+            What `state` gave, of this simulation or of one with the same drive, laws, solver and
+            start.
+
+        Raises
+        ------
+        InvalidInput
+            The state is of another drive, other laws or another solver, or was changed or damaged.
+            The simulation is then what it was.
+        """
+        self._core = _state_file.restored(self._core, state)
+        self._warn()
+
+    @known_keywords
+    def save_state(self, path: str | Path) -> None:
+        """Write the state and what it is of (drive, laws, solver, start) to a file.
+
+        The file is a NumPy archive (.npz); one that is there already is replaced when the new one
+        is complete.
+        """
+        positions, velocities = self._core.start()
+        _state_file.write(
+            path,
+            {
+                "drive": self.drive,
+                "hinge_law": self.hinge_law,
+                "tooth_law": self.tooth_law,
+                "solver": self.solver,
+                "min_approach_speed": self.min_approach_speed,
+                "positions": positions,
+                "velocities": velocities,
+            },
+            self.state(),
+        )
+
+    @classmethod
+    @known_keywords
+    def load_state(cls, path: str | Path) -> Simulation:
+        """Return a simulation that goes on from the state in a file, to the same bits.
+
+        Parameters
+        ----------
+        path : str or Path
+            A file that `save_state` wrote.
+
+        Raises
+        ------
+        InvalidInput
+            The file holds no state, or is damaged.
+
+        Warns
+        -----
+        RangeWarning
+            A contact had left the range of its law.
+        """
+        scene, state = _state_file.read(path)
+        scene |= {"force_law": scene["hinge_law"]}
+        simulation = cls._around(_rustchain.Core(**scene), scene)
+        simulation._core = _state_file.restored(simulation._core, state)
+        simulation._warn()
+        return simulation
 
     @known_keywords
     def evaluate(

@@ -5,6 +5,10 @@
 //! A pair that has a memory stays a candidate until the memory has ended. The gaps are hints: the kernel sees when a bushing has
 //! crossed to the next one and asks for it.
 
+mod carried;
+
+pub(crate) use carried::CarriedCandidates;
+
 use crate::contact::ImpactMemory;
 use crate::force_law::{VectorLaw, with_law};
 use crate::geometry::{Surface, Vec2};
@@ -286,6 +290,11 @@ fn find_runs(n: usize, near: impl Fn(usize) -> bool, runs: &mut Vec<Run>) -> usi
         last.length = first.first + n + first.length - last.first;
         runs.remove(0);
     }
+    lay_out(runs)
+}
+
+/// Gives the runs their slots and returns how many there are.
+fn lay_out(runs: &mut [Run]) -> usize {
     let mut slots = 0;
     for run in runs {
         run.slot = slots;

@@ -1,10 +1,12 @@
 //! What each live contact remembers from its onset: approach speed and stiffness. Written between steps only.
 
+use serde::{Deserialize, Serialize};
+
 use crate::geometry::Surface;
 use crate::vector::{Numbers, padded_zeros};
 
 /// Onset speeds and surfaces; a speed of zero means that the pair has no memory.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ImpactMemory {
     /// Approach speed at onset of each hinge \[m/s\].
     hinge_speed: Vec<f64>,
@@ -21,7 +23,7 @@ pub struct ImpactMemory {
 }
 
 /// Onsets so far.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct OnsetCounts {
     /// All.
     pub onsets: u64,
@@ -101,6 +103,15 @@ impl ImpactMemory {
     #[must_use]
     pub fn counts(&self) -> OnsetCounts {
         self.counts
+    }
+
+    /// Whether it is a memory of as many pairs, with the same floor.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        let lengths = |memory: &Self| {
+            let hinges = (memory.hinge_speed.len(), memory.hinge_inverse.len());
+            (hinges, memory.tooth_speed.len(), memory.tooth_surface.len())
+        };
+        lengths(self) == lengths(other) && self.floor == other.floor
     }
 
     /// Forgets every pair.

@@ -7,7 +7,7 @@ mod onset;
 mod tooth_contact;
 
 pub(crate) use candidates::{
-    Candidates, Run, SprocketCandidates, gap_direction, surface_constants,
+    Candidates, CarriedCandidates, Run, SprocketCandidates, gap_direction, surface_constants,
 };
 pub use clearance_joint::HingeContacts;
 pub use impact_memory::{ImpactMemory, OnsetCounts};

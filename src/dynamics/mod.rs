@@ -2,6 +2,7 @@
 //!
 //! A scene without ideal joints has no constraints: accelerations are forces over masses, and no linear system exists.
 
+mod carried;
 mod chain_solver;
 mod energy;
 mod forces;
@@ -12,6 +13,9 @@ mod needs;
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
+pub(crate) use carried::Carried;
 use chain_solver::ChainMatrix;
 pub use energy::Energy;
 pub use loads::SprocketLoad;
@@ -64,7 +68,7 @@ pub struct Dynamics {
 }
 
 /// A hinge, or a bushing and a sprocket.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 enum Pair {
     Hinge(usize),
     Tooth(usize),

@@ -6,6 +6,8 @@
 
 use std::f64::consts::PI;
 
+use serde::{Deserialize, Serialize};
+
 use super::{Arc, Segment, Vec2};
 
 const INCH: f64 = 0.0254;
@@ -34,7 +36,7 @@ pub enum Region {
 }
 
 /// The kind of surface a region has; both flanks share one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[repr(u8)]
 #[allow(missing_docs)] // the names say it
 pub enum Surface {

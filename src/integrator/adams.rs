@@ -7,7 +7,7 @@ use super::dense_output::DenseOutput;
 use super::differences::Differences;
 use super::order_control::{ErrorEstimate, choose_order, choose_step, gamma_star};
 use super::table::{Errors, Weigh, WeightedSquares};
-use super::{OdeSystem, StepControl};
+use super::{MAX_ORDER, OdeSystem, StepControl};
 use crate::vector::{InstructionSet, Numbers, padded_zeros};
 
 /// A step that was accepted.
@@ -130,6 +130,35 @@ impl Adams {
     /// Goes on with other instructions than the widest ones that this machine has.
     pub fn use_instructions(&mut self, instructions: InstructionSet) {
         self.instructions = instructions;
+    }
+
+    /// The instructions in use.
+    #[must_use]
+    pub fn instructions(&self) -> InstructionSet {
+        self.instructions
+    }
+
+    /// Tolerances and limits.
+    #[must_use]
+    pub fn control(&self) -> StepControl {
+        self.control
+    }
+
+    /// Whether it can go on in the place of `other`: arrays of the same lengths, a solution of numbers, orders that exist.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        let lengths = |adams: &Self| {
+            let (solution, slope) = (adams.y.len(), adams.slope.len());
+            let scratch = (adams.predicted.len(), adams.inverse_weight.len());
+            let implicit = (adams.trial.len(), adams.residual.len());
+            (adams.dimension, solution, slope, scratch, implicit)
+        };
+        lengths(self) == lengths(other)
+            && self.differences.is_like(&other.differences)
+            && self.time.is_finite()
+            && self.y.iter().all(|y| y.is_finite())
+            && (1..=MAX_ORDER).contains(&self.order)
+            && self.last_order <= MAX_ORDER
+            && self.coefficients.equal_steps <= MAX_ORDER + 1
     }
 
     /// Begins anew at (`t`, `y`) and forgets the history.

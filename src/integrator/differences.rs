@@ -36,6 +36,14 @@ impl Differences {
         }
     }
 
+    /// Whether it is a table of the same size.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        let carries = |carry: &Carry| [carry.kept.len(), carry.predicted.len()];
+        self.width == other.width
+            && self.table.len() == other.table.len()
+            && (self.carry.iter()).all(|carry| carries(carry) == [self.width; 2])
+    }
+
     /// Starts anew from the slope at one point.
     pub(super) fn restart(&mut self, slope: &[f64], compensate: bool) {
         self.table.fill(0.0);

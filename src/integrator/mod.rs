@@ -81,6 +81,17 @@ pub enum Corrector {
     Newton,
 }
 
+impl Corrector {
+    /// The name used in messages and descriptions.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pece => "pece",
+            Self::Newton => "newton",
+        }
+    }
+}
+
 impl Default for StepControl {
     fn default() -> Self {
         Self {

@@ -13,14 +13,15 @@ use crate::dynamics::Dynamics;
 use crate::error::Error;
 use crate::model::Model;
 use crate::recorder::Values;
-use crate::simulate::{Simulation, check_rows};
+use crate::simulate::{Simulation, Snapshot, check_rows};
 use crate::state::Start;
 
 /// A compiled model, its state and its integrator.
 #[pyclass(module = "rustchain._rustchain")]
 pub(super) struct Core {
     simulation: Simulation,
-    warnings_taken: usize,
+    /// What was warned of, so that each is said once.
+    warned: Vec<String>,
 }
 
 type Rows = Vec<[f64; 3]>;
@@ -115,10 +116,29 @@ impl Core {
         )?;
         state.set_item("parted_hinges", parted.0.into_pyarray(py))?;
         state.set_item("parted_tooth_pairs", parted.1.into_pyarray(py))?;
-        let integrator = postcard::to_allocvec(self.simulation.integrator())
-            .map_err(|error| pyo3::exceptions::PyRuntimeError::new_err(error.to_string()))?;
-        state.set_item("integrator", PyBytes::new(py, &integrator))?;
+        let snapshot = describe::checked(py, self.simulation.snapshot().to_bytes())?;
+        state.set_item("snapshot", PyBytes::new(py, &snapshot))?;
         Ok(state)
+    }
+
+    /// The same simulation in another state: its snapshot.
+    fn restored(&self, py: Python<'_>, snapshot: &[u8]) -> PyResult<Self> {
+        let snapshot = describe::checked(py, Snapshot::from_bytes(snapshot))?;
+        let mut simulation = self.simulation.clone();
+        describe::checked(py, simulation.restore(&snapshot))?;
+        Ok(Self {
+            simulation,
+            warned: self.warned.clone(),
+        })
+    }
+
+    /// Positions and velocities that the simulation was made with.
+    fn start<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyArray2<f64>>; 2]> {
+        let start = self.simulation.start();
+        Ok([
+            table(py, start.positions.clone())?,
+            table(py, start.velocities.clone())?,
+        ])
     }
 
     #[allow(clippy::needless_pass_by_value)] // PyO3 hands arrays over
@@ -220,9 +240,9 @@ impl Core {
     }
 
     fn take_warnings(&mut self) -> Vec<String> {
-        let notes = self.simulation.range_notes();
-        let new = notes[self.warnings_taken..].to_vec();
-        self.warnings_taken = notes.len();
+        let mut new = self.simulation.range_notes();
+        new.retain(|note| !self.warned.contains(note));
+        self.warned.extend_from_slice(&new);
         new
     }
 }
@@ -231,7 +251,7 @@ impl From<Simulation> for Core {
     fn from(simulation: Simulation) -> Self {
         Self {
             simulation,
-            warnings_taken: 0,
+            warned: Vec::new(),
         }
     }
 }

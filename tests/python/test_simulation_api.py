@@ -105,6 +105,10 @@ def test_a_script_with_every_name_of_the_public_face_runs(tmp_path, monkeypatch)
     assert sim.time == 0.0
     assert sim.positions.shape == sim.velocities.shape == (bodies, 3)
     assert {"positions", "velocities"} <= sim.state().keys()
+    state = sim.state()
+    sim.set_state(state)
+    sim.save_state("state.npz")
+    sim = rc.Simulation.load_state("state.npz")
     e = sim.evaluate(positions=None, velocities=None, time=None)
     assert e.accelerations.shape == (bodies, 3)
     assert e.hinge_force.shape == e.hinge_penetration.shape == (hinges,)
@@ -277,8 +281,8 @@ def test_a_state_is_complete(at_end):
         assert remembered[touching].all()
         assert np.count_nonzero(remembered[~touching]) <= 2
     assert state["tooth_onset_surface"].shape == (38, 2)
-    assert isinstance(state["integrator"], bytes)
-    assert len(state["integrator"]) > 8 * 2 * 2 * 38 * 3
+    assert isinstance(state["snapshot"], bytes)
+    assert len(state["snapshot"]) > 8 * 2 * 2 * 38 * 3
 
 
 # --- what evaluate says

@@ -1,0 +1,57 @@
+//! What the dynamics carry from step to step: all that an evaluation does not find anew.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Dynamics, Pair};
+use crate::contact::{CarriedCandidates, ImpactMemory};
+
+/// All that decides, with the integrator's state, how the dynamics go on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Carried {
+    memory: ImpactMemory,
+    candidates: CarriedCandidates,
+    keeps_energy: bool,
+    parted: Vec<Pair>,
+    hinge_past_range: Option<String>,
+    tooth_past_range: Option<String>,
+}
+
+impl Dynamics {
+    /// What these dynamics carry.
+    pub(crate) fn carried(&self) -> Carried {
+        Carried {
+            memory: self.memory.clone(),
+            candidates: self.kernels.candidates.carried(&self.model),
+            keeps_energy: self.keeps_energy,
+            parted: self.parted.clone(),
+            hinge_past_range: self.hinge_past_range.clone(),
+            tooth_past_range: self.tooth_past_range.clone(),
+        }
+    }
+
+    /// Dynamics of the same model, with the same instructions, that carry `carried`; `None` when it is of no such model.
+    pub(crate) fn carrying(&self, carried: &Carried) -> Option<Self> {
+        let mut dynamics = Self::new(self.model.clone());
+        dynamics.use_instructions(self.instructions());
+        let there = |pair: &Pair| match *pair {
+            Pair::Hinge(k) => k < dynamics.memory.hinge_speed().len(),
+            Pair::Tooth(pair) => pair < dynamics.memory.tooth_speed.len(),
+        };
+        if !carried.memory.is_like(&dynamics.memory) || !carried.parted.iter().all(there) {
+            return None;
+        }
+        dynamics.memory = carried.memory.clone();
+        let candidates = &mut dynamics.kernels.candidates;
+        candidates.carry_on(&dynamics.model, &dynamics.memory, &carried.candidates)?;
+        dynamics.keeps_energy = carried.keeps_energy;
+        // Steps put parted pairs where there is room already.
+        dynamics.parted.extend_from_slice(&carried.parted);
+        dynamics
+            .hinge_past_range
+            .clone_from(&carried.hinge_past_range);
+        dynamics
+            .tooth_past_range
+            .clone_from(&carried.tooth_past_range);
+        Some(dynamics)
+    }
+}
