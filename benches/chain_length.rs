@@ -126,6 +126,7 @@ fn derivative(mut simulation: Simulation, set: InstructionSet) -> f64 {
 fn steps(mut simulation: Simulation, set: InstructionSet) -> f64 {
     let mut ready = Halves::of(&mut simulation);
     ready.dynamics.use_instructions(set);
+    ready.adams.use_instructions(set);
     let links = ready.dynamics.model().links;
     let batches = (2_000_000 / (STEPS * links)).max(60);
     let mut least = f64::INFINITY;

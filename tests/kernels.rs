@@ -257,8 +257,9 @@ fn every_width_steps_through_the_same_bits_for_ten_milliseconds_at_25_newtons() 
     let mut runs: Vec<_> = fused()
         .into_iter()
         .map(|set| {
-            let (mut dynamics, adams) = scene.ready(control(1e-5));
+            let (mut dynamics, mut adams) = scene.ready(control(1e-5));
             dynamics.use_instructions(set);
+            adams.use_instructions(set);
             (dynamics, adams)
         })
         .collect();

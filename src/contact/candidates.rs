@@ -68,7 +68,7 @@ impl SprocketCandidates {
     fn with_room_for(slots: usize) -> Self {
         let room = || Numbers::with_capacity(64, slots);
         Self {
-            runs: Vec::with_capacity(slots / WIDTH),
+            runs: Vec::with_capacity(slots),
             gap_cos: room(),
             gap_sin: room(),
             inverse_onset: room(),
@@ -120,16 +120,12 @@ impl SprocketCandidates {
 impl Candidates {
     /// None yet: the first evaluation makes the list.
     pub(crate) fn new(model: &Model) -> Self {
-        let sprocket = |teeth: u32| {
-            // A wrap holds at most one bushing a tooth; both strands add a few. A heap of chain makes the arrays grow.
-            SprocketCandidates::with_room_for(padded(model.links.min(teeth as usize) + 4 * WIDTH))
+        let sprocket = || {
+            // Runs are a register apart at least: what they need beyond the links themselves lies in the gaps between them.
+            SprocketCandidates::with_room_for(padded(model.links) + 2 * WIDTH)
         };
         Self {
-            sprockets: model
-                .sprockets
-                .iter()
-                .map(|s| sprocket(s.profile.teeth))
-                .collect(),
+            sprockets: model.sprockets.iter().map(|_| sprocket()).collect(),
             reference: [padded_zeros(model.links), padded_zeros(model.links)],
             movable: (0..model.sprockets.len())
                 .filter(|&s| model.sprockets[s].support != Support::Fixed)

@@ -138,6 +138,13 @@ impl Adams {
                 size * rate / (1.0 - rate).max(0.1)
             };
             if left <= REMAINDER {
+                // Contacts are looked at, and powers summed, at the solution itself.
+                system.derivative(
+                    end,
+                    &self.trial[..self.dimension],
+                    &mut self.slope[..self.dimension],
+                );
+                self.counts.evaluations += 1;
                 return Some(self.finish_corrector(nq, gamma));
             }
             if iteration > 1 && rate > 0.9 {

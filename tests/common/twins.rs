@@ -127,6 +127,8 @@ impl Found {
 fn ratio(a: f64, b: f64, error: f64) -> f64 {
     if a == b || (a.is_nan() && b.is_nan()) {
         0.0
+    } else if a.is_nan() || b.is_nan() {
+        f64::INFINITY
     } else {
         (a - b).abs() / error.max(f64::MIN_POSITIVE)
     }
