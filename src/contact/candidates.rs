@@ -68,7 +68,7 @@ impl SprocketCandidates {
     fn with_room_for(slots: usize) -> Self {
         let room = || Numbers::with_capacity(64, slots);
         Self {
-            runs: Vec::with_capacity(slots),
+            runs: Vec::with_capacity(slots / WIDTH),
             gap_cos: room(),
             gap_sin: room(),
             inverse_onset: room(),

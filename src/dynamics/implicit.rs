@@ -1,6 +1,7 @@
 //! What Newton's method asks of the dynamics: the matrix of its last derivative, factors of it, and corrections of velocities.
 
 use super::Dynamics;
+use super::chain_solver::ChainMatrix;
 use super::jacobian::{FAR, Lever, PointForce, Pressed, link_levers, sprocket_levers};
 use crate::contact::bushing_on_sprocket;
 use crate::force_law::{ElasticLaw, Regions, with_law};
@@ -38,7 +39,7 @@ fn slopes<L: ElasticLaw>(
 }
 
 impl Dynamics {
-    fn add_hinges(&mut self, y: &[f64], gamma: f64) {
+    fn add_hinges(&self, matrix: &mut ChainMatrix, y: &[f64], gamma: f64) {
         let model = &self.model;
         let n = model.links;
         let (q, v) = y.split_at(model.coordinates);
@@ -80,11 +81,11 @@ impl Dynamics {
             );
             let front = link_levers(1.0, front_arm, v[2 * n + k]);
             let rear = link_levers(-1.0, -rear_arm, v[2 * n + next]);
-            self.matrix.add_hinge(k, &contact, &front, &rear);
+            matrix.add_hinge(k, &contact, &front, &rear);
         }
     }
 
-    fn add_teeth(&mut self, y: &[f64], gamma: f64) {
+    fn add_teeth(&self, matrix: &mut ChainMatrix, y: &[f64], gamma: f64) {
         let model = &self.model;
         let n = model.links;
         let (q, v) = y.split_at(model.coordinates);
@@ -149,8 +150,7 @@ impl Dynamics {
                 levers[count] = (j, lever);
                 count += 1;
             });
-            self.matrix
-                .add_tooth(link, &contact, &bushing, &levers[..count]);
+            matrix.add_tooth(link, &contact, &bushing, &levers[..count]);
         }
     }
 }
@@ -161,12 +161,18 @@ impl SecondOrderSystem for Dynamics {
     }
 
     fn factorise(&mut self, y: &[f64], gamma: f64) -> bool {
-        self.matrix.clear();
-        let model = std::sync::Arc::clone(&self.model);
-        self.matrix.add_masses(&model, gamma);
-        self.add_hinges(y, gamma);
-        self.add_teeth(y, gamma);
-        self.matrix.factorise()
+        let (links, coordinates) = (self.model.links, self.model.coordinates);
+        let mut matrix = self
+            .matrix
+            .take()
+            .unwrap_or_else(|| Box::new(ChainMatrix::new(links, coordinates - 3 * links)));
+        matrix.clear();
+        matrix.add_masses(&self.model, gamma);
+        self.add_hinges(&mut matrix, y, gamma);
+        self.add_teeth(&mut matrix, y, gamma);
+        let regular = matrix.factorise();
+        self.matrix = Some(matrix);
+        regular
     }
 
     fn correct(&mut self, residual: &mut [f64]) {
@@ -180,7 +186,9 @@ impl SecondOrderSystem for Dynamics {
         for sprocket in &model.sprockets {
             sprocket.for_each_inertia(|index, inertia| residual[index] *= inertia);
         }
-        self.matrix.solve(residual);
+        if let Some(matrix) = &mut self.matrix {
+            matrix.solve(residual);
+        }
     }
 
     fn scale(&self, lengths: &mut [f64]) {

@@ -52,8 +52,8 @@ pub struct Dynamics {
     /// Accelerations at the last evaluation.
     pub accelerations: Accelerations,
     kernels: Kernels,
-    /// Matrix of Newton's method, where it is used.
-    matrix: ChainMatrix,
+    /// Matrix of Newton's method, once it is used.
+    matrix: Option<Box<ChainMatrix>>,
     keeps_energy: bool,
     /// Pairs that came apart in the last step; they keep their memory until the next one begins, for reports inside it.
     parted: Vec<Pair>,
@@ -86,7 +86,7 @@ impl Dynamics {
             teeth: ToothContacts::new(links, sprockets),
             accelerations: Accelerations::new(links, sprockets),
             kernels: Kernels::new(&model),
-            matrix: ChainMatrix::new(links, model.coordinates - 3 * links),
+            matrix: None,
             keeps_energy: false,
             parted: Vec::with_capacity(links * (1 + sprockets)),
             slope: vec![0.0; 2 * model.coordinates + 2],
