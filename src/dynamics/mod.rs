@@ -1,6 +1,7 @@
 //! The equations of motion: contacts -> forces -> accelerations.
 //!
-//! A scene without ideal joints has no constraints: accelerations are forces over masses, and no linear system exists.
+//! A scene without ideal joints has no constraints: accelerations are forces over masses, and no linear system exists but that of
+//! the implicit corrector, where it is asked for.
 
 mod carried;
 mod chain_solver;
