@@ -405,25 +405,35 @@ impl Adams {
         } else if estimate.prefers_lower(self.order) {
             self.order -= 1;
         }
-        self.step_size = shrink * failed;
-        self.smallest_step = self.smallest_step.max(4.0 * f64::EPSILON * self.time.abs());
-        if self.step_size.is_nan() || self.step_size < self.smallest_step {
-            let (time, step_size) = (self.time, failed);
-            return Err(if estimate.local.is_finite() {
-                StepFailure::TooSmall {
-                    time,
-                    step_size,
-                    component,
-                }
-            } else {
-                StepFailure::NotFinite {
-                    time,
-                    step_size,
-                    component,
-                }
-            });
+        self.try_smaller(shrink * failed, component, estimate.local.is_finite())
+    }
+
+    /// Takes `step_size` for the next try, unless it is lost in rounding; `finite`: whether the failed one gave numbers.
+    pub(super) fn try_smaller(
+        &mut self,
+        step_size: f64,
+        component: usize,
+        finite: bool,
+    ) -> Result<(), StepFailure> {
+        let (time, failed) = (self.time, self.step_size);
+        self.step_size = step_size;
+        self.smallest_step = self.smallest_step.max(4.0 * f64::EPSILON * time.abs());
+        if step_size >= self.smallest_step {
+            return Ok(());
         }
-        Ok(())
+        Err(if finite {
+            StepFailure::TooSmall {
+                time,
+                step_size: failed,
+                component,
+            }
+        } else {
+            StepFailure::NotFinite {
+                time,
+                step_size: failed,
+                component,
+            }
+        })
     }
 
     /// The component whose slope was foretold worst, or is not a number.

@@ -197,24 +197,7 @@ impl Adams {
         if failures >= 3 {
             self.order = 1;
         }
-        self.step_size = factor * failed;
-        self.smallest_step = self.smallest_step.max(4.0 * f64::EPSILON * self.time.abs());
-        if self.step_size >= self.smallest_step {
-            return Ok(());
-        }
-        let (time, step_size) = (self.time, failed);
-        Err(if self.slope.iter().all(|s| s.is_finite()) {
-            StepFailure::TooSmall {
-                time,
-                step_size,
-                component,
-            }
-        } else {
-            StepFailure::NotFinite {
-                time,
-                step_size,
-                component,
-            }
-        })
+        let finite = self.slope.iter().all(|slope| slope.is_finite());
+        self.try_smaller(factor * failed, component, finite)
     }
 }
