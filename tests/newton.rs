@@ -47,7 +47,7 @@ fn the_matrix_is_that_of_finite_differences() {
             let nq = dynamics.coordinates();
             let gamma = 1e-5;
             let mut slope = vec![0.0; y.len()];
-            dynamics.derivative(t, &y, &mut slope);
+            dynamics.derivative_with_slopes(t, &y, &mut slope);
             let touching = dynamics.hinge_contacts().filter(|(d, _)| *d > 0.0).count()
                 + dynamics.candidates().filter(|c| c.2 > 0.0).count();
             assert!(touching > 0);

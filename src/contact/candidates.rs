@@ -121,8 +121,7 @@ impl Candidates {
     /// None yet: the first evaluation makes the list.
     pub(crate) fn new(model: &Model) -> Self {
         let sprocket = || {
-            // Runs are a register apart at least: what they need beyond the links themselves lies in the gaps between them.
-            SprocketCandidates::with_room_for(padded(model.links) + 2 * WIDTH)
+            SprocketCandidates::with_room_for(Self::most_slots(model))
         };
         Self {
             sprockets: model.sprockets.iter().map(|_| sprocket()).collect(),
@@ -137,6 +136,12 @@ impl Candidates {
             stale: true,
             refreshes: 0,
         }
+    }
+
+    /// Slots that the candidates of a sprocket may need.
+    pub(crate) fn most_slots(model: &Model) -> usize {
+        // Runs are a register apart at least: what they need beyond the links themselves lies in the gaps between them.
+        padded(model.links) + 2 * WIDTH
     }
 
     /// Forgets the list.

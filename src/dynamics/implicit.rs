@@ -6,7 +6,7 @@ use super::jacobian::{FAR, Lever, PointForce, Pressed, link_levers, sprocket_lev
 use crate::contact::bushing_on_sprocket;
 use crate::force_law::{ElasticLaw, Regions, with_law};
 use crate::geometry::{Surface, Vec2, turned_left};
-use crate::integrator::SecondOrderSystem;
+use crate::integrator::{OdeSystem, SecondOrderSystem};
 use crate::model::Model;
 
 /// Force \[N\] and its slopes with penetration \[N/m\] and rate \[N s/m\].
@@ -160,7 +160,18 @@ impl SecondOrderSystem for Dynamics {
         self.model.coordinates
     }
 
+    fn derivative_with_slopes(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+        self.kernels.write_slopes(&self.model, true);
+        self.derivative(t, y, dydt);
+        self.kernels.write_slopes(&self.model, false);
+    }
+
     fn factorise(&mut self, y: &[f64], gamma: f64) -> bool {
+        if true {
+            let (n, nq) = (self.model.links, self.model.coordinates);
+            let spin = &y[nq + 2 * n..nq + 3 * n];
+            return self.kernels.factorise(&self.model, spin, gamma);
+        }
         let (links, coordinates) = (self.model.links, self.model.coordinates);
         let mut matrix = self
             .matrix
@@ -178,6 +189,9 @@ impl SecondOrderSystem for Dynamics {
     fn correct(&mut self, residual: &mut [f64]) {
         let model = &self.model;
         let n = model.links;
+        if true {
+            return self.kernels.correct(model, residual);
+        }
         for i in 0..n {
             residual[i] *= model.mass[i];
             residual[n + i] *= model.mass[i];

@@ -126,6 +126,15 @@ impl VectorLaw for EnhancedCylinder {
             .exceeds(number(1.0 / LEAST))
             .select(beyond, force)
     }
+
+    #[inline(always)]
+    fn slopes<S: Simd>(
+        [_, n]: [Lanes<S>; 2],
+        penetration: Lanes<S>,
+        forces: Lanes<S>,
+    ) -> Lanes<S> {
+        n * forces / penetration.max(penetration.constant(LEAST))
+    }
 }
 
 #[cfg(test)]

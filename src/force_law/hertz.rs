@@ -50,6 +50,15 @@ impl VectorLaw for Hertz {
     fn forces<S: Simd>([stiffness, _]: [Lanes<S>; 2], penetration: Lanes<S>) -> Lanes<S> {
         stiffness * penetration * penetration.sqrt()
     }
+
+    #[inline(always)]
+    fn slopes<S: Simd>(
+        [stiffness, _]: [Lanes<S>; 2],
+        penetration: Lanes<S>,
+        _forces: Lanes<S>,
+    ) -> Lanes<S> {
+        stiffness * penetration.constant(1.5) * penetration.sqrt()
+    }
 }
 
 #[cfg(test)]

@@ -120,6 +120,22 @@ impl VectorLaw for Johnson {
         let force = secant * below * denominator / corrected;
         penetration.less(end).select(force, secant)
     }
+
+    /// At the end of the branch, where the slope is infinite, it stops at 1/ε of the secant's.
+    #[inline(always)]
+    fn slopes<S: Simd>(
+        [end, stiffness]: [Lanes<S>; 2],
+        penetration: Lanes<S>,
+        forces: Lanes<S>,
+    ) -> Lanes<S> {
+        // The force is the secant's over 1 + x, its slope the secant's stiffness over x.
+        let number = |value| penetration.constant(value);
+        let least = number(LEAST);
+        let over = (stiffness * penetration) / forces.max(least);
+        let x = (over - number(1.0)).max(number(f64::EPSILON));
+        let slope = penetration.less(end).select(stiffness / x, stiffness);
+        penetration.greater(least).select(slope, number(0.0))
+    }
 }
 
 /// Solves x - ln(1 + x) = `tau` for x >= 0.

@@ -123,6 +123,13 @@ pub(crate) trait VectorLaw: ElasticLaw {
 
     /// Elastic force \[N\] at penetrations δ >= 0 \[m\]; zero at zero; not a number stays so.
     fn forces<S: Simd>(constants: [Lanes<S>; 2], penetration: Lanes<S>) -> Lanes<S>;
+
+    /// Their slopes df/dδ \[N/m\], from the penetrations and these forces; zero at zero.
+    fn slopes<S: Simd>(
+        constants: [Lanes<S>; 2],
+        penetration: Lanes<S>,
+        forces: Lanes<S>,
+    ) -> Lanes<S>;
 }
 
 /// The elastic law a user picks.

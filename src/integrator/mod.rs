@@ -40,7 +40,12 @@ pub trait SecondOrderSystem: OdeSystem {
     /// Number of coordinates.
     fn coordinates(&self) -> usize;
 
-    /// Prepares [`Self::correct`] at `y`, where the derivative was just evaluated: factors of 1 - γ da/dv - γ² da/dq
+    /// The derivative, and whatever [`Self::factorise`] needs of it.
+    fn derivative_with_slopes(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+        self.derivative(t, y, dydt);
+    }
+
+    /// Prepares [`Self::correct`] at `y`, where [`Self::derivative_with_slopes`] was just evaluated: factors of 1 - γ da/dv - γ² da/dq
     /// for accelerations a. False when there are none.
     fn factorise(&mut self, y: &[f64], gamma: f64) -> bool;
 

@@ -101,7 +101,12 @@ impl Adams {
         let mut last = f64::INFINITY;
         for iteration in 0..MAX_ITERATIONS {
             let trial = &mut self.trial[..self.dimension];
-            system.derivative(end, trial, &mut self.slope[..self.dimension]);
+            let slope = &mut self.slope[..self.dimension];
+            if iteration == 0 {
+                system.derivative_with_slopes(end, trial, slope);
+            } else {
+                system.derivative(end, trial, slope);
+            }
             self.counts.evaluations += 1;
             let phi = self.differences.row(0);
             for i in 0..nq {

@@ -5,6 +5,7 @@ use std::marker::PhantomData;
 use pulp::{Simd, WithSimd};
 
 use super::layout::{ChainArrays, FIRST, LinkConstants};
+use super::slopes::{ContactSlopes, Damped, SlopeRegisters, Touch};
 use crate::force_law::VectorLaw;
 use crate::vector::{
     Lanes, Mask, Numbers, PartialSums, WIDTH, both, both_mut, lane_numbers, load, partial_load,
@@ -43,6 +44,8 @@ pub(super) struct JoinChain<'a, L, const DAMPED: bool, const RATES: bool, const 
     pub(super) overhang: usize,
     pub(super) constants: &'a LinkConstants,
     pub(super) arrays: &'a mut ChainArrays,
+    /// Where the slopes of the forces go when they are asked for.
+    pub(super) slopes: Option<&'a mut ContactSlopes>,
 }
 
 impl<L: VectorLaw, const DAMPED: bool, const RATES: bool, const ENERGY: bool> WithSimd
@@ -77,6 +80,7 @@ impl<L: VectorLaw, const DAMPED: bool, const RATES: bool, const ENERGY: bool> Wi
             moved_squared: splat(0.0),
             changed: false,
             power: PartialSums::default(),
+            slopes: self.slopes.map(|slopes| slopes.registers::<S>(0, blocks)),
         };
         let [x, y, _] = self.places;
         let [vx, vy, spin] = self.speeds;
@@ -319,6 +323,7 @@ struct Hinges<'a, S: Simd, L, const DAMPED: bool, const RATES: bool, const ENERG
     moved_squared: Lanes<S>,
     changed: bool,
     power: PartialSums,
+    slopes: Option<SlopeRegisters<'a, S>>,
 }
 
 impl<S: Simd, L: VectorLaw, const DAMPED: bool, const RATES: bool, const ENERGY: bool>
@@ -337,6 +342,9 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const RATES: bool, const ENERGY:
         let remembered = inverse_onset.greater(zero);
         if !near.any() {
             self.put(i, [zero; 4]);
+            if let Some(slopes) = &mut self.slopes {
+                slopes.put_nothing(i, zero);
+            }
             self.changed |= remembered.any();
             return;
         }
@@ -348,19 +356,40 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const RATES: bool, const ENERGY:
         self.changed |= touching.differs(remembered).any();
         let elastic = L::forces(self.law_constants, depth);
         let mut force = elastic;
+        let velocity = [front.vx - rear.vx, front.vy - rear.vy];
+        let touch = Touch {
+            normal: [nx, ny],
+            curvature: inverse_distance,
+            velocity,
+            depth,
+            elastic,
+        };
         if DAMPED {
-            let rate = nx.mul_add(front.vx - rear.vx, ny * (front.vy - rear.vy));
+            let rate = nx.mul_add(velocity[0], ny * velocity[1]);
             let mut inverse_onset = inverse_onset;
             if touching.and(remembered.not()).any() {
                 inverse_onset = remembered.select(inverse_onset, one / self.floor.max(rate));
             }
-            force = elastic
-                * (self.lambda * rate)
-                    .mul_add(inverse_onset, one)
-                    .positive_part();
+            let factor = (self.lambda * rate)
+                .mul_add(inverse_onset, one)
+                .positive_part();
+            force = elastic * factor;
             if ENERGY {
                 self.power.add(i, (force - elastic) * rate);
             }
+            if let Some(slopes) = &mut self.slopes {
+                let damped = Damped {
+                    lambda: self.lambda,
+                    rate,
+                    inverse_onset,
+                    factor,
+                    remembered,
+                    floor: self.floor,
+                };
+                slopes.put_touch::<L>(i, self.law_constants, &touch, Some(&damped));
+            }
+        } else if let Some(slopes) = &mut self.slopes {
+            slopes.put_touch::<L>(i, self.law_constants, &touch, None);
         }
         self.put(i, [depth, force, force * nx, force * ny]);
     }

@@ -193,13 +193,13 @@ impl<'a, S: Simd> Gap<'a, S> {
         }
     }
 
-    /// Depth and the direction in which it grows.
+    /// Depth, the direction in which it grows, and how far that direction turns for a length moved across it \[1/m\].
     #[inline(always)]
     pub(super) fn depth(
         &self,
         surface: &Nearest<S>,
         place: &InGap<S>,
-    ) -> (Lanes<S>, [Lanes<S>; 2]) {
+    ) -> (Lanes<S>, [Lanes<S>; 2], Lanes<S>) {
         let zero = self.splat(0.0);
         let distance = surface.distance_squared.sqrt();
         let inverse = distance
@@ -207,12 +207,14 @@ impl<'a, S: Simd> Gap<'a, S> {
             .select(self.splat(1.0) / distance, zero);
         let outside = |value: Lanes<S>| surface.topping.select(-value, value);
         let inverse = outside(inverse);
+        let mut curvature = inverse;
         let mut depth = outside(distance - surface.touch);
         let mut normal_u = surface.offset[0] * inverse;
         let mut normal_v = surface.offset[1] * inverse;
         if let Some((flat, flat_depth)) = surface.flat {
             let [flat_u, flat_v] = self.constants.flat_normal;
             depth = flat.select(flat_depth, depth);
+            curvature = flat.select(zero, curvature);
             normal_u = flat.select(self.splat(flat_u), normal_u);
             normal_v = flat.select(self.splat(flat_v), normal_v);
         }
@@ -220,7 +222,7 @@ impl<'a, S: Simd> Gap<'a, S> {
         let [vx, vy] = place.direction;
         let normal_x = normal_u.mul_add(vy, normal_v * vx);
         let normal_y = normal_v.mul_add(vy, -(normal_u * vx));
-        (depth, [normal_x, normal_y])
+        (depth, [normal_x, normal_y], curvature)
     }
 
     /// Law constants of the surfaces.
@@ -262,7 +264,7 @@ mod tests {
             // v along x, so that u is along -y.
             let place = InGap::new([splat(self.1.y), splat(-self.1.x)], along_x, along_x);
             let surface = gap.nearest(&place);
-            let (depth, [x, y]) = gap.depth(&surface, &place);
+            let (depth, [x, y], _) = gap.depth(&surface, &place);
             let number = gap.law_constants(&surface)[0].greatest();
             let surface_of = |s: &Surface| f64::from(*s as u8) == number;
             (

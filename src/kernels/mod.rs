@@ -12,6 +12,8 @@ mod chain;
 mod gap;
 mod layout;
 mod loads;
+mod newton;
+mod slopes;
 mod teeth;
 
 use std::marker::PhantomData;
@@ -20,6 +22,7 @@ use chain::{ChainFound, JoinChain, RepeatBushings};
 use gap::ToothConstants;
 use layout::{ChainArrays, LinkConstants};
 use loads::AccelerateLinks;
+use newton::{Evaluated, NewtonMatrix};
 use teeth::{SprocketPose, TeethFound, TouchTeeth};
 
 use crate::contact::{Candidates, ImpactMemory, SprocketFrame};
@@ -45,6 +48,10 @@ pub(crate) struct Kernels {
     loads: Vec<SprocketLoad>,
     /// Whether at the last evaluation some contact had no memory, or some memory no contact.
     changed: bool,
+    /// Newton's matrix, once it is asked for.
+    newton: Option<Box<NewtonMatrix>>,
+    /// Whether evaluations write the slopes that it is made from.
+    writes_slopes: bool,
 }
 
 impl Kernels {
@@ -70,6 +77,38 @@ impl Kernels {
             poses: vec![SprocketPose::default(); sprockets],
             loads: vec![SprocketLoad::default(); sprockets],
             changed: true,
+            newton: None,
+            writes_slopes: false,
+        }
+    }
+
+    /// Lets the next evaluations write the slopes of all forces for [`Self::factorise`], or not.
+    pub(crate) fn write_slopes(&mut self, model: &Model, write: bool) {
+        self.writes_slopes = write;
+        if write && self.newton.is_none() {
+            self.newton = Some(Box::new(NewtonMatrix::new(model)));
+        }
+    }
+
+    /// Factorises Newton's matrix of the last evaluation, which wrote slopes, for links that turn with `spin`; false when it is
+    /// singular.
+    pub(crate) fn factorise(&mut self, model: &Model, spin: &[f64], gamma: f64) -> bool {
+        let evaluated = Evaluated {
+            instructions: self.instructions,
+            constants: &self.links,
+            chain: &self.chain,
+            candidates: &self.candidates,
+            poses: &self.poses,
+        };
+        self.newton
+            .as_mut()
+            .is_some_and(|newton| newton.factorise(model, &evaluated, spin, gamma))
+    }
+
+    /// Overwrites a residual of velocities by the correction that the last matrix asks for.
+    pub(crate) fn correct(&mut self, model: &Model, residual: &mut [f64]) {
+        if let Some(newton) = &mut self.newton {
+            newton.correct(model, self.instructions, residual);
         }
     }
 
@@ -205,6 +244,8 @@ impl Kernels {
         let law = &model.hinge_law;
         let n = model.links;
         let (q, v) = y.split_at(model.coordinates);
+        let newton = self.newton.as_mut().filter(|_| self.writes_slopes);
+        let slopes = newton.map(|newton| &mut newton.hinge_slopes);
         macro_rules! join {
             ($damped:literal, $rates:literal, $energy:expr) => {
                 self.instructions
@@ -221,6 +262,7 @@ impl Kernels {
                         overhang: self.candidates.overhang,
                         constants: &self.links,
                         arrays: &mut self.chain,
+                        slopes,
                     })
             };
         }
@@ -257,6 +299,8 @@ impl Kernels {
         s: usize,
     ) -> TeethFound {
         let law = &model.tooth_law;
+        let newton = self.newton.as_mut().filter(|_| self.writes_slopes);
+        let slopes = newton.map(|newton| &mut newton.tooth_slopes[s]);
         macro_rules! touch {
             ($damped:literal, $energy:expr) => {
                 self.instructions
@@ -270,6 +314,7 @@ impl Kernels {
                         links: &self.links,
                         arrays: &mut self.chain,
                         candidates: &mut self.candidates.sprockets[s],
+                        slopes,
                     })
             };
         }

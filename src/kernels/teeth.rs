@@ -6,6 +6,7 @@ use pulp::{Simd, WithSimd};
 
 use super::gap::{Gap, InGap, ToothConstants};
 use super::layout::{ChainArrays, FIRST, LinkConstants};
+use super::slopes::{ContactSlopes, Damped, SlopeRegisters, Touch};
 use crate::contact::{Run, SprocketCandidates, gap_direction};
 use crate::force_law::VectorLaw;
 use crate::geometry::Vec2;
@@ -51,6 +52,8 @@ pub(super) struct TouchTeeth<'a, L, const DAMPED: bool, const ENERGY: bool> {
     pub(super) links: &'a LinkConstants,
     pub(super) arrays: &'a mut ChainArrays,
     pub(super) candidates: &'a mut SprocketCandidates,
+    /// Where the slopes of the forces go when they are asked for, slot by slot.
+    pub(super) slopes: Option<&'a mut ContactSlopes>,
 }
 
 impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
@@ -59,7 +62,7 @@ impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
     type Output = TeethFound;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> TeethFound {
+    fn with_simd<S: Simd>(mut self, simd: S) -> TeethFound {
         let splat = |value| Lanes::splat(simd, value);
         let pair = |values: [f64; 2]| values.map(splat);
         let mut teeth = Teeth::<S, L, DAMPED, ENERGY> {
@@ -84,6 +87,7 @@ impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
             depth,
             force,
         } = self.candidates;
+        let slopes = &mut self.slopes;
         let ChainArrays {
             front_force,
             rear_force,
@@ -108,6 +112,9 @@ impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
                 force: vectors_mut::<S>(&mut force[slot..], blocks),
                 front_force: both_mut::<S>(front_force, first, blocks),
                 rear_force: both_mut::<S>(rear_force, FIRST + 1 + first, blocks),
+                slopes: slopes
+                    .as_mut()
+                    .map(|slopes| slopes.registers::<S>(slot, blocks)),
             };
             let (gap_cos, gap_sin) = (&mut gap_cos[slot..], &mut gap_sin[slot..]);
             for b in 0..blocks {
@@ -148,6 +155,7 @@ struct RunOfBushings<'a, S: Simd> {
     force: &'a mut [S::f64s],
     front_force: [&'a mut [S::f64s]; 2],
     rear_force: [&'a mut [S::f64s]; 2],
+    slopes: Option<SlopeRegisters<'a, S>>,
 }
 
 /// A sprocket's teeth in registers, and sums over their contacts.
@@ -206,10 +214,13 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
         if !near.any() {
             run.depth[b] = zero.values();
             run.force[b] = zero.values();
+            if let Some(slopes) = &mut run.slopes {
+                slopes.put_nothing(b, zero);
+            }
             self.changed |= remembered.any();
             return;
         }
-        let (depth, [nx, ny]) = self.gap.depth(&surface, place);
+        let (depth, [nx, ny], curvature) = self.gap.depth(&surface, place);
         let depth = near.select(depth.positive_part(), zero);
         let touching = depth.exceeds(zero);
         self.changed |= touching.differs(remembered).any();
@@ -221,6 +232,13 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
         }
         let elastic = L::forces(law, depth);
         let mut force = elastic;
+        let mut touch = Touch {
+            normal: [nx, ny],
+            curvature,
+            velocity: [zero, zero],
+            depth,
+            elastic,
+        };
         if DAMPED {
             // Every surface is at rest in the sprocket: its velocity at the bushing's place gives the rate in every region.
             let vx = self
@@ -229,18 +247,32 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
             let vy = self
                 .spin
                 .negate_mul_add(arm_x, at(run.velocity[1]) - self.velocity[1]);
+            touch.velocity = [vx, vy];
             let rate = nx.mul_add(vx, ny * vy);
             let mut inverse_onset = inverse_onset;
             if touching.and(remembered.not()).any() {
                 inverse_onset = remembered.select(inverse_onset, one / self.floor.max(rate));
             }
-            force = elastic
-                * (self.lambda * rate)
-                    .mul_add(inverse_onset, one)
-                    .positive_part();
+            let factor = (self.lambda * rate)
+                .mul_add(inverse_onset, one)
+                .positive_part();
+            force = elastic * factor;
             if ENERGY {
                 self.sums[3].add(b, (force - elastic) * rate);
             }
+            if let Some(slopes) = &mut run.slopes {
+                let damped = Damped {
+                    lambda: self.lambda,
+                    rate,
+                    inverse_onset,
+                    factor,
+                    remembered,
+                    floor: self.floor,
+                };
+                slopes.put_touch::<L>(b, law, &touch, Some(&damped));
+            }
+        } else if let Some(slopes) = &mut run.slopes {
+            slopes.put_touch::<L>(b, law, &touch, None);
         }
         run.depth[b] = depth.values();
         run.force[b] = force.values();
