@@ -13,7 +13,7 @@ use rustchain::drive::Drive;
 use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic, ForceLaw};
 use rustchain::geometry::{Seat, Vec2};
-use rustchain::integrator::{Adams, StepControl};
+use rustchain::integrator::{Adams, Corrector, StepControl};
 use rustchain::state::{Start, closing_center_distance};
 use rustchain::{ForceLaws, Model, Simulation};
 
@@ -108,6 +108,22 @@ pub fn under_way(elastic: Elastic, damping: Damping) -> Simulation {
         .advance(UNDER_WAY, Duration::from_secs(1))
         .unwrap()
     {}
+    simulation
+}
+
+/// The paper's drive with this pretension \[N\] at 8 ms, when all of it has been applied, by the implicit corrector.
+pub fn tensioned(pretension: f64) -> Simulation {
+    let mut drive = drives::paper_drive();
+    drive.tensioner = Some(drives::tensioner(pretension, 2e-3));
+    let laws = laws(Elastic::Hertz, Damping::LankaraniNikravesh);
+    let (start, _) = Start::generate(&drive).unwrap();
+    let model = Arc::new(Model::compile(&drive, &laws, &start).unwrap());
+    let control = StepControl {
+        corrector: Corrector::Newton,
+        ..StepControl::default()
+    };
+    let mut simulation = Simulation::new(model, &start, control).unwrap();
+    while !simulation.advance(8e-3, Duration::from_secs(1)).unwrap() {}
     simulation
 }
 

@@ -120,9 +120,7 @@ impl SprocketCandidates {
 impl Candidates {
     /// None yet: the first evaluation makes the list.
     pub(crate) fn new(model: &Model) -> Self {
-        let sprocket = || {
-            SprocketCandidates::with_room_for(Self::most_slots(model))
-        };
+        let sprocket = || SprocketCandidates::with_room_for(Self::most_slots(model));
         Self {
             sprockets: model.sprockets.iter().map(|_| sprocket()).collect(),
             reference: [padded_zeros(model.links), padded_zeros(model.links)],

@@ -1,4 +1,4 @@
-//! What Newton's method asks of the dynamics: the matrix of its last derivative, factors of it, and corrections of velocities.
+//! What Newton's method asks of the dynamics, and the exact matrix that the one it gets is held against.
 
 use super::Dynamics;
 use super::chain_solver::ChainMatrix;
@@ -155,6 +155,34 @@ impl Dynamics {
     }
 }
 
+impl Dynamics {
+    /// Overwrites a residual of velocities by the correction of the exact matrix, M - γ dQ/dv - γ² dQ/dq, at `y`, where the
+    /// derivative was just evaluated; false when the matrix is singular.
+    ///
+    /// Written out contact by contact, in scalars: what the kernels' matrix, which leaves out two small terms, is held against.
+    pub fn correct_exactly(&self, y: &[f64], gamma: f64, residual: &mut [f64]) -> bool {
+        let model = &self.model;
+        let (n, coordinates) = (model.links, model.coordinates);
+        let mut matrix = ChainMatrix::new(n, coordinates - 3 * n);
+        matrix.add_masses(model, gamma);
+        self.add_hinges(&mut matrix, y, gamma);
+        self.add_teeth(&mut matrix, y, gamma);
+        if !matrix.factorise() {
+            return false;
+        }
+        for i in 0..n {
+            residual[i] *= model.mass[i];
+            residual[n + i] *= model.mass[i];
+            residual[2 * n + i] *= model.inertia[i];
+        }
+        for sprocket in &model.sprockets {
+            sprocket.for_each_inertia(|index, inertia| residual[index] *= inertia);
+        }
+        matrix.solve(residual);
+        true
+    }
+}
+
 impl SecondOrderSystem for Dynamics {
     fn coordinates(&self) -> usize {
         self.model.coordinates
@@ -166,43 +194,12 @@ impl SecondOrderSystem for Dynamics {
         self.kernels.write_slopes(&self.model, false);
     }
 
-    fn factorise(&mut self, y: &[f64], gamma: f64) -> bool {
-        if true {
-            let (n, nq) = (self.model.links, self.model.coordinates);
-            let spin = &y[nq + 2 * n..nq + 3 * n];
-            return self.kernels.factorise(&self.model, spin, gamma);
-        }
-        let (links, coordinates) = (self.model.links, self.model.coordinates);
-        let mut matrix = self
-            .matrix
-            .take()
-            .unwrap_or_else(|| Box::new(ChainMatrix::new(links, coordinates - 3 * links)));
-        matrix.clear();
-        matrix.add_masses(&self.model, gamma);
-        self.add_hinges(&mut matrix, y, gamma);
-        self.add_teeth(&mut matrix, y, gamma);
-        let regular = matrix.factorise();
-        self.matrix = Some(matrix);
-        regular
+    fn factorise(&mut self, _y: &[f64], gamma: f64) -> bool {
+        self.kernels.factorise(&self.model, gamma)
     }
 
     fn correct(&mut self, residual: &mut [f64]) {
-        let model = &self.model;
-        let n = model.links;
-        if true {
-            return self.kernels.correct(model, residual);
-        }
-        for i in 0..n {
-            residual[i] *= model.mass[i];
-            residual[n + i] *= model.mass[i];
-            residual[2 * n + i] *= model.inertia[i];
-        }
-        for sprocket in &model.sprockets {
-            sprocket.for_each_inertia(|index, inertia| residual[index] *= inertia);
-        }
-        if let Some(matrix) = &mut self.matrix {
-            matrix.solve(residual);
-        }
+        self.kernels.correct(&self.model, residual);
     }
 
     fn scale(&self, lengths: &mut [f64]) {

@@ -17,7 +17,6 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 pub(crate) use carried::Carried;
-use chain_solver::ChainMatrix;
 pub use energy::Energy;
 pub use loads::SprocketLoad;
 pub(crate) use loads::{outside_powers, sprocket_acceleration};
@@ -53,8 +52,6 @@ pub struct Dynamics {
     /// Accelerations at the last evaluation.
     pub accelerations: Accelerations,
     kernels: Kernels,
-    /// Matrix of Newton's method, once it is used.
-    matrix: Option<Box<ChainMatrix>>,
     keeps_energy: bool,
     /// Pairs that came apart in the last step; they keep their memory until the next one begins, for reports inside it.
     parted: Vec<Pair>,
@@ -87,7 +84,6 @@ impl Dynamics {
             teeth: ToothContacts::new(links, sprockets),
             accelerations: Accelerations::new(links, sprockets),
             kernels: Kernels::new(&model),
-            matrix: None,
             keeps_energy: false,
             parted: Vec::with_capacity(links * (1 + sprockets)),
             slope: vec![0.0; 2 * model.coordinates + 2],

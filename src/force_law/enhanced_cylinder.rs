@@ -128,11 +128,7 @@ impl VectorLaw for EnhancedCylinder {
     }
 
     #[inline(always)]
-    fn slopes<S: Simd>(
-        [_, n]: [Lanes<S>; 2],
-        penetration: Lanes<S>,
-        forces: Lanes<S>,
-    ) -> Lanes<S> {
+    fn slopes<S: Simd>([_, n]: [Lanes<S>; 2], penetration: Lanes<S>, forces: Lanes<S>) -> Lanes<S> {
         n * forces / penetration.max(penetration.constant(LEAST))
     }
 }

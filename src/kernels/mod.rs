@@ -90,9 +90,8 @@ impl Kernels {
         }
     }
 
-    /// Factorises Newton's matrix of the last evaluation, which wrote slopes, for links that turn with `spin`; false when it is
-    /// singular.
-    pub(crate) fn factorise(&mut self, model: &Model, spin: &[f64], gamma: f64) -> bool {
+    /// Factorises Newton's matrix of the last evaluation, which wrote slopes; false when it is singular.
+    pub(crate) fn factorise(&mut self, model: &Model, gamma: f64) -> bool {
         let evaluated = Evaluated {
             instructions: self.instructions,
             constants: &self.links,
@@ -102,7 +101,7 @@ impl Kernels {
         };
         self.newton
             .as_mut()
-            .is_some_and(|newton| newton.factorise(model, &evaluated, spin, gamma))
+            .is_some_and(|newton| newton.factorise(model, &evaluated, gamma))
     }
 
     /// Overwrites a residual of velocities by the correction that the last matrix asks for.

@@ -38,7 +38,11 @@ impl ContactSlopes {
 
     /// `blocks` registers from contact `first` on.
     #[inline(always)]
-    pub(super) fn registers<S: Simd>(&mut self, first: usize, blocks: usize) -> SlopeRegisters<'_, S> {
+    pub(super) fn registers<S: Simd>(
+        &mut self,
+        first: usize,
+        blocks: usize,
+    ) -> SlopeRegisters<'_, S> {
         SlopeRegisters {
             normal: both_mut::<S>(&mut self.normal, first, blocks),
             stiffness: vectors_mut::<S>(&mut self.stiffness[first..], blocks),

@@ -193,6 +193,12 @@ impl<S: Simd> Lanes<S> {
         self.with(self.simd.rotate_left_f64s(self.values, 1))
     }
 
+    /// All but the last moved on by one place, and the last in the first.
+    #[inline(always)]
+    pub(crate) fn turned_back(self) -> Self {
+        self.with(self.simd.rotate_right_f64s(self.values, 1))
+    }
+
     /// self > other
     #[inline(always)]
     pub(crate) fn greater(self, other: Self) -> Mask<S> {

@@ -32,7 +32,12 @@ impl SprocketMotions {
                 found.push((index - start, Motion::Turn));
             }
             let first = found.first().map_or(0, |(index, _)| *index);
-            debug_assert!(found.iter().enumerate().all(|(i, (index, _))| *index == first + i));
+            debug_assert!(
+                found
+                    .iter()
+                    .enumerate()
+                    .all(|(i, (index, _))| *index == first + i)
+            );
             all.push(Self {
                 first,
                 motions: found.into_iter().map(|(_, motion)| motion).collect(),
@@ -48,6 +53,8 @@ pub(super) struct Corner {
     size: usize,
     /// Row after row; then the factors.
     entries: Vec<f64>,
+    /// Entries on the diagonal without teeth.
+    own: Vec<f64>,
     pivots: Vec<usize>,
 }
 
@@ -56,6 +63,7 @@ impl Corner {
         Self {
             size,
             entries: vec![0.0; size * size],
+            own: vec![0.0; size],
             pivots: vec![0; size],
         }
     }
@@ -65,11 +73,24 @@ impl Corner {
         self.entries.fill(0.0);
         let start = 3 * model.links;
         for sprocket in &model.sprockets {
-            sprocket.for_each_inertia(|index, inertia| self.add(index - start, index - start, inertia));
+            sprocket
+                .for_each_inertia(|index, inertia| self.add(index - start, index - start, inertia));
             if let Support::Slide { index, damping, .. } = sprocket.support {
                 self.add(index - start, index - start, gamma * damping);
             }
         }
+        for (i, own) in self.own.iter_mut().enumerate() {
+            *own = self.entries[i * self.size + i];
+        }
+    }
+
+    /// The greatest share of an entry on the diagonal that teeth make up.
+    pub(super) fn bound_by_teeth(&self) -> f64 {
+        let shares = self.own.iter().enumerate().map(|(i, own)| {
+            let all = self.entries[i * self.size + i];
+            (all - own).abs() / all.abs()
+        });
+        shares.fold(0.0, f64::max)
     }
 
     pub(super) fn add(&mut self, row: usize, column: usize, value: f64) {

@@ -14,10 +14,10 @@ mod teeth;
 
 use border::{Corner, SprocketMotions};
 use contacts::{HingeTerms, ScaleHinges};
-use gather::{Along, FindLevers, GatherBorder, Take};
-use links::{EliminateLinks, LinkInertia, LinkTerms, SolveFree, TakeHinges};
+use gather::{Along, FindLevers, GatherColumn, Take};
+use links::{EliminateLinks, LinkInertia, LinkTerms, SolveFree, TakeHinges, TimesInertia};
 use ring::{FactoriseRing, Ring, SolveRing};
-use teeth::{AddTeeth, BushingLevers, ToothTerms};
+use teeth::{AddTeeth, Levers, ToothTerms};
 
 use super::layout::{ChainArrays, FIRST, LinkConstants};
 use super::slopes::ContactSlopes;
@@ -25,6 +25,10 @@ use super::teeth::SprocketPose;
 use crate::contact::Candidates;
 use crate::model::Model;
 use crate::vector::{InstructionSet, Numbers, WIDTH, padded_zeros};
+
+/// Share of a border coordinate's own entry that teeth may make up for the border to be swept instead of eliminated: what a
+/// correction then lacks is that share of it.
+const WEAK: f64 = 0.1;
 
 /// The slopes that evaluations write, the matrix and its factors.
 #[derive(Debug, Clone)]
@@ -35,16 +39,20 @@ pub(super) struct NewtonMatrix {
     pub(super) tooth_slopes: Vec<ContactSlopes>,
     inertia: LinkInertia,
     motions: Vec<SprocketMotions>,
-    spin: Numbers,
-    levers: BushingLevers,
+    levers: Levers,
     hinges: HingeTerms,
     teeth: ToothTerms,
     links: LinkTerms,
     ring: Ring,
-    /// Rows of the border and, solved by the links' part, its columns; link by link.
-    rows: Vec<[Numbers; 3]>,
+    /// Columns of the border, which are its rows too, link by link.
     columns: Vec<[Numbers; 3]>,
+    /// The columns solved by the links' part, when the border is eliminated.
+    solved: Vec<[Numbers; 3]>,
     corner: Corner,
+    /// Whether teeth bind the border so weakly that it is swept, not eliminated.
+    swept: bool,
+    /// Scratch: what the border would do without links.
+    alone: Vec<f64>,
     /// Scratch: right-hand sides of links, then their solutions.
     unknowns: [Numbers; 3],
 }
@@ -74,31 +82,24 @@ impl NewtonMatrix {
                 .collect(),
             inertia: LinkInertia::new(model),
             motions: SprocketMotions::of(model),
-            spin: padded_zeros(n + WIDTH),
-            levers: BushingLevers::new(n),
+            levers: [(); 2].map(|()| padded_zeros(2 * n + 3 * WIDTH)),
             hinges: HingeTerms::new(n),
             teeth: ToothTerms::new(n, border),
             links: LinkTerms::new(n),
             ring: Ring::new(n),
-            rows: (0..border).map(|_| three()).collect(),
             columns: (0..border).map(|_| three()).collect(),
+            solved: (0..border).map(|_| three()).collect(),
+            swept: true,
+            alone: vec![0.0; border],
             corner: Corner::new(border),
             unknowns: three(),
         }
     }
 
-    /// Makes and factorises the matrix for links that turn with `spin`; false when it is singular.
-    pub(super) fn factorise(
-        &mut self,
-        model: &Model,
-        evaluated: &Evaluated,
-        spin: &[f64],
-        gamma: f64,
-    ) -> bool {
+    /// Makes and factorises the matrix; false when it is singular.
+    pub(super) fn factorise(&mut self, model: &Model, evaluated: &Evaluated, gamma: f64) -> bool {
         let n = model.links;
         let instructions = evaluated.instructions;
-        self.spin[..n].copy_from_slice(spin);
-        self.spin[n] = spin[0];
         instructions.run(ScaleHinges {
             hinges: n,
             gamma,
@@ -120,18 +121,17 @@ impl NewtonMatrix {
             inertia: &self.inertia,
             direction: [cos, sin],
             arm: &evaluated.constants.front_arm,
-            spin: &self.spin,
             front_force: [front_x, front_y],
             rear_force: [&rear_x[FIRST..], &rear_y[FIRST..]],
             hinges: &self.hinges,
             teeth: &self.teeth,
             terms: &mut self.links,
         });
-        let hinges = &self.hinges;
+        let force = &evaluated.chain.force;
         let regular = instructions.run(FactoriseRing {
             ring: &mut self.ring,
-            blocks: self.links.ring_blocks(),
-            closed: |k| hinges.is_closed(k),
+            blocks: &self.links.ring,
+            closed: |k: usize| force[k] > 0.0,
         });
         regular && self.eliminate_border(instructions, n)
     }
@@ -145,10 +145,9 @@ impl NewtonMatrix {
             on_front: &evaluated.constants.bushing_on_front,
             arm: &evaluated.constants.front_arm,
             direction: [&chain.cos, &chain.sin],
-            spin: &self.spin,
             levers: &mut self.levers,
         });
-        self.teeth.clear(n, overhang);
+        self.teeth.clear();
         self.corner.start(model, gamma);
         for (s, candidates) in evaluated.candidates.sprockets.iter().enumerate() {
             let SprocketMotions { first, motions } = &self.motions[s];
@@ -163,48 +162,57 @@ impl NewtonMatrix {
                 first: *first,
                 terms: &mut self.teeth,
             });
-            for (i, row) in among.iter().enumerate().take(motions.len()) {
-                for (j, &entry) in row.iter().enumerate().take(motions.len()) {
-                    self.corner.add(first + i, first + j, entry);
+            for j in 0..motions.len() {
+                for i in 0..=j {
+                    self.corner.add(first + i, first + j, among[i][j]);
+                    if i < j {
+                        self.corner.add(first + j, first + i, among[i][j]);
+                    }
                 }
             }
         }
         self.teeth.take_back(n, overhang);
     }
 
-    /// Solves the border's columns by the links' part and takes that part off the corner.
+    /// Brings the border's columns to the links and, unless it is only swept, eliminates it; false when singular.
     fn eliminate_border(&mut self, instructions: InstructionSet, links: usize) -> bool {
-        for j in 0..self.columns.len() {
-            let gather = |from, to| GatherBorder {
+        for (coordinate, column) in self.columns.iter_mut().enumerate() {
+            instructions.run(GatherColumn {
                 links,
                 inertia: &self.inertia,
-                from,
-                to,
-            };
-            instructions.run(gather(&self.teeth.column[j], &mut self.unknowns));
-            instructions.run(gather(&self.teeth.row[j], &mut self.rows[j]));
-            self.solve_links(instructions, links, false);
-            std::mem::swap(&mut self.columns[j], &mut self.unknowns);
+                teeth: &self.teeth,
+                coordinate,
+                column,
+            });
         }
-        for (i, row) in self.rows.iter().enumerate() {
-            for (j, column) in self.columns.iter().enumerate() {
-                let product = instructions.run(Along { links, row, column });
-                self.corner.add(i, j, -product);
+        self.swept = self.corner.bound_by_teeth() < WEAK;
+        if !self.swept {
+            for j in 0..self.columns.len() {
+                for (unknowns, column) in self.unknowns.iter_mut().zip(&self.columns[j]) {
+                    unknowns.copy_from_slice(column);
+                }
+                self.solve_links(instructions, links);
+                std::mem::swap(&mut self.solved[j], &mut self.unknowns);
+            }
+            for (i, row) in self.columns.iter().enumerate() {
+                for (j, column) in self.solved.iter().enumerate() {
+                    let product = instructions.run(Along { links, row, column });
+                    self.corner.add(i, j, -product);
+                }
             }
         }
         self.corner.factorise()
     }
 
     /// Solves the links' part for `unknowns`, in place.
-    fn solve_links(&mut self, instructions: InstructionSet, links: usize, by_mass: bool) {
+    fn solve_links(&mut self, instructions: InstructionSet, links: usize) {
         instructions.run(SolveFree {
             links,
             right: &self.unknowns,
-            by_mass: by_mass.then_some(&self.inertia),
             hinges: &self.hinges,
             terms: &mut self.links,
         });
-        let unknowns = self.links.gather_pushes(links);
+        let unknowns = self.links.ring_unknowns(links);
         instructions.run(SolveRing {
             ring: &self.ring,
             unknowns,
@@ -226,33 +234,59 @@ impl NewtonMatrix {
     ) {
         let n = model.links;
         let (links, border) = residual.split_at_mut(3 * n);
-        for (unknowns, residual) in self.unknowns.iter_mut().zip(links.chunks_exact(n)) {
-            unknowns[..n].copy_from_slice(residual);
+        instructions.run(TimesInertia {
+            links: n,
+            residual: links,
+            inertia: &self.inertia,
+            right: &mut self.unknowns,
+        });
+        for sprocket in &model.sprockets {
+            sprocket.for_each_inertia(|index, inertia| border[index - 3 * n] *= inertia);
         }
-        self.solve_links(instructions, n, true);
-        if !border.is_empty() {
-            for sprocket in &model.sprockets {
-                sprocket.for_each_inertia(|index, inertia| border[index - 3 * n] *= inertia);
-            }
-            for (row, entry) in self.rows.iter().zip(border.iter_mut()) {
-                *entry -= instructions.run(Along {
-                    links: n,
-                    row,
-                    column: &self.unknowns,
-                });
-            }
-            self.corner.solve(border);
-            for (column, &factor) in self.columns.iter().zip(border.iter()) {
-                instructions.run(Take {
-                    links: n,
-                    factor,
-                    column,
-                    from: &mut self.unknowns,
-                });
-            }
+        if self.swept && !border.is_empty() {
+            // What the border does by itself comes first; links then know most of it.
+            self.alone.copy_from_slice(border);
+            self.corner.solve(&mut self.alone);
+            take(
+                instructions,
+                n,
+                &self.columns,
+                &self.alone,
+                &mut self.unknowns,
+            );
+        }
+        self.solve_links(instructions, n);
+        for (row, entry) in self.columns.iter().zip(border.iter_mut()) {
+            *entry -= instructions.run(Along {
+                links: n,
+                row,
+                column: &self.unknowns,
+            });
+        }
+        self.corner.solve(border);
+        if !self.swept {
+            take(instructions, n, &self.solved, border, &mut self.unknowns);
         }
         for (unknowns, residual) in self.unknowns.iter().zip(links.chunks_exact_mut(n)) {
             residual.copy_from_slice(&unknowns[..n]);
         }
+    }
+}
+
+/// Takes `columns`, each times its factor, off the entries of links.
+fn take(
+    instructions: InstructionSet,
+    links: usize,
+    columns: &[[Numbers; 3]],
+    factors: &[f64],
+    from: &mut [Numbers; 3],
+) {
+    for (column, &factor) in columns.iter().zip(factors) {
+        instructions.run(Take {
+            links,
+            factor,
+            column,
+            from,
+        });
     }
 }

@@ -1,12 +1,16 @@
-//! What bushings on teeth add to the matrix: blocks of their links, and rows and columns of the sprockets' own coordinates.
+//! What bushings on teeth add to the matrix: blocks of their links, and columns of the sprockets' own coordinates, which are
+//! their rows too.
 
 use pulp::{Simd, WithSimd};
 
 use super::contacts::scaled;
+use super::links::at;
 use crate::contact::{Run, SprocketCandidates};
 use crate::kernels::slopes::ContactSlopes;
 use crate::kernels::teeth::SprocketPose;
-use crate::vector::{Lanes, Numbers, PartialSums, WIDTH, both, load, padded_zeros, vectors, vectors_mut};
+use crate::vector::{
+    Lanes, Numbers, PartialSums, WIDTH, both, load, padded, padded_zeros, vectors_mut,
+};
 
 /// A coordinate of a sprocket.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,62 +24,72 @@ pub(super) enum Motion {
 /// Coordinates that a sprocket may have at most: two of its centre and its angle.
 pub(super) const MOST: usize = 3;
 
-/// What is known of the link that a bushing belongs to; runs that go past the last bushing find the first ones behind it.
-#[derive(Debug, Clone)]
-pub(super) struct BushingLevers {
-    /// From the link's centre to the bushing \[m\].
-    pub(super) along: [Numbers; 2],
-    /// Angular speed of the link \[rad/s\].
-    pub(super) spin: Numbers,
-}
+/// Entries of a symmetric 3x3 block that are kept: xx, xy, xθ, yy, yθ, θθ.
+pub(super) const ENTRIES: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 
-/// What teeth add, bushing by bushing: to the 3x3 block of its link, and to the three entries of its link in column and row
-/// of each coordinate on the border.
+/// From the centre of its link to every bushing \[m\]; runs that go past the last bushing find the first ones behind it.
+pub(super) type Levers = [Numbers; 2];
+
+/// What teeth add, bushing by bushing: to the 3x3 block of its link, and to the three entries of its link in the column of
+/// each coordinate on the border. All but the groups of [`WIDTH`] bushings that are marked is zero.
 #[derive(Debug, Clone)]
 pub(super) struct ToothTerms {
-    pub(super) block: [Numbers; 9],
+    pub(super) block: [Numbers; 6],
     pub(super) column: Vec<[Numbers; 3]>,
-    pub(super) row: Vec<[Numbers; 3]>,
-}
-
-impl BushingLevers {
-    pub(super) fn new(links: usize) -> Self {
-        let zeros = || padded_zeros(2 * links + 3 * WIDTH);
-        Self {
-            along: [zeros(), zeros()],
-            spin: zeros(),
-        }
-    }
+    /// Groups that are not zero.
+    touched: Vec<bool>,
 }
 
 impl ToothTerms {
     pub(super) fn new(links: usize, border: usize) -> Self {
-        let zeros = || padded_zeros(2 * links + 3 * WIDTH);
-        let three = || (0..border).map(|_| [(); 3].map(|()| zeros())).collect();
+        let room = padded(2 * links + 3 * WIDTH);
+        let zeros = || padded_zeros(room);
         Self {
-            block: [(); 9].map(|()| zeros()),
-            column: three(),
-            row: three(),
+            block: [(); 6].map(|()| zeros()),
+            column: (0..border).map(|_| [(); 3].map(|()| zeros())).collect(),
+            touched: vec![false; room / WIDTH],
         }
     }
 
     fn all(&mut self) -> impl Iterator<Item = &mut Numbers> {
-        let border = self.column.iter_mut().chain(&mut self.row).flatten();
-        self.block.iter_mut().chain(border)
+        self.block
+            .iter_mut()
+            .chain(self.column.iter_mut().flatten())
     }
 
     /// No teeth yet.
-    pub(super) fn clear(&mut self, links: usize, overhang: usize) {
-        for array in self.all() {
-            array[..links + overhang + WIDTH].fill(0.0);
+    pub(super) fn clear(&mut self) {
+        for group in 0..self.touched.len() {
+            if std::mem::take(&mut self.touched[group]) {
+                for array in self.all() {
+                    array[group * WIDTH..(group + 1) * WIDTH].fill(0.0);
+                }
+            }
         }
+    }
+
+    /// Whether any bushing of these entries touches.
+    #[inline(always)]
+    pub(super) fn touches(&self, first: usize, count: usize) -> bool {
+        let groups = first / WIDTH..=(first + count - 1) / WIDTH;
+        self.touched[groups].contains(&true)
+    }
+
+    #[inline(always)]
+    fn touch(&mut self, first: usize, count: usize) {
+        let groups = first / WIDTH..=(first + count - 1) / WIDTH;
+        self.touched[groups].fill(true);
     }
 
     /// Adds to the first bushings what runs that go past the last one have left behind it.
     pub(super) fn take_back(&mut self, links: usize, overhang: usize) {
+        if overhang == 0 || !self.touches(links, overhang) {
+            return;
+        }
+        self.touch(0, overhang);
         for array in self.all() {
             for k in 0..overhang {
-                array[k] += array[links + k];
+                array[k] += std::mem::take(&mut array[links + k]);
             }
         }
     }
@@ -89,7 +103,7 @@ pub(super) struct AddTeeth<'a> {
     pub(super) slopes: &'a ContactSlopes,
     /// Centres of the bushings \[m\].
     pub(super) bushing: &'a [Numbers; 2],
-    pub(super) levers: &'a BushingLevers,
+    pub(super) levers: &'a Levers,
     /// The sprocket's coordinates, the first of which is number `first` on the border.
     pub(super) motions: &'a [Motion],
     pub(super) first: usize,
@@ -97,13 +111,13 @@ pub(super) struct AddTeeth<'a> {
 }
 
 impl WithSimd for AddTeeth<'_> {
-    /// Entries of the sprocket's coordinates among themselves.
+    /// Entries of the sprocket's coordinates among themselves, those on and above the diagonal.
     type Output = [[f64; MOST]; MOST];
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let splat = |value| Lanes::splat(simd, value);
-        let spin = splat(self.pose.spin);
+        let (zero, gamma_squared) = (splat(0.0), splat(self.gamma * self.gamma));
         let mut corner = [[PartialSums::default(); MOST]; MOST];
         for &Run {
             first,
@@ -112,68 +126,56 @@ impl WithSimd for AddTeeth<'_> {
         } in &self.candidates.runs
         {
             let blocks = length.div_ceil(S::F64_LANES);
-            let at = |array: &[f64], b: usize| load(simd, &vectors::<S>(array, blocks)[b]);
             let normal = both::<S>(&self.slopes.normal, slot, blocks);
-            let along = both::<S>(&self.levers.along, first, blocks);
+            let along = both::<S>(self.levers, first, blocks);
             let bushing = both::<S>(self.bushing, first, blocks);
             for b in 0..blocks {
-                let slopes = [
-                    at(&self.slopes.stiffness[slot..], b),
-                    at(&self.slopes.damping[slot..], b),
-                    at(&self.slopes.curvature[slot..], b),
-                    at(&self.slopes.slip[slot..], b),
-                ];
-                let force = at(&self.candidates.force[slot..], b);
-                if !force.exceeds(splat(0.0)).any() {
+                let force = at(simd, &self.candidates.force[slot..], b);
+                if !force.exceeds(zero).any() {
                     continue;
                 }
-                let pair = |of: [&[S::f64s]; 2]| of.map(|array| load(simd, &array[b]));
-                let place = pair(bushing);
+                let slopes = [
+                    at(simd, &self.slopes.stiffness[slot..], b),
+                    at(simd, &self.slopes.damping[slot..], b),
+                    at(simd, &self.slopes.curvature[slot..], b),
+                ];
+                let place = both_at(simd, bushing, b);
+                let [alpha, eta] = scaled(self.gamma, slopes, force);
                 let tooth = Tooth {
-                    normal: pair(normal),
+                    normal: both_at(simd, normal, b),
                     arm: [
                         place[0] - splat(self.pose.center[0]),
                         place[1] - splat(self.pose.center[1]),
                     ],
                     curvature: slopes[2],
-                    slip: slopes[3],
-                    spin,
-                    contact: scaled(self.gamma, slopes, force, spin),
-                    turn: splat(self.gamma * self.gamma) * force,
+                    turn: gamma_squared * force,
                 };
-                let levers = tooth.levers(pair(along));
-                let changes = tooth.changes(&levers, at(&self.levers.spin[first..], b));
-                let Levers { normal, tangent } = levers;
-                let eta = tooth.contact.eta;
-                for i in 0..3 {
-                    for j in 0..3 {
-                        let entry = normal[i].mul_add(changes[j], eta * tangent[i] * tangent[j]);
-                        add::<S>(&mut self.terms.block[3 * i + j], first, b, entry);
-                    }
+                self.terms
+                    .touch(first + b * S::F64_LANES / WIDTH * WIDTH, WIDTH);
+                let [along_n, along_t] = tooth.levers(both_at(simd, along, b));
+                for (array, (i, j)) in self.terms.block.iter_mut().zip(ENTRIES) {
+                    let across = eta * along_t[i] * along_t[j];
+                    let entry = (alpha * along_n[i]).mul_add(along_n[j], across);
+                    add::<S>(array, first, b, entry);
                 }
                 let mut moved = [tooth.still(); MOST];
                 for (moved, &motion) in moved.iter_mut().zip(self.motions) {
                     *moved = tooth.moved(motion);
                 }
-                for j in 0..self.motions.len() {
-                    let of = &moved[j];
-                    let across = tooth.turn * of.turns;
-                    let (column, row) = (
-                        &mut self.terms.column[self.first + j],
-                        &mut self.terms.row[self.first + j],
-                    );
-                    for i in 0..3 {
-                        let pushed = normal[i].mul_add(of.force, tangent[i] * across);
-                        add::<S>(&mut column[i], first, b, pushed);
-                        let pushing = of.closes.mul_add(changes[i], across * tangent[i]);
-                        add::<S>(&mut row[i], first, b, pushing);
+                for (j, &motion) in self.motions.iter().enumerate() {
+                    let of = moved[j];
+                    let (push, across) = (alpha * of.closes, tooth.turn * of.turns);
+                    let column = &mut self.terms.column[self.first + j];
+                    for (i, array) in column.iter_mut().enumerate() {
+                        let entry = along_n[i].mul_add(push, along_t[i] * across);
+                        add::<S>(array, first, b, entry);
                     }
-                    for (i, by) in moved.iter().enumerate().take(self.motions.len()) {
-                        let bend = match self.motions[i] {
-                            Motion::Along(_) => by.across * of.turns,
-                            Motion::Turn => of.across - of.turns * tooth.outward(),
+                    for (i, by) in moved.iter().enumerate().take(j + 1) {
+                        let bend = match motion {
+                            Motion::Along(_) => of.across * by.turns,
+                            Motion::Turn => by.across - by.turns * tooth.outward(),
                         };
-                        let entry = by.closes.mul_add(of.force, tooth.turn * bend);
+                        let entry = by.closes.mul_add(push, tooth.turn * bend);
                         corner[i][j].add(b, entry);
                     }
                 }
@@ -181,6 +183,11 @@ impl WithSimd for AddTeeth<'_> {
         }
         corner.map(|row| row.map(|sum| sum.total()))
     }
+}
+
+#[inline(always)]
+fn both_at<S: Simd>(simd: S, of: [&[S::f64s]; 2], b: usize) -> [Lanes<S>; 2] {
+    [load(simd, &of[0][b]), load(simd, &of[1][b])]
 }
 
 #[inline(always)]
@@ -195,18 +202,8 @@ struct Tooth<S: Simd> {
     /// Bushing seen from the sprocket's centre \[m\].
     arm: [Lanes<S>; 2],
     curvature: Lanes<S>,
-    slip: Lanes<S>,
-    /// Of the sprocket.
-    spin: Lanes<S>,
-    contact: super::contacts::Scaled<S>,
     /// γ² f
     turn: Lanes<S>,
-}
-
-/// How far the coordinates of a bushing's link move it along n and t.
-struct Levers<S: Simd> {
-    normal: [Lanes<S>; 3],
-    tangent: [Lanes<S>; 3],
 }
 
 /// What a coordinate of the sprocket does to a contact.
@@ -218,32 +215,17 @@ struct Moved<S: Simd> {
     across: Lanes<S>,
     /// Angle of the normal.
     turns: Lanes<S>,
-    /// Force, times γ².
-    force: Lanes<S>,
 }
 
 impl<S: Simd> Tooth<S> {
+    /// How far the coordinates of a bushing's link move it along n and along t.
     #[inline(always)]
-    fn levers(&self, [x, y]: [Lanes<S>; 2]) -> Levers<S> {
+    fn levers(&self, [x, y]: [Lanes<S>; 2]) -> [[Lanes<S>; 3]; 2] {
         let [nx, ny] = self.normal;
-        Levers {
-            normal: [nx, ny, x.mul_add(ny, -(y * nx))],
-            tangent: [-ny, nx, x.mul_add(nx, y * ny)],
-        }
-    }
-
-    /// Change of the force with the link's coordinates.
-    #[inline(always)]
-    fn changes(&self, levers: &Levers<S>, spin: Lanes<S>) -> [Lanes<S>; 3] {
-        let contact = &self.contact;
-        let of = |i: usize| {
-            contact
-                .alpha
-                .mul_add(levers.normal[i], contact.beta * levers.tangent[i])
-        };
-        // A link that turns takes the velocity of its end along.
-        let turned = (contact.damping * spin).negate_mul_add(levers.tangent[2], of(2));
-        [of(0), of(1), turned]
+        [
+            [nx, ny, x.mul_add(ny, -(y * nx))],
+            [-ny, nx, x.mul_add(nx, y * ny)],
+        ]
     }
 
     /// n·arm
@@ -259,35 +241,31 @@ impl<S: Simd> Tooth<S> {
             closes: zero,
             across: zero,
             turns: zero,
-            force: zero,
         }
     }
 
     #[inline(always)]
     fn moved(&self, motion: Motion) -> Moved<S> {
         let [nx, ny] = self.normal;
-        let (closes, across, turns) = match motion {
+        match motion {
             Motion::Along(direction) => {
-                let [x, y] = direction.map(|part| nx.constant(part));
+                let [x, y] = [nx.constant(direction[0]), nx.constant(direction[1])];
                 let across = ny.mul_add(x, -(nx * y));
-                (-(nx.mul_add(x, ny * y)), across, self.curvature * across)
+                Moved {
+                    closes: -(nx.mul_add(x, ny * y)),
+                    across,
+                    turns: self.curvature * across,
+                }
             }
             Motion::Turn => {
                 let [x, y] = self.arm;
                 let one = nx.constant(1.0);
-                let turns = self.curvature.negate_mul_add(self.outward(), one);
-                (y.mul_add(nx, -(x * ny)), nx.constant(0.0), turns)
+                Moved {
+                    closes: y.mul_add(nx, -(x * ny)),
+                    across: nx.constant(0.0),
+                    turns: self.curvature.negate_mul_add(self.outward(), one),
+                }
             }
-        };
-        let rate = self.spin.mul_add(across, self.slip * turns);
-        Moved {
-            closes,
-            across,
-            turns,
-            force: self
-                .contact
-                .alpha
-                .mul_add(closes, self.contact.damping * rate),
         }
     }
 }
