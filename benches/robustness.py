@@ -77,7 +77,6 @@ def scenes(duration: float) -> list[Scene]:
         for n in (0, 25):
             found.append(Scene(f"clearance {c * 1e6:g} um, {n} N", clearance(c, n or None)))
     for name, law in (
-        ("Hertz, undamped", rc.Hertz()),
         ("Johnson", rc.Johnson()),
         ("enhanced cylinder", rc.EnhancedCylinder()),
     ):
