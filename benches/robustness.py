@@ -1,7 +1,7 @@
-"""Scenes that are hard in different ways, each run for two seconds: does it end, at what cost, and with what energy residual.
+"""Scenes that are hard in different ways: do they end, at what cost, with what residual?
 
-Prints a line for each scene; with --write, the table goes into docs/robustness.md. The exit status is 1 when a scene fails: it
-does not end, or its energy balance does not close.
+Prints a line for each scene; with --write, the table goes into docs/robustness.md. The exit status
+is 1 when a scene fails: it does not end, or its energy balance does not close.
 """
 
 from __future__ import annotations
@@ -23,8 +23,11 @@ TABLE = Path(__file__).parent.parent / "docs" / "robustness.md"
 SPEED = 4.0 * np.pi  # of the published drive [rad/s]
 SUDDEN = 1e-9  # [s] in which a load is there or gone
 
-# More than this missing is a failure, as shares of the energy dissipated and of the energy exchanged.
+# More than this missing is a failure: shares of the energy dissipated and of that exchanged.
 OF_DISSIPATED, OF_EXCHANGED = 0.1, 0.02
+
+
+_LAW = rc.LankaraniNikravesh()
 
 
 @dataclass(frozen=True)
@@ -33,7 +36,7 @@ class Scene:
 
     name: str
     drive: rc.ChainDrive
-    law: rc.ForceLaw = rc.LankaraniNikravesh()
+    law: rc.ForceLaw = _LAW
     floor: float = 1e-3
 
 
@@ -69,10 +72,13 @@ def scenes(duration: float) -> list[Scene]:
     found = [Scene(f"{n} N", drive(pretension=n or None)) for n in (0, 25, 100, 1000)]
     for e in (0.05, 1.0):
         for n in (0, 25, 100):
-            found.append(Scene(f"restitution {e}, {n} N", restitution(drive(pretension=n or None), e)))
+            found.append(
+                Scene(f"restitution {e}, {n} N", restitution(drive(pretension=n or None), e))
+            )
     for floor in (1e-5, 1e-4, 1e-2, 1e-1):
         for n in (0, 25, 100):
-            found.append(Scene(f"floor {floor:g} m/s, {n} N", drive(pretension=n or None), floor=floor))
+            name = f"floor {floor:g} m/s, {n} N"
+            found.append(Scene(name, drive(pretension=n or None), floor=floor))
     for c in (5e-6, 100e-6, 500e-6):
         for n in (0, 25):
             found.append(Scene(f"clearance {c * 1e6:g} um, {n} N", clearance(c, n or None)))
@@ -222,14 +228,16 @@ def write(outcomes: list[Outcome], options: argparse.Namespace, duration: float)
         "# Robustness",
         "",
         f"`make robustness`: each scene runs {duration:g} s, `method={options.method!r}`, "
-        f"`accuracy={options.accuracy:g}`. The published drive where nothing else is said: 38 links, 120 rpm, restitution "
-        "0.71, law of Lankarani and Nikravesh, floor of the approach speed 1e-3 m/s, clearance 25 um.",
+        f"`accuracy={options.accuracy:g}`. The published drive where nothing else is said: 38 "
+        "links, 120 rpm, restitution 0.71, law of Lankarani and Nikravesh, floor of the approach "
+        "speed 1e-3 m/s, clearance 25 um.",
         "",
-        "The residual is the largest of all reports, every millisecond; it is set against the energy dissipated or, where that "
-        "is less than a hundredth of the energy exchanged (dissipated, worked in, moved in and out of kinetic and elastic "
-        f"energy), against that. A scene fails when it does not end, or when more is missing than {OF_DISSIPATED:g} of the one "
-        f"and {OF_EXCHANGED:g} of the other. Runs without pretension are chaotic: their residuals differ by a factor of a few from one run "
-        "to the next.",
+        "The residual is the largest of all reports, every millisecond; it is set against the "
+        "energy dissipated or, where that is less than a hundredth of the energy exchanged "
+        "(dissipated, worked in, moved in and out of kinetic and elastic energy), against that. A "
+        f"scene fails when it does not end, or when more is missing than {OF_DISSIPATED:g} of the "
+        f"one and {OF_EXCHANGED:g} of the other. Runs without pretension are chaotic: their "
+        "residuals differ by a factor of a few from one run to the next.",
         "",
         "| " + " | ".join(COLUMNS) + " |",
         "|" + "---|" * len(COLUMNS),

@@ -33,9 +33,23 @@ def test_the_scene_ends_and_its_balance_closes(scene):
 def test_every_demand_has_its_scenes():
     names = [scene.name for scene in SCENES]
     assert len(set(names)) == len(names)
-    for demand in ("1000 N", "restitution 0.05", "restitution 1.0", "floor 1e-05", "floor 0.1", "rpm"):
+    for demand in (
+        "1000 N",
+        "restitution 0.05",
+        "restitution 1.0",
+        "floor 1e-05",
+        "floor 0.1",
+        "rpm",
+    ):
         assert any(demand in name for name in names), demand
-    for demand in ("clearance 5 um", "clearance 500 um", "Johnson", "enhanced", "from rest", "load"):
+    for demand in (
+        "clearance 5 um",
+        "clearance 500 um",
+        "Johnson",
+        "enhanced",
+        "from rest",
+        "load",
+    ):
         assert any(demand in name for name in names), demand
 
 
