@@ -1,4 +1,4 @@
-"""Scenes that are hard in different ways: do they end, at what cost, with what residual?
+"""Whether scenes that are hard in different ways end, at what cost, with what residual.
 
 Prints a line for each scene; with --write, the table goes into docs/robustness.md. The exit status
 is 1 when a scene fails: it does not end, or its energy balance does not close.
