@@ -20,7 +20,7 @@ unexport CONDA_PREFIX
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help venv build demo test test-rust test-python lint lint-text lint-rust lint-python bench bench-smoke dist clean
+.PHONY: help venv build demo test test-rust test-python lint lint-text lint-rust lint-python bench bench-smoke robustness dist clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -108,6 +108,10 @@ bench: build ## Measure; BENCH_ARGS=--quick for a first look, BENCH_ARGS=hertz f
 bench-smoke: build ## Run every benchmark once, without measuring
 	cargo bench --bench '*' -- --test
 	$(BIN)/python benches/numpy_reference.py --test
+	$(BIN)/python benches/robustness.py --test
+
+robustness: build ## Run scenes that are hard in different ways, 2 s each, and write docs/robustness.md
+	$(BIN)/python benches/robustness.py --write $(BENCH_ARGS)
 
 # --- release
 

@@ -30,6 +30,19 @@ pub enum Error {
         /// Body whose error is largest, and the contact it is in.
         culprit: String,
     },
+    /// Step after step is made and time stands still.
+    #[error(
+        "steps have fallen to {step_size:.1e} s on average at t = {time:.9} s and lead nowhere, {culprit}: raise \
+         min_approach_speed or the tolerances"
+    )]
+    Standstill {
+        /// Time reached \[s\].
+        time: f64,
+        /// Mean of the last steps \[s\].
+        step_size: f64,
+        /// The hardest pressed contact.
+        culprit: String,
+    },
     /// Forces or positions are not numbers.
     #[error(
         "the solution is not a number within {step_size:.1e} s after t = {time:.9} s, {culprit}"

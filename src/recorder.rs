@@ -61,6 +61,7 @@ pub(crate) struct Recorder {
     next: u64,
     /// The energy balance at the first report.
     energy_at_start: Option<EnergyAtStart>,
+    balance: Balance,
     recording: Recording,
     hinge_peaks: Peaks,
     tooth_peaks: Peaks,
@@ -142,6 +143,7 @@ impl Recorder {
             end: begin + duration,
             next: 0,
             energy_at_start: None,
+            balance: Balance::default(),
             recording,
             hinge_peaks: Peaks::new(n, begin),
             tooth_peaks: Peaks::new(n, begin),
@@ -184,6 +186,11 @@ impl Recorder {
             teeth: want(groups.teeth || sprocket_loads),
             sprocket_loads,
         }
+    }
+
+    /// Energy missing, dissipated and exchanged \[J\] at the last report, when more is missing than may be.
+    pub(crate) fn open_balance(&self) -> Option<[f64; 3]> {
+        self.balance.open
     }
 
     pub(crate) fn end(&self) -> f64 {
@@ -256,7 +263,8 @@ impl Recorder {
             row.real(dynamics.motion.velocities().into_iter().flatten());
         }
         if let Some(energy) = energy {
-            write_energy(&mut row, energy, sums, &mut self.energy_at_start);
+            let residual = write_energy(&mut row, energy, sums, &mut self.energy_at_start);
+            self.balance.watch(energy, residual);
         }
     }
 }
@@ -367,7 +375,20 @@ fn write_teeth(row: &mut Row, teeth: &ToothContacts, links: usize, sprockets: us
     );
 }
 
-fn write_energy(row: &mut Row, energy: Energy, sums: [f64; 2], begin: &mut Option<EnergyAtStart>) {
+/// What passed since the first report, and what is missing \[J\].
+#[derive(Debug, Clone, Copy)]
+struct Passed {
+    dissipated: f64,
+    worked_in: f64,
+    residual: f64,
+}
+
+fn write_energy(
+    row: &mut Row,
+    energy: Energy,
+    sums: [f64; 2],
+    begin: &mut Option<EnergyAtStart>,
+) -> Passed {
     let begin = begin.get_or_insert(EnergyAtStart {
         total: energy.total(),
         sums,
@@ -383,6 +404,44 @@ fn write_energy(row: &mut Row, energy: Energy, sums: [f64; 2], begin: &mut Optio
         residual,
     ] {
         row.real([value]);
+    }
+    Passed {
+        dissipated,
+        worked_in,
+        residual,
+    }
+}
+
+/// Share of the energy dissipated that may be missing.
+const OF_DISSIPATED: f64 = 0.05;
+
+/// Share of the energy exchanged that may be missing besides.
+const OF_EXCHANGED: f64 = 0.01;
+
+/// Whether the energy balance closes.
+#[derive(Debug, Clone, Copy, Default)]
+struct Balance {
+    /// Least and largest kinetic energy at the reports so far \[J\].
+    kinetic: Option<[f64; 2]>,
+    /// Largest elastic energy \[J\].
+    elastic: f64,
+    /// Missing, dissipated and exchanged \[J\], where more is missing than may be.
+    open: Option<[f64; 3]>,
+}
+
+impl Balance {
+    fn watch(&mut self, energy: Energy, passed: Passed) {
+        let [least, most] = self.kinetic.unwrap_or([energy.kinetic; 2]);
+        let (least, most) = (least.min(energy.kinetic), most.max(energy.kinetic));
+        self.kinetic = Some([least, most]);
+        self.elastic = self.elastic.max(energy.elastic);
+        let exchanged = passed.dissipated + passed.worked_in.abs() + (most - least) + self.elastic;
+        let allowed = OF_DISSIPATED * passed.dissipated + OF_EXCHANGED * exchanged;
+        self.open = (passed.residual.abs() > allowed).then_some([
+            passed.residual,
+            passed.dissipated,
+            exchanged,
+        ]);
     }
 }
 

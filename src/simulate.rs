@@ -26,6 +26,10 @@ pub struct Simulation {
     /// Scratch: state at a time inside the last step.
     inside: Vec<f64>,
     wall: Wall,
+    /// Where the energy balance first did not close, in words.
+    balance_note: Option<String>,
+    /// Steps and time from which on the run is watched for standing still.
+    watched: (u64, f64),
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -40,6 +44,8 @@ struct Wall {
 pub struct Statistics {
     /// Steps, rejected steps, evaluations.
     pub counts: Counts,
+    /// Evaluations that metering the energy took, which are not among those of the counts.
+    pub meter_evaluations: u64,
     /// Contacts begun.
     pub onsets: u64,
     /// Those that began slower than the floor of the approach speed.
@@ -54,6 +60,12 @@ pub struct Statistics {
 
 /// How often the wall clock is looked at, in steps.
 const STEPS_BETWEEN_CLOCK_READINGS: u32 = 64;
+
+/// A run that takes this many steps, rejected ones included, for [`STANDSTILL`] does not go on.
+const STEPS_OF_STANDSTILL: u64 = 100_000;
+
+/// Time that so many steps must cover \[s\]: less than a single contact lasts.
+const STANDSTILL: f64 = 1e-7;
 
 impl Simulation {
     /// A run of `model` from `start` at time zero.
@@ -81,6 +93,8 @@ impl Simulation {
             recorder: None,
             inside: y,
             wall: Wall::default(),
+            balance_note: None,
+            watched: (0, 0.0),
         })
     }
 
@@ -137,6 +151,7 @@ impl Simulation {
         let onsets = self.dynamics.memory.counts();
         Statistics {
             counts: self.adams.counts(),
+            meter_evaluations: self.dynamics.meter_evaluations(),
             onsets: onsets.onsets,
             onsets_at_floor: onsets.at_floor,
             wall_stepping: self.wall.stepping.as_secs_f64(),
@@ -150,6 +165,15 @@ impl Simulation {
     pub fn range_notes(&self) -> Vec<String> {
         let model = self.model().range_notes.iter();
         model.chain(self.dynamics.past_range()).cloned().collect()
+    }
+
+    /// When more energy was first missing than may be, how much, and what helps.
+    ///
+    /// What may be missing at a report: a twentieth of the energy dissipated and a hundredth of that exchanged (dissipated,
+    /// worked in, moved in and out of kinetic and elastic energy). Watched while energy is recorded.
+    #[must_use]
+    pub fn balance_note(&self) -> Option<&str> {
+        self.balance_note.as_deref()
     }
 
     /// Dynamics evaluated at other positions and velocities, or another time, without touching the run.
@@ -178,10 +202,11 @@ impl Simulation {
 
     /// Begins a recording at the present time.
     pub fn start_recording(&mut self, duration: f64, report_step: f64, groups: Groups) {
-        if groups.energy && !self.dynamics.keeps_energy() {
-            self.begin_energy_sums();
+        if !groups.energy {
+            self.dynamics.keep_energy(false);
+        } else if !self.dynamics.keeps_energy() {
+            self.dynamics.begin_metering(&self.adams);
         }
-        self.dynamics.keep_energy(groups.energy);
         let mut recorder = Recorder::new(self.model(), groups, self.now, duration, report_step);
         if groups.hinges || groups.teeth {
             // The present time may lie inside the last step, whose end then belongs to the first interval.
@@ -192,15 +217,10 @@ impl Simulation {
         self.recorder = Some(recorder);
     }
 
-    /// Lets the sums of the energy balance grow from now on; the integrator's history of them is made up as constant power.
-    fn begin_energy_sums(&mut self) {
-        self.dynamics.keep_energy(true);
-        let powers = self
-            .dynamics
-            .differentiate(self.adams.time(), self.adams.y());
-        let sums = self.dynamics.controlled();
-        self.adams.assume_constant_slope(sums, powers.dissipated);
-        self.adams.assume_constant_slope(sums + 1, powers.worked_in);
+    /// Meters the energy balance in each step by `fineness` panels of four points, one at first, and in steps in which contacts
+    /// begin or end by twice as many: what changes with it is the meter's own error.
+    pub fn refine_meter(&mut self, fineness: usize) {
+        self.dynamics.refine_meter(fineness);
     }
 
     /// Ends the recording and hands it over, with all rows made so far.
@@ -272,9 +292,10 @@ impl Simulation {
         if let Some(recorder) = &mut self.recorder {
             recorder.keep_step_forces(&self.dynamics);
         }
+        self.dynamics.meter_step(&self.adams, &step);
         self.wall.stepping += stepped - begin;
         self.wall.onsets += stepped.elapsed();
-        Ok(())
+        self.watch_progress()
     }
 
     /// Makes the reports that lie inside the last step; false when the budget ended before all were made.
@@ -286,12 +307,16 @@ impl Simulation {
         if recorder.next_report().is_some_and(|t| t <= end) {
             let begin = Instant::now();
             let needs = recorder.needs(self.model());
-            let sums = self.dynamics.controlled();
             while let Some(t) = recorder.next_report().filter(|&t| t <= end) {
                 self.adams.interpolate(t, &mut self.inside);
                 self.dynamics.evaluate_for(needs, t, &self.inside);
-                let sums = [self.inside[sums], self.inside[sums + 1]];
+                let sums = self.dynamics.energies_passed(t);
                 recorder.report(t, &self.dynamics, sums);
+                if self.balance_note.is_none()
+                    && let Some(open) = recorder.open_balance()
+                {
+                    self.balance_note = Some(self.describe_open_balance(t, open));
+                }
                 self.now = t;
                 if start.elapsed() >= budget {
                     break;
@@ -305,6 +330,39 @@ impl Simulation {
         }
         self.recorder = Some(recorder);
         complete
+    }
+
+    fn describe_open_balance(&self, t: f64, [missing, dissipated, exchanged]: [f64; 3]) -> String {
+        let control = self.adams.control();
+        let remedy = match control.corrector {
+            Corrector::Newton => format!("accuracy below {:e}", control.accuracy),
+            Corrector::Pece => format!("rtol and atol below {:e}", control.rtol.max(control.atol)),
+        };
+        format!(
+            "the energy balance is off by {missing:.1e} J at t = {t:.6} s, with {dissipated:.1e} J dissipated and \
+             {exchanged:.1e} J exchanged: take {remedy}"
+        )
+    }
+
+    /// An error when many steps have hardly led anywhere: what shrinks steps without end is named in bounded time.
+    fn watch_progress(&mut self) -> Result<()> {
+        let counts = self.adams.counts();
+        let (tried, time) = (counts.steps + counts.rejected, self.adams.time());
+        let (since, begin) = self.watched;
+        if tried < since + STEPS_OF_STANDSTILL && tried >= since {
+            return Ok(());
+        }
+        self.watched = (tried, time);
+        if tried < since || time - begin > STANDSTILL {
+            return Ok(());
+        }
+        self.now = time;
+        let contact = self.dynamics.busiest_contact(self.model().links);
+        Err(Error::Standstill {
+            time,
+            step_size: (time - begin) / STEPS_OF_STANDSTILL as f64,
+            culprit: contact.unwrap_or_else(|| "nothing in contact".to_string()),
+        })
     }
 
     fn explain(&mut self, failure: StepFailure) -> Error {

@@ -212,6 +212,8 @@ fn slope(choice: &Choice, set: InstructionSet) -> Vec<f64> {
     dynamics.use_instructions(set);
     let mut dydt = vec![0.0; scene.dimension()];
     dynamics.derivative(choice.time, &scene.y(), &mut dydt);
+    let powers = dynamics.powers();
+    dydt.extend([powers.dissipated, powers.worked_in]);
     dydt
 }
 

@@ -7,7 +7,7 @@ mod common;
 use rustchain::force_law::{Damping, Elastic, ForceLaw};
 use rustchain::integrator::{Adams, Corrector, OdeSystem, SecondOrderSystem, StepControl};
 use rustchain::vector::InstructionSet;
-use rustchain::{ForceLaws, Groups, Simulation};
+use rustchain::{ForceLaws, Simulation};
 
 fn simulation(
     elastic: Elastic,
@@ -119,8 +119,8 @@ fn the_kernels_matrix_is_the_exact_one_but_for_angles_turned_in_a_step() {
                     assert!(dynamics.correct_exactly(&y, gamma, &mut exact));
                     let error = x.iter().zip(&exact).map(|(a, b)| (a - b).abs());
                     let error = error.fold(0.0, f64::max) / largest(&exact);
-                    // Slip over radius is up to 1e4 1/s here; the border, where it is only swept, leaves less.
-                    assert!(error < 3e4 * gamma, "{scene}, {gamma:e}: {error:e}");
+                    // Slip over radius is up to 1e4 1/s here; a border that is only swept leaves as much.
+                    assert!(error < 5e4 * gamma, "{scene}, {gamma:e}: {error:e}");
                     found.push(x);
                 }
             }
@@ -140,18 +140,23 @@ fn newton(accuracy: f64) -> StepControl {
     }
 }
 
-/// Energy residual over energy dissipated in the first `duration`, and steps.
+/// Largest energy residual over energy dissipated in the first `duration`, as a root mean square over runs that differ slightly,
+/// and steps of all of them.
 fn balance(pretension: f64, duration: f64, accuracy: f64) -> (f64, u64) {
-    let (elastic, damping) = (Elastic::Hertz, Damping::LankaraniNikravesh);
-    let mut run = simulation(elastic, damping, pretension, newton(accuracy));
-    let groups = Groups {
-        energy: true,
-        ..Groups::default()
-    };
-    let recording = common::record(&mut run, duration, duration, groups);
-    let last = |name: &str| *common::channel(&recording, name).last().unwrap();
-    let residual = last("energy_residual") / last("energy_dissipated");
-    (residual.abs(), run.statistics().counts.steps)
+    let (mut squares, mut steps, runs) = (0.0, 0, 4);
+    for i in 0..runs {
+        let mut drive = common::paper_drive();
+        drive.tensioner = Some(common::tensioner(
+            pretension,
+            2e-3 * (1.0 + 0.01 * f64::from(i)),
+        ));
+        let mut run = common::simulation(&drive, &ForceLaws::default(), newton(accuracy));
+        let energy = common::energies(&mut run, duration, 0.1 * duration);
+        let share = energy.largest_residual() / energy.dissipated.last().unwrap();
+        squares += share * share / f64::from(runs);
+        steps += run.statistics().counts.steps;
+    }
+    (squares.sqrt(), steps)
 }
 
 #[test]
@@ -159,9 +164,9 @@ fn the_balance_closes_better_with_the_accuracy() {
     for pretension in [25.0, 100.0] {
         let [(loose, few), (tight, many)] =
             [1e-9, 1e-11].map(|accuracy| balance(pretension, 0.05, accuracy));
-        // Measured over 0.2 s: 8e-3 and 5e-4 at 25 N, 4e-3 and 3e-4 at 100 N.
+        println!("{pretension} N: {loose:.2e} {tight:.2e}");
         assert!(
-            loose < 0.05 && tight < 5e-3,
+            loose < 0.02 && tight < 2e-3,
             "{pretension} N: {loose} {tight}"
         );
         assert!(tight < 0.5 * loose, "{pretension} N: {loose} {tight}");

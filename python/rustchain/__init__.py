@@ -23,7 +23,13 @@ from rustchain.drive import (
     Sprocket,
     Tensioner,
 )
-from rustchain.errors import InvalidInput, NotRecorded, RangeWarning, SimulationError
+from rustchain.errors import (
+    EnergyWarning,
+    InvalidInput,
+    NotRecorded,
+    RangeWarning,
+    SimulationError,
+)
 from rustchain.force_law import EnhancedCylinder, ForceLaw, Hertz, Johnson, LankaraniNikravesh
 from rustchain.report import DriveReport
 from rustchain.result import Result, load_result
@@ -40,6 +46,7 @@ __all__ = [
     "ChainDrive",
     "ClearanceHinge",
     "DriveReport",
+    "EnergyWarning",
     "EnhancedCylinder",
     "Evaluation",
     "ForceLaw",

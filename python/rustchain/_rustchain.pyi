@@ -138,8 +138,8 @@ class Core:
         """Go on towards exactly `t` [s]; return whether it is reached."""
     def stats(self) -> dict[str, float]:
         """Return the counts and wall times of the run."""
-    def take_warnings(self) -> list[str]:
-        """Return the warnings that have come up since the last call."""
+    def take_warnings(self) -> tuple[list[str], list[str]]:
+        """Return what came up since the last call: laws out of their range; the energy balance."""
 
 @final
 class Case:

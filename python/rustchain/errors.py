@@ -2,7 +2,7 @@
 
 from rustchain._rustchain import InvalidInput, SimulationError
 
-__all__ = ["InvalidInput", "NotRecorded", "RangeWarning", "SimulationError"]
+__all__ = ["EnergyWarning", "InvalidInput", "NotRecorded", "RangeWarning", "SimulationError"]
 
 
 class NotRecorded(LookupError):
@@ -11,3 +11,7 @@ class NotRecorded(LookupError):
 
 class RangeWarning(UserWarning):
     """A contact has left the range in which its force law holds."""
+
+
+class EnergyWarning(RuntimeWarning):
+    """More energy is missing in a run than its accuracy should leave."""

@@ -10,7 +10,7 @@ from typing import Any
 from rustchain import _rustchain
 from rustchain._axes import Drive, Parameters, axes_of, cases_of, check_names, scene_of
 from rustchain._names import known_keywords
-from rustchain.errors import RangeWarning, SimulationError
+from rustchain.errors import EnergyWarning, RangeWarning, SimulationError
 from rustchain.force_law import ForceLaw
 from rustchain.result import Array, Result
 from rustchain.simulation import (
@@ -97,6 +97,8 @@ def sweep(
         Cases have failed: how many, and the first.
     RangeWarning
         Contacts have left the range of their law: in how many cases, and the first.
+    EnergyWarning
+        The energy balance does not close: in how many cases, and the first.
     """
     scene: Parameters = {
         "duration": duration,
@@ -130,6 +132,7 @@ def sweep(
     _run_all(found, scenes, ready, measure, threads, progress)
     found.errors = dict(sorted(found.errors.items()))
     found.range_notes = dict(sorted(found.range_notes.items()))
+    found.balance_notes = dict(sorted(found.balance_notes.items()))
     _warn(found)
     return found
 
@@ -183,8 +186,11 @@ def _take(
     """Take what came of a case: its measured value, or its error."""
     if run is not None:
         core, start = run
-        if notes := core.take_warnings():
-            found.range_notes[number] = notes
+        range_notes, balance_notes = core.take_warnings()
+        if range_notes:
+            found.range_notes[number] = range_notes
+        if balance_notes:
+            found.balance_notes[number] = balance_notes
         simulation = Simulation._around(core, scene)
         if error is None:
             result = simulation._result("finished", start, {})
@@ -214,14 +220,16 @@ def _name(found: SweepResult, number: int) -> str:
 
 
 def _warn(found: SweepResult) -> None:
-    """Warn once of all cases that failed, and once of all laws that left their range."""
+    """Warn once of all cases that failed, of all laws that left their range, of all balances."""
     for number, error in list(found.errors.items())[:1]:
         which = (
             f"{len(found.errors)} of {len(found.cases)} cases failed, first {_name(found, number)}"
         )
         warnings.warn(f"{which}: {type(error).__name__}: {error}", RuntimeWarning, stacklevel=4)
-    for number, notes in list(found.range_notes.items())[:1]:
-        which = (
-            f"{len(found.range_notes)} of {len(found.cases)} cases, first {_name(found, number)}"
-        )
-        warnings.warn(f"{which}: {'; '.join(notes)}", RangeWarning, stacklevel=4)
+    for notes, category in (
+        (found.range_notes, RangeWarning),
+        (found.balance_notes, EnergyWarning),
+    ):
+        for number, lines in list(notes.items())[:1]:
+            which = f"{len(notes)} of {len(found.cases)} cases, first {_name(found, number)}"
+            warnings.warn(f"{which}: {'; '.join(lines)}", category, stacklevel=4)

@@ -42,6 +42,8 @@ class SweepResult:
         has its rows until then in ``error.result``.
     range_notes : dict of list of str
         Which laws left their range, by the number of the case.
+    balance_notes : dict of list of str
+        Where the energy balance does not close, by the number of the case.
     status : {"finished", "interrupted"}
         How the sweep ended.
     """
@@ -51,6 +53,7 @@ class SweepResult:
     values: list[Any]
     errors: dict[int, Exception] = field(default_factory=dict)
     range_notes: dict[int, list[str]] = field(default_factory=dict)
+    balance_notes: dict[int, list[str]] = field(default_factory=dict)
     status: Literal["finished", "interrupted"] = "finished"
     _measured: bool = True
     _ended: set[int] = field(default_factory=set)

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::meter::EnergyMeter;
 use super::{Dynamics, Pair};
 use crate::contact::{CarriedCandidates, ImpactMemory};
 
@@ -11,6 +12,7 @@ pub(crate) struct Carried {
     memory: ImpactMemory,
     candidates: CarriedCandidates,
     keeps_energy: bool,
+    meter: EnergyMeter,
     parted: Vec<Pair>,
     hinge_past_range: Option<String>,
     tooth_past_range: Option<String>,
@@ -23,6 +25,7 @@ impl Dynamics {
             memory: self.memory.clone(),
             candidates: self.kernels.candidates.carried(&self.model),
             keeps_energy: self.keeps_energy,
+            meter: self.meter.clone(),
             parted: self.parted.clone(),
             hinge_past_range: self.hinge_past_range.clone(),
             tooth_past_range: self.tooth_past_range.clone(),
@@ -33,13 +36,18 @@ impl Dynamics {
     pub(crate) fn carrying(&self, carried: &Carried) -> Option<Self> {
         let mut dynamics = Self::new(self.model.clone());
         dynamics.use_instructions(self.instructions());
+        dynamics.refine_meter(self.meter.fineness());
         let there = |pair: &Pair| match *pair {
             Pair::Hinge(k) => k < dynamics.memory.hinge_speed().len(),
             Pair::Tooth(pair) => pair < dynamics.memory.tooth_speed.len(),
         };
-        if !carried.memory.is_like(&dynamics.memory) || !carried.parted.iter().all(there) {
+        if !carried.memory.is_like(&dynamics.memory)
+            || !carried.parted.iter().all(there)
+            || !carried.meter.is_like(&dynamics.meter)
+        {
             return None;
         }
+        dynamics.meter.carry_on(&carried.meter);
         dynamics.memory = carried.memory.clone();
         let candidates = &mut dynamics.kernels.candidates;
         candidates.carry_on(&dynamics.model, &dynamics.memory, &carried.candidates)?;

@@ -10,6 +10,7 @@ mod forces;
 mod implicit;
 mod jacobian;
 mod loads;
+mod meter;
 mod needs;
 
 use std::sync::Arc;
@@ -20,6 +21,7 @@ pub(crate) use carried::Carried;
 pub use energy::Energy;
 pub use loads::SprocketLoad;
 pub(crate) use loads::{outside_powers, sprocket_acceleration};
+use meter::{EnergyMeter, StepStart};
 pub(crate) use needs::{Needs, Want};
 
 use crate::contact::{
@@ -36,8 +38,7 @@ use loads::Accelerations;
 
 /// A drive in motion: the right-hand side that the integrator calls, and the memory of its contacts.
 ///
-/// State: y = [q, dq/dt] and two sums, the energy dissipated and the work done on the drive \[J\], which stand still unless
-/// the energy balance is kept.
+/// State: y = [q, dq/dt].
 #[derive(Debug, Clone)]
 pub struct Dynamics {
     model: Arc<Model>,
@@ -53,12 +54,19 @@ pub struct Dynamics {
     pub accelerations: Accelerations,
     kernels: Kernels,
     keeps_energy: bool,
+    /// Powers at the last derivative, while energy is kept.
+    powers: Powers,
+    meter: EnergyMeter,
+    /// Where the next step to be metered begins, or the present one began.
+    begin: StepStart,
     /// Pairs that came apart in the last step; they keep their memory until the next one begins, for reports inside it.
     parted: Vec<Pair>,
     /// Scratch: tooth contacts that began in the last step.
     begun: Vec<(usize, usize)>,
     /// Scratch: a derivative that nobody asked for.
     slope: Vec<f64>,
+    /// Scratch: the state inside a step.
+    inside: Vec<f64>,
     /// The first hinge that went past the end of its law, in words.
     hinge_past_range: Option<String>,
     /// The first tooth contact that did.
@@ -85,8 +93,12 @@ impl Dynamics {
             accelerations: Accelerations::new(links, sprockets),
             kernels: Kernels::new(&model),
             keeps_energy: false,
+            powers: Powers::default(),
+            meter: EnergyMeter::new(),
+            begin: StepStart::new(2 * model.coordinates),
             parted: Vec::with_capacity(links * (1 + sprockets)),
-            slope: vec![0.0; 2 * model.coordinates + 2],
+            slope: vec![0.0; 2 * model.coordinates],
+            inside: vec![0.0; 2 * model.coordinates],
             begun: Vec::with_capacity(links * sprockets),
             hinge_past_range: None,
             tooth_past_range: None,
@@ -106,9 +118,16 @@ impl Dynamics {
         self.keeps_energy
     }
 
-    /// Switches the sums of the energy balance on or off.
+    /// Switches powers, and with them the sums of the energy balance, on or off.
     pub fn keep_energy(&mut self, keep: bool) {
         self.keeps_energy = keep;
+        self.powers = Powers::default();
+    }
+
+    /// Powers at the last derivative for which energy was kept.
+    #[must_use]
+    pub fn powers(&self) -> Powers {
+        self.powers
     }
 
     /// Hinges, and pairs of bushing and sprocket, that came apart in the last step: their memory ends with it.
@@ -402,17 +421,12 @@ impl Dynamics {
         depths.map(|(k, &depth)| (depth, self.kernels.hinge_force(k)))
     }
 
-    /// Evaluates the right-hand side at (`t`, `y`) for what it leaves behind, depths and forces of contacts; returns the powers
-    /// when energy is kept.
-    pub(crate) fn differentiate(&mut self, t: f64, y: &[f64]) -> Powers {
+    /// Evaluates the right-hand side at (`t`, `y`) for what it leaves behind: depths and forces of contacts, and the powers when
+    /// energy is kept.
+    pub(crate) fn differentiate(&mut self, t: f64, y: &[f64]) {
         let mut slope = std::mem::take(&mut self.slope);
         self.derivative(t, y, &mut slope);
         self.slope = slope;
-        let sums = self.controlled();
-        Powers {
-            dissipated: self.slope[sums],
-            worked_in: self.slope[sums + 1],
-        }
     }
 
     /// Goes on with other instructions than the widest ones that this machine has.
@@ -438,8 +452,8 @@ fn range_end<L: crate::force_law::ElasticLaw>(pair: &L::Pair) -> f64 {
     L::range_end(pair)
 }
 
-/// Power dissipated in contacts and dashpots, and power put in from outside \[W\].
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+/// Power dissipated in contacts and dashpots, and power put in from outside \[W\]; integrated, the energies \[J\].
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Powers {
     /// Dissipated.
     pub dissipated: f64,
@@ -454,26 +468,40 @@ impl std::ops::AddAssign for Powers {
     }
 }
 
+impl std::ops::Add for Powers {
+    type Output = Self;
+
+    fn add(mut self, other: Self) -> Self {
+        self += other;
+        self
+    }
+}
+
+impl std::ops::Mul<Powers> for f64 {
+    type Output = Powers;
+
+    fn mul(self, powers: Powers) -> Powers {
+        Powers {
+            dissipated: self * powers.dissipated,
+            worked_in: self * powers.worked_in,
+        }
+    }
+}
+
 impl OdeSystem for Dynamics {
     fn dimension(&self) -> usize {
-        self.controlled() + 2
-    }
-
-    fn controlled(&self) -> usize {
         2 * self.model.coordinates
     }
 
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
         let nq = self.model.coordinates;
-        let (rates, rest) = dydt.split_at_mut(nq);
+        let (rates, accelerations) = dydt.split_at_mut(nq);
         rates.copy_from_slice(&y[nq..2 * nq]);
         let (kernels, model, memory) = (&mut self.kernels, &self.model, &self.memory);
-        let powers = if self.keeps_energy {
-            kernels.accelerations::<true>(model, memory, t, y, rest)
+        if self.keeps_energy {
+            self.powers = kernels.accelerations::<true>(model, memory, t, y, accelerations);
         } else {
-            kernels.accelerations::<false>(model, memory, t, y, rest)
-        };
-        rest[nq] = powers.dissipated;
-        rest[nq + 1] = powers.worked_in;
+            kernels.accelerations::<false>(model, memory, t, y, accelerations);
+        }
     }
 }

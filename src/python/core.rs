@@ -230,6 +230,7 @@ impl Core {
         stats.set_item("steps", statistics.counts.steps)?;
         stats.set_item("rejected", statistics.counts.rejected)?;
         stats.set_item("evaluations", statistics.counts.evaluations)?;
+        stats.set_item("meter_evaluations", statistics.meter_evaluations)?;
         stats.set_item("jacobians", statistics.counts.jacobians)?;
         stats.set_item("onsets", statistics.onsets)?;
         stats.set_item("onsets_at_floor", statistics.onsets_at_floor)?;
@@ -239,11 +240,19 @@ impl Core {
         Ok(stats)
     }
 
-    fn take_warnings(&mut self) -> Vec<String> {
-        let mut new = self.simulation.range_notes();
-        new.retain(|note| !self.warned.contains(note));
-        self.warned.extend_from_slice(&new);
-        new
+    /// What was not warned of yet: laws that left their range; the energy balance.
+    fn take_warnings(&mut self) -> (Vec<String>, Vec<String>) {
+        let balance = self.simulation.balance_note().map(str::to_string);
+        let range = self.simulation.range_notes();
+        let mut new = |notes: Vec<String>| {
+            let new: Vec<String> = notes
+                .into_iter()
+                .filter(|note| !self.warned.contains(note))
+                .collect();
+            self.warned.extend_from_slice(&new);
+            new
+        };
+        (new(range), new(balance.into_iter().collect()))
     }
 }
 

@@ -30,6 +30,11 @@ pub(super) fn to_python(py: Python<'_>, error: &Error) -> PyErr {
             step_size,
             culprit,
         }
+        | Error::Standstill {
+            time,
+            step_size,
+            culprit,
+        }
         | Error::NotFinite {
             time,
             step_size,

@@ -14,7 +14,7 @@ use crate::model::{ContactLaw, Model};
 const MAGIC: &[u8; 16] = b"rustchain state\n";
 
 /// Version of the bytes; another one for every change of what they hold.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// All that decides how a run goes on, the integrator's history and the contacts' memory included; which model it is of.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -119,14 +119,17 @@ impl Simulation {
         let dynamics = dynamics.filter(|_| {
             adams.is_like(&self.adams) && snapshot.now.is_finite() && snapshot.now <= adams.time()
         });
-        let Some(dynamics) = dynamics else {
+        let Some(mut dynamics) = dynamics else {
             return Err(Error::invalid(
                 "state",
                 "its content",
                 "contradicts itself: take the state once more",
             ));
         };
+        dynamics.resume_metering(&adams);
         (self.dynamics, self.adams, self.now) = (dynamics, adams, snapshot.now);
+        let counts = self.adams.counts();
+        self.watched = (counts.steps + counts.rejected, self.adams.time());
         Ok(())
     }
 }

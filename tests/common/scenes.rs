@@ -84,7 +84,7 @@ impl Scene {
 
     /// Number of y.
     pub fn dimension(&self) -> usize {
-        2 * self.model.coordinates + 2
+        2 * self.model.coordinates
     }
 
     /// The state.

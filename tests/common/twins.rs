@@ -138,6 +138,7 @@ fn ratio(a: f64, b: f64, error: f64) -> f64 {
 pub fn compare(dynamics: &mut Dynamics, t: f64, y: &[f64]) -> Agreement {
     let mut dydt = vec![0.0; y.len()];
     dynamics.derivative(t, y, &mut dydt);
+    let found = dynamics.powers();
     let powers = dynamics.evaluate(t, y);
     let model = dynamics.model().clone();
     let (n, nq) = (model.links, model.coordinates);
@@ -212,8 +213,8 @@ pub fn compare(dynamics: &mut Dynamics, t: f64, y: &[f64]) -> Agreement {
             dissipated_error += 4.0 * UNIT * damping * speed * speed;
         }
     }
-    all.power = ratio(dydt[2 * nq], powers.dissipated, dissipated_error).max(ratio(
-        dydt[2 * nq + 1],
+    all.power = ratio(found.dissipated, powers.dissipated, dissipated_error).max(ratio(
+        found.worked_in,
         powers.worked_in,
         worked_in_error,
     ));
