@@ -10,6 +10,7 @@ mod coefficients;
 mod dense_output;
 mod differences;
 mod newton;
+mod newton_table;
 mod order_control;
 mod table;
 

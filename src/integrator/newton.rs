@@ -6,12 +6,20 @@
 
 use super::SecondOrderSystem;
 use super::adams::{Adams, Step, StepFailure};
+use super::newton_table::{Apply, Begin, Residual, Slopes};
+use super::table::Errors;
 
 /// Corrections a step may take before it is made smaller.
 const MAX_ITERATIONS: u32 = 6;
 
 /// What is left to correct, in units of the tolerance, when the iteration ends.
 const REMAINDER: f64 = 0.1;
+
+/// Share of the step that the error would allow which is taken: rejected steps cost a matrix each.
+const SAFETY: f64 = 0.8;
+
+/// No step is longer than so many times the one before.
+const LARGEST_GROWTH: f64 = 2.0;
 
 /// Speed that is allowed for each length that is, in 1/s: an error of a nanometre goes with one of 0.1 mm/s.
 const SPEED_PER_LENGTH: f64 = 1e5;
@@ -26,8 +34,8 @@ impl Adams {
         system: &mut impl SecondOrderSystem,
     ) -> Result<Step, StepFailure> {
         let controlled = system.controlled();
-        self.weigh_by_scale(system);
         if self.starting {
+            self.weigh_by_scale(system);
             self.start(system);
             self.step_size = self.step_size.min(1e-7);
         }
@@ -40,7 +48,7 @@ impl Adams {
                     break error;
                 }
                 failures += 1;
-                let shrink = (0.9 * error.powf(-1.0 / (self.order + 1) as f64)).clamp(0.2, 0.9);
+                let shrink = (SAFETY * error.powf(-1.0 / (self.order + 1) as f64)).clamp(0.2, 0.9);
                 self.shrink(shrink, failures, controlled)?;
             } else {
                 failures += 1;
@@ -49,7 +57,8 @@ impl Adams {
         };
         self.accept_newton();
         let order = self.last_order;
-        let grow = (0.9 * error.max(1e-6).powf(-1.0 / (order + 1) as f64)).clamp(0.3, 2.0);
+        let grow =
+            (SAFETY * error.max(1e-6).powf(-1.0 / (order + 1) as f64)).clamp(0.3, LARGEST_GROWTH);
         self.order = (order + 1).min(2).min(self.control.max_order);
         // A step that is kept lets coefficients be kept.
         if !(0.9..1.15).contains(&grow) {
@@ -87,47 +96,24 @@ impl Adams {
         (sum / (2 * coordinates) as f64).sqrt()
     }
 
-    #[allow(clippy::needless_range_loop)] // one index into coordinates and, moved on, into velocities
     /// Solves the corrector from the prediction; the error of the step, or `None` when the iteration does not end.
     fn solve_corrector(&mut self, system: &mut impl SecondOrderSystem) -> Option<f64> {
         let (nq, k, h) = (system.coordinates(), self.order, self.step_size);
         let gamma = h * self.coefficients.g[k - 1];
         let end = self.time + h;
-        self.trial.copy_from_slice(&self.predicted);
-        let phi = self.differences.row(0);
-        for i in 0..nq {
-            self.trial[i] += gamma * (self.trial[nq + i] - phi[i]);
-        }
+        self.begin(nq, gamma);
         let mut last = f64::INFINITY;
         for iteration in 0..MAX_ITERATIONS {
-            let trial = &mut self.trial[..self.dimension];
+            let trial = &self.trial[..self.dimension];
             system.derivative(end, trial, &mut self.slope[..self.dimension]);
             self.counts.evaluations += 1;
-            let phi = self.differences.row(0);
-            for i in 0..nq {
-                self.residual[i] = self.predicted[nq + i] - trial[nq + i]
-                    + gamma * (self.slope[nq + i] - phi[nq + i]);
-            }
             if iteration == 0 {
                 self.counts.jacobians += 1;
                 if !system.factorise(trial, gamma) {
                     return None;
                 }
             }
-            let residual = &mut self.residual[..nq];
-            system.correct(residual);
-            let mut sum = 0.0;
-            for i in 0..nq {
-                let correction = residual[i];
-                trial[nq + i] += correction;
-                trial[i] += gamma * correction;
-                let (length, speed) = (
-                    gamma * correction * self.inverse_weight[i],
-                    correction * self.inverse_weight[nq + i],
-                );
-                sum += length * length + speed * speed;
-            }
-            let size = Self::mean(sum, nq);
+            let size = self.correct(system, nq, gamma);
             if !size.is_finite() {
                 return None;
             }
@@ -138,13 +124,6 @@ impl Adams {
                 size * rate / (1.0 - rate).max(0.1)
             };
             if left <= REMAINDER {
-                // Contacts are looked at, and powers summed, at the solution itself.
-                system.derivative(
-                    end,
-                    &self.trial[..self.dimension],
-                    &mut self.slope[..self.dimension],
-                );
-                self.counts.evaluations += 1;
                 return Some(self.finish_corrector(nq, gamma));
             }
             if iteration > 1 && rate > 0.9 {
@@ -155,32 +134,77 @@ impl Adams {
         None
     }
 
-    #[allow(clippy::needless_range_loop)] // likewise
+    fn begin(&mut self, nq: usize, gamma: f64) {
+        let (q, v) = self.predicted[..2 * nq].split_at(nq);
+        self.trial[2 * nq..].copy_from_slice(&self.predicted[2 * nq..]);
+        let (trial_q, trial_v) = self.trial[..2 * nq].split_at_mut(nq);
+        self.instructions.run(Begin {
+            gamma,
+            predicted: (q, v),
+            first: &self.differences.row(0)[..nq],
+            trial: (trial_q, trial_v),
+        });
+    }
+
+    /// One correction; its size in units of the tolerance.
+    fn correct(&mut self, system: &mut impl SecondOrderSystem, nq: usize, gamma: f64) -> f64 {
+        let velocities = nq..2 * nq;
+        self.instructions.run(Residual {
+            gamma,
+            predicted: &self.predicted[velocities.clone()],
+            trial: &self.trial[velocities.clone()],
+            slope: &self.slope[velocities.clone()],
+            first: &self.differences.row(0)[velocities],
+            wrong: &mut self.residual[..nq],
+        });
+        system.correct(&mut self.residual[..nq]);
+        let (q, v) = self.trial[..2 * nq].split_at_mut(nq);
+        let sum = self.instructions.run(Apply {
+            gamma,
+            correction: &self.residual[..nq],
+            inverse_weight: &self.inverse_weight[..nq],
+            trial: (q, v),
+        });
+        // A speed weighs as much as the length it makes in the time that goes with it.
+        Self::mean(sum * (gamma * gamma + SPEED_PER_LENGTH.powi(-2)), nq)
+    }
+
     /// The slopes that the solution stands for, the sums, and the error.
     fn finish_corrector(&mut self, nq: usize, gamma: f64) -> f64 {
         let (k, h) = (self.order, self.step_size);
+        let velocities = nq..2 * nq;
+        let (rates, accelerations) = self.slope[..2 * nq].split_at_mut(nq);
+        self.instructions.run(Slopes {
+            inverse_gamma: 1.0 / gamma,
+            predicted: &self.predicted[velocities.clone()],
+            trial: &self.trial[velocities.clone()],
+            first: &self.differences.row(0)[velocities],
+            slope: (rates, accelerations),
+        });
+        // Sums feed nothing back: the formula of one order more is as stable and closes balances better.
+        let weight = h * self.coefficients.g[k];
         let phi = self.differences.row(0);
-        for i in 0..nq {
-            self.slope[nq + i] =
-                phi[nq + i] + (self.trial[nq + i] - self.predicted[nq + i]) / gamma;
-            self.slope[i] = self.trial[nq + i];
+        let sums = 2 * nq..self.dimension;
+        let foretold = self.predicted[sums.clone()].iter().zip(&phi[sums.clone()]);
+        let slopes = self.slope[sums.clone()].iter().zip(foretold);
+        for (sum, (slope, (predicted, phi))) in self.trial[sums].iter_mut().zip(slopes) {
+            *sum = predicted + weight * (slope - phi);
         }
-        for i in 2 * nq..self.dimension {
-            self.trial[i] = self.predicted[i] + gamma * (self.slope[i] - phi[i]);
-        }
-        let mut sum = 0.0;
-        for i in 0..2 * nq {
-            let change = (self.slope[i] - phi[i]) * self.inverse_weight[i];
-            sum += change * change;
-        }
-        h * (self.coefficients.g[k - 1] - self.coefficients.g[k]).abs() * Self::mean(sum, nq)
+        let [at, ..] = self.instructions.run(Errors {
+            slope: &self.slope,
+            first: phi,
+            one_below: self.differences.row(k - 1),
+            two_below: self.differences.row(k.saturating_sub(2)),
+            inverse_weight: &self.inverse_weight,
+        });
+        h * (self.coefficients.g[k - 1] - self.coefficients.g[k]).abs() * Self::mean(at, nq)
     }
 
     fn accept_newton(&mut self) {
         self.last_order = self.order;
         self.last_step_size = self.step_size;
         self.time += self.step_size;
-        self.y.copy_from_slice(&self.trial);
+        std::mem::swap(&mut self.y, &mut self.trial);
         self.differences
             .update(self.instructions, self.order, &self.slope);
         self.counts.steps += 1;
