@@ -9,7 +9,9 @@ pub use snapshot::Snapshot;
 
 use crate::dynamics::Dynamics;
 use crate::error::{Error, Result, check};
-use crate::integrator::{Adams, Corrector, Counts, OdeSystem, StepControl, StepFailure};
+use crate::integrator::{
+    Adams, Corrector, Counts, OdeSystem, SecondOrderSystem, StepControl, StepFailure,
+};
 use crate::model::{Model, Rotation, Support};
 use crate::recorder::{Groups, Recorder, Recording};
 use crate::state::{Motion, Start};
@@ -71,6 +73,10 @@ impl Simulation {
         motion.write(dynamics.model(), &mut y);
         dynamics.remember_present_contacts(0.0, &y);
         check_hinges(&dynamics)?;
+        if control.corrector != Corrector::Pece {
+            // Makes the room for the matrix, which a run that changes correctors would otherwise make under way.
+            dynamics.factorise(&y, 0.0);
+        }
         let mut adams = Adams::new(dimension, control);
         adams.restart(0.0, &y);
         Ok(Self {
@@ -256,10 +262,7 @@ impl Simulation {
     fn step(&mut self) -> Result<()> {
         let begin = Instant::now();
         self.dynamics.begin_step();
-        let step = match self.adams.control().corrector {
-            Corrector::Pece => self.adams.step(&mut self.dynamics),
-            Corrector::Newton => self.adams.step_newton(&mut self.dynamics),
-        };
+        let step = self.adams.step_second_order(&mut self.dynamics);
         let step = match step {
             Ok(step) => step,
             Err(failure) => {

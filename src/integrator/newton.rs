@@ -4,10 +4,11 @@
 //! from the velocities, `q = p_q + γ (v - φ*_q)`, so that Newton's method solves for v alone:
 //! `v - p_v - γ (a(q, v) - φ*_v) = 0`.
 
-use super::SecondOrderSystem;
 use super::adams::{Adams, Step, StepFailure};
 use super::newton_table::{Apply, Begin, Residual, Slopes};
-use super::table::Errors;
+use super::order_control::{ErrorEstimate, choose_order, choose_step, gamma_star};
+use super::stability::implicit_order;
+use super::{Corrector, SecondOrderSystem};
 
 /// Corrections a step may take before it is made smaller.
 const MAX_ITERATIONS: u32 = 6;
@@ -18,11 +19,11 @@ const REMAINDER: f64 = 0.1;
 /// Share of the step that the error would allow which is taken: rejected steps cost a matrix each.
 const SAFETY: f64 = 0.8;
 
+/// Longest first step \[s\].
+const FIRST_STEP: f64 = 1e-7;
+
 /// No step is longer than so many times the one before.
 const LARGEST_GROWTH: f64 = 2.0;
-
-/// Speed that is allowed for each length that is, in 1/s: an error of a nanometre goes with one of 0.1 mm/s.
-const SPEED_PER_LENGTH: f64 = 1e5;
 
 impl Adams {
     /// Makes one step with the implicit corrector.
@@ -34,21 +35,23 @@ impl Adams {
         system: &mut impl SecondOrderSystem,
     ) -> Result<Step, StepFailure> {
         let controlled = system.controlled();
+        self.weigh_by_scale(system, true);
         if self.starting {
-            self.weigh_by_scale(system);
             self.start(system);
-            self.step_size = self.step_size.min(1e-7);
+            self.step_size = self.step_size.min(FIRST_STEP);
         }
+        self.growing = false;
         let begin = self.time;
         let mut failures = 0;
-        let error = loop {
+        let estimate = loop {
             self.predict();
-            if let Some(error) = self.solve_corrector(system) {
-                if error <= 1.0 {
-                    break error;
+            if let Some(estimate) = self.solve_corrector(system) {
+                if estimate.accepts() {
+                    break estimate;
                 }
                 failures += 1;
-                let shrink = (SAFETY * error.powf(-1.0 / (self.order + 1) as f64)).clamp(0.2, 0.9);
+                let shrink =
+                    (SAFETY * estimate.local.powf(-1.0 / (self.order + 1) as f64)).clamp(0.2, 0.9);
                 self.shrink(shrink, failures, controlled)?;
             } else {
                 failures += 1;
@@ -56,48 +59,50 @@ impl Adams {
             }
         };
         self.accept_newton();
-        let order = self.last_order;
-        let grow =
-            (SAFETY * error.max(1e-6).powf(-1.0 / (order + 1) as f64)).clamp(0.3, LARGEST_GROWTH);
-        self.order = (order + 1).min(2).min(self.control.max_order);
-        // A step that is kept lets coefficients be kept.
-        if !(0.9..1.15).contains(&grow) {
-            self.step_size *= grow;
+        self.choose_implicit_order_and_step(&estimate);
+        if self.control.corrector == Corrector::Auto {
+            self.consider_explicit();
         }
-        self.step_size = self
-            .step_size
-            .max(4.0 * f64::EPSILON * self.time.abs())
-            .min(self.control.max_step);
         Ok(Step {
             start: begin,
             end: self.time,
-            order,
+            order: self.last_order,
         })
     }
 
-    /// One over the error that is allowed for each component: `accuracy` in lengths, a hundred thousand times that a second in
-    /// speeds, angles through their arms.
-    fn weigh_by_scale(&mut self, system: &impl SecondOrderSystem) {
-        let nq = system.coordinates();
-        let (lengths, rest) = self.inverse_weight.split_at_mut(nq);
-        system.scale(lengths);
-        for length in lengths.iter_mut() {
-            *length /= self.control.accuracy;
-        }
-        let (speeds, sums) = rest.split_at_mut(nq);
-        for (speed, length) in speeds.iter_mut().zip(lengths) {
-            *speed = *length / SPEED_PER_LENGTH;
-        }
-        sums.fill(0.0);
-    }
-
-    /// Root mean square over coordinates and velocities, in units of the tolerance.
-    fn mean(sum: f64, coordinates: usize) -> f64 {
-        (sum / (2 * coordinates) as f64).sqrt()
+    /// Orders above two only where the fastest rate allows them; sizes by the error at the order taken.
+    fn choose_implicit_order_and_step(&mut self, estimate: &ErrorEstimate) {
+        let (k, h) = (self.last_order, self.last_step_size);
+        let stable = implicit_order(k, h * self.fastest.value());
+        let max_order = stable.min(self.control.max_order);
+        let error_at =
+            |order: usize| h * gamma_star(order) * self.norm(self.differences.row(order));
+        let (order, error) = if k > max_order {
+            (max_order, error_at(max_order))
+        } else if k < 2 || max_order <= 2 {
+            ((k + 1).min(max_order), estimate.local)
+        } else {
+            let equal = k < self.coefficients.equal_steps;
+            let choice = choose_order(k, max_order, estimate, equal, || error_at(k + 1));
+            (choice.order, choice.error)
+        };
+        // The trapezoid is stable: nothing is gained below it.
+        self.order = order.max(max_order.min(2));
+        let next = if order <= 2 {
+            let exponent = -1.0 / (order + 1) as f64;
+            let grow = (SAFETY * error.max(1e-6).powf(exponent)).clamp(0.3, LARGEST_GROWTH);
+            // A step that is kept lets coefficients be kept.
+            let keep = (0.9..1.15).contains(&grow);
+            if keep { h } else { h * grow }
+        } else {
+            choose_step(h, order, error)
+        };
+        let least = 4.0 * f64::EPSILON * self.time.abs();
+        self.step_size = next.max(least).min(self.control.max_step);
     }
 
     /// Solves the corrector from the prediction; the error of the step, or `None` when the iteration does not end.
-    fn solve_corrector(&mut self, system: &mut impl SecondOrderSystem) -> Option<f64> {
+    fn solve_corrector(&mut self, system: &mut impl SecondOrderSystem) -> Option<ErrorEstimate> {
         let (nq, k, h) = (system.coordinates(), self.order, self.step_size);
         let gamma = h * self.coefficients.g[k - 1];
         let end = self.time + h;
@@ -113,7 +118,11 @@ impl Adams {
                     return None;
                 }
             }
-            let size = self.correct(system, nq, gamma);
+            let (size, stiffness) = self.correct(system, nq, gamma);
+            if iteration == 0 {
+                let rate = stiffness.sqrt().max(stiffness) / gamma;
+                self.fastest.meet(rate);
+            }
             if !size.is_finite() {
                 return None;
             }
@@ -146,10 +155,17 @@ impl Adams {
         });
     }
 
-    /// One correction; its size in units of the tolerance.
-    fn correct(&mut self, system: &mut impl SecondOrderSystem, nq: usize, gamma: f64) -> f64 {
+    /// One correction; its size in units of the tolerance, and how much larger it would be without the matrix, less one.
+    fn correct(
+        &mut self,
+        system: &mut impl SecondOrderSystem,
+        nq: usize,
+        gamma: f64,
+    ) -> (f64, f64) {
         let velocities = nq..2 * nq;
-        self.instructions.run(Residual {
+        let (weights_q, weights_v) = self.inverse_weight[..2 * nq].split_at(nq);
+        let wrong = self.instructions.run(Residual {
+            inverse_weight: weights_v,
             gamma,
             predicted: &self.predicted[velocities.clone()],
             trial: &self.trial[velocities.clone()],
@@ -159,18 +175,22 @@ impl Adams {
         });
         system.correct(&mut self.residual[..nq]);
         let (q, v) = self.trial[..2 * nq].split_at_mut(nq);
-        let sum = self.instructions.run(Apply {
+        let [lengths, speeds] = self.instructions.run(Apply {
             gamma,
             correction: &self.residual[..nq],
-            inverse_weight: &self.inverse_weight[..nq],
+            inverse_weight: (weights_q, weights_v),
             trial: (q, v),
         });
-        // A speed weighs as much as the length it makes in the time that goes with it.
-        Self::mean(sum * (gamma * gamma + SPEED_PER_LENGTH.powi(-2)), nq)
+        let without = if speeds > 0.0 {
+            (wrong / speeds).sqrt()
+        } else {
+            1.0
+        };
+        (self.norm_of(lengths + speeds), (without - 1.0).max(0.0))
     }
 
     /// The slopes that the solution stands for, the sums, and the error.
-    fn finish_corrector(&mut self, nq: usize, gamma: f64) -> f64 {
+    fn finish_corrector(&mut self, nq: usize, gamma: f64) -> ErrorEstimate {
         let (k, h) = (self.order, self.step_size);
         let velocities = nq..2 * nq;
         let (rates, accelerations) = self.slope[..2 * nq].split_at_mut(nq);
@@ -190,14 +210,7 @@ impl Adams {
         for (sum, (slope, (predicted, phi))) in self.trial[sums].iter_mut().zip(slopes) {
             *sum = predicted + weight * (slope - phi);
         }
-        let [at, ..] = self.instructions.run(Errors {
-            slope: &self.slope,
-            first: phi,
-            one_below: self.differences.row(k - 1),
-            two_below: self.differences.row(k.saturating_sub(2)),
-            inverse_weight: &self.inverse_weight,
-        });
-        h * (self.coefficients.g[k - 1] - self.coefficients.g[k]).abs() * Self::mean(at, nq)
+        self.estimate_error()
     }
 
     fn accept_newton(&mut self) {

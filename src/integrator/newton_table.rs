@@ -1,65 +1,9 @@
 //! The loops of the implicit corrector over all coordinates, each one pass.
-//!
-//! Velocities begin behind the coordinates, anywhere beside a cache line, and end before the sums: their last register is
-//! partly filled.
 
 use pulp::{Simd, WithSimd};
 
-use crate::vector::{Lanes, Squares, WIDTH, load, partial_load};
-
-/// An array that may end within a register; zeros behind its end.
-struct Column<'a, S: Simd> {
-    simd: S,
-    whole: &'a [S::f64s],
-    rest: &'a [f64],
-}
-
-impl<'a, S: Simd> Column<'a, S> {
-    #[inline(always)]
-    fn new(simd: S, values: &'a [f64]) -> Self {
-        let (whole, rest) = S::as_simd_f64s(values);
-        Self { simd, whole, rest }
-    }
-
-    #[inline(always)]
-    fn get(&self, block: usize) -> Lanes<S> {
-        match self.whole.get(block) {
-            Some(values) => load(self.simd, values),
-            None => partial_load(self.simd, self.rest),
-        }
-    }
-}
-
-/// The same to write to.
-struct ColumnMut<'a, S: Simd> {
-    simd: S,
-    whole: &'a mut [S::f64s],
-    rest: &'a mut [f64],
-}
-
-impl<'a, S: Simd> ColumnMut<'a, S> {
-    #[inline(always)]
-    fn new(simd: S, values: &'a mut [f64]) -> Self {
-        let (whole, rest) = S::as_mut_simd_f64s(values);
-        Self { simd, whole, rest }
-    }
-
-    #[inline(always)]
-    fn get(&self, block: usize) -> Lanes<S> {
-        match self.whole.get(block) {
-            Some(values) => load(self.simd, values),
-            None => partial_load(self.simd, self.rest),
-        }
-    }
-
-    #[inline(always)]
-    fn set(&mut self, block: usize, values: Lanes<S>) {
-        match self.whole.get_mut(block) {
-            Some(place) => *place = values.values(),
-            None => self.simd.partial_store_f64s(self.rest, values.values()),
-        }
-    }
-}
+use super::column::{Column, ColumnMut};
+use crate::vector::{Lanes, Squares, WIDTH};
 
 /// Where the iteration begins: the predicted velocities, and the coordinates that follow from them.
 pub(super) struct Begin<'a> {
@@ -91,21 +35,22 @@ impl WithSimd for Begin<'_> {
     }
 }
 
-/// What is wrong with the velocities: `p_v - v + γ (a - φ*_v)`.
+/// What is wrong with the velocities: `p_v - v + γ (a - φ*_v)`; the sum of its squares over their weights.
 pub(super) struct Residual<'a> {
     pub(super) gamma: f64,
     pub(super) predicted: &'a [f64],
     pub(super) trial: &'a [f64],
     pub(super) slope: &'a [f64],
     pub(super) first: &'a [f64],
+    pub(super) inverse_weight: &'a [f64],
     pub(super) wrong: &'a mut [f64],
 }
 
 impl WithSimd for Residual<'_> {
-    type Output = ();
+    type Output = f64;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let blocks = self.wrong.len().div_ceil(S::F64_LANES);
         let gamma = Lanes::splat(simd, self.gamma);
         let predicted = Column::<S>::new(simd, self.predicted);
@@ -113,42 +58,53 @@ impl WithSimd for Residual<'_> {
         let slope = Column::<S>::new(simd, self.slope);
         let first = Column::<S>::new(simd, self.first);
         let mut wrong = ColumnMut::<S>::new(simd, self.wrong);
+        let inverse_weight = Column::<S>::new(simd, self.inverse_weight);
+        let parts = WIDTH / S::F64_LANES;
+        let mut sum = Squares::new(simd);
         for b in 0..blocks {
             let change = slope.get(b) - first.get(b);
             let distance = predicted.get(b) - trial.get(b);
-            wrong.set(b, gamma.mul_add(change, distance));
+            let left = gamma.mul_add(change, distance);
+            wrong.set(b, left);
+            sum.add(b % parts, left * inverse_weight.get(b));
         }
+        sum.total()
     }
 }
 
-/// Adds a correction of velocities, and what follows for the coordinates; the sum of its squares over the weights of lengths.
+/// Adds a correction of velocities, and what follows for the coordinates; the sums of squares of both over
+/// their weights.
 pub(super) struct Apply<'a> {
     pub(super) gamma: f64,
     pub(super) correction: &'a [f64],
-    pub(super) inverse_weight: &'a [f64],
+    /// Of coordinates and of velocities.
+    pub(super) inverse_weight: (&'a [f64], &'a [f64]),
     pub(super) trial: (&'a mut [f64], &'a mut [f64]),
 }
 
 impl WithSimd for Apply<'_> {
-    type Output = f64;
+    type Output = [f64; 2];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+    fn with_simd<S: Simd>(self, simd: S) -> [f64; 2] {
         let blocks = self.correction.len().div_ceil(S::F64_LANES);
         let gamma = Lanes::splat(simd, self.gamma);
         let correction = Column::<S>::new(simd, self.correction);
-        let inverse_weight = Column::<S>::new(simd, self.inverse_weight);
+        let weight_q = Column::<S>::new(simd, self.inverse_weight.0);
+        let weight_v = Column::<S>::new(simd, self.inverse_weight.1);
         let mut q = ColumnMut::<S>::new(simd, self.trial.0);
         let mut v = ColumnMut::<S>::new(simd, self.trial.1);
         let parts = WIDTH / S::F64_LANES;
-        let mut sum = Squares::new(simd);
+        let (mut lengths, mut speeds) = (Squares::new(simd), Squares::new(simd));
         for b in 0..blocks {
             let change = correction.get(b);
-            q.set(b, gamma.mul_add(change, q.get(b)));
+            let length = gamma * change;
+            q.set(b, q.get(b) + length);
             v.set(b, v.get(b) + change);
-            sum.add(b % parts, change * inverse_weight.get(b));
+            lengths.add(b % parts, length * weight_q.get(b));
+            speeds.add(b % parts, change * weight_v.get(b));
         }
-        sum.total()
+        [lengths.total(), speeds.total()]
     }
 }
 
