@@ -125,7 +125,9 @@ mod tests {
             if n >= steps / 2 {
                 logarithm += size.ln();
             }
-            past.iter_mut().for_each(|y| *y /= size);
+            for y in &mut past {
+                *y /= size;
+            }
         }
         (logarithm / f64::from(steps / 2)).exp()
     }

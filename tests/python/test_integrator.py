@@ -264,7 +264,7 @@ def test_newton_says_what_it_cannot_do_with_its_accuracy():
 
 
 def test_auto_takes_both_methods_on_a_slack_chain():
-    stats = rc.Simulation(rc.paper_drive()).run(0.01, progress=False).stats
+    stats = rc.Simulation(rc.paper_drive()).run(0.02, progress=False).stats
     assert 0 < stats["jacobians"] < stats["steps"]
     # Two evaluations a step of either method, one or two more for a rejected one.
     assert stats["evaluations"] < 2.5 * stats["steps"]
