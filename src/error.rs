@@ -57,7 +57,7 @@ pub enum Error {
     },
     /// The tolerances ask for more than rounding allows.
     #[error(
-        "tolerances are {factor:.1} times below what rounding allows at t = {time:.9} s, {culprit}: raise rtol or atol"
+        "tolerances are {factor:.1} times below what rounding allows at t = {time:.9} s, {culprit}: raise rtol or atol, or accuracy where they are not given"
     )]
     ToleranceTooSmall {
         /// Time reached \[s\].

@@ -12,8 +12,9 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rustchain::ForceLaws;
 use rustchain::drive::{Bearing, Drive, Motion};
+use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic, Regions};
-use rustchain::integrator::OdeSystem;
+use rustchain::integrator::{Adams, OdeSystem, Step};
 use rustchain::vector::InstructionSet;
 
 /// Drives of all kinds, by number.
@@ -251,6 +252,15 @@ proptest! {
 
 #[test]
 fn every_width_steps_through_the_same_bits_for_ten_milliseconds_at_25_newtons() {
+    same_bits(5000, |adams, dynamics| adams.step(dynamics).unwrap());
+}
+
+#[test]
+fn every_width_solves_the_implicit_corrector_to_the_same_bits() {
+    same_bits(500, |adams, dynamics| adams.step_newton(dynamics).unwrap());
+}
+
+fn same_bits(least: u64, make: impl Fn(&mut Adams, &mut Dynamics) -> Step) {
     let drive = Drive {
         tensioner: Some(tensioner(25.0, 1e-3)),
         ..paper_drive()
@@ -268,11 +278,11 @@ fn every_width_steps_through_the_same_bits_for_ten_milliseconds_at_25_newtons() 
     if runs.len() < 2 {
         return;
     }
-    let (mut steps, mut refreshes) = (0, 0);
+    let (mut steps, mut refreshes) = (0u64, 0);
     while runs[0].1.time() < 0.01 {
         for (dynamics, adams) in &mut runs {
             dynamics.begin_step();
-            let step = adams.step(dynamics).unwrap();
+            let step = make(adams, dynamics);
             dynamics.finish_step(adams, &step);
         }
         let [(first, one), (_, other), ..] = &runs[..] else {
@@ -284,7 +294,7 @@ fn every_width_steps_through_the_same_bits_for_ten_milliseconds_at_25_newtons() 
         steps += 1;
         refreshes = first.candidate_refreshes();
     }
-    assert!(steps > 5000 && refreshes >= 2, "{steps} {refreshes}");
+    assert!(steps > least && refreshes >= 2, "{steps} {refreshes}");
 }
 
 /// Both are twins of one scalar form; between them lie twice the roundings.

@@ -182,7 +182,7 @@ fn stiff_contacts_do_not_hold_the_steps() {
         common::advance(&mut run, 0.01);
         run.statistics().counts.steps
     };
-    let (explicit, implicit) = (steps(StepControl::default()), steps(newton(1e-9)));
+    let (explicit, implicit) = (steps(common::control(1e-5)), steps(newton(1e-9)));
     assert!(10 * implicit < explicit, "{implicit} {explicit}");
 }
 
@@ -194,11 +194,7 @@ fn the_path_converges_to_that_of_the_explicit_method() {
         common::advance(&mut run, 5e-3);
         run.motion().positions()
     };
-    let reference = at_5_ms(StepControl {
-        rtol: 1e-12,
-        atol: 1e-12,
-        ..StepControl::default()
-    });
+    let reference = at_5_ms(common::control(1e-12));
     let off = |accuracy| {
         at_5_ms(newton(accuracy))
             .iter()
@@ -249,6 +245,7 @@ fn a_smooth_motion_is_followed_at_order_two() {
             2,
             StepControl {
                 max_step: 1.0,
+                max_order: 2,
                 ..newton(accuracy)
             },
         );

@@ -67,11 +67,11 @@ fn ten_milliseconds_with_hundreds_of_onsets_allocate_nothing() {
                 tooth: law,
                 ..ForceLaws::default()
             };
-            for corrector in [Corrector::Pece, Corrector::Newton] {
+            for corrector in [Corrector::Pece, Corrector::Newton, Corrector::Auto] {
                 let control = StepControl {
                     corrector,
                     accuracy: 1e-11,
-                    ..common::control(1e-5)
+                    ..StepControl::default()
                 };
                 let mut simulation = common::simulation(&common::paper_drive(), &laws, control);
                 simulation.start_recording(

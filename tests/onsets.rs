@@ -31,11 +31,7 @@ fn run(scene: &Scene, control: StepControl, duration: f64, look: bool) -> Seen {
     let mut live = vec![false; n * (1 + model.sprockets.len())];
     while adams.time() < duration {
         dynamics.begin_step();
-        let step = match control.corrector {
-            Corrector::Pece => adams.step(&mut dynamics),
-            Corrector::Newton => adams.step_newton(&mut dynamics),
-        }
-        .unwrap();
+        let step = adams.step_second_order(&mut dynamics).unwrap();
         dynamics.finish_step(&adams, &step);
         seen.steps += 1;
         let depths = dynamics.hinge_contacts().map(|(depth, _)| depth);

@@ -73,9 +73,13 @@ def run(
     pretension: Annotated[float, typer.Option(help="Tension given to each strand [N].")] = 0.0,
     law: Annotated[Law, typer.Option(help="Force law of every contact.")] = Law.LANKARANI_NIKRAVESH,
     method: Annotated[str, typer.Option(help="Of integration: auto, pece or newton.")] = "auto",
-    rtol: Annotated[float, typer.Option(help="Relative tolerance of pece.")] = 1e-5,
-    atol: Annotated[float, typer.Option(help="Absolute tolerance of pece.")] = 1e-5,
-    accuracy: Annotated[float, typer.Option(help="Error a step of newton may make [m].")] = 1e-9,
+    accuracy: Annotated[float, typer.Option(help="Error a step is allowed [m].")] = 1e-10,
+    rtol: Annotated[
+        float | None, typer.Option(help="Relative tolerance, in place of accuracy.")
+    ] = None,
+    atol: Annotated[
+        float | None, typer.Option(help="Absolute tolerance, in place of accuracy.")
+    ] = None,
     max_step: Annotated[float, typer.Option(help="Largest step [s].")] = 1e-4,
     report_step: Annotated[float, typer.Option(help="Time between two rows [s].")] = 1e-4,
     record: Annotated[

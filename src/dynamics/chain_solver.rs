@@ -72,16 +72,6 @@ impl ChainMatrix {
         self.border
     }
 
-    /// Sets every entry to zero.
-    pub(super) fn clear(&mut self) {
-        self.diagonal.fill(Matrix3::zeros());
-        self.upper.fill(Matrix3::zeros());
-        self.lower.fill(Matrix3::zeros());
-        self.column.fill(Vector3::zeros());
-        self.row.fill(RowVector3::zeros());
-        self.corner.fill(0.0);
-    }
-
     /// Factorises; false when a block has no inverse.
     pub(super) fn factorise(&mut self) -> bool {
         let (n, border) = (self.diagonal.len(), self.border);

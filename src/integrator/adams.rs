@@ -2,12 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::auto::Choice;
 use super::coefficients::Coefficients;
 use super::dense_output::DenseOutput;
 use super::differences::Differences;
 use super::order_control::{ErrorEstimate, choose_order, choose_step, gamma_star};
-use super::table::{Errors, Weigh, WeightedSquares};
-use super::{MAX_ORDER, OdeSystem, StepControl};
+use super::stability::FastestRate;
+use super::table::Errors;
+use super::{Corrector, MAX_ORDER, OdeSystem, SecondOrderSystem, StepControl};
 use crate::vector::{InstructionSet, Numbers, padded_zeros};
 
 /// A step that was accepted.
@@ -92,9 +94,15 @@ pub struct Adams {
     pub(super) coefficients: Coefficients,
     pub(super) differences: Differences,
     pub(super) counts: Counts,
-    /// Scratch of the implicit corrector: the solution being sought and its residual.
+    /// Scratch: the solution being sought by the implicit corrector; its residual, or the slope at an explicit prediction.
     pub(super) trial: Numbers,
     pub(super) residual: Numbers,
+    /// Share of a sum of squares over the weights that its norm is the root of.
+    pub(super) share: f64,
+    /// The fastest rate of the system met lately.
+    pub(super) fastest: FastestRate,
+    /// Which corrector, where both are allowed.
+    pub(super) choice: Choice,
     #[serde(skip)]
     pub(super) instructions: InstructionSet,
 }
@@ -123,6 +131,9 @@ impl Adams {
             counts: Counts::default(),
             trial: padded_zeros(dimension),
             residual: padded_zeros(dimension),
+            share: 1.0,
+            fastest: FastestRate::default(),
+            choice: Choice::new(),
             instructions: InstructionSet::detect(),
         }
     }
@@ -228,13 +239,30 @@ impl Adams {
         self.differences.assume_constant_slope(component, slope);
     }
 
-    /// Makes one step.
+    /// Makes one step with the explicit corrector, of any system.
     ///
     /// # Errors
     /// When the step size falls to rounding or the tolerances are below it.
     pub fn step(&mut self, system: &mut impl OdeSystem) -> Result<Step, StepFailure> {
+        self.weigh(system);
+        self.step_weighed(system)
+    }
+
+    /// The same of a system of second order; looks out for the implicit one where it may change.
+    pub(super) fn step_pece(
+        &mut self,
+        system: &mut impl SecondOrderSystem,
+    ) -> Result<Step, StepFailure> {
+        self.weigh_by_scale(system, false);
+        let step = self.step_weighed(system)?;
+        if self.control.corrector == Corrector::Auto {
+            self.consider_implicit(system);
+        }
+        Ok(step)
+    }
+
+    fn step_weighed(&mut self, system: &mut impl OdeSystem) -> Result<Step, StepFailure> {
         let controlled = system.controlled();
-        self.weigh(controlled);
         self.check_tolerances(controlled)?;
         if self.starting {
             self.start(system);
@@ -258,25 +286,6 @@ impl Adams {
             end: self.time,
             order: self.last_order,
         })
-    }
-
-    /// 1/(atol + rtol |y|) for the components that the error test watches, zero for the others.
-    fn weigh(&mut self, controlled: usize) {
-        self.instructions.run(Weigh {
-            control: &self.control,
-            y: &self.y,
-            inverse_weight: &mut self.inverse_weight,
-        });
-        self.inverse_weight[controlled..].fill(0.0);
-    }
-
-    /// Euclidean norm of `values` over their weights, as DE/STEP has it.
-    fn norm(&self, values: &[f64]) -> f64 {
-        let sum = self.instructions.run(WeightedSquares {
-            values,
-            inverse_weight: &self.inverse_weight,
-        });
-        sum.sqrt()
     }
 
     fn check_tolerances(&self, controlled: usize) -> Result<(), StepFailure> {
@@ -324,6 +333,8 @@ impl Adams {
         self.coefficients = Coefficients::new();
         self.starting = false;
         self.growing = true;
+        self.fastest = FastestRate::default();
+        self.choice = Choice::new();
     }
 
     /// Coefficients of a step of the present size and order, and the prediction.
@@ -354,7 +365,7 @@ impl Adams {
     }
 
     /// Errors of this step and, had steps been equal, of the two orders below.
-    fn estimate_error(&self) -> ErrorEstimate {
+    pub(super) fn estimate_error(&self) -> ErrorEstimate {
         let (k, h) = (self.order, self.step_size);
         let [at, one, two] = self.instructions.run(Errors {
             slope: &self.slope,
@@ -363,7 +374,7 @@ impl Adams {
             two_below: self.differences.row(k.saturating_sub(2)),
             inverse_weight: &self.inverse_weight,
         });
-        let mean = |sum: f64| h * sum.sqrt();
+        let mean = |sum: f64| h * self.norm_of(sum);
         let c = &self.coefficients;
         let at = mean(at);
         ErrorEstimate {
@@ -459,6 +470,8 @@ impl Adams {
             &self.slope,
             &mut self.y,
         );
+        // The slope at the prediction is kept for what the change from it tells.
+        std::mem::swap(&mut self.slope, &mut self.residual);
         system.derivative(
             self.time,
             &self.y[..self.dimension],

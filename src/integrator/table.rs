@@ -3,6 +3,7 @@
 use pulp::{Simd, WithSimd};
 
 use super::coefficients::Coefficients;
+use super::column::Column;
 use super::{MAX_ORDER, StepControl};
 use crate::vector::{Lanes, Squares, WIDTH, load, vectors, vectors_mut};
 
@@ -240,5 +241,36 @@ impl WithSimd for Correct<'_> {
             let change = load(simd, &slope[b]) - load(simd, &first[b]);
             y[b] = change.mul_add(weight, load(simd, &predicted[b])).values();
         }
+    }
+}
+
+/// Sums of squared weighted changes, of slopes and of the solution, between the two evaluations of a step.
+pub(super) struct SlopeChange<'a> {
+    pub(super) slope: &'a [f64],
+    pub(super) at_prediction: &'a [f64],
+    /// Where they were evaluated: prediction and solution.
+    pub(super) ends: (&'a [f64], &'a [f64]),
+    pub(super) inverse_weight: &'a [f64],
+}
+
+impl WithSimd for SlopeChange<'_> {
+    type Output = [f64; 2];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> [f64; 2] {
+        let blocks = self.slope.len().div_ceil(S::F64_LANES);
+        let slope = Column::<S>::new(simd, self.slope);
+        let at_prediction = Column::<S>::new(simd, self.at_prediction);
+        let prediction = Column::<S>::new(simd, self.ends.0);
+        let solution = Column::<S>::new(simd, self.ends.1);
+        let inverse_weight = Column::<S>::new(simd, self.inverse_weight);
+        let parts = WIDTH / S::F64_LANES;
+        let (mut slopes, mut steps) = (Squares::new(simd), Squares::new(simd));
+        for b in 0..blocks {
+            let weight = inverse_weight.get(b);
+            slopes.add(b % parts, (slope.get(b) - at_prediction.get(b)) * weight);
+            steps.add(b % parts, (solution.get(b) - prediction.get(b)) * weight);
+        }
+        [slopes.total(), steps.total()]
     }
 }

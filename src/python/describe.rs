@@ -426,20 +426,33 @@ pub(super) fn reports(
     Ok((duration, report_step, groups))
 }
 
+/// What one of `rtol` and `atol` is where only the other is given.
+const DEFAULT_TOLERANCE: f64 = 1e-5;
+
 /// Reads a `Solver` and checks it.
 pub(super) fn solver(object: &Bound<'_, PyAny>) -> PyResult<StepControl> {
     let read = Reader::new(object, "solver", &["Solver"])?;
     let corrector = read.word(
         "method",
         &[
-            ("auto", Corrector::Pece),
+            ("auto", Corrector::Auto),
             ("pece", Corrector::Pece),
             ("newton", Corrector::Newton),
         ],
     )?;
+    let rtol = read.optional_number("rtol", "relative units")?;
+    let atol = read.optional_number("atol", "the unit of each component")?;
+    if rtol.unwrap_or(DEFAULT_TOLERANCE) == 0.0 && atol.unwrap_or(DEFAULT_TOLERANCE) == 0.0 {
+        let expected = "rtol and atol must not both be zero; None for both lets accuracy rule";
+        let refusal = Error::invalid("Solver.atol", 0.0, expected);
+        checked(object.py(), Err(refusal))?;
+    }
+    let given = rtol.is_some() || atol.is_some();
+    let tolerance =
+        |value: Option<f64>| value.unwrap_or(if given { DEFAULT_TOLERANCE } else { 0.0 });
     let control = StepControl {
-        rtol: read.number("rtol", "relative units")?,
-        atol: read.number("atol", "the unit of each component")?,
+        rtol: tolerance(rtol),
+        atol: tolerance(atol),
         max_step: read.number("max_step", "s")?,
         max_order: read.count("max_order")? as usize,
         corrector,

@@ -252,6 +252,13 @@ pub(super) fn integrate<'py>(
         ));
     }
     describe::checked(py, control.validate())?;
+    if !control.is_by_component() {
+        let expected = "rtol and atol must not both be zero";
+        return Err(to_python(
+            py,
+            &Error::invalid("Solver.atol", atol, expected),
+        ));
+    }
     let y0 = y0.as_array().to_vec();
     let times = match t_eval {
         Some(times) => times.as_array().to_vec(),

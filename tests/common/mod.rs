@@ -13,7 +13,7 @@ use rustchain::drive::{
     AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Link, Material, Motion, Sprocket, Tensioner,
 };
 use rustchain::geometry::{Seat, Vec2};
-use rustchain::integrator::StepControl;
+use rustchain::integrator::{Corrector, StepControl};
 use rustchain::state::{Start, closing_center_distance};
 use rustchain::{ForceLaws, Groups, Model, Recording, Simulation, Values};
 
@@ -78,11 +78,12 @@ pub fn tensioner(pretension: f64, ramp_time: f64) -> Tensioner {
     }
 }
 
-/// One tolerance, relative and absolute; else as by default.
+/// The explicit method at one tolerance, relative and absolute.
 pub fn control(tolerance: f64) -> StepControl {
     StepControl {
         rtol: tolerance,
         atol: tolerance,
+        corrector: Corrector::Pece,
         ..StepControl::default()
     }
 }

@@ -191,8 +191,10 @@ FIELDS = {
     "EnhancedCylinder": LAW,
     "Solver": {
         "method": word("auto", "pece", "newton"),
-        "rtol": not_negative("relative units"),
-        "atol": not_negative("the unit of each component"),
+        "rtol": [case for case in not_negative("relative units") if case[0] is not None],
+        "atol": [
+            case for case in not_negative("the unit of each component") if case[0] is not None
+        ],
         "max_step": [
             *[(value, "must be a positive number") for value in (NAN, -1.0, 0, -INF)],
             *[(value, "must be a number in s") for value in NO_NUMBER],

@@ -1,0 +1,183 @@
+//! Which orders are stable for the fastest rate that the steps have met.
+//!
+//! The rate needs no evaluation of its own. The explicit corrector evaluates twice a step, and the slopes' change over the
+//! solution's is a rate of the system in the direction of the correction. The implicit one compares what is wrong with the
+//! velocities to the correction that Newton's method makes of it: a correction without the matrix would be as large.
+
+use serde::{Deserialize, Serialize};
+
+use super::MAX_ORDER;
+
+/// What is left of a rate after a step that did not meet it: it counts for some twenty steps.
+const FADING: f64 = 0.95;
+
+/// Step times rate at which a vibration, a damper or a vibration with damping begins to grow with the Adams-Moulton formula of
+/// each order, whichever does so first: by more than a hundredth a step at orders 3 and 4, a thousandth above. Orders 1 and 2
+/// are stable for all.
+const IMPLICIT: [f64; MAX_ORDER] = [
+    f64::INFINITY,
+    f64::INFINITY,
+    0.7,
+    0.89,
+    1.2,
+    1.2,
+    0.77,
+    0.5,
+    0.31,
+    0.2,
+    0.11,
+    0.07,
+];
+
+/// The same where the corrector of one order more than the predictor is evaluated once (PECE).
+const EXPLICIT: [f64; MAX_ORDER] = [
+    0.5, 1.2, 1.18, 0.95, 0.71, 0.52, 0.37, 0.26, 0.18, 0.12, 0.08, 0.045,
+];
+
+/// Step times rate up to which the explicit formula of `order` is stable.
+pub(super) fn explicit_limit(order: usize) -> f64 {
+    EXPLICIT[order - 1]
+}
+
+/// Highest implicit order, at most one above `order`, that is stable at `step_times_rate`.
+pub(super) fn implicit_order(order: usize, step_times_rate: f64) -> usize {
+    let stable = |k: usize| step_times_rate <= IMPLICIT[k - 1];
+    let highest = (order + 1).min(MAX_ORDER);
+    (3..=highest).take_while(|&k| stable(k)).last().unwrap_or(2)
+}
+
+/// The fastest rate met lately \[1/s\].
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct FastestRate(f64);
+
+impl FastestRate {
+    /// Takes in the rate of one more step; those met before count less and less.
+    pub(super) fn meet(&mut self, rate: f64) {
+        let faded = FADING * self.0;
+        self.0 = if rate.is_finite() {
+            faded.max(rate)
+        } else {
+            faded
+        };
+    }
+
+    pub(super) fn value(self) -> f64 {
+        self.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Complex;
+
+    use super::*;
+
+    /// Weights of f(n), f(n - 1), ... from those of backward differences.
+    fn weights(differences: &[f64]) -> Vec<f64> {
+        let mut weights = vec![0.0; differences.len()];
+        for (i, difference) in differences.iter().enumerate() {
+            let mut binomial = 1.0;
+            for (j, weight) in weights.iter_mut().enumerate().take(i + 1) {
+                *weight += difference * binomial;
+                binomial *= -((i - j) as f64) / (j + 1) as f64;
+            }
+        }
+        weights
+    }
+
+    /// Differences' weights of the Adams-Bashforth and the Adams-Moulton formula of `order`.
+    fn formulas(order: usize) -> (Vec<f64>, Vec<f64>) {
+        let (mut explicit, mut implicit) = (Vec::new(), Vec::new());
+        for m in 0..order {
+            let sum = |gammas: &[f64]| -> f64 {
+                let terms = gammas.iter().enumerate();
+                terms.map(|(j, gamma)| gamma / (m + 1 - j) as f64).sum()
+            };
+            explicit.push(1.0 - sum(&explicit));
+            implicit.push(f64::from(u8::from(m == 0)) - sum(&implicit));
+        }
+        (weights(&explicit), weights(&implicit))
+    }
+
+    /// Growth a step over many steps of size `h` of y' = i y, a damped vibration, or y' = -y, whichever is largest.
+    fn growth(h: f64, step: impl Fn(Complex<f64>, &[Complex<f64>]) -> Complex<f64>) -> f64 {
+        let half = 0.5f64.sqrt();
+        [(0.0, 1.0), (-half, half), (-1.0, 0.0)]
+            .map(|(re, im)| growth_at(Complex::new(h * re, h * im), &step))
+            .into_iter()
+            .fold(0.0, f64::max)
+    }
+
+    fn growth_at(
+        z: Complex<f64>,
+        step: &impl Fn(Complex<f64>, &[Complex<f64>]) -> Complex<f64>,
+    ) -> f64 {
+        let steps = 20_000;
+        let mut logarithm = 0.0;
+        let mut past: Vec<_> = (0..=MAX_ORDER)
+            .map(|i| Complex::new(1.0, (i * i % 7) as f64))
+            .collect();
+        for n in 0..steps {
+            let next = step(z, &past);
+            past.rotate_right(1);
+            past[0] = next;
+            let size = past.iter().map(|y| y.norm()).fold(0.0, f64::max);
+            if n >= steps / 2 {
+                logarithm += size.ln();
+            }
+            for y in &mut past {
+                *y /= size;
+            }
+        }
+        (logarithm / f64::from(steps / 2)).exp()
+    }
+
+    fn sum(weights: &[f64], past: &[Complex<f64>]) -> Complex<f64> {
+        weights.iter().zip(past).map(|(w, y)| y * *w).sum()
+    }
+
+    #[test]
+    fn vibrations_are_bounded_below_the_limits_and_grow_above() {
+        for order in 1..=MAX_ORDER {
+            let (predictor, own) = formulas(order);
+            let (_, corrector) = formulas(order + 1);
+            let implicit = |z: Complex<f64>, past: &[Complex<f64>]| {
+                (past[0] + z * sum(&own[1..], past)) / (Complex::new(1.0, 0.0) - z * own[0])
+            };
+            let explicit = |z: Complex<f64>, past: &[Complex<f64>]| {
+                let predicted = past[0] + z * sum(&predictor, past);
+                past[0] + z * (predicted * corrector[0] + sum(&corrector[1..], past))
+            };
+            if order > 2 {
+                let limit = IMPLICIT[order - 1];
+                assert!(growth(0.95 * limit, implicit) < 1.011, "order {order}");
+                assert!(growth(1.2 * limit, implicit) > 1.001, "order {order}");
+            } else {
+                assert!(growth(1e3, implicit) < 1.0 + 1e-9, "order {order}");
+            }
+            let limit = EXPLICIT[order - 1];
+            assert!(growth(0.95 * limit, explicit) < 1.011, "order {order}");
+            assert!(growth(1.2 * limit, explicit) > 1.001, "order {order}");
+        }
+    }
+
+    #[test]
+    fn orders_above_two_need_a_rate_that_is_slow_enough() {
+        assert_eq!(implicit_order(2, 0.0), 3);
+        assert_eq!(implicit_order(12, 0.0), 12);
+        assert_eq!(implicit_order(2, 0.8), 2);
+        assert_eq!(implicit_order(9, 0.6), 7);
+        assert_eq!(implicit_order(5, 100.0), 2);
+    }
+
+    #[test]
+    fn a_rate_is_kept_for_some_steps_and_then_fades() {
+        let mut rate = FastestRate::default();
+        rate.meet(100.0);
+        (0..10).for_each(|_| rate.meet(1.0));
+        assert!(rate.value() > 50.0);
+        rate.meet(f64::NAN);
+        (0..200).for_each(|_| rate.meet(1.0));
+        assert_eq!(rate.value(), 1.0);
+    }
+}
