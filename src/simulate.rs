@@ -87,7 +87,7 @@ impl Simulation {
         check_hinges(&dynamics)?;
         if control.corrector != Corrector::Pece {
             // Makes the room for the matrix, which a run that changes correctors would otherwise make under way.
-            dynamics.factorise(&y, 0.0);
+            dynamics.make_room_for_newton();
         }
         let mut adams = Adams::new(dimension, control);
         adams.restart(0.0, &y);

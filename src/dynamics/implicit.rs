@@ -156,6 +156,11 @@ impl Dynamics {
 }
 
 impl Dynamics {
+    /// Makes the room that the implicit corrector needs.
+    pub fn make_room_for_newton(&mut self) {
+        self.kernels.make_room_for_newton(&self.model);
+    }
+
     /// Overwrites a residual of velocities by the correction of the exact matrix, M - γ dQ/dv - γ² dQ/dq, at `y`, where the
     /// derivative was just evaluated; false when the matrix is singular.
     ///
@@ -189,9 +194,10 @@ impl SecondOrderSystem for Dynamics {
     }
 
     fn derivative_with_slopes(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
-        self.kernels.write_slopes(&self.model, true);
+        self.make_room_for_newton();
+        self.kernels.write_slopes(true);
         self.derivative(t, y, dydt);
-        self.kernels.write_slopes(&self.model, false);
+        self.kernels.write_slopes(false);
     }
 
     fn factorise(&mut self, _y: &[f64], gamma: f64) -> bool {

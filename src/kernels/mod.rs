@@ -82,12 +82,16 @@ impl Kernels {
         }
     }
 
-    /// Lets the next evaluations write the slopes of all forces for [`Self::factorise`], or not.
-    pub(crate) fn write_slopes(&mut self, model: &Model, write: bool) {
-        self.writes_slopes = write;
-        if write && self.newton.is_none() {
+    /// Makes the room for Newton's matrix.
+    pub(crate) fn make_room_for_newton(&mut self, model: &Model) {
+        if self.newton.is_none() {
             self.newton = Some(Box::new(NewtonMatrix::new(model)));
         }
+    }
+
+    /// Lets the next evaluations write the slopes of all forces for [`Self::factorise`], or not.
+    pub(crate) fn write_slopes(&mut self, write: bool) {
+        self.writes_slopes = write;
     }
 
     /// Factorises Newton's matrix of the last evaluation, which wrote slopes; false when it is singular.
