@@ -89,6 +89,7 @@ lint-text:
 
 lint-rust: $(STAMPS)/venv
 	cargo fmt --check
+	cargo fmt --check --manifest-path benches/compiled_rhs/Cargo.toml
 	cargo clippy --locked --all-targets -- -D warnings
 	cargo clippy --locked --all-targets --features python -- -D warnings
 	RUSTDOCFLAGS='-D warnings' cargo doc --locked --no-deps --quiet
@@ -111,7 +112,7 @@ bench-smoke: build rivals ## Run every benchmark once, without measuring
 	$(BIN)/python benches/work_precision.py --test
 
 work-precision: build rivals ## Run time against error, beside rivals: docs/work-precision.md anew, in a quarter of an hour
-	$(BIN)/python benches/work_precision.py
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benches/work_precision.py
 
 # Other integrators, and the right-hand side that they call.
 .PHONY: rivals

@@ -9,10 +9,9 @@ mod common;
 #[path = "work_precision/problems.rs"]
 mod problems;
 
-use std::time::Instant;
-
 use common::drives;
 use common::{Halves, laws, longer_drive, only_tried, pressed_into_seats};
+use cpu_time::ThreadTime;
 use problems::{Kepler, Pin};
 use rustchain::ForceLaws;
 use rustchain::force_law::{Damping, Elastic};
@@ -81,7 +80,7 @@ fn kepler(tolerance: f64) -> Known {
     let end = 20.0 * std::f64::consts::PI;
     let mut adams = Adams::new(4, smooth_control(tolerance, 1.0));
     adams.restart(0.0, &Kepler::START);
-    let begin = Instant::now();
+    let begin = ThreadTime::now();
     while adams.time() < end {
         adams.step(&mut Kepler).unwrap();
     }
@@ -100,7 +99,7 @@ fn pin(tolerance: f64, lambda: f64) -> Known {
     let mut pin = Pin::new(lambda);
     let mut adams = Adams::new(2, smooth_control(tolerance, 1.0));
     adams.restart(0.0, &Pin::START);
-    let begin = Instant::now();
+    let begin = ThreadTime::now();
     while adams.time() < Pin::END {
         let step = adams.step(&mut pin).unwrap();
         let depth = adams.y()[0];
@@ -137,7 +136,7 @@ fn control(corrector: Corrector) -> StepControl {
 /// Goes on to `end` with each step as a run makes it; steps and the least wall time of one \[s\].
 fn walk(run: &mut Halves, corrector: Corrector, end: f64) -> (u64, f64) {
     let before = run.adams.counts().steps;
-    let begin = Instant::now();
+    let begin = ThreadTime::now();
     while run.adams.time() < end {
         run.dynamics.begin_step();
         let step = match corrector {

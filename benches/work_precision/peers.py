@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+WHY = ["out of time at {:.3g} s", "", "failed at {:.3g} s"]
 HERE = Path(__file__).parent.parent / "compiled_rhs"
 _POINTER = c.POINTER(c.c_double)
 
@@ -202,7 +203,7 @@ def compiled(problem, method, tolerance, end, evaluations=2**62, wall=1e9):
         )
         if failed:
             raise SystemExit(f"error: {method} cannot be run from {CVODE.decode()}")
-        finished = bool(outcome.finished)
+        finished = outcome.finished == 1
         run = Run(
             wall=outcome.wall,
             steps=outcome.steps,
@@ -213,7 +214,7 @@ def compiled(problem, method, tolerance, end, evaluations=2**62, wall=1e9):
             finished=finished,
             residual=outcome.residual,
             dissipated=outcome.dissipated,
-            why="" if finished else f"gave up at {outcome.reached:.3g} s",
+            why=WHY[outcome.finished].format(outcome.reached),
         )
         if isinstance(problem, Start) and finished:
             run.positions = system.positions(end, y)
@@ -226,7 +227,7 @@ def scipy_solver(problem, method, tolerance, end, wall):
     """Integrate with one of SciPy's solvers, step by step, the right-hand side through ctypes."""
     solver_class = SCIPY[method]
     with System(problem) as system:
-        begin = time.perf_counter()
+        begin = time.thread_time()
         solver = solver_class(
             system.slope, 0.0, system.y.copy(), end, rtol=max(tolerance, 3e-14), atol=tolerance
         )
@@ -234,17 +235,17 @@ def scipy_solver(problem, method, tolerance, end, wall):
         while solver.status == "running":
             message = solver.step()
             steps += 1
-            now = time.perf_counter()
+            now = time.thread_time()
             if solver.status == "failed":
                 why = str(message)
                 break
             system.library.accepted_step(system.handle, solver.t, solver.y.ctypes.data)
-            uncharged += time.perf_counter() - now
+            uncharged += time.thread_time() - now
             if now - begin > wall:
-                why = f"gave up at {solver.t:.3g} s"
+                why = WHY[0].format(solver.t)
                 break
         run = Run(
-            wall=time.perf_counter() - begin - uncharged,
+            wall=time.thread_time() - begin - uncharged,
             steps=steps,
             evaluations=solver.nfev,
             jacobians=getattr(solver, "njev", 0) or 0,

@@ -190,7 +190,7 @@ def _tables(record):
     """One table a scene."""
     blocks = []
     for scene in dict.fromkeys(line["scene"] for line in record["lines"]):
-        unit = "wall time of a run, ms" if scene.startswith(("planet", "pin")) else "s/s"
+        unit = "time of a run, ms" if scene.startswith(("planet", "pin")) else "s/s"
         doubt = record["references"].get(scene)
         note = ""
         if doubt:
@@ -223,6 +223,8 @@ def _number(value):
 
 def _long_table(record):
     """Long runs: energy and statistics."""
+    if not record["long"]:
+        return ""
     names = list(record["long"][0]["forces"])
     rows = [
         "| pretension | method | tolerance | s/s | steps | residual | " + " | ".join(names) + " |",
@@ -277,6 +279,7 @@ def _panel(axis, scene, found):
         ends.append([errors[last], unit * times[last], SHORT.get(method, method), colour, own])
     axis.set(xscale="log", yscale="log", title=scene)
     low, high = axis.get_xlim()
+    high = min(high, 2.0)  # beyond, nothing is right
     axis.set_xlim(low / (high / low) ** 0.42, high)
     _label(axis, ends)
     if not known:
@@ -287,7 +290,7 @@ def _panel(axis, scene, found):
         )  # fmt: skip
     if scene in TARGETS:
         axis.plot((1e-2, 1e-3), TARGETS[scene], "*", color="#d62728", markersize=11, zorder=4)
-    what = "wall time [ms]" if known else "wall time per simulated second [s]"
+    what = "time [ms]" if known else "time per simulated second [s]"
     error = "error" if known else "largest link position error at the end [m]"
     if scene in TARGETS:
         error = "energy residual over dissipated (stars: targets)"
@@ -298,12 +301,14 @@ def _panel(axis, scene, found):
 
 def _label(axis, ends):
     """Names left of the most exact point of each curve, moved apart where they would meet."""
+    from matplotlib import patheffects
+
     figure = axis.figure
     figure.draw_without_rendering()
     to_screen, back = axis.transData.transform, axis.transData.inverted().transform
     placed = []
     for error, time, name, colour, own in sorted(ends, key=lambda end: end[1]):
-        x, y = to_screen((error, time))
+        x, y = to_screen((error, time)) - np.array([9 * figure.dpi / 72, 0.0])
         height = 13 * figure.dpi / 72
         width = 6.0 * len(name) * figure.dpi / 72
         clear = False
@@ -327,5 +332,7 @@ def _label(axis, ends):
             fontsize=9,
             color=colour,
             fontweight="bold" if own else "normal",
+            path_effects=[patheffects.withStroke(linewidth=2.5, foreground="white")],
+            zorder=5,
             arrowprops={"arrowstyle": "-", "color": colour, "lw": 0.5} if moved else None,
         )

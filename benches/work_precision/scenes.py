@@ -97,24 +97,35 @@ def reference(start, end):
     return tighter.positions, doubt, apart
 
 
+def repeated(plan, run):
+    """Return runs for the least time; long ones are long enough to be timed once."""
+    runs = [run()]
+    while len(runs) < plan.repeats and runs[-1].finished and runs[-1].wall < 0.3:
+        runs.append(run())
+    return runs
+
+
 def path_scene(scene, start, end, plan, expected):
     """Error in position at `end`, where the path does not yet depend on rounding."""
     print(scene)
     lines = []
     for method, tolerances in plan.own.items():
         for tolerance in tolerances:
-            runs = [
-                own.run(start, method, tolerance, end, energy=False) for _ in range(plan.repeats)
-            ]
+            runs = repeated(
+                plan, lambda m=method, tol=tolerance: own.run(start, m, tol, end, energy=False)
+            )
             error = link_error(runs[0].positions, expected) if runs[0].finished else np.nan
             energy = own.run(start, method, tolerance, end, energy=True)
             runs[0].residual, runs[0].dissipated = energy.residual, energy.dissipated
             lines.append(line_of(scene, OWN[method], tolerance, runs, end, error))
     for method, tolerances in plan.compiled.items():
         for tolerance in tolerances:
-            runs = []
-            while len(runs) < plan.repeats and all(run.finished for run in runs):
-                runs.append(peers.compiled(start, method, tolerance, end, wall=plan.budget)[0])
+            runs = repeated(
+                plan,
+                lambda m=method, tol=tolerance: peers.compiled(
+                    start, m, tol, end, wall=plan.budget
+                )[0],
+            )
             error = link_error(runs[0].positions, expected) if runs[0].finished else np.nan
             lines.append(line_of(scene, method, tolerance, runs, end, error))
     for method, tolerances in plan.scipy.items():
@@ -130,12 +141,12 @@ def energy_scene(scene, start, end, plan):
     print(scene)
     lines = []
 
-    def several(name, tolerance, run):
+    def several(name, tolerance, run, budget):
         runs, spent = [], 0.0
         for i in range(plan.runs):
             runs.append(run(tolerance * (1.0 + 0.01 * i)))
             spent += runs[-1].wall
-            if not runs[-1].finished or spent > plan.budget_of_runs:
+            if not runs[-1].finished or spent > budget:
                 break
         lines.append(line_of(scene, name, tolerance, runs, end))
 
@@ -145,6 +156,7 @@ def energy_scene(scene, start, end, plan):
                 OWN[method],
                 tolerance,
                 lambda tol, m=method: own.run(start, m, tol, end, energy=True),
+                plan.budget_of_own_runs,
             )
     for method, tolerances in plan.compiled.items():
         for tolerance in tolerances:
@@ -152,6 +164,7 @@ def energy_scene(scene, start, end, plan):
                 method,
                 tolerance,
                 lambda tol, m=method: peers.compiled(start, m, tol, end, wall=plan.budget)[0],
+                plan.budget_of_runs,
             )
     return lines
 

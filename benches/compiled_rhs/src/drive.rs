@@ -17,6 +17,9 @@ pub(crate) struct DriveSystem {
     start: Vec<f64>,
     energy_at_start: f64,
     pattern: Pattern,
+    /// Hinges, and pairs of bushing and sprocket, that begin (true) or end with the last step.
+    hinges: Vec<(usize, bool)>,
+    teeth: Vec<(usize, bool)>,
     /// Scratch: state inside a step.
     inside: Vec<f64>,
 }
@@ -36,6 +39,8 @@ impl DriveSystem {
             energy_at_start: dynamics.energy().total(),
             inside: y.clone(),
             start: y,
+            hinges: Vec::new(),
+            teeth: Vec::new(),
             pattern: folded(&model),
             dynamics,
         })
@@ -131,19 +136,28 @@ impl Evolving for DriveSystem {
         positions.chain(speeds).chain([f64::INFINITY; 2]).collect()
     }
 
-    fn finish_step(&mut self, step: &Accepted<'_>) -> bool {
-        let links = self.dynamics.model().links;
-        let remembered = self.dynamics.memory.hinge_speed().to_vec();
-        let hinges: Vec<(usize, bool)> =
-            (self.dynamics.hinge_contacts().zip(&remembered).enumerate())
-                .filter(|(_, ((depth, _), speed))| (*depth > 0.0) != (**speed > 0.0))
-                .map(|(k, ((depth, _), _))| (k, depth > 0.0))
-                .collect();
-        let memory = &self.dynamics.memory;
-        let teeth: Vec<(usize, bool)> = (self.dynamics.candidates())
-            .map(|(s, k, depth, _)| (s * links + k, depth > 0.0))
-            .filter(|&(pair, touching)| touching != (memory.tooth_speed[pair] > 0.0))
-            .collect();
+    fn crossed(&mut self, _: &Accepted<'_>) -> bool {
+        let (dynamics, memory) = (&self.dynamics, &self.dynamics.memory);
+        let links = dynamics.model().links;
+        self.hinges.clear();
+        for (k, (depth, _)) in dynamics.hinge_contacts().enumerate() {
+            let touching = depth > 0.0;
+            if touching != (memory.hinge_speed()[k] > 0.0) {
+                self.hinges.push((k, touching));
+            }
+        }
+        self.teeth.clear();
+        for (s, k, depth, _) in dynamics.candidates() {
+            let (pair, touching) = (s * links + k, depth > 0.0);
+            if touching != (memory.tooth_speed[pair] > 0.0) {
+                self.teeth.push((pair, touching));
+            }
+        }
+        !(self.hinges.is_empty() && self.teeth.is_empty())
+    }
+
+    fn remember(&mut self, step: &Accepted<'_>) {
+        let (hinges, teeth) = (self.hinges.clone(), self.teeth.clone());
         for &(k, touching) in &hinges {
             if touching {
                 let (_, rate) = self.onset(step, |d| (d.hinges.penetration[k], d.hinges.rate[k]));
@@ -169,7 +183,6 @@ impl Evolving for DriveSystem {
                 .remember_present_contacts(step.end, step.y_end);
             self.dynamics.memory = memory;
         }
-        !(hinges.is_empty() && teeth.is_empty())
     }
 
     fn pattern(&self) -> Option<&Pattern> {

@@ -52,7 +52,7 @@ pub(crate) fn rk4(
         outcome.evaluations += 4;
         outcome.steps += 1;
         if !y.iter().all(|y| y.is_finite()) {
-            return outcome.unfinished(t);
+            return outcome.failed(t);
         }
         let [first, .., last] = &mut k;
         let step = Accepted {
@@ -63,8 +63,11 @@ pub(crate) fn rk4(
             slope_start: first,
             slope_end: last,
         };
-        // A contact begins and ends softly: the slope found before its memory was made serves the next step.
-        outcome.uncharged(|| system.finish_step(&step));
+        if system.crossed(&step) {
+            outcome.uncharged(|| system.remember(&step));
+            system.derivative(t + h, y, last);
+            outcome.evaluations += 1;
+        }
         std::mem::swap(first, last);
     }
     outcome.finished(end)
@@ -94,8 +97,11 @@ pub(crate) fn embedded(
     system.derivative(t, y, &mut k[0]);
     outcome.evaluations = 1;
     while t < end {
-        if budget.spent(&outcome) || h < 1e-15 {
+        if budget.spent(&outcome) {
             return outcome.unfinished(t);
+        }
+        if h < 1e-15 {
+            return outcome.failed(t);
         }
         h = h.min(end - t);
         for s in 1..stages {
@@ -138,9 +144,16 @@ pub(crate) fn embedded(
             slope_start: &k[0],
             slope_end: &k[stages],
         };
-        outcome.uncharged(|| system.finish_step(&step));
+        let changed = system.crossed(&step);
+        if changed {
+            outcome.uncharged(|| system.remember(&step));
+        }
         k.swap(0, stages);
         t += h;
+        if changed {
+            system.derivative(t, y, &mut k[0]);
+            outcome.evaluations += 1;
+        }
         h *= grow.clamp(0.2, if rejected { 1.0 } else { 10.0 });
         rejected = false;
     }

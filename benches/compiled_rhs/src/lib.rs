@@ -15,8 +15,9 @@ mod smooth;
 mod system;
 
 use std::ffi::{CStr, c_char};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use cpu_time::ThreadTime;
 use drive::DriveSystem;
 use problems::{Kepler, Pin};
 use rustchain::ForceLaws;
@@ -35,13 +36,13 @@ pub struct Outcome {
     pub jacobians: u64,
     /// Contacts begun.
     pub onsets: u64,
-    /// 1 when the end was reached.
+    /// 1 when the end was reached, 2 when the method failed, 0 when it was given up.
     pub finished: u64,
     /// Time reached \[s\].
     pub reached: f64,
-    /// Wall time but for the search for onsets \[s\].
+    /// Processor time but for the search for onsets \[s\].
     pub wall: f64,
-    /// Wall time of that search \[s\].
+    /// Time of that search \[s\].
     pub uncharged: f64,
     /// Energy missing \[J\].
     pub residual: f64,
@@ -50,9 +51,15 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// Takes the time of the integration, which began with the `budget`.
+    fn timed(mut self, budget: &Budget) -> Self {
+        self.wall = budget.begin.elapsed().as_secs_f64() - self.uncharged;
+        self
+    }
+
     /// Does what this project's integrator does outside of its steps too, and takes the time.
     fn uncharged<T>(&mut self, work: impl FnOnce() -> T) -> T {
-        let begin = Instant::now();
+        let begin = ThreadTime::now();
         let done = work();
         self.uncharged += begin.elapsed().as_secs_f64();
         done
@@ -67,11 +74,16 @@ impl Outcome {
         self.reached = t;
         self
     }
+
+    fn failed(mut self, t: f64) -> Self {
+        (self.finished, self.reached) = (2, t);
+        self
+    }
 }
 
 /// When a run that takes too long is given up.
 struct Budget {
-    begin: Instant,
+    begin: ThreadTime,
     wall: Duration,
     evaluations: u64,
 }
@@ -239,14 +251,17 @@ pub unsafe extern "C" fn accepted_step(handle: *mut Handle, t: f64, y: *const f6
     } = handle;
     let system = problem.evolving();
     system.derivative(t, y, slope);
-    system.finish_step(&Accepted {
+    let step = Accepted {
         start: last.0,
         end: t,
         y_start: &last.1,
         y_end: y,
         slope_start: &last.2,
         slope_end: slope,
-    });
+    };
+    if system.crossed(&step) {
+        system.remember(&step);
+    }
     last.0 = t;
     last.1.copy_from_slice(y);
     last.2.copy_from_slice(slope);
@@ -332,12 +347,12 @@ pub unsafe extern "C" fn integrate(
     y.copy_from_slice(&handle.start);
     let system = handle.problem.evolving();
     let budget = Budget {
-        begin: Instant::now(),
+        begin: ThreadTime::now(),
         wall: Duration::from_secs_f64(wall),
         evaluations,
     };
     let done = match method {
-        0 => Ok(explicit::rk4(system, y, tolerance, end, &budget)),
+        0 => Ok(explicit::rk4(system, y, tolerance, end, &budget).timed(&budget)),
         1 => {
             // SAFETY: the tableau's arrays have the lengths that its stages ask for.
             let tableau = unsafe {
@@ -358,9 +373,8 @@ pub unsafe extern "C" fn integrate(
                     error_3,
                 }
             };
-            Ok(explicit::embedded(
-                system, &tableau, y, tolerance, end, &budget,
-            ))
+            let done = explicit::embedded(system, &tableau, y, tolerance, end, &budget);
+            Ok(done.timed(&budget))
         }
         _ => {
             let method = match method {
@@ -373,10 +387,8 @@ pub unsafe extern "C" fn integrate(
             cvode::run(&library, system, method, y, tolerance, end, &budget)
         }
     };
-    let wall = budget.begin.elapsed().as_secs_f64();
     let Ok(done) = done else { return 1 };
     *outcome = done;
-    outcome.wall = wall - outcome.uncharged;
     if let Problem::Drive(drive) = &mut handle.problem {
         [outcome.residual, outcome.dissipated] = drive.balance(outcome.reached, y);
         outcome.onsets = drive.onsets();

@@ -8,9 +8,11 @@ impl Evolving for Kepler {
         vec![1.0; 4]
     }
 
-    fn finish_step(&mut self, _: &Accepted<'_>) -> bool {
+    fn crossed(&mut self, _: &Accepted<'_>) -> bool {
         false
     }
+
+    fn remember(&mut self, _: &Accepted<'_>) {}
 }
 
 impl Evolving for Pin {
@@ -18,11 +20,14 @@ impl Evolving for Pin {
         vec![1.0; 2]
     }
 
-    fn finish_step(&mut self, step: &Accepted<'_>) -> bool {
+    /// It is one contact: its onset is found, and charged, as in this project's own run.
+    fn crossed(&mut self, step: &Accepted<'_>) -> bool {
         self.watch(step.start, step.end, step.y_end[0], |t| {
             let mut y = [0.0; 2];
             step.at(t, &mut y);
             y
         })
     }
+
+    fn remember(&mut self, _: &Accepted<'_>) {}
 }

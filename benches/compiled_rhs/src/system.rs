@@ -32,9 +32,11 @@ pub(crate) trait Evolving: OdeSystem {
     /// What a tolerance of one stands for in every component; infinite where no error is watched.
     fn scale(&self) -> Vec<f64>;
 
-    /// Looks for events in an accepted step, at whose end the right-hand side was evaluated last. True when the right-hand side
-    /// has changed by them.
-    fn finish_step(&mut self, step: &Accepted<'_>) -> bool;
+    /// Whether anything happened in an accepted step, at whose end the right-hand side was evaluated last.
+    fn crossed(&mut self, step: &Accepted<'_>) -> bool;
+
+    /// Makes what happened part of the right-hand side.
+    fn remember(&mut self, step: &Accepted<'_>);
 
     /// For implicit methods: the order in which the components make a narrow band, and blocks of it.
     fn pattern(&self) -> Option<&Pattern> {
