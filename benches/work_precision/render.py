@@ -317,7 +317,7 @@ def _label(axis, ends):
             for other_x, other_y, other_width in placed:
                 beside = x - width > other_x or other_x - other_width > x
                 if not beside and abs(y - other_y) < height:
-                    y = other_y + height
+                    y = other_y + 1.001 * height  # not to meet it again by rounding
                     clear = False
         placed.append((x, y, width))
         spot = back((x, y))
