@@ -20,10 +20,10 @@ unexport CONDA_PREFIX
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help venv build demo test test-rust test-python lint lint-text lint-rust lint-python bench bench-smoke robustness dist clean
+.PHONY: help venv build demo test test-rust test-python lint lint-text lint-rust lint-python bench bench-smoke robustness work-precision dist clean
 
 help: ## Show this list
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 # --- set-up
 
@@ -41,7 +41,7 @@ $(STAMPS)/venv:
 	@$(PIP_INSTALL) --upgrade 'pip>=25.1'
 	@touch $@
 
-# The three lists of tools are the dependency groups of pyproject.toml.
+# The lists of tools are the dependency groups of pyproject.toml.
 $(STAMPS)/%-tools: $(STAMPS)/venv pyproject.toml
 	@echo "==> installing the $* tools into $(VENV)"
 	@$(PIP_INSTALL) --group $*
@@ -89,6 +89,7 @@ lint-text:
 
 lint-rust: $(STAMPS)/venv
 	cargo fmt --check
+	cargo fmt --check --manifest-path benches/compiled_rhs/Cargo.toml
 	cargo clippy --locked --all-targets -- -D warnings
 	cargo clippy --locked --all-targets --features python -- -D warnings
 	RUSTDOCFLAGS='-D warnings' cargo doc --locked --no-deps --quiet
@@ -105,13 +106,22 @@ bench: build ## Measure; BENCH_ARGS=--quick for a first look, BENCH_ARGS=hertz f
 	cargo bench --bench '*' -- $(BENCH_ARGS)
 	$(BIN)/python benches/numpy_reference.py
 
-bench-smoke: build ## Run every benchmark once, without measuring
+bench-smoke: build rivals ## Run every benchmark once, without measuring
 	cargo bench --bench '*' -- --test
 	$(BIN)/python benches/numpy_reference.py --test
 	$(BIN)/python benches/robustness.py --test
+	$(BIN)/python benches/work_precision.py --test
 
 robustness: build ## Run scenes that are hard in different ways, 2 s each, and write docs/robustness.md
 	$(BIN)/python benches/robustness.py --write $(BENCH_ARGS)
+
+work-precision: build rivals ## Run time against error, beside rivals: docs/work-precision.md anew, in a quarter of an hour
+	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benches/work_precision.py
+
+# Other integrators, and the right-hand side that they call.
+.PHONY: rivals
+rivals: $(STAMPS)/bench-tools
+	cargo build --release --locked --quiet --manifest-path benches/compiled_rhs/Cargo.toml
 
 # --- release
 
@@ -119,5 +129,5 @@ dist: $(STAMPS)/build-tools ## Wheel and source archive into dist/
 	$(BIN)/maturin build --release --locked --sdist --out dist
 
 clean: ## Remove all that the other targets made
-	rm -rf target $(VENV) demo dist $(EXTENSION) .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf target benches/compiled_rhs/target $(VENV) demo dist $(EXTENSION) .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find python tests examples benches -name __pycache__ -type d -prune -exec rm -rf {} +

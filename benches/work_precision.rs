@@ -1,0 +1,220 @@
+//! Run time against error in Rust alone: a planet, a bouncing pin, the published drive with each instruction set, long chains.
+//!
+//! With `--json` a line of JSON for each run, which `work_precision.py` reads.
+
+#![allow(clippy::print_stdout)] // a benchmark's figures
+#![allow(clippy::unwrap_used)] // a benchmark whose drives cannot be built has nothing to say
+
+mod common;
+#[path = "work_precision/problems.rs"]
+mod problems;
+
+use common::drives;
+use common::{Halves, laws, longer_drive, only_tried, pressed_into_seats};
+use cpu_time::ThreadTime;
+use problems::{Kepler, Pin};
+use rustchain::ForceLaws;
+use rustchain::force_law::{Damping, Elastic};
+use rustchain::integrator::{Adams, Corrector, OdeSystem, StepControl};
+use rustchain::vector::InstructionSet;
+
+/// Least of so many runs counts.
+const REPEATS: usize = 30;
+
+/// Links of the sweep: of 38 to 2432.
+const LINKS: [u32; 4] = [38, 152, 608, 2432];
+
+fn main() {
+    let tolerances = [
+        1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12,
+    ];
+    let repeats = if only_tried() { 1 } else { REPEATS };
+    for tolerance in tolerances {
+        say("kepler", tolerance, repeats, || kepler(tolerance));
+    }
+    for lambda in [0.0, Damping::LankaraniNikravesh.lambda(0.71)] {
+        let name = if lambda == 0.0 { "pin" } else { "damped_pin" };
+        for tolerance in tolerances {
+            say(name, tolerance, repeats, || pin(tolerance, lambda));
+        }
+    }
+    instruction_sets();
+    chain_lengths();
+}
+
+/// What a run came to.
+struct Known {
+    wall: f64,
+    steps: u64,
+    evaluations: u64,
+    error: f64,
+}
+
+fn say(problem: &str, tolerance: f64, repeats: usize, run: impl Fn() -> Known) {
+    let runs: Vec<Known> = (0..repeats).map(|_| run()).collect();
+    let wall = runs
+        .iter()
+        .map(|run| run.wall)
+        .fold(f64::INFINITY, f64::min);
+    let Known {
+        steps,
+        evaluations,
+        error,
+        ..
+    } = runs[0];
+    println!(
+        "{{\"kind\": \"{problem}\", \"tolerance\": {tolerance:e}, \"wall\": {wall:e}, \"steps\": {steps}, \
+         \"evaluations\": {evaluations}, \"error\": {error:e}, \"repeats\": {repeats}}}"
+    );
+}
+
+fn smooth_control(tolerance: f64, max_step: f64) -> StepControl {
+    StepControl {
+        max_step,
+        ..drives::control(tolerance)
+    }
+}
+
+/// Ten periods; error as the distance from where the planet should be.
+fn kepler(tolerance: f64) -> Known {
+    let end = 20.0 * std::f64::consts::PI;
+    let mut adams = Adams::new(4, smooth_control(tolerance, 1.0));
+    adams.restart(0.0, &Kepler::START);
+    let begin = ThreadTime::now();
+    while adams.time() < end {
+        adams.step(&mut Kepler).unwrap();
+    }
+    let mut y = [0.0; 4];
+    adams.interpolate(end, &mut y);
+    let wall = begin.elapsed().as_secs_f64();
+    known(
+        &adams,
+        wall,
+        (y[0] - Kepler::START[0]).hypot(y[1] - Kepler::START[1]),
+    )
+}
+
+/// One bounce; error in the speed of parting without damping, and in the place at the end.
+fn pin(tolerance: f64, lambda: f64) -> Known {
+    let mut pin = Pin::new(lambda);
+    let mut adams = Adams::new(2, smooth_control(tolerance, 1.0));
+    adams.restart(0.0, &Pin::START);
+    let begin = ThreadTime::now();
+    while adams.time() < Pin::END {
+        let step = adams.step(&mut pin).unwrap();
+        let depth = adams.y()[0];
+        pin.watch(step.start, step.end, depth, |t| {
+            let at = adams.dense(t);
+            [at.value(0), at.value(1)]
+        });
+    }
+    let mut y = [0.0; 2];
+    adams.interpolate(Pin::END, &mut y);
+    let wall = begin.elapsed().as_secs_f64();
+    known(&adams, wall, pin.error(&y))
+}
+
+fn known(adams: &Adams, wall: f64, error: f64) -> Known {
+    Known {
+        wall,
+        steps: adams.counts().steps,
+        evaluations: adams.counts().evaluations,
+        error,
+    }
+}
+
+/// Correctors at their usual tolerances.
+const CORRECTORS: [Corrector; 2] = [Corrector::Pece, Corrector::Newton];
+
+fn control(corrector: Corrector) -> StepControl {
+    StepControl {
+        corrector,
+        ..StepControl::default()
+    }
+}
+
+/// Goes on to `end` with each step as a run makes it; steps and the least wall time of one \[s\].
+fn walk(run: &mut Halves, corrector: Corrector, end: f64) -> (u64, f64) {
+    let before = run.adams.counts().steps;
+    let begin = ThreadTime::now();
+    while run.adams.time() < end {
+        run.dynamics.begin_step();
+        let step = match corrector {
+            Corrector::Pece => run.adams.step(&mut run.dynamics),
+            Corrector::Newton => run.adams.step_newton(&mut run.dynamics),
+        };
+        let step = step.unwrap();
+        run.dynamics.finish_step(&run.adams, &step);
+    }
+    (
+        run.adams.counts().steps - before,
+        begin.elapsed().as_secs_f64(),
+    )
+}
+
+/// A run of `drive` from where `ready` is, with another corrector.
+fn with_control(ready: &Halves, control: StepControl) -> Halves {
+    let mut run = ready.clone();
+    run.adams = Adams::new(ready.dynamics.dimension(), control);
+    run.adams.restart(ready.adams.time(), ready.adams.y());
+    run
+}
+
+/// The published drive from 10 ms on, with all instruction sets in turns.
+fn instruction_sets() {
+    let law = laws(Elastic::Hertz, Damping::LankaraniNikravesh);
+    for pretension in [0.0, 25.0, 100.0] {
+        let mut drive = drives::paper_drive();
+        if pretension > 0.0 {
+            drive.tensioner = Some(drives::tensioner(pretension, 1e-3));
+        }
+        let mut simulation = drives::simulation(&drive, &law, control(Corrector::Newton));
+        drives::advance(&mut simulation, 10e-3);
+        let ready = Halves::of(&mut simulation);
+        for corrector in CORRECTORS {
+            let sets = InstructionSet::available();
+            let mut least = vec![f64::INFINITY; sets.len()];
+            let mut steps = 0;
+            for _ in 0..if only_tried() { 1 } else { 8 } {
+                for (set, least) in sets.iter().zip(&mut least) {
+                    let mut run = with_control(&ready, control(corrector));
+                    run.dynamics.use_instructions(*set);
+                    run.adams.use_instructions(*set);
+                    let (made, wall) = walk(&mut run, corrector, 14e-3);
+                    *least = least.min(wall / made as f64);
+                    steps = made;
+                }
+            }
+            for (set, least) in sets.iter().zip(&least) {
+                println!(
+                    "{{\"kind\": \"instructions\", \"pretension\": {pretension}, \"method\": \"{}\", \"set\": \"{}\", \
+                     \"steps\": {steps}, \"wall_step\": {least:e}}}",
+                    corrector.name(),
+                    set.name()
+                );
+            }
+        }
+    }
+}
+
+/// Chains pulled into all hinges and seats at once: cost of a simulated second over links.
+fn chain_lengths() {
+    let law: ForceLaws = laws(Elastic::Hertz, Damping::LankaraniNikravesh);
+    for corrector in CORRECTORS {
+        for links in LINKS {
+            let mut simulation = pressed_into_seats(&longer_drive([17, 17], links), &law);
+            let ready = Halves::of(&mut simulation);
+            let (mut steps, mut least) = (0, f64::INFINITY);
+            let end = 2e-4;
+            for _ in 0..if only_tried() { 1 } else { 5 } {
+                let mut run = with_control(&ready, control(corrector));
+                let (made, wall) = walk(&mut run, corrector, end);
+                (steps, least) = (made, least.min(wall / end));
+            }
+            println!(
+                "{{\"kind\": \"links\", \"method\": \"{}\", \"links\": {links}, \"steps\": {steps}, \"wall\": {least:e}}}",
+                corrector.name()
+            );
+        }
+    }
+}

@@ -1,0 +1,70 @@
+"""What is made of runs: times at equal error, and means with their confidence."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def frontier(errors, times):
+    """Points that no other beats in both, errors falling and times rising; (errors, times)."""
+    errors, times = np.asarray(errors, float), np.asarray(times, float)
+    use = np.isfinite(errors) & np.isfinite(times) & (errors > 0.0)
+    order = np.lexsort((errors[use], times[use]))
+    errors, times = errors[use][order], times[use][order]
+    best = np.minimum.accumulate(errors)
+    kept = np.concatenate(([True], errors[1:] < best[:-1])) if len(errors) else np.zeros(0, bool)
+    return errors[kept], times[kept]
+
+
+def time_at_error(errors, times, wanted):
+    """Least time for an error of `wanted`: straight lines between logarithms on the frontier.
+
+    The cheapest point's time where even that is more exact; NaN where no point is exact enough.
+    """
+    errors, times = frontier(errors, times)
+    if not len(errors) or wanted < errors[-1]:
+        return np.nan
+    if wanted >= errors[0]:
+        return times[0]
+    logarithms = np.log(errors[::-1]), np.log(times[::-1])
+    return float(np.exp(np.interp(np.log(wanted), *logarithms)))
+
+
+def order_of_convergence(costs, errors):
+    """Slope of error over cost, both as logarithms: least squares."""
+    return float(-np.polyfit(np.log(costs), np.log(errors), 1)[0])
+
+
+def batch_means(samples, statistic, batches=20):
+    """Mean of a statistic over batches in time, and the half width of its 95 % interval.
+
+    `samples` has time along its first axis. Batches must be long beside the process's memory for
+    their statistics to be independent.
+    """
+    from scipy.stats import t
+
+    values = np.array([statistic(batch) for batch in np.array_split(samples, batches)])
+    half = t.ppf(0.975, batches - 1) * values.std(ddof=1) / np.sqrt(batches)
+    return float(values.mean()), float(half)
+
+
+STATISTICS = {
+    "mean": np.mean,
+    "RMS": lambda forces: np.sqrt(np.mean(forces**2)),
+    "99 %": lambda forces: np.quantile(forces, 0.99),
+}
+
+
+def force_statistics(result, skip):
+    """Statistics of hinge and tooth forces after `skip` s [N]: {(what, which): (mean, half)}."""
+    rows = result.time >= result.time[0] + skip
+    links = result.drive.chain.links
+    forces = {
+        "hinge": [result.hinge(k).force[rows] for k in range(1, links + 1)],
+        "tooth": [result.bushing(k).tooth_force[rows] for k in range(1, links + 1)],
+    }
+    return {
+        (what, which): batch_means(np.transpose(series), statistic)
+        for what, series in forces.items()
+        for which, statistic in STATISTICS.items()
+    }

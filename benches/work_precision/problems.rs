@@ -1,0 +1,118 @@
+//! Problems with known answers: a planet, and a pin that bounces once.
+
+use rustchain::contact::{Contact, first_crossing};
+use rustchain::force_law::{ElasticLaw, Hertz, SurfacePair, damping_factor};
+use rustchain::geometry::Vec2;
+use rustchain::integrator::OdeSystem;
+
+/// x'' = -x/|x|³ in the plane with eccentricity 0.6: after every period of 2π the planet is where it began.
+pub(crate) struct Kepler;
+
+impl Kepler {
+    pub(crate) const START: [f64; 4] = [0.4, 0.0, 0.0, 2.0];
+}
+
+impl OdeSystem for Kepler {
+    fn dimension(&self) -> usize {
+        4
+    }
+
+    fn derivative(&mut self, _: f64, y: &[f64], dydt: &mut [f64]) {
+        let squared = y[0] * y[0] + y[1] * y[1];
+        let pull = 1.0 / (squared * squared.sqrt());
+        dydt.copy_from_slice(&[y[2], y[3], -pull * y[0], -pull * y[1]]);
+    }
+}
+
+/// A pin of a link's mass that flies into a bushing: y = [penetration, its rate], in units of the depth at which all energy is
+/// stored and of the speed of approach; time in their ratio.
+///
+/// m δ'' = -K δ^1.5 (1 + λ δ'/v). Undamped, it parts after 2 √π Γ(7/5)/Γ(9/10) units at the speed it came with. Damped, the first
+/// integral of the law gives the speed of parting e, λ (1 + e) = ln[(1 + λ)/(1 - λ e)].
+pub(crate) struct Pin {
+    lambda: f64,
+    /// K depth^2.5/(m speed²) \[-\]: 5/4, whatever the pin.
+    stiffness: f64,
+    onset_speed: Option<f64>,
+    /// Speed of parting, once it is known.
+    parting_speed: Option<f64>,
+}
+
+impl Pin {
+    /// Above the surface, at speed one.
+    pub(crate) const START: [f64; 2] = [-0.05, 1.0];
+    /// Time in contact without damping: 2 √π Γ(7/5)/Γ(9/10).
+    pub(crate) const DURATION: f64 = 2.943_275_184_324_703;
+    /// When a run ends, after the bounce.
+    pub(crate) const END: f64 = 3.5;
+
+    pub(crate) fn new(lambda: f64) -> Self {
+        let (mass, speed) = (7e-3, 0.5);
+        let surfaces = SurfacePair::internal(2.22e-3, 2.245e-3, 0.011, 2.07e11 / 1.82);
+        let law = Hertz::prepare(&surfaces);
+        let depth = (1.25 * mass * speed * speed / law.stiffness).powf(0.4);
+        Self {
+            lambda,
+            stiffness: Hertz::force(&law, depth) * depth / (mass * speed * speed),
+            onset_speed: None,
+            parting_speed: None,
+        }
+    }
+
+    /// Error at the end: of the place without damping, of the speed of parting with it.
+    pub(crate) fn error(&self, y: &[f64]) -> f64 {
+        if self.lambda == 0.0 {
+            let flight = Self::END + Self::START[0] - Self::DURATION;
+            (y[0] + flight).abs()
+        } else {
+            let expected = rustchain::force_law::restitution_obtained(self.lambda);
+            self.parting_speed
+                .map_or(f64::INFINITY, |speed| (speed - expected).abs())
+        }
+    }
+
+    /// Looks for onset and parting in a step; true when one was found.
+    pub(crate) fn watch(
+        &mut self,
+        start: f64,
+        end: f64,
+        depth: f64,
+        at: impl Fn(f64) -> [f64; 2],
+    ) -> bool {
+        let crossing = |sign: f64| {
+            let path = |t: f64| {
+                let [depth, rate] = at(t);
+                Some(Contact {
+                    normal: Vec2::zeros(),
+                    penetration: sign * depth,
+                    penetration_rate: sign * rate,
+                })
+            };
+            first_crossing(path, start, end).1
+        };
+        if depth > 0.0 && self.onset_speed.is_none() {
+            self.onset_speed = Some(crossing(1.0));
+            return true;
+        }
+        if depth <= 0.0 && self.onset_speed.is_some() {
+            self.onset_speed = None;
+            self.parting_speed = Some(crossing(-1.0));
+            return true;
+        }
+        false
+    }
+}
+
+impl OdeSystem for Pin {
+    fn dimension(&self) -> usize {
+        2
+    }
+
+    fn derivative(&mut self, _: f64, y: &[f64], dydt: &mut [f64]) {
+        let depth = y[0].max(0.0);
+        let onset_speed = self.onset_speed.unwrap_or_else(|| y[1].max(1e-3));
+        let factor = damping_factor(self.lambda, y[1], onset_speed);
+        dydt[0] = y[1];
+        dydt[1] = -self.stiffness * depth * depth.sqrt() * factor;
+    }
+}

@@ -1,0 +1,338 @@
+"""Chart, tables and verdicts of a full run."""
+
+from __future__ import annotations
+
+import platform
+import re
+from pathlib import Path
+
+import numpy as np
+
+import rustchain as rc
+
+from .analysis import order_of_convergence, time_at_error
+
+CHART = "images/work-precision.png"
+COLOURS = {
+    "rustchain Newton": "#d62728",
+    "rustchain PECE": "#1f4fb4",
+    "rustchain auto": "#111111",
+    "CVODE Adams": "#2ca02c",
+    "CVODE BDF": "#117733",
+    "CVODE Adams, functional": "#77bb55",
+    "Dormand-Prince 5(4)": "#b8860b",
+    "DOP853": "#8b5a2b",
+    "RK4": "#888888",
+}
+SHORT = {
+    "rustchain Newton": "Newton",
+    "rustchain PECE": "PECE",
+    "rustchain auto": "auto",
+    "CVODE Adams, functional": "CVODE Adams, funct.",
+    "Dormand-Prince 5(4)": "Dorm.-Prince",
+}
+PANELS = [
+    "0 N, 6 ms",
+    "25 N, 20 ms",
+    "100 N, 20 ms",
+    "0 N, 0.2 s",
+    "25 N, 0.2 s",
+    "100 N, 0.2 s",
+    "planet, 10 periods",
+    "pin, undamped",
+    "pin, damped",
+]
+TARGETS = {"0 N, 0.2 s": (0.15, 0.5), "25 N, 0.2 s": (0.15, 0.2), "100 N, 0.2 s": (0.2, 0.3)}
+
+
+def machine():
+    """Processor and instruction set."""
+    model = platform.processor() or platform.machine()
+    info = Path("/proc/cpuinfo")
+    if info.exists():
+        found = re.search(r"model name\s*:\s*(.*)", info.read_text())
+        model = found.group(1) if found else model
+    return f"{model}, one core, instructions {rc.instruction_set()}"
+
+
+def error_of(line):
+    """Error that a scene is judged by."""
+    return line["residual"] if ", 0.2 s" in line["scene"] else line["position_error"]
+
+
+def curves(record, scene):
+    """Return {method: (errors, times)} of what finished."""
+    found = {}
+    for line in record["lines"]:
+        error = error_of(line)
+        if line["scene"] == scene and np.isfinite(error):
+            found.setdefault(line["method"], []).append((max(error, 1e-17), line["wall"]))
+    return {method: np.array(points).T for method, points in found.items()}
+
+
+def verdicts(record):
+    """Return what the figures say, in words."""
+    said = [f"machine: {record['machine']}"]
+    scenes = list(dict.fromkeys(line["scene"] for line in record["lines"]))
+    for scene in scenes:
+        found = curves(record, scene)
+        for wanted in (1e-2, 1e-3, 1e-4) if ", 0.2 s" in scene else _errors(scene):
+            times = {m: time_at_error(*points, wanted) for m, points in found.items()}
+            said += _verdict(scene, wanted, times)
+    said += _instructions(record) + _links(record) + _orders(record)
+    return said
+
+
+def _errors(scene):
+    return (1e-6, 1e-8) if " N, " in scene else (1e-6, 1e-9)
+
+
+def _verdict(scene, wanted, times):
+    """Best of this project beside CVODE, and beside the best rival, at one error."""
+    own = {m: t for m, t in times.items() if m.startswith("rustchain") and np.isfinite(t)}
+    rivals = {m: t for m, t in times.items() if not m.startswith("rustchain") and np.isfinite(t)}
+    head = f"{scene}, error {wanted:.0e}:"
+    if not own:
+        return [f"{head} not reached"]
+    best = min(own, key=own.get)
+    text = f"{head} {SHORT[best]} {own[best]:.3g}"
+    text += " s" if scene.startswith(("planet", "pin")) else " s/s"
+    cvode = [t for m, t in rivals.items() if m.startswith("CVODE")]
+    text += f"; CVODE {min(cvode) / own[best]:.1f} times that" if cvode else "; no CVODE there"
+    if rivals:
+        rival = min(rivals, key=rivals.get)
+        text += f"; best rival, {rival}, {rivals[rival] / own[best]:.1f} times"
+    parts = [t for m, t in own.items() if m != "rustchain auto"]
+    if "rustchain auto" in own and parts:
+        text += f"; auto {own['rustchain auto'] / min(parts):.2f} of the better of the two"
+    if scene in TARGETS and wanted in (1e-2, 1e-3):
+        text += f"; target {TARGETS[scene][0 if wanted == 1e-2 else 1]} s/s"
+    return [text]
+
+
+def _instructions(record):
+    """Time of a step with narrower registers over that with the widest."""
+    rows = [line for line in record["twins"] if line["kind"] == "instructions"]
+    widest = {(r["method"], r["pretension"]): r["wall_step"] for r in reversed(rows)}
+    for row in rows:
+        if row["set"] == "avx512":
+            widest[row["method"], row["pretension"]] = row["wall_step"]
+    said = []
+    for (method, pretension), least in sorted(widest.items()):
+        shares = [
+            f"{r['set']} {1e6 * r['wall_step']:.2f} us ({r['wall_step'] / least:.2f})"
+            for r in rows
+            if (r["method"], r["pretension"]) == (method, pretension)
+        ]
+        said.append(f"a step, {method}, {pretension:.0f} N: {', '.join(shares)}")
+    return said
+
+
+def _links(record):
+    """Growth of cost with links: the exponent should be one."""
+    said = []
+    rows = [line for line in record["twins"] if line["kind"] == "links"]
+    for method in dict.fromkeys(row["method"] for row in rows):
+        own = [row for row in rows if row["method"] == method]
+        links, walls = np.array([(row["links"], row["wall"]) for row in own]).T
+        power = -order_of_convergence(links, walls)
+        each = ", ".join(
+            f"{row['links']}: {1e3 * row['wall'] / row['links']:.2f} ({row['steps']})"
+            for row in own
+        )
+        said.append(
+            f"links, {method}: cost grows as links^{power:.2f}; "
+            f"ms per simulated second and link (steps) {each}"
+        )
+    return said
+
+
+def _orders(record):
+    """How the error falls with the tolerance, and over how many decades."""
+    said = []
+    for scene in ("0 N, 5 ms", "0 N, 6 ms", "25 N, 20 ms", "100 N, 20 ms"):
+        for method in ("rustchain Newton", "rustchain PECE"):
+            points = [
+                (line["tolerance"], line["position_error"])
+                for line in record["lines"]
+                if line["scene"] == scene and line["method"] == method
+            ]
+            if len(points) > 2:
+                tolerances, errors = np.array(points).T
+                slope = -order_of_convergence(tolerances, errors)
+                span = np.log10(errors.max() / errors.min())
+                said.append(
+                    f"{scene}, {SHORT[method]}: error falls as tolerance^{slope:.2f}, "
+                    f"over {span:.1f} decades"
+                )
+    return said
+
+
+def write(record, docs):
+    """Draw the chart and put the tables and verdicts between the marks of the page."""
+    draw(record, docs / CHART)
+    page = docs / "work-precision.md"
+    text = page.read_text()
+    for name, block in {
+        "verdicts": "\n".join(f"- {line}" for line in verdicts(record)),
+        "long": _long_table(record),
+        "tables": _tables(record),
+    }.items():
+        mark = re.compile(rf"(<!-- {name} -->\n).*?(<!-- end of {name} -->)", re.DOTALL)
+        if not mark.search(text):
+            raise SystemExit(f"error: {page} has no marks for {name}")
+        text = mark.sub(lambda m, block=block: f"{m[1]}\n{block}\n\n{m[2]}", text)
+    page.write_text(text)
+    print(f"wrote {page} and {docs / CHART}")
+
+
+def _tables(record):
+    """One table a scene."""
+    blocks = []
+    for scene in dict.fromkeys(line["scene"] for line in record["lines"]):
+        unit = "time of a run, ms" if scene.startswith(("planet", "pin")) else "s/s"
+        doubt = record["references"].get(scene)
+        note = ""
+        if doubt:
+            note = (
+                f"\n\nReference: PECE at 1e-12 and 1e-13 differ by {doubt[0]:.1e} m, "
+                f"RK4 with short steps is {doubt[1]:.1e} m away."
+            )
+        rows = [
+            f"| method | tolerance | {unit} | steps | evaluations | Jacobians | onsets | error "
+            "| residual | runs | |",
+            "|---|---|---|---|---|---|---|---|---|---|---|",
+        ]
+        for line in record["lines"]:
+            if line["scene"] != scene:
+                continue
+            wall = line["wall"] * (1e3 if unit.endswith("ms") else 1.0)
+            rows.append(
+                f"| {line['method']} | {line['tolerance']:.1e} | {wall:.3g} | {line['steps']:.0f} "
+                f"| {line['evaluations']:.0f} | {line['jacobians']:.0f} | {line['onsets']:.0f} "
+                f"| {_number(line['position_error'])} | {_number(line['residual'])} "
+                f"| {line['runs']} | {line['note']} |"
+            )
+        blocks.append(f"### {scene}{note}\n\n" + "\n".join(rows))
+    return "\n\n".join(blocks)
+
+
+def _number(value):
+    return f"{value:.1e}" if np.isfinite(value) else ""
+
+
+def _long_table(record):
+    """Long runs: energy and statistics."""
+    if not record["long"]:
+        return ""
+    names = list(record["long"][0]["forces"])
+    rows = [
+        "| pretension | method | tolerance | s/s | steps | residual | " + " | ".join(names) + " |",
+        "|---" * (6 + len(names)) + "|",
+    ]
+    for row in record["long"]:
+        forces = " | ".join(f"{m:.3g} ± {half:.1g}" for m, half in row["forces"].values())
+        rows.append(
+            f"| {row['pretension']:.0f} N | {row['method']} | {row['tolerance']:.0e} "
+            f"| {row['wall']:.3g} | {row['steps']:.0f} | {row['residual']:.1e} | {forces} |"
+        )
+    return "\n".join(rows)
+
+
+def draw(record, path):
+    """One panel a scene, each curve with its name."""
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(3, 3, figsize=(15, 14.5), layout="constrained")
+    for axis, scene in zip(axes.flat, PANELS, strict=True):
+        _panel(axis, scene, curves(record, scene))
+    figure.suptitle(
+        f"Run time against error: left and low is good.  {record['machine']}", fontsize=13
+    )
+    path.parent.mkdir(exist_ok=True)
+    figure.savefig(path, dpi=110)
+    plt.close(figure)
+
+
+def _panel(axis, scene, found):
+    known = scene.startswith(("planet", "pin"))
+    unit = 1e3 if known else 1.0
+    ends = []
+    for method, colour in COLOURS.items():
+        if method not in found:
+            continue
+        errors, times = found[method]
+        own = method.startswith("rustchain")
+        axis.plot(
+            errors,
+            unit * times,
+            "o-" if own else ".-",
+            color=colour,
+            linewidth=2.6 if own else 1.2,
+            markersize=6 if own else 5,
+            zorder=3 if own else 2,
+        )
+        last = int(np.argmin(errors))
+        ends.append([errors[last], unit * times[last], SHORT.get(method, method), colour, own])
+    axis.set(xscale="log", yscale="log", title=scene)
+    low, high = axis.get_xlim()
+    high = min(high, 2.0)  # beyond, nothing is right
+    axis.set_xlim(low / (high / low) ** 0.42, high)
+    _label(axis, ends)
+    if not known:
+        axis.axhline(1.0, color="#bbbbbb", linewidth=0.8, zorder=1)
+        axis.annotate(
+            "real time", (1.0, 1.0), xycoords=("axes fraction", "data"), ha="right", va="bottom",
+            xytext=(-3, 1), textcoords="offset points", fontsize=8, color="#999999",
+        )  # fmt: skip
+    if scene in TARGETS:
+        axis.plot((1e-2, 1e-3), TARGETS[scene], "*", color="#d62728", markersize=11, zorder=4)
+    what = "time [ms]" if known else "time per simulated second [s]"
+    error = "error" if known else "largest link position error at the end [m]"
+    if scene in TARGETS:
+        error = "energy residual over dissipated (stars: targets)"
+    axis.set(xlabel=error, ylabel=what)
+    axis.grid(True, which="major", color="#e6e6e6", linewidth=0.6)
+    axis.spines[["top", "right"]].set_visible(False)
+
+
+def _label(axis, ends):
+    """Names left of the most exact point of each curve, moved apart where they would meet."""
+    from matplotlib import patheffects
+
+    figure = axis.figure
+    figure.draw_without_rendering()
+    to_screen, back = axis.transData.transform, axis.transData.inverted().transform
+    placed = []
+    for error, time, name, colour, own in sorted(ends, key=lambda end: end[1]):
+        x, y = to_screen((error, time)) - np.array([9 * figure.dpi / 72, 0.0])
+        height = 13 * figure.dpi / 72
+        width = 6.0 * len(name) * figure.dpi / 72
+        clear = False
+        while not clear:
+            clear = True
+            for other_x, other_y, other_width in placed:
+                beside = x - width > other_x or other_x - other_width > x
+                if not beside and abs(y - other_y) < height:
+                    y = other_y + 1.001 * height  # not to meet it again by rounding
+                    clear = False
+        placed.append((x, y, width))
+        spot = back((x, y))
+        moved = abs(y - to_screen((error, time))[1]) > 2
+        axis.annotate(
+            name,
+            (error, time),
+            xytext=(spot[0], spot[1]),
+            textcoords="data",
+            ha="right",
+            va="center",
+            fontsize=9,
+            color=colour,
+            fontweight="bold" if own else "normal",
+            path_effects=[patheffects.withStroke(linewidth=2.5, foreground="white")],
+            zorder=5,
+            arrowprops={"arrowstyle": "-", "color": colour, "lw": 0.5} if moved else None,
+        )
