@@ -51,7 +51,7 @@ impl SprocketMotions {
 #[derive(Debug, Clone)]
 pub(super) struct Corner {
     size: usize,
-    /// Row after row; then the factors.
+    /// Row after row; then the factors, with inverses of the pivots.
     entries: Vec<f64>,
     /// Entries on the diagonal without teeth.
     own: Vec<f64>,
@@ -113,12 +113,13 @@ impl Corner {
                     matrix.swap(k * size + j, pivot * size + j);
                 }
             }
-            let top = matrix[k * size + k];
-            if top == 0.0 || !top.is_finite() {
+            let over = 1.0 / matrix[k * size + k];
+            if !over.is_finite() || over == 0.0 {
                 return false;
             }
+            matrix[k * size + k] = over;
             for i in k + 1..size {
-                let factor = matrix[i * size + k] / top;
+                let factor = matrix[i * size + k] * over;
                 matrix[i * size + k] = factor;
                 for j in k + 1..size {
                     matrix[i * size + j] -= factor * matrix[k * size + j];
@@ -143,7 +144,7 @@ impl Corner {
             for j in i + 1..size {
                 right[i] -= matrix[i * size + j] * right[j];
             }
-            right[i] /= matrix[i * size + i];
+            right[i] *= matrix[i * size + i];
         }
     }
 }

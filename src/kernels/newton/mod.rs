@@ -127,11 +127,10 @@ impl NewtonMatrix {
             teeth: &self.teeth,
             terms: &mut self.links,
         });
-        let force = &evaluated.chain.force;
         let regular = instructions.run(FactoriseRing {
             ring: &mut self.ring,
             blocks: &self.links.ring,
-            closed: |k: usize| force[k] > 0.0,
+            force: &evaluated.chain.force,
         });
         regular && self.eliminate_border(instructions, n)
     }
@@ -214,7 +213,7 @@ impl NewtonMatrix {
         });
         let unknowns = self.links.ring_unknowns(links);
         instructions.run(SolveRing {
-            ring: &self.ring,
+            ring: &mut self.ring,
             unknowns,
         });
         self.links.close_ring(links);

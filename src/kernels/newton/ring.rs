@@ -4,6 +4,8 @@
 //! eliminated from both of its ends towards its middle, two sweeps that do not wait for each other. A ring without an open
 //! hinge is cut at the last one, whose two unknowns are solved for at the end.
 
+use std::ops::Range;
+
 use pulp::{Simd, WithSimd};
 
 use crate::vector::Numbers;
@@ -23,6 +25,14 @@ pub(super) struct RingBlocks {
     pub(super) before: [Numbers; 4],
 }
 
+/// A hinge's row before elimination.
+#[derive(Debug, Clone, Copy, Default)]
+struct Row {
+    own: Symmetric,
+    /// Its coupling with the hinge before.
+    before: Block,
+}
+
 /// What elimination leaves of a hinge.
 #[derive(Debug, Clone, Copy, Default)]
 struct Eliminated {
@@ -33,23 +43,22 @@ struct Eliminated {
     follow: Block,
 }
 
-/// A piece of the ring between two open hinges: its first hinge and how many there are.
-#[derive(Debug, Clone, Copy)]
-struct Piece {
-    first: usize,
-    length: usize,
-}
-
-/// The ring's factors.
+/// The ring's factors. Places run along the ring from an open hinge on, so that no piece goes past the last one.
 #[derive(Debug, Clone)]
 pub(super) struct Ring {
     hinges: usize,
-    pieces: Vec<Piece>,
+    /// Hinge of the first place.
+    origin: usize,
+    /// Places of the pieces between open hinges.
+    pieces: Vec<Range<usize>>,
+    rows: Vec<Row>,
     eliminated: Vec<Eliminated>,
     /// Only in a ring without an open hinge.
     cut: Option<Cut>,
-    /// How all other unknowns follow from those of the cut: two columns, each normal and tangential.
-    from_cut: [[Vec<f64>; 2]; 2],
+    /// How all other unknowns follow from those of the cut, a column each.
+    from_cut: [Vec<[f64; 2]>; 2],
+    /// Scratch of a solution.
+    unknowns: Vec<[f64; 2]>,
 }
 
 /// The last hinge of a ring that is closed.
@@ -102,92 +111,91 @@ impl RingBlocks {
             before: [zeros(), zeros(), zeros(), zeros()],
         }
     }
-
-    /// S of hinge `k`.
-    #[inline(always)]
-    fn of(&self, k: usize) -> Symmetric {
-        let [first, last, beside] = &self.diagonal;
-        [first[k], last[k], beside[k]]
-    }
-
-    /// Row k in the unknowns of hinge k - 1.
-    #[inline(always)]
-    fn before(&self, k: usize) -> Block {
-        let [a, b, c, d] = &self.before;
-        [a[k], b[k], c[k], d[k]]
-    }
 }
 
 impl Ring {
     /// Room for `hinges`.
     pub(super) fn new(hinges: usize) -> Self {
-        let column = || [vec![0.0; hinges], vec![0.0; hinges]];
         Self {
             hinges,
+            origin: 0,
             pieces: Vec::with_capacity(hinges),
+            rows: vec![Row::default(); hinges],
             eliminated: vec![Eliminated::default(); hinges],
             cut: None,
-            from_cut: [column(), column()],
+            from_cut: [vec![[0.0; 2]; hinges], vec![[0.0; 2]; hinges]],
+            unknowns: vec![[0.0; 2]; hinges],
         }
     }
 
     /// Finds the pieces between hinges that are open; true when none is, and the last hinge is left out.
-    fn find_pieces(&mut self, closed: impl Fn(usize) -> bool) -> bool {
+    fn find_pieces(&mut self, force: &[f64]) -> bool {
         let n = self.hinges;
+        let closed = |k: usize| force[k] > 0.0;
         self.pieces.clear();
         let Some(open) = (0..n).find(|&k| !closed(k)) else {
-            self.pieces.push(Piece {
-                first: 0,
-                length: n - 1,
-            });
+            self.origin = 0;
+            self.pieces.push(0..n - 1);
             return true;
         };
-        let mut length = 0;
-        for step in 1..=n {
-            let k = if open + step < n {
-                open + step
-            } else {
-                open + step - n
-            };
-            if closed(k) {
-                length += 1;
-            } else if length > 0 {
-                let first = (k + n - length) % n;
-                self.pieces.push(Piece { first, length });
-                length = 0;
+        self.origin = open;
+        let (before, after) = force[..n].split_at(open);
+        let mut first = 1;
+        for (place, &force) in after.iter().chain(before).enumerate() {
+            if force > 0.0 {
+                continue;
             }
+            if first < place {
+                self.pieces.push(first..place);
+            }
+            first = place + 1;
+        }
+        if first < n {
+            self.pieces.push(first..n);
         }
         false
     }
 
-    /// Zeros for the hinges that are in no piece.
+    /// Takes the blocks over, place by place.
     #[inline(always)]
-    fn open_others(&self, normal: &mut [f64], tangential: &mut [f64]) {
-        let n = self.hinges;
-        for (i, piece) in self.pieces.iter().enumerate() {
-            let next = self.pieces[if i + 1 < self.pieces.len() { i + 1 } else { 0 }];
-            let mut k = (piece.first + piece.length) % n;
-            while k != next.first {
-                (normal[k], tangential[k]) = (0.0, 0.0);
-                k = if k + 1 < n { k + 1 } else { 0 };
-            }
-        }
-        if self.pieces.is_empty() {
-            normal.fill(0.0);
-            tangential.fill(0.0);
-        }
+    fn take_rows(&mut self, blocks: &RingBlocks) {
+        let (n, origin) = (self.hinges, self.origin);
+        let (first, last) = self.rows.split_at_mut(n - origin);
+        copy_rows(first, blocks, origin);
+        copy_rows(last, blocks, 0);
+    }
+}
+
+/// Rows of the hinges from `from` on.
+#[inline(always)]
+fn copy_rows(rows: &mut [Row], blocks: &RingBlocks, from: usize) {
+    let RingBlocks {
+        diagonal: [d0, d1, d2],
+        before: [b0, b1, b2, b3],
+    } = blocks;
+    let count = rows.len();
+    let part = |array: &Numbers| from..from + array[from..from + count].len();
+    let (d0, d1, d2) = (&d0[part(d0)], &d1[part(d1)], &d2[part(d2)]);
+    let (b0, b1, b2, b3) = (&b0[part(b0)], &b1[part(b1)], &b2[part(b2)], &b3[part(b3)]);
+    let diagonal = d0.iter().zip(d1).zip(d2);
+    let before = b0.iter().zip(b1).zip(b2).zip(b3);
+    for ((row, ((d0, d1), d2)), (((b0, b1), b2), b3)) in rows.iter_mut().zip(diagonal).zip(before) {
+        *row = Row {
+            own: [*d0, *d1, *d2],
+            before: [*b0, *b1, *b2, *b3],
+        };
     }
 }
 
 /// Factorises the ring; false when a block has no inverse.
-pub(super) struct FactoriseRing<'a, Closed> {
+pub(super) struct FactoriseRing<'a> {
     pub(super) ring: &'a mut Ring,
     pub(super) blocks: &'a RingBlocks,
-    /// Whether a hinge bears a force.
-    pub(super) closed: Closed,
+    /// Forces of the hinges \[N\]; those that bear none are open.
+    pub(super) force: &'a [f64],
 }
 
-impl<Closed: Fn(usize) -> bool> WithSimd for FactoriseRing<'_, Closed> {
+impl WithSimd for FactoriseRing<'_> {
     type Output = bool;
 
     #[inline(always)]
@@ -195,17 +203,21 @@ impl<Closed: Fn(usize) -> bool> WithSimd for FactoriseRing<'_, Closed> {
         let Self {
             ring,
             blocks,
-            closed,
+            force,
         } = self;
-        let n = ring.hinges;
-        let whole = ring.find_pieces(&closed);
+        let whole = ring.find_pieces(force);
         ring.cut = None;
+        if ring.pieces.is_empty() {
+            return true;
+        }
+        ring.take_rows(blocks);
         let mut regular = true;
-        for piece in 0..ring.pieces.len() {
-            regular &= eliminate::<S>(&mut ring.eliminated, blocks, ring.pieces[piece], n);
+        for piece in &ring.pieces {
+            let rows = &ring.rows[piece.clone()];
+            regular &= eliminate::<S>(&mut ring.eliminated[piece.clone()], rows);
         }
         if whole {
-            regular &= join_ends::<S>(ring, blocks);
+            regular &= join_ends::<S>(ring);
         }
         regular
     }
@@ -254,139 +266,110 @@ fn eliminate_one<S: Simd>(own: Symmetric, c: Block, next: Symmetric) -> Round {
 
 /// Eliminates a piece from both ends; what is left in the middle is inverted.
 #[inline(always)]
-fn eliminate<S: Simd>(
-    eliminated: &mut [Eliminated],
-    blocks: &RingBlocks,
-    piece: Piece,
-    n: usize,
-) -> bool {
-    let place = |offset: usize| {
-        let k = piece.first + offset;
-        if k < n { k } else { k - n }
-    };
-    let (middle, sweeps) = piece.middle();
-    let (mut low, mut high) = (0, piece.length - 1);
-    let (mut at_low, mut at_high) = (blocks.of(place(low)), blocks.of(place(high)));
+fn eliminate<S: Simd>(eliminated: &mut [Eliminated], rows: &[Row]) -> bool {
+    let length = rows.len();
+    let eliminated = &mut eliminated[..length];
+    let (middle, sweeps) = middle(length);
+    let (mut low, mut high) = (0, length - 1);
+    let (mut at_low, mut at_high) = (rows[low].own, rows[high].own);
     let mut regular = true;
     for _ in 0..sweeps {
-        let (k, next) = (place(low), place(low + 1));
-        let coupling = transposed(blocks.before(next));
-        let up = eliminate_one::<S>(at_low, coupling, blocks.of(next));
-        let (j, before) = (place(high), place(high - 1));
+        let next = &rows[low + 1];
+        let up = eliminate_one::<S>(at_low, transposed(next.before), next.own);
         let below = if low + 1 == high - 1 {
             up.left
         } else {
-            blocks.of(before)
+            rows[high - 1].own
         };
-        let down = eliminate_one::<S>(at_high, blocks.before(j), below);
-        eliminated[k] = up.eliminated;
-        eliminated[j] = down.eliminated;
+        let down = eliminate_one::<S>(at_high, rows[high].before, below);
+        eliminated[low] = up.eliminated;
+        eliminated[high] = down.eliminated;
         regular &= up.regular && down.regular;
         (at_low, at_high) = (up.left, down.left);
         (low, high) = (low + 1, high - 1);
     }
     if middle > sweeps {
-        let (k, next) = (place(low), place(high));
-        let up = eliminate_one::<S>(at_low, transposed(blocks.before(next)), at_high);
-        eliminated[k] = up.eliminated;
+        let up = eliminate_one::<S>(at_low, transposed(rows[high].before), at_high);
+        eliminated[low] = up.eliminated;
         regular &= up.regular;
         at_high = up.left;
     }
     // After the sweeps the upper one has what both left of the middle.
     let last = eliminate_one::<S>(at_high, [0.0; 4], [0.0; 3]);
-    eliminated[place(middle)] = last.eliminated;
+    eliminated[middle] = last.eliminated;
     regular && last.regular
 }
 
-impl Piece {
-    /// The hinge that both sweeps end at, counted from the first one, and how many hinges are swept from either end before one
-    /// more of the lower ones may be left.
-    #[inline(always)]
-    fn middle(self) -> (usize, usize) {
-        (self.length / 2, self.length - 1 - self.length / 2)
-    }
+/// The place that both sweeps of a piece end at, and how many places are swept from either end before one more of the lower
+/// ones may be left.
+#[inline(always)]
+fn middle(length: usize) -> (usize, usize) {
+    (length / 2, length - 1 - length / 2)
 }
 
 /// Solves a piece in place.
 #[inline(always)]
-fn solve_piece<S: Simd>(
-    eliminated: &[Eliminated],
-    piece: Piece,
-    n: usize,
-    [normal, tangential]: [&mut [f64]; 2],
-) {
-    let place = |offset: usize| {
-        let k = piece.first + offset;
-        if k < n { k } else { k - n }
-    };
-    let (middle, sweeps) = piece.middle();
-    let length = piece.length;
-    let (first, last) = (place(0), place(length - 1));
-    let mut up = [normal[first], tangential[first]];
-    let mut down = [normal[last], tangential[last]];
+fn solve_piece<S: Simd>(eliminated: &[Eliminated], unknowns: &mut [[f64; 2]]) {
+    let length = unknowns.len();
+    let eliminated = &eliminated[..length];
+    let (middle, sweeps) = middle(length);
+    let (mut up, mut down) = (unknowns[0], unknowns[length - 1]);
     for i in 0..sweeps {
-        let (k, next) = (place(i), place(i + 1));
-        let own = [normal[next], tangential[next]];
-        up = less::<S>(own, &transposed(eliminated[k].follow), up);
-        (normal[next], tangential[next]) = (up[0], up[1]);
+        up = less::<S>(unknowns[i + 1], &transposed(eliminated[i].follow), up);
+        unknowns[i + 1] = up;
         // The last one of these takes its part off the middle, which the other sweep has changed already.
-        let (j, before) = (place(length - 1 - i), place(length - 2 - i));
-        let own = [normal[before], tangential[before]];
-        down = less::<S>(own, &transposed(eliminated[j].follow), down);
-        (normal[before], tangential[before]) = (down[0], down[1]);
+        let j = length - 1 - i;
+        down = less::<S>(unknowns[j - 1], &transposed(eliminated[j].follow), down);
+        unknowns[j - 1] = down;
     }
     if middle > sweeps {
-        let (k, next) = (place(sweeps), place(sweeps + 1));
-        let own = [normal[next], tangential[next]];
-        up = less::<S>(own, &transposed(eliminated[k].follow), up);
-        (normal[next], tangential[next]) = (up[0], up[1]);
+        let follow = transposed(eliminated[sweeps].follow);
+        unknowns[middle] = less::<S>(unknowns[middle], &follow, up);
     }
-    let k = place(middle);
-    let q = times::<S>(&eliminated[k].inverse, [normal[k], tangential[k]]);
-    (normal[k], tangential[k]) = (q[0], q[1]);
-    let (mut up, mut down) = (q, q);
-    for i in 1..=middle {
-        let k = place(middle - i);
-        let own = times::<S>(&eliminated[k].inverse, [normal[k], tangential[k]]);
-        up = less::<S>(own, &eliminated[k].follow, up);
-        (normal[k], tangential[k]) = (up[0], up[1]);
-        if middle + i < length {
-            let j = place(middle + i);
-            let own = times::<S>(&eliminated[j].inverse, [normal[j], tangential[j]]);
-            down = less::<S>(own, &eliminated[j].follow, down);
-            (normal[j], tangential[j]) = (down[0], down[1]);
-        }
+    let q = times::<S>(&eliminated[middle].inverse, unknowns[middle]);
+    unknowns[middle] = q;
+    (up, down) = (q, q);
+    for i in 1..=sweeps {
+        let (k, j) = (middle - i, middle + i);
+        up = follow_from::<S>(&eliminated[k], unknowns[k], up);
+        unknowns[k] = up;
+        down = follow_from::<S>(&eliminated[j], unknowns[j], down);
+        unknowns[j] = down;
     }
+    if middle > sweeps {
+        unknowns[0] = follow_from::<S>(&eliminated[0], unknowns[0], up);
+    }
+}
+
+/// The unknowns of a hinge from its right-hand side and its neighbour's unknowns.
+#[inline(always)]
+fn follow_from<S: Simd>(hinge: &Eliminated, right: [f64; 2], neighbour: [f64; 2]) -> [f64; 2] {
+    less::<S>(times::<S>(&hinge.inverse, right), &hinge.follow, neighbour)
 }
 
 /// Solves for the last hinge of a ring that is closed.
 #[inline(always)]
-fn join_ends<S: Simd>(ring: &mut Ring, blocks: &RingBlocks) -> bool {
+fn join_ends<S: Simd>(ring: &mut Ring) -> bool {
     let n = ring.hinges;
-    let (cut, first, last) = (n - 1, 0, n - 2);
-    let (to_last, to_first) = (blocks.before(cut), transposed(blocks.before(first)));
-    let mut left = blocks.of(cut);
-    for (column, [normal, tangential]) in ring.from_cut.iter_mut().enumerate() {
-        normal.fill(0.0);
-        tangential.fill(0.0);
+    let (cut, last) = (&ring.rows[n - 1], n - 2);
+    let (to_last, to_first) = (cut.before, transposed(ring.rows[0].before));
+    let mut left = cut.own;
+    for (column, unknowns) in ring.from_cut.iter_mut().enumerate() {
+        let unknowns = &mut unknowns[..n - 1];
+        unknowns.fill([0.0; 2]);
         // Columns of the cut are its rows.
-        for (k, row) in [(first, &to_first), (last, &to_last)] {
-            normal[k] += row[2 * column];
-            tangential[k] += row[2 * column + 1];
+        for (k, row) in [(0, &to_first), (last, &to_last)] {
+            unknowns[k][0] += row[2 * column];
+            unknowns[k][1] += row[2 * column + 1];
         }
-        solve_piece::<S>(
-            &ring.eliminated,
-            ring.pieces[0],
-            n,
-            [normal.as_mut_slice(), tangential.as_mut_slice()],
-        );
+        solve_piece::<S>(&ring.eliminated, unknowns);
+        let (low, high) = (unknowns[last], unknowns[0]);
         for row in 0..=column {
-            let (low, high) = (&to_last[2 * row..], &to_first[2 * row..]);
             let entry = if row == column { row } else { 2 };
-            left[entry] -= low[0] * normal[last]
-                + low[1] * tangential[last]
-                + high[0] * normal[first]
-                + high[1] * tangential[first];
+            left[entry] -= to_last[2 * row] * low[0]
+                + to_last[2 * row + 1] * low[1]
+                + to_first[2 * row] * high[0]
+                + to_first[2 * row + 1] * high[1];
         }
     }
     let round = eliminate_one::<S>(left, [0.0; 4], [0.0; 3]);
@@ -400,7 +383,7 @@ fn join_ends<S: Simd>(ring: &mut Ring, blocks: &RingBlocks) -> bool {
 
 /// Solves the ring in place: normal and tangential parts of all hinges. Those of open hinges become zero.
 pub(super) struct SolveRing<'a> {
-    pub(super) ring: &'a Ring,
+    pub(super) ring: &'a mut Ring,
     pub(super) unknowns: [&'a mut [f64]; 2],
 }
 
@@ -414,24 +397,57 @@ impl WithSimd for SolveRing<'_> {
             unknowns: [normal, tangential],
         } = self;
         let n = ring.hinges;
-        for &piece in &ring.pieces {
-            solve_piece::<S>(&ring.eliminated, piece, n, [&mut *normal, &mut *tangential]);
-        }
-        let Some(cut) = &ring.cut else {
-            ring.open_others(normal, tangential);
+        let (normal, tangential) = (&mut normal[..n], &mut tangential[..n]);
+        if ring.pieces.is_empty() {
+            normal.fill(0.0);
+            tangential.fill(0.0);
             return;
-        };
-        let right = [normal[n - 1], tangential[n - 1]];
-        let right = less::<S>(right, &cut.to_last, [normal[n - 2], tangential[n - 2]]);
-        let right = less::<S>(right, &cut.to_first, [normal[0], tangential[0]]);
-        let q = times::<S>(&cut.inverse, right);
-        for k in 0..n - 1 {
-            for (column, q) in ring.from_cut.iter().zip(q) {
-                normal[k] = fused::<S>(-column[0][k], q, normal[k]);
-                tangential[k] = fused::<S>(-column[1][k], q, tangential[k]);
-            }
         }
-        (normal[n - 1], tangential[n - 1]) = (q[0], q[1]);
+        let (first, last) = ring.unknowns.split_at_mut(n - ring.origin);
+        take_in(first, &normal[ring.origin..], &tangential[ring.origin..]);
+        take_in(last, &normal[..ring.origin], &tangential[..ring.origin]);
+        let mut solved = 0;
+        for piece in &ring.pieces {
+            ring.unknowns[solved..piece.start].fill([0.0; 2]);
+            let eliminated = &ring.eliminated[piece.clone()];
+            solve_piece::<S>(eliminated, &mut ring.unknowns[piece.clone()]);
+            solved = piece.end;
+        }
+        if let Some(cut) = &ring.cut {
+            let unknowns = &mut ring.unknowns[..n];
+            let right = less::<S>(unknowns[n - 1], &cut.to_last, unknowns[n - 2]);
+            let right = less::<S>(right, &cut.to_first, unknowns[0]);
+            let q = times::<S>(&cut.inverse, right);
+            let columns = ring.from_cut[0].iter().zip(&ring.from_cut[1]);
+            for (unknown, (by_n, by_t)) in unknowns[..n - 1].iter_mut().zip(columns) {
+                for part in 0..2 {
+                    let left = fused::<S>(-by_n[part], q[0], unknown[part]);
+                    unknown[part] = fused::<S>(-by_t[part], q[1], left);
+                }
+            }
+            unknowns[n - 1] = q;
+        } else {
+            ring.unknowns[solved..].fill([0.0; 2]);
+        }
+        let (first, last) = ring.unknowns.split_at(n - ring.origin);
+        let (normal_last, normal_first) = normal.split_at_mut(ring.origin);
+        let (tangential_last, tangential_first) = tangential.split_at_mut(ring.origin);
+        hand_out(first, normal_first, tangential_first);
+        hand_out(last, normal_last, tangential_last);
+    }
+}
+
+#[inline(always)]
+fn take_in(unknowns: &mut [[f64; 2]], normal: &[f64], tangential: &[f64]) {
+    for (unknown, (n, t)) in unknowns.iter_mut().zip(normal.iter().zip(tangential)) {
+        *unknown = [*n, *t];
+    }
+}
+
+#[inline(always)]
+fn hand_out(unknowns: &[[f64; 2]], normal: &mut [f64], tangential: &mut [f64]) {
+    for (unknown, (n, t)) in unknowns.iter().zip(normal.iter_mut().zip(tangential)) {
+        [*n, *t] = *unknown;
     }
 }
 
@@ -460,14 +476,14 @@ mod tests {
             }
             let mut dense = DMatrix::<f64>::identity(2 * n, 2 * n);
             for k in (0..n).filter(|&k| closed(k)) {
-                let [a, d, b] = blocks.of(k);
+                let [a, d, b] = [0, 1, 2].map(|i| blocks.diagonal[i][k]);
                 dense[(2 * k, 2 * k)] = a;
                 dense[(2 * k + 1, 2 * k + 1)] = d;
                 dense[(2 * k, 2 * k + 1)] = b;
                 dense[(2 * k + 1, 2 * k)] = b;
                 let before = (k + n - 1) % n;
                 if closed(before) {
-                    for (i, entry) in blocks.before(k).into_iter().enumerate() {
+                    for (i, entry) in blocks.before.iter().map(|array| array[k]).enumerate() {
                         dense[(2 * k + i / 2, 2 * before + i % 2)] += entry;
                         dense[(2 * before + i % 2, 2 * k + i / 2)] += entry;
                     }
@@ -475,14 +491,15 @@ mod tests {
             }
             let right = DVector::from_fn(2 * n, |i, _| if closed(i / 2) { 1.0 + (i % 7) as f64 } else { 0.0 });
             prop_assume!(dense.clone().cholesky().is_some());
+            let force: Vec<f64> = (0..n).map(|k| f64::from(u8::from(closed(k)))).collect();
             let mut bits: Option<Vec<f64>> = None;
             for set in InstructionSet::available() {
                 let mut ring = Ring::new(n);
-                let regular = set.run(FactoriseRing { ring: &mut ring, blocks: &blocks, closed });
+                let regular = set.run(FactoriseRing { ring: &mut ring, blocks: &blocks, force: &force });
                 prop_assert!(regular);
                 let mut normal: Vec<f64> = right.iter().step_by(2).copied().collect();
                 let mut tangential: Vec<f64> = right.iter().skip(1).step_by(2).copied().collect();
-                set.run(SolveRing { ring: &ring, unknowns: [&mut normal, &mut tangential] });
+                set.run(SolveRing { ring: &mut ring, unknowns: [&mut normal, &mut tangential] });
                 let found = DVector::from_fn(2 * n, |i, _| if i % 2 == 0 { normal[i / 2] } else { tangential[i / 2] });
                 let error = (&dense * &found - &right).amax() / found.amax();
                 prop_assert!(error < 1e-12, "{} {}", set.name(), error);

@@ -62,7 +62,7 @@ impl ToothTerms {
         for group in 0..self.touched.len() {
             if std::mem::take(&mut self.touched[group]) {
                 for array in self.all() {
-                    array[group * WIDTH..(group + 1) * WIDTH].fill(0.0);
+                    array.as_chunks_mut::<WIDTH>().0[group] = [0.0; WIDTH];
                 }
             }
         }
@@ -88,8 +88,10 @@ impl ToothTerms {
         }
         self.touch(0, overhang);
         for array in self.all() {
-            for k in 0..overhang {
-                array[k] += std::mem::take(&mut array[links + k]);
+            let (first, behind) = array.split_at_mut(links);
+            for (entry, past) in first.iter_mut().zip(&mut behind[..overhang]) {
+                *entry += *past;
+                *past = 0.0;
             }
         }
     }
