@@ -204,7 +204,9 @@ fn the_path_converges_to_that_of_the_explicit_method() {
     };
     let errors = [1e-9, 1e-10, 1e-11, 1e-12].map(off);
     assert!(errors[0] < 2e-6, "{errors:?}");
-    assert!(errors[3] < 0.03 * errors[0], "{errors:?}");
+    // Two paths differ in where the first onsets fall: single errors scatter threefold.
+    assert!(errors[2] < 0.2 * errors[0], "{errors:?}");
+    assert!(errors[3] < 2e-8, "{errors:?}");
 }
 
 /// q'' = -100 sin q - q'/2: smooth, with a velocity in it.
