@@ -8,7 +8,7 @@ use pulp::{Simd, WithSimd};
 
 use super::contacts::{BASE, HingeTerms};
 use super::ring::RingBlocks;
-use super::teeth::{ENTRIES, ToothTerms};
+use super::teeth::ToothTerms;
 use crate::model::Model;
 use crate::vector::{
     Lanes, Numbers, WIDTH, lane_numbers, load, padded_zeros, partial_load, vectors, vectors_mut,
@@ -68,19 +68,14 @@ impl LinkInertia {
 pub(super) struct LinkTerms {
     /// Inverse of D.
     inverse: [Numbers; 6],
-    /// Inverse of D times F: entries (coordinate, part).
-    front: [Numbers; 6],
-    /// Inverse of D times R.
-    rear: [Numbers; 6],
     /// Turning the link moves its front along n and t of its hinge, its rear along those of the hinge before \[m\].
     lever: [Numbers; 4],
     /// `F^T D⁻¹ F` and `R^T D⁻¹ R`, entries as in the ring's blocks.
     own: [[Numbers; 3]; 2],
     /// The ring of the hinges.
     pub(super) ring: RingBlocks,
-    /// Scratch of a solution: inverse of D times its right-hand side.
-    free: [Numbers; 3],
-    /// Scratch: what that does to the hinge of the front, and to the one before; the first link once more behind the last.
+    /// Scratch of a solution: what links alone do to the hinges of their fronts, and to the ones before; the first link once
+    /// more behind the last.
     push: [[Numbers; 2]; 2],
     /// Scratch: changes of hinge forces; hinge k at [`BASE`] + k.
     hinge: [Numbers; 2],
@@ -93,12 +88,9 @@ impl LinkTerms {
         let hinges = || padded_zeros(BASE + links);
         Self {
             inverse: [(); 6].map(|()| zeros()),
-            front: [(); 6].map(|()| zeros()),
-            rear: [(); 6].map(|()| zeros()),
             lever: [(); 4].map(|()| zeros()),
             own: [(); 2].map(|()| [(); 3].map(|()| with_first())),
             ring: RingBlocks::new(links),
-            free: [(); 3].map(|()| zeros()),
             push: [(); 2].map(|()| [(); 2].map(|()| with_first())),
             hinge: [hinges(), hinges()],
         }
@@ -154,6 +146,15 @@ fn dot<S: Simd>(a: &[Lanes<S>; 3], b: &[Lanes<S>; 3]) -> Lanes<S> {
 struct Symmetric<S: Simd>([Lanes<S>; 6]);
 
 impl<S: Simd> Symmetric<S> {
+    #[inline(always)]
+    fn load(simd: S, arrays: &[Numbers; 6], i: usize) -> Self {
+        let mut entries = [Lanes::splat(simd, 0.0); 6];
+        for (entry, array) in entries.iter_mut().zip(arrays) {
+            *entry = at(simd, array, i);
+        }
+        Self(entries)
+    }
+
     #[inline(always)]
     fn inverse(&self) -> Self {
         let [xx, xy, xz, yy, yz, zz] = self.0;
@@ -278,12 +279,6 @@ impl WithSimd for EliminateLinks<'_> {
             }
             let (front_n, front_t) = (inverse.times(&front.normal), inverse.times(&front.tangent));
             let (rear_n, rear_t) = (inverse.times(&rear.normal), inverse.times(&rear.tangent));
-            for axis in 0..3 {
-                put(&mut terms.front[2 * axis], i, front_n[axis]);
-                put(&mut terms.front[2 * axis + 1], i, front_t[axis]);
-                put(&mut terms.rear[2 * axis], i, rear_n[axis]);
-                put(&mut terms.rear[2 * axis + 1], i, rear_t[axis]);
-            }
             put(&mut terms.lever[0], i, front.normal[2]);
             put(&mut terms.lever[1], i, front.tangent[2]);
             put(&mut terms.lever[2], i, rear.normal[2]);
@@ -370,14 +365,7 @@ impl WithSimd for SolveFree<'_> {
                 at(simd, &self.right[1], i),
                 at(simd, &self.right[2], i),
             ];
-            let mut inverse = [right[0]; ENTRIES.len()];
-            for (entry, array) in inverse.iter_mut().zip(&terms.inverse) {
-                *entry = at(simd, array, i);
-            }
-            let w = Symmetric(inverse).times(&right);
-            for (array, w) in terms.free.iter_mut().zip(w) {
-                put(array, i, w);
-            }
+            let w = Symmetric::load(simd, &terms.inverse, i).times(&right);
             push_hinges(simd, terms, self.hinges, 0, i, w);
             push_hinges(simd, terms, self.hinges, 1, i, [-w[0], -w[1], w[2]]);
         }
@@ -413,38 +401,48 @@ fn push_hinges<S: Simd>(
     put(&mut terms.push[side][1], i, tangent);
 }
 
-/// Takes the hinges' part off the free solution: the solution of all links.
-pub(super) struct TakeHinges<'a> {
+/// Solves all links with the changes of hinge forces known, in place of their right-hand sides.
+pub(super) struct SolveLinks<'a> {
     pub(super) links: usize,
+    pub(super) hinges: &'a HingeTerms,
     pub(super) terms: &'a LinkTerms,
-    pub(super) solution: &'a mut [Numbers; 3],
+    pub(super) unknowns: &'a mut [Numbers; 3],
 }
 
-impl WithSimd for TakeHinges<'_> {
+impl WithSimd for SolveLinks<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let blocks = self.links.div_ceil(S::F64_LANES);
         let terms = self.terms;
+        let [x, y] = &self.hinges.normal;
         let [normal, tangential] = &terms.hinge;
         for i in 0..blocks {
-            let front = [
+            let (fx, fy) = (at(simd, &x[BASE..], i), at(simd, &y[BASE..], i));
+            let (fn_, ft) = (
                 at(simd, &normal[BASE..], i),
                 at(simd, &tangential[BASE..], i),
-            ];
-            let rear = [
+            );
+            let (rx, ry) = (at(simd, &x[BASE - 1..], i), at(simd, &y[BASE - 1..], i));
+            let (rn, rt) = (
                 at(simd, &normal[BASE - 1..], i),
                 at(simd, &tangential[BASE - 1..], i),
+            );
+            let lever = &terms.lever;
+            let front = at(simd, &lever[0], i).mul_add(fn_, at(simd, &lever[1], i) * ft);
+            let rear = at(simd, &lever[2], i).mul_add(rn, at(simd, &lever[3], i) * rt);
+            // Each force, turned from the frame of its hinge; the rear's is the other way round.
+            let along_x = rx.mul_add(rn, ry.negate_mul_add(rt, fy * ft)) - fx * fn_;
+            let along_y = ry.mul_add(rn, rx.mul_add(rt, -(fx * ft))) - fy * fn_;
+            let right = [
+                at(simd, &self.unknowns[0], i) + along_x,
+                at(simd, &self.unknowns[1], i) + along_y,
+                at(simd, &self.unknowns[2], i) - (front + rear),
             ];
-            for axis in 0..3 {
-                let (by_n, by_t) = (&terms.front[2 * axis], &terms.front[2 * axis + 1]);
-                let by_front = at(simd, by_n, i).mul_add(front[0], at(simd, by_t, i) * front[1]);
-                let (by_n, by_t) = (&terms.rear[2 * axis], &terms.rear[2 * axis + 1]);
-                let by_both = at(simd, by_n, i)
-                    .mul_add(rear[0], at(simd, by_t, i).mul_add(rear[1], by_front));
-                let left = at(simd, &terms.free[axis], i) - by_both;
-                put(&mut self.solution[axis], i, left);
+            let w = Symmetric::load(simd, &terms.inverse, i).times(&right);
+            for (array, w) in self.unknowns.iter_mut().zip(w) {
+                put(array, i, w);
             }
         }
     }

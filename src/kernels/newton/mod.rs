@@ -15,7 +15,7 @@ mod teeth;
 use border::{Corner, SprocketMotions};
 use contacts::{HingeTerms, ScaleHinges};
 use gather::{Along, FindLevers, GatherColumn, Take};
-use links::{EliminateLinks, LinkInertia, LinkTerms, SolveFree, TakeHinges, TimesInertia};
+use links::{EliminateLinks, LinkInertia, LinkTerms, SolveFree, SolveLinks, TimesInertia};
 use ring::{FactoriseRing, Ring, SolveRing};
 use teeth::{AddTeeth, Levers, ToothTerms};
 
@@ -217,10 +217,11 @@ impl NewtonMatrix {
             unknowns,
         });
         self.links.close_ring(links);
-        instructions.run(TakeHinges {
+        instructions.run(SolveLinks {
             links,
+            hinges: &self.hinges,
             terms: &self.links,
-            solution: &mut self.unknowns,
+            unknowns: &mut self.unknowns,
         });
     }
 
