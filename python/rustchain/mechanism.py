@@ -12,7 +12,7 @@ import numpy as np
 
 from rustchain._description import Description, plain
 from rustchain._names import known_keywords, suggest
-from rustchain.drive import Material
+from rustchain.drive import Chain, Material, Sprocket
 from rustchain.errors import InvalidInput
 from rustchain.force_law import ForceLaw, LankaraniNikravesh
 
@@ -216,6 +216,8 @@ class Contact(_Part):
     profile_radius: float = 0.0
     points: Rows = ()
     closed: bool = False
+    sprocket: Sprocket | None = None
+    chain: Chain | None = None
 
 
 @known_keywords
@@ -665,6 +667,33 @@ class Mechanism:
                 law,
                 points=rows,
                 closed=closed,
+            )
+        )
+
+    @known_keywords
+    def add_sprocket_contact(
+        self,
+        name: str,
+        wheel: str,
+        circle: str,
+        sprocket: Sprocket,
+        chain: Chain,
+        law: ContactLaw,
+        circle_point: Point = (0.0, 0.0),
+    ) -> None:
+        """Let a bushing of `chain` around a point of one body touch the teeth of another."""
+        self.contacts.append(
+            Contact(
+                "sprocket",
+                name,
+                wheel,
+                circle,
+                (0.0, 0.0),
+                circle_point,
+                chain.bushing_radius,
+                law,
+                sprocket=sprocket,
+                chain=chain,
             )
         )
 

@@ -107,7 +107,7 @@ impl CompiledContact {
     pub(super) fn find(&self, fa: &Frame, fb: &Frame) -> (Contact, usize) {
         let center = fb.place(self.b.point);
         let local = fa.into_local(center - fa.place(self.a.point));
-        let nearest = self.profile.nearest(local);
+        let nearest = self.profile.nearest(local, self.radius);
         let normal = -fa.turned(nearest.outward);
         // Both bodies' velocities along the normal are the same anywhere on it, so at the centre too.
         let approach = fb.velocity_at(center) - fa.velocity_at(center);

@@ -134,6 +134,7 @@ fn surfaces(
     Ok(match curvature {
         // The laws that need a radius of the flat take that of the circle, as for two equal cylinders.
         Curvature::Flat => SurfacePair::flat(radius, radius, length, modulus),
+        Curvature::FlatBefore(next) => SurfacePair::flat(radius, next, length, modulus),
         Curvature::Convex(other) => SurfacePair::external(radius, other, length, modulus),
         Curvature::Concave(other) if other > radius => {
             SurfacePair::internal(radius, other, length, modulus)

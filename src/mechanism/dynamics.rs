@@ -94,6 +94,33 @@ impl MechanismDynamics {
         &self.multipliers
     }
 
+    /// Entries (constraint, coordinate, value) of the Jacobian at the last state.
+    #[must_use]
+    pub fn jacobian(&self) -> Vec<(usize, usize, f64)> {
+        let mut entries = Vec::new();
+        for (i, row) in self.rows.iter().enumerate() {
+            for (body, part) in row.bodies.iter().zip(&row.jacobian) {
+                if let Some(first) = self.model.first[*body] {
+                    entries.extend((0..3).map(|k| (i, first + k, part[k])));
+                }
+            }
+        }
+        entries.retain(|entry| entry.2 != 0.0);
+        entries
+    }
+
+    /// Right-hand sides γ of the constraints at the last state.
+    #[must_use]
+    pub fn gamma(&self) -> Vec<f64> {
+        self.rows.iter().map(|row| row.gamma).collect()
+    }
+
+    /// Mass or moment of inertia of each coordinate, and the load on it at the last state.
+    #[must_use]
+    pub fn masses_and_loads(&self) -> (&[f64], &[f64]) {
+        (&self.model.mass, &self.forces)
+    }
+
     /// Reads positions and velocities (q, then v), without a shift.
     pub(super) fn place(&mut self, state: &[f64]) {
         let n = self.model.coordinates();

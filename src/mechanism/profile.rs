@@ -1,7 +1,7 @@
 //! Shapes that a circle may touch: bore, circle, segment, arc, and outlines made of them.
 
 use crate::error::{Error, Result, check};
-use crate::geometry::{Vec2, turned_left};
+use crate::geometry::{ToothProfile, Vec2, turned_left, unit};
 
 /// A shape in the frame of marker a; a circle around marker b may touch it.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +16,8 @@ pub enum Profile {
         /// Radius \[m\].
         radius: f64,
     },
+    /// The teeth of a sprocket, one gap after another; gap 0 lies along x.
+    Teeth(ToothProfile),
     /// A row of pieces, each beginning where the one before ends; the material lies on their left.
     Outline {
         /// The pieces in order.
@@ -53,6 +55,8 @@ pub(super) struct Nearest {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Curvature {
     Flat,
+    /// A flat that goes on as a convex curve of this radius.
+    FlatBefore(f64),
     Convex(f64),
     Concave(f64),
 }
@@ -99,6 +103,7 @@ impl Profile {
             Self::Bore { radius } | Self::Disc { radius } => {
                 return check::positive(&format!("radius of {field}"), *radius, "m");
             }
+            Self::Teeth(_) => return Ok(()),
             Self::Outline { pieces, .. } => pieces,
         };
         if pieces.is_empty() {
@@ -131,12 +136,18 @@ impl Profile {
         match self {
             Self::Bore { radius } => vec![Curvature::Concave(*radius)],
             Self::Disc { radius } => vec![Curvature::Convex(*radius)],
+            Self::Teeth(profile) => vec![
+                Curvature::Concave(profile.seating.radius),
+                Curvature::Concave(profile.working.radius),
+                Curvature::FlatBefore(profile.topping.radius),
+                Curvature::Convex(profile.topping.radius),
+            ],
             Self::Outline { pieces, .. } => pieces.iter().map(Piece::curvature).collect(),
         }
     }
 
-    /// Where the profile is nearest to `point`, which is given in its frame.
-    pub(super) fn nearest(&self, point: Vec2) -> Nearest {
+    /// Where the profile is nearest to a circle of `radius` around `point`, which is given in its frame.
+    pub(super) fn nearest(&self, point: Vec2, radius: f64) -> Nearest {
         match self {
             Self::Bore { radius } => {
                 let distance = point.norm();
@@ -154,6 +165,7 @@ impl Profile {
                     piece: 0,
                 }
             }
+            Self::Teeth(profile) => nearest_tooth(profile, point, radius),
             Self::Outline { pieces, closed } => nearest_piece(pieces, *closed, point),
         }
     }
@@ -229,6 +241,29 @@ fn direction(vector: Vec2, length: f64) -> Vec2 {
     }
 }
 
+fn nearest_tooth(profile: &ToothProfile, point: Vec2, radius: f64) -> Nearest {
+    let distance = point.norm();
+    let clear = distance - profile.outside_radius;
+    if clear > radius {
+        return Nearest {
+            distance: clear,
+            outward: direction(point, distance),
+            piece: 0,
+        };
+    }
+    let gap = profile.nearest_gap(point.y.atan2(point.x));
+    // v: radially outward through the gap; u: v turned clockwise.
+    let v = unit(f64::from(gap) * profile.gap_angle());
+    let u = Vec2::new(v.y, -v.x);
+    let place = Vec2::new(point.dot(&u), point.dot(&v) - profile.seat_center_radius);
+    let found = profile.contact(place, radius);
+    Nearest {
+        distance: radius - found.penetration,
+        outward: -(found.normal.x * u + found.normal.y * v),
+        piece: found.surface as usize,
+    }
+}
+
 fn nearest_piece(pieces: &[Piece], closed: bool, point: Vec2) -> Nearest {
     let mut best = Nearest {
         distance: f64::INFINITY,
@@ -296,7 +331,7 @@ mod tests {
             ((1.3, 1.4), 0.5, (0.6, 0.8)),
             ((-0.25, 0.5), 0.25, (-1.0, 0.0)),
         ] {
-            let found = square().nearest(Vec2::new(point.0, point.1));
+            let found = square().nearest(Vec2::new(point.0, point.1), 0.1);
             assert!((found.distance - distance).abs() < 1e-15);
             assert!((found.outward - Vec2::new(outward.0, outward.1)).norm() < 1e-15);
         }
@@ -317,19 +352,19 @@ mod tests {
             }
         };
         let above = Vec2::new(0.0, 1.25);
-        assert!((arc(true).nearest(above).distance - 0.25).abs() < 1e-15);
-        assert!((arc(false).nearest(above).distance + 0.25).abs() < 1e-15);
-        assert_eq!(arc(false).nearest(above).outward, Vec2::new(0.0, -1.0));
+        assert!((arc(true).nearest(above, 0.1).distance - 0.25).abs() < 1e-15);
+        assert!((arc(false).nearest(above, 0.1).distance + 0.25).abs() < 1e-15);
+        assert_eq!(arc(false).nearest(above, 0.1).outward, Vec2::new(0.0, -1.0));
         let beside = Vec2::new(1.3, -0.4);
-        assert!((arc(true).nearest(beside).distance - 0.5).abs() < 1e-15);
+        assert!((arc(true).nearest(beside, 0.1).distance - 0.5).abs() < 1e-15);
     }
 
     #[test]
     fn bore_and_disc_are_each_others_complement() {
         let point = Vec2::new(0.3, -0.4);
         let (bore, disc) = (
-            Profile::Bore { radius: 0.7 }.nearest(point),
-            Profile::Disc { radius: 0.7 }.nearest(point),
+            Profile::Bore { radius: 0.7 }.nearest(point, 0.1),
+            Profile::Disc { radius: 0.7 }.nearest(point, 0.1),
         );
         assert_eq!(bore.distance, -disc.distance);
         assert_eq!(bore.outward, -disc.outward);

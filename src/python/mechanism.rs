@@ -4,7 +4,9 @@ use std::sync::{Arc, Mutex};
 
 use pyo3::prelude::*;
 
-use super::describe::{Reader, checked, force_law, material, number, refuse, truth};
+use super::describe::{
+    Reader, chain, checked, force_law, material, number, refuse, sprocket, truth,
+};
 use crate::geometry::Vec2;
 use crate::mechanism::{
     Body, ContactLaw, ContactPair, Curve, CustomForce, ForceElement, ForceKind, Joint, JointKind,
@@ -277,6 +279,10 @@ fn contact(object: &Bound<'_, PyAny>) -> PyResult<ContactPair> {
         "disc" => Profile::Disc {
             radius: read.number("profile_radius", "m")?,
         },
+        "sprocket" => {
+            let wheel = sprocket(&read.get("sprocket")?, &field)?;
+            Profile::Teeth(wheel.tooth_profile(&chain(&read.get("chain")?, &field)?))
+        }
         "polyline" => {
             let points = points(&read.get("points")?, &field)?;
             checked(object.py(), Profile::polyline(&field, &points, closed()?))?
