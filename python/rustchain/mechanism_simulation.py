@@ -46,7 +46,7 @@ class MechanismSimulation:
     mechanism : Mechanism
         What moves. Later changes of it have no effect.
     solver : Solver
-        Tolerances; its method must be "auto" or "pece".
+        Method and tolerances; "newton" is for mechanisms of some tens of bodies.
     baumgarte : float, optional
         Angular frequency [rad/s] of Baumgarte's stabilisation, for comparison; by default positions
         and velocities are projected onto the constraints after each step.
@@ -70,9 +70,6 @@ class MechanismSimulation:
     ) -> None:
         if not isinstance(mechanism, Mechanism):
             msg = f"mechanism = {mechanism!r}: must be a Mechanism"
-            raise InvalidInput(msg)
-        if solver.method == "newton":
-            msg = "solver.method = 'newton': is for chain drives; take 'auto' or 'pece'"
             raise InvalidInput(msg)
         self.name = mechanism.name
         self.solver = solver

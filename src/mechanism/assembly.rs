@@ -331,11 +331,12 @@ fn loose_parts(model: &MechanismModel) -> Vec<String> {
     for [a, b, c] in joints.chain(forces).chain(contacts).chain(fixed) {
         let other = if c == 0 { b } else { c };
         for (x, y) in [(a, b), (b, other)] {
-            let (from, to) = (part[x].max(part[y]), part[x].min(part[y]));
-            part.iter_mut()
-                .filter(|p| **p == from)
-                .for_each(|p| *p = to);
+            let (x, y) = (root(&mut part, x), root(&mut part, y));
+            part[x.max(y)] = x.min(y);
         }
+    }
+    for i in 0..part.len() {
+        part[i] = root(&mut part, i);
     }
     let mut numbers: Vec<usize> = part.iter().copied().filter(|&p| p != 0).collect();
     numbers.sort_unstable();
@@ -356,6 +357,15 @@ fn loose_parts(model: &MechanismModel) -> Vec<String> {
             )
         })
         .collect()
+}
+
+/// The least body of the part that a body belongs to.
+fn root(part: &mut [usize], mut body: usize) -> usize {
+    while part[body] != body {
+        part[body] = part[part[body]];
+        body = part[body];
+    }
+    body
 }
 
 /// Bodies whose mass and inertia do not belong to a body of their size.

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use nalgebra::{Dyn, LU};
+
 use super::body::Frame;
 use super::constrained::Constrained;
 use super::contact::{Memory, Touch};
@@ -41,6 +43,10 @@ pub struct MechanismDynamics {
     pub(super) stabilisation: Stabilisation,
     /// Below this, the constraints count as near a singular position.
     pub(super) near_singular: f64,
+    /// Time of the last derivative \[s\].
+    pub(super) time: f64,
+    /// Factors of the implicit corrector's matrix, once it is used.
+    pub(super) corrector: Option<LU<f64, Dyn, Dyn>>,
     /// Scratch: loads of the free coordinates.
     pub(super) forces: Vec<f64>,
     /// Scratch: the state with its shift.
@@ -64,6 +70,8 @@ impl MechanismDynamics {
             shift: vec![0.0; 2 * n],
             stabilisation,
             near_singular: 0.0,
+            time: 0.0,
+            corrector: None,
             forces: vec![0.0; n],
             shifted: vec![0.0; 2 * n],
             model,
@@ -227,16 +235,13 @@ impl MechanismDynamics {
     #[must_use]
     pub(super) fn reaction(&self, joint: usize) -> [f64; 3] {
         let mut load = [0.0; 3];
-        let equations = self.model.equations.iter().zip(&self.rows);
-        for ((equation, row), lambda) in equations.zip(&self.multipliers) {
-            if equation.joint == joint {
-                let frame = &self.frames[equation.b.body];
-                let arm = frame.turned(equation.b.point);
-                let [x, y, torque] = row.jacobian[1].map(|j| -lambda * j);
-                load[0] += x;
-                load[1] += y;
-                load[2] += torque - (arm.x * y - arm.y * x);
-            }
+        for i in self.model.equations_of_joint[joint].clone() {
+            let end = self.model.equations[i].b;
+            let arm = self.frames[end.body].turned(end.point);
+            let [x, y, torque] = self.rows[i].jacobian[1].map(|j| -self.multipliers[i] * j);
+            load[0] += x;
+            load[1] += y;
+            load[2] += torque - (arm.x * y - arm.y * x);
         }
         load
     }
@@ -259,6 +264,7 @@ impl OdeSystem for MechanismDynamics {
         for ((x, y), shift) in shifted.iter_mut().zip(y).zip(&self.shift) {
             *x = y + shift;
         }
+        self.time = t;
         self.evaluate(t, &shifted);
         dydt[..n].copy_from_slice(&shifted[n..]);
         dydt[n..2 * n].copy_from_slice(&self.accelerations);

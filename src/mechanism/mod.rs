@@ -13,6 +13,7 @@ mod curve;
 mod dynamics;
 mod equation;
 mod force_element;
+mod implicit;
 mod joint;
 mod kkt;
 mod loads;

@@ -1,5 +1,8 @@
 //! A mechanism as a run needs it: names resolved, what is placed measured, everything by number.
 
+use std::collections::HashMap;
+use std::ops::Range;
+
 use super::body::{Body, End, Frame, Marker};
 use super::contact::CompiledContact;
 use super::contact_law::ContactLaw;
@@ -24,6 +27,10 @@ pub struct MechanismModel {
     pub(super) forces: Vec<Force>,
     pub(super) contacts: Vec<CompiledContact>,
     pub(super) contact_names: Vec<String>,
+    /// Body by name.
+    numbers: HashMap<String, usize>,
+    /// The equations of each joint.
+    pub(super) equations_of_joint: Vec<Range<usize>>,
     /// Whether the error test has to watch the energy.
     pub(super) watches_energy: bool,
 }
@@ -35,9 +42,10 @@ impl MechanismModel {
     /// Names the part, the field and what is allowed.
     pub fn compile(mechanism: &Mechanism) -> Result<Self> {
         let mut bodies = vec![Body::new(GROUND, 0.0, 0.0).fixed()];
+        let mut numbers = HashMap::from([(GROUND.to_string(), 0)]);
         for body in &mechanism.bodies {
             body.validate()?;
-            if bodies.iter().any(|other| other.name == body.name) {
+            if numbers.insert(body.name.clone(), bodies.len()).is_some() {
                 return Err(Error::invalid(
                     "name of a body",
                     format!("{:?}", body.name),
@@ -68,13 +76,17 @@ impl MechanismModel {
             contacts: Vec::new(),
             watches_energy: (mechanism.contacts.iter())
                 .any(|c| matches!(c.law, ContactLaw::Linear { damping, .. } if damping > 0.0)),
+            numbers,
+            equations_of_joint: Vec::new(),
             contact_names: mechanism.contacts.iter().map(|c| c.name.clone()).collect(),
         };
         let frames = model.start_frames();
         for (number, joint) in mechanism.joints.iter().enumerate() {
             joint.validate()?;
             let equations = model.equations_of(number, joint, &frames)?;
+            let first = model.equations.len();
             model.equations.extend(equations);
+            model.equations_of_joint.push(first..model.equations.len());
         }
         for force in &mechanism.forces {
             force.validate()?;
@@ -148,7 +160,7 @@ impl MechanismModel {
     }
 
     fn end(&self, marker: &Marker, owner: impl Fn() -> String) -> Result<End> {
-        if let Some(body) = self.bodies.iter().position(|b| b.name == marker.body) {
+        if let Some(&body) = self.numbers.get(&marker.body) {
             let point = marker.point;
             return Ok(End { body, point });
         }

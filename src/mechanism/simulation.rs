@@ -11,7 +11,7 @@ use super::model::MechanismModel;
 use super::recording::MechanismRecording;
 use crate::contact::first_crossing;
 use crate::error::{Error, Result};
-use crate::integrator::{Adams, Counts, OdeSystem, StepControl};
+use crate::integrator::{Adams, Corrector, Counts, OdeSystem, StepControl};
 
 /// A mechanism in motion.
 #[derive(Debug, Clone)]
@@ -219,7 +219,11 @@ impl MechanismSimulation {
 
     fn step(&mut self) -> Result<()> {
         self.shift_before.copy_from_slice(&self.dynamics.shift);
-        let step = self.adams.step(&mut self.dynamics).map_err(|failure| {
+        let step = match self.adams.control().corrector {
+            Corrector::Pece => self.adams.step(&mut self.dynamics),
+            Corrector::Newton => self.adams.step_newton(&mut self.dynamics),
+        };
+        let step = step.map_err(|failure| {
             let model = Arc::clone(self.dynamics.model());
             let n = model.coordinates();
             Error::from_failure(failure, |_, component| {

@@ -233,8 +233,17 @@ def test_loose_parts_are_warned_of():
         rc.Simulation(mechanism)
 
 
-def test_newtons_method_is_refused_and_keywords_are_checked():
-    with pytest.raises(rc.InvalidInput, match="newton"):
-        rc.Simulation(pendulum(), solver=rc.Solver(method="newton"))
+def test_newtons_method_keeps_the_joints_too():
+    ends = []
+    for accuracy in (1e-8, 1e-10):
+        solver = rc.Solver(method="newton", accuracy=accuracy, max_step=0.01)
+        simulation = rc.Simulation(pendulum(), solver=solver)
+        result = simulation.run(duration=0.5, report_step=0.05, progress=False)
+        assert np.max(result.joint("bearing").position_residual) < 1e-14
+        ends.append(np.max(np.abs(result.energy.residual)))
+    assert ends[1] < 0.2 * ends[0] < 1e-3
+
+
+def test_keywords_are_checked():
     with pytest.raises(TypeError, match="did you mean 'baumgarte'"):
         rc.Simulation(pendulum(), baumgart=1.0)

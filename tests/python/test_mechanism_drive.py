@@ -1,4 +1,4 @@
-"""Drives as mechanisms: with clearance they move as the drive, with ideal hinges the chain closes."""
+"""Drives as mechanisms: with clearance they move as the drive, with ideal hinges chains close."""
 
 import numpy as np
 import pytest
