@@ -69,6 +69,17 @@ pub enum Error {
         /// Body whose state is largest beside its tolerance, and the contact it is in.
         culprit: String,
     },
+    /// The joints of a mechanism cannot all hold any longer.
+    #[error(
+        "the joints cannot all hold after t = {time:.9} s; the nearest miss {residuals}: the mechanism is jammed, \
+         driven past its reach, or rtol and atol are too large"
+    )]
+    JointsApart {
+        /// Time reached \[s\].
+        time: f64,
+        /// Largest residuals by joint.
+        residuals: String,
+    },
     /// A case of an ensemble met a defect of this crate.
     #[error("the run panicked, a defect of rustchain that is worth a report: {0}")]
     Panicked(String),

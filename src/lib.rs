@@ -19,6 +19,7 @@ pub mod force_law;
 pub mod geometry;
 pub mod integrator;
 mod kernels;
+pub mod mechanism;
 pub mod model;
 mod recorder;
 mod simulate;

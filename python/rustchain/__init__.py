@@ -31,6 +31,19 @@ from rustchain.errors import (
     SimulationError,
 )
 from rustchain.force_law import EnhancedCylinder, ForceLaw, Hertz, Johnson, LankaraniNikravesh
+from rustchain.mechanism import (
+    HuntCrossley,
+    LinearContact,
+    Mechanism,
+    MechanismReport,
+    Sines,
+    SmoothStep,
+    Spline,
+    SurfaceContact,
+    Table,
+)
+from rustchain.mechanism_result import MechanismResult
+from rustchain.mechanism_simulation import MechanismEvaluation, MechanismSimulation
 from rustchain.report import DriveReport
 from rustchain.result import Result, load_result
 from rustchain.simulation import Evaluation, Simulation, Solver
@@ -52,20 +65,32 @@ __all__ = [
     "ForceLaw",
     "Free",
     "Hertz",
+    "HuntCrossley",
     "InvalidInput",
     "Johnson",
     "LankaraniNikravesh",
+    "LinearContact",
     "Link",
     "Material",
+    "Mechanism",
+    "MechanismEvaluation",
+    "MechanismReport",
+    "MechanismResult",
+    "MechanismSimulation",
     "NotRecorded",
     "PrescribedSpeed",
     "RangeWarning",
     "Result",
     "Simulation",
     "SimulationError",
+    "Sines",
+    "SmoothStep",
     "Solver",
+    "Spline",
     "Sprocket",
+    "SurfaceContact",
     "SweepResult",
+    "Table",
     "Tensioner",
     "catalogue_chain",
     "instruction_set",

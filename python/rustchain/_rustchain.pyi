@@ -9,6 +9,7 @@ import numpy.typing as npt
 from rustchain._description import Description
 from rustchain.drive import Chain, ChainDrive, Material, Sprocket
 from rustchain.force_law import ForceLaw
+from rustchain.mechanism import Mechanism
 from rustchain.result import Result
 from rustchain.simulation import Solver
 
@@ -17,6 +18,7 @@ __all__ = [
     "Core",
     "Ensemble",
     "InvalidInput",
+    "MechanismCore",
     "SimulationError",
     "closing_center_distance",
     "instruction_set",
@@ -39,7 +41,7 @@ class SimulationError(RuntimeError):
     time: float | None  # [s]; all None for a case that panicked
     step_size: float | None  # [s]
     contact: str | None
-    result: Result | None  # what was recorded; set by Simulation.run and sweep
+    result: Result | None  # what was recorded; set by run (of a mechanism its own) and sweep
 
 def validate(description: Description) -> None:
     """Raise InvalidInput, naming the field, its value and what is allowed."""
@@ -177,3 +179,43 @@ class Ensemble:
         """
     def close(self) -> None:
         """Stop all cases, and wait until they have."""
+
+@final
+class MechanismCore:
+    """A compiled mechanism, its state and its integrator."""
+
+    def __new__(
+        cls, mechanism: Mechanism, solver: Solver, baumgarte: float | None
+    ) -> MechanismCore: ...
+    @property
+    def body_names(self) -> list[str]:
+        """Names of the bodies, in the order of every (bodies, 3) array."""
+    @property
+    def joint_names(self) -> list[str]:
+        """Names of the joints."""
+    @property
+    def contact_names(self) -> list[str]:
+        """Names of the contacts."""
+    @property
+    def time(self) -> float:
+        """Present time [s]."""
+    @property
+    def positions(self) -> _Array:
+        """Present positions [m, m, rad], (bodies, 3)."""
+    @property
+    def velocities(self) -> _Array:
+        """Present velocities [m/s, m/s, rad/s], (bodies, 3)."""
+    def check(self) -> dict[str, Any]:
+        """Return the fields of a MechanismReport."""
+    def evaluate(self) -> dict[str, _Array]:
+        """Return the fields of a MechanismEvaluation."""
+    def start_recording(self, duration: float, report_step: float) -> None:
+        """Begin a recording that ends `duration` [s] from now."""
+    def advance(self, wall_budget: float) -> bool:
+        """Go on for about `wall_budget` seconds of wall time; return whether the end is reached."""
+    def take_recording(self) -> dict[str, _Array]:
+        """Return the rows recorded up to now."""
+    def step_to(self, t: float, wall_budget: float) -> bool:
+        """Go on towards exactly `t` [s]; return whether it is reached."""
+    def stats(self) -> dict[str, float]:
+        """Return the counts of the run."""

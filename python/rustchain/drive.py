@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from rustchain._description import Description
 from rustchain._names import known_keywords
 from rustchain.report import DriveReport
+
+if TYPE_CHECKING:
+    from rustchain.force_law import ForceLaw
+    from rustchain.mechanism import Mechanism
 
 Point: TypeAlias = tuple[float, float]
 Seat = Literal["bottom-diameter", "pitch-circle"]
@@ -253,3 +257,24 @@ class ChainDrive(Description):
     def check(self) -> DriveReport:
         """Lay the chain out and return what was chosen; print the report to read it as a table."""
         return DriveReport.of(self)
+
+    def to_mechanism(
+        self,
+        hinges: Literal["clearance", "ideal"] = "clearance",
+        force_law: ForceLaw | None = None,
+        min_approach_speed: float = 1e-3,
+    ) -> Mechanism:
+        """Return the drive as a mechanism, laid out and ready to be extended.
+
+        Parameters
+        ----------
+        hinges : {"clearance", "ideal"}
+            Pins with play in their bushings, or ideal joints, whose reactions are the hinge forces.
+        force_law : ForceLaw, optional
+            Law of the contacts, by default that of Lankarani and Nikravesh.
+        min_approach_speed : float
+            Least approach speed that the damping reckons with [m/s].
+        """
+        from rustchain._drive_mechanism import drive_mechanism
+
+        return drive_mechanism(self, hinges, force_law, min_approach_speed)

@@ -18,6 +18,7 @@ from rustchain._names import known_keywords, suggest
 from rustchain.drive import ChainDrive
 from rustchain.errors import EnergyWarning, InvalidInput, RangeWarning, SimulationError
 from rustchain.force_law import ForceLaw, LankaraniNikravesh
+from rustchain.mechanism import Mechanism
 from rustchain.result import Array, Result, Status
 
 if TYPE_CHECKING:
@@ -102,11 +103,11 @@ _SCENE = ("drive", "force_law", "hinge_law", "tooth_law", "min_approach_speed", 
 
 @known_keywords
 class Simulation:
-    """A chain drive in motion.
+    """A chain drive in motion; a mechanism makes a `MechanismSimulation`, with its keywords.
 
     Parameters
     ----------
-    drive : ChainDrive
+    drive : ChainDrive or Mechanism
         What moves.
     force_law : ForceLaw
         Law of every contact.
@@ -130,6 +131,14 @@ class Simulation:
     RangeWarning
         A contact has left the range of its law.
     """
+
+    def __new__(cls, drive: object = None, *_: object, **keywords: Any) -> Simulation:  # noqa: ANN401
+        """Return the simulation that suits what is given."""
+        if isinstance(drive, Mechanism):
+            from rustchain.mechanism_simulation import MechanismSimulation
+
+            return MechanismSimulation(drive, **keywords)  # type: ignore[return-value]
+        return super().__new__(cls)
 
     def __init__(
         self,

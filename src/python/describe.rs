@@ -17,14 +17,18 @@ use crate::recorder::Groups;
 use crate::simulate::check_reports;
 
 /// One description object, whose fields are read by name.
-struct Reader<'a, 'py> {
+pub(super) struct Reader<'a, 'py> {
     object: &'a Bound<'py, PyAny>,
-    kind: String,
+    pub(super) kind: String,
 }
 
 impl<'a, 'py> Reader<'a, 'py> {
     /// Reads `object`, which must be a description of one of the `kinds`.
-    fn new(object: &'a Bound<'py, PyAny>, field: &str, kinds: &[&str]) -> PyResult<Self> {
+    pub(super) fn new(
+        object: &'a Bound<'py, PyAny>,
+        field: &str,
+        kinds: &[&str],
+    ) -> PyResult<Self> {
         let kind = kind_of(object);
         if kinds.contains(&kind.as_str()) {
             return Ok(Self { object, kind });
@@ -41,15 +45,15 @@ impl<'a, 'py> Reader<'a, 'py> {
         format!("{}.{field}", self.kind)
     }
 
-    fn get(&self, field: &str) -> PyResult<Bound<'py, PyAny>> {
+    pub(super) fn get(&self, field: &str) -> PyResult<Bound<'py, PyAny>> {
         self.object.getattr(field)
     }
 
-    fn number(&self, field: &str, unit: &str) -> PyResult<f64> {
+    pub(super) fn number(&self, field: &str, unit: &str) -> PyResult<f64> {
         number(&self.get(field)?, &self.name(field), unit)
     }
 
-    fn optional_number(&self, field: &str, unit: &str) -> PyResult<Option<f64>> {
+    pub(super) fn optional_number(&self, field: &str, unit: &str) -> PyResult<Option<f64>> {
         let value = self.get(field)?;
         if value.is_none() {
             return Ok(None);
@@ -75,7 +79,7 @@ impl<'a, 'py> Reader<'a, 'py> {
         count(&self.get(field)?, &self.name(field))
     }
 
-    fn vector(&self, field: &str, unit: &str) -> PyResult<Vec2> {
+    pub(super) fn vector(&self, field: &str, unit: &str) -> PyResult<Vec2> {
         let value = self.get(field)?;
         if let Ok(pair) = value.cast::<PyTuple>()
             && pair.len() == 2
@@ -95,7 +99,7 @@ impl<'a, 'py> Reader<'a, 'py> {
     }
 
     /// One of several words, each standing for a value; `None` in Python is the word "None".
-    fn word<T: Copy>(&self, field: &str, words: &[(&str, T)]) -> PyResult<T> {
+    pub(super) fn word<T: Copy>(&self, field: &str, words: &[(&str, T)]) -> PyResult<T> {
         let value = self.get(field)?;
         let text = if value.is_none() {
             "None".to_string()
@@ -175,7 +179,7 @@ pub(super) fn finite(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyRes
 }
 
 /// True or False.
-fn truth(value: &Bound<'_, PyAny>, field: &str) -> PyResult<bool> {
+pub(super) fn truth(value: &Bound<'_, PyAny>, field: &str) -> PyResult<bool> {
     value
         .extract()
         .map_err(|_| refuse(value.py(), field, value, "must be True or False"))
@@ -228,7 +232,12 @@ pub(super) fn number(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyRes
     Err(refuse(value.py(), field, value, &expected))
 }
 
-fn refuse(py: Python<'_>, field: &str, value: &Bound<'_, PyAny>, expected: &str) -> PyErr {
+pub(super) fn refuse(
+    py: Python<'_>,
+    field: &str,
+    value: &Bound<'_, PyAny>,
+    expected: &str,
+) -> PyErr {
     let shown = value.repr().map(|r| r.to_string()).unwrap_or_default();
     to_python(py, &Error::invalid(field, shown, expected))
 }

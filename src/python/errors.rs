@@ -46,6 +46,7 @@ pub(super) fn to_python(py: Python<'_>, error: &Error) -> PyErr {
             culprit,
             ..
         } => (Some(*time), Some(*step_size), Some(culprit.as_str())),
+        Error::JointsApart { time, residuals } => (Some(*time), None, Some(residuals.as_str())),
         Error::Panicked(_) => (None, None, None),
     };
     let exception = SimulationError::new_err(error.to_string());

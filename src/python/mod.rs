@@ -5,6 +5,8 @@ mod describe;
 mod ensemble;
 mod errors;
 mod functions;
+mod mechanism;
+mod mechanism_core;
 
 use pyo3::prelude::*;
 
@@ -17,6 +19,7 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<core::Core>()?;
     module.add_class::<ensemble::Case>()?;
     module.add_class::<ensemble::Ensemble>()?;
+    module.add_class::<mechanism_core::MechanismCore>()?;
     module.add_function(wrap_pyfunction!(describe::validate, module)?)?;
     module.add_function(wrap_pyfunction!(functions::instruction_set, module)?)?;
     module.add_function(wrap_pyfunction!(functions::layout, module)?)?;

@@ -1,0 +1,105 @@
+"""A falling chain of ideal hinges: rustchain beside exudyn, error and time of both.
+
+Needs exudyn: ``pip install --group peers``. Each error is the largest distance of a bar's centre
+from where rustchain puts it at 1e-12, whose own error shows in the line at 1e-11.
+"""
+
+import math
+import sys
+import time
+
+import numpy as np
+
+import rustchain as rc
+
+LENGTH, MASS, GRAVITY, SPAN = 0.1, 0.02, 9.81, 0.3
+
+
+def places(bars):
+    """Centre and angle of each bar of a zigzag that begins at the origin."""
+    end, rows = np.zeros(2), []
+    for k in range(bars):
+        angle = 0.3 if k % 2 else -0.3
+        step = LENGTH * np.array([math.cos(angle), math.sin(angle)])
+        rows.append((*(end + 0.5 * step), angle))
+        end = end + step
+    return rows
+
+
+def by_rustchain(bars, tolerance):
+    """Centres at the end, wall time [s] and steps."""
+    mechanism = rc.Mechanism(gravity=(0.0, -GRAVITY))
+    for k, place in enumerate(places(bars)):
+        mechanism.add_body(f"bar {k}", MASS, MASS * LENGTH**2 / 12, place)
+        before, point = ("ground", (0.0, 0.0)) if k == 0 else (f"bar {k - 1}", (LENGTH / 2, 0.0))
+        mechanism.add_revolute(f"hinge {k}", before, f"bar {k}", point, (-LENGTH / 2, 0.0))
+    solver = rc.Solver(rtol=tolerance, atol=tolerance, max_step=0.01)
+    simulation = rc.Simulation(mechanism, solver=solver)
+    begin = time.perf_counter()
+    simulation.step_to(SPAN)
+    wall = time.perf_counter() - begin
+    return simulation.positions[:, :2], wall, simulation._core.stats()["steps"]
+
+
+def by_exudyn(bars, steps):
+    """Centres at the end and wall time [s]: generalized-alpha, index 2, sparse."""
+    import exudyn as exu
+    import exudyn.itemInterface as items
+
+    system = exu.SystemContainer().AddSystem()
+    ground = system.AddObject(items.ObjectGround())
+    before = system.AddMarker(items.MarkerBodyPosition(bodyNumber=ground))
+    nodes = []
+    for place in places(bars):
+        nodes.append(system.AddNode(items.NodeRigidBody2D(referenceCoordinates=list(place))))
+        body = system.AddObject(
+            items.ObjectRigidBody2D(
+                physicsMass=MASS, physicsInertia=MASS * LENGTH**2 / 12, nodeNumber=nodes[-1]
+            )
+        )
+        rear, front = (
+            system.AddMarker(items.MarkerBodyPosition(bodyNumber=body, localPosition=[x, 0, 0]))
+            for x in (-LENGTH / 2, LENGTH / 2)
+        )
+        system.AddObject(items.ObjectJointRevolute2D(markerNumbers=[before, rear]))
+        weight = system.AddMarker(items.MarkerBodyMass(bodyNumber=body))
+        system.AddLoad(items.LoadMassProportional(markerNumber=weight, loadVector=[0, -GRAVITY, 0]))
+        before = front
+    system.Assemble()
+    settings = exu.SimulationSettings()
+    settings.timeIntegration.numberOfSteps = steps
+    settings.timeIntegration.endTime = SPAN
+    settings.timeIntegration.verboseMode = 0
+    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.9
+    settings.solutionSettings.writeSolutionToFile = False
+    settings.linearSolverType = exu.LinearSolverType.EigenSparse
+    begin = time.perf_counter()
+    system.SolveDynamic(settings)
+    wall = time.perf_counter() - begin
+    position = exu.OutputVariableType.Position
+    return np.array([system.GetNodeOutput(node, position)[:2] for node in nodes]), wall
+
+
+def main():
+    """Print the table."""
+    try:
+        import exudyn  # noqa: F401
+    except ImportError:
+        sys.exit("exudyn is not installed: pip install --group peers")
+    quick = "--quick" in sys.argv
+    print("bars  code       setting         error [m]   wall [s]   steps")
+    for bars in (10,) if quick else (10, 38, 100):
+        reference, _, _ = by_rustchain(bars, 1e-12)
+        for tolerance in (1e-4, 1e-6, 1e-8, 1e-11):
+            found, wall, steps = by_rustchain(bars, tolerance)
+            error = np.max(np.abs(found - reference))
+            print(f"{bars:4}  rustchain  {tolerance:<14.0e}  {error:.1e}  {wall:9.4f}  {steps:6}")
+        for steps in (300, 1000, 3000, 10000):
+            found, wall = by_exudyn(bars, steps)
+            error = np.max(np.abs(found - reference))
+            setting = f"{SPAN / steps:.0e} s steps"
+            print(f"{bars:4}  exudyn     {setting:14}  {error:.1e}  {wall:9.4f}  {steps:6}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,103 @@
+"""A chain drive as a mechanism: its links, hinges, sprockets and tensioner as parts."""
+
+from __future__ import annotations
+
+import math
+
+from rustchain.drive import AppliedTorque, ChainDrive, PrescribedSpeed
+from rustchain.errors import InvalidInput
+from rustchain.force_law import ForceLaw, LankaraniNikravesh
+from rustchain.mechanism import GROUND, Mechanism, SurfaceContact, Table, TimeFunction
+from rustchain.simulation import Simulation
+
+_STEEL_DENSITY = 7850.0  # [kg/m^3], as the generator's discs
+
+
+def drive_mechanism(
+    drive: ChainDrive, hinges: str, force_law: ForceLaw | None, min_approach_speed: float
+) -> Mechanism:
+    """Return the mechanism that `ChainDrive.to_mechanism` promises."""
+    if hinges not in ("clearance", "ideal"):
+        msg = f"hinges = {hinges!r}: must be 'clearance' or 'ideal'"
+        raise InvalidInput(msg)
+    chain, law = drive.chain, force_law or LankaraniNikravesh()
+    start = Simulation(drive)
+    mechanism = Mechanism(drive.gravity, drive.name)
+    links, half = chain.links, 0.5 * chain.pitch
+    for k in range(links):
+        kind = chain.inner if k % 2 == 0 else chain.outer
+        place = (start.positions[k], start.velocities[k])
+        mechanism.add_body(f"link_{k + 1}", kind.mass, kind.inertia, *place)
+    for k in range(len(drive.sprockets)):
+        _add_sprocket(mechanism, drive, k, start)
+
+    def surfaces(length: float) -> SurfaceContact:
+        return SurfaceContact(law, length, chain.material, min_approach_speed)
+
+    for k in range(links):
+        ends = ((f"link_{k + 1}", (half, 0.0)), (f"link_{(k + 1) % links + 1}", (-half, 0.0)))
+        inner, outer = ends if k % 2 == 0 else ends[::-1]
+        name = f"hinge_{k + 1}"
+        if hinges == "ideal":
+            mechanism.add_revolute(name, inner[0], outer[0], inner[1], outer[1])
+        else:
+            mechanism.add_clearance_joint(
+                name,
+                inner[0],
+                outer[0],
+                chain.hinge.bore_radius,
+                chain.hinge.pin_radius,
+                surfaces(chain.hinge.length),
+                inner[1],
+                outer[1],
+            )
+        for s, sprocket in enumerate(drive.sprockets):
+            mechanism.add_sprocket_contact(
+                f"bushing_{k + 1}_on_sprocket_{s + 1}",
+                f"sprocket_{s + 1}",
+                inner[0],
+                sprocket,
+                chain,
+                surfaces(chain.tooth_contact_length),
+                inner[1],
+            )
+    return mechanism
+
+
+def _add_sprocket(mechanism: Mechanism, drive: ChainDrive, k: int, start: Simulation) -> None:
+    """Add sprocket `k` with its bearing, motor and tensioner."""
+    sprocket, chain, name = drive.sprockets[k], drive.chain, f"sprocket_{k + 1}"
+    radius = chain.pitch / (2.0 * math.sin(math.pi / sprocket.teeth))
+    disc = _STEEL_DENSITY * math.pi * radius**2 * chain.tooth_contact_length
+    mass = disc if sprocket.mass is None else sprocket.mass
+    inertia = 0.5 * mass * radius**2 if sprocket.inertia is None else sprocket.inertia
+    row = chain.links + k
+    position = start.positions[row]
+    mechanism.add_body(name, mass, inertia, position, start.velocities[row])
+    center = (float(position[0]), float(position[1]))
+    tensioner = drive.tensioner
+    if tensioner is not None and tensioner.sprocket == k + 1:
+        other = drive.sprockets[1 - k].center
+        x, y = tensioner.direction or (center[0] - other[0], center[1] - other[1])
+        x, y = x / math.hypot(x, y), y / math.hypot(x, y)
+        pull = drive.check().tension_force
+        ramp = [Table([(0.0, 0.0), (tensioner.ramp_time, pull * part)]) for part in (x, y)]
+        mechanism.add_point_on_line(f"slide_{k + 1}", GROUND, name, (x, y), point_a=center)
+        mechanism.add_force(f"tensioner_{k + 1}", name, ramp)
+        # A damper along the slide, from a point behind it.
+        behind = (center[0] - x, center[1] - y)
+        mechanism.add_spring(
+            f"damper_{k + 1}", GROUND, name, damping=tensioner.damping, point_a=behind
+        )
+    elif sprocket.bearing == "fixed":
+        mechanism.add_revolute(f"bearing_{k + 1}", GROUND, name, at=center)
+    if isinstance(sprocket.motion, PrescribedSpeed):
+        speed = _function(sprocket.motion.speed)
+        mechanism.add_driver(f"motor_{k + 1}", GROUND, name, speed=speed)
+    elif isinstance(sprocket.motion, AppliedTorque):
+        mechanism.add_torque(f"motor_{k + 1}", name, _function(sprocket.motion.torque))
+
+
+def _function(value: object) -> TimeFunction:
+    """Return a number or a table of time."""
+    return Table(value) if isinstance(value, tuple) else float(value)  # type: ignore[arg-type]

@@ -1,0 +1,819 @@
+"""Planar mechanisms described by hand: bodies, ideal joints, drivers, forces and contacts."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from rustchain._description import Description, plain
+from rustchain._names import known_keywords, suggest
+from rustchain.drive import Chain, Material, Sprocket
+from rustchain.errors import InvalidInput
+from rustchain.force_law import ForceLaw, LankaraniNikravesh
+
+Point: TypeAlias = Sequence[float]
+Rows: TypeAlias = Sequence[Sequence[float]]
+LoadFunction: TypeAlias = Callable[[float, list[float], list[float]], Sequence[float]]
+
+GROUND = "ground"
+_LAW = LankaraniNikravesh()
+_STEEL = Material()
+
+
+class _Part(Description):
+    """A description that is checked when the whole is put together."""
+
+    def __post_init__(self) -> None:
+        """Turn lists and arrays into tuples."""
+        for field in dataclasses.fields(self):
+            object.__setattr__(self, field.name, plain(getattr(self, field.name)))
+
+
+@known_keywords
+@dataclass(frozen=True)
+class SmoothStep(_Part):
+    """From one value to another with two continuous derivatives.
+
+    Attributes
+    ----------
+    start, end : float
+        When it changes [s].
+    before, after : float
+        Values.
+    """
+
+    start: float
+    end: float
+    before: float
+    after: float
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Table(_Part):
+    """Straight lines between rows of (time [s], value), held at both ends; a ramp has two rows."""
+
+    rows: Rows
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Spline(_Part):
+    """A cubic spline with free ends through rows of (time [s], value)."""
+
+    rows: Rows
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Sines(_Part):
+    """A sum of sines: offset + sum of amplitude * sin(frequency * t + phase).
+
+    Attributes
+    ----------
+    terms : sequence of (amplitude, angular frequency [rad/s], phase [rad])
+    offset : float
+        Mean value.
+    """
+
+    terms: Rows
+    offset: float = 0.0
+
+
+TimeFunction: TypeAlias = float | SmoothStep | Table | Spline | Sines
+
+
+@known_keywords
+@dataclass(frozen=True)
+class LinearContact(_Part):
+    """Contact force: stiffness * penetration + damping * its rate, never pulling.
+
+    Attributes
+    ----------
+    stiffness, damping : float
+        [N/m] and [N s/m]; with a length, [N/m^2] and [N s/m^2] of it.
+    length : float, optional
+        Length of contact [m].
+    """
+
+    stiffness: float
+    damping: float = 0.0
+    length: float | None = None
+
+
+@known_keywords
+@dataclass(frozen=True)
+class HuntCrossley(_Part):
+    """Contact force: stiffness * penetration**exponent * (1 + damping * rate), never pulling.
+
+    Attributes
+    ----------
+    stiffness : float
+        [N/m**exponent].
+    exponent : float
+        1 to 10.
+    damping : float
+        [s/m].
+    """
+
+    stiffness: float
+    exponent: float = 1.5
+    damping: float = 0.0
+
+
+@known_keywords
+@dataclass(frozen=True)
+class SurfaceContact(_Part):
+    """Contact by a law of cylinders, its stiffness from radii, length and material.
+
+    Attributes
+    ----------
+    law : ForceLaw
+    length : float
+        Length of contact [m].
+    material : Material
+        Of both surfaces; its restitution goes into the damping.
+    min_approach_speed : float
+        Least approach speed that the damping reckons with [m/s].
+    """
+
+    law: ForceLaw = _LAW
+    length: float = 0.01
+    material: Material = _STEEL
+    min_approach_speed: float = 1e-3
+
+
+ContactLaw: TypeAlias = LinearContact | HuntCrossley | SurfaceContact
+
+
+@dataclass(frozen=True)
+class Body(_Part):
+    """A rigid body; its frame sits at the centre of mass. See `Mechanism.add_body`."""
+
+    name: str
+    mass: float
+    inertia: float
+    position: Point
+    velocity: Point
+    fixed: bool
+
+
+@dataclass(frozen=True)
+class Joint(_Part):
+    """An ideal joint or a driver. See the methods of `Mechanism`."""
+
+    kind: str
+    name: str
+    body_a: str
+    body_b: str
+    point_a: Point = (0.0, 0.0)
+    point_b: Point = (0.0, 0.0)
+    direction: Point = (1.0, 0.0)
+    value: float | None = None
+    carrier: str | None = None
+    motion: TimeFunction = 0.0
+    by_speed: bool = False
+
+
+@dataclass(frozen=True)
+class Force(_Part):
+    """A force element. See the methods of `Mechanism`."""
+
+    kind: str
+    name: str
+    body_a: str
+    body_b: str
+    point_a: Point = (0.0, 0.0)
+    point_b: Point = (0.0, 0.0)
+    x: TimeFunction = 0.0
+    y: TimeFunction = 0.0
+    follows: bool = False
+    stiffness: float = 0.0
+    cubic: float = 0.0
+    damping: float = 0.0
+    rest: float | None = None
+    table: Rows | None = None
+    function: LoadFunction | None = None
+
+
+@dataclass(frozen=True)
+class Contact(_Part):
+    """A circle that may touch a profile. See the methods of `Mechanism`."""
+
+    kind: str
+    name: str
+    body_a: str
+    body_b: str
+    point_a: Point
+    point_b: Point
+    radius: float
+    law: ContactLaw
+    profile_radius: float = 0.0
+    points: Rows = ()
+    closed: bool = False
+    sprocket: Sprocket | None = None
+    chain: Chain | None = None
+
+
+@known_keywords
+class Mechanism:
+    """Rigid bodies in the plane, what joins them and what acts on them.
+
+    Points are given in the frames of the bodies, which sit at the centres of mass; ``"ground"`` is
+    the frame that does not move. Where bodies are placed already, ``at=(x, y)`` gives one point of
+    the ground's frame in place of a point of each body.
+
+    Parameters
+    ----------
+    gravity : (float, float)
+        [m/s^2].
+    name : str
+        For people to read.
+    """
+
+    def __init__(self, gravity: Point = (0.0, -9.81), name: str = "") -> None:
+        self.gravity: tuple[float, ...] = plain(gravity)
+        self.name = name
+        self.bodies: list[Body] = []
+        self.joints: list[Joint] = []
+        self.forces: list[Force] = []
+        self.contacts: list[Contact] = []
+
+    def __repr__(self) -> str:
+        """Return what there is."""
+        parts = ("bodies", "joints", "forces", "contacts")
+        counts = ", ".join(f"{len(getattr(self, part))} {part}" for part in parts)
+        return f"<Mechanism {self.name!r}: {counts}>"
+
+    @known_keywords
+    def add_body(
+        self,
+        name: str,
+        mass: float,
+        inertia: float,
+        position: Point = (0.0, 0.0, 0.0),
+        velocity: Point = (0.0, 0.0, 0.0),
+        fixed: bool = False,
+    ) -> str:
+        """Add a rigid body, and return its name.
+
+        Parameters
+        ----------
+        mass, inertia : float
+            [kg] and, about the centre of mass, [kg m^2]; zero where joints carry the body along.
+        position, velocity : (float, float, float)
+            Centre of mass and angle [m, m, rad], and their rates.
+        fixed : bool
+            Whether the body is held where it is.
+        """
+        self.bodies.append(Body(name, mass, inertia, position, velocity, fixed))
+        return name
+
+    @known_keywords
+    def add_revolute(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        point_a: Point | None = None,
+        point_b: Point | None = None,
+        at: Point | None = None,
+    ) -> None:
+        """Let a point of each body coincide."""
+        self._join("revolute", name, body_a, body_b, point_a, point_b, at)
+
+    @known_keywords
+    def add_fixed(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        point_a: Point | None = None,
+        point_b: Point | None = None,
+        at: Point | None = None,
+        angle: float | None = None,
+    ) -> None:
+        """Weld two bodies; `angle` of b less that of a [rad], by default as placed."""
+        self._join("fixed", name, body_a, body_b, point_a, point_b, at, value=angle)
+
+    @known_keywords
+    def add_prismatic(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        direction: Point,
+        point_a: Point | None = None,
+        point_b: Point | None = None,
+        at: Point | None = None,
+        angle: float | None = None,
+    ) -> None:
+        """Let b slide on a line of a without turning: through point a, along `direction` of a."""
+        self._join(
+            "prismatic",
+            name,
+            body_a,
+            body_b,
+            point_a,
+            point_b,
+            at,
+            direction=direction,
+            value=angle,
+        )
+
+    @known_keywords
+    def add_point_on_line(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        direction: Point,
+        point_a: Point | None = None,
+        point_b: Point | None = None,
+        at: Point | None = None,
+    ) -> None:
+        """Keep point b on the line of a through point a, along `direction` of a."""
+        self._join("point_on_line", name, body_a, body_b, point_a, point_b, at, direction=direction)
+
+    @known_keywords
+    def add_distance(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        point_a: Point = (0.0, 0.0),
+        point_b: Point = (0.0, 0.0),
+        length: float | None = None,
+    ) -> None:
+        """Keep two points at a distance [m], by default as placed."""
+        self._join("distance", name, body_a, body_b, point_a, point_b, None, value=length)
+
+    @known_keywords
+    def add_gear(
+        self, name: str, body_a: str, body_b: str, ratio: float, carrier: str | None = None
+    ) -> None:
+        """Let two wheels roll on each other.
+
+        Parameters
+        ----------
+        ratio : float
+            Turns of b for one turn of a, both seen from the carrier: -r_a / r_b for wheels outside
+            each other, +r_a / r_b for one inside the other.
+        carrier : str, optional
+            The body on which both turn; by default the ground.
+        """
+        self._join("gear", name, body_a, body_b, None, None, None, value=ratio, carrier=carrier)
+
+    @known_keywords
+    def add_rack(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        direction: Point,
+        radius: float,
+        point_a: Point = (0.0, 0.0),
+        point_b: Point = (0.0, 0.0),
+    ) -> None:
+        """Let a wheel b roll on a line of a: way along `direction` = `radius` * turns of b."""
+        self._join(
+            "rack",
+            name,
+            body_a,
+            body_b,
+            point_a,
+            point_b,
+            None,
+            direction=direction,
+            value=radius,
+        )
+
+    @known_keywords
+    def add_driver(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        angle: TimeFunction | None = None,
+        speed: TimeFunction | None = None,
+    ) -> None:
+        """Prescribe the angle [rad] or the speed [rad/s] of b seen from a."""
+        motion = _one_of(name, "angle", angle, "speed", speed)
+        by_speed = angle is None
+        self._join(
+            "driven_angle",
+            name,
+            body_a,
+            body_b,
+            None,
+            None,
+            None,
+            motion=motion,
+            by_speed=by_speed,
+        )
+
+    @known_keywords
+    def add_position_driver(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        direction: Point,
+        position: TimeFunction | None = None,
+        speed: TimeFunction | None = None,
+        point_a: Point = (0.0, 0.0),
+        point_b: Point = (0.0, 0.0),
+    ) -> None:
+        """Prescribe the way [m] or speed [m/s] of point b along `direction` from point a."""
+        motion = _one_of(name, "position", position, "speed", speed)
+        self._join(
+            "driven_position",
+            name,
+            body_a,
+            body_b,
+            point_a,
+            point_b,
+            None,
+            direction=direction,
+            motion=motion,
+            by_speed=position is None,
+        )
+
+    @known_keywords
+    def add_force(
+        self,
+        name: str,
+        body: str,
+        force: Sequence[TimeFunction],
+        point: Point = (0.0, 0.0),
+        follows: bool = False,
+    ) -> None:
+        """Push a point of a body with a force (x, y) [N], which may turn with the body."""
+        if len(force) != 2:
+            msg = f"force of {name!r} = {force!r}: must be two components (x, y)"
+            raise InvalidInput(msg)
+        self.forces.append(
+            Force(
+                "force",
+                name,
+                GROUND,
+                body,
+                point_b=point,
+                x=force[0],
+                y=force[1],
+                follows=follows,
+            )
+        )
+
+    @known_keywords
+    def add_torque(
+        self,
+        name: str,
+        body: str,
+        torque: TimeFunction | None = None,
+        by_speed: Rows | None = None,
+        reaction: str = GROUND,
+    ) -> None:
+        """Turn a body with a torque [N m] of time, or by a table of (speed [rad/s], torque).
+
+        `reaction` names the body that takes the reaction and from which the speed is seen.
+        """
+        _one_of(name, "torque", torque, "by_speed", by_speed)
+        if torque is None:
+            self.forces.append(Force("torque_by_speed", name, reaction, body, table=by_speed))
+        else:
+            self.forces.append(Force("torque", name, reaction, body, x=torque))
+
+    @known_keywords
+    def add_spring(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        stiffness: float = 0.0,
+        damping: float = 0.0,
+        point_a: Point = (0.0, 0.0),
+        point_b: Point = (0.0, 0.0),
+        rest_length: float | None = None,
+        cubic: float = 0.0,
+        table: Rows | None = None,
+    ) -> None:
+        """Put a spring and damper between two points.
+
+        Parameters
+        ----------
+        stiffness, damping, cubic : float
+            [N/m], [N s/m] and [N/m^3]: tension = stiffness * x + cubic * x^3 + damping * x'.
+        rest_length : float, optional
+            Length without force [m], by default as placed.
+        table : sequence of (elongation [m], tension [N]), optional
+            In place of stiffness and cubic.
+        """
+        self.forces.append(
+            Force(
+                "spring",
+                name,
+                body_a,
+                body_b,
+                point_a,
+                point_b,
+                stiffness=stiffness,
+                damping=damping,
+                cubic=cubic,
+                rest=rest_length,
+                table=table,
+            )
+        )
+
+    @known_keywords
+    def add_torsion_spring(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        stiffness: float = 0.0,
+        damping: float = 0.0,
+        rest_angle: float | None = None,
+        cubic: float = 0.0,
+        table: Rows | None = None,
+    ) -> None:
+        """Put a spring and damper between two angles; as `add_spring`, with radians."""
+        self.forces.append(
+            Force(
+                "torsion_spring",
+                name,
+                body_a,
+                body_b,
+                stiffness=stiffness,
+                damping=damping,
+                cubic=cubic,
+                rest=rest_angle,
+                table=table,
+            )
+        )
+
+    @known_keywords
+    def add_callable(self, name: str, body: str, function: LoadFunction) -> None:
+        """Load a body by a function of Python: for prototypes, clearly slower than the rest.
+
+        Parameters
+        ----------
+        function : callable
+            Called with time [s], position and velocity of the body (three numbers each); returns
+            force x, force y [N] and torque about the centre of mass [N m]. An exception ends the
+            run.
+        """
+        self.forces.append(Force("custom", name, GROUND, body, function=function))
+
+    @known_keywords
+    def add_clearance_joint(
+        self,
+        name: str,
+        bore: str,
+        pin: str,
+        bore_radius: float,
+        pin_radius: float,
+        law: ContactLaw,
+        bore_point: Point = (0.0, 0.0),
+        pin_point: Point = (0.0, 0.0),
+    ) -> None:
+        """Let a pin of one body play in a bore of another [m]."""
+        self.contacts.append(
+            Contact(
+                "bore",
+                name,
+                bore,
+                pin,
+                bore_point,
+                pin_point,
+                pin_radius,
+                law,
+                profile_radius=bore_radius,
+            )
+        )
+
+    @known_keywords
+    def add_disc_contact(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        radius_a: float,
+        radius_b: float,
+        law: ContactLaw,
+        point_a: Point = (0.0, 0.0),
+        point_b: Point = (0.0, 0.0),
+    ) -> None:
+        """Let two discs touch from outside [m]."""
+        self.contacts.append(
+            Contact(
+                "disc",
+                name,
+                body_a,
+                body_b,
+                point_a,
+                point_b,
+                radius_b,
+                law,
+                profile_radius=radius_a,
+            )
+        )
+
+    @known_keywords
+    def add_outline_contact(
+        self,
+        name: str,
+        outline: str,
+        circle: str,
+        points: Rows,
+        radius: float,
+        law: ContactLaw,
+        circle_point: Point = (0.0, 0.0),
+        bulges: Sequence[float] | None = None,
+        closed: bool = True,
+    ) -> None:
+        """Let a circle of one body touch an outline on another.
+
+        Parameters
+        ----------
+        points : sequence of (float, float)
+            Corners in the frame of the body [m]; the material lies on the left of the way through
+            them. Two points and ``closed=False`` make a segment.
+        radius : float
+            Of the circle [m].
+        bulges : sequence of float, optional
+            For each piece the tangent of a quarter of the angle of its arc: positive where the
+            outline is convex, negative where it is concave, 0 for a straight line.
+        closed : bool
+            Whether the last point is joined to the first.
+        """
+        kind, rows = "polyline", points
+        if bulges is not None:
+            kind, rows = "arcs", _arcs(name, points, bulges, closed)
+        self.contacts.append(
+            Contact(
+                kind,
+                name,
+                outline,
+                circle,
+                (0.0, 0.0),
+                circle_point,
+                radius,
+                law,
+                points=rows,
+                closed=closed,
+            )
+        )
+
+    @known_keywords
+    def add_sprocket_contact(
+        self,
+        name: str,
+        wheel: str,
+        circle: str,
+        sprocket: Sprocket,
+        chain: Chain,
+        law: ContactLaw,
+        circle_point: Point = (0.0, 0.0),
+    ) -> None:
+        """Let a bushing of `chain` around a point of one body touch the teeth of another."""
+        self.contacts.append(
+            Contact(
+                "sprocket",
+                name,
+                wheel,
+                circle,
+                (0.0, 0.0),
+                circle_point,
+                chain.bushing_radius,
+                law,
+                sprocket=sprocket,
+                chain=chain,
+            )
+        )
+
+    def check(self) -> MechanismReport:
+        """Assemble the mechanism and tell what was found, or raise with the joints at fault."""
+        from rustchain import _rustchain
+        from rustchain.simulation import Solver
+
+        return MechanismReport(**_rustchain.MechanismCore(self, Solver(), None).check())
+
+    def _join(
+        self,
+        kind: str,
+        name: str,
+        body_a: str,
+        body_b: str,
+        point_a: Point | None,
+        point_b: Point | None,
+        at: Point | None,
+        direction: Point = (1.0, 0.0),
+        value: float | None = None,
+        carrier: str | None = None,
+        motion: TimeFunction = 0.0,
+        by_speed: bool = False,
+    ) -> None:
+        """Add a joint; `at` stands for both points."""
+        if at is not None:
+            if point_a is not None or point_b is not None:
+                msg = f"at of joint {name!r} = {at!r}: give it, or point_a and point_b, not both"
+                raise InvalidInput(msg)
+            point_a, point_b = (self._local(name, body, at) for body in (body_a, body_b))
+        self.joints.append(
+            Joint(
+                kind,
+                name,
+                body_a,
+                body_b,
+                (0.0, 0.0) if point_a is None else point_a,
+                (0.0, 0.0) if point_b is None else point_b,
+                direction,
+                value,
+                carrier,
+                motion,
+                by_speed,
+            )
+        )
+
+    def _local(self, joint: str, body: str, at: Point) -> tuple[float, float]:
+        """Return a point of the ground's frame in the frame of a body as placed."""
+        if body == GROUND:
+            return (float(at[0]), float(at[1]))
+        for known in self.bodies:
+            if known.name == body:
+                x, y, angle = known.position
+                dx, dy = at[0] - x, at[1] - y
+                cos, sin = math.cos(angle), math.sin(angle)
+                return (cos * dx + sin * dy, cos * dy - sin * dx)
+        names = [GROUND, *(known.name for known in self.bodies)]
+        msg = f"body of joint {joint!r} = {body!r}: there is no such body; {suggest(body, names)}"
+        raise InvalidInput(msg)
+
+
+@dataclass(frozen=True)
+class MechanismReport:
+    """What assembling a mechanism found.
+
+    Attributes
+    ----------
+    degrees_of_freedom : int
+        Motions that joints and drivers leave.
+    redundant : list of str
+        Joints that hold something others hold already; one entry for each such equation.
+    moved, turned : float
+        Farthest that a body had to be moved [m] and turned [rad] to fulfil the joints.
+    warnings : list of str
+        What is worth a second look.
+    """
+
+    degrees_of_freedom: int
+    redundant: list[str]
+    moved: float
+    turned: float
+    warnings: list[str]
+
+    def __str__(self) -> str:
+        """Return the report, a line each."""
+        lines = [
+            f"degrees of freedom   {self.degrees_of_freedom}",
+            f"redundant            {', '.join(self.redundant) or 'none'}",
+            f"moved, turned        {self.moved:.3g} m, {self.turned:.3g} rad",
+        ]
+        return "\n".join(lines + [f"warning              {text}" for text in self.warnings])
+
+
+def _one_of(
+    name: str, first: str, one: TimeFunction | Rows | None, second: str, other: object
+) -> TimeFunction:
+    """Return the one of two that is given."""
+    if (one is None) == (other is None):
+        msg = f"{first}, {second} of {name!r}: exactly one of them must be given"
+        raise InvalidInput(msg)
+    return one if one is not None else other  # type: ignore[return-value]
+
+
+def _arcs(
+    name: str, points: Rows, bulges: Sequence[float], closed: bool
+) -> list[tuple[float, ...]]:
+    """Return pieces (from, to, centre, convex) of an outline with bulges."""
+    corners = np.asarray(points, dtype=float)
+    pieces = len(corners) if closed else len(corners) - 1
+    if len(bulges) != pieces:
+        msg = f"bulges of contact {name!r}: {len(bulges)} numbers; needs one for each of {pieces}"
+        raise InvalidInput(msg)
+    rows: list[tuple[float, ...]] = []
+    for k, bulge in enumerate(bulges):
+        start, end = corners[k], corners[(k + 1) % len(corners)]
+        center = np.array([math.nan, math.nan])
+        if bulge != 0.0:
+            chord = end - start
+            left = np.array([-chord[1], chord[0]])
+            center = 0.5 * (start + end) + left * (1.0 - bulge**2) / (4.0 * bulge)
+        rows.append((*map(float, (*start, *end, *center)), 1.0 if bulge > 0.0 else -1.0))
+    return rows

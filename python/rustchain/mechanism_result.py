@@ -1,0 +1,240 @@
+"""What a run of a mechanism recorded."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from importlib.metadata import version
+from itertools import product
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain._names import suggest
+from rustchain.errors import InvalidInput
+from rustchain.result import Array, Energy, Status, _Variable
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+_VARIABLES = {
+    "positions": _Variable("bodies", ("body", "coordinate"), "m, m, rad", "positions"),
+    "velocities": _Variable("bodies", ("body", "coordinate"), "m/s, m/s, rad/s", "velocities"),
+    "accelerations": _Variable(
+        "bodies", ("body", "coordinate"), "m/s^2, m/s^2, rad/s^2", "accelerations"
+    ),
+    "joint_reaction": _Variable(
+        "joints",
+        ("joint", "component"),
+        "N, N, N m",
+        "force and torque on body b, about its point",
+    ),
+    "joint_position_residual": _Variable("joints", ("joint",), "m or rad", "constraint residual"),
+    "joint_velocity_residual": _Variable(
+        "joints", ("joint",), "m/s or rad/s", "rate of the constraint residual"
+    ),
+    "contact_force": _Variable("contacts", ("contact",), "N", "normal force"),
+    "contact_penetration": _Variable("contacts", ("contact",), "m", "penetration"),
+    "energy_kinetic": _Variable("energy", (), "J", "kinetic energy"),
+    "energy_gravity": _Variable("energy", (), "J", "potential energy of gravity"),
+    "energy_elastic": _Variable("energy", (), "J", "energy of springs and contacts"),
+    "energy_dissipated": _Variable("energy", (), "J", "energy dissipated since the first row"),
+    "energy_worked_in": _Variable("energy", (), "J", "work put in since the first row"),
+    "energy_residual": _Variable("energy", (), "J", "residual of the energy balance"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class BodyMotion:
+    """One body over time.
+
+    Attributes
+    ----------
+    time : ndarray, (times,)
+        Report times [s].
+    position, velocity, acceleration : ndarray, (times, 3)
+        Of centre of mass and angle [m, m, rad], and their rates.
+    """
+
+    time: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True, eq=False)
+class JointHistory:
+    """One joint over time.
+
+    Attributes
+    ----------
+    time : ndarray, (times,)
+        Report times [s].
+    force : ndarray, (times, 2)
+        Force on body b [N].
+    torque : ndarray, (times,)
+        Torque on body b about the joint's point b [N m]; of a driver, the motor's.
+    position_residual, velocity_residual : ndarray, (times,)
+        What is left of the joint's equations [m or rad] and their rates.
+    """
+
+    time: Array
+    force: Array
+    torque: Array
+    position_residual: Array
+    velocity_residual: Array
+
+
+@dataclass(frozen=True, eq=False)
+class ContactHistory:
+    """One contact over time.
+
+    Attributes
+    ----------
+    time, force, penetration : ndarray, (times,)
+        Report times [s], normal force [N], penetration [m], negative when apart.
+    """
+
+    time: Array
+    force: Array
+    penetration: Array
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MechanismResult:
+    """What a run of a mechanism recorded.
+
+    Attributes
+    ----------
+    arrays : dict of ndarray
+        Everything recorded, by name; time is the first axis. `to_xarray` adds dims and units.
+    name : str
+        Of the mechanism.
+    body_names, joint_names, contact_names : tuple of str
+        In the order of the arrays.
+    status : {"finished", "interrupted", "failed"}
+        How the run ended.
+    message : str
+        The same in words.
+    stats : dict
+        Steps, evaluations, onsets of contacts of this run.
+    """
+
+    arrays: dict[str, npt.NDArray[Any]]
+    name: str
+    body_names: tuple[str, ...]
+    joint_names: tuple[str, ...]
+    contact_names: tuple[str, ...]
+    status: Status
+    message: str
+    stats: dict[str, Any]
+
+    def __repr__(self) -> str:
+        """Return how the run ended."""
+        name = self.name or "a mechanism"
+        return f"<MechanismResult of {name}: {self.status}, {len(self.time)} rows>"
+
+    @property
+    def success(self) -> bool:
+        """Whether the run reached its end."""
+        return self.status == "finished"
+
+    @property
+    def time(self) -> Array:
+        """Report times [s], (times,)."""
+        return self.arrays["time"]
+
+    def body(self, name: str) -> BodyMotion:
+        """Return a body by its name."""
+        k = _place("body", name, self.body_names)
+        names = ("positions", "velocities", "accelerations")
+        return BodyMotion(self.time, *(self.arrays[part][:, k] for part in names))
+
+    def joint(self, name: str) -> JointHistory:
+        """Return a joint or driver by its name."""
+        k = _place("joint", name, self.joint_names)
+        reaction = self.arrays["joint_reaction"][:, k]
+        residuals = ("joint_position_residual", "joint_velocity_residual")
+        return JointHistory(
+            self.time,
+            reaction[:, :2],
+            reaction[:, 2],
+            *(self.arrays[part][:, k] for part in residuals),
+        )
+
+    def contact(self, name: str) -> ContactHistory:
+        """Return a contact by its name."""
+        k = _place("contact", name, self.contact_names)
+        names = ("contact_force", "contact_penetration")
+        return ContactHistory(self.time, *(self.arrays[part][:, k] for part in names))
+
+    @property
+    def energy(self) -> Energy:
+        """The energy balance."""
+        names = ("kinetic", "gravity", "elastic", "dissipated", "worked_in", "residual")
+        return Energy(*(self.arrays[f"energy_{name}"] for name in names))
+
+    def to_xarray(self) -> xr.Dataset:
+        """Return everything as a dataset with units."""
+        import xarray as xr
+
+        coordinates = {
+            "time": xr.Variable("time", self.time, {"units": "s", "long_name": "time"}),
+            "body": list(self.body_names),
+            "joint": np.array(self.joint_names, dtype=str),
+            "contact": np.array(self.contact_names, dtype=str),
+            "coordinate": ["x", "y", "theta"],
+            "component": ["x", "y", "torque"],
+        }
+        variables = {
+            name: (
+                ("time", *v.dims),
+                self.arrays[name],
+                {"units": v.units, "long_name": v.long_name},
+            )
+            for name, v in _VARIABLES.items()
+            if self.arrays[name].size
+        }
+        used = {"time"}.union(*(dims for dims, *_ in variables.values()))
+        return xr.Dataset(
+            variables,
+            {name: values for name, values in coordinates.items() if name in used},
+            {
+                "mechanism": self.name,
+                "status": self.status,
+                "message": self.message,
+                "stats": json.dumps(self.stats),
+                "rustchain_version": version("rustchain"),
+            },
+        )
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a row for each time and a column for each number: ``positions_crank_x``."""
+        import pandas as pd
+
+        dataset = self.to_xarray()
+        columns: dict[str, npt.NDArray[Any]] = {}
+        for name in (name for name in _VARIABLES if name in dataset):
+            labels = product([name], *(dataset[d].values for d in _VARIABLES[name].dims))
+            series = self.arrays[name].reshape(len(self.time), -1).T
+            columns |= {
+                "_".join(map(str, label)): one for label, one in zip(labels, series, strict=True)
+            }
+        return pd.DataFrame(columns, index=pd.Index(self.time, name="time"))
+
+    def save(self, path: str | Path) -> None:
+        """Write everything to a netCDF file, for xarray."""
+        dataset = self.to_xarray()
+        packed = {name: {"zlib": True, "complevel": 1} for name in dataset.data_vars}
+        dataset.to_netcdf(path, engine="h5netcdf", encoding=packed)
+
+
+def _place(part: str, name: str, names: tuple[str, ...]) -> int:
+    """Return the place in arrays of the part with this name."""
+    if name not in names:
+        msg = f"{part}: {name!r} is no {part} of this mechanism; {suggest(name, names)}"
+        raise InvalidInput(msg)
+    return names.index(name)

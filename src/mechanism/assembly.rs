@@ -1,0 +1,403 @@
+//! Assembly and projection: the nearest positions and velocities, weighed by mass, that satisfy the constraints.
+
+use super::constrained::Constrained;
+use super::dynamics::MechanismDynamics;
+use super::equation::Row;
+use super::model::MechanismModel;
+use super::singular::nearness;
+use crate::error::{Error, Result};
+
+/// What assembling a mechanism found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Assembly {
+    /// Positions and velocities (q, then v) that satisfy the constraints, three a body that is not held.
+    pub state: Vec<f64>,
+    /// Farthest that a body had to be moved \[m\].
+    pub moved: f64,
+    /// Farthest that a body had to be turned \[rad\].
+    pub turned: f64,
+    /// Motions that the constraints leave, drivers counted among these.
+    pub degrees_of_freedom: usize,
+    /// Constraints that the others imply at the start, by joint.
+    pub redundant: Vec<String>,
+    /// What is worth a second look.
+    pub warnings: Vec<String>,
+}
+
+const MOST_ITERATIONS: usize = 100;
+
+impl MechanismDynamics {
+    /// Moves `state` (q, then v) onto the constraints at time `t`: positions, then velocities.
+    ///
+    /// Returns whether what is left is round-off.
+    pub(super) fn project(&mut self, t: f64, state: &mut [f64], iterations: usize) -> bool {
+        let Some(mut kkt) = self.kkt.take() else {
+            return true;
+        };
+        let n = self.model.coordinates();
+        let (mut residual, mut change) = (vec![0.0; self.rows.len()], vec![0.0; n]);
+        let mut done = false;
+        let mut before = f64::INFINITY;
+        for iteration in 0..iterations {
+            self.place(state);
+            self.find_rows(t);
+            for (r, row) in residual.iter_mut().zip(&self.rows) {
+                *r = row.value;
+            }
+            let worst = self.worst();
+            if worst <= self.round_off() || (worst < 1e-11 && worst >= 0.5 * before) {
+                done = true;
+                break;
+            }
+            if worst.is_nan() {
+                break;
+            }
+            // While it converges fast, the factors at hand do.
+            if iteration == 0 || worst > 0.05 * before {
+                kkt.factorise(&self.rows);
+                kkt.truncate(self.near_singular);
+            }
+            before = worst;
+            change.fill(0.0);
+            kkt.correct(&self.rows, &residual, &mut change);
+            state[..n]
+                .iter_mut()
+                .zip(&change)
+                .for_each(|(q, c)| *q += c);
+        }
+        if done {
+            kkt.factorise(&self.rows);
+            kkt.truncate(self.near_singular);
+            done = self.project_velocities(&mut kkt, state, &mut residual, &mut change);
+        }
+        self.kkt = Some(kkt);
+        done
+    }
+
+    fn project_velocities(
+        &mut self,
+        kkt: &mut Constrained,
+        state: &mut [f64],
+        residual: &mut [f64],
+        change: &mut [f64],
+    ) -> bool {
+        let n = self.model.coordinates();
+        let mut worst = f64::INFINITY;
+        for _ in 0..3 {
+            self.place(state);
+            for (r, row) in residual.iter_mut().zip(&self.rows) {
+                *r = row.rate(&self.frames);
+            }
+            let now = largest(residual);
+            if now <= f64::EPSILON * self.speed() || now >= worst {
+                break;
+            }
+            worst = now;
+            change.fill(0.0);
+            kkt.correct(&self.rows, residual, change);
+            state[n..2 * n]
+                .iter_mut()
+                .zip(&*change)
+                .for_each(|(v, c)| *v += c);
+        }
+        self.place(state);
+        let left = self.rows.iter().map(|row| row.rate(&self.frames).abs());
+        left.fold(0.0, f64::max) <= 1e-9 * self.speed()
+    }
+
+    /// Size of the mechanism: its farthest point \[m\].
+    fn size(&self) -> f64 {
+        let far = self.frames.iter().map(|f| f.origin.amax());
+        let ends = self.model.equations.iter();
+        let arms = ends.map(|e| e.a.point.amax().max(e.b.point.amax()));
+        let size = far.chain(arms).fold(0.0, f64::max);
+        if size > 0.0 { size } else { 1.0 }
+    }
+
+    /// Largest residual of the positions: lengths in parts of the size, angles in radians.
+    fn worst(&self) -> f64 {
+        let size = self.size();
+        let equations = self.model.equations.iter().zip(&self.rows);
+        let parts = equations.map(|(equation, row)| {
+            let unit = if equation.is_angle() { 1.0 } else { size };
+            row.value.abs() / unit
+        });
+        parts.fold(
+            0.0,
+            |most: f64, part| {
+                if part.is_nan() { part } else { most.max(part) }
+            },
+        )
+    }
+
+    /// What the joints miss where they cannot all hold: positions, or else velocities.
+    pub(super) fn what_misses(&self) -> String {
+        if self.worst() <= 1e-9 {
+            return self.residuals(|row| row.rate(&self.frames), ["m/s", "rad/s"]);
+        }
+        self.residuals(|row| row.value, ["m", "rad"])
+    }
+
+    /// Speeds that the constraints compare; of a mechanism at rest a slow one.
+    fn speed(&self) -> f64 {
+        let speeds = self
+            .frames
+            .iter()
+            .map(|f| f.velocity.amax().max(f.spin.abs()));
+        let prescribed = self.rows.iter().map(|row| row.time_rate.abs());
+        speeds.chain(prescribed).fold(1e-3, f64::max)
+    }
+
+    /// What rounding leaves of residuals: a large angle is known less well.
+    fn round_off(&self) -> f64 {
+        let angle = self
+            .frames
+            .iter()
+            .map(|f| f.angle.abs())
+            .fold(1.0, f64::max);
+        2.0 * f64::EPSILON * angle
+    }
+
+    /// Largest residuals by joint, in words.
+    pub(super) fn residuals(&self, of: impl Fn(&Row) -> f64, unit: [&str; 2]) -> String {
+        let mut found: Vec<(f64, String)> = Vec::new();
+        for (j, joint) in self.model.joints.iter().enumerate() {
+            let rows = self.model.equations.iter().zip(&self.rows);
+            let worst = rows
+                .filter(|(equation, _)| equation.joint == j)
+                .map(|(equation, row)| (of(row).abs(), unit[usize::from(equation.is_angle())]))
+                .max_by(|a, b| a.0.total_cmp(&b.0));
+            if let Some((value, unit)) = worst {
+                found.push((value, format!("{:?} by {value:.3e} {unit}", joint.name)));
+            }
+        }
+        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let worst: Vec<String> = found.into_iter().take(5).map(|(_, text)| text).collect();
+        worst.join(", ")
+    }
+
+    /// Brings the mechanism together from where it is placed.
+    ///
+    /// # Errors
+    /// When no positions or velocities satisfy all constraints: with the residuals by joint; when a motion has no mass.
+    pub fn assemble(&mut self) -> Result<Assembly> {
+        let n = self.model.coordinates();
+        let mut state = vec![0.0; 2 * n];
+        for (body, first) in self.model.bodies.iter().zip(&self.model.first) {
+            if let Some(i) = *first {
+                state[i..i + 3].copy_from_slice(&body.position);
+                state[n + i..n + i + 3].copy_from_slice(&body.velocity);
+            }
+        }
+        let placed = state.clone();
+        if !self.project(0.0, &mut state, MOST_ITERATIONS) {
+            return Err(self.refuse());
+        }
+        self.evaluate(0.0, &state);
+        self.check_masses()?;
+        let moved = |turning: bool| {
+            let change = state[..n].iter().zip(&placed).enumerate();
+            let kind = change.filter(|(i, _)| (i % 3 == 2) == turning);
+            kind.map(|(_, (a, b))| (a - b).abs()).fold(0.0, f64::max)
+        };
+        let rank = self.kkt.as_ref().map_or(0, Constrained::rank);
+        self.near_singular = (self.kkt.as_ref()).map_or(0.0, |kkt| nearness(kkt.independence()));
+        let mut assembly = Assembly {
+            moved: moved(false),
+            turned: moved(true),
+            degrees_of_freedom: n - rank,
+            redundant: self.redundant(),
+            warnings: Vec::new(),
+            state,
+        };
+        assembly.warnings = self.warnings(&assembly);
+        Ok(assembly)
+    }
+
+    fn refuse(&self) -> Error {
+        if self.worst() <= 1e-9 {
+            return Error::Impossible(format!(
+                "no velocities satisfy all joints and drivers at the start; the nearest miss {}: two drivers may ask \
+                 for different speeds, or a driver may move what the joints hold",
+                self.residuals(|row| row.rate(&self.frames), ["m/s", "rad/s"])
+            ));
+        }
+        Error::Impossible(format!(
+            "the mechanism does not go together; the nearest positions miss {}: check lengths, points and units of \
+             these joints (SI: metres, radians)",
+            self.residuals(|row| row.value, ["m", "rad"])
+        ))
+    }
+
+    /// Every motion that the joints leave must move some mass.
+    fn check_masses(&self) -> Result<()> {
+        let nothing = |i: usize| self.model.mass[i] == 0.0;
+        if let Some(bad) = (0..self.model.coordinates())
+            .find(|&i| nothing(i) && (self.kkt.is_none() || self.accelerations[i].is_nan()))
+        {
+            let body = &self.model.bodies[self.model.body_of(bad)];
+            let field = if bad % 3 == 2 { "inertia" } else { "mass" };
+            return Err(Error::invalid(
+                format!("{field} of body {:?}", body.name),
+                0.0,
+                "no joint carries this motion along with a mass: give it a value above zero, or join the body to others",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Constraints that those before them imply, in the order in which they were described.
+    fn redundant(&self) -> Vec<String> {
+        let Some(kkt) = &self.kkt else {
+            return Vec::new();
+        };
+        let dependent = self.rows.len() - kkt.rank();
+        if dependent == 0 {
+            return Vec::new();
+        }
+        if let Constrained::Sparse(kkt) = kkt {
+            let name = |row: usize| {
+                self.model.joints[self.model.equations[row].joint]
+                    .name
+                    .clone()
+            };
+            return kkt.dependent().into_iter().map(name).collect();
+        }
+        let mut probe = kkt.clone();
+        let mut kept: Vec<Row> = Vec::new();
+        let mut found = Vec::new();
+        // From the last one back, so that of constraints that say the same the first one is kept.
+        let mut present: Vec<bool> = vec![true; self.rows.len()];
+        for i in (0..self.rows.len()).rev() {
+            present[i] = false;
+            kept.clear();
+            kept.extend(
+                (0..present.len())
+                    .filter(|&k| present[k])
+                    .map(|k| self.rows[k]),
+            );
+            kept.resize(self.rows.len(), Row::default());
+            probe.factorise(&kept);
+            if probe.rank() == kkt.rank() {
+                let equation = &self.model.equations[i];
+                found.push(self.model.joints[equation.joint].name.clone());
+                if found.len() == dependent {
+                    break;
+                }
+            } else {
+                present[i] = true;
+            }
+        }
+        found.reverse();
+        found
+    }
+
+    fn warnings(&self, assembly: &Assembly) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let size = self.size();
+        if assembly.moved > 0.1 * size || assembly.turned > 0.5 {
+            warnings.push(format!(
+                "bodies had to be moved by {:.3e} m and turned by {:.3e} rad to assemble: are lengths and positions in \
+                 the same unit?",
+                assembly.moved, assembly.turned
+            ));
+        }
+        for name in &assembly.redundant {
+            warnings.push(format!(
+                "joint {name:?} holds something that others hold already; its reaction is shared in the least way"
+            ));
+        }
+        warnings.extend(loose_parts(&self.model));
+        warnings.extend(odd_bodies(&self.model));
+        warnings
+    }
+}
+
+/// Bodies that nothing ties to the rest.
+fn loose_parts(model: &MechanismModel) -> Vec<String> {
+    let mut part: Vec<usize> = (0..model.bodies.len()).collect();
+    let joints = model
+        .equations
+        .iter()
+        .map(|e| [e.a.body, e.b.body, e.carrier]);
+    let forces = model.forces.iter().map(|f| [f.a.body, f.b.body, f.b.body]);
+    let contacts = model
+        .contacts
+        .iter()
+        .map(|c| [c.a.body, c.b.body, c.b.body]);
+    let fixed = (0..model.bodies.len())
+        .filter(|&i| model.bodies[i].fixed)
+        .map(|i| [0, i, i]);
+    for [a, b, c] in joints.chain(forces).chain(contacts).chain(fixed) {
+        let other = if c == 0 { b } else { c };
+        for (x, y) in [(a, b), (b, other)] {
+            let (x, y) = (root(&mut part, x), root(&mut part, y));
+            part[x.max(y)] = x.min(y);
+        }
+    }
+    for i in 0..part.len() {
+        part[i] = root(&mut part, i);
+    }
+    let mut numbers: Vec<usize> = part.iter().copied().filter(|&p| p != 0).collect();
+    numbers.sort_unstable();
+    numbers.dedup();
+    let names = |number: usize| {
+        let members = (0..part.len()).filter(|&i| part[i] == number);
+        let names: Vec<String> = members
+            .map(|i| format!("{:?}", model.bodies[i].name))
+            .collect();
+        names.join(", ")
+    };
+    numbers
+        .into_iter()
+        .map(|number| {
+            format!(
+                "nothing connects {} to the ground: they move by gravity and their own velocities only",
+                names(number)
+            )
+        })
+        .collect()
+}
+
+/// The least body of the part that a body belongs to.
+fn root(part: &mut [usize], mut body: usize) -> usize {
+    while part[body] != body {
+        part[body] = part[part[body]];
+        body = part[body];
+    }
+    body
+}
+
+/// Bodies whose mass and inertia do not belong to a body of their size.
+fn odd_bodies(model: &MechanismModel) -> Vec<String> {
+    let mut reach = vec![0.0f64; model.bodies.len()];
+    for equation in &model.equations {
+        for end in [equation.a, equation.b] {
+            reach[end.body] = reach[end.body].max(end.point.norm());
+        }
+    }
+    let odd = |i: usize| {
+        let body = &model.bodies[i];
+        let gyration = (body.inertia / body.mass).sqrt();
+        let ratio = gyration / reach[i];
+        (!body.fixed && reach[i] > 0.0 && ratio.is_finite() && !(1e-3..30.0).contains(&ratio) && ratio > 0.0)
+            .then(|| {
+                format!(
+                    "body {:?} has a radius of gyration of {gyration:.3e} m, its joints are {:.3e} m from its centre \
+                     of mass: are mass, inertia and lengths in kg, kg m^2 and m?",
+                    body.name, reach[i]
+                )
+            })
+    };
+    (1..model.bodies.len()).filter_map(odd).collect()
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most: f64, v| {
+        if v.is_nan() {
+            f64::NAN
+        } else {
+            most.max(v.abs())
+        }
+    })
+}

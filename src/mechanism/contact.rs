@@ -1,0 +1,168 @@
+//! Contacts of a mechanism: a circle of body b against a profile of body a; a pin in a bore is the clearance joint.
+
+use super::body::{End, Frame, Marker};
+use super::contact_law::{ContactLaw, Prepared};
+use super::loads::Loads;
+use super::profile::Profile;
+use crate::contact::Contact;
+use crate::error::{Result, check};
+use crate::geometry::Vec2;
+
+/// A circle that may touch a profile.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactPair {
+    /// Unique name.
+    pub name: String,
+    /// Origin of the profile.
+    pub a: Marker,
+    /// Centre of the circle.
+    pub b: Marker,
+    /// The shape on `a`, in the frame of `a` around the point of the marker.
+    pub profile: Profile,
+    /// Radius of the circle \[m\].
+    pub radius: f64,
+    /// How hard they press.
+    pub law: ContactLaw,
+}
+
+impl ContactPair {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// Names the contact, the field and what is allowed.
+    pub fn validate(&self) -> Result<()> {
+        let field = format!("contact {:?}", self.name);
+        for marker in [&self.a, &self.b] {
+            for value in [marker.point.x, marker.point.y] {
+                check::finite(&format!("point of {field}"), value, "m")?;
+            }
+        }
+        check::positive(&format!("radius of {field}"), self.radius, "m")?;
+        self.profile.validate(&field)?;
+        self.law.validate(&field)
+    }
+}
+
+/// A contact whose bodies are numbers, with the constants of each piece of its profile.
+#[derive(Debug, Clone)]
+pub(super) struct CompiledContact {
+    pub(super) a: End,
+    pub(super) b: End,
+    profile: Profile,
+    radius: f64,
+    pairs: Vec<Prepared>,
+}
+
+/// What a live contact remembers from its onset: written between steps only.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Memory {
+    /// Approach speed \[m/s\]; zero: no memory.
+    pub(super) speed: f64,
+    /// The piece it began on, whose stiffness it keeps.
+    pub(super) piece: usize,
+}
+
+/// A contact at one state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Touch {
+    pub(super) contact: Contact,
+    pub(super) piece: usize,
+    /// Normal force \[N\].
+    pub(super) force: f64,
+}
+
+impl Default for Touch {
+    fn default() -> Self {
+        Self {
+            contact: Contact {
+                normal: Vec2::zeros(),
+                penetration: f64::NEG_INFINITY,
+                penetration_rate: 0.0,
+            },
+            piece: 0,
+            force: 0.0,
+        }
+    }
+}
+
+impl CompiledContact {
+    pub(super) fn new(pair: &ContactPair, a: End, b: End) -> Result<Self> {
+        let field = format!("contact {:?}", pair.name);
+        let prepare = |curvature| pair.law.prepare(&field, pair.radius, curvature);
+        Ok(Self {
+            a,
+            b,
+            pairs: pair
+                .profile
+                .curvatures()
+                .into_iter()
+                .map(prepare)
+                .collect::<Result<_>>()?,
+            profile: pair.profile.clone(),
+            radius: pair.radius,
+        })
+    }
+
+    /// Depth and rate, and the piece nearest; the normal points into the profile's material.
+    pub(super) fn find(&self, fa: &Frame, fb: &Frame) -> (Contact, usize) {
+        let center = fb.place(self.b.point);
+        let local = fa.into_local(center - fa.place(self.a.point));
+        let nearest = self.profile.nearest(local, self.radius);
+        let normal = -fa.turned(nearest.outward);
+        // Both bodies' velocities along the normal are the same anywhere on it, so at the centre too.
+        let approach = fb.velocity_at(center) - fa.velocity_at(center);
+        let depth = self.radius - nearest.distance;
+        // A circle that has its centre deeper in the material than its radius did not come through the surface.
+        let penetration = if depth > 2.0 * self.radius
+            && matches!(self.profile, Profile::Outline { closed: false, .. })
+        {
+            f64::NEG_INFINITY
+        } else {
+            depth
+        };
+        let contact = Contact {
+            normal,
+            penetration,
+            penetration_rate: normal.dot(&approach),
+        };
+        (contact, nearest.piece)
+    }
+
+    /// Adds the loads of the contact, its stored energy and what it loses; returns it.
+    pub(super) fn add(&self, frames: &[Frame], memory: Memory, loads: &mut Loads) -> Touch {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let (contact, piece) = self.find(fa, fb);
+        if contact.penetration <= 0.0 {
+            return Touch {
+                contact,
+                piece,
+                force: 0.0,
+            };
+        }
+        let pair = &self.pairs[if memory.speed > 0.0 {
+            memory.piece
+        } else {
+            piece
+        }];
+        let force = pair.force(contact.penetration, contact.penetration_rate, memory.speed);
+        let center = fb.place(self.b.point);
+        let push = force.total * contact.normal;
+        loads.push(self.b.body, fb, center, -push);
+        loads.push(self.a.body, fa, center, push);
+        loads.elastic += pair.energy(contact.penetration);
+        loads.dissipated += (force.total - force.elastic) * contact.penetration_rate;
+        Touch {
+            contact,
+            piece,
+            force: force.total,
+        }
+    }
+
+    /// What a contact that began on `piece` at `rate` remembers.
+    pub(super) fn remember(&self, piece: usize, rate: f64) -> Memory {
+        Memory {
+            speed: self.pairs[piece].onset_speed(rate),
+            piece,
+        }
+    }
+}

@@ -1,0 +1,275 @@
+//! The equations of motion of a mechanism as a system of first order: coordinates, velocities, two sums of energy.
+
+use std::sync::Arc;
+
+use nalgebra::{Dyn, LU};
+
+use super::body::Frame;
+use super::constrained::Constrained;
+use super::contact::{Memory, Touch};
+use super::equation::Row;
+use super::loads::Loads;
+use super::model::MechanismModel;
+use crate::integrator::OdeSystem;
+
+/// How positions and velocities are kept on the constraints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stabilisation {
+    /// Projected after every step, to round-off.
+    Projection,
+    /// Pulled back by a damped oscillator of this angular frequency \[rad/s\] (Baumgarte 1972), for comparison.
+    Baumgarte(f64),
+    /// Left alone: the drift of the formulas shows.
+    None,
+}
+
+/// The right-hand side; its memory changes between steps only.
+///
+/// The state is y = [q, v, energy dissipated, work put in] less a `shift`, which holds what projections have added: the
+/// integrator's own solution and its history stay as they are, and the shift is constant during a step.
+#[derive(Debug, Clone)]
+pub struct MechanismDynamics {
+    pub(super) model: Arc<MechanismModel>,
+    pub(super) frames: Vec<Frame>,
+    pub(super) loads: Loads,
+    pub(super) rows: Vec<Row>,
+    /// Present when there are constraints.
+    pub(super) kkt: Option<Constrained>,
+    pub(super) accelerations: Vec<f64>,
+    pub(super) multipliers: Vec<f64>,
+    pub(super) touches: Vec<Touch>,
+    pub(super) memory: Vec<Memory>,
+    pub(super) shift: Vec<f64>,
+    pub(super) stabilisation: Stabilisation,
+    /// Below this, the constraints count as near a singular position.
+    pub(super) near_singular: f64,
+    /// Time of the last derivative \[s\].
+    pub(super) time: f64,
+    /// Factors of the implicit corrector's matrix, once it is used.
+    pub(super) corrector: Option<LU<f64, Dyn, Dyn>>,
+    /// Scratch: loads of the free coordinates.
+    pub(super) forces: Vec<f64>,
+    /// Scratch: the state with its shift.
+    shifted: Vec<f64>,
+}
+
+impl MechanismDynamics {
+    /// The equations of a model, with no contact remembered.
+    #[must_use]
+    pub fn new(model: Arc<MechanismModel>, stabilisation: Stabilisation) -> Self {
+        let (n, m, bodies) = (model.coordinates(), model.constraints(), model.bodies.len());
+        Self {
+            frames: model.start_frames(),
+            loads: Loads::new(bodies),
+            rows: vec![Row::default(); m],
+            kkt: (m > 0).then(|| Constrained::new(&model)),
+            accelerations: vec![0.0; n],
+            multipliers: vec![0.0; m],
+            touches: vec![Touch::default(); model.contacts.len()],
+            memory: vec![Memory::default(); model.contacts.len()],
+            shift: vec![0.0; 2 * n],
+            stabilisation,
+            near_singular: 0.0,
+            time: 0.0,
+            corrector: None,
+            forces: vec![0.0; n],
+            shifted: vec![0.0; 2 * n],
+            model,
+        }
+    }
+
+    /// The model.
+    #[must_use]
+    pub fn model(&self) -> &Arc<MechanismModel> {
+        &self.model
+    }
+
+    /// Whether there is a constrained system to solve at all.
+    #[must_use]
+    pub fn is_constrained(&self) -> bool {
+        self.kkt.is_some()
+    }
+
+    /// Accelerations of the bodies that are not held, three a body.
+    #[must_use]
+    pub fn accelerations(&self) -> &[f64] {
+        &self.accelerations
+    }
+
+    /// Multiplier of each constraint equation.
+    #[must_use]
+    pub fn multipliers(&self) -> &[f64] {
+        &self.multipliers
+    }
+
+    /// Entries (constraint, coordinate, value) of the Jacobian at the last state.
+    #[must_use]
+    pub fn jacobian(&self) -> Vec<(usize, usize, f64)> {
+        let mut entries = Vec::new();
+        for (i, row) in self.rows.iter().enumerate() {
+            for (body, part) in row.bodies.iter().zip(&row.jacobian) {
+                if let Some(first) = self.model.first[*body] {
+                    entries.extend((0..3).map(|k| (i, first + k, part[k])));
+                }
+            }
+        }
+        entries.retain(|entry| entry.2 != 0.0);
+        entries
+    }
+
+    /// Right-hand sides γ of the constraints at the last state.
+    #[must_use]
+    pub fn gamma(&self) -> Vec<f64> {
+        self.rows.iter().map(|row| row.gamma).collect()
+    }
+
+    /// Mass or moment of inertia of each coordinate, and the load on it at the last state.
+    #[must_use]
+    pub fn masses_and_loads(&self) -> (&[f64], &[f64]) {
+        (&self.model.mass, &self.forces)
+    }
+
+    /// Reads positions and velocities (q, then v), without a shift.
+    pub(super) fn place(&mut self, state: &[f64]) {
+        let n = self.model.coordinates();
+        for (frame, first) in self.frames.iter_mut().zip(&self.model.first) {
+            if let Some(i) = *first {
+                *frame = Frame::new(
+                    [state[i], state[i + 1], state[i + 2]],
+                    [state[n + i], state[n + i + 1], state[n + i + 2]],
+                );
+            }
+        }
+    }
+
+    /// Evaluates the constraint equations where the bodies are.
+    pub(super) fn find_rows(&mut self, t: f64) {
+        for (row, equation) in self.rows.iter_mut().zip(&self.model.equations) {
+            *row = equation.evaluate(t, &self.frames);
+        }
+    }
+
+    /// Gathers all loads where the bodies are.
+    fn find_loads(&mut self, t: f64) {
+        self.loads.clear();
+        let model = &self.model;
+        for (load, body) in self.loads.on.iter_mut().zip(&model.bodies) {
+            load[0] = body.mass * model.gravity.x;
+            load[1] = body.mass * model.gravity.y;
+        }
+        for force in &model.forces {
+            force.add(t, &self.frames, &mut self.loads);
+        }
+        let contacts = model.contacts.iter().zip(&self.memory);
+        for ((contact, memory), touch) in contacts.zip(&mut self.touches) {
+            *touch = contact.add(&self.frames, *memory, &mut self.loads);
+        }
+    }
+
+    /// Accelerations and multipliers where the bodies are.
+    pub(super) fn accelerate(&mut self, t: f64) {
+        self.find_loads(t);
+        for (load, first) in self.loads.on.iter().zip(&self.model.first) {
+            if let Some(i) = *first {
+                self.forces[i..i + 3].copy_from_slice(load);
+            }
+        }
+        if self.kkt.is_none() {
+            let free = self.accelerations.iter_mut().zip(&self.forces);
+            free.zip(&self.model.mass)
+                .for_each(|((a, f), m)| *a = f / m);
+            return;
+        }
+        self.find_rows(t);
+        if let Stabilisation::Baumgarte(frequency) = self.stabilisation {
+            for row in &mut self.rows {
+                let rate = row.rate(&self.frames);
+                row.gamma -= 2.0 * frequency * rate + frequency * frequency * row.value;
+            }
+        }
+        if let Some(kkt) = &mut self.kkt {
+            kkt.factorise(&self.rows);
+            if kkt.independence() < self.near_singular && self.accelerate_across(t) {
+                return;
+            }
+        }
+        if let Some(kkt) = &mut self.kkt
+            && !kkt.solve(
+                &self.forces,
+                &self.rows,
+                &mut self.accelerations,
+                &mut self.multipliers,
+            )
+        {
+            self.accelerations.fill(f64::NAN);
+        }
+    }
+
+    /// Work that the drivers do: power of the multipliers along the prescribed motions \[W\].
+    fn driver_power(&self) -> f64 {
+        let rows = self.rows.iter().zip(&self.multipliers);
+        rows.map(|(row, lambda)| lambda * row.time_rate).sum()
+    }
+
+    /// Evaluates everything at positions and velocities, without a shift.
+    pub(super) fn evaluate(&mut self, t: f64, state: &[f64]) {
+        self.place(state);
+        self.accelerate(t);
+    }
+
+    /// Kinetic energy and potential energy of gravity \[J\].
+    #[must_use]
+    pub(super) fn energy(&self) -> (f64, f64) {
+        let mut energy = (0.0, 0.0);
+        for (frame, body) in self.frames.iter().zip(&self.model.bodies) {
+            if !body.fixed {
+                energy.0 += 0.5 * body.mass * frame.velocity.norm_squared()
+                    + 0.5 * body.inertia * frame.spin * frame.spin;
+                energy.1 -= body.mass * self.model.gravity.dot(&frame.origin);
+            }
+        }
+        energy
+    }
+
+    /// Force and torque of a joint on its body b, about the joint's point b \[N, N, N m\].
+    #[must_use]
+    pub(super) fn reaction(&self, joint: usize) -> [f64; 3] {
+        let mut load = [0.0; 3];
+        for i in self.model.equations_of_joint[joint].clone() {
+            let end = self.model.equations[i].b;
+            let arm = self.frames[end.body].turned(end.point);
+            let [x, y, torque] = self.rows[i].jacobian[1].map(|j| -self.multipliers[i] * j);
+            load[0] += x;
+            load[1] += y;
+            load[2] += torque - (arm.x * y - arm.y * x);
+        }
+        load
+    }
+}
+
+impl OdeSystem for MechanismDynamics {
+    fn dimension(&self) -> usize {
+        2 * self.model.coordinates() + 2
+    }
+
+    /// A linear contact that lets go stores energy without a force: only the sums see it go.
+    fn controlled(&self) -> usize {
+        let sums = if self.model.watches_energy { 2 } else { 0 };
+        2 * self.model.coordinates() + sums
+    }
+
+    fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+        let n = self.model.coordinates();
+        let mut shifted = std::mem::take(&mut self.shifted);
+        for ((x, y), shift) in shifted.iter_mut().zip(y).zip(&self.shift) {
+            *x = y + shift;
+        }
+        self.time = t;
+        self.evaluate(t, &shifted);
+        dydt[..n].copy_from_slice(&shifted[n..]);
+        dydt[n..2 * n].copy_from_slice(&self.accelerations);
+        dydt[2 * n] = self.loads.dissipated;
+        dydt[2 * n + 1] = self.loads.worked_in + self.driver_power();
+        self.shifted = shifted;
+    }
+}

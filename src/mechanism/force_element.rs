@@ -1,0 +1,239 @@
+//! Applied forces, springs and dampers: their loads on the bodies, and what they do to the energy.
+
+use std::sync::Arc;
+
+use super::body::{End, Frame, Marker};
+use super::curve::Curve;
+use super::loads::Loads;
+use super::time_function::TimeFunction;
+use crate::error::{Result, check};
+use crate::geometry::Vec2;
+
+/// A force or torque between body `a` and body `b`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForceElement {
+    /// Unique name.
+    pub name: String,
+    /// Where the reaction acts.
+    pub a: Marker,
+    /// Where the force acts.
+    pub b: Marker,
+    /// What it is.
+    pub kind: ForceKind,
+}
+
+/// What a force element does.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ForceKind {
+    /// A force on point b \[N\]; it has no reaction.
+    Force {
+        /// Component along x.
+        x: TimeFunction,
+        /// Component along y.
+        y: TimeFunction,
+        /// Whether the components turn with the body.
+        follows: bool,
+    },
+    /// A torque on `b`, its reaction on `a` \[N m\].
+    Torque(TimeFunction),
+    /// A torque on `b`, its reaction on `a` \[N m\], by the speed of `b` seen from `a` \[rad/s\].
+    TorqueBySpeed(Curve),
+    /// A spring and damper between the points.
+    Spring {
+        /// Force by length.
+        law: SpringLaw,
+        /// Length without force \[m\]; `None`: as placed.
+        rest: Option<f64>,
+    },
+    /// A spring and damper between the angles.
+    TorsionSpring {
+        /// Torque by angle.
+        law: SpringLaw,
+        /// Angle of `b` less that of `a` without torque \[rad\]; `None`: as placed.
+        rest: Option<f64>,
+    },
+    /// Whatever a function says, on `b`; for prototypes.
+    Custom(CustomForce),
+}
+
+/// Force and torque about the centre of mass, by time, position and velocity of the body \[N, N, N m\].
+pub type LoadFunction = dyn Fn(f64, [f64; 3], [f64; 3]) -> [f64; 3] + Send + Sync;
+
+/// A function that gives a load.
+#[derive(Clone)]
+pub struct CustomForce(pub Arc<LoadFunction>);
+
+impl std::fmt::Debug for CustomForce {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("CustomForce")
+    }
+}
+
+impl PartialEq for CustomForce {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+/// Force of a spring and damper: k x + `k_3` x³ (or a table of x) + c x'.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SpringLaw {
+    /// k \[N/m\] or \[N m/rad\].
+    pub stiffness: f64,
+    /// `k_3` \[N/m³\] or \[N m/rad³\].
+    pub cubic: f64,
+    /// c \[N s/m\] or \[N m s/rad\].
+    pub damping: f64,
+    /// Force by x in place of k and `k_3`.
+    pub table: Option<Curve>,
+}
+
+impl SpringLaw {
+    /// k x + c x'.
+    #[must_use]
+    pub fn linear(stiffness: f64, damping: f64) -> Self {
+        Self {
+            stiffness,
+            damping,
+            ..Self::default()
+        }
+    }
+
+    fn elastic(&self, x: f64) -> f64 {
+        match &self.table {
+            Some(curve) => curve.value(x),
+            None => (self.stiffness + self.cubic * x * x) * x,
+        }
+    }
+
+    fn energy(&self, x: f64) -> f64 {
+        match &self.table {
+            Some(curve) => curve.integral(x),
+            None => (0.5 * self.stiffness + 0.25 * self.cubic * x * x) * x * x,
+        }
+    }
+
+    fn validate(&self, field: &str) -> Result<()> {
+        check::finite(&format!("stiffness of {field}"), self.stiffness, "N/m")?;
+        check::finite(&format!("cubic of {field}"), self.cubic, "N/m^3")?;
+        check::not_negative(&format!("damping of {field}"), self.damping, "N s/m")
+    }
+}
+
+impl ForceElement {
+    /// A force element between two points.
+    pub fn new(name: impl Into<String>, a: Marker, b: Marker, kind: ForceKind) -> Self {
+        Self {
+            name: name.into(),
+            a,
+            b,
+            kind,
+        }
+    }
+
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// Names the element, the field and what is allowed.
+    pub fn validate(&self) -> Result<()> {
+        let field = format!("force {:?}", self.name);
+        for marker in [&self.a, &self.b] {
+            for value in [marker.point.x, marker.point.y] {
+                check::finite(&format!("point of {field}"), value, "m")?;
+            }
+        }
+        match &self.kind {
+            ForceKind::Force { x, y, .. } => {
+                x.validate(&field)?;
+                y.validate(&field)
+            }
+            ForceKind::Torque(torque) => torque.validate(&field),
+            ForceKind::TorqueBySpeed(_) | ForceKind::Custom(_) => Ok(()),
+            ForceKind::Spring { law, rest } => {
+                if let Some(rest) = rest {
+                    check::not_negative(&format!("rest length of {field}"), *rest, "m")?;
+                }
+                law.validate(&field)
+            }
+            ForceKind::TorsionSpring { law, rest } => {
+                check::finite(
+                    &format!("rest angle of {field}"),
+                    rest.unwrap_or(0.0),
+                    "rad",
+                )?;
+                law.validate(&field)
+            }
+        }
+    }
+}
+
+/// A force element whose bodies are numbers and whose rest is known.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Force {
+    pub(super) a: End,
+    pub(super) b: End,
+    pub(super) kind: ForceKind,
+    pub(super) rest: f64,
+}
+
+impl Force {
+    /// Adds the element's loads, its stored energy and its powers.
+    pub(super) fn add(&self, t: f64, frames: &[Frame], loads: &mut Loads) {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        match &self.kind {
+            ForceKind::Force { x, y, follows } => {
+                let given = Vec2::new(x.value(t), y.value(t));
+                let force = if *follows { fb.turned(given) } else { given };
+                let place = fb.place(self.b.point);
+                loads.push(self.b.body, fb, place, force);
+                loads.worked_in += force.dot(&fb.velocity_at(place));
+            }
+            ForceKind::Torque(torque) => self.twist(torque.value(t), fa, fb, loads),
+            ForceKind::TorqueBySpeed(table) => {
+                self.twist(table.value(fb.spin - fa.spin), fa, fb, loads);
+            }
+            ForceKind::Spring { law, .. } => self.pull(law, fa, fb, loads),
+            ForceKind::Custom(CustomForce(function)) => {
+                let position = [fb.origin.x, fb.origin.y, fb.angle];
+                let velocity = [fb.velocity.x, fb.velocity.y, fb.spin];
+                let [x, y, torque] = function(t, position, velocity);
+                loads.push(self.b.body, fb, fb.origin, Vec2::new(x, y));
+                loads.twist(self.b.body, torque);
+                loads.worked_in += x * velocity[0] + y * velocity[1] + torque * velocity[2];
+            }
+            ForceKind::TorsionSpring { law, .. } => {
+                let (x, rate) = (fb.angle - fa.angle - self.rest, fb.spin - fa.spin);
+                let torque = law.elastic(x) + law.damping * rate;
+                loads.twist(self.b.body, -torque);
+                loads.twist(self.a.body, torque);
+                loads.elastic += law.energy(x);
+                loads.dissipated += law.damping * rate * rate;
+            }
+        }
+    }
+
+    fn twist(&self, torque: f64, fa: &Frame, fb: &Frame, loads: &mut Loads) {
+        loads.twist(self.b.body, torque);
+        loads.twist(self.a.body, -torque);
+        loads.worked_in += torque * (fb.spin - fa.spin);
+    }
+
+    fn pull(&self, law: &SpringLaw, fa: &Frame, fb: &Frame, loads: &mut Loads) {
+        let (from, to) = (fa.place(self.a.point), fb.place(self.b.point));
+        let d = to - from;
+        let length = d.norm();
+        // Points that coincide give the spring no direction to act in.
+        let n = if length > 0.0 {
+            d / length
+        } else {
+            Vec2::zeros()
+        };
+        let rate = n.dot(&(fb.velocity_at(to) - fa.velocity_at(from)));
+        let x = length - self.rest;
+        let tension = law.elastic(x) + law.damping * rate;
+        loads.push(self.b.body, fb, to, -tension * n);
+        loads.push(self.a.body, fa, from, tension * n);
+        loads.elastic += law.energy(x);
+        loads.dissipated += law.damping * rate * rate;
+    }
+}

@@ -1,0 +1,61 @@
+//! Any planar mechanism: bodies, ideal joints, drivers, force elements and contacts, and the constrained equations of motion.
+//!
+//! ```text
+//! Mechanism -> MechanismModel -> assembly -> MechanismDynamics (an OdeSystem) -> MechanismSimulation -> recording
+//! ```
+
+mod assembly;
+mod body;
+mod constrained;
+mod contact;
+mod contact_law;
+mod curve;
+mod dynamics;
+mod equation;
+mod force_element;
+mod implicit;
+mod joint;
+mod kkt;
+mod loads;
+mod model;
+mod orthogonal;
+mod profile;
+mod recording;
+mod simulation;
+mod singular;
+mod sparse;
+mod time_function;
+
+pub use assembly::Assembly;
+pub use body::{Body, Marker};
+pub use contact::ContactPair;
+pub use contact_law::ContactLaw;
+pub use curve::{Curve, Spline};
+pub use dynamics::{MechanismDynamics, Stabilisation};
+pub use force_element::{CustomForce, ForceElement, ForceKind, LoadFunction, SpringLaw};
+pub use joint::{Joint, JointKind};
+pub use model::MechanismModel;
+pub use profile::{Piece, Profile};
+pub use recording::MechanismRecording;
+pub use simulation::MechanismSimulation;
+pub use time_function::{Motion, TimeFunction};
+
+use crate::geometry::Vec2;
+
+/// Name of the frame that does not move.
+pub const GROUND: &str = "ground";
+
+/// Everything that a mechanism is made of.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Mechanism {
+    /// Gravity \[m/s²\].
+    pub gravity: Vec2,
+    /// The bodies.
+    pub bodies: Vec<Body>,
+    /// Ideal joints and drivers.
+    pub joints: Vec<Joint>,
+    /// Applied forces, springs and dampers.
+    pub forces: Vec<ForceElement>,
+    /// Clearance joints and other contacts.
+    pub contacts: Vec<ContactPair>,
+}

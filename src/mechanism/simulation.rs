@@ -1,0 +1,353 @@
+//! A mechanism being run: steps, projection, onsets of contacts, reports.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::assembly::Assembly;
+use super::body::Frame;
+use super::contact::Memory;
+use super::dynamics::{MechanismDynamics, Stabilisation};
+use super::model::MechanismModel;
+use super::recording::MechanismRecording;
+use crate::contact::first_crossing;
+use crate::error::{Error, Result};
+use crate::integrator::{Adams, Counts, OdeSystem, StepControl};
+
+/// A mechanism in motion.
+#[derive(Debug, Clone)]
+pub struct MechanismSimulation {
+    dynamics: MechanismDynamics,
+    adams: Adams,
+    assembly: Assembly,
+    now: f64,
+    /// What projections had added when the last step began, and when that was.
+    shift_before: Vec<f64>,
+    step_start: f64,
+    recording: MechanismRecording,
+    /// Next report, time between two, last one; none when nothing is recorded.
+    reports: Option<Reports>,
+    onsets: u64,
+    /// Scratch: a state.
+    inside: Vec<f64>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Reports {
+    start: f64,
+    step: f64,
+    made: usize,
+    count: usize,
+}
+
+impl Reports {
+    fn time(&self, number: usize) -> f64 {
+        self.start + self.step * number as f64
+    }
+
+    fn next(&self) -> Option<f64> {
+        (self.made < self.count).then(|| self.time(self.made))
+    }
+
+    fn end(&self) -> f64 {
+        self.time(self.count - 1)
+    }
+}
+
+/// Iterations that a projection may take in a run, where it begins near.
+const ITERATIONS: usize = 12;
+/// How often the wall clock is looked at, in steps.
+const STEPS_BETWEEN_CLOCK_READINGS: u32 = 64;
+
+impl MechanismSimulation {
+    /// A run from where the mechanism is placed, assembled.
+    ///
+    /// # Errors
+    /// When a control does not fit or the mechanism does not go together.
+    pub fn new(
+        model: Arc<MechanismModel>,
+        control: StepControl,
+        stabilisation: Stabilisation,
+    ) -> Result<Self> {
+        control.validate()?;
+        let mut dynamics = MechanismDynamics::new(model, stabilisation);
+        let assembly = dynamics.assemble()?;
+        let mut y = assembly.state.clone();
+        y.extend([0.0, 0.0]);
+        let mut adams = Adams::new(dynamics.dimension(), control);
+        adams.restart(0.0, &y);
+        let mut simulation = Self {
+            shift_before: dynamics.shift.clone(),
+            step_start: 0.0,
+            now: 0.0,
+            recording: MechanismRecording::default(),
+            reports: None,
+            onsets: 0,
+            inside: y,
+            dynamics,
+            adams,
+            assembly,
+        };
+        simulation.remember_present_contacts();
+        Ok(simulation)
+    }
+
+    /// What assembling found.
+    #[must_use]
+    pub fn assembly(&self) -> &Assembly {
+        &self.assembly
+    }
+
+    /// Present time \[s\].
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.now
+    }
+
+    /// Work of the integrator so far.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        self.adams.counts()
+    }
+
+    /// Contacts begun so far.
+    #[must_use]
+    pub fn onsets(&self) -> u64 {
+        self.onsets
+    }
+
+    /// The model.
+    #[must_use]
+    pub fn model(&self) -> &Arc<MechanismModel> {
+        self.dynamics.model()
+    }
+
+    /// The dynamics at the present time, evaluated.
+    pub fn present(&mut self) -> &MechanismDynamics {
+        self.look_at(self.now);
+        &self.dynamics
+    }
+
+    /// A recording of the present time alone.
+    pub fn row(&mut self) -> MechanismRecording {
+        self.look_at(self.now);
+        let mut recording = MechanismRecording::default();
+        recording.report(self.now, &self.dynamics, [0.0; 2]);
+        recording
+    }
+
+    /// Positions (false) or velocities (true) of all bodies at the present time, ground left out.
+    pub fn motion(&mut self, velocities: bool) -> Vec<[f64; 3]> {
+        self.look_at(self.now);
+        let of = |frame: &Frame| {
+            if velocities {
+                [frame.velocity.x, frame.velocity.y, frame.spin]
+            } else {
+                [frame.origin.x, frame.origin.y, frame.angle]
+            }
+        };
+        self.dynamics.frames[1..].iter().map(of).collect()
+    }
+
+    /// Largest residual of positions and of velocities where the last step ended.
+    pub fn drift(&mut self) -> [f64; 2] {
+        let t = self.adams.time();
+        self.read(t);
+        let inside = std::mem::take(&mut self.inside);
+        self.dynamics.place(&inside);
+        self.inside = inside;
+        self.dynamics.find_rows(t);
+        let (rows, frames) = (&self.dynamics.rows, &self.dynamics.frames);
+        [
+            rows.iter().map(|row| row.value.abs()).fold(0.0, f64::max),
+            rows.iter()
+                .map(|row| row.rate(frames).abs())
+                .fold(0.0, f64::max),
+        ]
+    }
+
+    /// Begins a recording at the present time.
+    pub fn start_recording(&mut self, duration: f64, report_step: f64) {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        // checked to be at most 1e9
+        let count = (duration / report_step * (1.0 + 1e-12)).floor() as usize + 1;
+        self.recording = MechanismRecording::default();
+        self.reports = Some(Reports {
+            start: self.now,
+            step: report_step,
+            made: 0,
+            count,
+        });
+    }
+
+    /// Ends the recording and hands it over, with all rows made so far.
+    pub fn take_recording(&mut self) -> MechanismRecording {
+        self.reports = None;
+        std::mem::take(&mut self.recording)
+    }
+
+    /// Goes on with the recording for as long as `budget` of wall time allows; true when its end is reached.
+    ///
+    /// # Errors
+    /// When the integrator or the joints cannot go on: time, step size and the body or joint.
+    pub fn record(&mut self, budget: Duration) -> Result<bool> {
+        let end = self.reports.map_or(self.now, |reports| reports.end());
+        self.advance(end, budget)
+    }
+
+    /// Steps to exactly `target` \[s\] for as long as `budget` of wall time allows; true when it is reached.
+    ///
+    /// # Errors
+    /// When the integrator or the joints cannot go on: time, step size and the body or joint.
+    pub fn advance(&mut self, target: f64, budget: Duration) -> Result<bool> {
+        let begin = Instant::now();
+        let mut steps = 0u32;
+        loop {
+            self.report();
+            if target <= self.adams.time() {
+                self.now = target.max(self.now);
+                return Ok(true);
+            }
+            let look = steps.is_multiple_of(STEPS_BETWEEN_CLOCK_READINGS) && steps > 0;
+            if look && begin.elapsed() >= budget {
+                self.now = self.adams.time();
+                return Ok(false);
+            }
+            self.step()?;
+            steps += 1;
+        }
+    }
+
+    fn step(&mut self) -> Result<()> {
+        self.shift_before.copy_from_slice(&self.dynamics.shift);
+        let step = self.adams.step_second_order(&mut self.dynamics);
+        let step = step.map_err(|failure| {
+            let model = Arc::clone(self.dynamics.model());
+            let n = model.coordinates();
+            Error::from_failure(failure, |_, component| {
+                format!("body {:?}", model.bodies[model.body_of(component % n)].name)
+            })
+        })?;
+        self.step_start = step.start;
+        self.find_onsets(step.start, step.end);
+        if self.dynamics.stabilisation == Stabilisation::Projection {
+            self.project(step.end)?;
+        }
+        Ok(())
+    }
+
+    /// Takes what the step has left on the constraints off the solution, and leaves the integrator's history as it is.
+    fn project(&mut self, t: f64) -> Result<()> {
+        if !self.dynamics.is_constrained() {
+            return Ok(());
+        }
+        let n = self.dynamics.shift.len();
+        let state = &mut self.inside[..n];
+        let solution = self.adams.y();
+        for ((x, y), shift) in state.iter_mut().zip(solution).zip(&self.dynamics.shift) {
+            *x = y + shift;
+        }
+        if !self.dynamics.project(t, state, ITERATIONS) {
+            let residuals = self.dynamics.what_misses();
+            self.now = t;
+            return Err(Error::JointsApart { time: t, residuals });
+        }
+        for ((shift, x), y) in self.dynamics.shift.iter_mut().zip(state).zip(solution) {
+            *shift = *x - y;
+        }
+        Ok(())
+    }
+
+    /// Reads the state at `t` inside the last step: the dense output and the part of the shift that belongs there.
+    fn read(&mut self, t: f64) {
+        let end = self.adams.time();
+        if t == end {
+            self.inside.copy_from_slice(self.adams.y());
+        } else {
+            self.adams.interpolate(t, &mut self.inside);
+        }
+        let part = part_of_step(self.step_start, end, t);
+        let shifts = self.shift_before.iter().zip(&self.dynamics.shift);
+        for (x, (before, after)) in self.inside.iter_mut().zip(shifts) {
+            *x += before + part * (after - before);
+        }
+    }
+
+    /// Evaluates the dynamics at `t` inside the last step, on the constraints.
+    fn look_at(&mut self, t: f64) {
+        self.read(t);
+        let mut inside = std::mem::take(&mut self.inside);
+        if self.dynamics.stabilisation == Stabilisation::Projection {
+            self.dynamics.project(t, &mut inside, ITERATIONS);
+        }
+        self.dynamics.evaluate(t, &inside);
+        self.inside = inside;
+    }
+
+    fn report(&mut self) {
+        let end = self.adams.time();
+        while let Some(t) = self.reports.and_then(|r| r.next()).filter(|&t| t <= end) {
+            self.look_at(t);
+            let sums = 2 * self.dynamics.model.coordinates();
+            let sums = [self.inside[sums], self.inside[sums + 1]];
+            self.recording.report(t, &self.dynamics, sums);
+            self.now = t;
+            if let Some(reports) = &mut self.reports {
+                reports.made += 1;
+            }
+        }
+    }
+
+    /// Contacts that are there from the start have begun with their present rate.
+    fn remember_present_contacts(&mut self) {
+        self.look_at(0.0);
+        for k in 0..self.dynamics.touches.len() {
+            let touch = self.dynamics.touches[k];
+            if touch.contact.penetration > 0.0 {
+                let rate = touch.contact.penetration_rate;
+                self.dynamics.memory[k] =
+                    self.dynamics.model.contacts[k].remember(touch.piece, rate);
+            }
+        }
+    }
+
+    /// Writes the memory of contacts that began or ended within the step; the root of the dense output says when.
+    fn find_onsets(&mut self, start: f64, end: f64) {
+        for k in 0..self.dynamics.memory.len() {
+            let deep = self.dynamics.touches[k].contact.penetration > 0.0;
+            let remembered = self.dynamics.memory[k].speed > 0.0;
+            if deep && !remembered {
+                let (t, rate) = first_crossing(|t| Some(self.contact_at(k, t).0), start, end);
+                let piece = self.contact_at(k, t).1;
+                self.dynamics.memory[k] = self.dynamics.model.contacts[k].remember(piece, rate);
+                self.onsets += 1;
+            } else if !deep && remembered {
+                self.dynamics.memory[k] = Memory::default();
+            }
+        }
+    }
+
+    /// One contact at `t` inside the last step.
+    fn contact_at(&self, k: usize, t: f64) -> (crate::contact::Contact, usize) {
+        let contact = &self.dynamics.model.contacts[k];
+        let dense = self.adams.dense(t);
+        let model = &self.dynamics.model;
+        let n = model.coordinates();
+        let value = |i: usize| dense.value(i) + self.dynamics.shift[i];
+        let frame = |body: usize| match model.first[body] {
+            None => self.dynamics.frames[body],
+            Some(i) => Frame::new(
+                [value(i), value(i + 1), value(i + 2)],
+                [value(n + i), value(n + i + 1), value(n + i + 2)],
+            ),
+        };
+        contact.find(&frame(contact.a.body), &frame(contact.b.body))
+    }
+}
+
+fn part_of_step(start: f64, end: f64, t: f64) -> f64 {
+    if end > start {
+        ((t - start) / (end - start)).clamp(0.0, 1.0)
+    } else {
+        1.0
+    }
+}

@@ -1,0 +1,320 @@
+//! The constrained equations of large mechanisms: S λ = G M⁻¹ f - γ with S = G M⁻¹ Gᵀ, as sparse as the joints are connected.
+//!
+//! The order of elimination (least degree first) and the places of all numbers are found once; each state then costs what
+//! they ask for: for a chain of hinges, open or closed, a fixed number of operations a link. A constraint whose pivot
+//! vanishes depends on others and is left out.
+
+use std::collections::BTreeSet;
+
+use super::equation::Row;
+
+/// Factors L D Lᵀ of S, and room to solve.
+#[derive(Debug, Clone)]
+pub(super) struct SparseKkt {
+    inverse_mass: Vec<f64>,
+    first: Vec<Option<usize>>,
+    /// Place of each constraint in the order of elimination.
+    place: Vec<usize>,
+    /// Which rows of G meet in which entry of S.
+    meetings: Vec<Meeting>,
+    /// Upper triangle of S, column after column in the order of elimination, the diagonal last.
+    start: Vec<usize>,
+    above: Vec<usize>,
+    entries: Vec<f64>,
+    /// Columns in which each row of L has an entry, in order.
+    pattern_start: Vec<usize>,
+    pattern: Vec<usize>,
+    /// Columns of L: where they begin, how much is filled, rows and values.
+    column_start: Vec<usize>,
+    filled: Vec<usize>,
+    rows: Vec<usize>,
+    values: Vec<f64>,
+    inverse_pivots: Vec<f64>,
+    rank: usize,
+    /// Scratch, zero between calls.
+    work: Vec<f64>,
+    right: Vec<f64>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Meeting {
+    rows: [usize; 2],
+    parts: [usize; 2],
+    entry: usize,
+}
+
+/// A pivot counts as vanished below this part of its diagonal entry.
+const PIVOT_TOLERANCE: f64 = 1e-13;
+
+impl SparseKkt {
+    /// For constraints over `bodies`; all masses must be above zero.
+    pub(super) fn new(mass: &[f64], first: &[Option<usize>], bodies: &[[usize; 3]]) -> Self {
+        let m = bodies.len();
+        let on_body = rows_on_bodies(first, bodies);
+        let mut neighbours = vec![BTreeSet::new(); m];
+        for rows in &on_body {
+            for &(i, _) in rows {
+                neighbours[i].extend(rows.iter().map(|&(j, _)| j).filter(|&j| j != i));
+            }
+        }
+        let order = least_degree_order(neighbours.clone());
+        let mut place = vec![0; m];
+        for (k, &row) in order.iter().enumerate() {
+            place[row] = k;
+        }
+        let (start, above) = upper_triangle(&order, &place, &neighbours);
+        let mut meetings = Vec::new();
+        for rows in &on_body {
+            for &(i, part_i) in rows {
+                for &(j, part_j) in rows {
+                    if place[i] <= place[j] {
+                        let column = start[place[j]]..start[place[j] + 1];
+                        let found = above[column.clone()].binary_search(&place[i]);
+                        meetings.push(Meeting {
+                            rows: [i, j],
+                            parts: [part_i, part_j],
+                            entry: column.start + found.unwrap_or(0),
+                        });
+                    }
+                }
+            }
+        }
+        let (pattern_start, pattern) = patterns(&start, &above);
+        let mut column_start = vec![0; m + 1];
+        for &column in &pattern {
+            column_start[column + 1] += 1;
+        }
+        for k in 0..m {
+            column_start[k + 1] += column_start[k];
+        }
+        Self {
+            inverse_mass: mass.iter().map(|m| 1.0 / m).collect(),
+            first: first.to_vec(),
+            place,
+            meetings,
+            entries: vec![0.0; above.len()],
+            start,
+            above,
+            filled: vec![0; m],
+            rows: vec![0; pattern.len()],
+            values: vec![0.0; pattern.len()],
+            pattern_start,
+            pattern,
+            column_start,
+            inverse_pivots: vec![0.0; m],
+            rank: 0,
+            work: vec![0.0; m],
+            right: vec![0.0; m],
+        }
+    }
+
+    pub(super) fn rank(&self) -> usize {
+        self.rank
+    }
+
+    /// Constraints that were left out.
+    pub(super) fn dependent(&self) -> Vec<usize> {
+        let out = |&row: &usize| self.inverse_pivots[self.place[row]] == 0.0;
+        (0..self.place.len()).filter(out).collect()
+    }
+
+    /// Gathers S and factorises it.
+    pub(super) fn factorise(&mut self, rows: &[Row]) {
+        self.entries.fill(0.0);
+        for meeting in &self.meetings {
+            let [a, b] = [0, 1].map(|k| &rows[meeting.rows[k]].jacobian[meeting.parts[k]]);
+            let body = rows[meeting.rows[0]].bodies[meeting.parts[0]];
+            if let Some(first) = self.first[body] {
+                let sum: f64 = (0..3)
+                    .map(|k| a[k] * self.inverse_mass[first + k] * b[k])
+                    .sum();
+                self.entries[meeting.entry] += sum;
+            }
+        }
+        self.filled.fill(0);
+        self.rank = 0;
+        for k in 0..self.place.len() {
+            self.eliminate(k);
+        }
+    }
+
+    /// Row k of L and its pivot.
+    fn eliminate(&mut self, k: usize) {
+        for at in self.start[k]..self.start[k + 1] {
+            self.work[self.above[at]] = self.entries[at];
+        }
+        let diagonal = self.work[k];
+        for &column in &self.pattern[self.pattern_start[k]..self.pattern_start[k + 1]] {
+            let y = std::mem::take(&mut self.work[column]);
+            let begin = self.column_start[column];
+            let end = begin + self.filled[column];
+            for at in begin..end {
+                self.work[self.rows[at]] -= self.values[at] * y;
+            }
+            let value = y * self.inverse_pivots[column];
+            self.work[k] -= value * y;
+            self.rows[end] = k;
+            self.values[end] = value;
+            self.filled[column] += 1;
+        }
+        let pivot = std::mem::take(&mut self.work[k]);
+        self.inverse_pivots[k] = 0.0;
+        if pivot > PIVOT_TOLERANCE * diagonal {
+            self.inverse_pivots[k] = 1.0 / pivot;
+            self.rank += 1;
+        }
+    }
+
+    /// Solves S x = b in the order of elimination, in place.
+    fn solve_factors(&mut self) {
+        let x = &mut self.right;
+        for k in 0..x.len() {
+            let known = x[k];
+            for at in self.column_start[k]..self.column_start[k + 1] {
+                x[self.rows[at]] -= self.values[at] * known;
+            }
+        }
+        for (x, pivot) in x.iter_mut().zip(&self.inverse_pivots) {
+            *x *= pivot;
+        }
+        for k in (0..x.len()).rev() {
+            let column = self.column_start[k]..self.column_start[k + 1];
+            let sum: f64 = column.map(|at| self.values[at] * x[self.rows[at]]).sum();
+            if self.inverse_pivots[k] > 0.0 {
+                x[k] -= sum;
+            }
+        }
+    }
+
+    /// G x of one row.
+    fn along(&self, row: &Row, x: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for (body, part) in row.bodies.iter().zip(&row.jacobian) {
+            if let Some(first) = self.first[*body] {
+                sum += part[0] * x[first] + part[1] * x[first + 1] + part[2] * x[first + 2];
+            }
+        }
+        sum
+    }
+
+    /// Adds M⁻¹ Gᵀ λ times `sign`.
+    fn push(&self, rows: &[Row], sign: f64, lambda: impl Fn(usize) -> f64, x: &mut [f64]) {
+        for (i, row) in rows.iter().enumerate() {
+            let lambda = sign * lambda(i);
+            for (body, part) in row.bodies.iter().zip(&row.jacobian) {
+                if let Some(first) = self.first[*body] {
+                    for k in 0..3 {
+                        x[first + k] += self.inverse_mass[first + k] * part[k] * lambda;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Accelerations and multipliers of forces f with G a = γ; the second pass takes off what rounding left of the first.
+    pub(super) fn solve(
+        &mut self,
+        forces: &[f64],
+        rows: &[Row],
+        accelerations: &mut [f64],
+        multipliers: &mut [f64],
+    ) {
+        for ((a, f), inverse) in accelerations.iter_mut().zip(forces).zip(&self.inverse_mass) {
+            *a = f * inverse;
+        }
+        multipliers.fill(0.0);
+        for _ in 0..2 {
+            for (i, row) in rows.iter().enumerate() {
+                self.right[self.place[i]] = self.along(row, accelerations) - row.gamma;
+            }
+            self.solve_factors();
+            self.push(rows, -1.0, |i| self.right[self.place[i]], accelerations);
+            for (lambda, &place) in multipliers.iter_mut().zip(&self.place) {
+                *lambda += self.right[place];
+            }
+        }
+    }
+
+    /// Adds to `change` the least change (weighed by mass) of coordinates that takes `residual` off the constraints.
+    pub(super) fn correct(&mut self, rows: &[Row], residual: &[f64], change: &mut [f64]) {
+        for (residual, &place) in residual.iter().zip(&self.place) {
+            self.right[place] = *residual;
+        }
+        self.solve_factors();
+        self.push(rows, -1.0, |i| self.right[self.place[i]], change);
+    }
+}
+
+/// For each body that is free, the constraints on it with their part of the row.
+fn rows_on_bodies(first: &[Option<usize>], bodies: &[[usize; 3]]) -> Vec<Vec<(usize, usize)>> {
+    let mut found = vec![Vec::new(); first.len()];
+    for (row, parts) in bodies.iter().enumerate() {
+        for (part, &body) in parts.iter().enumerate() {
+            if first[body].is_some() {
+                found[body].push((row, part));
+            }
+        }
+    }
+    found
+}
+
+/// Eliminates the one with the fewest neighbours first; those then become neighbours of each other.
+fn least_degree_order(mut neighbours: Vec<BTreeSet<usize>>) -> Vec<usize> {
+    let mut queue: BTreeSet<(usize, usize)> = (neighbours.iter().enumerate())
+        .map(|(i, n)| (n.len(), i))
+        .collect();
+    let mut order = Vec::with_capacity(neighbours.len());
+    while let Some((_, row)) = queue.pop_first() {
+        order.push(row);
+        let around = std::mem::take(&mut neighbours[row]);
+        for &i in &around {
+            queue.remove(&(neighbours[i].len(), i));
+            neighbours[i].remove(&row);
+            neighbours[i].extend(around.iter().copied().filter(|&j| j != i));
+            queue.insert((neighbours[i].len(), i));
+        }
+    }
+    order
+}
+
+fn upper_triangle(
+    order: &[usize],
+    place: &[usize],
+    neighbours: &[BTreeSet<usize>],
+) -> (Vec<usize>, Vec<usize>) {
+    let (mut start, mut above) = (vec![0], Vec::new());
+    for (k, &row) in order.iter().enumerate() {
+        let first = above.len();
+        above.extend(neighbours[row].iter().map(|&j| place[j]).filter(|&j| j < k));
+        above.push(k);
+        above[first..].sort_unstable();
+        start.push(above.len());
+    }
+    (start, above)
+}
+
+/// Columns of the entries of each row of L: from those of S up the tree of elimination.
+fn patterns(start: &[usize], above: &[usize]) -> (Vec<usize>, Vec<usize>) {
+    let m = start.len() - 1;
+    let mut parent = vec![usize::MAX; m];
+    let mut mark = vec![usize::MAX; m];
+    let (mut pattern_start, mut pattern) = (vec![0], Vec::new());
+    for k in 0..m {
+        mark[k] = k;
+        let first = pattern.len();
+        for &entry in &above[start[k]..start[k + 1]] {
+            let mut i = entry;
+            while mark[i] != k {
+                mark[i] = k;
+                pattern.push(i);
+                if parent[i] == usize::MAX {
+                    parent[i] = k;
+                }
+                i = parent[i];
+            }
+        }
+        pattern[first..].sort_unstable();
+        pattern_start.push(pattern.len());
+    }
+    (pattern_start, pattern)
+}

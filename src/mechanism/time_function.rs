@@ -1,0 +1,243 @@
+//! Numbers that depend on time: what drivers prescribe and applied forces follow.
+
+use super::curve::{Curve, Spline};
+use crate::error::{Error, Result, check};
+
+/// A number as a function of time.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TimeFunction {
+    /// The same at all times.
+    Constant(f64),
+    /// From one value to another with two continuous derivatives: s³ (10 - 15 s + 6 s²).
+    SmoothStep {
+        /// When it begins to change \[s\].
+        start: f64,
+        /// When it has changed \[s\].
+        end: f64,
+        /// Value before.
+        from: f64,
+        /// Value after.
+        to: f64,
+    },
+    /// Straight lines between rows; a ramp has two of them.
+    Table(Curve),
+    /// A cubic spline through rows.
+    Spline(Spline),
+    /// offset + Σ amplitude · sin(frequency · t + phase).
+    Sines {
+        /// Mean value.
+        offset: f64,
+        /// (amplitude, angular frequency \[rad/s\], phase \[rad\]).
+        terms: Vec<[f64; 3]>,
+    },
+}
+
+impl From<f64> for TimeFunction {
+    fn from(value: f64) -> Self {
+        Self::Constant(value)
+    }
+}
+
+impl TimeFunction {
+    /// From one value to another along a straight line.
+    ///
+    /// # Errors
+    /// When a number is not finite or the end is not after the start.
+    pub fn ramp(start: f64, end: f64, from: f64, to: f64) -> Result<Self> {
+        Curve::new("ramp", &[(start, from), (end, to)]).map(Self::Table)
+    }
+
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// Names `field`, its value and what is allowed.
+    pub fn validate(&self, field: &str) -> Result<()> {
+        match self {
+            Self::Constant(value) => check::finite(field, *value, "its unit"),
+            Self::SmoothStep {
+                start,
+                end,
+                from,
+                to,
+            } => {
+                for value in [start, end, from, to] {
+                    check::finite(field, *value, "its unit")?;
+                }
+                if end > start {
+                    return Ok(());
+                }
+                Err(Error::invalid(
+                    format!("{field} (end)"),
+                    end,
+                    format!("must be after its start, {start} s"),
+                ))
+            }
+            Self::Table(_) | Self::Spline(_) => Ok(()),
+            Self::Sines { offset, terms } => {
+                for value in std::iter::once(offset).chain(terms.iter().flatten()) {
+                    check::finite(field, *value, "its unit")?;
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// Value at `t` \[s\].
+    #[must_use]
+    pub fn value(&self, t: f64) -> f64 {
+        match self {
+            Self::Table(curve) => curve.value(t),
+            _ => self.derivatives(t)[0],
+        }
+    }
+
+    /// Value and first two derivatives at `t` \[s\].
+    #[must_use]
+    pub fn derivatives(&self, t: f64) -> [f64; 3] {
+        match self {
+            Self::Constant(value) => [*value, 0.0, 0.0],
+            Self::SmoothStep {
+                start,
+                end,
+                from,
+                to,
+            } => {
+                let (span, rise) = (end - start, to - from);
+                let s = ((t - start) / span).clamp(0.0, 1.0);
+                [
+                    from + rise * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s),
+                    rise / span * 30.0 * (s * (1.0 - s)).powi(2),
+                    rise / (span * span) * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s),
+                ]
+            }
+            Self::Table(curve) => [curve.value(t), curve.slope(t), 0.0],
+            Self::Spline(spline) => spline.derivatives(t),
+            Self::Sines { offset, terms } => {
+                let mut found = [*offset, 0.0, 0.0];
+                for [amplitude, frequency, phase] in terms {
+                    let (sin, cos) = (frequency * t + phase).sin_cos();
+                    found[0] += amplitude * sin;
+                    found[1] += amplitude * frequency * cos;
+                    found[2] -= amplitude * frequency * frequency * sin;
+                }
+                found
+            }
+        }
+    }
+
+    /// Integral from zero to `t` \[s\]; a spline's is not known, and is refused where one is needed.
+    #[must_use]
+    pub fn integral(&self, t: f64) -> f64 {
+        match self {
+            Self::Constant(value) => value * t,
+            Self::SmoothStep {
+                start,
+                end,
+                from,
+                to,
+            } => {
+                let (span, rise) = (end - start, to - from);
+                let risen = |t: f64| {
+                    let s = ((t - start) / span).clamp(0.0, 1.0);
+                    span * s.powi(4) * (2.5 - 3.0 * s + s * s) + (t - end).max(0.0)
+                };
+                from * t + rise * (risen(t) - risen(0.0))
+            }
+            Self::Table(curve) => curve.integral(t),
+            Self::Spline(_) => f64::NAN,
+            Self::Sines { offset, terms } => {
+                let waves = terms.iter().map(|[amplitude, frequency, phase]| {
+                    if *frequency == 0.0 {
+                        amplitude * phase.sin() * t
+                    } else {
+                        amplitude / frequency * (phase.cos() - (frequency * t + phase).cos())
+                    }
+                });
+                offset * t + waves.sum::<f64>()
+            }
+        }
+    }
+}
+
+/// What a driver prescribes of a relative coordinate.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Motion {
+    /// The coordinate itself; its first two derivatives must be continuous.
+    Position(TimeFunction),
+    /// Its rate; the coordinate begins where it is placed.
+    Speed(TimeFunction),
+}
+
+impl Motion {
+    /// The coordinate (for a speed: its change since time zero) and its first two derivatives.
+    pub(super) fn derivatives(&self, t: f64) -> [f64; 3] {
+        match self {
+            Self::Position(function) => function.derivatives(t),
+            Self::Speed(function) => {
+                let [rate, acceleration, _] = function.derivatives(t);
+                [function.integral(t), rate, acceleration]
+            }
+        }
+    }
+
+    /// Checks every number, and that the motion is smooth enough to be followed without impacts.
+    pub(super) fn validate(&self, field: &str) -> Result<()> {
+        match self {
+            Self::Position(TimeFunction::Table(_)) => Err(Error::invalid(
+                field,
+                "a table with corners",
+                "would need an infinite force at each corner: give a spline, or the speed as a table",
+            )),
+            Self::Speed(TimeFunction::Spline(_)) => Err(Error::invalid(
+                field,
+                "a spline",
+                "is for positions: give the speed as a table, or the position as a spline",
+            )),
+            Self::Position(function) | Self::Speed(function) => function.validate(field),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn derivatives_and_integrals_belong_together() {
+        let functions = [
+            TimeFunction::Constant(3.0),
+            TimeFunction::SmoothStep {
+                start: 0.2,
+                end: 0.9,
+                from: -1.0,
+                to: 2.0,
+            },
+            TimeFunction::ramp(0.1, 2.0, 1.0, 5.0).unwrap(),
+            TimeFunction::Sines {
+                offset: 0.3,
+                terms: vec![[1.0, 2.0, 0.4], [0.5, 0.0, 1.0]],
+            },
+        ];
+        let h = 1e-5;
+        for function in functions {
+            for t in [-0.4, 0.3, 0.55, 1.2] {
+                let [value, rate, acceleration] = function.derivatives(t);
+                let (up, down) = (function.derivatives(t + h), function.derivatives(t - h));
+                let integral = function.integral(t + h) - function.integral(t - h);
+                assert!(
+                    (integral / (2.0 * h) - value).abs() < 1e-8,
+                    "{function:?} {t}"
+                );
+                assert!(((up[0] - down[0]) / (2.0 * h) - rate).abs() < 1e-7);
+                assert!(((up[1] - down[1]) / (2.0 * h) - acceleration).abs() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn a_position_with_corners_is_refused() {
+        let motion = Motion::Position(TimeFunction::ramp(0.0, 1.0, 0.0, 1.0).unwrap());
+        let error = motion.validate("driver").unwrap_err();
+        assert!(error.to_string().contains("spline"));
+    }
+}

@@ -1,0 +1,221 @@
+//! A run of a mechanism as Python sees it.
+
+use std::sync::Arc;
+
+use numpy::{IntoPyArray, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::core::{budget, table};
+use super::describe;
+use super::errors::to_python;
+use super::mechanism::{Raised, mechanism};
+use crate::error::{Error, Result};
+use crate::mechanism::{MechanismModel, MechanismSimulation, Stabilisation};
+use crate::simulate::check_reports;
+
+/// A compiled mechanism, its state and its integrator.
+#[pyclass(module = "rustchain._rustchain")]
+pub(super) struct MechanismCore {
+    simulation: MechanismSimulation,
+    raised: Raised,
+}
+
+#[pymethods]
+impl MechanismCore {
+    #[new]
+    fn new(
+        mechanism: &Bound<'_, PyAny>,
+        solver: &Bound<'_, PyAny>,
+        baumgarte: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let py = mechanism.py();
+        let raised = Raised::default();
+        let description = self::mechanism(mechanism, &raised)?;
+        let control = describe::solver(solver)?;
+        let stabilisation = match baumgarte {
+            None => Stabilisation::Projection,
+            Some(value) => {
+                let frequency = describe::finite(value, "baumgarte", "rad/s")?;
+                describe::checked(
+                    py,
+                    crate::error::check::not_negative("baumgarte", frequency, "rad/s"),
+                )?;
+                Stabilisation::Baumgarte(frequency)
+            }
+        };
+        let made = MechanismModel::compile(&description)
+            .and_then(|model| MechanismSimulation::new(Arc::new(model), control, stabilisation));
+        let core = made.map(|simulation| Self {
+            simulation,
+            raised: Arc::clone(&raised),
+        });
+        take(&raised)?;
+        describe::checked(py, core)
+    }
+
+    #[getter]
+    fn body_names(&self) -> Vec<String> {
+        self.simulation.model().body_names()
+    }
+
+    #[getter]
+    fn joint_names(&self) -> Vec<String> {
+        self.simulation.model().joint_names()
+    }
+
+    #[getter]
+    fn contact_names(&self) -> Vec<String> {
+        self.simulation.model().contact_names().to_vec()
+    }
+
+    #[getter]
+    fn time(&self) -> f64 {
+        self.simulation.time()
+    }
+
+    #[getter]
+    fn positions<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        table(py, self.simulation.motion(false))
+    }
+
+    #[getter]
+    fn velocities<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        table(py, self.simulation.motion(true))
+    }
+
+    /// What assembling found.
+    fn check<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let assembly = self.simulation.assembly();
+        let found = PyDict::new(py);
+        found.set_item("degrees_of_freedom", assembly.degrees_of_freedom)?;
+        found.set_item("redundant", &assembly.redundant)?;
+        found.set_item("moved", assembly.moved)?;
+        found.set_item("turned", assembly.turned)?;
+        found.set_item("warnings", &assembly.warnings)?;
+        Ok(found)
+    }
+
+    /// Accelerations and reactions at the present time.
+    fn evaluate<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let row = self.simulation.row();
+        let model = self.simulation.model();
+        let (bodies, joints) = (model.body_names().len(), model.joint_names().len());
+        let found = PyDict::new(py);
+        let set = |name: &str, values: Vec<f64>, rows: usize| {
+            found.set_item(name, values.into_pyarray(py).reshape([rows, 3])?)
+        };
+        set("accelerations", row.accelerations, bodies)?;
+        set("joint_reaction", row.reactions, joints)?;
+        found.set_item("contact_force", row.contact_force.into_pyarray(py))?;
+        found.set_item("contact_penetration", row.penetration.into_pyarray(py))?;
+        Ok(found)
+    }
+
+    fn start_recording(
+        &mut self,
+        duration: &Bound<'_, PyAny>,
+        report_step: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let py = duration.py();
+        let duration = describe::number(duration, "duration", "s")?;
+        let report_step = describe::number(report_step, "report_step", "s")?;
+        describe::checked(py, check_reports(duration, report_step))?;
+        self.simulation.start_recording(duration, report_step);
+        Ok(())
+    }
+
+    fn advance(&mut self, py: Python<'_>, wall_budget: f64) -> PyResult<bool> {
+        let simulation = &mut self.simulation;
+        let outcome = py.detach(|| simulation.record(budget(wall_budget)));
+        self.outcome(py, outcome)
+    }
+
+    fn step_to(
+        &mut self,
+        py: Python<'_>,
+        t: &Bound<'_, PyAny>,
+        wall_budget: f64,
+    ) -> PyResult<bool> {
+        let t = describe::finite(t, "t", "s")?;
+        let now = self.simulation.time();
+        if t < now {
+            let expected = format!("must not lie before the present time, {now} s");
+            return Err(to_python(py, &Error::invalid("t", t, expected)));
+        }
+        let simulation = &mut self.simulation;
+        let outcome = py.detach(|| simulation.advance(t, budget(wall_budget)));
+        self.outcome(py, outcome)
+    }
+
+    fn take_recording<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let recording = self.simulation.take_recording();
+        let model = self.simulation.model();
+        let (rows, joints) = (recording.time.len(), model.joint_names().len());
+        let (bodies, contacts) = (model.body_names().len(), model.contact_names().len());
+        let arrays = PyDict::new(py);
+        let set = |name: &str, values: Vec<f64>, shape: &[usize]| {
+            let shape: Vec<usize> = std::iter::once(rows).chain(shape.iter().copied()).collect();
+            arrays.set_item(name, values.into_pyarray(py).reshape(shape)?)
+        };
+        set("time", recording.time, &[])?;
+        set("positions", recording.positions, &[bodies, 3])?;
+        set("velocities", recording.velocities, &[bodies, 3])?;
+        set("accelerations", recording.accelerations, &[bodies, 3])?;
+        set("joint_reaction", recording.reactions, &[joints, 3])?;
+        set(
+            "joint_position_residual",
+            recording.position_residual,
+            &[joints],
+        )?;
+        set(
+            "joint_velocity_residual",
+            recording.velocity_residual,
+            &[joints],
+        )?;
+        set("contact_force", recording.contact_force, &[contacts])?;
+        set("contact_penetration", recording.penetration, &[contacts])?;
+        let parts = [
+            "kinetic",
+            "gravity",
+            "elastic",
+            "dissipated",
+            "worked_in",
+            "residual",
+        ];
+        for (i, name) in parts.iter().enumerate() {
+            let values = recording
+                .energy
+                .chunks(parts.len())
+                .map(|row| row[i])
+                .collect();
+            set(&format!("energy_{name}"), values, &[])?;
+        }
+        Ok(arrays)
+    }
+
+    fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let counts = self.simulation.counts();
+        let stats = PyDict::new(py);
+        stats.set_item("steps", counts.steps)?;
+        stats.set_item("rejected", counts.rejected)?;
+        stats.set_item("evaluations", counts.evaluations)?;
+        stats.set_item("onsets", self.simulation.onsets())?;
+        Ok(stats)
+    }
+}
+
+impl MechanismCore {
+    /// What a callable has raised goes before what came of it.
+    fn outcome(&self, py: Python<'_>, outcome: Result<bool>) -> PyResult<bool> {
+        take(&self.raised)?;
+        describe::checked(py, outcome)
+    }
+}
+
+fn take(raised: &Raised) -> PyResult<()> {
+    match raised.lock().ok().and_then(|mut slot| slot.take()) {
+        Some(error) => Err(error),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,249 @@
+"""Mechanisms from Python: closed forms, the NumPy reference, results, and what is refused."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rustchain as rc
+from reference.constrained import Chain, turned
+
+GRAVITY = 9.81
+
+
+def pendulum(length=1.0):
+    mechanism = rc.Mechanism(name="pendulum")
+    mechanism.add_body("bar", 1.0, length**2 / 12, position=(length / 2, 0.0, 0.0))
+    mechanism.add_revolute("bearing", "ground", "bar", at=(0.0, 0.0))
+    return mechanism
+
+
+def slider_crank(speed=10.0, crank=0.05, rod=0.12):
+    mechanism = rc.Mechanism(gravity=(0.0, 0.0))
+    mechanism.add_body("crank", 0.3, 1e-4, (crank / 2, 0.0, 0.0), (0.0, speed * crank / 2, speed))
+    spin = -speed * crank / rod
+    middle = crank + rod / 2
+    mechanism.add_body("rod", 0.2, 3e-4, (middle, 0.0, 0.0), (0.0, speed * crank / 2, spin))
+    mechanism.add_body("slider", 0.1, 1e-4, (crank + rod, 0.0, 0.0))
+    mechanism.add_revolute("bearing", "ground", "crank", at=(0.0, 0.0))
+    mechanism.add_revolute("crank pin", "crank", "rod", at=(crank, 0.0))
+    mechanism.add_revolute("wrist pin", "rod", "slider", at=(crank + rod, 0.0))
+    mechanism.add_prismatic("guide", "ground", "slider", direction=(1.0, 0.0))
+    mechanism.add_driver("motor", "ground", "crank", speed=speed)
+    return mechanism
+
+
+def test_a_pendulum_turns_by_its_energy():
+    result = rc.Simulation(pendulum()).run(duration=1.0, progress=False)
+    body = result.body("bar")
+    spin, angle = body.velocity[:, 2], body.position[:, 2]
+    np.testing.assert_allclose(spin**2, -3 * GRAVITY * np.sin(angle), atol=1e-6)
+    joint = result.joint("bearing")
+    assert np.max(joint.position_residual) < 1e-14
+    assert np.max(joint.velocity_residual) < 1e-13
+    assert abs(joint.force[0, 1] - GRAVITY / 4) < 1e-9
+    assert np.max(np.abs(result.energy.residual)) < 1e-6
+    assert result.success
+    assert result.stats["evaluations"] > result.stats["steps"] > 0
+
+
+def test_a_simulation_of_a_mechanism_is_made_by_the_same_name():
+    simulation = rc.Simulation(slider_crank(), solver=rc.Solver(rtol=1e-8, atol=1e-8))
+    assert isinstance(simulation, rc.MechanismSimulation)
+    report = simulation.check()
+    assert report.degrees_of_freedom == 0
+    assert report.redundant == []
+    assert "degrees of freedom   0" in str(report)
+    simulation.step_to(math.pi / 10)
+    assert simulation.time == math.pi / 10
+    assert abs(simulation.positions[2, 0] - (0.12 - 0.05)) < 1e-12
+    evaluation = simulation.evaluate()
+    crank, rod, speed = 0.05, 0.12, 10.0
+    expected = speed**2 * crank * (1.0 - crank / rod)
+    assert abs(evaluation.accelerations[2, 0] - expected) < 1e-8
+    assert evaluation.joint_reaction.shape == (5, 3)
+
+
+def test_results_go_to_xarray_pandas_and_files(tmp_path):
+    import xarray as xr
+
+    result = rc.Simulation(slider_crank()).run(duration=0.1, report_step=0.01, progress=False)
+    dataset = result.to_xarray()
+    assert dataset["positions"].sel(body="slider", coordinate="x").shape == (11,)
+    assert dataset["joint_reaction"].attrs["units"] == "N, N, N m"
+    assert dataset["joint_reaction"].sel(joint="motor", component="torque").shape == (11,)
+    assert "positions_slider_x" in result.to_pandas()
+    result.save(tmp_path / "run.nc")
+    loaded = xr.load_dataset(tmp_path / "run.nc", engine="h5netcdf")
+    np.testing.assert_array_equal(loaded["energy_kinetic"], result.energy.kinetic)
+
+
+def test_accelerations_and_reactions_are_those_of_the_dense_reference():
+    rng = np.random.default_rng(7)
+    for bars in (2, 3, 6):
+        for _ in range(10):
+            masses, lengths = rng.uniform(0.1, 3.0, bars), rng.uniform(0.2, 1.5, bars)
+            inertias = masses * lengths**2 / rng.uniform(6.0, 20.0, bars)
+            angles, end = rng.uniform(-3.0, 3.0, bars), np.zeros(2)
+            mechanism = rc.Mechanism()
+            for k in range(bars):
+                half = turned(angles[k], (lengths[k] / 2, 0.0))
+                position = (*(end + half), angles[k])
+                velocity = rng.normal(size=3)
+                mechanism.add_body(f"bar {k}", masses[k], inertias[k], position, velocity)
+                before = "ground" if k == 0 else f"bar {k - 1}"
+                mechanism.add_revolute(f"hinge {k}", before, f"bar {k}", at=end)
+                end = end + 2 * half
+            direction = turned(rng.uniform(-3, 3), (1.0, 0.0))
+            mechanism.add_point_on_line(
+                "line", "ground", f"bar {bars - 1}", direction, end, (lengths[-1] / 2, 0.0)
+            )
+            simulation = rc.Simulation(mechanism)
+            reference = Chain(masses, inertias, lengths, (end, direction))
+            q, v = simulation.positions.ravel(), simulation.velocities.ravel()
+            assert np.max(np.abs(reference.constraints(q))) < 1e-14
+            assert np.max(np.abs(reference.jacobian(q) @ v)) < 1e-13
+            acceleration, multipliers, condition = reference.solve(q, v, GRAVITY)
+            found = simulation.evaluate()
+            # gamma's differences are good to 1e-11 of the rates' size; the rest is the condition.
+            scale = np.max(np.abs(acceleration)) + np.max(np.abs(v)) ** 2
+            bound = (1e-10 + 1e-15 * condition) * scale
+            assert np.max(np.abs(found.accelerations.ravel() - acceleration)) < bound
+            force = found.joint_reaction[:bars, :2].ravel()
+            assert np.max(np.abs(force + multipliers[:-1])) < bound * np.max(masses) * 10
+
+
+def test_baumgarte_drifts_and_projection_does_not():
+    solver = rc.Solver(rtol=1e-6, atol=1e-6, max_step=0.1)
+    drift = {}
+    for baumgarte in (None, 10.0):
+        simulation = rc.Simulation(pendulum(), solver=solver, baumgarte=baumgarte)
+        result = simulation.run(duration=3.0, report_step=0.01, progress=False)
+        drift[baumgarte] = np.max(result.joint("bearing").position_residual)
+    assert drift[None] < 1e-14 < 1e-9 < drift[10.0]
+
+
+def test_a_clearance_joint_carries_the_weight():
+    mechanism = rc.Mechanism()
+    mechanism.add_body("pin", 0.5, 1e-4)
+    law = rc.SurfaceContact(rc.LankaraniNikravesh())
+    mechanism.add_clearance_joint("bush", "ground", "pin", 0.01, 0.0099, law)
+    mechanism.add_spring("drag", "ground", "pin", damping=20.0, rest_length=0.0)
+    result = rc.Simulation(mechanism).run(duration=0.5, report_step=0.01, progress=False)
+    contact = result.contact("bush")
+    assert abs(contact.force[-1] - 0.5 * GRAVITY) < 1e-3
+    assert abs(contact.penetration[0] + 1e-4) < 1e-15
+    assert result.stats["onsets"] >= 1
+
+
+def test_a_ball_rests_on_an_outline_with_arcs():
+    mechanism = rc.Mechanism()
+    mechanism.add_body("ball", 1.0, 0.01, position=(0.2, 0.5, 0.0))
+    # A bowl: a half circle of 1 m, its concave side up.
+    mechanism.add_outline_contact(
+        "bowl",
+        "ground",
+        "ball",
+        points=[(1.0, 0.0), (-1.0, 0.0)],
+        bulges=[-1.0],
+        radius=0.1,
+        closed=False,
+        law=rc.LinearContact(stiffness=1e5, damping=200.0),
+    )
+    mechanism.add_spring("drag", "ground", "ball", damping=1.0, rest_length=0.0)
+    report = mechanism.check()
+    assert report.degrees_of_freedom == 3
+    result = rc.Simulation(mechanism).run(duration=1.0, report_step=0.01, progress=False)
+    distance = np.hypot(*result.body("ball").position[:, :2].T)
+    assert np.max(distance) < 0.9 + 0.05
+    assert np.max(np.abs(result.energy.residual)) < 1e-4
+
+
+def test_a_callable_loads_a_body_and_its_exception_ends_the_run():
+    mechanism = rc.Mechanism(gravity=(0.0, 0.0))
+    mechanism.add_body("block", 2.0, 0.1, position=(0.3, 0.0, 0.0))
+    mechanism.add_callable("spring", "block", lambda t, q, v: (-8.0 * q[0], 0.0, 0.0))
+    simulation = rc.Simulation(mechanism)
+    simulation.step_to(1.0)
+    assert abs(simulation.positions[0, 0] - 0.3 * math.cos(2.0)) < 1e-8
+
+    def broken(t, q, v):
+        if t > 0.5:
+            raise KeyError("mine")
+        return (0.0, 0.0, 0.0)
+
+    mechanism = rc.Mechanism()
+    mechanism.add_body("block", 2.0, 0.1)
+    mechanism.add_callable("broken", "block", broken)
+    with pytest.raises(KeyError, match="mine"):
+        rc.Simulation(mechanism).run(duration=1.0, progress=False)
+
+
+def test_drivers_follow_their_functions():
+    functions = {
+        "step": (rc.SmoothStep(0.1, 0.6, 0.0, 2.0), lambda t: 2.0),
+        "sines": (rc.Sines([(0.3, 4.0, 0.2)]), lambda t: 0.3 * math.sin(4.0 * t + 0.2)),
+        "spline": (rc.Spline([(0.0, 0.0), (0.4, 1.0), (0.8, 0.3)]), lambda t: 0.3),
+    }
+    for name, (function, expected) in functions.items():
+        mechanism = pendulum()
+        mechanism.add_driver("motor", "ground", "bar", angle=function)
+        simulation = rc.Simulation(mechanism)
+        simulation.step_to(0.8)
+        assert abs(simulation.positions[0, 2] - expected(0.8)) < 1e-12, name
+    mechanism = pendulum()
+    mechanism.add_driver("motor", "ground", "bar", speed=rc.Table([(0.0, 0.0), (1.0, 2.0)]))
+    simulation = rc.Simulation(mechanism)
+    simulation.step_to(0.5)
+    assert abs(simulation.positions[0, 2] - 0.25) < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda m: m.add_revolute("x", "ground", "bra"), "bra.*there is no such body"),
+        (lambda m: m.add_body("bar", 1.0, 1.0), "is taken already"),
+        (lambda m: m.add_body("light", -1.0, 1.0), "mass of body.*light"),
+        (lambda m: m.add_body("heavy", "1", 1.0), "mass.*must be a number"),
+        (
+            lambda m: m.add_revolute("far", "ground", "bar", (9.0, 0.0), (0.5, 0.0)),
+            "go together.*far",
+        ),
+        (lambda m: m.add_driver("w", "ground", "bar", angle=rc.Table([(0, 0), (1, 1)])), "corners"),
+        (lambda m: m.add_driver("w", "ground", "bar"), "exactly one"),
+        (lambda m: m.add_torque("t", "bar"), "exactly one"),
+        (lambda m: m.add_revolute("y", "ground", "bra", at=(0.0, 0.0)), "did you mean 'bar'"),
+    ],
+)
+def test_what_is_wrong_is_named(change, says):
+    mechanism = pendulum()
+
+    def made():
+        change(mechanism)
+        mechanism.check()
+
+    with pytest.raises(rc.InvalidInput, match=says):
+        made()
+
+
+def test_loose_parts_are_warned_of():
+    mechanism = pendulum()
+    mechanism.add_body("loose", 1.0, 0.1)
+    with pytest.warns(UserWarning, match='nothing connects "loose"'):
+        rc.Simulation(mechanism)
+
+
+def test_newtons_method_keeps_the_joints_too():
+    ends = []
+    for accuracy in (1e-8, 1e-10):
+        solver = rc.Solver(method="newton", accuracy=accuracy, max_step=0.01)
+        simulation = rc.Simulation(pendulum(), solver=solver)
+        result = simulation.run(duration=0.5, report_step=0.05, progress=False)
+        assert np.max(result.joint("bearing").position_residual) < 1e-14
+        ends.append(np.max(np.abs(result.energy.residual)))
+    assert ends[1] < 0.2 * ends[0] < 1e-3
+
+
+def test_keywords_are_checked():
+    with pytest.raises(TypeError, match="did you mean 'baumgarte'"):
+        rc.Simulation(pendulum(), baumgart=1.0)

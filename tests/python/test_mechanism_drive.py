@@ -1,0 +1,58 @@
+"""Drives as mechanisms: with clearance they move as the drive, with ideal hinges chains close."""
+
+import numpy as np
+import pytest
+
+import rustchain as rc
+
+SOLVER = rc.Solver(rtol=1e-9, atol=1e-9)
+
+
+def test_a_drive_with_clearance_moves_as_its_mechanism():
+    """At 5 ms, past the first contacts; chaos has not begun to tell the two apart."""
+    drive = rc.paper_drive(pretension=25.0)
+    direct = rc.Simulation(drive, solver=SOLVER)
+    mechanism = rc.Simulation(drive.to_mechanism(), solver=SOLVER)
+    assert mechanism.body_names == direct.body_names
+    np.testing.assert_allclose(mechanism.positions, direct.positions, atol=1e-14)
+    for simulation in (direct, mechanism):
+        simulation.step_to(5e-3)
+    np.testing.assert_allclose(mechanism.positions[:, :2], direct.positions[:, :2], atol=2e-8)
+    evaluation = mechanism.evaluate()
+    assert np.max(evaluation.contact_force) > 1.0
+
+
+def test_ideal_hinges_close_the_chain_and_carry_the_pretension():
+    drive = rc.paper_drive(pretension=100.0)
+    simulation = rc.Simulation(
+        drive.to_mechanism(hinges="ideal"), solver=rc.Solver(rtol=1e-6, atol=1e-6)
+    )
+    report = simulation.check()
+    assert report.moved < 1e-9
+    assert report.redundant == []
+    # 38 links in a ring keep 38 of their 114 motions, the driven sprocket its turn and its slide.
+    assert report.degrees_of_freedom == 38 + 2
+    result = simulation.run(duration=0.02, report_step=1e-4, progress=False)
+    for k in range(1, 39):
+        joint = result.joint(f"hinge_{k}")
+        assert np.max(joint.position_residual) < 1e-15
+        assert np.max(joint.velocity_residual) < 1e-13
+    energy = result.energy
+    assert np.max(np.abs(energy.residual)) < 1e-3 * np.max(energy.kinetic)
+    # The pull has grown to a fifth, 40 N in two strands.
+    tension = [np.hypot(*result.joint(f"hinge_{k}").force[-50:].T).mean() for k in (14, 33)]
+    assert 5.0 < np.mean(tension) < 60.0
+
+
+def test_a_drive_can_be_extended():
+    mechanism = rc.paper_drive().to_mechanism(hinges="ideal")
+    mechanism.add_torque("load", "sprocket_2", -0.1)
+    mechanism.add_torsion_spring("rubber", "ground", "sprocket_2", damping=1e-3)
+    simulation = rc.Simulation(mechanism, solver=rc.Solver(rtol=1e-6, atol=1e-6))
+    simulation.step_to(5e-3)
+    assert abs(simulation.velocities[-2, 2] - 12.566370614359172) < 1e-6
+
+
+def test_other_hinges_are_refused():
+    with pytest.raises(rc.InvalidInput, match="'clearance' or 'ideal'"):
+        rc.paper_drive().to_mechanism(hinges="rigid")
