@@ -55,10 +55,10 @@ pub(super) struct Ring {
     eliminated: Vec<Eliminated>,
     /// Only in a ring without an open hinge.
     cut: Option<Cut>,
-    /// How all other unknowns follow from those of the cut, a column each.
-    from_cut: [Vec<[f64; 2]>; 2],
+    /// How all other unknowns follow from those of the cut, of which each has a column.
+    from_cut: Vec<[[f64; 2]; 2]>,
     /// Scratch of a solution.
-    unknowns: Vec<[f64; 2]>,
+    unknowns: Vec<[[f64; 2]; 1]>,
 }
 
 /// The last hinge of a ring that is closed.
@@ -123,8 +123,8 @@ impl Ring {
             rows: vec![Row::default(); hinges],
             eliminated: vec![Eliminated::default(); hinges],
             cut: None,
-            from_cut: [vec![[0.0; 2]; hinges], vec![[0.0; 2]; hinges]],
-            unknowns: vec![[0.0; 2]; hinges],
+            from_cut: vec![[[0.0; 2]; 2]; hinges],
+            unknowns: vec![[[0.0; 2]]; hinges],
         }
     }
 
@@ -307,44 +307,61 @@ fn middle(length: usize) -> (usize, usize) {
     (length / 2, length - 1 - length / 2)
 }
 
-/// Solves a piece in place.
+/// Solves a piece in place, for `C` right-hand sides at once.
 #[inline(always)]
-fn solve_piece<S: Simd>(eliminated: &[Eliminated], unknowns: &mut [[f64; 2]]) {
+fn solve_piece<S: Simd, const C: usize>(eliminated: &[Eliminated], unknowns: &mut [[[f64; 2]; C]]) {
     let length = unknowns.len();
     let eliminated = &eliminated[..length];
     let (middle, sweeps) = middle(length);
-    let (mut up, mut down) = (unknowns[0], unknowns[length - 1]);
     for i in 0..sweeps {
-        up = less::<S>(unknowns[i + 1], &transposed(eliminated[i].follow), up);
-        unknowns[i + 1] = up;
+        let follow = transposed(eliminated[i].follow);
+        unknowns[i + 1] = less_each::<S, C>(unknowns[i + 1], &follow, unknowns[i]);
         // The last one of these takes its part off the middle, which the other sweep has changed already.
         let j = length - 1 - i;
-        down = less::<S>(unknowns[j - 1], &transposed(eliminated[j].follow), down);
-        unknowns[j - 1] = down;
+        let follow = transposed(eliminated[j].follow);
+        unknowns[j - 1] = less_each::<S, C>(unknowns[j - 1], &follow, unknowns[j]);
     }
     if middle > sweeps {
         let follow = transposed(eliminated[sweeps].follow);
-        unknowns[middle] = less::<S>(unknowns[middle], &follow, up);
+        unknowns[middle] = less_each::<S, C>(unknowns[middle], &follow, unknowns[sweeps]);
     }
-    let q = times::<S>(&eliminated[middle].inverse, unknowns[middle]);
-    unknowns[middle] = q;
-    (up, down) = (q, q);
+    for q in &mut unknowns[middle] {
+        *q = times::<S>(&eliminated[middle].inverse, *q);
+    }
     for i in 1..=sweeps {
         let (k, j) = (middle - i, middle + i);
-        up = follow_from::<S>(&eliminated[k], unknowns[k], up);
-        unknowns[k] = up;
-        down = follow_from::<S>(&eliminated[j], unknowns[j], down);
-        unknowns[j] = down;
+        unknowns[k] = follow_from::<S, C>(&eliminated[k], unknowns[k], unknowns[k + 1]);
+        unknowns[j] = follow_from::<S, C>(&eliminated[j], unknowns[j], unknowns[j - 1]);
     }
     if middle > sweeps {
-        unknowns[0] = follow_from::<S>(&eliminated[0], unknowns[0], up);
+        unknowns[0] = follow_from::<S, C>(&eliminated[0], unknowns[0], unknowns[1]);
     }
 }
 
-/// The unknowns of a hinge from its right-hand side and its neighbour's unknowns.
+/// w - a v for each right-hand side.
 #[inline(always)]
-fn follow_from<S: Simd>(hinge: &Eliminated, right: [f64; 2], neighbour: [f64; 2]) -> [f64; 2] {
-    less::<S>(times::<S>(&hinge.inverse, right), &hinge.follow, neighbour)
+fn less_each<S: Simd, const C: usize>(
+    mut w: [[f64; 2]; C],
+    a: &Block,
+    v: [[f64; 2]; C],
+) -> [[f64; 2]; C] {
+    for (w, v) in w.iter_mut().zip(v) {
+        *w = less::<S>(*w, a, v);
+    }
+    w
+}
+
+/// The unknowns of a hinge from its right-hand sides and its neighbour's unknowns.
+#[inline(always)]
+fn follow_from<S: Simd, const C: usize>(
+    hinge: &Eliminated,
+    mut right: [[f64; 2]; C],
+    neighbour: [[f64; 2]; C],
+) -> [[f64; 2]; C] {
+    for right in &mut right {
+        *right = times::<S>(&hinge.inverse, *right);
+    }
+    less_each::<S, C>(right, &hinge.follow, neighbour)
 }
 
 /// Solves for the last hinge of a ring that is closed.
@@ -354,23 +371,22 @@ fn join_ends<S: Simd>(ring: &mut Ring) -> bool {
     let (cut, last) = (&ring.rows[n - 1], n - 2);
     let (to_last, to_first) = (cut.before, transposed(ring.rows[0].before));
     let mut left = cut.own;
-    for (column, unknowns) in ring.from_cut.iter_mut().enumerate() {
-        let unknowns = &mut unknowns[..n - 1];
-        unknowns.fill([0.0; 2]);
-        // Columns of the cut are its rows.
-        for (k, row) in [(0, &to_first), (last, &to_last)] {
-            unknowns[k][0] += row[2 * column];
-            unknowns[k][1] += row[2 * column + 1];
+    // Columns of the cut are its rows.
+    let unknowns = &mut ring.from_cut[..n - 1];
+    unknowns.fill([[0.0; 2]; 2]);
+    for (k, row) in [(0, &to_first), (last, &to_last)] {
+        for column in 0..2 {
+            unknowns[k][column][0] += row[2 * column];
+            unknowns[k][column][1] += row[2 * column + 1];
         }
-        solve_piece::<S>(&ring.eliminated, unknowns);
-        let (low, high) = (unknowns[last], unknowns[0]);
-        for row in 0..=column {
-            let entry = if row == column { row } else { 2 };
-            left[entry] -= to_last[2 * row] * low[0]
-                + to_last[2 * row + 1] * low[1]
-                + to_first[2 * row] * high[0]
-                + to_first[2 * row + 1] * high[1];
-        }
+    }
+    solve_piece::<S, 2>(&ring.eliminated, unknowns);
+    for (entry, (row, column)) in [(0, 0), (1, 1), (0, 1)].into_iter().enumerate() {
+        let (low, high) = (unknowns[last][column], unknowns[0][column]);
+        left[entry] -= to_last[2 * row] * low[0]
+            + to_last[2 * row + 1] * low[1]
+            + to_first[2 * row] * high[0]
+            + to_first[2 * row + 1] * high[1];
     }
     let round = eliminate_one::<S>(left, [0.0; 4], [0.0; 3]);
     ring.cut = Some(Cut {
@@ -408,26 +424,25 @@ impl WithSimd for SolveRing<'_> {
         take_in(last, &normal[..ring.origin], &tangential[..ring.origin]);
         let mut solved = 0;
         for piece in &ring.pieces {
-            ring.unknowns[solved..piece.start].fill([0.0; 2]);
+            ring.unknowns[solved..piece.start].fill([[0.0; 2]]);
             let eliminated = &ring.eliminated[piece.clone()];
-            solve_piece::<S>(eliminated, &mut ring.unknowns[piece.clone()]);
+            solve_piece::<S, 1>(eliminated, &mut ring.unknowns[piece.clone()]);
             solved = piece.end;
         }
         if let Some(cut) = &ring.cut {
             let unknowns = &mut ring.unknowns[..n];
-            let right = less::<S>(unknowns[n - 1], &cut.to_last, unknowns[n - 2]);
-            let right = less::<S>(right, &cut.to_first, unknowns[0]);
+            let right = less::<S>(unknowns[n - 1][0], &cut.to_last, unknowns[n - 2][0]);
+            let right = less::<S>(right, &cut.to_first, unknowns[0][0]);
             let q = times::<S>(&cut.inverse, right);
-            let columns = ring.from_cut[0].iter().zip(&ring.from_cut[1]);
-            for (unknown, (by_n, by_t)) in unknowns[..n - 1].iter_mut().zip(columns) {
+            for ([unknown], [by_n, by_t]) in unknowns[..n - 1].iter_mut().zip(&ring.from_cut) {
                 for part in 0..2 {
                     let left = fused::<S>(-by_n[part], q[0], unknown[part]);
                     unknown[part] = fused::<S>(-by_t[part], q[1], left);
                 }
             }
-            unknowns[n - 1] = q;
+            unknowns[n - 1] = [q];
         } else {
-            ring.unknowns[solved..].fill([0.0; 2]);
+            ring.unknowns[solved..].fill([[0.0; 2]]);
         }
         let (first, last) = ring.unknowns.split_at(n - ring.origin);
         let (normal_last, normal_first) = normal.split_at_mut(ring.origin);
@@ -438,16 +453,16 @@ impl WithSimd for SolveRing<'_> {
 }
 
 #[inline(always)]
-fn take_in(unknowns: &mut [[f64; 2]], normal: &[f64], tangential: &[f64]) {
+fn take_in(unknowns: &mut [[[f64; 2]; 1]], normal: &[f64], tangential: &[f64]) {
     for (unknown, (n, t)) in unknowns.iter_mut().zip(normal.iter().zip(tangential)) {
-        *unknown = [*n, *t];
+        *unknown = [[*n, *t]];
     }
 }
 
 #[inline(always)]
-fn hand_out(unknowns: &[[f64; 2]], normal: &mut [f64], tangential: &mut [f64]) {
+fn hand_out(unknowns: &[[[f64; 2]; 1]], normal: &mut [f64], tangential: &mut [f64]) {
     for (unknown, (n, t)) in unknowns.iter().zip(normal.iter_mut().zip(tangential)) {
-        [*n, *t] = *unknown;
+        [*n, *t] = unknown[0];
     }
 }
 

@@ -51,20 +51,20 @@ impl ToothTerms {
         }
     }
 
-    fn all(&mut self) -> impl Iterator<Item = &mut Numbers> {
-        self.block
-            .iter_mut()
-            .chain(self.column.iter_mut().flatten())
-    }
-
     /// No teeth yet.
     pub(super) fn clear(&mut self) {
-        for group in 0..self.touched.len() {
-            if std::mem::take(&mut self.touched[group]) {
-                for array in self.all() {
-                    array.as_chunks_mut::<WIDTH>().0[group] = [0.0; WIDTH];
-                }
-            }
+        let touched = |&(_, touched): &(usize, &bool)| *touched;
+        let Some((first, _)) = self.touched.iter().enumerate().find(touched) else {
+            return;
+        };
+        let last = self.touched.iter().enumerate().rfind(touched);
+        let entries = first * WIDTH..(last.map_or(first, |(group, _)| group) + 1) * WIDTH;
+        self.touched.fill(false);
+        for array in &mut self.block {
+            array[entries.clone()].fill(0.0);
+        }
+        for array in self.column.iter_mut().flatten() {
+            array[entries.clone()].fill(0.0);
         }
     }
 
@@ -87,7 +87,11 @@ impl ToothTerms {
             return;
         }
         self.touch(0, overhang);
-        for array in self.all() {
+        for array in self
+            .block
+            .iter_mut()
+            .chain(self.column.iter_mut().flatten())
+        {
             let (first, behind) = array.split_at_mut(links);
             for (entry, past) in first.iter_mut().zip(&mut behind[..overhang]) {
                 *entry += *past;
