@@ -9,9 +9,7 @@ pub use snapshot::Snapshot;
 
 use crate::dynamics::Dynamics;
 use crate::error::{Error, Result, check};
-use crate::integrator::{
-    Adams, Corrector, Counts, OdeSystem, SecondOrderSystem, StepControl, StepFailure,
-};
+use crate::integrator::{Adams, Corrector, Counts, OdeSystem, StepControl, StepFailure};
 use crate::model::{Model, Rotation, Support};
 use crate::recorder::{Groups, Recorder, Recording};
 use crate::state::{Motion, Start};

@@ -6,7 +6,8 @@ mod common;
 
 use common::scenes::{Noise, Scene, geared_drive};
 use rustchain::ForceLaws;
-use rustchain::contact::{hinge_at, tooth_at};
+use rustchain::contact::{Contact, HingePath, ToothPath};
+use rustchain::drive::TimeTable;
 use rustchain::integrator::{Corrector, StepControl};
 
 /// What a run has seen of its contacts.
@@ -44,15 +45,16 @@ fn run(scene: &Scene, control: StepControl, duration: f64, look: bool) -> Seen {
             if !look || was_live || *live {
                 continue;
             }
+            let depth: Box<dyn Fn(f64) -> f64> = if pair < n {
+                let path = HingePath::new(model, &adams, pair);
+                Box::new(move |t| path.at(t).penetration)
+            } else {
+                let path = ToothPath::new(model, &adams, pair % n, pair / n - 1);
+                Box::new(move |t| path.at(t).map_or(0.0, |found| found.contact.penetration))
+            };
             for i in 1..16 {
                 let t = step.start + f64::from(i) / 16.0 * (step.end - step.start);
-                let depth = if pair < n {
-                    hinge_at(model, &adams, pair, t).penetration
-                } else {
-                    tooth_at(model, &adams, pair % n, pair / n - 1, t)
-                        .map_or(0.0, |found| found.contact.penetration)
-                };
-                seen.unseen = seen.unseen.max(depth);
+                seen.unseen = seen.unseen.max(depth(t));
             }
         }
     }
@@ -99,6 +101,58 @@ fn onset_speeds_do_not_depend_on_where_steps_fall() {
         );
         println!("max_step {max_step:e}: {fine:.1e} at 1e-11, {rough:.1e} at 1e-8");
         assert!(fine < 1e-5 && rough < 1e-2, "{max_step:e}: {fine} {rough}");
+    }
+}
+
+#[test]
+fn a_pair_along_a_step_is_where_the_whole_state_has_it() {
+    let mut pulled = common::paper_drive();
+    pulled.tensioner = Some(common::tensioner(100.0, 1e-4));
+    let laws = ForceLaws::default();
+    let mut ring = Scene::ring(8, &laws);
+    ring.shake(&mut Noise(3), 1e-5, 0.3);
+    let table = TimeTable::new("speed", "rad/s", &[(0.0, 0.0), (1e-3, 100.0)]).unwrap();
+    for scene in [
+        Scene::laid(&pulled, &laws),
+        Scene::laid(&geared_drive([17, 17], 38, table), &laws),
+        ring,
+    ] {
+        let (mut dynamics, mut adams) = scene.ready(explicit(1e-6, 1e-3));
+        let model = &scene.model;
+        let n = model.links;
+        let mut y = vec![0.0; scene.dimension()];
+        let mut teeth = 0;
+        for _ in 0..40 {
+            let step = adams.step_second_order(&mut dynamics).unwrap();
+            dynamics.finish_step(&adams, &step);
+            for part in [0.0, 0.3, 1.0] {
+                let t = step.start + part * (step.end - step.start);
+                adams.interpolate(t, &mut y);
+                dynamics.evaluate(t, &y);
+                let same = |contact: &Contact, depth: f64, rate: f64| {
+                    let off = (contact.penetration - depth).abs();
+                    let rate_off = (contact.penetration_rate - rate).abs();
+                    // Where a pin is in the middle of its bushing to round-off, it has no direction.
+                    let middle = contact.penetration + model.clearance < 1e-9;
+                    assert!(off < 1e-15, "{off:e} m");
+                    assert!(rate_off < 1e-10 || middle, "{rate_off:e} m/s");
+                };
+                for k in 0..n {
+                    let contact = HingePath::new(model, &adams, k).at(t);
+                    let hinges = &dynamics.hinges;
+                    same(&contact, hinges.penetration[k], hinges.rate[k]);
+                }
+                for &pair in &dynamics.teeth.near {
+                    let (pair, found) = (pair as usize, &dynamics.teeth);
+                    let path = ToothPath::new(model, &adams, pair % n, pair / n);
+                    let at = path.at(t).unwrap();
+                    same(&at.contact, found.penetration[pair], found.rate[pair]);
+                    assert_eq!(at.gap, found.gap[pair]);
+                    teeth += 1;
+                }
+            }
+        }
+        assert!(teeth > 0);
     }
 }
 

@@ -25,7 +25,7 @@ use meter::{EnergyMeter, StepStart};
 pub(crate) use needs::{Needs, Want};
 
 use crate::contact::{
-    HingeContacts, ImpactMemory, ToothContacts, first_crossing, hinge_at, tooth_at,
+    HingeContacts, HingePath, ImpactMemory, ToothContacts, ToothPath, first_crossing,
 };
 use crate::force_law::{Elastic, Regions, with_law};
 use crate::geometry::{Surface, Vec2};
@@ -270,8 +270,8 @@ impl Dynamics {
                 continue;
             }
             if touching {
-                let at = |t| Some(hinge_at(model, adams, k, t));
-                let (_, rate) = first_crossing(at, step.start, step.end);
+                let path = HingePath::new(model, adams, k);
+                let (_, rate) = first_crossing(|t| Some(path.at(t)), step.start, step.end);
                 self.memory.begin_hinge(k, rate);
             } else {
                 self.parted.push(Pair::Hinge(k));
@@ -289,10 +289,10 @@ impl Dynamics {
                 continue;
             }
             if touching {
-                let at = |t| tooth_at(model, adams, k, s, t);
-                let (t, rate) =
-                    first_crossing(|t| at(t).map(|found| found.contact), step.start, step.end);
-                let surface = at(t).map_or(Surface::Topping, |found| found.surface);
+                let path = ToothPath::new(model, adams, k, s);
+                let at = |t| path.at(t).map(|found| found.contact);
+                let (t, rate) = first_crossing(at, step.start, step.end);
+                let surface = path.at(t).map_or(Surface::Topping, |found| found.surface);
                 self.memory.begin_tooth(pair, rate, surface);
                 begun.push((s, k));
             } else {

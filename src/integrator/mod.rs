@@ -23,6 +23,7 @@ use serde::{Deserialize, Serialize};
 
 pub use adams::{Adams, Counts, Step, StepFailure};
 pub use dense_output::DenseOutput;
+pub(crate) use dense_output::Path;
 
 /// Highest order of the predictor.
 pub const MAX_ORDER: usize = 12;
