@@ -12,6 +12,7 @@ pub(crate) use candidates::{
 };
 pub use clearance_joint::HingeContacts;
 pub use impact_memory::{ImpactMemory, OnsetCounts};
+pub(crate) use onset::Cubic;
 pub use onset::{crossing_between, first_crossing};
 pub use pair_path::{HingePath, ToothPath};
 pub use tooth_contact::{OnGap, SprocketFrame, ToothContacts, bushing_on_sprocket};

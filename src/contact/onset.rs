@@ -107,6 +107,10 @@ impl Cubic {
 
     /// Where it is lowest inside the step, if that is below zero and a minimum.
     pub(crate) fn lowest_inside(&self) -> Option<f64> {
+        self.minimum_inside().filter(|&x| self.value(x) < 0.0)
+    }
+
+    fn minimum_inside(&self) -> Option<f64> {
         let [_, b, c, d] = self.0;
         let root = (c * c - 3.0 * b * d).sqrt();
         let x = if c > 0.0 {
@@ -114,7 +118,13 @@ impl Cubic {
         } else {
             (root - c) / (3.0 * d)
         };
-        (x > 0.0 && x < 1.0 && self.value(x) < 0.0).then_some(x)
+        (x > 0.0 && x < 1.0).then_some(x)
+    }
+
+    /// The highest value inside the step that is a maximum.
+    pub(crate) fn highest_inside(&self) -> Option<f64> {
+        let mirrored = Self(self.0.map(|coefficient| -coefficient));
+        mirrored.minimum_inside().map(|x| self.value(x))
     }
 
     /// A root between `low`, where it is not positive, and 1; within a thousandth as a rule.

@@ -48,7 +48,7 @@ impl<'a> HingePath<'a> {
     #[must_use]
     pub fn at(&self, t: f64) -> Contact {
         let [x, y, .., vx, vy, front_spin, rear_spin] = self.path.end();
-        let [dx, dy, front, rear, dvx, dvy, front_spun, rear_spun] = self.path.from_end(t);
+        let [dx, dy, front, rear, dvx, dvy, front_spun, rear_spun] = self.path.change_at(t);
         let front = self.half_pitch * turned(self.directions[0], front);
         let rear = self.half_pitch * turned(self.directions[1], rear);
         let turning = (front_spin + front_spun) * front + (rear_spin + rear_spun) * rear;
@@ -127,7 +127,7 @@ impl<'a> ToothPath<'a> {
     #[must_use]
     pub fn at(&self, t: f64) -> Option<OnGap> {
         let [x, y, .., vx, vy, link_spin, spin] = self.path.end();
-        let [dx, dy, link_turn, turn, dvx, dvy, link_spun, spun] = self.path.from_end(t);
+        let [dx, dy, link_turn, turn, dvx, dvy, link_spun, spun] = self.path.change_at(t);
         let [turn, spin] = prescribed(self.sprocket, t)
             .map_or([turn, spin + spun], |[angle, spin]| {
                 [angle - self.angle, spin]

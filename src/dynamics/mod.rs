@@ -8,6 +8,7 @@ mod chain_solver;
 mod energy;
 mod forces;
 mod implicit;
+mod inside;
 mod jacobian;
 mod loads;
 mod meter;
@@ -61,6 +62,12 @@ pub struct Dynamics {
     begin: StepStart,
     /// Pairs that came apart in the last step; they keep their memory until the next one begins, for reports inside it.
     parted: Vec<Pair>,
+    /// Whether some contact may have turned round inside the step just made.
+    turned: bool,
+    /// No bushing was faster at the end of that step, seen from any tooth \[m/s\].
+    fastest: f64,
+    /// Touches inside steps that were too shallow to matter.
+    unseen_touches: u64,
     /// Scratch: tooth contacts that began in the last step.
     begun: Vec<(usize, usize)>,
     /// Scratch: a derivative that nobody asked for.
@@ -97,6 +104,9 @@ impl Dynamics {
             meter: EnergyMeter::new(),
             begin: StepStart::new(2 * model.coordinates),
             parted: Vec::with_capacity(links * (1 + sprockets)),
+            turned: false,
+            fastest: 0.0,
+            unseen_touches: 0,
             slope: vec![0.0; 2 * model.coordinates],
             inside: vec![0.0; 2 * model.coordinates],
             begun: Vec::with_capacity(links * sprockets),
@@ -235,6 +245,10 @@ impl Dynamics {
             }
         }
         self.kernels.candidates.invalidate();
+        // Where the first step begins.
+        self.differentiate(t, y);
+        self.kernels.watch(&self.model, 0.0);
+        self.kernels.watch.advance();
     }
 
     /// Forgets the contacts that ended in the last step; call before the next one.
@@ -259,6 +273,10 @@ impl Dynamics {
             self.find_hinge_onsets(adams, step);
             self.find_tooth_onsets(adams, step);
         }
+        if std::mem::take(&mut self.turned) {
+            self.look_inside(adams, step);
+        }
+        self.kernels.watch.advance();
         self.watch_ranges(adams);
     }
 
@@ -489,6 +507,12 @@ impl std::ops::Mul<Powers> for f64 {
 }
 
 impl OdeSystem for Dynamics {
+    fn stands(&mut self, length: f64, allowed: f64) -> bool {
+        let watched = self.kernels.watch(&self.model, length);
+        (self.turned, self.fastest) = (watched.turned, watched.speed);
+        !self.turned || self.deepest_unseen(length) <= allowed
+    }
+
     fn dimension(&self) -> usize {
         2 * self.model.coordinates
     }

@@ -90,7 +90,7 @@ impl<const N: usize> Path<'_, N> {
     }
 
     /// How far they are from there at `t`: small differences of large numbers keep all of their digits.
-    pub(crate) fn from_end(&self, t: f64) -> [f64; N] {
+    pub(crate) fn change_at(&self, t: f64) -> [f64; N] {
         let dense = self.adams.dense(t);
         let mut change = [0.0; N];
         for (weight, row) in dense.weights[..dense.terms].iter().zip(&self.rows).rev() {
