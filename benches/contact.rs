@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use common::{Halves, LAWS, contacts, print_counts};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use rustchain::contact::{first_crossing, hinge_at, tooth_at};
+use rustchain::contact::{HingePath, ToothPath, first_crossing};
 use rustchain::geometry::Vec2;
 
 /// Points to each of the curves of a flank.
@@ -77,14 +77,14 @@ fn onset(criterion: &mut Criterion) {
         let model = run.dynamics.model();
         let (k, s) = (index % model.links, index / model.links);
         let find = || {
-            let contact = |t| {
-                if kind == "tooth_onset" {
-                    tooth_at(model, &run.adams, k, s, t).map(|found| found.contact)
-                } else {
-                    Some(hinge_at(model, &run.adams, k, t))
-                }
-            };
-            first_crossing(contact, black_box(start), end)
+            let start = black_box(start);
+            if kind == "tooth_onset" {
+                let path = ToothPath::new(model, &run.adams, k, s);
+                first_crossing(|t| path.at(t).map(|found| found.contact), start, end)
+            } else {
+                let path = HingePath::new(model, &run.adams, k);
+                first_crossing(|t| Some(path.at(t)), start, end)
+            }
         };
         let (at, rate) = find();
         let counts = format!(

@@ -50,6 +50,8 @@ pub struct Statistics {
     pub onsets: u64,
     /// Those that began slower than the floor of the approach speed.
     pub onsets_at_floor: u64,
+    /// Contacts that closed and opened again inside a step, within the accuracy, and were let pass.
+    pub unseen_touches: u64,
     /// Wall time in steps \[s\].
     pub wall_stepping: f64,
     /// Wall time in finding onsets \[s\].
@@ -158,6 +160,7 @@ impl Simulation {
             meter_evaluations: self.dynamics.meter_evaluations(),
             onsets: onsets.onsets,
             onsets_at_floor: onsets.at_floor,
+            unseen_touches: self.dynamics.unseen_touches(),
             wall_stepping: self.wall.stepping.as_secs_f64(),
             wall_onsets: self.wall.onsets.as_secs_f64(),
             wall_reports: self.wall.reports.as_secs_f64(),
@@ -290,6 +293,7 @@ impl Simulation {
         };
         let stepped = Instant::now();
         self.dynamics.finish_step(&self.adams, &step);
+        self.adams.limit_step(self.dynamics.longest_step());
         if let Some(recorder) = &mut self.recorder {
             recorder.keep_step_forces(&self.dynamics);
         }

@@ -4,9 +4,13 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use common::scenes::{Noise, Scene, geared_drive};
 use rustchain::ForceLaws;
-use rustchain::contact::{hinge_at, tooth_at};
+use rustchain::contact::{Contact, HingePath, ToothPath};
+use rustchain::drive::TimeTable;
+use rustchain::dynamics::Dynamics;
 use rustchain::integrator::{Corrector, StepControl};
 
 /// What a run has seen of its contacts.
@@ -33,6 +37,7 @@ fn run(scene: &Scene, control: StepControl, duration: f64, look: bool) -> Seen {
         dynamics.begin_step();
         let step = adams.step_second_order(&mut dynamics).unwrap();
         dynamics.finish_step(&adams, &step);
+        adams.limit_step(dynamics.longest_step());
         seen.steps += 1;
         let depths = dynamics.hinge_contacts().map(|(depth, _)| depth);
         let depths = depths.chain(dynamics.candidates().map(|(.., depth, _)| depth));
@@ -44,15 +49,16 @@ fn run(scene: &Scene, control: StepControl, duration: f64, look: bool) -> Seen {
             if !look || was_live || *live {
                 continue;
             }
+            let depth: Box<dyn Fn(f64) -> f64> = if pair < n {
+                let path = HingePath::new(model, &adams, pair);
+                Box::new(move |t| path.at(t).penetration)
+            } else {
+                let path = ToothPath::new(model, &adams, pair % n, pair / n - 1);
+                Box::new(move |t| path.at(t).map_or(0.0, |found| found.contact.penetration))
+            };
             for i in 1..16 {
                 let t = step.start + f64::from(i) / 16.0 * (step.end - step.start);
-                let depth = if pair < n {
-                    hinge_at(model, &adams, pair, t).penetration
-                } else {
-                    tooth_at(model, &adams, pair % n, pair / n - 1, t)
-                        .map_or(0.0, |found| found.contact.penetration)
-                };
-                seen.unseen = seen.unseen.max(depth);
+                seen.unseen = seen.unseen.max(depth(t));
             }
         }
     }
@@ -102,6 +108,58 @@ fn onset_speeds_do_not_depend_on_where_steps_fall() {
     }
 }
 
+#[test]
+fn a_pair_along_a_step_is_where_the_whole_state_has_it() {
+    let mut pulled = common::paper_drive();
+    pulled.tensioner = Some(common::tensioner(100.0, 1e-4));
+    let laws = ForceLaws::default();
+    let mut ring = Scene::ring(8, &laws);
+    ring.shake(&mut Noise(3), 1e-5, 0.3);
+    let table = TimeTable::new("speed", "rad/s", &[(0.0, 0.0), (1e-3, 100.0)]).unwrap();
+    for scene in [
+        Scene::laid(&pulled, &laws),
+        Scene::laid(&geared_drive([17, 17], 38, table), &laws),
+        ring,
+    ] {
+        let (mut dynamics, mut adams) = scene.ready(explicit(1e-6, 1e-3));
+        let model = &scene.model;
+        let n = model.links;
+        let mut y = vec![0.0; scene.dimension()];
+        let mut teeth = 0;
+        for _ in 0..40 {
+            let step = adams.step_second_order(&mut dynamics).unwrap();
+            dynamics.finish_step(&adams, &step);
+            for part in [0.0, 0.3, 1.0] {
+                let t = step.start + part * (step.end - step.start);
+                adams.interpolate(t, &mut y);
+                dynamics.evaluate(t, &y);
+                let same = |contact: &Contact, depth: f64, rate: f64| {
+                    let off = (contact.penetration - depth).abs();
+                    let rate_off = (contact.penetration_rate - rate).abs();
+                    // Where a pin is in the middle of its bushing to round-off, it has no direction.
+                    let middle = contact.penetration + model.clearance < 1e-9;
+                    assert!(off < 1e-15, "{off:e} m");
+                    assert!(rate_off < 1e-10 || middle, "{rate_off:e} m/s");
+                };
+                for k in 0..n {
+                    let contact = HingePath::new(model, &adams, k).at(t);
+                    let hinges = &dynamics.hinges;
+                    same(&contact, hinges.penetration[k], hinges.rate[k]);
+                }
+                for &pair in &dynamics.teeth.near {
+                    let (pair, found) = (pair as usize, &dynamics.teeth);
+                    let path = ToothPath::new(model, &adams, pair % n, pair / n);
+                    let at = path.at(t).unwrap();
+                    same(&at.contact, found.penetration[pair], found.rate[pair]);
+                    assert_eq!(at.gap, found.gap[pair]);
+                    teeth += 1;
+                }
+            }
+        }
+        assert!(teeth > 0);
+    }
+}
+
 /// Drives in which bodies are fast: a fast sprocket; a chain thrown at its sprockets; links thrown about.
 fn fast_scenes() -> [(&'static str, Scene); 3] {
     let laws = ForceLaws::default();
@@ -148,4 +206,128 @@ fn large_steps_miss_no_contact_of_fast_bodies() {
             );
         }
     }
+}
+
+/// A ring of links in free flight past a sprocket, its lowest bushing 1 um deep in a tip at most.
+fn grazing_ring(speed: f64) -> (Scene, f64) {
+    let mut scene = Scene::ring(8, &ForceLaws::default());
+    let (n, from) = (scene.model.links, -0.02);
+    let duration = 0.04 / speed;
+    let laid = scene.motion.clone();
+    // The floating sprocket is out of the way.
+    scene.motion.y[n + 1] = 1.0;
+    scene.motion.vx[..n].fill(speed);
+    let mut dynamics = Dynamics::new(Arc::clone(&scene.model));
+    let mut deepest = |scene: &mut Scene, height: f64| {
+        let mut deepest = f64::NEG_INFINITY;
+        for i in 0..=4000 {
+            let t = duration * f64::from(i) / 4000.0;
+            for k in 0..n {
+                scene.motion.x[k] = laid.x[k] + from + speed * t;
+                scene.motion.y[k] = laid.y[k] + height;
+            }
+            dynamics.evaluate(t, &scene.y());
+            deepest = (dynamics.teeth.penetration.iter()).fold(deepest, |a, &b| a.max(b));
+        }
+        deepest
+    };
+    let (mut low, mut high) = (0.03, 0.05);
+    while high - low > 1e-10 {
+        let middle = 0.5 * (low + high);
+        if deepest(&mut scene, middle) > 1e-6 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    assert!((deepest(&mut scene, low) - 1e-6).abs() < 1e-8);
+    for k in 0..n {
+        scene.motion.x[k] = laid.x[k] + from;
+    }
+    (scene, duration)
+}
+
+/// Steps until the first onset, and its speed \[m/s\].
+fn first_onset(scene: &Scene, control: StepControl, duration: f64) -> (usize, f64) {
+    let (mut dynamics, mut adams) = scene.ready(control);
+    let before = dynamics.memory.counts().onsets;
+    let mut steps = 0;
+    while dynamics.memory.counts().onsets == before {
+        assert!(adams.time() < duration, "no onset in {steps} steps");
+        dynamics.begin_step();
+        let step = adams.step_second_order(&mut dynamics).unwrap();
+        dynamics.finish_step(&adams, &step);
+        adams.limit_step(dynamics.longest_step());
+        steps += 1;
+    }
+    let speeds = dynamics.memory.hinge_speed().iter();
+    let speeds = speeds.chain(&dynamics.memory.tooth_speed);
+    (steps, speeds.fold(0.0, |a, &b| a.max(b)))
+}
+
+#[test]
+fn a_touch_that_is_over_before_the_step_is_not_jumped_over() {
+    let (scene, duration) = grazing_ring(10.0);
+    let newton = StepControl {
+        corrector: Corrector::Newton,
+        ..explicit(1e-2, 1e-3)
+    };
+    let (many, expected) = first_onset(&scene, explicit(1e-8, 1e-6), duration);
+    for control in [explicit(1e-2, 1e-3), newton] {
+        let (steps, speed) = first_onset(&scene, control, duration);
+        println!("{many} and {steps} steps: {expected:.4} and {speed:.4} m/s");
+        // The touch lasts 29 us, the flight a hundred times as long.
+        assert!(steps < 80 && many > 1000);
+        assert!((speed - expected).abs() < 0.05 * expected);
+    }
+}
+
+#[test]
+fn a_contact_that_opens_and_closes_inside_a_step_begins_anew() {
+    let mut scene = Scene::ring(8, &ForceLaws::default());
+    let (n, clearance, speed) = (scene.model.links, scene.model.clearance, 10.0);
+    scene.motion.y[..n].iter_mut().for_each(|y| *y += 0.5);
+    // A link in touch with both neighbours, thrown at their other sides.
+    scene.motion.x[2] += clearance + 1e-11;
+    scene.motion.vx[2] = -speed;
+    // Not deep: with the memory of the first touch the second one is damped ten thousand times as strongly.
+    let once = (2.0 * clearance + 3e-11) / speed;
+    for (max_step, steps) in [(once, 1..=1), (1e-7, 40..=60)] {
+        let (mut dynamics, mut adams) = scene.ready(explicit(1e-2, max_step));
+        assert_eq!(dynamics.memory.counts().onsets, 2);
+        let mut made = 0;
+        while adams.time() < once {
+            dynamics.begin_step();
+            let step = adams.step_second_order(&mut dynamics).unwrap();
+            dynamics.finish_step(&adams, &step);
+            made += 1;
+        }
+        let depths: Vec<f64> = dynamics.hinge_contacts().map(|(depth, _)| depth).collect();
+        println!("{made} steps, depths {:e} {:e}", depths[1], depths[2]);
+        assert!(steps.contains(&made), "{made} steps");
+        assert!(depths[1] > 0.0 && depths[2] > 0.0);
+        assert_eq!(dynamics.memory.counts().onsets, 4, "{made} steps");
+        for k in [1, 2] {
+            let onset = dynamics.memory.hinge_speed()[k];
+            assert!((onset - speed).abs() < 1e-3 * speed, "{onset} m/s");
+        }
+    }
+}
+
+#[test]
+fn no_step_moves_a_bushing_past_a_tooth() {
+    let laws = ForceLaws::default();
+    let scene = Scene::laid(&geared_drive([17, 17], 38, 628.3), &laws);
+    let (mut dynamics, mut adams) = scene.ready(explicit(1.0, 1e-2));
+    let pitch = 2.0 * scene.model.half_pitch;
+    let mut longest: f64 = 0.0;
+    while adams.time() < 1e-3 {
+        dynamics.begin_step();
+        let step = adams.step_second_order(&mut dynamics).unwrap();
+        dynamics.finish_step(&adams, &step);
+        adams.limit_step(dynamics.longest_step());
+        longest = longest.max(628.3 * 0.5 * pitch / 0.1837 * (step.end - step.start));
+    }
+    println!("{:.3} pitches", longest / pitch);
+    assert!(longest <= 0.1 * pitch);
 }

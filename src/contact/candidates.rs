@@ -9,6 +9,8 @@ mod carried;
 
 pub(crate) use carried::CarriedCandidates;
 
+use serde::{Deserialize, Serialize};
+
 use crate::contact::ImpactMemory;
 use crate::force_law::{VectorLaw, with_law};
 use crate::geometry::{Surface, Vec2};
@@ -35,7 +37,7 @@ pub(crate) struct Candidates {
 }
 
 /// Bushings that follow one another along the chain, all candidates of one sprocket.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Run {
     /// First bushing.
     pub(crate) first: usize,

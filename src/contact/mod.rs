@@ -4,6 +4,7 @@ mod candidates;
 mod clearance_joint;
 mod impact_memory;
 mod onset;
+mod pair_path;
 mod tooth_contact;
 
 pub(crate) use candidates::{
@@ -11,7 +12,9 @@ pub(crate) use candidates::{
 };
 pub use clearance_joint::HingeContacts;
 pub use impact_memory::{ImpactMemory, OnsetCounts};
-pub use onset::{first_crossing, hinge_at, tooth_at};
+pub(crate) use onset::Cubic;
+pub use onset::{crossing_between, first_crossing};
+pub use pair_path::{HingePath, ToothPath};
 pub use tooth_contact::{OnGap, SprocketFrame, ToothContacts, bushing_on_sprocket};
 
 use crate::geometry::Vec2;

@@ -1,106 +1,224 @@
 //! When a pair came into contact within the last step, and how fast: the root of the dense output.
 
 use super::Contact;
-use super::clearance_joint::pin_in_bushing;
-use super::tooth_contact::{OnGap, SprocketFrame, bushing_on_sprocket};
-use crate::geometry::Vec2;
-use crate::integrator::Adams;
-use crate::model::Model;
-use crate::state::sprocket_motion;
+
+/// A correction of this part of the step is the last one: the next would be its square.
+const SETTLED: f64 = 1e-7;
 
 /// Time in (`start`, `end`] at which the penetration turned positive, and its rate there.
 ///
 /// `contact` is the pair along the last step, `None` when it is not even near; it is apart at `start` and deep at `end`.
-/// Newton on the penetration, kept inside the shrinking bracket by bisection.
 pub fn first_crossing(
     contact: impl Fn(f64) -> Option<Contact>,
     start: f64,
     end: f64,
 ) -> (f64, f64) {
-    let depth = |t| {
-        contact(t).map_or((f64::NEG_INFINITY, 0.0), |c| {
-            (c.penetration, c.penetration_rate)
-        })
-    };
-    let (at_start, rate_at_start) = depth(start);
-    if at_start >= 0.0 {
+    let ends = [depth(&contact, start), depth(&contact, end)];
+    crossing_between(contact, [start, end], ends)
+}
+
+/// The same where depth \[m\] and rate \[m/s\] are known at both times.
+///
+/// Newton from the root of the cubic through both ends, kept inside the shrinking bracket by bisection. Where the cubic dips
+/// below zero inside the step, the last crossing is meant: what touches at the end began there.
+pub fn crossing_between(
+    contact: impl Fn(f64) -> Option<Contact>,
+    [start, end]: [f64; 2],
+    [at_start, at_end]: [[f64; 2]; 2],
+) -> (f64, f64) {
+    let length = end - start;
+    let cubic = Cubic::through(at_start, at_end, length);
+    let apart = cubic.lowest_inside();
+    if at_start[0] >= 0.0 && apart.is_none() {
         // The dense output meets the start of a step to within the tolerance only.
-        return (start, rate_at_start);
+        return (start, at_start[1]);
     }
-    let (mut low, mut high, mut t) = (start, end, end);
-    let mut rate = 0.0;
+    if at_end[0] <= 0.0 {
+        // Nor does the contact at the end of an implicit step, which is that of its last evaluation.
+        return (end, at_end[1]);
+    }
+    let mut low = start + apart.unwrap_or(0.0) * length;
+    let mut high = end;
+    let mut t = start + cubic.upward_root(apart.unwrap_or(0.0)) * length;
+    let mut last = (end, at_end[1]);
     for _ in 0..100 {
-        let (value, slope) = depth(t);
-        rate = slope;
+        let [value, rate] = depth(&contact, t);
+        let correction = -value / rate;
+        if rate > 0.0 && correction.abs() <= SETTLED * length {
+            let slope = if t == last.0 {
+                0.0
+            } else {
+                (rate - last.1) / (t - last.0)
+            };
+            let root = (t + correction).clamp(start, end);
+            return (root, rate + slope * (root - t));
+        }
         if value > 0.0 {
             high = t;
         } else {
             low = t;
         }
-        let newton = t - value / slope;
-        let next = if newton > low && newton < high {
+        last = (t, rate);
+        let newton = t + correction;
+        t = if newton > low && newton < high {
             newton
         } else {
             0.5 * (low + high)
         };
-        let settled = (next - t).abs() <= f64::EPSILON * t.abs() || next <= low || next >= high;
-        if settled || value == 0.0 {
+        if t <= low || t >= high {
             break;
         }
-        t = next;
     }
-    (t, rate)
+    last
 }
 
-/// Hinge `k` at time `t` inside the last step of `adams`.
-#[must_use]
-pub fn hinge_at(model: &Model, adams: &Adams, k: usize, t: f64) -> Contact {
-    let value = component_reader(model, adams, t);
-    let next = (k + 1) % model.links;
-    let (front, front_velocity) = link_end(model, &value, k, 1.0);
-    let (rear, rear_velocity) = link_end(model, &value, next, -1.0);
-    pin_in_bushing(
-        front - rear,
-        front_velocity - rear_velocity,
-        model.clearance,
-    )
+/// Depth \[m\] and its rate \[m/s\]; endless where the pair is not even near.
+fn depth(contact: &impl Fn(f64) -> Option<Contact>, t: f64) -> [f64; 2] {
+    contact(t).map_or([f64::NEG_INFINITY, 0.0], |c| {
+        [c.penetration, c.penetration_rate]
+    })
 }
 
-/// Bushing `k` on sprocket `s` at time `t` inside the last step of `adams`; `None` when out of reach.
-#[must_use]
-pub fn tooth_at(model: &Model, adams: &Adams, k: usize, s: usize, t: f64) -> Option<OnGap> {
-    let value = component_reader(model, adams, t);
-    let link = model.link_of_bushing(k);
-    let side = if link == k { 1.0 } else { -1.0 };
-    let (point, velocity) = link_end(model, &value, link, side);
-    let sprocket = &model.sprockets[s];
-    let ((center, speed), (angle, spin)) = sprocket_motion(sprocket, t, &value);
-    let frame = SprocketFrame::new(center, speed, angle, spin);
-    bushing_on_sprocket(sprocket, &frame, point, velocity, model.bushing_radius)
+/// A depth over a step, from its values and slopes at both ends; the step goes from 0 to 1.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Cubic([f64; 4]);
+
+impl Cubic {
+    /// Through depths \[m\] and rates \[m/s\] at the ends of a step of `length` \[s\].
+    pub(crate) fn through([d0, r0]: [f64; 2], [d1, r1]: [f64; 2], length: f64) -> Self {
+        let (rise, from, to) = (d1 - d0, r0 * length, r1 * length);
+        Self([
+            d0,
+            from,
+            3.0 * rise - 2.0 * from - to,
+            from + to - 2.0 * rise,
+        ])
+    }
+
+    fn value(&self, x: f64) -> f64 {
+        let [a, b, c, d] = self.0;
+        a + x * (b + x * (c + x * d))
+    }
+
+    fn slope(&self, x: f64) -> f64 {
+        let [_, b, c, d] = self.0;
+        b + x * (2.0 * c + x * 3.0 * d)
+    }
+
+    /// Where it is lowest inside the step, if that is below zero and a minimum.
+    pub(crate) fn lowest_inside(&self) -> Option<f64> {
+        self.minimum_inside().filter(|&x| self.value(x) < 0.0)
+    }
+
+    fn minimum_inside(&self) -> Option<f64> {
+        let [_, b, c, d] = self.0;
+        let root = (c * c - 3.0 * b * d).sqrt();
+        let x = if c > 0.0 {
+            -b / (c + root)
+        } else {
+            (root - c) / (3.0 * d)
+        };
+        (x > 0.0 && x < 1.0).then_some(x)
+    }
+
+    /// The highest value inside the step that is a maximum.
+    pub(crate) fn highest_inside(&self) -> Option<f64> {
+        let mirrored = Self(self.0.map(|coefficient| -coefficient));
+        mirrored.minimum_inside().map(|x| self.value(x))
+    }
+
+    /// A root between `low`, where it is not positive, and 1; within a thousandth as a rule.
+    fn upward_root(&self, mut low: f64) -> f64 {
+        let mut high = 1.0;
+        let (below, above) = (self.value(low), self.value(high));
+        let mut x = low + (high - low) * below / (below - above);
+        if !(x > low && x < high) {
+            return 0.5 * (low + high);
+        }
+        for _ in 0..4 {
+            let value = self.value(x);
+            if value > 0.0 {
+                high = x;
+            } else {
+                low = x;
+            }
+            let newton = x - value / self.slope(x);
+            let settled = (newton - x).abs() < 1e-4;
+            x = if newton > low && newton < high {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+            if settled {
+                break;
+            }
+        }
+        x
+    }
 }
 
-/// Reads (coordinate, velocity) of a generalized coordinate at one time.
-fn component_reader<'a>(
-    model: &Model,
-    adams: &'a Adams,
-    t: f64,
-) -> impl Fn(usize) -> (f64, f64) + 'a {
-    let dense = adams.dense(t);
-    let coordinates = model.coordinates;
-    move |i| (dense.value(i), dense.value(coordinates + i))
-}
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
 
-fn link_end(
-    model: &Model,
-    value: &impl Fn(usize) -> (f64, f64),
-    link: usize,
-    side: f64,
-) -> (Vec2, Vec2) {
-    let n = model.links;
-    let ((x, vx), (y, vy), (angle, spin)) = (value(link), value(n + link), value(2 * n + link));
-    let arm = side * model.half_pitch * crate::geometry::unit(angle);
-    (
-        Vec2::new(x, y) + arm,
-        Vec2::new(vx, vy) + spin * crate::geometry::turned_left(arm),
-    )
+    use super::*;
+    use crate::geometry::Vec2;
+
+    /// First crossing of a depth, time and rate, and how often it was asked for.
+    fn crossing(depth: impl Fn(f64) -> [f64; 2], start: f64, end: f64) -> ([f64; 2], u32) {
+        let asked = Cell::new(0);
+        let contact = |t| {
+            asked.set(asked.get() + 1);
+            let [penetration, penetration_rate] = depth(t);
+            Some(Contact {
+                normal: Vec2::zeros(),
+                penetration,
+                penetration_rate,
+            })
+        };
+        let (t, rate) = first_crossing(contact, start, end);
+        ([t, rate], asked.get())
+    }
+
+    #[test]
+    fn a_crossing_is_found_to_round_off_in_few_looks() {
+        for part in [1e-6, 0.01, 0.3, 0.5, 0.9, 1.0 - 1e-9] {
+            // Through zero at `part` of the step, with a rate that doubles in it.
+            let depth = |t: f64| [(t - part).exp() - 1.0, (t - part).exp()];
+            let ([t, rate], asked) = crossing(depth, 0.0, 1.0);
+            assert!((t - part).abs() < 4e-15, "{part}: {t}");
+            assert!((rate - 1.0).abs() < 1e-10, "{part}: {rate}");
+            assert!(asked <= 5, "{part}: {asked}");
+        }
+    }
+
+    #[test]
+    fn a_grazing_crossing_is_found() {
+        let depth = |t: f64| [(t - 0.7).powi(3), 3.0 * (t - 0.7).powi(2)];
+        let ([t, rate], _) = crossing(depth, 0.0, 1.0);
+        assert!((t - 0.7).abs() < 1e-5 && rate < 1e-9, "{t} {rate}");
+    }
+
+    #[test]
+    fn of_two_crossings_the_last_one_counts() {
+        // Apart, touching from 0.1 on, apart from 0.2 on, touching from 0.8 on.
+        let root = |t: f64| [t - 0.1, t - 0.2, t - 0.8];
+        let depth = |t: f64| {
+            let [a, b, c] = root(t);
+            [a * b * c, a * b + a * c + b * c]
+        };
+        for start in [0.0, 0.15] {
+            let ([t, rate], _) = crossing(depth, start, 1.0);
+            assert!(
+                (t - 0.8).abs() < 1e-12 && (rate - 0.42).abs() < 1e-9,
+                "{t} {rate}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_pair_that_touches_at_the_start_began_there() {
+        let ([t, rate], _) = crossing(|t| [1e-12 + t, 1.0], 0.0, 1.0);
+        assert_eq!([t, rate], [0.0, 1.0]);
+    }
 }

@@ -156,6 +156,41 @@ pub fn bushing_on_sprocket(
     Some(on_gap(sprocket, frame, arm, velocity, radius))
 }
 
+/// The same where the bushing was near `gap`, which saves the angle that it would be found by.
+pub(super) fn bushing_near_gap(
+    sprocket: &SprocketModel,
+    frame: &SprocketFrame,
+    point: Vec2,
+    velocity: Vec2,
+    radius: f64,
+    gap: u32,
+) -> Option<OnGap> {
+    let arm = point - frame.center;
+    if arm.norm_squared() >= sprocket.reach * sprocket.reach {
+        return None;
+    }
+    let gaps = &sprocket.gap_directions;
+    let in_body = seen_from(frame, arm);
+    let towards = |gap: usize| in_body.x * gaps[gap].0 + in_body.y * gaps[gap].1;
+    let (here, last) = (gap as usize, gaps.len() - 1);
+    let before = if here == 0 { last } else { here - 1 };
+    let behind = if here == last { 0 } else { here + 1 };
+    let own = towards(here);
+    Some(if own >= towards(before) && own >= towards(behind) {
+        in_gap(sprocket, frame, arm, velocity, radius, gap)
+    } else {
+        on_gap(sprocket, frame, arm, velocity, radius)
+    })
+}
+
+/// `arm` in the frame of the sprocket.
+fn seen_from(frame: &SprocketFrame, arm: Vec2) -> Vec2 {
+    Vec2::new(
+        arm.x * frame.cos + arm.y * frame.sin,
+        arm.y * frame.cos - arm.x * frame.sin,
+    )
+}
+
 fn on_gap(
     sprocket: &SprocketModel,
     frame: &SprocketFrame,
@@ -163,12 +198,20 @@ fn on_gap(
     velocity: Vec2,
     radius: f64,
 ) -> OnGap {
+    let in_body = seen_from(frame, arm);
+    let gap = sprocket.profile.nearest_gap(in_body.y.atan2(in_body.x));
+    in_gap(sprocket, frame, arm, velocity, radius, gap)
+}
+
+fn in_gap(
+    sprocket: &SprocketModel,
+    frame: &SprocketFrame,
+    arm: Vec2,
+    velocity: Vec2,
+    radius: f64,
+    gap: u32,
+) -> OnGap {
     let profile = &sprocket.profile;
-    let in_body = Vec2::new(
-        arm.x * frame.cos + arm.y * frame.sin,
-        arm.y * frame.cos - arm.x * frame.sin,
-    );
-    let gap = profile.nearest_gap(in_body.y.atan2(in_body.x));
     let (cos, sin) = sprocket.gap_directions[gap as usize];
     // v: radially outward through the gap; u: v turned clockwise.
     let v = Vec2::new(

@@ -5,12 +5,15 @@ use serde::{Deserialize, Serialize};
 use super::meter::EnergyMeter;
 use super::{Dynamics, Pair};
 use crate::contact::{CarriedCandidates, ImpactMemory};
+use crate::kernels::Watch;
 
 /// All that decides, with the integrator's state, how the dynamics go on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Carried {
     memory: ImpactMemory,
     candidates: CarriedCandidates,
+    watch: Watch,
+    unseen_touches: u64,
     keeps_energy: bool,
     meter: EnergyMeter,
     parted: Vec<Pair>,
@@ -24,6 +27,8 @@ impl Dynamics {
         Carried {
             memory: self.memory.clone(),
             candidates: self.kernels.candidates.carried(&self.model),
+            watch: self.kernels.watch.clone(),
+            unseen_touches: self.unseen_touches,
             keeps_energy: self.keeps_energy,
             meter: self.meter.clone(),
             parted: self.parted.clone(),
@@ -44,10 +49,13 @@ impl Dynamics {
         if !carried.memory.is_like(&dynamics.memory)
             || !carried.parted.iter().all(there)
             || !carried.meter.is_like(&dynamics.meter)
+            || !(carried.watch).is_like(&dynamics.kernels.watch, dynamics.model.links)
         {
             return None;
         }
         dynamics.meter.carry_on(&carried.meter);
+        dynamics.kernels.watch.carry_on(&carried.watch);
+        dynamics.unseen_touches = carried.unseen_touches;
         dynamics.memory = carried.memory.clone();
         let candidates = &mut dynamics.kernels.candidates;
         candidates.carry_on(&dynamics.model, &dynamics.memory, &carried.candidates)?;

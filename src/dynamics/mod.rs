@@ -8,6 +8,7 @@ mod chain_solver;
 mod energy;
 mod forces;
 mod implicit;
+mod inside;
 mod jacobian;
 mod loads;
 mod meter;
@@ -25,7 +26,7 @@ use meter::{EnergyMeter, StepStart};
 pub(crate) use needs::{Needs, Want};
 
 use crate::contact::{
-    HingeContacts, ImpactMemory, ToothContacts, first_crossing, hinge_at, tooth_at,
+    HingeContacts, HingePath, ImpactMemory, ToothContacts, ToothPath, first_crossing,
 };
 use crate::force_law::{Elastic, Regions, with_law};
 use crate::geometry::{Surface, Vec2};
@@ -61,6 +62,12 @@ pub struct Dynamics {
     begin: StepStart,
     /// Pairs that came apart in the last step; they keep their memory until the next one begins, for reports inside it.
     parted: Vec<Pair>,
+    /// Whether some contact may have turned round inside the step just made.
+    turned: bool,
+    /// No bushing was faster at the end of that step, seen from any tooth \[m/s\].
+    fastest: f64,
+    /// Touches inside steps that were too shallow to matter.
+    unseen_touches: u64,
     /// Scratch: tooth contacts that began in the last step.
     begun: Vec<(usize, usize)>,
     /// Scratch: a derivative that nobody asked for.
@@ -97,6 +104,9 @@ impl Dynamics {
             meter: EnergyMeter::new(),
             begin: StepStart::new(2 * model.coordinates),
             parted: Vec::with_capacity(links * (1 + sprockets)),
+            turned: false,
+            fastest: 0.0,
+            unseen_touches: 0,
             slope: vec![0.0; 2 * model.coordinates],
             inside: vec![0.0; 2 * model.coordinates],
             begun: Vec::with_capacity(links * sprockets),
@@ -235,6 +245,10 @@ impl Dynamics {
             }
         }
         self.kernels.candidates.invalidate();
+        // Where the first step begins.
+        self.differentiate(t, y);
+        self.kernels.watch(&self.model, 0.0);
+        self.kernels.watch.advance();
     }
 
     /// Forgets the contacts that ended in the last step; call before the next one.
@@ -259,6 +273,10 @@ impl Dynamics {
             self.find_hinge_onsets(adams, step);
             self.find_tooth_onsets(adams, step);
         }
+        if std::mem::take(&mut self.turned) {
+            self.look_inside(adams, step);
+        }
+        self.kernels.watch.advance();
         self.watch_ranges(adams);
     }
 
@@ -270,8 +288,8 @@ impl Dynamics {
                 continue;
             }
             if touching {
-                let at = |t| Some(hinge_at(model, adams, k, t));
-                let (_, rate) = first_crossing(at, step.start, step.end);
+                let path = HingePath::new(model, adams, k);
+                let (_, rate) = first_crossing(|t| Some(path.at(t)), step.start, step.end);
                 self.memory.begin_hinge(k, rate);
             } else {
                 self.parted.push(Pair::Hinge(k));
@@ -289,10 +307,10 @@ impl Dynamics {
                 continue;
             }
             if touching {
-                let at = |t| tooth_at(model, adams, k, s, t);
-                let (t, rate) =
-                    first_crossing(|t| at(t).map(|found| found.contact), step.start, step.end);
-                let surface = at(t).map_or(Surface::Topping, |found| found.surface);
+                let path = ToothPath::new(model, adams, k, s);
+                let at = |t| path.at(t).map(|found| found.contact);
+                let (t, rate) = first_crossing(at, step.start, step.end);
+                let surface = path.at(t).map_or(Surface::Topping, |found| found.surface);
                 self.memory.begin_tooth(pair, rate, surface);
                 begun.push((s, k));
             } else {
@@ -489,6 +507,12 @@ impl std::ops::Mul<Powers> for f64 {
 }
 
 impl OdeSystem for Dynamics {
+    fn stands(&mut self, length: f64, allowed: f64) -> bool {
+        let watched = self.kernels.watch(&self.model, length);
+        (self.turned, self.fastest) = (watched.turned, watched.speed);
+        !self.turned || self.deepest_unseen(length) <= allowed
+    }
+
     fn dimension(&self) -> usize {
         2 * self.model.coordinates
     }

@@ -12,6 +12,9 @@ use super::table::Errors;
 use super::{Corrector, MAX_ORDER, OdeSystem, SecondOrderSystem, StepControl};
 use crate::vector::{InstructionSet, Numbers, padded_zeros};
 
+/// What is shorter \[m\] may be jumped over at any accuracy.
+const LEAST_ALLOWED: f64 = 1e-9;
+
 /// A step that was accepted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
@@ -210,6 +213,14 @@ impl Adams {
         self.step_size
     }
 
+    /// Makes the next step no longer than `longest` \[s\].
+    pub fn limit_step(&mut self, longest: f64) {
+        let least = 4.0 * f64::EPSILON * self.time.abs();
+        if longest < self.step_size {
+            self.step_size = longest.max(least);
+        }
+    }
+
     /// Order of the next step.
     #[must_use]
     pub fn order(&self) -> usize {
@@ -274,9 +285,12 @@ impl Adams {
             self.evaluate_prediction(system);
             let estimate = self.estimate_error();
             if estimate.accepts() {
-                break estimate;
+                if system.stands(self.step_size, self.allowed()) {
+                    break estimate;
+                }
+            } else {
+                failures += 1;
             }
-            failures += 1;
             self.retreat(&estimate, failures, controlled)?;
         };
         self.correct_and_evaluate(system);
@@ -286,6 +300,11 @@ impl Adams {
             end: self.time,
             order: self.last_order,
         })
+    }
+
+    /// Length that a step may jump over \[m\].
+    pub(super) fn allowed(&self) -> f64 {
+        self.control.accuracy.max(LEAST_ALLOWED)
     }
 
     fn check_tolerances(&self, controlled: usize) -> Result<(), StepFailure> {

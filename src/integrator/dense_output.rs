@@ -1,7 +1,7 @@
 //! The solution inside the last step: the polynomial that the corrector's slopes define.
 
-use super::MAX_ORDER;
 use super::differences::Differences;
+use super::{Adams, MAX_ORDER};
 
 /// Weights of the last step's differences at one time; components are then summed as they are needed.
 #[derive(Debug)]
@@ -69,6 +69,50 @@ impl<'a> DenseOutput<'a> {
         }
         for (y, end) in y.iter_mut().zip(self.y) {
             *y = end + self.distance * *y;
+        }
+    }
+}
+
+/// A few sums of components along the last step: gathered once, then cheap at every time.
+#[derive(Debug)]
+pub(crate) struct Path<'a, const N: usize> {
+    adams: &'a Adams,
+    /// The sums at the end of the step.
+    end: [f64; N],
+    /// Those of each difference.
+    rows: [[f64; N]; MAX_ORDER + 1],
+}
+
+impl<const N: usize> Path<'_, N> {
+    /// The sums at the end of the step.
+    pub(crate) fn end(&self) -> [f64; N] {
+        self.end
+    }
+
+    /// How far they are from there at `t`: small differences of large numbers keep all of their digits.
+    pub(crate) fn change_at(&self, t: f64) -> [f64; N] {
+        let dense = self.adams.dense(t);
+        let mut change = [0.0; N];
+        for (weight, row) in dense.weights[..dense.terms].iter().zip(&self.rows).rev() {
+            for (change, phi) in change.iter_mut().zip(row) {
+                *change += weight * phi;
+            }
+        }
+        change.map(|change| dense.distance * change)
+    }
+}
+
+impl Adams {
+    /// The path of the sums that `read` makes of a solution's components; it must be linear.
+    pub(crate) fn path<const N: usize>(&self, read: impl Fn(&[f64]) -> [f64; N]) -> Path<'_, N> {
+        let mut rows = [[0.0; N]; MAX_ORDER + 1];
+        for (i, row) in rows.iter_mut().enumerate().take(self.last_order + 1) {
+            *row = read(self.differences.row(i));
+        }
+        Path {
+            adams: self,
+            end: read(self.y()),
+            rows,
         }
     }
 }

@@ -23,6 +23,7 @@ use serde::{Deserialize, Serialize};
 
 pub use adams::{Adams, Counts, Step, StepFailure};
 pub use dense_output::DenseOutput;
+pub(crate) use dense_output::Path;
 
 /// Highest order of the predictor.
 pub const MAX_ORDER: usize = 12;
@@ -39,6 +40,12 @@ pub trait OdeSystem {
 
     /// Writes f(t, y) into `dydt`. Must depend on nothing that changes during a step.
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]);
+
+    /// Whether a step of `length` may end where the derivative was asked for last: false where it has jumped over something
+    /// larger than `allowed` that its ends do not show. Asked when the error test has let it pass.
+    fn stands(&mut self, _length: f64, _allowed: f64) -> bool {
+        true
+    }
 }
 
 /// A system of second order: the first components are coordinates q, as many after them their velocities, the rest sums.

@@ -46,12 +46,15 @@ impl Adams {
         let estimate = loop {
             self.predict();
             if let Some(estimate) = self.solve_corrector(system) {
-                if estimate.accepts() {
+                let shrink = if !estimate.accepts() {
+                    failures += 1;
+                    let exponent = -1.0 / (self.order + 1) as f64;
+                    (SAFETY * estimate.local.powf(exponent)).clamp(0.2, 0.9)
+                } else if system.stands(self.step_size, self.allowed()) {
                     break estimate;
-                }
-                failures += 1;
-                let shrink =
-                    (SAFETY * estimate.local.powf(-1.0 / (self.order + 1) as f64)).clamp(0.2, 0.9);
+                } else {
+                    0.5
+                };
                 self.shrink(shrink, failures, controlled)?;
             } else {
                 failures += 1;

@@ -23,10 +23,8 @@ pub(super) struct ChainFound {
     pub(super) dissipated: f64,
 }
 
-/// One law, one loop. `DAMPED`: with the damping factor; `ENERGY`: with the power that it dissipates; `RATES`: with the
-/// velocities of the bushings, which teeth may need when hinges do not.
-///
-pub(super) struct JoinChain<'a, L, const DAMPED: bool, const RATES: bool, const ENERGY: bool> {
+/// One law, one loop. `DAMPED`: with the damping factor; `ENERGY`: with the power that it dissipates.
+pub(super) struct JoinChain<'a, L, const DAMPED: bool, const ENERGY: bool> {
     pub(super) law: PhantomData<L>,
     pub(super) law_constants: [f64; 2],
     pub(super) clearance: f64,
@@ -48,8 +46,8 @@ pub(super) struct JoinChain<'a, L, const DAMPED: bool, const RATES: bool, const 
     pub(super) slopes: Option<&'a mut ContactSlopes>,
 }
 
-impl<L: VectorLaw, const DAMPED: bool, const RATES: bool, const ENERGY: bool> WithSimd
-    for JoinChain<'_, L, DAMPED, RATES, ENERGY>
+impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
+    for JoinChain<'_, L, DAMPED, ENERGY>
 {
     type Output = ChainFound;
 
@@ -62,7 +60,7 @@ impl<L: VectorLaw, const DAMPED: bool, const RATES: bool, const ENERGY: bool> Wi
         let arrays = self.arrays;
         point::<S>(simd, self.places[2], &mut arrays.cos, &mut arrays.sin);
         point_sprockets::<S>(simd, arrays);
-        let mut hinges = Hinges::<S, L, DAMPED, RATES, ENERGY> {
+        let mut hinges = Hinges::<S, L, DAMPED, ENERGY> {
             law: PhantomData,
             law_constants: self.law_constants.map(splat),
             clearance: splat(self.clearance),
@@ -73,6 +71,8 @@ impl<L: VectorLaw, const DAMPED: bool, const RATES: bool, const ENERGY: bool> Wi
             reference: both::<S>(self.reference, 0, blocks),
             depth: vectors_mut::<S>(&mut arrays.depth, blocks),
             force: vectors_mut::<S>(&mut arrays.force, blocks),
+            distance_squared: vectors_mut::<S>(&mut arrays.distance_squared, blocks),
+            along: vectors_mut::<S>(&mut arrays.along, blocks),
             front_force: both_mut::<S>(&mut arrays.front_force, 0, blocks),
             rear_force: both_mut::<S>(&mut arrays.rear_force, FIRST + 1, blocks),
             bushing: both_mut::<S>(&mut arrays.bushing, 0, blocks),
@@ -95,8 +95,8 @@ impl<L: VectorLaw, const DAMPED: bool, const RATES: bool, const ENERGY: bool> Wi
             let last_lane = lane_numbers(simd).greater(splat(WIDTH as f64 - 1.5));
             let here = if whole > 0 { fronts.at(simd, 0) } else { last };
             let [arm, cos, sin] = front_arms.at(simd, 0);
-            let mut front = End::new::<RATES>(here, [arm, cos, sin]);
-            let mut rear = End::new::<RATES>(here, [-arm, cos, sin]);
+            let mut front = End::new(here, [arm, cos, sin]);
+            let mut rear = End::new(here, [-arm, cos, sin]);
             for i in 0..whole {
                 let next = if i + 1 < whole {
                     fronts.at(simd, i + 1)
@@ -104,28 +104,24 @@ impl<L: VectorLaw, const DAMPED: bool, const RATES: bool, const ENERGY: bool> Wi
                     last
                 };
                 let [arm, cos, sin] = front_arms.at(simd, i + 1);
-                let next_rear = End::new::<RATES>(next, [-arm, cos, sin]);
-                hinges.join(
-                    i,
-                    &front,
-                    &End::moved_on::<RATES>(&rear, &next_rear, last_lane),
-                );
-                front = End::new::<RATES>(next, [arm, cos, sin]);
+                let next_rear = End::new(next, [-arm, cos, sin]);
+                hinges.join(i, &front, &End::moved_on(&rear, &next_rear, last_lane));
+                front = End::new(next, [arm, cos, sin]);
                 rear = next_rear;
             }
             let behind = behind_last(links, last, whole * S::F64_LANES);
-            let rear = End::new::<RATES>(behind, rear_arms.at(simd, whole));
+            let rear = End::new(behind, rear_arms.at(simd, whole));
             hinges.join(whole, &front, &rear);
         } else {
             let rears = Links::<S>::of(links, 1, whole);
             for i in 0..whole {
-                let front = End::new::<RATES>(fronts.at(simd, i), front_arms.at(simd, i));
-                let rear = End::new::<RATES>(rears.at(simd, i), rear_arms.at(simd, i));
+                let front = End::new(fronts.at(simd, i), front_arms.at(simd, i));
+                let rear = End::new(rears.at(simd, i), rear_arms.at(simd, i));
                 hinges.join(i, &front, &rear);
             }
-            let front = End::new::<RATES>(last, front_arms.at(simd, whole));
+            let front = End::new(last, front_arms.at(simd, whole));
             let behind = behind_last(links, last, whole * S::F64_LANES);
-            let rear = End::new::<RATES>(behind, rear_arms.at(simd, whole));
+            let rear = End::new(behind, rear_arms.at(simd, whole));
             hinges.join(whole, &front, &rear);
         }
 
@@ -137,7 +133,6 @@ impl<L: VectorLaw, const DAMPED: bool, const RATES: bool, const ENERGY: bool> Wi
         RepeatBushings {
             links: n,
             overhang: self.overhang,
-            rates: RATES,
             arrays,
         }
         .with_simd(simd);
@@ -273,39 +268,29 @@ struct End<S: Simd> {
 impl<S: Simd> End<S> {
     /// All but the first of `here` and the first of `next`.
     #[inline(always)]
-    fn moved_on<const RATES: bool>(here: &Self, next: &Self, last_lane: Mask<S>) -> Self {
+    fn moved_on(here: &Self, next: &Self, last_lane: Mask<S>) -> Self {
         let mut moved = *next;
         moved.x = here.x.moved_on(next.x, last_lane);
         moved.y = here.y.moved_on(next.y, last_lane);
-        if RATES {
-            moved.vx = here.vx.moved_on(next.vx, last_lane);
-            moved.vy = here.vy.moved_on(next.vy, last_lane);
-        }
+        moved.vx = here.vx.moved_on(next.vx, last_lane);
+        moved.vy = here.vy.moved_on(next.vy, last_lane);
         moved
     }
 
     #[inline(always)]
-    fn new<const RATES: bool>(
-        [x, y, vx, vy, spin]: [Lanes<S>; 5],
-        [arm, cos, sin]: [Lanes<S>; 3],
-    ) -> Self {
-        let (vx, vy) = if RATES {
-            let turn = arm * spin;
-            (turn.negate_mul_add(sin, vx), turn.mul_add(cos, vy))
-        } else {
-            (vx, vy)
-        };
+    fn new([x, y, vx, vy, spin]: [Lanes<S>; 5], [arm, cos, sin]: [Lanes<S>; 3]) -> Self {
+        let turn = arm * spin;
         Self {
             x: arm.mul_add(cos, x),
             y: arm.mul_add(sin, y),
-            vx,
-            vy,
+            vx: turn.negate_mul_add(sin, vx),
+            vy: turn.mul_add(cos, vy),
         }
     }
 }
 
 /// The hinges as registers.
-struct Hinges<'a, S: Simd, L, const DAMPED: bool, const RATES: bool, const ENERGY: bool> {
+struct Hinges<'a, S: Simd, L, const DAMPED: bool, const ENERGY: bool> {
     law: PhantomData<L>,
     law_constants: [Lanes<S>; 2],
     clearance: Lanes<S>,
@@ -316,6 +301,8 @@ struct Hinges<'a, S: Simd, L, const DAMPED: bool, const RATES: bool, const ENERG
     reference: [&'a [S::f64s]; 2],
     depth: &'a mut [S::f64s],
     force: &'a mut [S::f64s],
+    distance_squared: &'a mut [S::f64s],
+    along: &'a mut [S::f64s],
     front_force: [&'a mut [S::f64s]; 2],
     rear_force: [&'a mut [S::f64s]; 2],
     bushing: [&'a mut [S::f64s]; 2],
@@ -326,8 +313,8 @@ struct Hinges<'a, S: Simd, L, const DAMPED: bool, const RATES: bool, const ENERG
     slopes: Option<SlopeRegisters<'a, S>>,
 }
 
-impl<S: Simd, L: VectorLaw, const DAMPED: bool, const RATES: bool, const ENERGY: bool>
-    Hinges<'_, S, L, DAMPED, RATES, ENERGY>
+impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
+    Hinges<'_, S, L, DAMPED, ENERGY>
 {
     /// One register of hinges.
     #[inline(always)]
@@ -337,6 +324,9 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const RATES: bool, const ENERGY:
         self.place_bushings(i, front, rear);
         let (ex, ey) = (front.x - rear.x, front.y - rear.y);
         let distance_squared = ex.mul_add(ex, ey * ey);
+        let velocity = [front.vx - rear.vx, front.vy - rear.vy];
+        self.distance_squared[i] = distance_squared.values();
+        self.along[i] = ex.mul_add(velocity[0], ey * velocity[1]).values();
         let near = distance_squared.exceeds(self.clearance * self.clearance);
         let inverse_onset = load(simd, &self.onset[i]);
         let remembered = inverse_onset.greater(zero);
@@ -356,7 +346,6 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const RATES: bool, const ENERGY:
         self.changed |= touching.differs(remembered).any();
         let elastic = L::forces(self.law_constants, depth);
         let mut force = elastic;
-        let velocity = [front.vx - rear.vx, front.vy - rear.vy];
         let touch = Touch {
             normal: [nx, ny],
             curvature: inverse_distance,
@@ -417,10 +406,8 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const RATES: bool, const ENERGY:
         let dx = x - load(simd, &self.reference[0][i]);
         let dy = y - load(simd, &self.reference[1][i]);
         self.moved_squared = self.moved_squared.max(dx.mul_add(dx, dy * dy));
-        if RATES {
-            self.bushing_velocity[0][i] = on_front.select(front.vx, rear.vx).values();
-            self.bushing_velocity[1][i] = on_front.select(front.vy, rear.vy).values();
-        }
+        self.bushing_velocity[0][i] = on_front.select(front.vx, rear.vx).values();
+        self.bushing_velocity[1][i] = on_front.select(front.vy, rear.vy).values();
     }
 }
 
@@ -428,7 +415,6 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const RATES: bool, const ENERGY:
 pub(super) struct RepeatBushings<'a> {
     pub(super) links: usize,
     pub(super) overhang: usize,
-    pub(super) rates: bool,
     pub(super) arrays: &'a mut ChainArrays,
 }
 
@@ -438,19 +424,16 @@ impl WithSimd for RepeatBushings<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let (n, overhang) = (self.links, self.overhang);
-        for array in &mut self.arrays.bushing {
-            repeat::<S>(array, n, overhang);
-        }
-        if self.rates {
-            for array in &mut self.arrays.bushing_velocity {
-                repeat::<S>(array, n, overhang);
-            }
-        }
         let ChainArrays {
             front_force,
             rear_force,
+            bushing,
+            bushing_velocity,
             ..
         } = self.arrays;
+        for array in bushing.iter_mut().chain(bushing_velocity) {
+            repeat::<S>(array, n, overhang);
+        }
         for (array, first) in front_force
             .iter_mut()
             .map(|array| (array, 0))

@@ -23,6 +23,8 @@ pub(super) struct ToothConstants {
     topping_center: [f64; 2],
     topping_distance: f64,
     bushing_radius: f64,
+    /// 1/(2 D) for the distance D of centres at which a bushing touches seat, working curve and tip \[1/m\].
+    half_over_touch: [f64; 3],
     /// Cosine and sine of half the angle from gap to gap.
     half_gap: [f64; 2],
     /// Law constants: [constant][surface].
@@ -57,6 +59,11 @@ impl ToothConstants {
             topping_center: pair(profile.topping.center),
             topping_distance: profile.topping.radius + radius,
             bushing_radius: radius,
+            half_over_touch: [
+                0.5 / (profile.seating.radius - radius),
+                0.5 / (profile.working.radius - radius),
+                0.5 / (profile.topping.radius + radius),
+            ],
             half_gap: [cos, sin],
             law: [0, 1].map(|i| law.map(|constants| constants[i])),
             keeps_stiffness: false,
@@ -223,6 +230,36 @@ impl<'a, S: Simd> Gap<'a, S> {
         let normal_x = normal_u.mul_add(vy, normal_v * vx);
         let normal_y = normal_v.mul_add(vy, -(normal_u * vx));
         (depth, [normal_x, normal_y], curvature)
+    }
+
+    /// The gap as [`watch`](super::watch) has it, and its rate for bushings that move at `velocity` seen from the sprocket.
+    #[inline(always)]
+    pub(super) fn gap_and_rate(
+        &self,
+        surface: &Nearest<S>,
+        place: &InGap<S>,
+        velocity: [Lanes<S>; 2],
+    ) -> [Lanes<S>; 2] {
+        let [seat, work, top] = self.constants.half_over_touch;
+        let (seating, working) = (surface.seating, surface.working);
+        let rest = working.select(self.splat(work), self.splat(-top));
+        let scale = seating.select(self.splat(seat), rest);
+        let [vx, vy] = place.direction;
+        let [speed_x, speed_y] = velocity;
+        let outward = speed_x.mul_add(vx, speed_y * vy);
+        let right = speed_x.mul_add(vy, -(speed_y * vx));
+        let right = place.u.less(self.splat(0.0)).select(-right, right);
+        let touch = surface.touch;
+        let mut gap = (surface.distance_squared - touch * touch) * scale;
+        let mut rate =
+            surface.offset[0].mul_add(right, surface.offset[1] * outward) * (scale + scale);
+        if let Some((flat, depth)) = surface.flat {
+            let [flat_u, flat_v] = self.constants.flat_normal;
+            let on_flat = right.mul_add(self.splat(flat_u), outward * self.splat(flat_v));
+            gap = flat.select(depth, gap);
+            rate = flat.select(on_flat, rate);
+        }
+        [gap, rate]
     }
 
     /// Law constants of the surfaces.

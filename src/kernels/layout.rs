@@ -58,6 +58,10 @@ pub(super) struct ChainArrays {
     pub(super) depth: Numbers,
     /// Normal force of every hinge \[N\].
     pub(super) force: Numbers,
+    /// Squared distance of pin and bushing of every hinge \[m²\].
+    pub(super) distance_squared: Numbers,
+    /// Their distance times the rate at which it grows \[m²/s\].
+    pub(super) along: Numbers,
     /// Force on the front of every link, x and y \[N\]; behind the last one what belongs to the first ones.
     pub(super) front_force: [Numbers; 2],
     /// Force on the rear of link k, x and y \[N\], k from [`FIRST`] on; from link n on what belongs to the first ones.
@@ -81,6 +85,8 @@ impl ChainArrays {
             sin: padded_zeros(n + WIDTH),
             depth: padded_zeros(n),
             force: padded_zeros(n),
+            distance_squared: padded_zeros(n),
+            along: padded_zeros(n),
             front_force: twice(),
             rear_force: twice(),
             bushing: twice(),

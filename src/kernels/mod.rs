@@ -4,7 +4,7 @@
 //! chain (directions, ends, hinges, bushings) -> candidates -> teeth -> loads -> accelerations
 //!
 //! Each kernel is one law in one loop over arrays of one quantity. What a scene does not need has its own instance of the loop,
-//! without it: rates where nothing is damped, the power dissipated where no energy balance is kept.
+//! without it: damping, the power dissipated where no energy balance is kept.
 
 #![allow(clippy::inline_always)] // what is not inlined into a kernel does not run with its instructions
 
@@ -15,6 +15,7 @@ mod loads;
 mod newton;
 mod slopes;
 mod teeth;
+mod watch;
 
 use std::marker::PhantomData;
 
@@ -24,6 +25,8 @@ use layout::{ChainArrays, LinkConstants};
 use loads::AccelerateLinks;
 use newton::{Evaluated, NewtonMatrix};
 use teeth::{SprocketPose, TeethFound, TouchTeeth};
+pub(crate) use watch::{Watch, Watched};
+use watch::{WatchHinges, WatchTeeth};
 
 use crate::contact::{Candidates, ImpactMemory, SprocketFrame};
 use crate::dynamics::{Powers, SprocketLoad, outside_powers, sprocket_acceleration};
@@ -40,6 +43,8 @@ pub(crate) struct Kernels {
     links: LinkConstants,
     chain: ChainArrays,
     pub(crate) candidates: Candidates,
+    /// Gaps at both ends of the last step.
+    pub(crate) watch: Watch,
     /// One for each kind of sprocket: identical teeth share one.
     teeth: Vec<ToothConstants>,
     /// Which of them each sprocket has.
@@ -72,6 +77,7 @@ impl Kernels {
             links: LinkConstants::new(model),
             chain: ChainArrays::new(model),
             candidates: Candidates::new(model),
+            watch: Watch::new(model),
             teeth,
             kind,
             poses: vec![SprocketPose::default(); sprockets],
@@ -171,6 +177,35 @@ impl Kernels {
         })
     }
 
+    /// Watches all contacts at the end of a step of `length` \[s\], where the last evaluation was.
+    pub(crate) fn watch(&mut self, model: &Model, length: f64) -> Watched {
+        let n = model.links;
+        self.watch.follow(&self.candidates, n);
+        let mut watched = self.instructions.run(WatchHinges {
+            length,
+            links: n,
+            clearance: model.clearance,
+            arrays: &self.chain,
+            ends: &mut self.watch.hinges,
+        });
+        let mut rim: f64 = 0.0;
+        for (s, ends) in self.watch.teeth.iter_mut().enumerate() {
+            let pose = &self.poses[s];
+            watched.turned |= self.instructions.run(WatchTeeth {
+                length,
+                constants: &self.teeth[self.kind[s]],
+                pose,
+                arrays: &self.chain,
+                candidates: &self.candidates.sprockets[s],
+                ends,
+            });
+            let center_speed = Vec2::from(pose.velocity).norm();
+            rim = rim.max(center_speed + pose.spin.abs() * model.sprockets[s].reach);
+        }
+        watched.speed += rim;
+        watched
+    }
+
     /// Writes the accelerations at (`t`, `y`) into `rates`, coordinate by coordinate; returns the powers when energy is kept.
     pub(crate) fn accelerations<const ENERGY: bool>(
         &mut self,
@@ -250,29 +285,28 @@ impl Kernels {
         let newton = self.newton.as_mut().filter(|_| self.writes_slopes);
         let slopes = newton.map(|newton| &mut newton.hinge_slopes);
         macro_rules! join {
-            ($damped:literal, $rates:literal, $energy:expr) => {
-                self.instructions
-                    .run(JoinChain::<L, $damped, $rates, { $energy }> {
-                        law: PhantomData,
-                        law_constants,
-                        clearance: model.clearance,
-                        lambda: law.lambda,
-                        floor: model.min_approach_speed,
-                        places: [&q[..n], &q[n..2 * n], &q[2 * n..3 * n]],
-                        speeds: [&v[..n], &v[n..2 * n], &v[2 * n..3 * n]],
-                        inverse_onset: memory.hinge_inverse(),
-                        reference: &self.candidates.reference,
-                        overhang: self.candidates.overhang,
-                        constants: &self.links,
-                        arrays: &mut self.chain,
-                        slopes,
-                    })
+            ($damped:literal, $energy:expr) => {
+                self.instructions.run(JoinChain::<L, $damped, { $energy }> {
+                    law: PhantomData,
+                    law_constants,
+                    clearance: model.clearance,
+                    lambda: law.lambda,
+                    floor: model.min_approach_speed,
+                    places: [&q[..n], &q[n..2 * n], &q[2 * n..3 * n]],
+                    speeds: [&v[..n], &v[n..2 * n], &v[2 * n..3 * n]],
+                    inverse_onset: memory.hinge_inverse(),
+                    reference: &self.candidates.reference,
+                    overhang: self.candidates.overhang,
+                    constants: &self.links,
+                    arrays: &mut self.chain,
+                    slopes,
+                })
             };
         }
-        match (law.lambda > 0.0, needs_rates(model)) {
-            (true, _) => join!(true, true, ENERGY),
-            (false, true) => join!(false, true, false),
-            (false, false) => join!(false, false, false),
+        if law.lambda > 0.0 {
+            join!(true, ENERGY)
+        } else {
+            join!(false, false)
         }
     }
 
@@ -290,7 +324,6 @@ impl Kernels {
             self.instructions.run(RepeatBushings {
                 links: model.links,
                 overhang: self.candidates.overhang,
-                rates: needs_rates(model),
                 arrays: &mut self.chain,
             });
         }
@@ -362,9 +395,4 @@ impl Kernels {
             }
         }
     }
-}
-
-/// Whether any force depends on how fast contacts approach.
-fn needs_rates(model: &Model) -> bool {
-    model.hinge_law.lambda > 0.0 || model.tooth_law.lambda > 0.0
 }

@@ -234,6 +234,7 @@ impl Core {
         stats.set_item("jacobians", statistics.counts.jacobians)?;
         stats.set_item("onsets", statistics.onsets)?;
         stats.set_item("onsets_at_floor", statistics.onsets_at_floor)?;
+        stats.set_item("unseen_touches", statistics.unseen_touches)?;
         stats.set_item("wall_stepping", statistics.wall_stepping)?;
         stats.set_item("wall_onsets", statistics.wall_onsets)?;
         stats.set_item("wall_reports", statistics.wall_reports)?;
