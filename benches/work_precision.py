@@ -55,7 +55,7 @@ def decades(first, last, per_decade=1):
 
 def path_plan():
     """Many tolerances: the runs are short."""
-    methods = dict.fromkeys(("auto", "newton", "pece"), [*ACCURACIES, 1e-12])
+    methods = {method: [*ACCURACIES, 1e-12] for method in ("auto", "newton", "pece")}
     methods["pece, rtol"] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-11]
     compiled = {
         "RK4": [6e-6, 2e-6, 6e-7, 2e-7],
@@ -83,7 +83,7 @@ def loaded_path_plan():
 
 def energy_plan(pretension):
     """Few: each point is several runs. Under 100 N an explicit one takes seconds."""
-    methods = dict.fromkeys(("auto", "newton", "pece"), ACCURACIES)
+    methods = {method: list(ACCURACIES) for method in ("auto", "newton", "pece")}
     methods["pece, rtol"] = [1e-5, 1e-6]
     compiled = {
         "RK4": [2e-6, 5e-7],

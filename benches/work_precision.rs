@@ -25,7 +25,7 @@ const REPEATS: usize = 30;
 const LINKS: [u32; 4] = [38, 152, 608, 2432];
 
 /// Span of the sweep \[s\]: at least 300 steps of Newton's method for every chain.
-const SPAN: f64 = 4e-3;
+const SPAN: f64 = 8e-3;
 
 fn main() {
     let tolerances = [

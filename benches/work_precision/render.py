@@ -232,7 +232,7 @@ def _tables(record):
 
 
 def _reference(found):
-    """What a scene's errors and residuals are measured by."""
+    """Say what a scene's errors and residuals are measured by."""
     if found is None:
         return ""
     if len(found) == 2:
@@ -241,9 +241,9 @@ def _reference(found):
             f"from which none is farther than {found[1]:.1e} J."
         )
     return (
-        f"\n\nReference: PECE at rtol = atol = 1e-12 and 1e-13 differ by {found[0]:.1e} m, RK4 with "
-        f"short steps is {found[1]:.1e} m away. Residuals are over the {found[2]:.4g} J that it "
-        "dissipates."
+        f"\n\nReference: PECE at rtol = atol = 1e-12 and 1e-13 differ by {found[0]:.1e} m, RK4 "
+        f"with short steps is {found[1]:.1e} m away. Residuals are over the {found[2]:.4g} J "
+        "that it dissipates."
     )
 
 

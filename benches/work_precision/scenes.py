@@ -175,9 +175,7 @@ def reference(start, end):
 
     Returns positions, both distances [m] and the energy dissipated [J].
     """
-    tight, tighter = (
-        own.run(start, "pece, rtol", tol, end, energy=True) for tol in (1e-12, 1e-13)
-    )
+    tight, tighter = (own.run(start, "pece, rtol", tol, end, energy=True) for tol in (1e-12, 1e-13))
     fixed, _ = peers.compiled(start, "RK4", 5e-8 if end < 0.01 else 1e-7, end)
     doubt = link_error(tight.positions, tighter.positions)
     apart = link_error(fixed.positions, tighter.positions)
