@@ -173,6 +173,14 @@ def long_runs(duration):
     return rows
 
 
+def last_run():
+    """Return what was kept of the last full run."""
+    found = json.loads(RECORD.read_text())
+    if not isinstance(found["seconds"], dict):
+        sys.exit(f"error: {RECORD} is of an older form: run all scenes once, without --only")
+    return found
+
+
 class Record:
     """What the runs came to, kept after every scene."""
 
@@ -180,9 +188,7 @@ class Record:
         self.tried = tried
         self.prepare = short if tried else (lambda plan: plan)
         blank = {"references": {}, "load": {}, "seconds": {}, "lines": [], "twins": [], "long": []}
-        self.found = blank | (json.loads(RECORD.read_text()) if merged else {})
-        if not isinstance(self.found["seconds"], dict):  # of an older run
-            self.found |= {"seconds": {}, "references": {}}
+        self.found = blank | (last_run() if merged else {})
         self.found["machine"] = render.machine()
 
     def paths(self, scene, start, end):
@@ -270,7 +276,7 @@ def main():
     parser.add_argument("--only", action="append", metavar="SCENE", help="one scene of the tables")
     options = parser.parse_known_args()[0]
     if options.redraw:
-        render.write(json.loads(RECORD.read_text()), ROOT / "docs")
+        render.write(last_run(), ROOT / "docs")
         return
     begin = time.perf_counter()
     record = Record(options.test, merged=bool(options.only) and not options.test)
