@@ -115,7 +115,7 @@ bench-smoke: build rivals ## Run every benchmark once, without measuring
 robustness: build ## Run scenes that are hard in different ways, 2 s each, and write docs/robustness.md
 	$(BIN)/python benches/robustness.py --write $(BENCH_ARGS)
 
-work-precision: build rivals ## Run time against error, beside rivals: docs/work-precision.md anew, in a quarter of an hour
+work-precision: build rivals ## Run time against error, beside rivals: docs/work-precision.md anew, in 12 minutes
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benches/work_precision.py
 
 # Other integrators, and the right-hand side that they call.

@@ -1,14 +1,18 @@
 """Run time against error: this project's integrator and rivals on the same right-hand side.
 
-`make work-precision` builds what it needs, runs all scenes (a quarter of an hour on an idle
-machine) and writes the chart and the tables of docs/work-precision.md. `--test` runs a few short
-scenes and writes nothing; `--redraw` makes chart and tables anew from the last full run.
+`make work-precision` builds what it needs, runs all scenes (at most 12 minutes on an idle
+machine) and writes the chart and the tables of docs/work-precision.md. `--only SCENE`, as often as
+wanted, runs these alone and puts them into the last full run's place; `--redraw` makes chart and
+tables anew from the last run; `--test` runs a few short scenes (or those of `--only`, shortened)
+and writes nothing.
 """
 
 from __future__ import annotations
 
 import argparse
+import functools
 import json
+import os
 import subprocess
 import sys
 import time
@@ -23,22 +27,24 @@ from work_precision.peers import Start
 
 ROOT = Path(__file__).parent.parent
 RECORD = ROOT / "docs/work-precision.json"
+ACCURACIES = [3e-9, 1e-9, 3e-10, 1e-10, 1e-11]
 
 
 @dataclass
 class Plan:
     """Tolerances of each method, and how long and how often it may run."""
 
-    own: dict
+    own: dict = field(default_factory=dict)
     compiled: dict = field(default_factory=dict)
     scipy: dict = field(default_factory=dict)
     known: dict = field(default_factory=dict)
-    repeats: int = 3
-    runs: int = 8
-    budget: float = 6.0  # [s] of one run
+    repeats: int = 5  # timed, without metering; fewer of long ones
+    runs: int = 8  # metered, of this project's methods
+    rival_runs: int = 3  # metered, of the rivals
+    budget: float = 8.0  # [s] of one run of a rival
     # After so much time a point gets no further run [s].
-    budget_of_own_runs: float = 10.0
-    budget_of_runs: float = 3.0
+    budget_of_own_point: float = 9.0
+    budget_of_point: float = 3.0
 
 
 def decades(first, last, per_decade=1):
@@ -47,13 +53,10 @@ def decades(first, last, per_decade=1):
     return [float(f"{tol:.2g}") for tol in np.logspace(first, last, count)]
 
 
-def path_plan(methods):
+def path_plan():
     """Many tolerances: the runs are short."""
-    own_tolerances = {
-        "newton": decades(-8, -14),
-        "pece": decades(-3, -11),
-        "auto": decades(-8, -14),
-    }
+    methods = {method: [*ACCURACIES, 1e-12] for method in ("auto", "newton", "pece")}
+    methods["pece, rtol"] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-11]
     compiled = {
         "RK4": [6e-6, 2e-6, 6e-7, 2e-7],
         "Dormand-Prince 5(4)": decades(-8, -16),
@@ -62,13 +65,13 @@ def path_plan(methods):
         "CVODE Adams": decades(-8, -13),
         "CVODE BDF": decades(-8, -13),
     }
-    return Plan({m: own_tolerances[m] for m in methods}, compiled, budget=3.0)
+    return Plan(methods, compiled, runs=1, rival_runs=1, budget=3.0, budget_of_point=1.0)
 
 
-def loaded_path_plan(methods):
+def loaded_path_plan():
     """Fewer: under load, explicit methods crawl."""
-    plan = path_plan(methods)
-    plan.own["pece"] = [1e-3, 1e-4, 1e-6, 1e-8]
+    plan = path_plan()
+    plan.own["pece, rtol"] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-8]
     plan.compiled |= {
         "RK4": [2e-6, 2e-7],
         "Dormand-Prince 5(4)": [1e-9, 1e-10, 1e-11, 1e-13],
@@ -78,10 +81,10 @@ def loaded_path_plan(methods):
     return plan
 
 
-def energy_plan(methods):
-    """Few: each point is several runs."""
-    newton = [1e-8, 3e-9, 1e-9, 3e-10, 1e-10, 1e-11]
-    own_tolerances = {"newton": newton, "pece": [1e-3, 1e-4, 1e-5], "auto": newton}
+def energy_plan(pretension):
+    """Few: each point is several runs. Under 100 N an explicit one takes seconds."""
+    methods = {method: list(ACCURACIES) for method in ("auto", "newton", "pece")}
+    methods["pece, rtol"] = [1e-5, 1e-6]
     compiled = {
         "RK4": [2e-6, 5e-7],
         "Dormand-Prince 5(4)": [1e-9, 1e-10, 1e-11],
@@ -90,7 +93,15 @@ def energy_plan(methods):
         "CVODE Adams": [1e-9, 1e-10, 1e-11],
         "CVODE BDF": [1e-9, 1e-10, 1e-11],
     }
-    return Plan({m: own_tolerances[m] for m in methods}, compiled)
+    plan = Plan(methods, compiled)
+    if pretension > 50.0:
+        plan.own["pece"] = [1e-9, 1e-10, 1e-11]
+        plan.compiled |= {
+            "Dormand-Prince 5(4)": [1e-10, 1e-11],
+            "DOP853": [1e-10],
+            "CVODE Adams, functional": [1e-10],
+        }
+    return plan
 
 
 SCIPY = {
@@ -107,17 +118,19 @@ KNOWN = {
     "CVODE Adams, functional": decades(-3, -11, 0.5),
     "CVODE BDF": decades(-3, -9, 0.5),
 }
+LONG = {"auto": [1e-9, 1e-10], "newton": [1e-10], "pece": [1e-10]}
 
 
 def short(plan):
     """One tolerance of each, once."""
     for table in (plan.own, plan.compiled, plan.scipy, plan.known):
         for method in table:
-            table[method] = table[method][1:2]
-    plan.repeats, plan.runs, plan.budget = 1, 1, 1.0
+            table[method] = table[method][1:2] or table[method][:1]
+    plan.repeats, plan.runs, plan.rival_runs, plan.budget = 1, 1, 1, 1.0
     return plan
 
 
+@functools.cache
 def twin(tried):
     """Lines of the Rust twin."""
     command = ["cargo", "bench", "--quiet", "--bench", "work_precision", "--"]
@@ -129,13 +142,12 @@ def twin(tried):
     return [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
 
 
-def long_runs(methods, duration):
-    """Energy residual and statistics of forces; rows of a table."""
+def long_runs(duration):
+    """Energy residual and statistics of forces; rows of a table. Under 100 N none of "pece"."""
     rows = []
-    tolerances = {"newton": [1e-9, 1e-10], "pece": [1e-5], "auto": [1e-9]}
     for pretension in (0.0, 25.0, 100.0):
-        for method in methods:
-            for tolerance in tolerances[method]:
+        for method, tolerances in LONG.items():
+            for tolerance in tolerances if pretension < 50.0 or method != "pece" else []:
                 result, wall = own.long_run(Start(pretension), method, tolerance, duration)
                 energy = result.energy
                 row = {
@@ -143,7 +155,7 @@ def long_runs(methods, duration):
                     "method": scenes.OWN[method],
                     "tolerance": tolerance,
                     "wall": wall / duration,
-                    "steps": result.stats["steps"],
+                    "steps": int(result.stats["steps"]),
                     "residual": energy.residual[-1] / energy.dissipated[-1],
                     "forces": {
                         f"{what} {which}": values
@@ -161,81 +173,134 @@ def long_runs(methods, duration):
     return rows
 
 
+def last_run():
+    """Return what was kept of the last full run."""
+    found = json.loads(RECORD.read_text())
+    if not isinstance(found["seconds"], dict):
+        sys.exit(f"error: {RECORD} is of an older form: run all scenes once, without --only")
+    return found
+
+
+class Record:
+    """What the runs came to, kept after every scene."""
+
+    def __init__(self, tried, merged):
+        self.tried = tried
+        self.prepare = short if tried else (lambda plan: plan)
+        blank = {"references": {}, "load": {}, "seconds": {}, "lines": [], "twins": [], "long": []}
+        self.found = blank | (last_run() if merged else {})
+        self.found["machine"] = render.machine()
+
+    def paths(self, scene, start, end):
+        """Keep a scene judged by positions."""
+        plan = path_plan() if start.pretension == 0.0 else loaded_path_plan()
+        if scene == "0 N, 6 ms":
+            plan.scipy = dict(SCIPY)
+        self.put(scene, *scenes.path_scene(scene, start, end, self.prepare(plan)))
+
+    def energies(self, scene, pretension):
+        """Keep a scene judged by its energy balance."""
+        plan, end = self.prepare(energy_plan(pretension)), 0.02 if self.tried else 0.2
+        self.put(scene, *scenes.energy_scene(scene, Start(pretension), end, plan))
+
+    def known(self, scene, problem, kind, end):
+        """Keep a scene with a known answer."""
+        error = scenes.planet_error if kind == "kepler" else (lambda run, _: run.error)
+        twins = [line for line in twin(self.tried) if line["kind"] == kind]
+        plan = self.prepare(Plan(known=dict(KNOWN), repeats=20, runs=0, rival_runs=0))
+        self.put(scene, scenes.known_scene(scene, problem, end, error, plan, twins))
+
+    def put(self, scene, lines, reference=None):
+        """Put a scene's lines in the place of those that it had."""
+        others = [line for line in self.found["lines"] if line["scene"] != scene]
+        self.found["lines"] = others + [vars(line) for line in lines]
+        if reference is not None:
+            self.found["references"][scene] = reference
+
+    def twins(self):
+        """Keep what the Rust twin says of instruction sets and of long chains."""
+        self.found["twins"] = [
+            line for line in twin(self.tried) if line["kind"] in ("instructions", "links")
+        ]
+
+    def long(self):
+        """Keep the long runs."""
+        self.found["long"] = long_runs(0.05 if self.tried else 2.0)
+
+    def make(self, name, scene):
+        """Run one scene; note how busy the machine was."""
+        begin, before = (time.perf_counter(), time.process_time()), os.getloadavg()[0]
+        scene()
+        seconds, own_seconds = time.perf_counter() - begin[0], time.process_time() - begin[1]
+        self.found["load"][name] = [before, os.getloadavg()[0]]
+        self.found["seconds"][name] = seconds
+        print(
+            f"  {seconds:.0f} s, {own_seconds:.0f} s of them at work; "
+            f"load {before:.1f} before, {os.getloadavg()[0]:.1f} after",
+            flush=True,
+        )
+        if not self.tried:
+            RECORD.write_text(json.dumps(self.found, indent=1) + "\n")
+
+
+def all_scenes(record):
+    """Return {name: what runs it}, in the order of the tables."""
+    bind = functools.partial
+    loaded = {pretension: scenes.stored(pretension) for pretension in (25.0, 100.0)}
+    return {
+        "twins": record.twins,
+        "0 N, 5 ms": bind(record.paths, "0 N, 5 ms", Start(0.0), 5e-3),
+        "0 N, 6 ms": bind(record.paths, "0 N, 6 ms", Start(0.0), 6e-3),
+        "25 N, 20 ms": bind(record.paths, "25 N, 20 ms", loaded[25.0], 20e-3),
+        "100 N, 20 ms": bind(record.paths, "100 N, 20 ms", loaded[100.0], 20e-3),
+        "planet, 10 periods": bind(
+            record.known, "planet, 10 periods", "kepler", "kepler", 20.0 * np.pi
+        ),
+        "pin, undamped": bind(record.known, "pin, undamped", 0.0, "pin", 3.5),
+        "pin, damped": bind(record.known, "pin, damped", scenes.DAMPING, "damped_pin", 3.5),
+        "0 N, 0.2 s": bind(record.energies, "0 N, 0.2 s", 0.0),
+        "25 N, 0.2 s": bind(record.energies, "25 N, 0.2 s", 25.0),
+        "100 N, 0.2 s": bind(record.energies, "100 N, 0.2 s", 100.0),
+        "long": record.long,
+    }
+
+
+TRIED = ("twins", "0 N, 6 ms", "25 N, 20 ms", "pin, undamped", "0 N, 0.2 s", "long")
+
+
 def main():
     """Run, judge, and write chart and tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--test", action="store_true", help="a few short scenes; write nothing")
     parser.add_argument("--redraw", action="store_true", help="from the last full run")
+    parser.add_argument("--only", action="append", metavar="SCENE", help="one scene of the tables")
     options = parser.parse_known_args()[0]
     if options.redraw:
-        render.write(json.loads(RECORD.read_text()), ROOT / "docs")
+        render.write(last_run(), ROOT / "docs")
         return
     begin = time.perf_counter()
+    record = Record(options.test, merged=bool(options.only) and not options.test)
+    scene_of = all_scenes(record)
+    names = options.only or (TRIED if options.test else list(scene_of))
+    for name in names:
+        if name not in scene_of:
+            parser.error(f"--only {name!r}: no such scene; one of {', '.join(scene_of)}")
     peers.load()
     scenes.check_right_hand_side()
-    methods = own.methods()
-    tried = options.test
-    prepare = short if tried else (lambda plan: plan)
-    twins = twin(tried)
     print(
         f"{'method':<28}{'tolerance':>9}{'s/s':>11}{'steps':>10}{'evaluations':>11}"
         f"{'error':>11}{'residual':>11}"
     )
-    lines, references = [], {}
-    record = {
-        "machine": render.machine(),
-        "references": references,
-        "lines": [],
-        "twins": twins,
-        "long": [],
-    }
-
-    def keep():
-        record["lines"] = [vars(line) for line in lines]
-        record["seconds"] = time.perf_counter() - begin
-        if not tried:
-            RECORD.write_text(json.dumps(record, indent=1) + "\n")
-
-    loaded = {pretension: scenes.stored(pretension) for pretension in (25.0, 100.0)}
-    paths = [
-        ("0 N, 5 ms", Start(0.0), 5e-3),
-        ("0 N, 6 ms", Start(0.0), 6e-3),
-        ("25 N, 20 ms", loaded[25.0], 20e-3),
-        ("100 N, 20 ms", loaded[100.0], 20e-3),
-    ]
-    for scene, start, end in paths[1:3] if tried else paths:
-        plan = path_plan(methods) if start.pretension == 0.0 else loaded_path_plan(methods)
-        if scene == "0 N, 6 ms":
-            plan.scipy = dict(SCIPY)
-        plan = prepare(plan)
-        expected, *references[scene] = scenes.reference(start, end)
-        lines += scenes.path_scene(scene, start, end, plan, expected)
-        keep()
-    known = [
-        ("planet, 10 periods", "kepler", "kepler", 20.0 * np.pi),
-        ("pin, undamped", 0.0, "pin", 3.5),
-        ("pin, damped", scenes.DAMPING, "damped_pin", 3.5),
-    ]
-    for scene, problem, kind, end in known:
-        lines += scenes.known_scene(
-            scene,
-            problem,
-            end,
-            scenes.planet_error if problem == "kepler" else (lambda run, _: run.error),
-            prepare(Plan({}, known=dict(KNOWN))),
-            [line for line in twins if line["kind"] == kind],
-        )
-    for pretension in (0.0,) if tried else (0.0, 25.0, 100.0):
-        scene, end = f"{pretension:.0f} N, 0.2 s", 0.02 if tried else 0.2
-        lines += scenes.energy_scene(scene, Start(pretension), end, prepare(energy_plan(methods)))
-        keep()
-    print("long runs")
-    record["long"] = long_runs(methods[:1] if tried else methods, 0.05 if tried else 2.0)
-    keep()
-    print("\n".join(render.verdicts(record)))
+    for name in names:
+        record.make(name, scene_of[name])
+    found = record.found
+    order = list(scene_of)
+    found["lines"].sort(key=lambda line: order.index(line["scene"]))
+    print("\n".join(render.verdicts(found)))
     print(f"{time.perf_counter() - begin:.0f} s")
-    if not tried:
-        render.write(record, ROOT / "docs")
+    if not options.test:
+        RECORD.write_text(json.dumps(found, indent=1) + "\n")
+        render.write(found, ROOT / "docs")
 
 
 if __name__ == "__main__":

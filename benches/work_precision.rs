@@ -24,18 +24,29 @@ const REPEATS: usize = 30;
 /// Links of the sweep: of 38 to 2432.
 const LINKS: [u32; 4] = [38, 152, 608, 2432];
 
+/// Span of the sweep \[s\]: at least 300 steps of Newton's method for every chain.
+const SPAN: f64 = 8e-3;
+
 fn main() {
     let tolerances = [
         1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12,
     ];
     let repeats = if only_tried() { 1 } else { REPEATS };
     for tolerance in tolerances {
-        say("kepler", tolerance, repeats, || kepler(tolerance));
+        for corrector in CORRECTORS {
+            say("kepler", corrector, tolerance, repeats, || {
+                kepler(tolerance, corrector)
+            });
+        }
     }
     for lambda in [0.0, Damping::LankaraniNikravesh.lambda(0.71)] {
         let name = if lambda == 0.0 { "pin" } else { "damped_pin" };
         for tolerance in tolerances {
-            say(name, tolerance, repeats, || pin(tolerance, lambda));
+            for corrector in CORRECTORS {
+                say(name, corrector, tolerance, repeats, || {
+                    pin(tolerance, lambda, corrector)
+                });
+            }
         }
     }
     instruction_sets();
@@ -50,7 +61,14 @@ struct Known {
     error: f64,
 }
 
-fn say(problem: &str, tolerance: f64, repeats: usize, run: impl Fn() -> Known) {
+fn say(
+    problem: &str,
+    corrector: Corrector,
+    tolerance: f64,
+    repeats: usize,
+    run: impl Fn() -> Known,
+) {
+    let method = corrector.name();
     let runs: Vec<Known> = (0..repeats).map(|_| run()).collect();
     let wall = runs
         .iter()
@@ -63,26 +81,28 @@ fn say(problem: &str, tolerance: f64, repeats: usize, run: impl Fn() -> Known) {
         ..
     } = runs[0];
     println!(
-        "{{\"kind\": \"{problem}\", \"tolerance\": {tolerance:e}, \"wall\": {wall:e}, \"steps\": {steps}, \
+        "{{\"kind\": \"{problem}\", \"method\": \"{method}\", \"tolerance\": {tolerance:e}, \"wall\": {wall:e}, \"steps\": {steps}, \
          \"evaluations\": {evaluations}, \"error\": {error:e}, \"repeats\": {repeats}}}"
     );
 }
 
-fn smooth_control(tolerance: f64, max_step: f64) -> StepControl {
+fn smooth_control(tolerance: f64, corrector: Corrector) -> StepControl {
     StepControl {
-        max_step,
+        max_step: 1.0,
+        corrector,
         ..drives::control(tolerance)
     }
 }
 
 /// Ten periods; error as the distance from where the planet should be.
-fn kepler(tolerance: f64) -> Known {
+fn kepler(tolerance: f64, corrector: Corrector) -> Known {
     let end = 20.0 * std::f64::consts::PI;
-    let mut adams = Adams::new(4, smooth_control(tolerance, 1.0));
+    let mut adams = Adams::new(4, smooth_control(tolerance, corrector));
+    let mut planet = Kepler::default();
     adams.restart(0.0, &Kepler::START);
     let begin = ThreadTime::now();
     while adams.time() < end {
-        adams.step(&mut Kepler).unwrap();
+        adams.step_second_order(&mut planet).unwrap();
     }
     let mut y = [0.0; 4];
     adams.interpolate(end, &mut y);
@@ -95,13 +115,13 @@ fn kepler(tolerance: f64) -> Known {
 }
 
 /// One bounce; error in the speed of parting without damping, and in the place at the end.
-fn pin(tolerance: f64, lambda: f64) -> Known {
+fn pin(tolerance: f64, lambda: f64, corrector: Corrector) -> Known {
     let mut pin = Pin::new(lambda);
-    let mut adams = Adams::new(2, smooth_control(tolerance, 1.0));
+    let mut adams = Adams::new(2, smooth_control(tolerance, corrector));
     adams.restart(0.0, &Pin::START);
     let begin = ThreadTime::now();
     while adams.time() < Pin::END {
-        let step = adams.step(&mut pin).unwrap();
+        let step = adams.step_second_order(&mut pin).unwrap();
         let depth = adams.y()[0];
         pin.watch(step.start, step.end, depth, |t| {
             let at = adams.dense(t);
@@ -123,8 +143,9 @@ fn known(adams: &Adams, wall: f64, error: f64) -> Known {
     }
 }
 
-/// Correctors at their usual tolerances.
-const CORRECTORS: [Corrector; 2] = [Corrector::Pece, Corrector::Newton];
+/// All correctors, and those that a sweep tells apart.
+const CORRECTORS: [Corrector; 3] = [Corrector::Pece, Corrector::Newton, Corrector::Auto];
+const FORCED: [Corrector; 2] = [Corrector::Pece, Corrector::Newton];
 
 fn control(corrector: Corrector) -> StepControl {
     StepControl {
@@ -133,17 +154,13 @@ fn control(corrector: Corrector) -> StepControl {
     }
 }
 
-/// Goes on to `end` with each step as a run makes it; steps and the least wall time of one \[s\].
-fn walk(run: &mut Halves, corrector: Corrector, end: f64) -> (u64, f64) {
+/// Goes on to `end` with each step as a run makes it; steps, and the time that they took \[s\].
+fn walk(run: &mut Halves, end: f64) -> (u64, f64) {
     let before = run.adams.counts().steps;
     let begin = ThreadTime::now();
     while run.adams.time() < end {
         run.dynamics.begin_step();
-        let step = match corrector {
-            Corrector::Pece => run.adams.step(&mut run.dynamics),
-            Corrector::Newton => run.adams.step_newton(&mut run.dynamics),
-        };
-        let step = step.unwrap();
+        let step = run.adams.step_second_order(&mut run.dynamics).unwrap();
         run.dynamics.finish_step(&run.adams, &step);
     }
     (
@@ -171,7 +188,7 @@ fn instruction_sets() {
         let mut simulation = drives::simulation(&drive, &law, control(Corrector::Newton));
         drives::advance(&mut simulation, 10e-3);
         let ready = Halves::of(&mut simulation);
-        for corrector in CORRECTORS {
+        for corrector in FORCED {
             let sets = InstructionSet::available();
             let mut least = vec![f64::INFINITY; sets.len()];
             let mut steps = 0;
@@ -180,7 +197,7 @@ fn instruction_sets() {
                     let mut run = with_control(&ready, control(corrector));
                     run.dynamics.use_instructions(*set);
                     run.adams.use_instructions(*set);
-                    let (made, wall) = walk(&mut run, corrector, 14e-3);
+                    let (made, wall) = walk(&mut run, 14e-3);
                     *least = least.min(wall / made as f64);
                     steps = made;
                 }
@@ -200,20 +217,27 @@ fn instruction_sets() {
 /// Chains pulled into all hinges and seats at once: cost of a simulated second over links.
 fn chain_lengths() {
     let law: ForceLaws = laws(Elastic::Hertz, Damping::LankaraniNikravesh);
-    for corrector in CORRECTORS {
-        for links in LINKS {
-            let mut simulation = pressed_into_seats(&longer_drive([17, 17], links), &law);
-            let ready = Halves::of(&mut simulation);
-            let (mut steps, mut least) = (0, f64::INFINITY);
-            let end = 2e-4;
-            for _ in 0..if only_tried() { 1 } else { 5 } {
-                let mut run = with_control(&ready, control(corrector));
-                let (made, wall) = walk(&mut run, corrector, end);
-                (steps, least) = (made, least.min(wall / end));
+    let end = if only_tried() { 2e-4 } else { SPAN };
+    let chains = LINKS.map(|links| {
+        Halves::of(&mut pressed_into_seats(
+            &longer_drive([17, 17], links),
+            &law,
+        ))
+    });
+    for corrector in FORCED {
+        let mut found = [(0, f64::INFINITY); LINKS.len()];
+        for _ in 0..if only_tried() { 1 } else { 3 } {
+            for (ready, (steps, least)) in chains.iter().zip(&mut found) {
+                let (made, wall) = walk(&mut with_control(ready, control(corrector)), end);
+                (*steps, *least) = (made, least.min(wall));
             }
+        }
+        for (links, (steps, least)) in LINKS.into_iter().zip(found) {
             println!(
-                "{{\"kind\": \"links\", \"method\": \"{}\", \"links\": {links}, \"steps\": {steps}, \"wall\": {least:e}}}",
-                corrector.name()
+                "{{\"kind\": \"links\", \"method\": \"{}\", \"links\": {links}, \"steps\": {steps}, \"wall\": {:e}, \"wall_step\": {:e}}}",
+                corrector.name(),
+                least / end,
+                least / steps as f64
             );
         }
     }

@@ -85,7 +85,7 @@ def _pointer(array):
 def _library():
     library = c.CDLL(str(HERE / "target/release/libcompiled_rhs.so"))
     library.drive_system.restype = c.c_void_p
-    library.drive_system.argtypes = [c.c_double] * 3 + [_POINTER] * 2 + [c.c_size_t]
+    library.drive_system.argtypes = [c.c_double] * 3 + [_POINTER] * 2 + [c.c_size_t, c.c_bool]
     library.kepler_system.restype = c.c_void_p
     library.pin_system.restype = c.c_void_p
     library.pin_system.argtypes = [c.c_double]
@@ -124,11 +124,15 @@ def _cvode_library():
 
 
 class System:
-    """A problem behind the C interface; ends with the `with` block."""
+    """A problem behind the C interface; ends with the `with` block.
 
-    def __init__(self, problem):
+    `metered` drives sum their energies along every step, which takes time.
+    """
+
+    def __init__(self, problem, metered=False):
         self.library = LIBRARY
         self.problem = problem
+        self.metered = metered
 
     def __enter__(self):
         problem = self.problem
@@ -143,7 +147,12 @@ class System:
             ]
             bodies = 0 if self.kept[0] is None else len(self.kept[0])
             self.handle = self.library.drive_system(
-                problem.pretension, problem.ramp_time, 1e-3, *map(_pointer, self.kept), bodies
+                problem.pretension,
+                problem.ramp_time,
+                1e-3,
+                *map(_pointer, self.kept),
+                bodies,
+                self.metered,
             )
         if not self.handle:
             raise SystemExit(f"error: no system for {problem}")
@@ -183,9 +192,9 @@ def _tableau(method):
     return _Tableau(stages, method.error_estimator_order + 1.0, *map(_pointer, kept)), kept
 
 
-def compiled(problem, method, tolerance, end, evaluations=2**62, wall=1e9):
+def compiled(problem, method, tolerance, end, wall=1e9, metered=False):
     """Integrate with `method` of `COMPILED`, no Python in between; `Run` and the final y."""
-    with System(problem) as system:
+    with System(problem, metered) as system:
         outcome, y = _Outcome(), np.empty(system.dimension)
         number, pair = COMPILED[method]
         tableau, _kept = _tableau(pair) if pair else (None, None)
@@ -194,7 +203,7 @@ def compiled(problem, method, tolerance, end, evaluations=2**62, wall=1e9):
             number,
             tolerance,
             end,
-            evaluations,
+            2**62,
             wall,
             tableau,
             CVODE,
@@ -226,7 +235,7 @@ def compiled(problem, method, tolerance, end, evaluations=2**62, wall=1e9):
 def scipy_solver(problem, method, tolerance, end, wall):
     """Integrate with one of SciPy's solvers, step by step, the right-hand side through ctypes."""
     solver_class = SCIPY[method]
-    with System(problem) as system:
+    with System(problem, metered=True) as system:
         begin = time.thread_time()
         solver = solver_class(
             system.slope, 0.0, system.y.copy(), end, rtol=max(tolerance, 3e-14), atol=tolerance
@@ -247,9 +256,9 @@ def scipy_solver(problem, method, tolerance, end, wall):
         run = Run(
             wall=time.thread_time() - begin - uncharged,
             steps=steps,
-            evaluations=solver.nfev,
-            jacobians=getattr(solver, "njev", 0) or 0,
-            reached=solver.t,
+            evaluations=int(solver.nfev),
+            jacobians=int(getattr(solver, "njev", 0) or 0),
+            reached=float(solver.t),
             finished=not why,
             why=why,
         )

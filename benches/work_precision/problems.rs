@@ -3,10 +3,14 @@
 use rustchain::contact::{Contact, first_crossing};
 use rustchain::force_law::{ElasticLaw, Hertz, SurfacePair, damping_factor};
 use rustchain::geometry::Vec2;
-use rustchain::integrator::OdeSystem;
+use rustchain::integrator::{OdeSystem, SecondOrderSystem};
 
 /// x'' = -x/|x|³ in the plane with eccentricity 0.6: after every period of 2π the planet is where it began.
-pub(crate) struct Kepler;
+#[derive(Default)]
+pub(crate) struct Kepler {
+    /// Inverse of Newton's matrix, row by row.
+    inverse: [f64; 4],
+}
 
 impl Kepler {
     pub(crate) const START: [f64; 4] = [0.4, 0.0, 0.0, 2.0];
@@ -24,6 +28,36 @@ impl OdeSystem for Kepler {
     }
 }
 
+impl SecondOrderSystem for Kepler {
+    fn coordinates(&self) -> usize {
+        2
+    }
+
+    fn factorise(&mut self, y: &[f64], gamma: f64) -> bool {
+        let squared = y[0] * y[0] + y[1] * y[1];
+        let share = gamma * gamma / (squared * squared.sqrt());
+        let bend = 3.0 * share / squared;
+        let (a, b) = (
+            1.0 + share - bend * y[0] * y[0],
+            1.0 + share - bend * y[1] * y[1],
+        );
+        let c = -bend * y[0] * y[1];
+        let determinant = a * b - c * c;
+        self.inverse = [b, -c, -c, a].map(|entry| entry / determinant);
+        determinant != 0.0
+    }
+
+    fn correct(&mut self, residual: &mut [f64]) {
+        let [a, b, c, d] = self.inverse;
+        let [x, y] = [residual[0], residual[1]];
+        residual[..2].copy_from_slice(&[a * x + b * y, c * x + d * y]);
+    }
+
+    fn scale(&self, lengths: &mut [f64]) {
+        lengths.fill(1.0);
+    }
+}
+
 /// A pin of a link's mass that flies into a bushing: y = [penetration, its rate], in units of the depth at which all energy is
 /// stored and of the speed of approach; time in their ratio.
 ///
@@ -36,6 +70,8 @@ pub(crate) struct Pin {
     onset_speed: Option<f64>,
     /// Speed of parting, once it is known.
     parting_speed: Option<f64>,
+    /// Newton's matrix.
+    matrix: f64,
 }
 
 impl Pin {
@@ -56,6 +92,7 @@ impl Pin {
             stiffness: Hertz::force(&law, depth) * depth / (mass * speed * speed),
             onset_speed: None,
             parting_speed: None,
+            matrix: 1.0,
         }
     }
 
@@ -114,5 +151,30 @@ impl OdeSystem for Pin {
         let factor = damping_factor(self.lambda, y[1], onset_speed);
         dydt[0] = y[1];
         dydt[1] = -self.stiffness * depth * depth.sqrt() * factor;
+    }
+}
+
+impl SecondOrderSystem for Pin {
+    fn coordinates(&self) -> usize {
+        1
+    }
+
+    fn factorise(&mut self, y: &[f64], gamma: f64) -> bool {
+        let depth = y[0].max(0.0);
+        // Before the onset is known, the damping factor does not depend on the speed.
+        let (onset_speed, varies) = self.onset_speed.map_or((y[1].max(1e-3), 0.0), |v| (v, 1.0));
+        let factor = damping_factor(self.lambda, y[1], onset_speed);
+        let by_depth = -1.5 * self.stiffness * depth.sqrt() * factor;
+        let by_rate = -varies * self.stiffness * depth * depth.sqrt() * self.lambda / onset_speed;
+        self.matrix = 1.0 - gamma * by_rate - gamma * gamma * by_depth;
+        self.matrix != 0.0
+    }
+
+    fn correct(&mut self, residual: &mut [f64]) {
+        residual[0] /= self.matrix;
+    }
+
+    fn scale(&self, lengths: &mut [f64]) {
+        lengths.fill(1.0);
     }
 }

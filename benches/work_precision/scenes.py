@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import csv
 import sys
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from . import own, peers
-from .peers import Start
+from .peers import Run, Start
 
 HERE = Path(__file__).parent
-OWN = {"newton": "rustchain Newton", "pece": "rustchain PECE", "auto": "rustchain auto"}
+OWN = {
+    "newton": "rustchain Newton",
+    "pece": "rustchain PECE",
+    "pece, rtol": "rustchain PECE, rtol",
+    "auto": "rustchain auto",
+}
 DAMPING = 0.75 * (1.0 - 0.71**2)
 
 
@@ -30,7 +36,7 @@ class Line:
     jacobians: float
     onsets: float
     position_error: float  # [m], largest of all links; of the known solution where there is one
-    residual: float  # energy missing over dissipated, root mean square of the runs
+    residual: float  # energy missing over dissipated by the reference, root mean square
     runs: int
     note: str
 
@@ -58,115 +64,168 @@ def say(line):
     return line
 
 
-def line_of(scene, method, tolerance, runs, duration, position_error=np.nan):
-    """One line of several runs: means of the counts; time as their steps at the least time of one.
+# A point is timed again while its timed runs took less than this: first for one, then for more [s].
+LITTLE = (1.0, 0.2)
+
+
+@dataclass
+class Point:
+    """One method at one tolerance: its timed runs, and those whose energy is metered."""
+
+    method: str
+    tolerance: float
+    run: Callable[[float, bool], Run]  # of a tolerance, and whether energy is metered
+    runs: int  # metered ones
+    budget: float  # [s] of all runs; there is always one of each kind
+    timed: list[Run] = field(default_factory=list)
+    metered: list[Run] = field(default_factory=list)
+
+    def go_on(self, turn, repeats, spread):
+        """Make the runs of one turn; the tolerances of turns differ by the share `spread`."""
+        tolerance = self.tolerance * (1.0 + spread * turn)
+        spent = sum(run.wall for run in self.timed)
+        if turn < repeats and spent < LITTLE[turn > 1] and self._may(self.timed):
+            self.timed.append(self.run(tolerance, False))
+        if turn < self.runs and self._may(self.metered):
+            self.metered.append(self.run(tolerance, True))
+
+    def _may(self, done):
+        made = self.timed + self.metered
+        if not all(run.finished for run in made):
+            return False
+        return not done or sum(run.wall for run in made) < self.budget
+
+
+def points_of(start, end, plan):
+    """Points of this project's methods and of the rivals in compiled code."""
+
+    def own_run(method):
+        return lambda tol, energy: own.run(start, method, tol, end, energy)
+
+    def rival_run(method):
+        return lambda tol, energy: peers.compiled(
+            start, method, tol, end, wall=plan.budget, metered=energy
+        )[0]
+
+    points = [
+        Point(OWN[m], tol, own_run(m), plan.runs, plan.budget_of_own_point)
+        for m, tolerances in plan.own.items()
+        for tol in tolerances
+    ]
+    return points + [
+        Point(m, tol, rival_run(m), plan.rival_runs, plan.budget_of_point)
+        for m, tolerances in plan.compiled.items()
+        for tol in tolerances
+    ]
+
+
+def take_turns(points, plan, spread=0.0):
+    """Make all runs, a turn of every point after the other: a busy while slows all alike."""
+    for turn in range(max(plan.repeats, plan.runs, plan.rival_runs)):
+        for point in points:
+            point.go_on(turn, plan.repeats, spread)
+
+
+def line_of(scene, point, duration, dissipated=np.nan, position_error=np.nan):
+    """One line: means of the counts; time as their steps at the least time of one.
 
     Runs that differ a little take different numbers of steps, and other work on the machine only
-    ever adds time.
+    ever adds time. `dissipated` is the scene's, the same for all methods [J].
     """
-    done = [run for run in runs if run.finished]
-    if not done:
-        run = runs[0]
+    made = point.timed + point.metered
+    failed = [run for run in made if not run.finished]
+    timed = [run for run in point.timed if run.finished]
+    if not timed:
+        run = failed[0]
         wall = run.wall / max(min(run.reached, duration), 1e-12)
         counts = (run.steps, run.evaluations, run.jacobians, run.onsets)
         note = f"did not finish: {run.why}"
-        return say(Line(scene, method, tolerance, wall, *counts, np.nan, np.nan, 0, note))
-    steps = np.mean([run.steps for run in done])
-    wall = min(run.wall / run.steps for run in done) * steps / duration
-    means = [
-        float(np.mean([getattr(run, name) for run in done]))
-        for name in ("evaluations", "jacobians", "onsets")
-    ]
-    shares = [run.residual / run.dissipated for run in done if run.dissipated > 0.0]
-    residual = float(np.sqrt(np.mean(np.square(shares)))) if shares else np.nan
-    note = "" if len(done) == len(runs) else f"{len(runs) - len(done)} runs did not finish"
+        residual, runs = np.nan, 0
+    else:
+        metered = [run for run in point.metered if run.finished]
+        done = metered or timed
+        counts = [
+            float(np.mean([getattr(run, name) for run in done]))
+            for name in ("steps", "evaluations", "jacobians", "onsets")
+        ]
+        wall = min(run.wall / run.steps for run in timed) * counts[0] / duration
+        shares = np.array([run.residual / dissipated for run in metered])
+        residual = float(np.sqrt(np.mean(np.square(shares)))) if len(shares) else np.nan
+        runs = len(done)
+        note = f"{len(failed)} runs did not finish" if failed else ""
+        if len(shares) and not np.isfinite(shares).all():
+            note = "energy without bounds"
     return say(
         Line(
-            scene, method, tolerance, wall, steps, *means, position_error, residual, len(done), note
+            scene,
+            point.method,
+            point.tolerance,
+            wall,
+            *counts,
+            position_error,
+            residual,
+            runs,
+            note,
         )
     )
 
 
 def reference(start, end):
-    """Positions at `end` by PECE at two tight tolerances, and how far a fixed step is from it."""
-    tight, tighter = (own.run(start, "pece", tol, end, energy=False) for tol in (1e-12, 1e-13))
+    """Positions at `end` by PECE at two tight tolerances, and how far a fixed step is from it.
+
+    Returns positions, both distances [m] and the energy dissipated [J].
+    """
+    tight, tighter = (own.run(start, "pece, rtol", tol, end, energy=True) for tol in (1e-12, 1e-13))
     fixed, _ = peers.compiled(start, "RK4", 5e-8 if end < 0.01 else 1e-7, end)
     doubt = link_error(tight.positions, tighter.positions)
     apart = link_error(fixed.positions, tighter.positions)
     print(f"  reference: 1e-12 and 1e-13 differ by {doubt:.1e} m; RK4 is {apart:.1e} m away")
-    return tighter.positions, doubt, apart
+    return tighter.positions, doubt, apart, tighter.dissipated
 
 
-def repeated(plan, run):
-    """Return runs for the least time; long ones are long enough to be timed once."""
-    runs = [run()]
-    while len(runs) < plan.repeats and runs[-1].finished and runs[-1].wall < 0.3:
-        runs.append(run())
-    return runs
+def dissipated_by(start, end, runs=4):
+    """Energy that fine runs dissipate, and the largest distance of one from their mean [J]."""
+    fine = [
+        own.run(start, "auto", 1e-11 * (1.0 + 0.01 * i), end, energy=True).dissipated
+        for i in range(runs)
+    ]
+    mean = float(np.mean(fine))
+    return mean, float(np.abs(np.array(fine) - mean).max())
 
 
-def path_scene(scene, start, end, plan, expected):
-    """Error in position at `end`, where the path does not yet depend on rounding."""
+def path_scene(scene, start, end, plan):
+    """Error in position at `end`, where the path does not yet depend on rounding.
+
+    Returns lines, and of the reference its two doubts [m] and the energy that it dissipates [J].
+    """
     print(scene)
-    lines = []
-    for method, tolerances in plan.own.items():
-        for tolerance in tolerances:
-            runs = repeated(
-                plan, lambda m=method, tol=tolerance: own.run(start, m, tol, end, energy=False)
-            )
-            error = link_error(runs[0].positions, expected) if runs[0].finished else np.nan
-            energy = own.run(start, method, tolerance, end, energy=True)
-            runs[0].residual, runs[0].dissipated = energy.residual, energy.dissipated
-            lines.append(line_of(scene, OWN[method], tolerance, runs, end, error))
-    for method, tolerances in plan.compiled.items():
-        for tolerance in tolerances:
-            runs = repeated(
-                plan,
-                lambda m=method, tol=tolerance: peers.compiled(
-                    start, m, tol, end, wall=plan.budget
-                )[0],
-            )
-            error = link_error(runs[0].positions, expected) if runs[0].finished else np.nan
-            lines.append(line_of(scene, method, tolerance, runs, end, error))
+    expected, doubt, apart, dissipated = reference(start, end)
+    points = points_of(start, end, plan)
+    take_turns(points, plan)
     for method, tolerances in plan.scipy.items():
         for tolerance in tolerances:
             run, _ = peers.scipy_solver(start, method, tolerance, end, plan.budget)
-            error = link_error(run.positions, expected) if run.finished else np.nan
-            lines.append(line_of(scene, method, tolerance, [run], end, error))
-    return lines
+            metered = [run] if run.finished else []
+            points.append(Point(method, tolerance, peers.scipy_solver, 1, 0.0, [run], metered))
+    lines = []
+    for point in points:
+        run = point.timed[0]
+        error = link_error(run.positions, expected) if run.finished else np.nan
+        lines.append(line_of(scene, point, end, dissipated, error))
+    return lines, [doubt, apart, dissipated]
 
 
 def energy_scene(scene, start, end, plan):
-    """Energy residual over the energy dissipated, of runs whose tolerances differ by a percent."""
+    """Energy residual over the energy dissipated, of runs whose tolerances differ by a percent.
+
+    Returns lines, and the energy that fine runs dissipate with its scatter [J].
+    """
     print(scene)
-    lines = []
-
-    def several(name, tolerance, run, budget):
-        runs, spent = [], 0.0
-        for i in range(plan.runs):
-            runs.append(run(tolerance * (1.0 + 0.01 * i)))
-            spent += runs[-1].wall
-            if not runs[-1].finished or spent > budget:
-                break
-        lines.append(line_of(scene, name, tolerance, runs, end))
-
-    for method, tolerances in plan.own.items():
-        for tolerance in tolerances:
-            several(
-                OWN[method],
-                tolerance,
-                lambda tol, m=method: own.run(start, m, tol, end, energy=True),
-                plan.budget_of_own_runs,
-            )
-    for method, tolerances in plan.compiled.items():
-        for tolerance in tolerances:
-            several(
-                method,
-                tolerance,
-                lambda tol, m=method: peers.compiled(start, m, tol, end, wall=plan.budget)[0],
-                plan.budget_of_runs,
-            )
-    return lines
+    dissipated, scatter = dissipated_by(start, end)
+    print(f"  fine runs dissipate {dissipated:.4g} J, {scatter:.1e} J apart at most")
+    points = points_of(start, end, plan)
+    take_turns(points, plan, spread=0.01)
+    return [line_of(scene, point, end, dissipated) for point in points], [dissipated, scatter]
 
 
 def known_scene(scene, problem, end, error_of, plan, twins):
@@ -175,19 +234,31 @@ def known_scene(scene, problem, end, error_of, plan, twins):
     lines = [
         say(
             Line(
-                scene, OWN["pece"], twin["tolerance"], twin["wall"], twin["steps"],
+                scene, OWN[twin["method"]], twin["tolerance"], twin["wall"], twin["steps"],
                 twin["evaluations"], 0, 0, twin["error"], np.nan, twin["repeats"], "",
             )
         )
         for twin in twins
     ]  # fmt: skip
-    for method, tolerances in plan.known.items():
-        for tolerance in tolerances:
-            results = [peers.compiled(problem, method, tolerance, end) for _ in range(20)]
-            runs = [run for run, _ in results]
-            error = error_of(*results[0])
-            lines.append(line_of(scene, method, tolerance, runs, 1.0, error))
-    return lines
+    errors = {}
+
+    def run(method):
+        def of(tolerance, _):
+            done, y = peers.compiled(problem, method, tolerance, end)
+            errors[method, tolerance] = error_of(done, y)
+            return done
+
+        return of
+
+    points = [
+        Point(method, tolerance, run(method), 0, 1.0)
+        for method, tolerances in plan.known.items()
+        for tolerance in tolerances
+    ]
+    take_turns(points, plan)
+    return lines + [
+        line_of(scene, p, 1.0, position_error=errors[p.method, p.tolerance]) for p in points
+    ]
 
 
 def planet_error(_, y):
@@ -205,7 +276,7 @@ def check_right_hand_side():
             slope = system.slope(0.0, system.y)
             accelerations = sim.evaluate().accelerations[:-2]
             links = len(accelerations)
-            coordinates = (system.dimension - 2) // 2
+            coordinates = system.dimension // 2
             found = slope[coordinates : coordinates + 3 * links].reshape(3, links).T
         largest = np.maximum(np.abs(accelerations).max(axis=0), 9.81)
         apart = np.abs(found - accelerations).max(axis=0) / largest

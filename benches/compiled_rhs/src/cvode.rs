@@ -92,8 +92,8 @@ unsafe extern "C" fn jacobian(
                 let column = (user.column)(matrix, place as i64);
                 let first = place.saturating_sub(user.half_width);
                 let last = (place + user.half_width).min(user.n - 1);
-                for row in first..=last {
-                    let rise = user.slope[user.component[row]] - base[row];
+                for (row, base) in base.iter().enumerate().take(last + 1).skip(first) {
+                    let rise = user.slope[user.component[row]] - base;
                     *column.offset(row as isize - place as isize) =
                         rise / step(user.component[place]);
                 }
@@ -260,6 +260,8 @@ pub(crate) fn run(
         };
         if system.crossed(&accepted) {
             outcome.uncharged(|| system.remember(&accepted));
+        } else {
+            system.pass(&accepted);
         }
         std::mem::swap(&mut slope_before, &mut slope);
         if !y.iter().all(|y| y.is_finite()) {

@@ -1,31 +1,47 @@
-//! The published drive as other integrators see it: kernels for the right-hand side, memory of contacts kept between steps.
+//! The published drive as other integrators see it: kernels for the right-hand side, memory of contacts kept between steps, and
+//! on demand the energy balance, metered as this project meters its own.
 
 use std::sync::Arc;
 
-use rustchain::contact::first_crossing;
+use rustchain::contact::{ImpactMemory, first_crossing};
 use rustchain::drive::Drive;
-use rustchain::dynamics::Dynamics;
+use rustchain::dynamics::{Dynamics, Powers};
 use rustchain::integrator::OdeSystem;
 use rustchain::state::{Motion, Start};
 use rustchain::{ForceLaws, Model};
 
 use crate::system::{Accepted, Evolving, Pattern};
 
+/// Gauss-Lobatto formula of four points: the three after the start of a panel as parts of it, and the weights of all.
+const POINTS: [f64; 3] = [0.276_393_202_250_021, 0.723_606_797_749_979, 1.0];
+const WEIGHTS: [f64; 4] = [1.0 / 12.0, 5.0 / 12.0, 5.0 / 12.0, 1.0 / 12.0];
+
 /// A drive, its contacts' memory, and what its energy was.
 pub(crate) struct DriveSystem {
     dynamics: Dynamics,
     start: Vec<f64>,
     energy_at_start: f64,
+    metered: bool,
+    /// Energies that passed since the start \[J\], and the powers at the end of the last step \[W\].
+    passed: Powers,
+    last_powers: Powers,
     pattern: Pattern,
     /// Hinges, and pairs of bushing and sprocket, that begin (true) or end with the last step.
     hinges: Vec<(usize, bool)>,
     teeth: Vec<(usize, bool)>,
     /// Scratch: state inside a step.
     inside: Vec<f64>,
+    slope: Vec<f64>,
 }
 
 impl DriveSystem {
-    pub(crate) fn new(drive: &Drive, laws: &ForceLaws, start: &Start) -> rustchain::Result<Self> {
+    /// With `metered`, energies are summed along every step, which takes evaluations.
+    pub(crate) fn new(
+        drive: &Drive,
+        laws: &ForceLaws,
+        start: &Start,
+        metered: bool,
+    ) -> rustchain::Result<Self> {
         let model = Arc::new(Model::compile(drive, laws, start)?);
         let mut dynamics = Dynamics::new(model.clone());
         let mut y = vec![0.0; dynamics.dimension()];
@@ -33,10 +49,17 @@ impl DriveSystem {
         motion.set(&start.positions, &start.velocities);
         motion.write(&model, &mut y);
         dynamics.remember_present_contacts(0.0, &y);
-        dynamics.keep_energy(true);
+        let mut slope = vec![0.0; y.len()];
+        dynamics.keep_energy(metered);
         dynamics.evaluate(0.0, &y);
+        let energy_at_start = dynamics.energy().total();
+        dynamics.derivative(0.0, &y, &mut slope);
         Ok(Self {
-            energy_at_start: dynamics.energy().total(),
+            energy_at_start,
+            metered,
+            passed: Powers::default(),
+            last_powers: dynamics.powers(),
+            slope,
             inside: y.clone(),
             start: y,
             hinges: Vec::new(),
@@ -50,17 +73,46 @@ impl DriveSystem {
         &self.start
     }
 
-    /// Energy missing and energy dissipated since the start \[J\].
+    /// Energy missing and energy dissipated since the start \[J\]; NaN where they are not metered.
     pub(crate) fn balance(&mut self, t: f64, y: &[f64]) -> [f64; 2] {
+        if !self.metered {
+            return [f64::NAN; 2];
+        }
         self.dynamics.evaluate(t, y);
-        let sums = self.dynamics.controlled();
-        let [dissipated, worked_in] = [y[sums], y[sums + 1]];
+        let Powers {
+            dissipated,
+            worked_in,
+        } = self.passed;
         let gained = self.dynamics.energy().total() - self.energy_at_start;
         [gained + dissipated - worked_in, dissipated]
     }
 
     pub(crate) fn onsets(&self) -> u64 {
         self.dynamics.memory.counts().onsets
+    }
+
+    /// Adds the energies of a step: powers along the cubic through its ends, integrated over as many panels as this project's own
+    /// meter lays into a step.
+    fn meter(&mut self, step: &Accepted<'_>, panels: usize) {
+        let width = (step.end - step.start) / panels as f64;
+        for panel in 0..panels {
+            let mut sum = WEIGHTS[0] * self.last_powers;
+            for (point, weight) in POINTS.into_iter().zip(&WEIGHTS[1..]) {
+                let t = step.start + width * (panel as f64 + point);
+                step.at(t, &mut self.inside);
+                self.dynamics.derivative(t, &self.inside, &mut self.slope);
+                self.last_powers = self.dynamics.powers();
+                sum += *weight * self.last_powers;
+            }
+            self.passed += width * sum;
+        }
+    }
+
+    /// Puts `memory` in place and has the list of candidates made anew with it.
+    fn put(&mut self, memory: ImpactMemory, step: &Accepted<'_>) {
+        self.dynamics
+            .remember_present_contacts(step.end, step.y_end);
+        self.dynamics.memory = memory;
     }
 
     /// x, y, θ of all bodies, one after the other.
@@ -105,10 +157,6 @@ impl OdeSystem for DriveSystem {
         self.dynamics.dimension()
     }
 
-    fn controlled(&self) -> usize {
-        self.dynamics.controlled()
-    }
-
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
         self.dynamics.derivative(t, y, dydt);
     }
@@ -120,20 +168,20 @@ impl Evolving for DriveSystem {
         let model = self.dynamics.model();
         let (nq, n) = (model.coordinates, model.links);
         let mut lengths = vec![1.0; nq];
-        for q in 2 * n..nq {
+        for (q, length) in lengths.iter_mut().enumerate().skip(2 * n) {
             let body = model.body_of_coordinate(q);
             if q < 3 * n {
-                lengths[q] = model.half_pitch;
+                *length = model.half_pitch;
             } else if matches!(model.sprockets[body - n].rotation,
                 rustchain::model::Rotation::Free { index, .. } if index == q)
             {
                 let teeth = model.sprockets[body - n].gap_directions.len() as f64;
-                lengths[q] = model.half_pitch / (std::f64::consts::PI / teeth).sin();
+                *length = model.half_pitch / (std::f64::consts::PI / teeth).sin();
             }
         }
         let positions = lengths.iter().map(|length| 1.0 / length);
         let speeds = lengths.iter().map(|length| 1e5 / length);
-        positions.chain(speeds).chain([f64::INFINITY; 2]).collect()
+        positions.chain(speeds).collect()
     }
 
     fn crossed(&mut self, _: &Accepted<'_>) -> bool {
@@ -158,30 +206,40 @@ impl Evolving for DriveSystem {
 
     fn remember(&mut self, step: &Accepted<'_>) {
         let (hinges, teeth) = (self.hinges.clone(), self.teeth.clone());
-        for &(k, touching) in &hinges {
-            if touching {
-                let (_, rate) = self.onset(step, |d| (d.hinges.penetration[k], d.hinges.rate[k]));
-                self.dynamics.memory.begin_hinge(k, rate);
-            } else {
-                self.dynamics.memory.end_hinge(k);
-            }
+        for &(k, _) in hinges.iter().filter(|(_, touching)| *touching) {
+            let (_, rate) = self.onset(step, |d| (d.hinges.penetration[k], d.hinges.rate[k]));
+            self.dynamics.memory.begin_hinge(k, rate);
         }
         let mut memory = self.dynamics.memory.clone();
-        for &(pair, touching) in &teeth {
-            if touching {
-                let find = |d: &Dynamics| (d.teeth.penetration[pair], d.teeth.rate[pair]);
-                let (t, rate) = self.onset(step, find);
-                self.depth_at(step, t, find);
-                memory.begin_tooth(pair, rate, self.dynamics.teeth.surface[pair]);
-            } else {
-                memory.end_tooth(pair);
-            }
+        for &(pair, _) in teeth.iter().filter(|(_, touching)| *touching) {
+            let find = |d: &Dynamics| (d.teeth.penetration[pair], d.teeth.rate[pair]);
+            let (t, rate) = self.onset(step, find);
+            self.depth_at(step, t, find);
+            memory.begin_tooth(pair, rate, self.dynamics.teeth.surface[pair]);
         }
-        if !teeth.is_empty() {
-            // Makes the candidates' list anew, with the memory that is put there.
-            self.dynamics
-                .remember_present_contacts(step.end, step.y_end);
+        if self.metered {
+            // What parted in this step keeps its memory up to its end.
+            if !teeth.is_empty() {
+                self.put(memory.clone(), step);
+            }
+            self.meter(step, 2);
+        }
+        for &(pair, _) in teeth.iter().filter(|(_, touching)| !touching) {
+            memory.end_tooth(pair);
+        }
+        for &(k, _) in hinges.iter().filter(|(_, touching)| !touching) {
+            memory.end_hinge(k);
+        }
+        if teeth.is_empty() {
             self.dynamics.memory = memory;
+        } else {
+            self.put(memory, step);
+        }
+    }
+
+    fn pass(&mut self, step: &Accepted<'_>) {
+        if self.metered {
+            self.meter(step, 1);
         }
     }
 
@@ -206,7 +264,6 @@ fn folded(model: &Model) -> Pattern {
         component.extend((0..6).map(|c| link + c % 3 * n + c / 3 * nq));
     }
     component.extend((3 * n..nq).flat_map(|q| [q, nq + q]));
-    component.extend([2 * nq, 2 * nq + 1]);
     let mut groups: Vec<Vec<usize>> = (0..5)
         .flat_map(|colour| {
             (0..6).map(move |c| (colour..n).step_by(5).map(|place| 6 * place + c).collect())

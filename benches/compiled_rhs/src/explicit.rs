@@ -67,6 +67,8 @@ pub(crate) fn rk4(
             outcome.uncharged(|| system.remember(&step));
             system.derivative(t + h, y, last);
             outcome.evaluations += 1;
+        } else {
+            system.pass(&step);
         }
         std::mem::swap(first, last);
     }
@@ -147,6 +149,8 @@ pub(crate) fn embedded(
         let changed = system.crossed(&step);
         if changed {
             outcome.uncharged(|| system.remember(&step));
+        } else {
+            system.pass(&step);
         }
         k.swap(0, stages);
         t += h;

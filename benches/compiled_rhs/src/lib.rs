@@ -139,7 +139,8 @@ impl Problem {
 }
 
 /// The paper's drive with a pretension that grows in `ramp_time`. From `positions` and `velocities`, `bodies` rows of three
-/// numbers each, or from the generated start when they are null. Null when there is no such drive.
+/// numbers each, or from the generated start when they are null; with its energies summed along every step when `metered`. Null
+/// when there is no such drive.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn drive_system(
     pretension: f64,
@@ -148,6 +149,7 @@ pub unsafe extern "C" fn drive_system(
     positions: *const f64,
     velocities: *const f64,
     bodies: usize,
+    metered: bool,
 ) -> *mut Handle {
     let mut drive = paper::paper_drive();
     if pretension > 0.0 {
@@ -172,7 +174,7 @@ pub unsafe extern "C" fn drive_system(
             velocities: rows(velocities),
         })
     };
-    let system = start.and_then(|start| DriveSystem::new(&drive, &laws, &start));
+    let system = start.and_then(|start| DriveSystem::new(&drive, &laws, &start, metered));
     system.map_or(std::ptr::null_mut(), |system| {
         Handle::new(Problem::Drive(Box::new(system)))
     })
@@ -181,7 +183,7 @@ pub unsafe extern "C" fn drive_system(
 /// A planet on an ellipse.
 #[unsafe(no_mangle)]
 pub extern "C" fn kepler_system() -> *mut Handle {
-    Handle::new(Problem::Kepler(Kepler))
+    Handle::new(Problem::Kepler(Kepler::default()))
 }
 
 /// A pin that bounces; `lambda` is the damping of its law.
@@ -261,6 +263,8 @@ pub unsafe extern "C" fn accepted_step(handle: *mut Handle, t: f64, y: *const f6
     };
     if system.crossed(&step) {
         system.remember(&step);
+    } else {
+        system.pass(&step);
     }
     last.0 = t;
     last.1.copy_from_slice(y);

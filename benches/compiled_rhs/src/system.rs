@@ -38,6 +38,9 @@ pub(crate) trait Evolving: OdeSystem {
     /// Makes what happened part of the right-hand side.
     fn remember(&mut self, step: &Accepted<'_>);
 
+    /// Takes note of a step in which nothing happened.
+    fn pass(&mut self, _: &Accepted<'_>) {}
+
     /// For implicit methods: the order in which the components make a narrow band, and blocks of it.
     fn pattern(&self) -> Option<&Pattern> {
         None
