@@ -8,7 +8,7 @@ use super::{Dynamics, Powers};
 use crate::integrator::{Adams, OdeSystem, Step};
 
 /// Inner points of the Gauss-Lobatto formula of four points, as parts of a panel; the others are its ends.
-const INNER: [f64; 2] = [0.276_393_202_250_021_03, 0.723_606_797_749_979];
+const INNER: [f64; 2] = [0.276_393_202_250_021, 0.723_606_797_749_979];
 
 /// Weights of the four points, as parts of a panel.
 const WEIGHTS: [f64; 4] = [1.0 / 12.0, 5.0 / 12.0, 5.0 / 12.0, 1.0 / 12.0];

@@ -2,7 +2,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::links::{LinkInertia, at, put};
+use super::links::{LinkInertia, at, put, touched};
 use super::teeth::{Levers, ToothTerms};
 use crate::vector::{Lanes, Numbers, PartialSums};
 
@@ -59,9 +59,9 @@ impl WithSimd for GatherColumn<'_> {
         let n = self.links;
         let from = &self.teeth.column[self.coordinate];
         for i in 0..n.div_ceil(S::F64_LANES) {
-            let touched = self.inertia.touched::<S>(self.teeth, n, i);
+            let touches = touched::<S>(self.teeth, n, i);
             for (from, to) in from.iter().zip(&mut *self.column) {
-                let entry = if touched {
+                let entry = if touches {
                     self.inertia.of_link(simd, from, n, i)
                 } else {
                     Lanes::splat(simd, 0.0)

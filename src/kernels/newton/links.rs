@@ -1,6 +1,6 @@
 //! Links eliminated: the inverse of every link's own 3x3 block, and what remains between its two hinges.
 //!
-//! Row of link i: `D_i w_i + F_i q_i + R_i q_(i-1) = M_i r_i`, where q_i are the changes of the force of hinge i in its own
+//! Row of link i: `D_i w_i + F_i q_i + R_i q_(i-1) = M_i r_i`, where `q_i` are the changes of the force of hinge i in its own
 //! frame, F and R the levers of the link's front and rear there. Of hinge k: `P_k q_k = F_k^T w_k + R_(k+1)^T w_(k+1)`, with
 //! 1/α and 1/η on the diagonal of P.
 
@@ -52,15 +52,14 @@ impl LinkInertia {
         let on_rear = at(simd, &self.rear_bushing, i);
         at(simd, &self.front_bushing, i).mul_add(front, on_rear * rear)
     }
+}
 
-    /// Whether a bushing of a register of links touches a tooth.
-    #[inline(always)]
-    pub(super) fn touched<S: Simd>(&self, teeth: &ToothTerms, links: usize, i: usize) -> bool {
-        // Whole groups, so that every width takes the same way.
-        let first = i * S::F64_LANES / WIDTH * WIDTH;
-        teeth.touches(first, WIDTH)
-            || teeth.touches(if first > 0 { first - 1 } else { links - 1 }, 1)
-    }
+/// Whether a bushing of a register of links touches a tooth.
+#[inline(always)]
+pub(super) fn touched<S: Simd>(teeth: &ToothTerms, links: usize, i: usize) -> bool {
+    // Whole groups, so that every width takes the same way.
+    let first = i * S::F64_LANES / WIDTH * WIDTH;
+    teeth.touches(first, WIDTH) || teeth.touches(if first > 0 { first - 1 } else { links - 1 }, 1)
 }
 
 /// Links after elimination, one array an entry.
@@ -264,7 +263,7 @@ impl WithSimd for EliminateLinks<'_> {
             let stretch = direction[0].mul_add(pull[0], direction[1] * pull[1]);
             let inertia =
                 (gamma_squared * arm).mul_add(stretch, at(simd, &self.inertia.inertia, i));
-            let inverse = if self.inertia.touched::<S>(self.teeth, n, i) {
+            let inverse = if touched::<S>(self.teeth, n, i) {
                 let mut own = [mass, zero, zero, mass, zero, inertia];
                 for (entry, of) in own.iter_mut().zip(&self.teeth.block) {
                     *entry = *entry + self.inertia.of_link(simd, of, n, i);

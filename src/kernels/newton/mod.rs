@@ -161,11 +161,11 @@ impl NewtonMatrix {
                 first: *first,
                 terms: &mut self.teeth,
             });
-            for j in 0..motions.len() {
-                for i in 0..=j {
-                    self.corner.add(first + i, first + j, among[i][j]);
+            for (i, row) in among.iter().enumerate().take(motions.len()) {
+                for (j, &entry) in row.iter().enumerate().take(motions.len()).skip(i) {
+                    self.corner.add(first + i, first + j, entry);
                     if i < j {
-                        self.corner.add(first + j, first + i, among[i][j]);
+                        self.corner.add(first + j, first + i, entry);
                     }
                 }
             }
