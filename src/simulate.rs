@@ -91,6 +91,7 @@ impl Simulation {
         }
         let mut adams = Adams::new(dimension, control);
         adams.restart(0.0, &y);
+        adams.limit_step(dynamics.longest_step());
         Ok(Self {
             dynamics,
             adams,

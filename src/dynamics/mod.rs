@@ -247,7 +247,7 @@ impl Dynamics {
         self.kernels.candidates.invalidate();
         // Where the first step begins.
         self.differentiate(t, y);
-        self.kernels.watch(&self.model, 0.0);
+        self.fastest = self.kernels.watch(&self.model, 0.0).speed;
         self.kernels.watch.advance();
     }
 

@@ -82,6 +82,8 @@ pub struct Adams {
     pub(super) order: usize,
     pub(super) last_step_size: f64,
     pub(super) last_order: usize,
+    /// No step is to be longer for now \[s\].
+    longest_step: f64,
     /// Below this, a step is lost in rounding \[s\].
     pub(super) smallest_step: f64,
     /// Nothing is known yet: the first step has to evaluate the slope at its start.
@@ -121,6 +123,7 @@ impl Adams {
             order: 1,
             last_step_size: 0.0,
             last_order: 0,
+            longest_step: f64::INFINITY,
             smallest_step: 0.0,
             starting: true,
             growing: true,
@@ -213,8 +216,9 @@ impl Adams {
         self.step_size
     }
 
-    /// Makes the next step no longer than `longest` \[s\].
+    /// Makes the next step no longer than `longest` \[s\], the first one included.
     pub fn limit_step(&mut self, longest: f64) {
+        self.longest_step = longest;
         let least = 4.0 * f64::EPSILON * self.time.abs();
         if longest < self.step_size {
             self.step_size = longest.max(least);
@@ -341,6 +345,7 @@ impl Adams {
             1.0
         };
         let mut h = self.control.max_step.min(scale.max(1e-6));
+        h = h.min(self.longest_step);
         if 16.0 * slope * h * h > 1.0 {
             h = 0.25 / slope.sqrt();
         }
