@@ -6,9 +6,12 @@ mod common;
 use std::hint::black_box;
 
 use common::{Effort, Halves, contacts, race};
+use rustchain::Simulation;
 use rustchain::force_law::{Damping, Elastic};
 use rustchain::integrator::{OdeSystem, SecondOrderSystem};
 use rustchain::vector::InstructionSet;
+
+const LAW: (Elastic, Damping) = (Elastic::Hertz, Damping::LankaraniNikravesh);
 
 #[allow(clippy::print_stdout)] // a benchmark's figures
 fn main() {
@@ -22,16 +25,16 @@ fn main() {
         "{:<24}{:>12}{:>13}{:>13}{:>10}  contacts",
         "", "evaluation", "with slopes", "factorised", "solved"
     );
-    let law = (Elastic::Hertz, Damping::LankaraniNikravesh);
     for set in InstructionSet::available() {
-        let states = [
-            ("start", common::at_start(law.0, law.1)),
-            ("under way", common::under_way(law.0, law.1)),
-            ("pressed", common::pressed(law.0, law.1)),
-            ("25 N", common::tensioned(25.0)),
-            ("100 N", common::tensioned(100.0)),
+        let places: [(&str, fn() -> Simulation); 5] = [
+            ("start", || common::at_start(LAW.0, LAW.1)),
+            ("under way", || common::under_way(LAW.0, LAW.1)),
+            ("pressed", || common::pressed(LAW.0, LAW.1)),
+            ("25 N", || common::tensioned(25.0)),
+            ("100 N", || common::tensioned(100.0)),
         ];
-        for (place, mut simulation) in states {
+        for (place, simulation) in places {
+            let mut simulation = simulation();
             let Halves {
                 mut dynamics,
                 adams,
@@ -40,7 +43,7 @@ fn main() {
             let (t, y, gamma) = (adams.time(), adams.y().to_vec(), 3e-6);
             let mut dydt = vec![0.0; y.len()];
             let mut residual: Vec<f64> = (0..dynamics.coordinates())
-                .map(|i| f64::from((i * 37 % 17) as u32) - 8.0)
+                .map(|i| (i * 37 % 17) as f64 - 8.0)
                 .collect();
             dynamics.derivative_with_slopes(t, &y, &mut dydt);
             assert!(dynamics.factorise(&y, gamma));

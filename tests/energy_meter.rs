@@ -47,12 +47,6 @@ fn the_meter_has_a_small_part_of_the_residual() {
             differences[1] += (two.0 - many.0).powi(2);
         }
         let share = differences.map(|difference: f64| (difference / residuals).sqrt());
-        println!(
-            "{pretension} N: residual {:.2e} J, share at fineness one and two {:.1e} {:.1e}",
-            (residuals / f64::from(runs)).sqrt(),
-            share[0],
-            share[1]
-        );
         // Measured: 0.098, 0.072, 0.005 of residuals of 1.4e-5, 1.5e-5, 6.6e-5 J; half of that at fineness two.
         assert!(share[0] < 0.2, "{pretension} N: {share:?}");
         assert!(share[1] < share[0], "{pretension} N: {share:?}");

@@ -164,7 +164,6 @@ fn the_balance_closes_better_with_the_accuracy() {
     for pretension in [25.0, 100.0] {
         let [(loose, few), (tight, many)] =
             [1e-9, 1e-11].map(|accuracy| balance(pretension, 0.05, accuracy));
-        println!("{pretension} N: {loose:.2e} {tight:.2e}");
         assert!(
             loose < 0.02 && tight < 2e-3,
             "{pretension} N: {loose} {tight}"

@@ -88,7 +88,6 @@ fn implicit(accuracy: f64, max_step: f64) -> StepControl {
 fn onset_speeds_do_not_depend_on_where_steps_fall() {
     let scene = Scene::laid(&geared_drive([17, 17], 38, 628.3), &ForceLaws::default());
     let reference = run(&scene, explicit(1e-12, 1e-2), 2e-4, false);
-    println!("{} onsets", reference.onsets);
     assert!(reference.onsets > 3);
     let off = |control| {
         let seen = run(&scene, control, 2e-4, false);
@@ -103,7 +102,6 @@ fn onset_speeds_do_not_depend_on_where_steps_fall() {
             off(explicit(1e-11, max_step)),
             off(explicit(1e-8, max_step)),
         );
-        println!("max_step {max_step:e}: {fine:.1e} at 1e-11, {rough:.1e} at 1e-8");
         assert!(fine < 1e-5 && rough < 1e-2, "{max_step:e}: {fine} {rough}");
     }
 }
@@ -187,17 +185,6 @@ fn large_steps_miss_no_contact_of_fast_bodies() {
             };
             let large = run(&scene, control(tolerance, 1e-2), 2e-4, true);
             let small = run(&scene, control(tolerance, 2e-7), 2e-4, true);
-            println!(
-                "{name} {:?}: {} and {} steps, {} and {} onsets, unseen {:.1e} and {:.1e} m of {:.1e} m",
-                control(1.0, 1.0).corrector,
-                large.steps,
-                small.steps,
-                large.onsets,
-                small.onsets,
-                large.unseen,
-                small.unseen,
-                large.deepest
-            );
             assert!(large.onsets > 10);
             assert!(
                 large.unseen < 1e-3 * large.deepest,
