@@ -11,6 +11,9 @@ use rustchain::force_law::{Damping, Elastic};
 use rustchain::integrator::{OdeSystem, SecondOrderSystem};
 use rustchain::vector::InstructionSet;
 
+/// Makes a state.
+type Build = fn() -> Simulation;
+
 const LAW: (Elastic, Damping) = (Elastic::Hertz, Damping::LankaraniNikravesh);
 
 #[allow(clippy::print_stdout)] // a benchmark's figures
@@ -26,7 +29,7 @@ fn main() {
         "", "evaluation", "with slopes", "factorised", "solved"
     );
     for set in InstructionSet::available() {
-        let places: [(&str, fn() -> Simulation); 5] = [
+        let places: [(&str, Build); 5] = [
             ("start", || common::at_start(LAW.0, LAW.1)),
             ("under way", || common::under_way(LAW.0, LAW.1)),
             ("pressed", || common::pressed(LAW.0, LAW.1)),

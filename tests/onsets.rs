@@ -186,6 +186,8 @@ fn large_steps_miss_no_contact_of_fast_bodies() {
             let large = run(&scene, control(tolerance, 1e-2), 2e-4, true);
             let small = run(&scene, control(tolerance, 2e-7), 2e-4, true);
             assert!(large.onsets > 10);
+            // Grazing contacts may come and go with the steps: one in 67 did, none in 153 and 190.
+            assert!(large.onsets.abs_diff(small.onsets) <= 1 + small.onsets / 20);
             assert!(
                 large.unseen < 1e-3 * large.deepest,
                 "{name}: {:e} m",
