@@ -173,7 +173,7 @@ fn a_chain_that_jumps_over_teeth_misses_nothing_at_any_step() {
     scene.shake(&mut noise, 0.0, 40.0);
     scene.motion.spin[scene.model.links + 1] = -900.0;
     let met = run(&scene, 1e-4, 0.01);
-    assert!(met.other_gaps > 10 && met.refreshes > 100, "{met:?}");
+    assert!(met.other_gaps > 3 && met.refreshes > 100, "{met:?}");
 }
 
 /// Everything displaced or turned at once: the state of a step that went far.
