@@ -18,6 +18,7 @@ mod joint;
 mod kkt;
 mod loads;
 mod model;
+mod null_space;
 mod orthogonal;
 mod profile;
 mod recording;
