@@ -20,10 +20,13 @@ mod loads;
 mod model;
 mod null_space;
 mod orthogonal;
+mod peaks;
+mod present;
 mod profile;
 mod recording;
 mod simulation;
 mod singular;
+mod snapshot;
 mod sparse;
 mod time_function;
 
@@ -39,6 +42,7 @@ pub use model::MechanismModel;
 pub use profile::{Piece, Profile};
 pub use recording::MechanismRecording;
 pub use simulation::MechanismSimulation;
+pub use snapshot::MechanismSnapshot;
 pub use time_function::{Motion, TimeFunction};
 
 use crate::geometry::Vec2;
