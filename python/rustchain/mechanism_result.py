@@ -260,10 +260,40 @@ class MechanismResult:
         return pd.DataFrame(columns, index=pd.Index(self.time, name="time"))
 
     def save(self, path: str | Path) -> None:
-        """Write everything to a netCDF file, for xarray."""
+        """Write everything to a netCDF file, for `load` and for xarray."""
         dataset = self.to_xarray()
         packed = {name: {"zlib": True, "complevel": 1} for name in dataset.data_vars}
         dataset.to_netcdf(path, engine="h5netcdf", encoding=packed)
+
+    @classmethod
+    def load(cls, path: str | Path) -> MechanismResult:
+        """Return the result that `save` wrote to `path`."""
+        import xarray as xr
+
+        data = xr.load_dataset(path, engine="h5netcdf", decode_times=False)
+        if "mechanism" not in data.attrs:
+            msg = f"path: {path} holds no result of a mechanism; load_result reads those of drives"
+            raise InvalidInput(msg)
+        names = {
+            part: tuple(map(str, data[part].values)) if part in data else ()
+            for part in ("body", "joint", "contact")
+        }
+        sizes = {part: len(listed) for part, listed in names.items()}
+        sizes |= {"coordinate": 3, "component": 3}
+        arrays = {"time": data["time"].values}
+        for name, v in _VARIABLES.items():
+            shape = (len(arrays["time"]), *(sizes[d] for d in v.dims))
+            arrays[name] = data[name].values if name in data else np.zeros(shape)
+        return cls(
+            arrays=arrays,
+            name=data.attrs["mechanism"],
+            body_names=names["body"],
+            joint_names=names["joint"],
+            contact_names=names["contact"],
+            status=data.attrs["status"],
+            message=data.attrs["message"],
+            stats=json.loads(data.attrs["stats"]),
+        )
 
 
 def _place(part: str, name: str, names: tuple[str, ...]) -> int:
