@@ -8,7 +8,8 @@ from dataclasses import replace
 from rustchain.drive import AppliedTorque, ChainDrive, PrescribedSpeed
 from rustchain.errors import InvalidInput
 from rustchain.force_law import ForceLaw, LankaraniNikravesh
-from rustchain.mechanism import GROUND, Mechanism, SurfaceContact, Table, TimeFunction
+from rustchain.mechanism import Mechanism
+from rustchain.mechanism_parts import GROUND, SurfaceContact, Table, TimeFunction
 from rustchain.result import Array
 from rustchain.simulation import Simulation
 

@@ -21,6 +21,7 @@ mod model;
 mod null_space;
 mod orthogonal;
 mod peaks;
+mod plausibility;
 mod present;
 mod profile;
 mod recording;
@@ -28,6 +29,7 @@ mod simulation;
 mod singular;
 mod snapshot;
 mod sparse;
+mod structure;
 mod time_function;
 
 pub use assembly::Assembly;
