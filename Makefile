@@ -110,6 +110,7 @@ bench-smoke: build rivals ## Run every benchmark once, without measuring
 	cargo bench --bench '*' -- --test
 	$(BIN)/python benches/numpy_reference.py --test
 	$(BIN)/python benches/robustness.py --test
+	$(BIN)/python benches/ideal_drive_peer.py --test
 	$(BIN)/python benches/work_precision.py --test
 
 robustness: build ## Run scenes that are hard in different ways, 2 s each, and write docs/robustness.md

@@ -4,8 +4,11 @@ mod common {
     pub(crate) mod mechanisms;
 }
 
-use common::mechanisms::{GRAVITY, bar_chain, ground, revolute, run_to, simulation};
-use rustchain::mechanism::{Marker, Mechanism};
+use common::mechanisms::{
+    GRAVITY, bar, bar_chain, four_bars, ground, record, revolute, run_to, simulation,
+};
+use rustchain::geometry::Vec2;
+use rustchain::mechanism::{Body, Marker, Mechanism};
 
 /// A chain of bars between two points of the same height, hanging in a zigzag.
 fn hung(count: usize) -> Mechanism {
@@ -94,19 +97,98 @@ fn a_closed_ring_in_free_fall_has_two_joints_of_its_angles_less() {
 }
 
 #[test]
-fn a_joint_twice_is_found_in_a_large_mechanism_too() {
+fn a_joint_twice_is_named_and_shares_the_load_in_a_large_mechanism_too() {
+    let mut single = simulation(&hung(50), 1e-8);
     let mut mechanism = hung(50);
-    let mut twice = mechanism.joints[20].clone();
-    twice.name = "twice".into();
-    mechanism.joints.push(twice);
-    let chain = simulation(&mechanism, 1e-8);
+    for name in ["twice", "thrice"] {
+        let mut again = mechanism.joints[20].clone();
+        again.name = name.into();
+        mechanism.joints.push(again);
+    }
+    let mut chain = simulation(&mechanism, 1e-8);
     assert_eq!(chain.assembly().degrees_of_freedom, 48);
-    let named = &chain.assembly().redundant;
-    assert_eq!(named.len(), 2);
-    assert!(
-        named
-            .iter()
-            .all(|name| name == "twice" || name == "hinge 20"),
-        "{named:?}"
+    assert_eq!(
+        chain.assembly().redundant,
+        ["twice", "twice", "thrice", "thrice"]
     );
+    let (once, row) = (single.row(), chain.row());
+    for (a, b) in once.accelerations.iter().zip(&row.accelerations) {
+        assert!((a - b).abs() < 1e-9);
+    }
+    // Of all reactions that move the chain so, the least: a third each.
+    let joints = mechanism.joints.len();
+    for joint in [20, joints - 2, joints - 1] {
+        for k in 0..2 {
+            let (whole, part) = (once.reactions[60 + k], row.reactions[3 * joint + k]);
+            assert!((whole - 3.0 * part).abs() < 1e-9, "{whole} {part}");
+        }
+    }
+}
+
+#[test]
+fn many_parallel_posts_share_the_load_as_dense_factors_share_it() {
+    // Sixteen posts make 64 constraints, fifteen 60: the platform moves alike, each post carries its share.
+    let reactions = |count: usize| {
+        let mut machine = simulation(&posts(count), 1e-9);
+        assert_eq!(machine.assembly().degrees_of_freedom, 1);
+        assert_eq!(machine.assembly().redundant.len(), count - 2);
+        let row = machine.row();
+        let heads = row.reactions.chunks(6).map(|both| both[4]);
+        (heads.sum::<f64>(), row.accelerations[1])
+    };
+    let (dense, sparse) = (reactions(15), reactions(16));
+    assert!((dense.0 - sparse.0).abs() < 1e-8, "{dense:?} {sparse:?}");
+    assert!((dense.1 - sparse.1).abs() < 1e-9, "{dense:?} {sparse:?}");
+}
+
+#[test]
+fn a_long_row_of_four_bars_passes_its_singular_positions_too() {
+    // 12 windows have 74 constraints, which are sparse; 10 have 62, which are dense.
+    for windows in [10, 12] {
+        let mut machine = simulation(&four_bars(windows), 1e-10);
+        assert_eq!(machine.assembly().degrees_of_freedom, 1);
+        let recording = record(&mut machine, 3.0, 0.01);
+        let bodies = 2 * windows + 1;
+        let heights = recording.positions.chunks(3 * bodies).map(|row| row[1]);
+        let heights: Vec<f64> = heights.collect();
+        let pairs = heights.windows(2);
+        let singular = pairs.filter(|h| h[0].signum() != h[1].signum()).count();
+        let worst = recording.energy.chunks(6).map(|row| row[5].abs());
+        let worst = worst.fold(0.0, f64::max);
+        let last = &recording.positions[recording.positions.len() - 3 * bodies..];
+        let fold = (1..=windows).map(|k| (last[3 * (2 * k - 1) + 2] - last[2]).abs());
+        let fold = fold.fold(0.0, f64::max);
+        assert!(singular >= 2 && fold < 1e-7, "{windows} {singular} {fold}");
+        assert!(worst < 1e-5, "{windows} {worst}");
+    }
+}
+
+/// A platform of 5 kg on parallel posts of 2 kg in all, each hinged at foot and head.
+fn posts(count: usize) -> Mechanism {
+    let mut mechanism = Mechanism {
+        gravity: Vec2::new(0.0, -GRAVITY),
+        ..Mechanism::default()
+    };
+    let lean = Vec2::new(0.3f64.sin(), 0.3f64.cos());
+    let center = Vec2::new(2.0, 0.0) + lean;
+    let platform = Body::new("platform", 5.0, 1.0).at(center.x, center.y, 0.0);
+    mechanism.bodies.push(platform);
+    for k in 0..count {
+        let x = 4.0 * k as f64 / (count - 1) as f64;
+        let name = format!("post {k}");
+        let foot = Vec2::new(x, 0.0);
+        let post = bar(&name, foot, foot + lean, 2.0 / count as f64);
+        mechanism.bodies.push(post);
+        mechanism.joints.push(revolute(
+            &format!("foot {k}"),
+            Marker::new("ground", x, 0.0),
+            Marker::new(name.clone(), -0.5, 0.0),
+        ));
+        mechanism.joints.push(revolute(
+            &format!("head {k}"),
+            Marker::new(name, 0.5, 0.0),
+            Marker::new("platform", x - 2.0, 0.0),
+        ));
+    }
+    mechanism
 }

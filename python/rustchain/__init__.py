@@ -31,11 +31,10 @@ from rustchain.errors import (
     SimulationError,
 )
 from rustchain.force_law import EnhancedCylinder, ForceLaw, Hertz, Johnson, LankaraniNikravesh
-from rustchain.mechanism import (
+from rustchain.mechanism import Mechanism, MechanismReport
+from rustchain.mechanism_parts import (
     HuntCrossley,
     LinearContact,
-    Mechanism,
-    MechanismReport,
     Sines,
     SmoothStep,
     Spline,

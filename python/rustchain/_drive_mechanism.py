@@ -3,31 +3,44 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from rustchain.drive import AppliedTorque, ChainDrive, PrescribedSpeed
 from rustchain.errors import InvalidInput
 from rustchain.force_law import ForceLaw, LankaraniNikravesh
-from rustchain.mechanism import GROUND, Mechanism, SurfaceContact, Table, TimeFunction
+from rustchain.mechanism import Mechanism
+from rustchain.mechanism_parts import GROUND, SurfaceContact, Table, TimeFunction
+from rustchain.result import Array
 from rustchain.simulation import Simulation
 
 _STEEL_DENSITY = 7850.0  # [kg/m^3], as the generator's discs
 
 
 def drive_mechanism(
-    drive: ChainDrive, hinges: str, force_law: ForceLaw | None, min_approach_speed: float
+    drive: ChainDrive,
+    hinges: str,
+    force_law: ForceLaw | None,
+    min_approach_speed: float,
+    placed: tuple[Array | None, Array | None] = (None, None),
 ) -> Mechanism:
-    """Return the mechanism that `ChainDrive.to_mechanism` promises."""
+    """Return the mechanism that `ChainDrive.to_mechanism` promises.
+
+    `placed` holds positions and velocities, (bodies, 3) each, in place of the generated ones.
+    """
     if hinges not in ("clearance", "ideal"):
         msg = f"hinges = {hinges!r}: must be 'clearance' or 'ideal'"
         raise InvalidInput(msg)
     chain, law = drive.chain, force_law or LankaraniNikravesh()
-    start = Simulation(drive)
+    generated = Simulation(replace(drive, hinges="clearance"))
+    start = (
+        generated.positions if placed[0] is None else placed[0],
+        generated.velocities if placed[1] is None else placed[1],
+    )
     mechanism = Mechanism(drive.gravity, drive.name)
     links, half = chain.links, 0.5 * chain.pitch
     for k in range(links):
         kind = chain.inner if k % 2 == 0 else chain.outer
-        place = (start.positions[k], start.velocities[k])
-        mechanism.add_body(f"link_{k + 1}", kind.mass, kind.inertia, *place)
+        mechanism.add_body(f"link_{k + 1}", kind.mass, kind.inertia, start[0][k], start[1][k])
     for k in range(len(drive.sprockets)):
         _add_sprocket(mechanism, drive, k, start)
 
@@ -64,7 +77,9 @@ def drive_mechanism(
     return mechanism
 
 
-def _add_sprocket(mechanism: Mechanism, drive: ChainDrive, k: int, start: Simulation) -> None:
+def _add_sprocket(
+    mechanism: Mechanism, drive: ChainDrive, k: int, start: tuple[Array, Array]
+) -> None:
     """Add sprocket `k` with its bearing, motor and tensioner."""
     sprocket, chain, name = drive.sprockets[k], drive.chain, f"sprocket_{k + 1}"
     radius = chain.pitch / (2.0 * math.sin(math.pi / sprocket.teeth))
@@ -72,8 +87,8 @@ def _add_sprocket(mechanism: Mechanism, drive: ChainDrive, k: int, start: Simula
     mass = disc if sprocket.mass is None else sprocket.mass
     inertia = 0.5 * mass * radius**2 if sprocket.inertia is None else sprocket.inertia
     row = chain.links + k
-    position = start.positions[row]
-    mechanism.add_body(name, mass, inertia, position, start.velocities[row])
+    position = start[0][row]
+    mechanism.add_body(name, mass, inertia, position, start[1][row])
     center = (float(position[0]), float(position[1]))
     tensioner = drive.tensioner
     if tensioner is not None and tensioner.sprocket == k + 1:

@@ -207,8 +207,14 @@ class MechanismCore:
         """Present velocities [m/s, m/s, rad/s], (bodies, 3)."""
     def check(self) -> dict[str, Any]:
         """Return the fields of a MechanismReport."""
-    def evaluate(self) -> dict[str, _Array]:
+    def evaluate(
+        self, positions: _Array | None, velocities: _Array | None, time: float | None
+    ) -> dict[str, Any]:
         """Return the fields of a MechanismEvaluation."""
+    def state(self) -> dict[str, Any]:
+        """Return the complete state; bytes of it under "snapshot"."""
+    def restored(self, snapshot: bytes) -> MechanismCore:
+        """Return the same simulation in another state."""
     def start_recording(self, duration: float, report_step: float) -> None:
         """Begin a recording that ends `duration` [s] from now."""
     def advance(self, wall_budget: float) -> bool:

@@ -7,20 +7,33 @@ import os
 from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
-from rustchain import _rustchain
 from rustchain._description import Description
 from rustchain.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+
+class _HasState(Protocol):
+    """A core whose state can be taken and set."""
+
+    def state(self) -> dict[str, Any]: ...
+
+    def restored(self, snapshot: bytes) -> Self: ...
+
+
+_Core = TypeVar("_Core", bound=_HasState)
 
 _FORMAT = 1  # of the file; what its snapshot holds has a version of its own
 _DESCRIBED = ("drive", "hinge_law", "tooth_law", "solver")
 _NUMBERS = ("min_approach_speed", "positions", "velocities")
 
 
-def restored(core: _rustchain.Core, state: Mapping[str, Any]) -> _rustchain.Core:
+def restored(core: _Core, state: Mapping[str, Any]) -> _Core:
     """Return the simulation of `core` in another state, whose arrays must be as it was taken."""
     snapshot = state.get("snapshot") if isinstance(state, Mapping) else None
     if not isinstance(snapshot, bytes):

@@ -27,6 +27,7 @@ from rustchain.drive import (
     ChainDrive,
     ClearanceHinge,
     Free,
+    Hinges,
     Link,
     Material,
     Point,
@@ -90,13 +91,15 @@ PAPER_CHAIN = Chain(
 
 
 @known_keywords
-def paper_drive(pretension: float = 0.0) -> ChainDrive:
+def paper_drive(pretension: float = 0.0, hinges: Hinges = "clearance") -> ChainDrive:
     """Return the published drive: 38 links round two sprockets of 17 teeth, the driver at 120 rpm.
 
     Parameters
     ----------
     pretension : float
         Tension that a tensioner on sprocket 2 gives each strand [N]; at 0 the centres are fixed.
+    hinges : {"clearance", "ideal"}
+        Pins with play in their bushings, or ideal joints.
     """
     teeth = 17
 
@@ -115,6 +118,7 @@ def paper_drive(pretension: float = 0.0) -> ChainDrive:
         ],
         tensioner=_tensioner(pretension),
         name="paper",
+        hinges=hinges,
     )
 
 
@@ -129,6 +133,7 @@ def two_sprocket_drive(
     torque: TimeTable | None = None,
     seat: Seat = "bottom-diameter",
     gravity: Point = (0.0, -9.81),
+    hinges: Hinges = "clearance",
 ) -> ChainDrive:
     """Return a drive of two sprockets, the driver at the origin and the other at +x.
 
@@ -153,6 +158,8 @@ def two_sprocket_drive(
         Where the teeth's seats lie; see `AnsiTooth`.
     gravity : (float, float)
         Acceleration of gravity [m/s^2].
+    hinges : {"clearance", "ideal"}
+        Pins with play in their bushings, or ideal joints.
     """
     if links is None and isinstance(chain, Chain):
         links = chain.links
@@ -182,6 +189,7 @@ def two_sprocket_drive(
         tensioner=_tensioner(pretension),
         gravity=gravity,
         name=f"{chain.name}, {teeth[0]}:{teeth[1]}",
+        hinges=hinges,
     )
 
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 Point: TypeAlias = tuple[float, float]
 Seat = Literal["bottom-diameter", "pitch-circle"]
+Hinges = Literal["clearance", "ideal"]
 TimeTable: TypeAlias = float | Sequence[Sequence[float]]
 """A constant, or rows (time [s], value): linear between the rows, constant outside them."""
 
@@ -246,6 +247,9 @@ class ChainDrive(Description):
         Acceleration of gravity [m/s^2].
     name : str
         For people to read.
+    hinges : {"clearance", "ideal"}
+        Pins with play in their bushings, or ideal joints: then the drive runs as the mechanism of
+        `to_mechanism`, with the same channels; hinge forces are the joints' reactions.
     """
 
     chain: Chain
@@ -253,6 +257,7 @@ class ChainDrive(Description):
     tensioner: Tensioner | None = None
     gravity: Point = (0.0, -9.81)
     name: str = ""
+    hinges: Hinges = "clearance"
 
     def check(self) -> DriveReport:
         """Lay the chain out and return what was chosen; print the report to read it as a table."""
@@ -260,7 +265,7 @@ class ChainDrive(Description):
 
     def to_mechanism(
         self,
-        hinges: Literal["clearance", "ideal"] = "clearance",
+        hinges: Hinges | None = None,
         force_law: ForceLaw | None = None,
         min_approach_speed: float = 1e-3,
     ) -> Mechanism:
@@ -268,8 +273,9 @@ class ChainDrive(Description):
 
         Parameters
         ----------
-        hinges : {"clearance", "ideal"}
-            Pins with play in their bushings, or ideal joints, whose reactions are the hinge forces.
+        hinges : {"clearance", "ideal"}, optional
+            Pins with play in their bushings, or ideal joints, whose reactions are the hinge forces;
+            by default as the drive says.
         force_law : ForceLaw, optional
             Law of the contacts, by default that of Lankarani and Nikravesh.
         min_approach_speed : float
@@ -277,4 +283,5 @@ class ChainDrive(Description):
         """
         from rustchain._drive_mechanism import drive_mechanism
 
-        return drive_mechanism(self, hinges, force_law, min_approach_speed)
+        wanted = self.hinges if hinges is None else hinges
+        return drive_mechanism(self, wanted, force_law, min_approach_speed)

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from rustchain._names import suggest
 from rustchain.errors import InvalidInput
-from rustchain.result import Array, Energy, Status, _Variable
+from rustchain.result import Array, Energy, IntArray, Status, _Variable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -38,6 +38,16 @@ _VARIABLES = {
     ),
     "contact_force": _Variable("contacts", ("contact",), "N", "normal force"),
     "contact_penetration": _Variable("contacts", ("contact",), "m", "penetration"),
+    "contact_gap": _Variable("contacts", ("contact",), "1", "gap of teeth near, -1: none"),
+    "contact_region": _Variable("contacts", ("contact",), "1", "region of tooth near, 0: none"),
+    "peak_joint_force": _Variable("joints", ("joint",), "N", "largest force since the last row"),
+    "peak_joint_impulse": _Variable("joints", ("joint",), "N s", "impulse since the last row"),
+    "peak_contact_force": _Variable(
+        "contacts", ("contact",), "N", "largest normal force since the last row"
+    ),
+    "peak_contact_impulse": _Variable(
+        "contacts", ("contact",), "N s", "impulse since the last row"
+    ),
     "energy_kinetic": _Variable("energy", (), "J", "kinetic energy"),
     "energy_gravity": _Variable("energy", (), "J", "potential energy of gravity"),
     "energy_elastic": _Variable("energy", (), "J", "energy of springs and contacts"),
@@ -79,6 +89,8 @@ class JointHistory:
         Torque on body b about the joint's point b [N m]; of a driver, the motor's.
     position_residual, velocity_residual : ndarray, (times,)
         What is left of the joint's equations [m or rad] and their rates.
+    peak_force, impulse : ndarray, (times,)
+        Largest force [N] and impulse [N s] since the row before.
     """
 
     time: Array
@@ -86,6 +98,8 @@ class JointHistory:
     torque: Array
     position_residual: Array
     velocity_residual: Array
+    peak_force: Array
+    impulse: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,11 +110,19 @@ class ContactHistory:
     ----------
     time, force, penetration : ndarray, (times,)
         Report times [s], normal force [N], penetration [m], negative when apart.
+    gap, region : ndarray of int, (times,)
+        Near teeth, their gap, from 0 (-1: none), and region, 1 to 7 (0: none).
+    peak_force, impulse : ndarray, (times,)
+        Largest force [N] and impulse [N s] since the row before.
     """
 
     time: Array
     force: Array
     penetration: Array
+    gap: IntArray
+    region: IntArray
+    peak_force: Array
+    impulse: Array
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -157,18 +179,30 @@ class MechanismResult:
         """Return a joint or driver by its name."""
         k = _place("joint", name, self.joint_names)
         reaction = self.arrays["joint_reaction"][:, k]
-        residuals = ("joint_position_residual", "joint_velocity_residual")
+        others = (
+            "joint_position_residual",
+            "joint_velocity_residual",
+            "peak_joint_force",
+            "peak_joint_impulse",
+        )
         return JointHistory(
             self.time,
             reaction[:, :2],
             reaction[:, 2],
-            *(self.arrays[part][:, k] for part in residuals),
+            *(self.arrays[part][:, k] for part in others),
         )
 
     def contact(self, name: str) -> ContactHistory:
         """Return a contact by its name."""
         k = _place("contact", name, self.contact_names)
-        names = ("contact_force", "contact_penetration")
+        names = (
+            "contact_force",
+            "contact_penetration",
+            "contact_gap",
+            "contact_region",
+            "peak_contact_force",
+            "peak_contact_impulse",
+        )
         return ContactHistory(self.time, *(self.arrays[part][:, k] for part in names))
 
     @property
@@ -226,10 +260,40 @@ class MechanismResult:
         return pd.DataFrame(columns, index=pd.Index(self.time, name="time"))
 
     def save(self, path: str | Path) -> None:
-        """Write everything to a netCDF file, for xarray."""
+        """Write everything to a netCDF file, for `load` and for xarray."""
         dataset = self.to_xarray()
         packed = {name: {"zlib": True, "complevel": 1} for name in dataset.data_vars}
         dataset.to_netcdf(path, engine="h5netcdf", encoding=packed)
+
+    @classmethod
+    def load(cls, path: str | Path) -> MechanismResult:
+        """Return the result that `save` wrote to `path`."""
+        import xarray as xr
+
+        data = xr.load_dataset(path, engine="h5netcdf", decode_times=False)
+        if "mechanism" not in data.attrs:
+            msg = f"path: {path} holds no result of a mechanism; load_result reads those of drives"
+            raise InvalidInput(msg)
+        names = {
+            part: tuple(map(str, data[part].values)) if part in data else ()
+            for part in ("body", "joint", "contact")
+        }
+        sizes = {part: len(listed) for part, listed in names.items()}
+        sizes |= {"coordinate": 3, "component": 3}
+        arrays = {"time": data["time"].values}
+        for name, v in _VARIABLES.items():
+            shape = (len(arrays["time"]), *(sizes[d] for d in v.dims))
+            arrays[name] = data[name].values if name in data else np.zeros(shape)
+        return cls(
+            arrays=arrays,
+            name=data.attrs["mechanism"],
+            body_names=names["body"],
+            joint_names=names["joint"],
+            contact_names=names["contact"],
+            status=data.attrs["status"],
+            message=data.attrs["message"],
+            stats=json.loads(data.attrs["stats"]),
+        )
 
 
 def _place(part: str, name: str, names: tuple[str, ...]) -> int:

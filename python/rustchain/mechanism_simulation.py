@@ -5,14 +5,18 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
-from rustchain import _rustchain
+import numpy as np
+import numpy.typing as npt
+
+from rustchain import _rustchain, _state_file
 from rustchain._names import known_keywords
 from rustchain.errors import InvalidInput, SimulationError
 from rustchain.mechanism import Mechanism, MechanismReport
 from rustchain.mechanism_result import MechanismResult
 from rustchain.result import Array, Status
-from rustchain.simulation import _WALL_BUDGET, Solver, seconds_bar
+from rustchain.simulation import _WALL_BUDGET, Solver, _rows, seconds_bar
 
 _SOLVER = Solver(method="pece", rtol=1e-9, atol=1e-9, max_step=0.01)
 
@@ -29,12 +33,19 @@ class MechanismEvaluation:
         Force and torque on body b about the joint's point [N, N, N m].
     contact_force, contact_penetration : ndarray, (contacts,)
         [N] and [m].
+    contact_force_vector : ndarray, (contacts, 2)
+        Force on the circle [N].
+    contact_gap, contact_region : ndarray of int, (contacts,)
+        Of circles near teeth the gap, from 0 (-1: none), and the region, 1 to 7 (0: none).
     """
 
     accelerations: Array
     joint_reaction: Array
     contact_force: Array
     contact_penetration: Array
+    contact_force_vector: Array
+    contact_gap: npt.NDArray[np.int32]
+    contact_region: npt.NDArray[np.int32]
 
 
 @known_keywords
@@ -110,9 +121,55 @@ class MechanismSimulation:
         """Return what assembling found."""
         return MechanismReport(**self._core.check())
 
-    def evaluate(self) -> MechanismEvaluation:
-        """Return accelerations, reactions and contacts at the present time."""
-        return MechanismEvaluation(**self._core.evaluate())
+    def state(self) -> dict[str, Any]:
+        """Return all that decides how the run goes on, for `set_state`.
+
+        Returns
+        -------
+        dict
+            To look at: ``time`` [s]; ``positions`` and ``velocities``, (bodies, 3) [m, m, rad],
+            [m/s, m/s, rad/s]. And ``snapshot``: bytes that hold all of it and all else.
+        """
+        return self._core.state()
+
+    @known_keywords
+    def set_state(self, state: Mapping[str, Any]) -> None:
+        """Go on from `state`, to the same bits as the simulation that gave it.
+
+        Parameters
+        ----------
+        state : dict
+            What `state` gave, of this simulation or of one with the same mechanism and solver.
+            Python callables are taken to be the same.
+
+        Raises
+        ------
+        InvalidInput
+            The state is of another mechanism or solver, or was changed or damaged. The simulation
+            is then what it was.
+        """
+        self._core = _state_file.restored(self._core, state)
+
+    @known_keywords
+    def evaluate(
+        self,
+        positions: npt.ArrayLike | None = None,
+        velocities: npt.ArrayLike | None = None,
+        time: float | None = None,
+    ) -> MechanismEvaluation:
+        """Return accelerations, reactions and contacts of a state, without touching the simulation.
+
+        Parameters
+        ----------
+        positions, velocities : array_like, (bodies, 3), optional
+            By default the present ones; taken as they are, on the constraints or not. Bodies that
+            are held stay where they are. With positions given, no contact has a memory.
+        time : float, optional
+            By default the present one [s].
+        """
+        bodies = len(self.body_names)
+        rows = _rows("positions", positions, bodies), _rows("velocities", velocities, bodies)
+        return MechanismEvaluation(**self._core.evaluate(*rows, time))
 
     @known_keywords
     def step_to(self, t: float) -> None:

@@ -421,6 +421,9 @@ def load_result(path: str | Path) -> Result:
     if "rustchain_version" not in data.attrs:
         msg = f"path: {path} holds no result of rustchain"
         raise InvalidInput(msg)
+    if "mechanism" in data.attrs:
+        msg = f"path: {path} holds the result of a mechanism; MechanismResult.load reads it"
+        raise InvalidInput(msg)
     scene: dict[str, Any] = {name: Description.from_json(data.attrs[name]) for name in _SCENE}
     scene |= {name: data[name].values for name in _ENDS}
     return Result(

@@ -22,7 +22,13 @@ from rustchain.mechanism import Mechanism
 from rustchain.result import Array, Result, Status
 
 if TYPE_CHECKING:
+    from typing import TypeAlias
+
     from tqdm import tqdm
+
+    from rustchain._ideal_hinges import IdealHingeCore
+
+    Core: TypeAlias = _rustchain.Core | IdealHingeCore
 
 Method = Literal["auto", "pece", "newton"]
 Group = Literal["hinges", "teeth", "sprockets", "bodies", "energy"]
@@ -154,7 +160,7 @@ class Simulation:
         self._describe(drive, force_law, hinge_law, tooth_law, min_approach_speed, solver)
         known = isinstance(drive, ChainDrive)  # the core refuses anything else
         bodies = drive.chain.links + len(drive.sprockets) if known else "bodies"
-        self._core = _rustchain.Core(
+        self._core: Core = _core_for(drive)(
             drive,
             force_law,
             hinge_law,
@@ -280,7 +286,7 @@ class Simulation:
         """
         scene, state = _state_file.read(path)
         scene |= {"force_law": scene["hinge_law"]}
-        simulation = cls._around(_rustchain.Core(**scene), scene)
+        simulation = cls._around(_core_for(scene["drive"])(**scene), scene)
         simulation._core = _state_file.restored(simulation._core, state)
         simulation._warn()
         return simulation
@@ -376,7 +382,7 @@ class Simulation:
             self._warn()
 
     @classmethod
-    def _around(cls, core: _rustchain.Core, scene: Mapping[str, Any]) -> Simulation:
+    def _around(cls, core: Core, scene: Mapping[str, Any]) -> Simulation:
         """Return the simulation of `scene` that `core` is in the middle of."""
         simulation = cls.__new__(cls)
         simulation._core = core
@@ -449,6 +455,15 @@ class Simulation:
             warnings.warn(message, RangeWarning, stacklevel=4)
         for message in balance_notes:
             warnings.warn(message, EnergyWarning, stacklevel=4)
+
+
+def _core_for(drive: object) -> type[Core]:
+    """Return what runs this drive."""
+    if isinstance(drive, ChainDrive) and drive.hinges == "ideal":
+        from rustchain._ideal_hinges import IdealHingeCore
+
+        return IdealHingeCore
+    return _rustchain.Core
 
 
 def _rows(name: str, values: npt.ArrayLike | None, bodies: int | str) -> Array | None:

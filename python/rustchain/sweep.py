@@ -10,7 +10,8 @@ from typing import Any
 from rustchain import _rustchain
 from rustchain._axes import Drive, Parameters, axes_of, cases_of, check_names, scene_of
 from rustchain._names import known_keywords
-from rustchain.errors import EnergyWarning, RangeWarning, SimulationError
+from rustchain.drive import ChainDrive
+from rustchain.errors import EnergyWarning, InvalidInput, RangeWarning, SimulationError
 from rustchain.force_law import ForceLaw
 from rustchain.result import Array, Result
 from rustchain.simulation import (
@@ -140,6 +141,13 @@ def sweep(
 def _ready(scene: Parameters) -> _rustchain.Case:
     """Return a scene as the compiled module runs it."""
     groups, energy = known_groups(scene["record"], scene["energy"])
+    drive = scene["drive"]
+    if isinstance(drive, ChainDrive) and drive.hinges != "clearance":
+        msg = (
+            f"ChainDrive.hinges = {drive.hinges!r}: a sweep runs clearance hinges only; "
+            "run a Simulation of each drive"
+        )
+        raise InvalidInput(msg)
     names = (*_SCENE, "duration", "report_step")
     given = {name: scene[name] for name in names}
     return _rustchain.Case(**given, groups=groups, energy=energy)

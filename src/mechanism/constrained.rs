@@ -34,18 +34,19 @@ impl Constrained {
         }
     }
 
-    /// How independent the constraints are: the least part of a row that the others leave; known of dense factors.
+    /// How independent the constraints are: the least part of a row that those before it leave.
     pub(super) fn independence(&self) -> f64 {
         match self {
             Self::Dense(kkt) => kkt.independence(),
-            Self::Sparse(_) => 1.0,
+            Self::Sparse(kkt) => kkt.independence(),
         }
     }
 
     /// Leaves out what is less independent than `part`, until the next factors.
     pub(super) fn truncate(&mut self, part: f64) {
-        if let Self::Dense(kkt) = self {
-            kkt.truncate(part);
+        match self {
+            Self::Dense(kkt) => kkt.truncate(part),
+            Self::Sparse(kkt) => kkt.truncate(part),
         }
     }
 

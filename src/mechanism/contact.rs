@@ -1,9 +1,11 @@
 //! Contacts of a mechanism: a circle of body b against a profile of body a; a pin in a bore is the clearance joint.
 
+use serde::{Deserialize, Serialize};
+
 use super::body::{End, Frame, Marker};
 use super::contact_law::{ContactLaw, Prepared};
 use super::loads::Loads;
-use super::profile::Profile;
+use super::profile::{Nearest, Profile, Tooth};
 use crate::contact::Contact;
 use crate::error::{Result, check};
 use crate::geometry::Vec2;
@@ -50,11 +52,13 @@ pub(super) struct CompiledContact {
     pub(super) b: End,
     profile: Profile,
     radius: f64,
+    /// Distance of the markers from which on they are apart; infinite for what has no outside.
+    reach: f64,
     pairs: Vec<Prepared>,
 }
 
 /// What a live contact remembers from its onset: written between steps only.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Memory {
     /// Approach speed \[m/s\]; zero: no memory.
     pub(super) speed: f64,
@@ -62,11 +66,13 @@ pub(super) struct Memory {
     pub(super) piece: usize,
 }
 
-/// A contact at one state.
+/// A contact at one state; out of reach, its penetration is -∞.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Touch {
     pub(super) contact: Contact,
     pub(super) piece: usize,
+    /// Where among teeth, when it is near them.
+    pub(super) tooth: Option<Tooth>,
     /// Normal force \[N\].
     pub(super) force: f64,
 }
@@ -80,6 +86,7 @@ impl Default for Touch {
                 penetration_rate: 0.0,
             },
             piece: 0,
+            tooth: None,
             force: 0.0,
         }
     }
@@ -98,13 +105,14 @@ impl CompiledContact {
                 .into_iter()
                 .map(prepare)
                 .collect::<Result<_>>()?,
+            reach: pair.profile.reach() + pair.radius,
             profile: pair.profile.clone(),
             radius: pair.radius,
         })
     }
 
-    /// Depth and rate, and the piece nearest; the normal points into the profile's material.
-    pub(super) fn find(&self, fa: &Frame, fb: &Frame) -> (Contact, usize) {
+    /// Depth and rate, and the place nearest; the normal points into the profile's material.
+    pub(super) fn find(&self, fa: &Frame, fb: &Frame) -> (Contact, Nearest) {
         let center = fb.place(self.b.point);
         let local = fa.into_local(center - fa.place(self.a.point));
         let nearest = self.profile.nearest(local, self.radius);
@@ -125,17 +133,28 @@ impl CompiledContact {
             penetration,
             penetration_rate: normal.dot(&approach),
         };
-        (contact, nearest.piece)
+        (contact, nearest)
+    }
+
+    /// The same as it is recorded.
+    pub(super) fn penetration(&self, frames: &[Frame]) -> f64 {
+        let (contact, _) = self.find(&frames[self.a.body], &frames[self.b.body]);
+        contact.penetration
     }
 
     /// Adds the loads of the contact, its stored energy and what it loses; returns it.
     pub(super) fn add(&self, frames: &[Frame], memory: Memory, loads: &mut Loads) -> Touch {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
-        let (contact, piece) = self.find(fa, fb);
+        let apart = fb.place(self.b.point) - fa.place(self.a.point);
+        if apart.norm_squared() > self.reach * self.reach {
+            return Touch::default();
+        }
+        let (contact, Nearest { piece, tooth, .. }) = self.find(fa, fb);
         if contact.penetration <= 0.0 {
             return Touch {
                 contact,
                 piece,
+                tooth,
                 force: 0.0,
             };
         }
@@ -154,6 +173,7 @@ impl CompiledContact {
         Touch {
             contact,
             piece,
+            tooth,
             force: force.total,
         }
     }

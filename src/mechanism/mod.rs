@@ -18,12 +18,18 @@ mod joint;
 mod kkt;
 mod loads;
 mod model;
+mod null_space;
 mod orthogonal;
+mod peaks;
+mod plausibility;
+mod present;
 mod profile;
 mod recording;
 mod simulation;
 mod singular;
+mod snapshot;
 mod sparse;
+mod structure;
 mod time_function;
 
 pub use assembly::Assembly;
@@ -38,6 +44,7 @@ pub use model::MechanismModel;
 pub use profile::{Piece, Profile};
 pub use recording::MechanismRecording;
 pub use simulation::MechanismSimulation;
+pub use snapshot::MechanismSnapshot;
 pub use time_function::{Motion, TimeFunction};
 
 use crate::geometry::Vec2;

@@ -49,6 +49,17 @@ pub(super) struct Nearest {
     pub(super) outward: Vec2,
     /// Number of the piece.
     pub(super) piece: usize,
+    /// Where among teeth, when it is near them.
+    pub(super) tooth: Option<Tooth>,
+}
+
+/// A place among the teeth of a sprocket.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Tooth {
+    /// Number of the gap; gap 0 lies along x.
+    pub(super) gap: u32,
+    /// Region of the tooth, 1 to 7.
+    pub(super) region: u8,
 }
 
 /// How a piece is curved where a circle touches it.
@@ -131,6 +142,27 @@ impl Profile {
         Ok(())
     }
 
+    /// Radius of a circle around the origin of its frame that holds all of it; infinite where the material goes on without end.
+    pub(super) fn reach(&self) -> f64 {
+        match self {
+            Self::Bore { .. } => f64::INFINITY,
+            Self::Disc { radius } => *radius,
+            Self::Teeth(profile) => profile.outside_radius,
+            Self::Outline { pieces, closed } => {
+                // Material that an outline runs round clockwise lies outside it.
+                let twice_area: f64 = pieces.iter().map(|p| p.from.perp(&p.to)).sum();
+                if !closed || twice_area <= 0.0 {
+                    return f64::INFINITY;
+                }
+                let far = |piece: &Piece| match piece.center {
+                    None => piece.from.norm(),
+                    Some(center) => center.norm() + (piece.from - center).norm(),
+                };
+                pieces.iter().map(far).fold(0.0, f64::max)
+            }
+        }
+    }
+
     /// Curvature of each piece.
     pub(super) fn curvatures(&self) -> Vec<Curvature> {
         match self {
@@ -155,6 +187,7 @@ impl Profile {
                     distance: radius - distance,
                     outward: -direction(point, distance),
                     piece: 0,
+                    tooth: None,
                 }
             }
             Self::Disc { radius } => {
@@ -163,6 +196,7 @@ impl Profile {
                     distance: distance - radius,
                     outward: direction(point, distance),
                     piece: 0,
+                    tooth: None,
                 }
             }
             Self::Teeth(profile) => nearest_tooth(profile, point, radius),
@@ -249,6 +283,7 @@ fn nearest_tooth(profile: &ToothProfile, point: Vec2, radius: f64) -> Nearest {
             distance: clear,
             outward: direction(point, distance),
             piece: 0,
+            tooth: None,
         };
     }
     let gap = profile.nearest_gap(point.y.atan2(point.x));
@@ -261,6 +296,10 @@ fn nearest_tooth(profile: &ToothProfile, point: Vec2, radius: f64) -> Nearest {
         distance: radius - found.penetration,
         outward: -(found.normal.x * u + found.normal.y * v),
         piece: found.surface as usize,
+        tooth: Some(Tooth {
+            gap,
+            region: found.region as u8,
+        }),
     }
 }
 
@@ -269,6 +308,7 @@ fn nearest_piece(pieces: &[Piece], closed: bool, point: Vec2) -> Nearest {
         distance: f64::INFINITY,
         outward: Vec2::zeros(),
         piece: 0,
+        tooth: None,
     };
     for (i, piece) in pieces.iter().enumerate() {
         if let Some((distance, outward)) = piece.nearest_inside(point)
@@ -278,6 +318,7 @@ fn nearest_piece(pieces: &[Piece], closed: bool, point: Vec2) -> Nearest {
                 distance,
                 outward,
                 piece: i,
+                tooth: None,
             };
         }
         let corner = point - piece.from;
@@ -310,6 +351,7 @@ fn at_corner(corner: Vec2, convex: bool, piece: usize) -> Nearest {
         distance: if convex { distance } else { -distance },
         outward: if convex { outward } else { -outward },
         piece,
+        tooth: None,
     }
 }
 

@@ -1,6 +1,7 @@
 //! What a run of a mechanism records: a row of each channel at every report time.
 
 use super::dynamics::MechanismDynamics;
+use super::peaks::Peaks;
 
 /// The rows of a run, one array a channel, time first.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -23,13 +24,39 @@ pub struct MechanismRecording {
     pub contact_force: Vec<f64>,
     /// Penetration of each contact, negative when apart, (times, contacts) \[m\].
     pub penetration: Vec<f64>,
+    /// Gap of the teeth that each contact is near, from 0; -1: none, (times, contacts).
+    pub contact_gap: Vec<i32>,
+    /// Region of the tooth that each contact is near, 1 to 7; 0: none, (times, contacts).
+    pub contact_region: Vec<i32>,
+    /// Largest force of each joint since the row before, (times, joints) \[N\].
+    pub peak_joint_force: Vec<f64>,
+    /// Impulse of each joint since the row before, (times, joints) \[N s\].
+    pub peak_joint_impulse: Vec<f64>,
+    /// Largest normal force of each contact since the row before, (times, contacts) \[N\].
+    pub peak_contact_force: Vec<f64>,
+    /// Impulse of each contact since the row before, (times, contacts) \[N s\].
+    pub peak_contact_impulse: Vec<f64>,
     /// Kinetic, gravity, elastic, dissipated, worked in, residual, (times, 6) \[J\].
     pub energy: Vec<f64>,
     /// Sums at the first row, and the energy that was there.
     reference: Option<[f64; 3]>,
+    joints: Peaks,
+    contacts: Peaks,
 }
 
 impl MechanismRecording {
+    /// Sets aside the forces at the end of a step, before reports inside it are evaluated.
+    pub(super) fn arrive(&mut self, dynamics: &MechanismDynamics) {
+        self.joints.arrive(joint_forces(dynamics));
+        self.contacts.arrive(contact_forces(dynamics));
+    }
+
+    /// Takes the forces set aside into the peaks: they belong to `t`.
+    pub(super) fn take_arrived(&mut self, t: f64) {
+        self.joints.take_arrived(t);
+        self.contacts.take_arrived(t);
+    }
+
     /// Adds a row: the dynamics as evaluated at `t`, and the sums of the energy balance.
     pub(super) fn report(&mut self, t: f64, dynamics: &MechanismDynamics, sums: [f64; 2]) {
         self.time.push(t);
@@ -59,10 +86,30 @@ impl MechanismRecording {
             let rate = row.rate(&dynamics.frames).abs();
             self.velocity_residual[i] = self.velocity_residual[i].max(rate);
         }
-        for touch in &dynamics.touches {
+        for (touch, contact) in dynamics.touches.iter().zip(&dynamics.model.contacts) {
             self.contact_force.push(touch.force);
-            self.penetration.push(touch.contact.penetration);
+            self.penetration.push(if touch.force > 0.0 {
+                touch.contact.penetration
+            } else {
+                contact.penetration(&dynamics.frames)
+            });
+            let near = touch.tooth.map(|tooth| (tooth.gap, tooth.region));
+            // A sprocket has few teeth.
+            self.contact_gap
+                .push(near.map_or(-1, |(gap, _)| gap.cast_signed()));
+            self.contact_region
+                .push(near.map_or(0, |(_, region)| i32::from(region)));
         }
+        self.joints.close(
+            t,
+            joint_forces(dynamics),
+            [&mut self.peak_joint_force, &mut self.peak_joint_impulse],
+        );
+        self.contacts.close(
+            t,
+            contact_forces(dynamics),
+            [&mut self.peak_contact_force, &mut self.peak_contact_impulse],
+        );
         let (kinetic, gravity) = dynamics.energy();
         let elastic = dynamics.loads.elastic;
         let total = kinetic + gravity + elastic;
@@ -73,4 +120,16 @@ impl MechanismRecording {
         self.energy
             .extend([kinetic, gravity, elastic, dissipated, worked_in, residual]);
     }
+}
+
+/// Magnitude of each joint's force \[N\].
+fn joint_forces(dynamics: &MechanismDynamics) -> impl Iterator<Item = f64> {
+    (0..dynamics.model.joints.len()).map(|joint| {
+        let [x, y, _] = dynamics.reaction(joint);
+        x.hypot(y)
+    })
+}
+
+fn contact_forces(dynamics: &MechanismDynamics) -> impl Iterator<Item = f64> {
+    dynamics.touches.iter().map(|touch| touch.force)
 }

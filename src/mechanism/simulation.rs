@@ -16,23 +16,23 @@ use crate::integrator::{Adams, Counts, OdeSystem, StepControl};
 /// A mechanism in motion.
 #[derive(Debug, Clone)]
 pub struct MechanismSimulation {
-    dynamics: MechanismDynamics,
-    adams: Adams,
+    pub(super) dynamics: MechanismDynamics,
+    pub(super) adams: Adams,
     assembly: Assembly,
-    now: f64,
+    pub(super) now: f64,
     /// What projections had added when the last step began, and when that was.
-    shift_before: Vec<f64>,
-    step_start: f64,
+    pub(super) shift_before: Vec<f64>,
+    pub(super) step_start: f64,
     recording: MechanismRecording,
     /// Next report, time between two, last one; none when nothing is recorded.
-    reports: Option<Reports>,
-    onsets: u64,
+    pub(super) reports: Option<Reports>,
+    pub(super) onsets: u64,
     /// Scratch: a state.
-    inside: Vec<f64>,
+    pub(super) inside: Vec<f64>,
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Reports {
+pub(super) struct Reports {
     start: f64,
     step: f64,
     made: usize,
@@ -54,7 +54,7 @@ impl Reports {
 }
 
 /// Iterations that a projection may take in a run, where it begins near.
-const ITERATIONS: usize = 12;
+pub(super) const ITERATIONS: usize = 12;
 /// How often the wall clock is looked at, in steps.
 const STEPS_BETWEEN_CLOCK_READINGS: u32 = 64;
 
@@ -121,50 +121,6 @@ impl MechanismSimulation {
         self.dynamics.model()
     }
 
-    /// The dynamics at the present time, evaluated.
-    pub fn present(&mut self) -> &MechanismDynamics {
-        self.look_at(self.now);
-        &self.dynamics
-    }
-
-    /// A recording of the present time alone.
-    pub fn row(&mut self) -> MechanismRecording {
-        self.look_at(self.now);
-        let mut recording = MechanismRecording::default();
-        recording.report(self.now, &self.dynamics, [0.0; 2]);
-        recording
-    }
-
-    /// Positions (false) or velocities (true) of all bodies at the present time, ground left out.
-    pub fn motion(&mut self, velocities: bool) -> Vec<[f64; 3]> {
-        self.look_at(self.now);
-        let of = |frame: &Frame| {
-            if velocities {
-                [frame.velocity.x, frame.velocity.y, frame.spin]
-            } else {
-                [frame.origin.x, frame.origin.y, frame.angle]
-            }
-        };
-        self.dynamics.frames[1..].iter().map(of).collect()
-    }
-
-    /// Largest residual of positions and of velocities where the last step ended.
-    pub fn drift(&mut self) -> [f64; 2] {
-        let t = self.adams.time();
-        self.read(t);
-        let inside = std::mem::take(&mut self.inside);
-        self.dynamics.place(&inside);
-        self.inside = inside;
-        self.dynamics.find_rows(t);
-        let (rows, frames) = (&self.dynamics.rows, &self.dynamics.frames);
-        [
-            rows.iter().map(|row| row.value.abs()).fold(0.0, f64::max),
-            rows.iter()
-                .map(|row| row.rate(frames).abs())
-                .fold(0.0, f64::max),
-        ]
-    }
-
     /// Begins a recording at the present time.
     pub fn start_recording(&mut self, duration: f64, report_step: f64) {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
@@ -228,6 +184,9 @@ impl MechanismSimulation {
             })
         })?;
         self.step_start = step.start;
+        if self.reports.is_some() {
+            self.recording.arrive(&self.dynamics);
+        }
         self.find_onsets(step.start, step.end);
         if self.dynamics.stabilisation == Stabilisation::Projection {
             self.project(step.end)?;
@@ -257,32 +216,6 @@ impl MechanismSimulation {
         Ok(())
     }
 
-    /// Reads the state at `t` inside the last step: the dense output and the part of the shift that belongs there.
-    fn read(&mut self, t: f64) {
-        let end = self.adams.time();
-        if t == end {
-            self.inside.copy_from_slice(self.adams.y());
-        } else {
-            self.adams.interpolate(t, &mut self.inside);
-        }
-        let part = part_of_step(self.step_start, end, t);
-        let shifts = self.shift_before.iter().zip(&self.dynamics.shift);
-        for (x, (before, after)) in self.inside.iter_mut().zip(shifts) {
-            *x += before + part * (after - before);
-        }
-    }
-
-    /// Evaluates the dynamics at `t` inside the last step, on the constraints.
-    fn look_at(&mut self, t: f64) {
-        self.read(t);
-        let mut inside = std::mem::take(&mut self.inside);
-        if self.dynamics.stabilisation == Stabilisation::Projection {
-            self.dynamics.project(t, &mut inside, ITERATIONS);
-        }
-        self.dynamics.evaluate(t, &inside);
-        self.inside = inside;
-    }
-
     fn report(&mut self) {
         let end = self.adams.time();
         while let Some(t) = self.reports.and_then(|r| r.next()).filter(|&t| t <= end) {
@@ -294,6 +227,9 @@ impl MechanismSimulation {
             if let Some(reports) = &mut self.reports {
                 reports.made += 1;
             }
+        }
+        if self.reports.is_some() {
+            self.recording.take_arrived(end);
         }
     }
 
@@ -340,14 +276,7 @@ impl MechanismSimulation {
                 [value(n + i), value(n + i + 1), value(n + i + 2)],
             ),
         };
-        contact.find(&frame(contact.a.body), &frame(contact.b.body))
-    }
-}
-
-fn part_of_step(start: f64, end: f64, t: f64) -> f64 {
-    if end > start {
-        ((t - start) / (end - start)).clamp(0.0, 1.0)
-    } else {
-        1.0
+        let (contact, nearest) = contact.find(&frame(contact.a.body), &frame(contact.b.body));
+        (contact, nearest.piece)
     }
 }

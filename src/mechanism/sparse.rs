@@ -2,11 +2,13 @@
 //!
 //! The order of elimination (least degree first) and the places of all numbers are found once; each state then costs what
 //! they ask for: for a chain of hinges, open or closed, a fixed number of operations a link. A constraint whose pivot
-//! vanishes depends on others and is left out.
+//! vanishes depends on others and is left out; `null_space.rs` then shares the multipliers out.
 
 use std::collections::BTreeSet;
 
 use super::equation::Row;
+use super::null_space::NullSpace;
+use super::structure::{least_degree_order, patterns, rows_on_bodies, upper_triangle};
 
 /// Factors L D Lᵀ of S, and room to solve.
 #[derive(Debug, Clone)]
@@ -31,6 +33,10 @@ pub(super) struct SparseKkt {
     values: Vec<f64>,
     inverse_pivots: Vec<f64>,
     rank: usize,
+    /// Least pivot in parts of its diagonal entry, of those that count.
+    least: f64,
+    /// Multipliers that do nothing, where constraints were left out.
+    null_space: NullSpace,
     /// Scratch, zero between calls.
     work: Vec<f64>,
     right: Vec<f64>,
@@ -103,6 +109,8 @@ impl SparseKkt {
             column_start,
             inverse_pivots: vec![0.0; m],
             rank: 0,
+            least: 1.0,
+            null_space: NullSpace::default(),
             work: vec![0.0; m],
             right: vec![0.0; m],
         }
@@ -112,10 +120,21 @@ impl SparseKkt {
         self.rank
     }
 
-    /// Constraints that were left out.
+    /// How independent the constraints are: the least part of one that those before it leave.
+    pub(super) fn independence(&self) -> f64 {
+        self.least.sqrt()
+    }
+
+    /// Leaves out what is less independent than `part`, until the next factors.
+    pub(super) fn truncate(&mut self, part: f64) {
+        if self.independence() < part {
+            self.eliminate_all(part * part);
+        }
+    }
+
+    /// Constraints that those described before them imply.
     pub(super) fn dependent(&self) -> Vec<usize> {
-        let out = |&row: &usize| self.inverse_pivots[self.place[row]] == 0.0;
-        (0..self.place.len()).filter(out).collect()
+        self.null_space.last_rows(&self.place)
     }
 
     /// Gathers S and factorises it.
@@ -131,15 +150,43 @@ impl SparseKkt {
                 self.entries[meeting.entry] += sum;
             }
         }
+        self.eliminate_all(PIVOT_TOLERANCE);
+    }
+
+    /// Factors of S without constraints whose pivot is below `tolerance` of its diagonal entry.
+    fn eliminate_all(&mut self, tolerance: f64) {
         self.filled.fill(0);
         self.rank = 0;
+        self.least = 1.0;
         for k in 0..self.place.len() {
-            self.eliminate(k);
+            self.eliminate(k, tolerance);
+        }
+        self.null_space.clear();
+        if self.rank < self.place.len() {
+            for k in 0..self.place.len() {
+                if self.inverse_pivots[k] == 0.0 {
+                    let vector = self.null_vector(k);
+                    self.null_space.add(vector);
+                }
+            }
         }
     }
 
+    /// Multipliers in the order of elimination that do nothing, with 1 at the constraint left out at `k`: Lᵀ n = `e_k`.
+    fn null_vector(&self, k: usize) -> Vec<f64> {
+        let mut n = vec![0.0; self.place.len()];
+        n[k] = 1.0;
+        for i in (0..k).rev().filter(|&i| self.inverse_pivots[i] > 0.0) {
+            let column = self.column_start[i]..self.column_start[i + 1];
+            n[i] = -column
+                .map(|at| self.values[at] * n[self.rows[at]])
+                .sum::<f64>();
+        }
+        n
+    }
+
     /// Row k of L and its pivot.
-    fn eliminate(&mut self, k: usize) {
+    fn eliminate(&mut self, k: usize, tolerance: f64) {
         for at in self.start[k]..self.start[k + 1] {
             self.work[self.above[at]] = self.entries[at];
         }
@@ -159,7 +206,8 @@ impl SparseKkt {
         }
         let pivot = std::mem::take(&mut self.work[k]);
         self.inverse_pivots[k] = 0.0;
-        if pivot > PIVOT_TOLERANCE * diagonal {
+        if pivot > tolerance * diagonal {
+            self.least = self.least.min(pivot / diagonal);
             self.inverse_pivots[k] = 1.0 / pivot;
             self.rank += 1;
         }
@@ -233,6 +281,7 @@ impl SparseKkt {
                 *lambda += self.right[place];
             }
         }
+        self.null_space.take_off(&self.place, multipliers);
     }
 
     /// Adds to `change` the least change (weighed by mass) of coordinates that takes `residual` off the constraints.
@@ -243,78 +292,4 @@ impl SparseKkt {
         self.solve_factors();
         self.push(rows, -1.0, |i| self.right[self.place[i]], change);
     }
-}
-
-/// For each body that is free, the constraints on it with their part of the row.
-fn rows_on_bodies(first: &[Option<usize>], bodies: &[[usize; 3]]) -> Vec<Vec<(usize, usize)>> {
-    let mut found = vec![Vec::new(); first.len()];
-    for (row, parts) in bodies.iter().enumerate() {
-        for (part, &body) in parts.iter().enumerate() {
-            if first[body].is_some() {
-                found[body].push((row, part));
-            }
-        }
-    }
-    found
-}
-
-/// Eliminates the one with the fewest neighbours first; those then become neighbours of each other.
-fn least_degree_order(mut neighbours: Vec<BTreeSet<usize>>) -> Vec<usize> {
-    let mut queue: BTreeSet<(usize, usize)> = (neighbours.iter().enumerate())
-        .map(|(i, n)| (n.len(), i))
-        .collect();
-    let mut order = Vec::with_capacity(neighbours.len());
-    while let Some((_, row)) = queue.pop_first() {
-        order.push(row);
-        let around = std::mem::take(&mut neighbours[row]);
-        for &i in &around {
-            queue.remove(&(neighbours[i].len(), i));
-            neighbours[i].remove(&row);
-            neighbours[i].extend(around.iter().copied().filter(|&j| j != i));
-            queue.insert((neighbours[i].len(), i));
-        }
-    }
-    order
-}
-
-fn upper_triangle(
-    order: &[usize],
-    place: &[usize],
-    neighbours: &[BTreeSet<usize>],
-) -> (Vec<usize>, Vec<usize>) {
-    let (mut start, mut above) = (vec![0], Vec::new());
-    for (k, &row) in order.iter().enumerate() {
-        let first = above.len();
-        above.extend(neighbours[row].iter().map(|&j| place[j]).filter(|&j| j < k));
-        above.push(k);
-        above[first..].sort_unstable();
-        start.push(above.len());
-    }
-    (start, above)
-}
-
-/// Columns of the entries of each row of L: from those of S up the tree of elimination.
-fn patterns(start: &[usize], above: &[usize]) -> (Vec<usize>, Vec<usize>) {
-    let m = start.len() - 1;
-    let mut parent = vec![usize::MAX; m];
-    let mut mark = vec![usize::MAX; m];
-    let (mut pattern_start, mut pattern) = (vec![0], Vec::new());
-    for k in 0..m {
-        mark[k] = k;
-        let first = pattern.len();
-        for &entry in &above[start[k]..start[k + 1]] {
-            let mut i = entry;
-            while mark[i] != k {
-                mark[i] = k;
-                pattern.push(i);
-                if parent[i] == usize::MAX {
-                    parent[i] = k;
-                }
-                i = parent[i];
-            }
-        }
-        pattern[first..].sort_unstable();
-        pattern_start.push(pattern.len());
-    }
-    (pattern_start, pattern)
 }

@@ -24,7 +24,7 @@ pub(super) struct Core {
     warned: Vec<String>,
 }
 
-type Rows = Vec<[f64; 3]>;
+pub(super) type Rows = Vec<[f64; 3]>;
 
 #[pymethods]
 impl Core {
@@ -271,7 +271,7 @@ pub(super) fn budget(seconds: f64) -> Duration {
 }
 
 /// Rows of three numbers, one a body.
-fn rows(
+pub(super) fn rows(
     py: Python<'_>,
     field: &str,
     array: Option<&PyReadonlyArray2<'_, f64>>,

@@ -356,6 +356,8 @@ pub(super) fn drive(object: &Bound<'_, PyAny>) -> PyResult<Drive> {
         ));
     };
     let tight = read.get("tensioner")?;
+    // Ideal hinges make the drive a mechanism, which is put together in Python.
+    read.word("hinges", &[("clearance", ()), ("ideal", ())])?;
     Ok(Drive {
         chain: chain(&read.get("chain")?, "ChainDrive.chain")?,
         sprockets: sprockets

@@ -2,16 +2,16 @@
 
 use std::sync::Arc;
 
-use numpy::{IntoPyArray, PyArray2, PyArrayMethods};
+use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 
-use super::core::{budget, table};
+use super::core::{budget, rows, table};
 use super::describe;
 use super::errors::to_python;
 use super::mechanism::{Raised, mechanism};
 use crate::error::{Error, Result};
-use crate::mechanism::{MechanismModel, MechanismSimulation, Stabilisation};
+use crate::mechanism::{MechanismModel, MechanismSimulation, MechanismSnapshot, Stabilisation};
 use crate::simulate::check_reports;
 
 /// A compiled mechanism, its state and its integrator.
@@ -96,9 +96,46 @@ impl MechanismCore {
         Ok(found)
     }
 
-    /// Accelerations and reactions at the present time.
-    fn evaluate<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let row = self.simulation.row();
+    /// The complete state, and what of it is worth a look.
+    fn state<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let state = PyDict::new(py);
+        state.set_item("time", self.simulation.time())?;
+        state.set_item("positions", self.positions(py)?)?;
+        state.set_item("velocities", self.velocities(py)?)?;
+        let snapshot = describe::checked(py, self.simulation.snapshot().to_bytes())?;
+        state.set_item("snapshot", PyBytes::new(py, &snapshot))?;
+        Ok(state)
+    }
+
+    /// The same simulation in another state.
+    fn restored(&self, py: Python<'_>, snapshot: &[u8]) -> PyResult<Self> {
+        let snapshot = describe::checked(py, MechanismSnapshot::from_bytes(snapshot))?;
+        let mut simulation = self.simulation.clone();
+        describe::checked(py, simulation.restore(&snapshot))?;
+        Ok(Self {
+            simulation,
+            raised: Arc::clone(&self.raised),
+        })
+    }
+
+    /// Accelerations, reactions and contacts of a state.
+    #[allow(clippy::needless_pass_by_value)] // PyO3 hands arrays over
+    fn evaluate<'py>(
+        &mut self,
+        py: Python<'py>,
+        positions: Option<PyReadonlyArray2<'py, f64>>,
+        velocities: Option<PyReadonlyArray2<'py, f64>>,
+        time: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let positions = rows(py, "positions", positions.as_ref())?;
+        let velocities = rows(py, "velocities", velocities.as_ref())?;
+        let time = time.map(|t| describe::finite(t, "time", "s")).transpose()?;
+        let there =
+            self.simulation
+                .evaluate_elsewhere(positions.as_deref(), velocities.as_deref(), time);
+        take(&self.raised)?;
+        let there = describe::checked(py, there)?;
+        let (row, forces) = (there.row(), there.contact_forces());
         let model = self.simulation.model();
         let (bodies, joints) = (model.body_names().len(), model.joint_names().len());
         let found = PyDict::new(py);
@@ -109,6 +146,15 @@ impl MechanismCore {
         set("joint_reaction", row.reactions, joints)?;
         found.set_item("contact_force", row.contact_force.into_pyarray(py))?;
         found.set_item("contact_penetration", row.penetration.into_pyarray(py))?;
+        found.set_item(
+            "contact_force_vector",
+            forces
+                .concat()
+                .into_pyarray(py)
+                .reshape([forces.len(), 2])?,
+        )?;
+        found.set_item("contact_gap", row.contact_gap.into_pyarray(py))?;
+        found.set_item("contact_region", row.contact_region.into_pyarray(py))?;
         Ok(found)
     }
 
@@ -175,6 +221,28 @@ impl MechanismCore {
         )?;
         set("contact_force", recording.contact_force, &[contacts])?;
         set("contact_penetration", recording.penetration, &[contacts])?;
+        set("peak_joint_force", recording.peak_joint_force, &[joints])?;
+        set(
+            "peak_joint_impulse",
+            recording.peak_joint_impulse,
+            &[joints],
+        )?;
+        set(
+            "peak_contact_force",
+            recording.peak_contact_force,
+            &[contacts],
+        )?;
+        set(
+            "peak_contact_impulse",
+            recording.peak_contact_impulse,
+            &[contacts],
+        )?;
+        for (name, values) in [
+            ("contact_gap", recording.contact_gap),
+            ("contact_region", recording.contact_region),
+        ] {
+            arrays.set_item(name, values.into_pyarray(py).reshape([rows, contacts])?)?;
+        }
         let parts = [
             "kinetic",
             "gravity",

@@ -17,6 +17,8 @@ PRELUDE = """
 import json, os, signal, sys, threading
 import rustchain as rc
 
+# Children of jobs in the background are born deaf to it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 under_way = threading.Event()
 
 class Watched:

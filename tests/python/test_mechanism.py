@@ -247,3 +247,46 @@ def test_newtons_method_keeps_the_joints_too():
 def test_keywords_are_checked():
     with pytest.raises(TypeError, match="did you mean 'baumgarte'"):
         rc.Simulation(pendulum(), baumgart=1.0)
+
+
+def test_results_come_back_from_their_file(tmp_path):
+    mechanism = rc.Mechanism(name="falling")
+    mechanism.add_body("bar", 1.0, 0.1, velocity=(1.0, 0.0, 2.0))
+    mechanism.add_torsion_spring("rubber", "ground", "bar", stiffness=1.0)
+    free = rc.Simulation(mechanism).run(duration=0.01, progress=False)
+    mechanism.add_revolute("pin", "ground", "bar", at=(0.5, 0.0))
+    held = rc.Simulation(mechanism).run(duration=0.01, progress=False)
+    for number, result in enumerate((free, held)):
+        path = tmp_path / f"{number}.nc"
+        result.save(path)
+        loaded = rc.MechanismResult.load(path)
+        assert (loaded.name, loaded.stats) == ("falling", result.stats)
+        assert loaded.joint_names == result.joint_names
+        assert set(loaded.arrays) == set(result.arrays)
+        for name, values in result.arrays.items():
+            np.testing.assert_array_equal(loaded.arrays[name], values)
+        with pytest.raises(rc.InvalidInput, match=r"MechanismResult\.load"):
+            rc.load_result(path)
+    np.testing.assert_array_equal(
+        rc.MechanismResult.load(tmp_path / "1.nc").joint("pin").force, held.joint("pin").force
+    )
+
+
+def test_a_state_goes_on_to_the_same_bits():
+    mechanism = rc.Mechanism()
+    for k in range(3):
+        mechanism.add_body(f"bar {k}", 1.0, 0.1, (k + 0.5, 0.0, 0.0))
+        before, point = ("ground", (0.0, 0.0)) if k == 0 else (f"bar {k - 1}", (0.5, 0.0))
+        mechanism.add_revolute(f"hinge {k}", before, f"bar {k}", point, (-0.5, 0.0))
+    straight, broken, resumed = (rc.Simulation(mechanism) for _ in range(3))
+    straight.step_to(1.0)
+    broken.step_to(0.4)
+    resumed.set_state(broken.state())
+    resumed.step_to(1.0)
+    np.testing.assert_array_equal(resumed.positions, straight.positions)
+    np.testing.assert_array_equal(
+        resumed.evaluate().joint_reaction, straight.evaluate().joint_reaction
+    )
+    mechanism.add_torque("motor", "bar 0", 1.0)
+    with pytest.raises(rc.InvalidInput, match="of another mechanism"):
+        rc.Simulation(mechanism).set_state(broken.state())

@@ -1,0 +1,159 @@
+//! A run at one instant: at its present time, inside its last step, or at a state of one's own.
+
+use super::body::{Body, Frame};
+use super::contact::{Memory, Touch};
+use super::dynamics::{MechanismDynamics, Stabilisation};
+use super::recording::MechanismRecording;
+use super::simulation::{ITERATIONS, MechanismSimulation};
+use crate::error::{Error, Result};
+
+impl MechanismSimulation {
+    /// The dynamics at the present time, evaluated.
+    pub fn present(&mut self) -> &MechanismDynamics {
+        self.look_at(self.now);
+        &self.dynamics
+    }
+
+    /// A recording of the present time alone.
+    pub fn row(&mut self) -> MechanismRecording {
+        self.look_at(self.now);
+        let mut recording = MechanismRecording::default();
+        recording.report(self.now, &self.dynamics, [0.0; 2]);
+        recording
+    }
+
+    /// Positions (false) or velocities (true) of all bodies at the present time, ground left out.
+    pub fn motion(&mut self, velocities: bool) -> Vec<[f64; 3]> {
+        self.look_at(self.now);
+        let of = |frame: &Frame| {
+            if velocities {
+                [frame.velocity.x, frame.velocity.y, frame.spin]
+            } else {
+                [frame.origin.x, frame.origin.y, frame.angle]
+            }
+        };
+        self.dynamics.frames[1..].iter().map(of).collect()
+    }
+
+    /// Largest residual of positions and of velocities where the last step ended.
+    pub fn drift(&mut self) -> [f64; 2] {
+        let t = self.adams.time();
+        self.read(t);
+        let inside = std::mem::take(&mut self.inside);
+        self.dynamics.place(&inside);
+        self.inside = inside;
+        self.dynamics.find_rows(t);
+        let (rows, frames) = (&self.dynamics.rows, &self.dynamics.frames);
+        [
+            rows.iter().map(|row| row.value.abs()).fold(0.0, f64::max),
+            rows.iter()
+                .map(|row| row.rate(frames).abs())
+                .fold(0.0, f64::max),
+        ]
+    }
+
+    /// The dynamics at another state, evaluated; the run stays as it is. What is given replaces the present value.
+    ///
+    /// Three numbers a body, the ground left out; bodies that are held stay where they are. The state is taken as it is, on
+    /// the constraints or not. With positions given, no contact has a memory.
+    ///
+    /// # Errors
+    /// When there are not as many rows as bodies, or a number is not finite.
+    pub fn evaluate_elsewhere(
+        &mut self,
+        positions: Option<&[[f64; 3]]>,
+        velocities: Option<&[[f64; 3]]>,
+        time: Option<f64>,
+    ) -> Result<MechanismDynamics> {
+        self.look_at(self.now);
+        let (mut dynamics, mut state) = (self.dynamics.clone(), self.inside.clone());
+        let n = dynamics.model.coordinates();
+        for (field, given, begin) in [("positions", positions, 0), ("velocities", velocities, n)] {
+            let Some(given) = given else { continue };
+            check_rows(&dynamics.model.bodies[1..], field, given)?;
+            for (row, first) in given.iter().zip(&dynamics.model.first[1..]) {
+                if let Some(i) = *first {
+                    state[begin + i..begin + i + 3].copy_from_slice(row);
+                }
+            }
+        }
+        if positions.is_some() {
+            dynamics.memory.fill(Memory::default());
+        }
+        let time = time.unwrap_or(self.now);
+        dynamics.evaluate(time, &state);
+        Ok(dynamics)
+    }
+
+    /// Reads the state at `t` inside the last step: the dense output and the part of the shift that belongs there.
+    pub(super) fn read(&mut self, t: f64) {
+        let end = self.adams.time();
+        if t == end {
+            self.inside.copy_from_slice(self.adams.y());
+        } else {
+            self.adams.interpolate(t, &mut self.inside);
+        }
+        let part = part_of_step(self.step_start, end, t);
+        let shifts = self.shift_before.iter().zip(&self.dynamics.shift);
+        for (x, (before, after)) in self.inside.iter_mut().zip(shifts) {
+            *x += before + part * (after - before);
+        }
+    }
+
+    /// Evaluates the dynamics at `t` inside the last step, on the constraints.
+    pub(super) fn look_at(&mut self, t: f64) {
+        self.read(t);
+        let mut inside = std::mem::take(&mut self.inside);
+        if self.dynamics.stabilisation == Stabilisation::Projection {
+            self.dynamics.project(t, &mut inside, ITERATIONS);
+        }
+        self.dynamics.evaluate(t, &inside);
+        self.inside = inside;
+    }
+}
+
+impl MechanismDynamics {
+    /// A recording of the last state evaluated, without its time.
+    #[must_use]
+    pub fn row(&self) -> MechanismRecording {
+        let mut recording = MechanismRecording::default();
+        recording.report(f64::NAN, self, [0.0; 2]);
+        recording
+    }
+
+    /// Force of each contact on its circle \[N\].
+    #[must_use]
+    pub fn contact_forces(&self) -> Vec<[f64; 2]> {
+        let force = |touch: &Touch| <[f64; 2]>::from(-touch.force * touch.contact.normal);
+        self.touches.iter().map(force).collect()
+    }
+}
+
+fn part_of_step(start: f64, end: f64, t: f64) -> f64 {
+    if end > start {
+        ((t - start) / (end - start)).clamp(0.0, 1.0)
+    } else {
+        1.0
+    }
+}
+
+/// One row of finite numbers for each body.
+fn check_rows(bodies: &[Body], field: &str, rows: &[[f64; 3]]) -> Result<()> {
+    if rows.len() != bodies.len() {
+        return Err(Error::invalid(
+            field,
+            format!("{} rows", rows.len()),
+            format!(
+                "needs one row (3 numbers) for each of the {} bodies",
+                bodies.len()
+            ),
+        ));
+    }
+    for (body, row) in bodies.iter().zip(rows) {
+        if let Some(bad) = row.iter().find(|value| !value.is_finite()) {
+            let field = format!("{field} of {}", body.name);
+            return Err(Error::invalid(field, bad, "must be finite numbers"));
+        }
+    }
+    Ok(())
+}

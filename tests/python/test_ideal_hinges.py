@@ -1,0 +1,180 @@
+"""Drives with ideal hinges: channels, plots, states and files of a drive; forces move the links."""
+
+import dataclasses
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+import rustchain as rc
+
+mpl.use("Agg")
+GROUPS = ("hinges", "teeth", "sprockets", "bodies", "energy")
+DRIVE = rc.paper_drive(pretension=100.0, hinges="ideal")
+SOLVER = rc.Solver(accuracy=1e-9)
+
+
+def run(drive, duration=5e-3, **keywords):
+    simulation = rc.Simulation(drive, solver=SOLVER)
+    return simulation.run(
+        duration=duration, report_step=1e-4, record=GROUPS, progress=False, **keywords
+    )
+
+
+@pytest.fixture(scope="module")
+def result():
+    return run(DRIVE)
+
+
+def test_the_channels_are_those_of_a_drive_with_clearance(result):
+    other = run(rc.paper_drive(pretension=100.0), duration=1e-3)
+    assert set(result.arrays) == set(other.arrays)
+    for name, values in result.arrays.items():
+        assert values.dtype == other.arrays[name].dtype, name
+        assert values.shape[1:] == other.arrays[name].shape[1:], name
+    evaluations = [rc.Simulation(d).evaluate() for d in (DRIVE, rc.paper_drive(pretension=100.0))]
+    for field in dataclasses.fields(evaluations[0]):
+        ideal, clearance = (getattr(e, field.name) for e in evaluations)
+        assert (ideal.shape, ideal.dtype) == (clearance.shape, clearance.dtype), field.name
+
+
+def test_hinge_and_tooth_forces_move_the_links():
+    """Newton's second law, link by link, from the forces as they are handed out."""
+    simulation = rc.Simulation(DRIVE, solver=SOLVER)
+    chain, t = DRIVE.chain, 4e-3
+    while (found := simulation.evaluate()).tooth_force.max() < 1.0:
+        assert t < 0.02
+        t += 2e-5
+        simulation.step_to(t)
+    on_bushing = found.tooth_force_vector.sum(axis=1) - found.hinge_force_vector
+    assert found.hinge_force.max() > 1.0
+    for link in range(chain.links):
+        inner = link % 2 == 0
+        of = on_bushing if inner else found.hinge_force_vector
+        mass = (chain.inner if inner else chain.outer).mass
+        force = of[link] + of[link - 1] + mass * np.array(DRIVE.gravity)
+        # Forces of about 100 N, summed up from multipliers of condition 1e3.
+        np.testing.assert_allclose(mass * found.accelerations[link, :2], force, atol=1e-9)
+
+
+def test_pins_stay_in_the_middle_of_their_bushings(result):
+    for number in (1, 6, 38):
+        hinge = result.hinge(number)
+        assert np.abs(hinge.eccentricity).max() < 1e-15
+        assert np.all(hinge.penetration >= 0.0)
+        assert hinge.penetration.max() < 2e-15
+        np.testing.assert_array_equal(hinge.force, np.hypot(*hinge.force_vector.T))
+
+
+def test_the_balance_closes_and_the_driver_turns_as_told(result):
+    energy = result.energy
+    assert np.abs(energy.residual).max() < 0.02 * energy.dissipated[-1]
+    np.testing.assert_allclose(result.sprocket(1).speed, 4 * np.pi, rtol=1e-13)
+    assert np.abs(result.sprocket(1).torque).max() > 1e-3
+    assert np.all(result.sprocket(2).torque == 0.0)
+
+
+def test_tension_is_the_pull_of_the_hinges_between_the_sprockets(result):
+    """Of the upper strand: hinges above the line of centres, farther in than the tangents' ends."""
+    row, links = -1, DRIVE.chain.links
+    positions = result.arrays["positions"][row]
+    left, right = positions[links:, :2]
+    pulls = {"upper": [], "lower": []}
+    for k in range(links):
+        here, after = positions[k], positions[(k + 1) % links]
+        place = here[:2] + 0.5 * DRIVE.chain.pitch * np.array([np.cos(here[2]), np.sin(here[2])])
+        if left[0] <= place[0] <= right[0]:  # equal sprockets
+            way = (after - here)[:2] / np.hypot(*(after - here)[:2])
+            on_front = result.hinge(k + 1).force_vector[row] * (-1.0 if k % 2 == 0 else 1.0)
+            pulls["upper" if place[1] > 0.0 else "lower"].append(on_front @ way)
+    for name, pull in pulls.items():
+        assert len(pull) >= 9
+        assert abs(result.strand(name).tension[row] - np.mean(pull)) < 1e-10
+
+
+def test_peaks_bound_the_forces_at_the_reports(result):
+    forces = result.arrays["hinge_force"]
+    assert np.all(result.peaks.hinge_force[1:] >= forces[1:])
+    assert np.any(result.peaks.hinge_force[1:] > 1.5 * np.maximum(forces[1:], forces[:-1]))
+    assert np.all(result.peaks.tooth_impulse >= 0.0)
+    assert result.peaks.tooth_impulse.max() > 0.0
+
+
+def test_every_figure_can_be_drawn(result):
+    plot = result.plot
+    figures = [
+        plot.hinge_force(6),
+        plot.tooth_force(6),
+        plot.force_penetration(6),
+        plot.force_penetration(6, contact="hinge"),
+        plot.orbit(6),
+        plot.tension(),
+        plot.energy(),
+        plot.drive(time=2e-3),
+    ]
+    assert all(figure.axes for figure in figures)
+    mpl.pyplot.close("all")
+
+
+def test_results_come_back_from_their_file(result, tmp_path):
+    result.save(tmp_path / "run.nc")
+    loaded = rc.load_result(tmp_path / "run.nc")
+    assert loaded.drive == DRIVE
+    np.testing.assert_array_equal(loaded.hinge(6).force, result.hinge(6).force)
+
+
+def test_a_state_goes_on_to_the_same_bits(tmp_path):
+    straight, broken = (rc.Simulation(DRIVE, solver=SOLVER) for _ in range(2))
+    straight.step_to(4e-3)
+    broken.step_to(2.5e-3)
+    broken.save_state(tmp_path / "state.npz")
+    for resumed in (
+        rc.Simulation(DRIVE, solver=SOLVER),
+        rc.Simulation.load_state(tmp_path / "state.npz"),
+    ):
+        resumed.set_state(broken.state())
+        assert resumed.time == 2.5e-3
+        resumed.step_to(4e-3)
+        np.testing.assert_array_equal(resumed.positions, straight.positions)
+        np.testing.assert_array_equal(resumed.velocities, straight.velocities)
+
+
+def test_a_state_of_another_scene_is_refused():
+    state = rc.Simulation(DRIVE, solver=SOLVER).state()
+    other = rc.Simulation(rc.paper_drive(pretension=50.0, hinges="ideal"), solver=SOLVER)
+    with pytest.raises(rc.InvalidInput, match="of another mechanism"):
+        other.set_state(state)
+    with pytest.raises(rc.InvalidInput, match="of another Solver"):
+        rc.Simulation(DRIVE, solver=rc.Solver(accuracy=1e-8)).set_state(state)
+    damaged = state | {"snapshot": state["snapshot"][:-9] + b"x" + state["snapshot"][-8:]}
+    with pytest.raises(rc.InvalidInput, match="damaged"):
+        rc.Simulation(DRIVE, solver=SOLVER).set_state(damaged)
+
+
+def test_a_state_evaluated_elsewhere_leaves_the_run_alone():
+    simulation = rc.Simulation(DRIVE, solver=SOLVER)
+    simulation.step_to(2e-3)
+    before = simulation.evaluate()
+    again = simulation.evaluate(velocities=simulation.velocities, time=2e-3)
+    np.testing.assert_array_equal(again.hinge_force, before.hinge_force)
+    still = simulation.evaluate(velocities=np.zeros_like(simulation.velocities))
+    assert np.abs(still.hinge_force - before.hinge_force).max() > 1e-3
+    np.testing.assert_array_equal(simulation.evaluate().hinge_force, before.hinge_force)
+    with pytest.raises(rc.InvalidInput, match="needs one row"):
+        simulation.evaluate(positions=np.zeros((3, 3)))
+
+
+def test_a_drive_says_itself_which_hinges_it_has():
+    assert len(DRIVE.to_mechanism().joints) > 38
+    assert len(rc.paper_drive().to_mechanism().joints) < 10
+    drive = rc.two_sprocket_drive(links=60, hinges="ideal")
+    assert rc.Simulation(drive).evaluate().hinge_force.shape == (60,)
+    with pytest.raises(rc.InvalidInput, match=r"hinges.*'rigid'.*clearance.*ideal"):
+        dataclasses.replace(DRIVE, hinges="rigid")
+
+
+def test_a_sweep_refuses_ideal_hinges():
+    with pytest.raises(
+        rc.InvalidInput, match=r"ChainDrive.hinges = 'ideal': a sweep runs clearance"
+    ):
+        rc.sweep(DRIVE, {"accuracy": [1e-8]}, duration=1e-3, progress=False)

@@ -1,0 +1,37 @@
+"""An ideal-hinge chain over two wheels, one on a spring, beside an independent code: exudyn."""
+
+import numpy as np
+import pytest
+
+import ideal_drive_peer as scene
+
+SPAN = 2e-3
+
+
+def test_contacts_press_and_answers_converge():
+    """The scene is one of contact: without forces on rollers the links would fall freely."""
+    reference, _, _ = scene.by_rustchain(1e-11, SPAN)
+    errors = []
+    for tolerance in (1e-4, 1e-6, 1e-8):
+        found, _, _ = scene.by_rustchain(tolerance, SPAN)
+        errors.append(np.max(np.abs(found - reference)))
+    assert errors[0] > errors[1] > errors[2]
+    assert errors[2] < 1e-11
+    fallen = reference[:, 1] - scene.link_places()[:, 1] + 0.5 * scene.GRAVITY * SPAN**2
+    assert np.abs(fallen).max() > 1e-5
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # names that older versions need
+def test_exudyn_comes_to_the_same_answer_as_its_steps_grow_smaller():
+    """Its method is of order two, so that a third of the step leaves a ninth of the error."""
+    pytest.importorskip("exudyn")
+    reference, _, _ = scene.by_rustchain(1e-10, SPAN)
+    errors = []
+    for steps in (100, 300, 900):
+        found, _ = scene.by_exudyn(steps, SPAN)
+        errors.append(np.max(np.abs(found - reference)))
+    moved = np.max(np.abs(reference - scene.link_places()[:, :2]))
+    # Onsets of contact cost some of the order.
+    assert errors[1] < errors[0] / 4
+    assert errors[2] < errors[1] / 4
+    assert errors[2] < 1e-4 * moved
