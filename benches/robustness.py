@@ -196,8 +196,8 @@ def main() -> int:
     """Run what the command line asks for."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--duration", type=float, default=2.0, help="of each scene [s]")
-    parser.add_argument("--method", default="newton")
-    parser.add_argument("--accuracy", type=float, default=1e-9)
+    parser.add_argument("--method", default="auto")
+    parser.add_argument("--accuracy", type=float, default=1e-10)
     parser.add_argument("--only", default="", help="scenes whose name has this in it")
     parser.add_argument("--jobs", type=int, default=1, help="scenes at a time")
     parser.add_argument("--test", action="store_true", help="a few scenes, briefly")
