@@ -69,6 +69,9 @@ const STEPS_OF_STANDSTILL: u64 = 100_000;
 /// Time that so many steps must cover \[s\]: less than a single contact lasts.
 const STANDSTILL: f64 = 1e-7;
 
+/// A kink nearer than this is not stepped to \[s\].
+const SHORTEST_TO_KINK: f64 = 1e-10;
+
 impl Simulation {
     /// A run of `model` from `start` at time zero.
     ///
@@ -91,7 +94,7 @@ impl Simulation {
         }
         let mut adams = Adams::new(dimension, control);
         adams.restart(0.0, &y);
-        adams.limit_step(dynamics.longest_step());
+        adams.limit_step(longest_step(&dynamics, 0.0));
         Ok(Self {
             dynamics,
             adams,
@@ -294,7 +297,8 @@ impl Simulation {
         };
         let stepped = Instant::now();
         self.dynamics.finish_step(&self.adams, &step);
-        self.adams.limit_step(self.dynamics.longest_step());
+        let longest = longest_step(&self.dynamics, self.adams.time());
+        self.adams.limit_step(longest);
         if let Some(recorder) = &mut self.recorder {
             recorder.keep_step_forces(&self.dynamics);
         }
@@ -392,6 +396,13 @@ impl Simulation {
             contact.unwrap_or_else(|| "not in contact".to_string())
         )
     }
+}
+
+/// How long the step from `t` may be \[s\]: bodies that are fast, and the next kink of a speed or torque, where steps end.
+fn longest_step(dynamics: &Dynamics, t: f64) -> f64 {
+    // A kink that was met but for rounding is behind.
+    let kink = dynamics.model().next_kink(t + SHORTEST_TO_KINK);
+    dynamics.longest_step().min(kink - t)
 }
 
 /// A recording of `duration` \[s\] with rows `report_step` \[s\] apart.

@@ -421,7 +421,8 @@ class Simulation:
         arrays = self._core.take_recording()
         stats = {name: n - before.get(name, 0) for name, n in self._core.stats().items()}
         if (residual := arrays.get("energy_residual")) is not None and residual.size:
-            stats["largest_residual"] = float(np.abs(residual).max())
+            # The rows of a run that failed may end in what is no number.
+            stats["largest_residual"] = float(np.nanmax(np.abs(residual), initial=0.0))
         return Result(
             arrays=arrays,
             drive=self.drive,

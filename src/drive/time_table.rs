@@ -71,6 +71,13 @@ impl TimeTable {
         }
     }
 
+    /// Time of the first row after `t` \[s\]; infinite when there is none.
+    #[must_use]
+    pub fn next_row(&self, t: f64) -> f64 {
+        let next = self.times.partition_point(|&time| time <= t);
+        self.times.get(next).copied().unwrap_or(f64::INFINITY)
+    }
+
     /// Its rate of change at `t`, from the right.
     #[must_use]
     pub fn slope(&self, t: f64) -> f64 {

@@ -125,6 +125,24 @@ pub enum Rotation {
 }
 
 impl Model {
+    /// Time of the first row after `t` of any table that speeds and torques follow \[s\]: a kink there; infinite when there is
+    /// none.
+    #[must_use]
+    pub fn next_kink(&self, t: f64) -> f64 {
+        let rows = self
+            .sprockets
+            .iter()
+            .map(|sprocket| match &sprocket.rotation {
+                Rotation::Prescribed(table)
+                | Rotation::Free {
+                    torque: Some(table),
+                    ..
+                } => table.next_row(t),
+                Rotation::Free { torque: None, .. } => f64::INFINITY,
+            });
+        rows.fold(f64::INFINITY, f64::min)
+    }
+
     /// Number of bodies: links and sprockets.
     #[must_use]
     pub fn bodies(&self) -> usize {
