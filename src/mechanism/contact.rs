@@ -8,7 +8,7 @@ use super::loads::Loads;
 use super::profile::{Nearest, Profile, Tooth};
 use crate::contact::Contact;
 use crate::error::{Result, check};
-use crate::geometry::Vec2;
+use crate::geometry::{Vec2, turned_left};
 
 /// A circle that may touch a profile.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,6 +44,9 @@ impl ContactPair {
         self.law.validate(&field)
     }
 }
+
+/// Part of its radius that a circle near a profile may move by in one step: none passes through another unseen.
+const FARTHEST: f64 = 0.25;
 
 /// A contact whose bodies are numbers, with the constants of each piece of its profile.
 #[derive(Debug, Clone)]
@@ -112,7 +115,9 @@ impl CompiledContact {
     }
 
     /// Depth and rate, and the place nearest; the normal points into the profile's material.
-    pub(super) fn find(&self, fa: &Frame, fb: &Frame) -> (Contact, Nearest) {
+    ///
+    /// A contact that has `begun` stays one however deep it is.
+    pub(super) fn find(&self, fa: &Frame, fb: &Frame, begun: bool) -> (Contact, Nearest) {
         let center = fb.place(self.b.point);
         let local = fa.into_local(center - fa.place(self.a.point));
         let nearest = self.profile.nearest(local, self.radius);
@@ -120,8 +125,9 @@ impl CompiledContact {
         // Both bodies' velocities along the normal are the same anywhere on it, so at the centre too.
         let approach = fb.velocity_at(center) - fa.velocity_at(center);
         let depth = self.radius - nearest.distance;
-        // A circle that has its centre deeper in the material than its radius did not come through the surface.
-        let penetration = if depth > 2.0 * self.radius
+        // A circle wholly behind an open outline without having come through it is on its other side.
+        let penetration = if !begun
+            && depth > 2.0 * self.radius
             && matches!(self.profile, Profile::Outline { closed: false, .. })
         {
             f64::NEG_INFINITY
@@ -137,8 +143,9 @@ impl CompiledContact {
     }
 
     /// The same as it is recorded.
-    pub(super) fn penetration(&self, frames: &[Frame]) -> f64 {
-        let (contact, _) = self.find(&frames[self.a.body], &frames[self.b.body]);
+    pub(super) fn penetration(&self, frames: &[Frame], memory: Memory) -> f64 {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let (contact, _) = self.find(fa, fb, memory.speed > 0.0);
         contact.penetration
     }
 
@@ -149,7 +156,7 @@ impl CompiledContact {
         if apart.norm_squared() > self.reach * self.reach {
             return Touch::default();
         }
-        let (contact, Nearest { piece, tooth, .. }) = self.find(fa, fb);
+        let (contact, Nearest { piece, tooth, .. }) = self.find(fa, fb, memory.speed > 0.0);
         if contact.penetration <= 0.0 {
             return Touch {
                 contact,
@@ -176,6 +183,37 @@ impl CompiledContact {
             tooth,
             force: force.total,
         }
+    }
+
+    /// How far the circle may move along the profile \[m\] before its distance has to be looked at again: its gap, and
+    /// where that is small a part of its radius.
+    pub(super) fn free_way(&self, frames: &[Frame]) -> f64 {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let apart = (fb.place(self.b.point) - fa.place(self.a.point)).norm();
+        let gap = if apart > self.reach {
+            apart - self.reach
+        } else {
+            let (contact, nearest) = self.find(fa, fb, false);
+            if contact.penetration == f64::NEG_INFINITY {
+                -nearest.distance - self.radius
+            } else {
+                nearest.distance - self.radius
+            }
+        };
+        gap.max(FARTHEST * self.radius)
+    }
+
+    /// Speed \[m/s\] and acceleration \[m/s²\] of the circle's centre as seen from the profile, of bodies that accelerate so.
+    pub(super) fn relative_motion(&self, frames: &[Frame], rates: [[f64; 3]; 2]) -> (f64, f64) {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let center = fb.place(self.b.point);
+        let speed = (fb.velocity_at(center) - fa.velocity_at(center)).norm();
+        let accelerated = |frame: &Frame, [x, y, spin]: [f64; 3]| {
+            let arm = center - frame.origin;
+            Vec2::new(x, y) + spin * turned_left(arm) - frame.spin * frame.spin * arm
+        };
+        let acceleration = accelerated(fb, rates[1]) - accelerated(fa, rates[0]);
+        (speed, acceleration.norm())
     }
 
     /// What a contact that began on `piece` at `rate` remembers.

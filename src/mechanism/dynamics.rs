@@ -205,6 +205,22 @@ impl MechanismDynamics {
         }
     }
 
+    /// Time \[s\] in which no circle passes a profile unseen from where the bodies are, by their speeds and accelerations.
+    pub(super) fn longest_step(&self) -> f64 {
+        let rates = |body: usize| match self.model.first[body] {
+            None => [0.0; 3],
+            Some(i) => [0, 1, 2].map(|k| self.accelerations[i + k]),
+        };
+        let times = self.model.contacts.iter().map(|contact| {
+            let ends = [contact.a.body, contact.b.body].map(rates);
+            let (speed, acceleration) = contact.relative_motion(&self.frames, ends);
+            let way = contact.free_way(&self.frames);
+            // The root of way = speed t + acceleration t²/2.
+            2.0 * way / (speed + (speed * speed + 2.0 * acceleration * way).sqrt())
+        });
+        times.fold(f64::INFINITY, f64::min)
+    }
+
     /// Work that the drivers do: power of the multipliers along the prescribed motions \[W\].
     fn driver_power(&self) -> f64 {
         let rows = self.rows.iter().zip(&self.multipliers);

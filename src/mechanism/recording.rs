@@ -86,12 +86,13 @@ impl MechanismRecording {
             let rate = row.rate(&dynamics.frames).abs();
             self.velocity_residual[i] = self.velocity_residual[i].max(rate);
         }
-        for (touch, contact) in dynamics.touches.iter().zip(&dynamics.model.contacts) {
+        let contacts = dynamics.model.contacts.iter().zip(&dynamics.memory);
+        for (touch, (contact, memory)) in dynamics.touches.iter().zip(contacts) {
             self.contact_force.push(touch.force);
             self.penetration.push(if touch.force > 0.0 {
                 touch.contact.penetration
             } else {
-                contact.penetration(&dynamics.frames)
+                contact.penetration(&dynamics.frames, *memory)
             });
             let near = touch.tooth.map(|tooth| (tooth.gap, tooth.region));
             // A sprocket has few teeth.

@@ -88,6 +88,8 @@ impl MechanismSimulation {
             assembly,
         };
         simulation.remember_present_contacts();
+        let longest = simulation.dynamics.longest_step();
+        simulation.adams.limit_step(longest);
         Ok(simulation)
     }
 
@@ -191,6 +193,7 @@ impl MechanismSimulation {
         if self.dynamics.stabilisation == Stabilisation::Projection {
             self.project(step.end)?;
         }
+        self.adams.limit_step(self.dynamics.longest_step());
         Ok(())
     }
 
@@ -276,7 +279,7 @@ impl MechanismSimulation {
                 [value(n + i), value(n + i + 1), value(n + i + 2)],
             ),
         };
-        let (contact, nearest) = contact.find(&frame(contact.a.body), &frame(contact.b.body));
+        let (contact, nearest) = contact.find(&frame(contact.a.body), &frame(contact.b.body), false);
         (contact, nearest.piece)
     }
 }

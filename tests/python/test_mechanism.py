@@ -290,3 +290,42 @@ def test_a_state_goes_on_to_the_same_bits():
     mechanism.add_torque("motor", "bar 0", 1.0)
     with pytest.raises(rc.InvalidInput, match="of another mechanism"):
         rc.Simulation(mechanism).set_state(broken.state())
+
+
+@pytest.mark.parametrize("height", [0.2, 0.5, 1.0, 5.0])
+@pytest.mark.parametrize("method", ["pece", "newton"])
+def test_a_small_ball_does_not_fall_through_a_floor(height, method):
+    mechanism = rc.Mechanism()
+    mechanism.add_body("ball", 0.1, 1e-5, (0.0, height, 0.0))
+    line, law = [(1.0, 0.0), (-1.0, 0.0)], rc.LinearContact(1e6, 0.0)
+    mechanism.add_outline_contact("floor", "ground", "ball", line, 0.005, law, closed=False)
+    solver = rc.Solver(method=method, accuracy=1e-8, max_step=0.1)
+    if method == "pece":
+        solver = rc.Solver(method=method, rtol=1e-8, atol=1e-8, max_step=0.1)
+    duration = 1.5 * math.sqrt(2 * height / GRAVITY)
+    result = rc.Simulation(mechanism, solver=solver).run(duration=duration, progress=False)
+    assert result.stats["onsets"] == 1
+    # It rises as fast as it fell: half the time of the fall after the bounce, a quarter of the height is left to rise.
+    assert abs(result.body("ball").position[-1, 1] - 0.75 * height) < 0.01 * height + 0.01
+
+
+def test_a_far_contact_does_not_shorten_steps():
+    def steps(apart):
+        mechanism = pendulum()
+        if apart is not None:
+            law = rc.LinearContact(1e6, 0.0)
+            mechanism.add_disc_contact("far", "ground", "bar", 0.01, 0.01, law, (0.0, apart))
+        return rc.Simulation(mechanism).run(duration=1.0, progress=False).stats["steps"]
+
+    assert steps(50.0) == steps(None)
+
+
+def test_a_soft_contact_of_an_open_outline_holds_what_sinks_in_deeply():
+    mechanism = rc.Mechanism(gravity=(0.0, 0.0))
+    mechanism.add_body("ball", 1.0, 1.0, (0.0, 0.02, 0.0), (0.0, -1.0, 0.0))
+    line, law = [(1.0, 0.0), (-1.0, 0.0)], rc.LinearContact(100.0, 0.0)
+    mechanism.add_outline_contact("floor", "ground", "ball", line, 0.01, law, closed=False)
+    result = rc.Simulation(mechanism).run(duration=0.5, progress=False)
+    # It sinks in by v sqrt(m/k) = 0.1 m, ten radii, for half a period of 2 pi sqrt(m/k).
+    assert abs(result.contact("floor").penetration.max() - 0.1) < 1e-4
+    assert abs(result.body("ball").velocity[-1, 1] - 1.0) < 1e-5
