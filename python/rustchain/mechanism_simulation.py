@@ -173,7 +173,7 @@ class MechanismSimulation:
 
     @known_keywords
     def step_to(self, t: float) -> None:
-        """Go on to exactly `t` [s]."""
+        """Go on to exactly `t` [s]; after an error, to where the last step ended that was made."""
         while not self._core.step_to(t, _WALL_BUDGET):
             pass
 
@@ -200,7 +200,8 @@ class MechanismSimulation:
         Raises
         ------
         SimulationError
-            The run cannot go on; ``error.result`` holds the rows until then.
+            The run cannot go on; ``error.result`` holds the rows until then, and the simulation is
+            where the last step ended that was made. The same holds for what a callable raises.
         """
         before = self._core.stats()
         start = self.time
@@ -214,9 +215,9 @@ class MechanismSimulation:
             return self._result("finished", before)
         except KeyboardInterrupt:
             return self._result("interrupted", before)
-        except SimulationError as error:
-            failed = self._result("failed", before, str(error))
-            error.result = failed  # type: ignore[assignment]
+        except Exception as error:  # what a callable raised, too
+            message = str(error) if isinstance(error, SimulationError) else repr(error)
+            error.result = self._result("failed", before, message)  # type: ignore[attr-defined]
             raise
         finally:
             self._core.take_recording()  # whatever else ended the run

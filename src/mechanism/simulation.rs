@@ -27,8 +27,19 @@ pub struct MechanismSimulation {
     /// Next report, time between two, last one; none when nothing is recorded.
     pub(super) reports: Option<Reports>,
     pub(super) onsets: u64,
+    /// What to go back to when a step fails.
+    accepted: Accepted,
     /// Scratch: a state.
     pub(super) inside: Vec<f64>,
+}
+
+/// Where the last accepted step ended.
+#[derive(Debug, Clone, Default)]
+struct Accepted {
+    time: f64,
+    solution: Vec<f64>,
+    memory: Vec<Memory>,
+    onsets: u64,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -82,6 +93,7 @@ impl MechanismSimulation {
             recording: MechanismRecording::default(),
             reports: None,
             onsets: 0,
+            accepted: Accepted::default(),
             inside: y,
             dynamics,
             adams,
@@ -170,13 +182,37 @@ impl MechanismSimulation {
                 self.now = self.adams.time();
                 return Ok(false);
             }
-            self.step()?;
+            self.keep();
+            if let Err(error) = self.step() {
+                self.go_back();
+                return Err(error);
+            }
             steps += 1;
         }
     }
 
-    fn step(&mut self) -> Result<()> {
+    /// Keeps what a step changes, of which the integrator's history is not worth a copy a step.
+    fn keep(&mut self) {
+        let accepted = &mut self.accepted;
+        accepted.time = self.adams.time();
+        accepted.solution.clear();
+        accepted.solution.extend_from_slice(self.adams.y());
+        accepted.memory.clone_from(&self.dynamics.memory);
+        accepted.onsets = self.onsets;
         self.shift_before.copy_from_slice(&self.dynamics.shift);
+    }
+
+    /// After a step that failed: the state where the last accepted one ended, from which the integrator starts anew.
+    fn go_back(&mut self) {
+        let accepted = &self.accepted;
+        self.adams.restart(accepted.time, &accepted.solution);
+        self.dynamics.shift.copy_from_slice(&self.shift_before);
+        self.dynamics.memory.clone_from(&accepted.memory);
+        self.onsets = accepted.onsets;
+        (self.now, self.step_start) = (accepted.time, accepted.time);
+    }
+
+    fn step(&mut self) -> Result<()> {
         let step = self.adams.step_second_order(&mut self.dynamics);
         let step = step.map_err(|failure| {
             let model = Arc::clone(self.dynamics.model());
@@ -210,7 +246,6 @@ impl MechanismSimulation {
         }
         if !self.dynamics.project(t, state, ITERATIONS) {
             let residuals = self.dynamics.what_misses();
-            self.now = t;
             return Err(Error::JointsApart { time: t, residuals });
         }
         for ((shift, x), y) in self.dynamics.shift.iter_mut().zip(state).zip(solution) {
@@ -279,7 +314,8 @@ impl MechanismSimulation {
                 [value(n + i), value(n + i + 1), value(n + i + 2)],
             ),
         };
-        let (contact, nearest) = contact.find(&frame(contact.a.body), &frame(contact.b.body), false);
+        let (contact, nearest) =
+            contact.find(&frame(contact.a.body), &frame(contact.b.body), false);
         (contact, nearest.piece)
     }
 }

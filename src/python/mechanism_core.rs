@@ -172,6 +172,7 @@ impl MechanismCore {
     }
 
     fn advance(&mut self, py: Python<'_>, wall_budget: f64) -> PyResult<bool> {
+        self.forget_raised();
         let simulation = &mut self.simulation;
         let outcome = py.detach(|| simulation.record(budget(wall_budget)));
         self.outcome(py, outcome)
@@ -189,6 +190,7 @@ impl MechanismCore {
             let expected = format!("must not lie before the present time, {now} s");
             return Err(to_python(py, &Error::invalid("t", t, expected)));
         }
+        self.forget_raised();
         let simulation = &mut self.simulation;
         let outcome = py.detach(|| simulation.advance(t, budget(wall_budget)));
         self.outcome(py, outcome)
@@ -274,6 +276,11 @@ impl MechanismCore {
 }
 
 impl MechanismCore {
+    /// What a callable raised when a state was looked at is not of the steps to come.
+    fn forget_raised(&self) {
+        drop(take(&self.raised));
+    }
+
     /// What a callable has raised goes before what came of it.
     fn outcome(&self, py: Python<'_>, outcome: Result<bool>) -> PyResult<bool> {
         take(&self.raised)?;

@@ -329,3 +329,66 @@ def test_a_soft_contact_of_an_open_outline_holds_what_sinks_in_deeply():
     # It sinks in by v sqrt(m/k) = 0.1 m, ten radii, for half a period of 2 pi sqrt(m/k).
     assert abs(result.contact("floor").penetration.max() - 0.1) < 1e-4
     assert abs(result.body("ball").velocity[-1, 1] - 1.0) < 1e-5
+
+
+def test_a_callable_that_raises_leaves_the_last_state_and_the_rows():
+    raising = [True]
+
+    def load(t, q, v):
+        if raising[0] and t > 0.5:
+            raise RuntimeError("boom")
+        return 0.0, 0.0, 0.0
+
+    def swing():
+        mechanism = pendulum()
+        mechanism.add_callable("load", "bar", load)
+        return rc.Simulation(mechanism)
+
+    stepped, recorded = swing(), swing()
+    with pytest.raises(RuntimeError, match="boom"):
+        stepped.step_to(1.0)
+    assert 0.45 < stepped.time <= 0.5
+    raising[0] = False
+    free = rc.Simulation(pendulum())
+    free.step_to(stepped.time)
+    np.testing.assert_allclose(stepped.positions, free.positions, atol=1e-5)
+    # It goes on from there as if nothing had happened.
+    for simulation in (stepped, free):
+        simulation.step_to(0.8)
+    np.testing.assert_allclose(stepped.positions, free.positions, atol=1e-5)
+
+    raising[0] = True
+    with pytest.raises(RuntimeError, match="boom") as caught:
+        recorded.run(duration=1.0, report_step=0.01, progress=False)
+    result = caught.value.result
+    assert result.status == "failed"
+    assert 0.45 < result.time[-1] <= recorded.time <= 0.5
+    assert len(result.time) == len(result.body("bar").position) > 40
+
+
+def test_a_jammed_mechanism_stays_where_its_joints_last_held():
+    mechanism = rc.Mechanism(gravity=(0.0, 0.0))
+    crank, foot = np.array([math.sqrt(0.75), 0.5]), np.array([2.0, 0.0])
+    across = foot - crank
+    rise = math.sqrt(1.0 - 0.25 * across @ across) / np.linalg.norm(across)
+    knee = (crank + foot) / 2 + rise * np.array([-across[1], across[0]])
+    ends = {"crank": (0 * foot, crank), "coupler": (crank, knee), "rocker": (knee, foot)}
+    for name, (start, end) in ends.items():
+        x, y = (start + end) / 2
+        angle = math.atan2(end[1] - start[1], end[0] - start[0])
+        mechanism.add_body(name, 1.0, 1 / 12, (x, y, angle))
+    mechanism.add_revolute("bearing", "ground", "crank", at=(0.0, 0.0))
+    mechanism.add_revolute("pin", "crank", "coupler", at=crank)
+    mechanism.add_revolute("knee", "coupler", "rocker", at=knee)
+    mechanism.add_revolute("foot", "ground", "rocker", at=foot)
+    mechanism.add_driver("motor", "ground", "crank", speed=1.0)
+    simulation = rc.Simulation(mechanism)
+    with pytest.raises(rc.SimulationError):
+        simulation.step_to(5.0)
+    assert 0.0 < simulation.time < 5.0
+    x, y, angle = simulation.positions[0]
+    np.testing.assert_allclose([x, y], [math.cos(angle) / 2, math.sin(angle) / 2], atol=1e-9)
+    assert abs(angle - (math.pi / 6 + simulation.time)) < 1e-9
+    x, y, angle = simulation.positions[2]
+    end = [x + math.cos(angle) / 2, y + math.sin(angle) / 2]
+    np.testing.assert_allclose(end, foot, atol=1e-9)
