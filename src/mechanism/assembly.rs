@@ -106,7 +106,7 @@ impl MechanismDynamics {
     }
 
     /// Size of the mechanism: its farthest point \[m\].
-    fn size(&self) -> f64 {
+    pub(super) fn size(&self) -> f64 {
         let far = self.frames.iter().map(|f| f.origin.amax());
         let ends = self.model.equations.iter();
         let arms = ends.map(|e| e.a.point.amax().max(e.b.point.amax()));
@@ -115,7 +115,7 @@ impl MechanismDynamics {
     }
 
     /// Largest residual of the positions: lengths in parts of the size, angles in radians.
-    fn worst(&self) -> f64 {
+    pub(super) fn worst(&self) -> f64 {
         let size = self.size();
         let equations = self.model.equations.iter().zip(&self.rows);
         let parts = equations.map(|(equation, row)| {
@@ -190,7 +190,7 @@ impl MechanismDynamics {
             }
         }
         let placed = state.clone();
-        if !self.project(0.0, &mut state, MOST_ITERATIONS) {
+        if !self.approach(0.0, &mut state) || !self.project(0.0, &mut state, MOST_ITERATIONS) {
             return Err(self.refuse());
         }
         self.evaluate(0.0, &state);

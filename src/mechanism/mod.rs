@@ -4,6 +4,7 @@
 //! Mechanism -> MechanismModel -> assembly -> MechanismDynamics (an OdeSystem) -> MechanismSimulation -> recording
 //! ```
 
+mod approach;
 mod assembly;
 mod body;
 mod constrained;

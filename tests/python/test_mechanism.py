@@ -1,6 +1,7 @@
 """Mechanisms from Python: closed forms, the NumPy reference, results, and what is refused."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -305,7 +306,7 @@ def test_a_small_ball_does_not_fall_through_a_floor(height, method):
     duration = 1.5 * math.sqrt(2 * height / GRAVITY)
     result = rc.Simulation(mechanism, solver=solver).run(duration=duration, progress=False)
     assert result.stats["onsets"] == 1
-    # It rises as fast as it fell: half the time of the fall after the bounce, a quarter of the height is left to rise.
+    # It rises as fast as it fell: after half the time of the fall, a quarter of the way is left.
     assert abs(result.body("ball").position[-1, 1] - 0.75 * height) < 0.01 * height + 0.01
 
 
@@ -392,3 +393,35 @@ def test_a_jammed_mechanism_stays_where_its_joints_last_held():
     x, y, angle = simulation.positions[2]
     end = [x + math.cos(angle) / 2, y + math.sin(angle) / 2]
     np.testing.assert_allclose(end, foot, atol=1e-9)
+
+
+@pytest.mark.filterwarnings("ignore:bodies had to be moved")
+@pytest.mark.parametrize("turned", [0.0, 1e-9, 1e-6, 1e-3, 0.1, 0.5])
+def test_assembly_finds_the_nearest_position_from_a_stretched_one(turned):
+    mechanism = rc.Mechanism(gravity=(0.0, 0.0))
+    mechanism.add_body("crank", 1.0, 0.1, (0.5, 0.0, 0.0))
+    rod = (1.0 + 0.5 * math.cos(turned), 0.5 * math.sin(turned), turned)
+    mechanism.add_body("rod", 1.0, 0.1, rod)
+    mechanism.add_revolute("bearing", "ground", "crank", (0.0, 0.0), (-0.5, 0.0))
+    mechanism.add_revolute("pin", "crank", "rod", (0.5, 0.0), (-0.5, 0.0))
+    mechanism.add_distance("tie", "ground", "rod", (3.0, 0.0), (0.5, 0.0), length=1.5)
+    mechanism.add_driver("motor", "ground", "crank", angle=0.0)
+    simulation = rc.Simulation(mechanism)
+    # The rod's end is 1 m from (1, 0) and 1.5 m from (3, 0): 5 - 4 cos(angle) = 1.5^2.
+    angle = math.acos((5.0 - 1.5**2) / 4.0)
+    found = simulation.positions[1, 2]
+    assert abs((abs(found) if turned == 0.0 else found) - angle) < 1e-9
+    assert simulation.check().turned <= angle + 1e-9
+
+
+@pytest.mark.parametrize(("length", "gap"), [(3.0, 1.5), (4.4, 0.1), (5.6, 0.1), (6.0, 0.5)])
+def test_what_cannot_assemble_is_told_by_what_the_nearest_positions_miss(length, gap):
+    mechanism = pendulum()
+    mechanism.add_distance("tie", "ground", "bar", point_a=(0.0, 5.0), length=length)
+    with pytest.raises(ValueError, match="does not go together") as refused:
+        rc.Simulation(mechanism)
+    missed = dict(re.findall(r'"(\w+)" by (\S+) m', str(refused.value)))
+    # The least sum of squares shares the gap between the two, a distance by its square.
+    assert set(missed) == {"bearing", "tie"}
+    for value in missed.values():
+        assert 0.35 * gap < float(value) < 0.75 * gap
