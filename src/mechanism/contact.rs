@@ -63,7 +63,7 @@ pub(super) struct CompiledContact {
 /// What a live contact remembers from its onset: written between steps only.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Memory {
-    /// Approach speed \[m/s\]; zero: no memory.
+    /// Approach speed \[m/s\]; zero: no memory; below zero: behind an open outline, until it has come out.
     pub(super) speed: f64,
     /// The piece it began on, whose stiffness it keeps.
     pub(super) piece: usize,
@@ -95,6 +95,14 @@ impl Default for Touch {
     }
 }
 
+impl Memory {
+    /// Of a circle behind an open outline, which it did not come through.
+    pub(super) const BEHIND: Self = Self {
+        speed: -1.0,
+        piece: 0,
+    };
+}
+
 impl CompiledContact {
     pub(super) fn new(pair: &ContactPair, a: End, b: End) -> Result<Self> {
         let field = format!("contact {:?}", pair.name);
@@ -116,8 +124,8 @@ impl CompiledContact {
 
     /// Depth and rate, and the place nearest; the normal points into the profile's material.
     ///
-    /// A contact that has `begun` stays one however deep it is.
-    pub(super) fn find(&self, fa: &Frame, fb: &Frame, begun: bool) -> (Contact, Nearest) {
+    /// A contact that has begun stays one however deep it is; what is behind an open outline does not touch it.
+    pub(super) fn find(&self, fa: &Frame, fb: &Frame, memory: Memory) -> (Contact, Nearest) {
         let center = fb.place(self.b.point);
         let local = fa.into_local(center - fa.place(self.a.point));
         let nearest = self.profile.nearest(local, self.radius);
@@ -125,11 +133,9 @@ impl CompiledContact {
         // Both bodies' velocities along the normal are the same anywhere on it, so at the centre too.
         let approach = fb.velocity_at(center) - fa.velocity_at(center);
         let depth = self.radius - nearest.distance;
-        // A circle wholly behind an open outline without having come through it is on its other side.
-        let penetration = if !begun
-            && depth > 2.0 * self.radius
-            && matches!(self.profile, Profile::Outline { closed: false, .. })
-        {
+        let begun = memory.speed > 0.0;
+        let behind = memory.speed < 0.0 && depth > 0.0 || depth > 2.0 * self.radius;
+        let penetration = if self.is_open() && behind && !begun {
             f64::NEG_INFINITY
         } else {
             depth
@@ -145,7 +151,7 @@ impl CompiledContact {
     /// The same as it is recorded.
     pub(super) fn penetration(&self, frames: &[Frame], memory: Memory) -> f64 {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
-        let (contact, _) = self.find(fa, fb, memory.speed > 0.0);
+        let (contact, _) = self.find(fa, fb, memory);
         contact.penetration
     }
 
@@ -156,7 +162,7 @@ impl CompiledContact {
         if apart.norm_squared() > self.reach * self.reach {
             return Touch::default();
         }
-        let (contact, Nearest { piece, tooth, .. }) = self.find(fa, fb, memory.speed > 0.0);
+        let (contact, Nearest { piece, tooth, .. }) = self.find(fa, fb, memory);
         if contact.penetration <= 0.0 {
             return Touch {
                 contact,
@@ -193,7 +199,7 @@ impl CompiledContact {
         let gap = if apart > self.reach {
             apart - self.reach
         } else {
-            let (contact, nearest) = self.find(fa, fb, false);
+            let (contact, nearest) = self.find(fa, fb, Memory::default());
             if contact.penetration == f64::NEG_INFINITY {
                 -nearest.distance - self.radius
             } else {
@@ -214,6 +220,15 @@ impl CompiledContact {
         };
         let acceleration = accelerated(fb, rates[1]) - accelerated(fa, rates[0]);
         (speed, acceleration.norm())
+    }
+
+    /// Whether the circle is in the material of an open outline, or beyond, without having come through the surface.
+    pub(super) fn is_behind(&self, fa: &Frame, fb: &Frame, memory: Memory) -> bool {
+        self.is_open() && self.find(fa, fb, memory).0.penetration == f64::NEG_INFINITY
+    }
+
+    fn is_open(&self) -> bool {
+        matches!(self.profile, Profile::Outline { closed: false, .. })
     }
 
     /// What a contact that began on `piece` at `rate` remembers.

@@ -221,6 +221,18 @@ impl MechanismDynamics {
         times.fold(f64::INFINITY, f64::min)
     }
 
+    /// What a contact without penetration remembers: that it is behind, or nothing.
+    pub(super) fn apart(&self, k: usize) -> Memory {
+        let contact = &self.model.contacts[k];
+        let frames = [contact.a.body, contact.b.body].map(|body| &self.frames[body]);
+        let behind = contact.is_behind(frames[0], frames[1], self.memory[k]);
+        if behind {
+            Memory::BEHIND
+        } else {
+            Memory::default()
+        }
+    }
+
     /// Work that the drivers do: power of the multipliers along the prescribed motions \[W\].
     fn driver_power(&self) -> f64 {
         let rows = self.rows.iter().zip(&self.multipliers);

@@ -280,6 +280,8 @@ impl MechanismSimulation {
                 let rate = touch.contact.penetration_rate;
                 self.dynamics.memory[k] =
                     self.dynamics.model.contacts[k].remember(touch.piece, rate);
+            } else {
+                self.dynamics.memory[k] = self.dynamics.apart(k);
             }
         }
     }
@@ -294,8 +296,8 @@ impl MechanismSimulation {
                 let piece = self.contact_at(k, t).1;
                 self.dynamics.memory[k] = self.dynamics.model.contacts[k].remember(piece, rate);
                 self.onsets += 1;
-            } else if !deep && remembered {
-                self.dynamics.memory[k] = Memory::default();
+            } else if !deep {
+                self.dynamics.memory[k] = self.dynamics.apart(k);
             }
         }
     }
@@ -314,8 +316,11 @@ impl MechanismSimulation {
                 [value(n + i), value(n + i + 1), value(n + i + 2)],
             ),
         };
-        let (contact, nearest) =
-            contact.find(&frame(contact.a.body), &frame(contact.b.body), false);
+        let (contact, nearest) = contact.find(
+            &frame(contact.a.body),
+            &frame(contact.b.body),
+            Memory::default(),
+        );
         (contact, nearest.piece)
     }
 }

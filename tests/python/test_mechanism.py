@@ -395,6 +395,20 @@ def test_a_jammed_mechanism_stays_where_its_joints_last_held():
     np.testing.assert_allclose(end, foot, atol=1e-9)
 
 
+def test_a_ball_from_behind_passes_an_open_outline_and_then_lands_on_it():
+    mechanism = rc.Mechanism()
+    speed = 3.0
+    mechanism.add_body("ball", 1.0, 1.0, (0.0, -0.1, 0.0), (0.0, speed, 0.0))
+    line, law = [(1.0, 0.0), (-1.0, 0.0)], rc.LinearContact(1e6, 0.0)
+    mechanism.add_outline_contact("floor", "ground", "ball", line, 0.01, law, closed=False)
+    result = rc.Simulation(mechanism).run(duration=0.7, progress=False)
+    rising = result.time < speed / GRAVITY
+    assert result.contact("floor").force[rising].max() == 0.0
+    assert result.body("ball").position[:, 1].max() > speed**2 / (2 * GRAVITY) - 0.1 - 1e-4
+    assert result.stats["onsets"] == 1
+    assert np.max(np.abs(result.energy.residual)) < 1e-5
+
+
 @pytest.mark.filterwarnings("ignore:bodies had to be moved")
 @pytest.mark.parametrize("turned", [0.0, 1e-9, 1e-6, 1e-3, 0.1, 0.5])
 def test_assembly_finds_the_nearest_position_from_a_stretched_one(turned):
