@@ -107,7 +107,19 @@ impl MechanismSimulation {
         if self.dynamics.stabilisation == Stabilisation::Projection {
             self.dynamics.project(t, &mut inside, ITERATIONS);
         }
+        // What came out from behind in this step was still there before its end.
+        let out = |k: usize| self.was_behind(k) && t < self.adams.time();
+        let out: Vec<usize> = (0..self.dynamics.memory.len())
+            .filter(|&k| out(k))
+            .collect();
+        let kept: Vec<Memory> = out.iter().map(|&k| self.dynamics.memory[k]).collect();
+        for &k in &out {
+            self.dynamics.memory[k] = Memory::BEHIND;
+        }
         self.dynamics.evaluate(t, &inside);
+        for (k, memory) in out.into_iter().zip(kept) {
+            self.dynamics.memory[k] = memory;
+        }
         self.inside = inside;
     }
 }

@@ -202,6 +202,16 @@ impl MechanismSimulation {
         self.shift_before.copy_from_slice(&self.dynamics.shift);
     }
 
+    /// Whether the circle of a contact was behind an open outline when the last step began.
+    pub(super) fn was_behind(&self, k: usize) -> bool {
+        self.accepted.memory.get(k) == Some(&Memory::BEHIND)
+    }
+
+    /// Forgets how the last step began.
+    pub(super) fn forget_accepted(&mut self) {
+        self.accepted = Accepted::default();
+    }
+
     /// After a step that failed: the state where the last accepted one ended, from which the integrator starts anew.
     fn go_back(&mut self) {
         let accepted = &self.accepted;
