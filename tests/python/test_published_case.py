@@ -186,7 +186,7 @@ def test_the_driven_sprocket_keeps_up(either):
 
 
 def test_the_energy_balance_closes(either):
-    # 7.9e-5 J and 6.0e-5 J, against 3.0e-2 and 2.8e-2 J dissipated: a few thousandths at the default accuracy.
+    # 7.9e-5 J and 6.0e-5 J, against 3.0e-2 and 2.8e-2 J dissipated.
     energy = either.energy
     assert 5e-3 < energy.dissipated[-1] < 0.1
     assert (np.diff(energy.dissipated) >= -1e-9).all()

@@ -702,7 +702,8 @@ def test_links_that_are_torn_apart_are_refused():
 def test_peaks_are_the_same_in_one_run_and_in_two(kind):
     """The second run begins inside a step, whose end belongs to its first interval.
 
-    Forces of a step of Newton's method are those before its last correction, those a recording begins with are after it.
+    Forces of a step of Newton's method are those before its last correction, those that a
+    recording begins with are after it.
     """
     simulation = rc.Simulation(rc.paper_drive())
     parts = [simulation.run(0.01, 1e-3, progress=False).peaks for _ in range(2)]

@@ -429,7 +429,8 @@ def test_an_interrupted_sweep_returns_soon_with_what_has_finished():
 import json, os, signal, threading
 import rustchain as rc
 
-signal.signal(signal.SIGINT, signal.default_int_handler)  # a job in the background is born deaf to it
+# A job in the background is born deaf to it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 measured = []
 def measure(result):
     measured.append(result.time[-1])
