@@ -14,6 +14,7 @@ import time
 import numpy as np
 
 import rustchain as rc
+from exudyn_run import solve
 
 TEETH, LINKS, PITCH = 12, 38, 0.0127
 STRAND = (LINKS - TEETH) // 2  # links of each strand
@@ -158,19 +159,7 @@ def by_exudyn(steps, span=SPAN):
         )
         system.AddObject(item)
     del ground
-    system.Assemble()
-    settings = exu.SimulationSettings()
-    settings.timeIntegration.numberOfSteps = steps
-    settings.timeIntegration.endTime = span
-    settings.timeIntegration.verboseMode = 0
-    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.9
-    settings.solutionSettings.writeSolutionToFile = False
-    settings.linearSolverType = exu.LinearSolverType.EigenSparse
-    begin = time.perf_counter()
-    system.SolveDynamic(settings)
-    wall = time.perf_counter() - begin
-    position = exu.OutputVariableType.Position
-    return np.array([system.GetNodeOutput(node, position)[:2] for node, _ in links]), wall
+    return solve(system, [node for node, _ in links], steps, span)
 
 
 def main():

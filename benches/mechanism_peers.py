@@ -11,6 +11,7 @@ import time
 import numpy as np
 
 import rustchain as rc
+from exudyn_run import solve
 
 LENGTH, MASS, GRAVITY, SPAN = 0.1, 0.02, 9.81, 0.3
 
@@ -65,19 +66,7 @@ def by_exudyn(bars, steps):
         weight = system.AddMarker(items.MarkerBodyMass(bodyNumber=body))
         system.AddLoad(items.LoadMassProportional(markerNumber=weight, loadVector=[0, -GRAVITY, 0]))
         before = front
-    system.Assemble()
-    settings = exu.SimulationSettings()
-    settings.timeIntegration.numberOfSteps = steps
-    settings.timeIntegration.endTime = SPAN
-    settings.timeIntegration.verboseMode = 0
-    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.9
-    settings.solutionSettings.writeSolutionToFile = False
-    settings.linearSolverType = exu.LinearSolverType.EigenSparse
-    begin = time.perf_counter()
-    system.SolveDynamic(settings)
-    wall = time.perf_counter() - begin
-    position = exu.OutputVariableType.Position
-    return np.array([system.GetNodeOutput(node, position)[:2] for node in nodes]), wall
+    return solve(system, nodes, steps, SPAN)
 
 
 def main():

@@ -133,6 +133,15 @@ mod tests {
     }
 
     #[test]
+    fn the_next_row_is_the_first_one_after_a_time() {
+        let table = TimeTable::new("w", "rad/s", &[(0.5, 0.0), (1.5, 4.0)]).unwrap();
+        assert_eq!(table.next_row(0.0), 0.5);
+        assert_eq!(table.next_row(0.5), 1.5);
+        assert_eq!(table.next_row(1.5), f64::INFINITY);
+        assert_eq!(TimeTable::from(3.0).next_row(0.0), f64::INFINITY);
+    }
+
+    #[test]
     fn times_that_do_not_increase_are_refused() {
         let error = TimeTable::new("w", "rad/s", &[(1.0, 0.0), (1.0, 4.0)]).unwrap_err();
         assert!(error.to_string().contains("must increase"));

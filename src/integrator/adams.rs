@@ -248,12 +248,6 @@ impl Adams {
         self.dense(t).write(y);
     }
 
-    /// Takes the past of one component to have had a constant `slope`, for sums that begin to grow.
-    pub fn assume_constant_slope(&mut self, component: usize, slope: f64) {
-        self.slope[component] = slope;
-        self.differences.assume_constant_slope(component, slope);
-    }
-
     /// Makes one step with the explicit corrector, of any system.
     ///
     /// # Errors

@@ -141,12 +141,4 @@ impl Differences {
             table: &mut self.table,
         });
     }
-
-    /// Takes the past of one component to have had a constant `slope`.
-    pub(super) fn assume_constant_slope(&mut self, component: usize, slope: f64) {
-        for row in self.table.chunks_exact_mut(self.width) {
-            row[component] = 0.0;
-        }
-        self.table[component] = slope;
-    }
 }
