@@ -5,11 +5,11 @@ use std::marker::PhantomData;
 use pulp::{Simd, WithSimd};
 
 use super::layout::{ChainArrays, FIRST, LinkConstants};
-use super::slopes::{ContactSlopes, Damped, SlopeRegisters, Touch};
+use super::slopes::{Damped, SlopeGroup, Touch, group_of};
 use crate::force_law::VectorLaw;
 use crate::vector::{
     Lanes, Mask, Numbers, PartialSums, WIDTH, both, both_mut, lane_numbers, load, partial_load,
-    sin_cos, vectors, vectors_mut,
+    sin_cos, splat_two, vectors, vectors_mut,
 };
 
 /// What the chain found besides its forces.
@@ -43,7 +43,7 @@ pub(super) struct JoinChain<'a, L, const DAMPED: bool, const ENERGY: bool> {
     pub(super) constants: &'a LinkConstants,
     pub(super) arrays: &'a mut ChainArrays,
     /// Where the slopes of the forces go when they are asked for.
-    pub(super) slopes: Option<&'a mut ContactSlopes>,
+    pub(super) slopes: Option<&'a mut [SlopeGroup]>,
 }
 
 impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
@@ -62,7 +62,7 @@ impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
         point_sprockets::<S>(simd, arrays);
         let mut hinges = Hinges::<S, L, DAMPED, ENERGY> {
             law: PhantomData,
-            law_constants: self.law_constants.map(splat),
+            law_constants: splat_two(simd, self.law_constants),
             clearance: splat(self.clearance),
             lambda: splat(self.lambda),
             floor: splat(self.floor),
@@ -80,7 +80,7 @@ impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
             moved_squared: splat(0.0),
             changed: false,
             power: PartialSums::default(),
-            slopes: self.slopes.map(|slopes| slopes.registers::<S>(0, blocks)),
+            slopes: self.slopes,
         };
         let [x, y, _] = self.places;
         let [vx, vy, spin] = self.speeds;
@@ -310,7 +310,7 @@ struct Hinges<'a, S: Simd, L, const DAMPED: bool, const ENERGY: bool> {
     moved_squared: Lanes<S>,
     changed: bool,
     power: PartialSums,
-    slopes: Option<SlopeRegisters<'a, S>>,
+    slopes: Option<&'a mut [SlopeGroup]>,
 }
 
 impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
@@ -333,7 +333,8 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
         if !near.any() {
             self.put(i, [zero; 4]);
             if let Some(slopes) = &mut self.slopes {
-                slopes.put_nothing(i, zero);
+                let (group, part) = group_of::<S>(slopes, i);
+                group.put_nothing(part, zero);
             }
             self.changed |= remembered.any();
             return;
@@ -349,7 +350,6 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
         let touch = Touch {
             normal: [nx, ny],
             curvature: inverse_distance,
-            velocity,
             depth,
             elastic,
         };
@@ -375,10 +375,12 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
                     remembered,
                     floor: self.floor,
                 };
-                slopes.put_touch::<L>(i, self.law_constants, &touch, Some(&damped));
+                let (group, part) = group_of::<S>(slopes, i);
+                group.put_touch::<S, L>(part, self.law_constants, &touch, Some(&damped));
             }
         } else if let Some(slopes) = &mut self.slopes {
-            slopes.put_touch::<L>(i, self.law_constants, &touch, None);
+            let (group, part) = group_of::<S>(slopes, i);
+            group.put_touch::<S, L>(part, self.law_constants, &touch, None);
         }
         self.put(i, [depth, force, force * nx, force * ny]);
     }

@@ -3,7 +3,7 @@
 use pulp::{Simd, WithSimd};
 
 use super::layout::{ChainArrays, FIRST, LinkConstants};
-use crate::vector::{Lanes, both, load, vectors, vectors_mut};
+use crate::vector::{Lanes, both, load, splat_two, vectors, vectors_mut};
 
 /// Accelerations of all links.
 pub(super) struct AccelerateLinks<'a> {
@@ -50,7 +50,7 @@ impl WithSimd for AccelerateLinks<'_> {
         let loads = Loads::<S> {
             simd,
             // With no sign on a zero: that of a force of none depends on what shares its register.
-            gravity: gravity.map(|g| Lanes::splat(simd, g + 0.0)),
+            gravity: splat_two(simd, [gravity[0] + 0.0, gravity[1] + 0.0]),
             cos: vectors::<S>(cos, blocks),
             sin: vectors::<S>(sin, blocks),
             arm: vectors::<S>(&constants.front_arm, blocks),
@@ -109,6 +109,6 @@ impl<S: Simd> Loads<'_, S> {
         // Nothing added takes the sign off a zero; see gravity.
         let nothing = Lanes::splat(self.simd, 0.0);
         let angle = (at(self.arm) * turn).mul_add(at(self.inverse_inertia), nothing);
-        [x, y, angle].map(Lanes::values)
+        [x.values(), y.values(), angle.values()]
     }
 }

@@ -283,7 +283,7 @@ impl Kernels {
         let n = model.links;
         let (q, v) = y.split_at(model.coordinates);
         let newton = self.newton.as_mut().filter(|_| self.writes_slopes);
-        let slopes = newton.map(|newton| &mut newton.hinge_slopes);
+        let slopes = newton.map(|newton| &mut newton.hinge_slopes[..]);
         macro_rules! join {
             ($damped:literal, $energy:expr) => {
                 self.instructions.run(JoinChain::<L, $damped, { $energy }> {
@@ -336,7 +336,7 @@ impl Kernels {
     ) -> TeethFound {
         let law = &model.tooth_law;
         let newton = self.newton.as_mut().filter(|_| self.writes_slopes);
-        let slopes = newton.map(|newton| &mut newton.tooth_slopes[s]);
+        let slopes = newton.map(|newton| &mut newton.tooth_slopes[s][..]);
         macro_rules! touch {
             ($damped:literal, $energy:expr) => {
                 self.instructions

@@ -6,13 +6,14 @@ use pulp::{Simd, WithSimd};
 
 use super::gap::{Gap, InGap, ToothConstants};
 use super::layout::{ChainArrays, FIRST, LinkConstants};
-use super::slopes::{ContactSlopes, Damped, SlopeRegisters, Touch};
+use super::slopes::{Damped, SlopeGroup, Touch, group_of};
 use crate::contact::{Run, SprocketCandidates, gap_direction};
 use crate::force_law::VectorLaw;
 use crate::geometry::Vec2;
 use crate::model::SprocketModel;
 use crate::vector::{
-    Lanes, Mask, PartialSums, both, both_mut, lane_numbers, load, vectors, vectors_mut,
+    Lanes, Mask, PartialSums, WIDTH, both, both_mut, lane_numbers, load, splat_two, vectors,
+    vectors_mut,
 };
 
 /// Where a sprocket is and how it moves.
@@ -53,7 +54,7 @@ pub(super) struct TouchTeeth<'a, L, const DAMPED: bool, const ENERGY: bool> {
     pub(super) arrays: &'a mut ChainArrays,
     pub(super) candidates: &'a mut SprocketCandidates,
     /// Where the slopes of the forces go when they are asked for, slot by slot.
-    pub(super) slopes: Option<&'a mut ContactSlopes>,
+    pub(super) slopes: Option<&'a mut [SlopeGroup]>,
 }
 
 impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
@@ -64,13 +65,12 @@ impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) -> TeethFound {
         let splat = |value| Lanes::splat(simd, value);
-        let pair = |values: [f64; 2]| values.map(splat);
         let mut teeth = Teeth::<S, L, DAMPED, ENERGY> {
             law: PhantomData,
             gap: Gap::new(simd, self.constants),
-            center: pair(self.pose.center),
-            velocity: pair(self.pose.velocity),
-            direction: pair(self.pose.direction),
+            center: splat_two(simd, self.pose.center),
+            velocity: splat_two(simd, self.pose.velocity),
+            direction: splat_two(simd, self.pose.direction),
             spin: splat(self.pose.spin),
             lambda: splat(self.lambda),
             floor: splat(self.floor),
@@ -112,9 +112,7 @@ impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
                 force: vectors_mut::<S>(&mut force[slot..], blocks),
                 front_force: both_mut::<S>(front_force, first, blocks),
                 rear_force: both_mut::<S>(rear_force, FIRST + 1 + first, blocks),
-                slopes: slopes
-                    .as_mut()
-                    .map(|slopes| slopes.registers::<S>(slot, blocks)),
+                slopes: slopes.as_mut().map(|slopes| &mut slopes[slot / WIDTH..]),
             };
             let (gap_cos, gap_sin) = (&mut gap_cos[slot..], &mut gap_sin[slot..]);
             for b in 0..blocks {
@@ -134,12 +132,12 @@ impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
                 teeth.touch(b, arm, &place, valid, &mut run);
             }
         }
-        let [x, y, moment, dissipated] = teeth.sums.map(|sum| sum.total());
+        let [x, y, moment, dissipated] = &teeth.sums;
         TeethFound {
-            force: [x, y],
-            moment,
+            force: [x.total(), y.total()],
+            moment: moment.total(),
             changed: teeth.changed,
-            dissipated,
+            dissipated: dissipated.total(),
         }
     }
 }
@@ -155,7 +153,7 @@ struct RunOfBushings<'a, S: Simd> {
     force: &'a mut [S::f64s],
     front_force: [&'a mut [S::f64s]; 2],
     rear_force: [&'a mut [S::f64s]; 2],
-    slopes: Option<SlopeRegisters<'a, S>>,
+    slopes: Option<&'a mut [SlopeGroup]>,
 }
 
 /// A sprocket's teeth in registers, and sums over their contacts.
@@ -191,7 +189,10 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
     #[inline(always)]
     fn place(&self, b: usize, arm: [Lanes<S>; 2], gap_cos: &[f64], gap_sin: &[f64]) -> InGap<S> {
         let simd = self.spin.simd();
-        let gap = [gap_cos, gap_sin].map(|array| load(simd, &vectors::<S>(array, b + 1)[b]));
+        let gap = [
+            load(simd, &vectors::<S>(gap_cos, b + 1)[b]),
+            load(simd, &vectors::<S>(gap_sin, b + 1)[b]),
+        ];
         InGap::new(arm, self.direction, gap)
     }
 
@@ -215,7 +216,8 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
             run.depth[b] = zero.values();
             run.force[b] = zero.values();
             if let Some(slopes) = &mut run.slopes {
-                slopes.put_nothing(b, zero);
+                let (group, part) = group_of::<S>(slopes, b);
+                group.put_nothing(part, zero);
             }
             self.changed |= remembered.any();
             return;
@@ -232,10 +234,9 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
         }
         let elastic = L::forces(law, depth);
         let mut force = elastic;
-        let mut touch = Touch {
+        let touch = Touch {
             normal: [nx, ny],
             curvature,
-            velocity: [zero, zero],
             depth,
             elastic,
         };
@@ -247,7 +248,6 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
             let vy = self
                 .spin
                 .negate_mul_add(arm_x, at(run.velocity[1]) - self.velocity[1]);
-            touch.velocity = [vx, vy];
             let rate = nx.mul_add(vx, ny * vy);
             let mut inverse_onset = inverse_onset;
             if touching.and(remembered.not()).any() {
@@ -269,10 +269,12 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
                     remembered,
                     floor: self.floor,
                 };
-                slopes.put_touch::<L>(b, law, &touch, Some(&damped));
+                let (group, part) = group_of::<S>(slopes, b);
+                group.put_touch::<S, L>(part, law, &touch, Some(&damped));
             }
         } else if let Some(slopes) = &mut run.slopes {
-            slopes.put_touch::<L>(b, law, &touch, None);
+            let (group, part) = group_of::<S>(slopes, b);
+            group.put_touch::<S, L>(part, law, &touch, None);
         }
         run.depth[b] = depth.values();
         run.force[b] = force.values();

@@ -73,6 +73,12 @@ pub(crate) fn both_mut<S: Simd>(
     ]
 }
 
+/// Two numbers, each everywhere in its register. (What `map` calls is not always inlined, and then loses its instructions.)
+#[inline(always)]
+pub(crate) fn splat_two<S: Simd>(simd: S, [x, y]: [f64; 2]) -> [Lanes<S>; 2] {
+    [Lanes::splat(simd, x), Lanes::splat(simd, y)]
+}
+
 /// 0, 1, 2, ... in a register.
 #[inline(always)]
 pub(crate) fn lane_numbers<S: Simd>(simd: S) -> Lanes<S> {
@@ -193,10 +199,10 @@ impl<S: Simd> Lanes<S> {
         self.with(self.simd.rotate_left_f64s(self.values, 1))
     }
 
-    /// All but the last moved on by one place, and the last in the first.
+    /// The number `distance` places on, the first ones behind the last.
     #[inline(always)]
-    pub(crate) fn turned_back(self) -> Self {
-        self.with(self.simd.rotate_right_f64s(self.values, 1))
+    pub(crate) fn turned_by(self, distance: usize) -> Self {
+        self.with(self.simd.rotate_left_f64s(self.values, distance))
     }
 
     /// self > other

@@ -11,6 +11,7 @@ use aligned_vec::{AVec, ConstAlign, avec};
 mod instruction_set;
 mod lanes;
 mod logarithm;
+mod octet;
 mod power_of_e;
 mod sines;
 mod sums;
@@ -19,9 +20,10 @@ pub(crate) mod testing;
 
 pub use instruction_set::InstructionSet;
 pub(crate) use lanes::{
-    Lanes, Mask, both, both_mut, lane_numbers, load, partial_load, vectors, vectors_mut,
+    Lanes, Mask, both, both_mut, lane_numbers, load, partial_load, splat_two, vectors, vectors_mut,
 };
 pub(crate) use logarithm::{ln_of_quotient, octaves_of_quotient};
+pub(crate) use octet::{Octet, parts, read, write};
 pub(crate) use power_of_e::{exp_of_remainder, nearest_whole};
 pub(crate) use sines::sin_cos;
 pub(crate) use sums::{PartialSums, Squares};

@@ -2,6 +2,7 @@
 
 use crate::model::{Model, Rotation, Support};
 
+use super::dense::Dense;
 use super::teeth::Motion;
 
 /// The coordinates of one sprocket: numbers `first`, `first` + 1, ... on the border.
@@ -47,30 +48,28 @@ impl SprocketMotions {
     }
 }
 
-/// A small dense system, solved by elimination with row exchanges.
+/// What the border's coordinates leave among themselves.
 #[derive(Debug, Clone)]
 pub(super) struct Corner {
-    size: usize,
-    /// Row after row; then the factors, with inverses of the pivots.
-    entries: Vec<f64>,
+    matrix: Dense,
+    /// Its inverse, where it is no larger than 2x2: rows, then columns.
+    inverse: [f64; 4],
     /// Entries on the diagonal without teeth.
     own: Vec<f64>,
-    pivots: Vec<usize>,
 }
 
 impl Corner {
     pub(super) fn new(size: usize) -> Self {
         Self {
-            size,
-            entries: vec![0.0; size * size],
+            matrix: Dense::new(size),
+            inverse: [0.0; 4],
             own: vec![0.0; size],
-            pivots: vec![0; size],
         }
     }
 
     /// Masses, and the tensioner's dashpot.
     pub(super) fn start(&mut self, model: &Model, gamma: f64) {
-        self.entries.fill(0.0);
+        self.matrix.clear();
         let start = 3 * model.links;
         for sprocket in &model.sprockets {
             sprocket
@@ -79,72 +78,45 @@ impl Corner {
                 self.add(index - start, index - start, gamma * damping);
             }
         }
-        for (i, own) in self.own.iter_mut().enumerate() {
-            *own = self.entries[i * self.size + i];
+        for (own, entry) in self.own.iter_mut().zip(self.matrix.diagonal()) {
+            *own = entry;
         }
     }
 
     /// The greatest share of an entry on the diagonal that teeth make up.
     pub(super) fn bound_by_teeth(&self) -> f64 {
-        let shares = self.own.iter().enumerate().map(|(i, own)| {
-            let all = self.entries[i * self.size + i];
-            (all - own).abs() / all.abs()
-        });
+        let entries = self.own.iter().zip(self.matrix.diagonal());
+        let shares = entries.map(|(own, all)| (all - own).abs() / all.abs());
         shares.fold(0.0, f64::max)
     }
 
     pub(super) fn add(&mut self, row: usize, column: usize, value: f64) {
-        self.entries[row * self.size + column] += value;
+        self.matrix.add(row, column, value);
     }
 
     /// Factorises; false when singular.
     pub(super) fn factorise(&mut self) -> bool {
-        let (size, matrix) = (self.size, &mut self.entries);
-        for k in 0..size {
-            let pivot = (k..size)
-                .max_by(|&a, &b| {
-                    let entry = |row: usize| matrix[row * size + k].abs();
-                    entry(a).total_cmp(&entry(b))
-                })
-                .unwrap_or(k);
-            self.pivots[k] = pivot;
-            if pivot != k {
-                for j in 0..size {
-                    matrix.swap(k * size + j, pivot * size + j);
-                }
+        match *self.matrix.entries() {
+            [a] => {
+                self.inverse[0] = 1.0 / a;
+                a != 0.0 && self.inverse[0].is_finite()
             }
-            let over = 1.0 / matrix[k * size + k];
-            if !over.is_finite() || over == 0.0 {
-                return false;
+            [a, b, c, d] => {
+                let over = 1.0 / (a * d - b * c);
+                self.inverse = [d * over, -b * over, -c * over, a * over];
+                over != 0.0 && over.is_finite()
             }
-            matrix[k * size + k] = over;
-            for i in k + 1..size {
-                let factor = matrix[i * size + k] * over;
-                matrix[i * size + k] = factor;
-                for j in k + 1..size {
-                    matrix[i * size + j] -= factor * matrix[k * size + j];
-                }
-            }
+            _ => self.matrix.factorise(),
         }
-        true
     }
 
     /// Solves in place.
     pub(super) fn solve(&self, right: &mut [f64]) {
-        let (size, matrix) = (self.size, &self.entries);
-        for (k, &pivot) in self.pivots.iter().enumerate() {
-            right.swap(k, pivot);
-        }
-        for i in 0..size {
-            for j in 0..i {
-                right[i] -= matrix[i * size + j] * right[j];
-            }
-        }
-        for i in (0..size).rev() {
-            for j in i + 1..size {
-                right[i] -= matrix[i * size + j] * right[j];
-            }
-            right[i] *= matrix[i * size + i];
+        let [a, b, c, d] = self.inverse;
+        match right {
+            [x] => *x *= a,
+            [x, y] => (*x, *y) = (a * *x + b * *y, c * *x + d * *y),
+            _ => self.matrix.solve(right),
         }
     }
 }

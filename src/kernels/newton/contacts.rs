@@ -7,94 +7,108 @@
 //! end takes its velocity along when its body turns. Both are damping times an angle that is turned in a step, γ κ s and γ ω,
 //! which Newton's method corrects at that rate.
 
-use pulp::{Simd, WithSimd};
+use pulp::Simd;
 
-use super::links::at;
-use crate::kernels::slopes::ContactSlopes;
-use crate::vector::{Lanes, Numbers, WIDTH, both, padded_zeros, vectors_mut};
+use super::ring::HingeGroup;
+use crate::kernels::slopes::SlopeGroup;
+use crate::vector::{Lanes, Numbers, WIDTH, padded_zeros, parts, vectors_mut, write};
 
-/// α and η of a register of contacts with stiffness, damping and curvature.
+/// α and η of register `part` of these contacts.
 #[inline(always)]
 pub(super) fn scaled<S: Simd>(
     gamma: f64,
-    [stiffness, damping, curvature]: [Lanes<S>; 3],
-    force: Lanes<S>,
+    simd: S,
+    slopes: &SlopeGroup,
+    part: usize,
 ) -> [Lanes<S>; 2] {
-    let (gamma, gamma_squared) = (force.constant(gamma), force.constant(gamma * gamma));
+    let gamma_squared = Lanes::splat(simd, gamma * gamma);
+    let damping = Lanes::splat(simd, gamma) * slopes.damping.at(simd, part);
+    let turn = slopes.force.at(simd, part) * slopes.curvature.at(simd, part);
     [
-        gamma_squared.mul_add(stiffness, gamma * damping),
-        gamma_squared * force * curvature,
+        gamma_squared.mul_add(slopes.stiffness.at(simd, part), damping),
+        gamma_squared * turn,
     ]
 }
 
 /// Entry of hinge 0 in arrays that have the last hinge before it.
 pub(super) const BASE: usize = WIDTH;
 
-/// Hinges of one matrix.
+/// Least α \[kg\]: a contact that has only just begun is taken for no softer.
+const LEAST: f64 = 1e-20;
+
+/// Least η over α. Across its normal a contact is the softer the less deep it is; below this share nothing moves for it.
+const LEAST_SHARE: f64 = 1e-10;
+
+/// Which hinges bear something: one, or zero; the last one once more before the first, which is at entry [`BASE`].
 #[derive(Debug, Clone)]
-pub(super) struct HingeTerms {
-    /// n, x and y; hinge k at entry [`BASE`] + k, and the last one once more before the first.
-    pub(super) normal: [Numbers; 2],
-    /// 1/α and 1/η of hinge k; 1 where it is open.
-    pub(super) softness: [Numbers; 2],
+pub(super) struct Closed {
+    pub(super) hinges: Numbers,
+    /// Whether any does.
+    pub(super) any: bool,
 }
 
-impl HingeTerms {
+impl Closed {
     pub(super) fn new(hinges: usize) -> Self {
-        let with_last = || padded_zeros(BASE + hinges);
-        let zeros = || padded_zeros(hinges);
         Self {
-            normal: [with_last(), with_last()],
-            softness: [zeros(), zeros()],
+            hinges: padded_zeros(BASE + hinges),
+            any: false,
         }
     }
 }
 
-/// Fills the terms of all hinges.
-pub(super) struct ScaleHinges<'a> {
-    pub(super) hinges: usize,
-    pub(super) gamma: f64,
-    pub(super) slopes: &'a ContactSlopes,
-    pub(super) force: &'a [f64],
-    pub(super) terms: &'a mut HingeTerms,
+/// Begins the ring's blocks with the compliance of each hinge, n n^T/α + t t^T/η; one for hinges that bear nothing.
+#[inline(always)]
+pub(super) fn soften_hinges<S: Simd>(
+    simd: S,
+    gamma: f64,
+    slopes: &[SlopeGroup],
+    closed: &mut Closed,
+    groups: &mut [HingeGroup],
+) {
+    let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+    let (least, least_share) = (one.constant(LEAST), one.constant(LEAST_SHARE));
+    closed.any = false;
+    let bearing = vectors_mut::<S>(
+        &mut closed.hinges[BASE..],
+        slopes.len() * WIDTH / S::F64_LANES,
+    );
+    let count = parts::<S>().len();
+    for ((slopes, group), bearing) in slopes
+        .iter()
+        .zip(groups)
+        .zip(bearing.chunks_exact_mut(count))
+    {
+        for part in parts::<S>() {
+            let bears = slopes.force.at(simd, part).greater(zero);
+            bearing[part] = bears.select(one, zero).values();
+            if !bears.any() {
+                write(&mut group.own, part, [one, one, zero]);
+                continue;
+            }
+            closed.any = true;
+            let [alpha, eta] = scaled(gamma, simd, slopes, part);
+            let alpha = bears.select(alpha.max(least), one);
+            let eta = bears.select(eta.max(alpha * least_share), one);
+            let over = one / (alpha * eta);
+            let (along, across) = (eta * over, alpha * over);
+            let (nx, ny) = (
+                slopes.normal[0].at(simd, part),
+                slopes.normal[1].at(simd, part),
+            );
+            let own = [
+                bears.select(along.mul_add(nx * nx, across * (ny * ny)), one),
+                bears.select(along.mul_add(ny * ny, across * (nx * nx)), one),
+                (along - across) * (nx * ny),
+            ];
+            write(&mut group.own, part, own);
+        }
+    }
 }
 
-impl WithSimd for ScaleHinges<'_> {
-    type Output = ();
-
+impl Closed {
+    /// Puts the last hinge before the first as well.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self {
-            hinges,
-            gamma,
-            slopes,
-            force,
-            terms,
-        } = self;
-        let blocks = hinges.div_ceil(S::F64_LANES);
-        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-        let normal = both::<S>(&slopes.normal, 0, blocks);
-        let [x, y] = &mut terms.normal;
-        let x = vectors_mut::<S>(&mut x[BASE..], blocks);
-        let y = vectors_mut::<S>(&mut y[BASE..], blocks);
-        let [along, across] = &mut terms.softness;
-        let along = vectors_mut::<S>(along, blocks);
-        let across = vectors_mut::<S>(across, blocks);
-        for i in 0..blocks {
-            let slopes = [
-                at(simd, &slopes.stiffness, i),
-                at(simd, &slopes.damping, i),
-                at(simd, &slopes.curvature, i),
-            ];
-            let force = at(simd, force, i);
-            let [alpha, eta] = scaled(gamma, slopes, force);
-            let closed = force.greater(zero);
-            (x[i], y[i]) = (normal[0][i], normal[1][i]);
-            along[i] = (one / closed.select(alpha, one)).values();
-            across[i] = (one / closed.select(eta, one)).values();
-        }
-        for array in &mut terms.normal {
-            array[BASE - 1] = array[BASE + hinges - 1];
-        }
+    pub(super) fn close(&mut self, hinges: usize) {
+        self.hinges[BASE - 1] = self.hinges[BASE + hinges - 1];
     }
 }

@@ -1,159 +1,162 @@
 //! Links eliminated: the inverse of every link's own 3x3 block, and what remains between its two hinges.
 //!
-//! Row of link i: `D_i w_i + F_i q_i + R_i q_(i-1) = M_i r_i`, where `q_i` are the changes of the force of hinge i in its own
-//! frame, F and R the levers of the link's front and rear there. Of hinge k: `P_k q_k = F_k^T w_k + R_(k+1)^T w_(k+1)`, with
-//! 1/α and 1/η on the diagonal of P.
+//! Row of link i: `D_i w_i + F_i^T f_i - R_i^T f_(i-1) = M_i r_i`, where `f_i` is the change of the force of hinge i, and F, R
+//! give the velocities of the link's front and rear: `F w = (w_x + u w_θ, w_y + v w_θ)`, R with -u, -v. Of hinge k:
+//! `P_k f_k = F_k w_k - R_(k+1) w_(k+1)`, P its compliance.
 
-use pulp::{Simd, WithSimd};
+use pulp::Simd;
 
-use super::contacts::{BASE, HingeTerms};
-use super::ring::RingBlocks;
+use super::contacts::{BASE, Closed};
+use super::ring::HingeGroup;
 use super::teeth::ToothTerms;
 use crate::model::Model;
 use crate::vector::{
-    Lanes, Numbers, WIDTH, lane_numbers, load, padded_zeros, partial_load, vectors, vectors_mut,
+    Lanes, Numbers, Octet, PartialSums, WIDTH, both, load, padded_zeros, parts, read, vectors,
+    vectors_mut, write,
 };
 
-/// What does not change from matrix to matrix; a link of the padding has mass and inertia one.
-#[derive(Debug, Clone)]
-pub(super) struct LinkInertia {
-    mass: Numbers,
-    inertia: Numbers,
+/// Eight links. One of the padding has mass and inertia one.
+#[derive(Debug, Clone, Copy)]
+struct LinkGroup {
+    mass: Octet,
+    inertia: Octet,
+    inverse_mass: Octet,
     /// One where bushing k is on the front of link k, else zero.
-    front_bushing: Numbers,
+    front_bushing: Octet,
     /// One where bushing k - 1 is on the rear of link k.
-    rear_bushing: Numbers,
+    rear_bushing: Octet,
+    /// Whether a bushing of one of them touches a tooth.
+    held: bool,
+    /// u and v: how turning the link moves its front \[m\].
+    lever: [Octet; 2],
+    /// Inverse of D: xx, xy, xθ, yy, yθ, θθ; where no tooth is touched only the last one.
+    inverse: [Octet; 6],
+    /// Scratch of a solution: links that feel no change of hinge forces.
+    free: [Octet; 3],
+    /// Scratch: velocities of their fronts.
+    front_velocity: [Octet; 2],
 }
 
-impl LinkInertia {
-    pub(super) fn new(model: &Model) -> Self {
+impl LinkGroup {
+    fn new(model: &Model, first: usize) -> Self {
         let n = model.links;
         let lay_out = |value: &dyn Fn(usize) -> f64, rest: f64| {
-            let mut values = padded_zeros(n);
-            values.fill(rest);
-            for (i, place) in values[..n].iter_mut().enumerate() {
-                *place = value(i);
-            }
-            values
+            let of = |i: usize| if i < n { value(i) } else { rest };
+            Octet(std::array::from_fn(|lane| of(first + lane)))
         };
         let owner = |k: usize| model.link_of_bushing(k % n);
+        let none = Octet::default();
         Self {
             mass: lay_out(&|i| model.mass[i], 1.0),
             inertia: lay_out(&|i| model.inertia[i], 1.0),
+            inverse_mass: lay_out(&|i| 1.0 / model.mass[i], 1.0),
             front_bushing: lay_out(&|i| f64::from(owner(i) == i), 0.0),
             rear_bushing: lay_out(&|i| f64::from(owner(i + n - 1) == i), 0.0),
+            held: false,
+            lever: [none; 2],
+            inverse: [none; 6],
+            free: [none; 3],
+            front_velocity: [none; 2],
         }
     }
 
-    /// What belongs to a register of links, from what belongs to the bushings.
+    /// Of a register of links what their front bushings have, and what their rear bushings have.
     #[inline(always)]
-    pub(super) fn of_link<S: Simd>(&self, simd: S, of: &[f64], links: usize, i: usize) -> Lanes<S> {
-        let (front, rear) = (at(simd, of, i), at_before(simd, of, links, i));
-        let on_rear = at(simd, &self.rear_bushing, i);
-        at(simd, &self.front_bushing, i).mul_add(front, on_rear * rear)
+    fn of_ends<S: Simd>(&self, simd: S, of: &[f64], i: usize, part: usize) -> [Lanes<S>; 2] {
+        let from = i * S::F64_LANES;
+        let front = load(simd, &vectors::<S>(&of[BASE + from..], 1)[0]);
+        let rear = load(simd, &vectors::<S>(&of[BASE - 1 + from..], 1)[0]);
+        [
+            self.front_bushing.at(simd, part) * front,
+            self.rear_bushing.at(simd, part) * rear,
+        ]
+    }
+
+    #[inline(always)]
+    fn times_inverse<S: Simd>(&self, simd: S, right: [Lanes<S>; 3], part: usize) -> [Lanes<S>; 3] {
+        if self.held {
+            return Symmetric(read(simd, &self.inverse, part)).times(right);
+        }
+        let light = self.inverse_mass.at(simd, part);
+        let [x, y, turn] = right;
+        [light * x, light * y, self.inverse[5].at(simd, part) * turn]
+    }
+
+    /// Blocks of links of which bushings touch teeth.
+    #[inline(always)]
+    fn held_links<S: Simd>(
+        &self,
+        simd: S,
+        teeth: &ToothTerms,
+        [u, v]: [Lanes<S>; 2],
+        inertia: Lanes<S>,
+        (i, part): (usize, usize),
+    ) -> Symmetric<S> {
+        let mass = self.mass.at(simd, part);
+        let [front_xx, rear_xx] = self.of_ends(simd, &teeth.held[0], i, part);
+        let [front_yy, rear_yy] = self.of_ends(simd, &teeth.held[1], i, part);
+        let [front_xy, rear_xy] = self.of_ends(simd, &teeth.held[2], i, part);
+        let (xx, yy, xy) = (front_xx + rear_xx, front_yy + rear_yy, front_xy + rear_xy);
+        let (dxx, dyy, dxy) = (front_xx - rear_xx, front_yy - rear_yy, front_xy - rear_xy);
+        let turned = [u.mul_add(xx, v * xy), u.mul_add(xy, v * yy)];
+        Symmetric([
+            mass + xx,
+            xy,
+            u.mul_add(dxx, v * dxy),
+            mass + yy,
+            u.mul_add(dxy, v * dyy),
+            u.mul_add(turned[0], v.mul_add(turned[1], inertia)),
+        ])
     }
 }
 
-/// Whether a bushing of a register of links touches a tooth.
+/// Whether a bushing of a group of links touches a tooth.
 #[inline(always)]
-pub(super) fn touched<S: Simd>(teeth: &ToothTerms, links: usize, i: usize) -> bool {
-    // Whole groups, so that every width takes the same way.
-    let first = i * S::F64_LANES / WIDTH * WIDTH;
+fn touched(teeth: &ToothTerms, links: usize, group: usize) -> bool {
+    let first = group * WIDTH;
     teeth.touches(first, WIDTH) || teeth.touches(if first > 0 { first - 1 } else { links - 1 }, 1)
 }
 
-/// Links after elimination, one array an entry.
+/// Links after elimination.
 #[derive(Debug, Clone)]
 pub(super) struct LinkTerms {
-    /// Inverse of D.
-    inverse: [Numbers; 6],
-    /// Turning the link moves its front along n and t of its hinge, its rear along those of the hinge before \[m\].
-    lever: [Numbers; 4],
-    /// `F^T D⁻¹ F` and `R^T D⁻¹ R`, entries as in the ring's blocks.
-    own: [[Numbers; 3]; 2],
-    /// The ring of the hinges.
-    pub(super) ring: RingBlocks,
-    /// Scratch of a solution: what links alone do to the hinges of their fronts, and to the ones before; the first link once
-    /// more behind the last.
-    push: [[Numbers; 2]; 2],
-    /// Scratch: changes of hinge forces; hinge k at [`BASE`] + k.
-    hinge: [Numbers; 2],
+    groups: Vec<LinkGroup>,
+    /// `R D⁻¹ R^T`: xx, yy, xy; the first link once more behind the last.
+    rear: [Numbers; 3],
+    /// Scratch of a solution: velocities of rears, the first one once more behind the last.
+    rear_velocity: [Numbers; 2],
+    /// Scratch: changes of hinge forces, x and y; hinge k at [`BASE`] + k.
+    force: [Numbers; 2],
 }
 
 impl LinkTerms {
-    pub(super) fn new(links: usize) -> Self {
-        let zeros = || padded_zeros(links);
-        let with_first = || padded_zeros(links + WIDTH);
-        let hinges = || padded_zeros(BASE + links);
+    pub(super) fn new(model: &Model) -> Self {
+        let n = model.links;
+        let with_first = || padded_zeros(n + WIDTH);
+        let hinges = || padded_zeros(BASE + n);
         Self {
-            inverse: [(); 6].map(|()| zeros()),
-            lever: [(); 4].map(|()| zeros()),
-            own: [(); 2].map(|()| [(); 3].map(|()| with_first())),
-            ring: RingBlocks::new(links),
-            push: [(); 2].map(|()| [(); 2].map(|()| with_first())),
-            hinge: [hinges(), hinges()],
+            groups: (0..n)
+                .step_by(WIDTH)
+                .map(|first| LinkGroup::new(model, first))
+                .collect(),
+            rear: [(); 3].map(|()| with_first()),
+            rear_velocity: [with_first(), with_first()],
+            force: [hinges(), hinges()],
         }
     }
 
     /// The unknowns of the ring, which hold its right-hand sides.
     pub(super) fn ring_unknowns(&mut self, links: usize) -> [&mut [f64]; 2] {
-        let [normal, tangential] = &mut self.hinge;
-        [
-            &mut normal[BASE..BASE + links],
-            &mut tangential[BASE..BASE + links],
-        ]
-    }
-
-    /// Puts the last hinge before the first as well, once the ring is solved.
-    pub(super) fn close_ring(&mut self, links: usize) {
-        for hinge in &mut self.hinge {
-            hinge[BASE - 1] = hinge[BASE + links - 1];
-        }
+        let [x, y] = &mut self.force;
+        [&mut x[BASE..BASE + links], &mut y[BASE..BASE + links]]
     }
 }
 
-#[inline(always)]
-pub(super) fn at<S: Simd>(simd: S, array: &[f64], i: usize) -> Lanes<S> {
-    load(simd, &vectors::<S>(array, i + 1)[i])
-}
-
-#[inline(always)]
-pub(super) fn put<S: Simd>(array: &mut [f64], i: usize, values: Lanes<S>) {
-    vectors_mut::<S>(array, i + 1)[i] = values.values();
-}
-
-/// Entries k - 1 of a register of links k, the last one before the first.
-#[inline(always)]
-fn at_before<S: Simd>(simd: S, array: &[f64], links: usize, i: usize) -> Lanes<S> {
-    if i > 0 {
-        return load(simd, &vectors::<S>(&array[i * S::F64_LANES - 1..], 1)[0]);
-    }
-    let first = lane_numbers(simd).less(Lanes::splat(simd, 0.5));
-    first.select(
-        Lanes::splat(simd, array[links - 1]),
-        at(simd, array, 0).turned_back(),
-    )
-}
-
-#[inline(always)]
-fn dot<S: Simd>(a: &[Lanes<S>; 3], b: &[Lanes<S>; 3]) -> Lanes<S> {
-    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
-}
-
-/// A symmetric matrix, entries as in [`ENTRIES`].
+/// A symmetric matrix: xx, xy, xz, yy, yz, zz.
 #[derive(Clone, Copy)]
 struct Symmetric<S: Simd>([Lanes<S>; 6]);
 
 impl<S: Simd> Symmetric<S> {
-    #[inline(always)]
-    fn load(simd: S, arrays: &[Numbers; 6], i: usize) -> Self {
-        let mut entries = [Lanes::splat(simd, 0.0); 6];
-        for (entry, array) in entries.iter_mut().zip(arrays) {
-            *entry = at(simd, array, i);
-        }
-        Self(entries)
-    }
-
     #[inline(always)]
     fn inverse(&self) -> Self {
         let [xx, xy, xz, yy, yz, zz] = self.0;
@@ -172,58 +175,20 @@ impl<S: Simd> Symmetric<S> {
     }
 
     #[inline(always)]
-    fn times(&self, v: &[Lanes<S>; 3]) -> [Lanes<S>; 3] {
+    fn times(&self, [x, y, z]: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let [xx, xy, xz, yy, yz, zz] = self.0;
         [
-            dot(&[xx, xy, xz], v),
-            dot(&[xy, yy, yz], v),
-            dot(&[xz, yz, zz], v),
+            xx.mul_add(x, xy.mul_add(y, xz * z)),
+            xy.mul_add(x, yy.mul_add(y, yz * z)),
+            xz.mul_add(x, yz.mul_add(y, zz * z)),
         ]
     }
 }
 
-/// How the coordinates of a register of links move one of their ends along n and t of its hinge.
-struct End<S: Simd> {
-    normal: [Lanes<S>; 3],
-    tangent: [Lanes<S>; 3],
-}
-
-impl<S: Simd> End<S> {
-    /// The front of links `i` (`SIDE` 1) or the rear (`SIDE` -1), whose hinge is the one before.
-    #[inline(always)]
-    fn new<const SIDE: i8>(
-        simd: S,
-        terms: &HingeTerms,
-        [cos, sin]: [Lanes<S>; 2],
-        arm: Lanes<S>,
-        i: usize,
-    ) -> Self {
-        let first = if SIDE > 0 { BASE } else { BASE - 1 };
-        let nx = at(simd, &terms.normal[0][first..], i);
-        let ny = at(simd, &terms.normal[1][first..], i);
-        let lever = [
-            arm * cos.mul_add(ny, -(sin * nx)),
-            arm * cos.mul_add(nx, sin * ny),
-        ];
-        if SIDE > 0 {
-            Self {
-                normal: [nx, ny, lever[0]],
-                tangent: [-ny, nx, lever[1]],
-            }
-        } else {
-            Self {
-                normal: [-nx, -ny, lever[0]],
-                tangent: [ny, -nx, lever[1]],
-            }
-        }
-    }
-}
-
-/// Eliminates all links; the ring remains.
-pub(super) struct EliminateLinks<'a> {
+/// What the links' elimination reads.
+pub(super) struct Linked<'a> {
     pub(super) links: usize,
     pub(super) gamma: f64,
-    pub(super) inertia: &'a LinkInertia,
     /// Cosines and sines of the links.
     pub(super) direction: [&'a [f64]; 2],
     /// Half the pitch of every link \[m\].
@@ -231,218 +196,264 @@ pub(super) struct EliminateLinks<'a> {
     /// Forces on front and rear ends, x and y \[N\].
     pub(super) front_force: [&'a [f64]; 2],
     pub(super) rear_force: [&'a [f64]; 2],
-    pub(super) hinges: &'a HingeTerms,
     pub(super) teeth: &'a ToothTerms,
-    pub(super) terms: &'a mut LinkTerms,
+    pub(super) closed: &'a Closed,
 }
 
-impl WithSimd for EliminateLinks<'_> {
-    type Output = ();
-
+impl LinkTerms {
+    /// Eliminates all links; the ring, which holds the hinges' compliances, remains.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let n = self.links;
-        let blocks = n.div_ceil(S::F64_LANES);
-        let gamma_squared = Lanes::splat(simd, self.gamma * self.gamma);
-        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
-        let terms = self.terms;
-        for i in 0..blocks {
-            let direction = [
-                at(simd, self.direction[0], i),
-                at(simd, self.direction[1], i),
+    pub(super) fn eliminate<S: Simd>(&mut self, simd: S, of: &Linked, ring: &mut [HingeGroup]) {
+        let n = of.links;
+        let count = parts::<S>().len();
+        let blocks = self.groups.len() * count;
+        let of_links = |array| vectors::<S>(array, blocks);
+        let [cos, sin] = of.direction.map(of_links);
+        let arm = of_links(of.arm);
+        let [front_x, front_y] = of.front_force.map(of_links);
+        let [rear_x, rear_y] = of.rear_force.map(of_links);
+        let closed = vectors::<S>(&of.closed.hinges[BASE..], blocks);
+        let closed_before = vectors::<S>(&of.closed.hinges[BASE - 1..], blocks);
+        let gamma_squared = Lanes::splat(simd, of.gamma * of.gamma);
+        {
+            let [xx, yy, xy] = &mut self.rear;
+            let rear = [
+                vectors_mut::<S>(xx, blocks),
+                vectors_mut::<S>(yy, blocks),
+                vectors_mut::<S>(xy, blocks),
             ];
-            let arm = at(simd, self.arm, i);
-            let front = End::<S>::new::<1>(simd, self.hinges, direction, arm, i);
-            let rear = End::<S>::new::<-1>(simd, self.hinges, direction, arm, i);
-
-            let mass = at(simd, &self.inertia.mass, i);
-            let pull = [
-                at(simd, self.front_force[0], i) - at(simd, self.rear_force[0], i),
-                at(simd, self.front_force[1], i) - at(simd, self.rear_force[1], i),
-            ];
-            let stretch = direction[0].mul_add(pull[0], direction[1] * pull[1]);
-            let inertia =
-                (gamma_squared * arm).mul_add(stretch, at(simd, &self.inertia.inertia, i));
-            let inverse = if touched::<S>(self.teeth, n, i) {
-                let mut own = [mass, zero, zero, mass, zero, inertia];
-                for (entry, of) in own.iter_mut().zip(&self.teeth.block) {
-                    *entry = *entry + self.inertia.of_link(simd, of, n, i);
+            for (number, (links, hinges)) in self.groups.iter_mut().zip(&mut *ring).enumerate() {
+                links.held = touched(of.teeth, n, number);
+                for part in parts::<S>() {
+                    let i = number * count + part;
+                    let at = |array: &[S::f64s]| load(simd, &array[i]);
+                    let (arm, cos, sin) = (at(arm), at(cos), at(sin));
+                    let lever = [-(arm * sin), arm * cos];
+                    write(&mut links.lever, part, lever);
+                    let pull = [at(front_x) - at(rear_x), at(front_y) - at(rear_y)];
+                    let stretch = cos.mul_add(pull[0], sin * pull[1]);
+                    let inertia =
+                        (gamma_squared * arm).mul_add(stretch, links.inertia.at(simd, part));
+                    let ends = if links.held {
+                        let inverse = links
+                            .held_links(simd, of.teeth, lever, inertia, (i, part))
+                            .inverse();
+                        write(&mut links.inverse, part, inverse.0);
+                        Ends::of_held(&inverse, lever)
+                    } else {
+                        let turn = inertia.constant(1.0) / inertia;
+                        links.inverse[5].put(part, turn);
+                        Ends::of_free(links.inverse_mass.at(simd, part), turn, lever)
+                    };
+                    rear[0][i] = ends.rear[0].values();
+                    rear[1][i] = ends.rear[1].values();
+                    rear[2][i] = ends.rear[2].values();
+                    let closed = at(closed);
+                    for (octet, entry) in hinges.own.iter_mut().zip(ends.front) {
+                        octet.put(part, closed.mul_add(entry, octet.at(simd, part)));
+                    }
+                    let both = closed * at(closed_before);
+                    for (octet, entry) in hinges.before.iter_mut().zip(ends.between) {
+                        octet.put(part, both * entry);
+                    }
                 }
-                Symmetric(own).inverse()
-            } else {
-                let light = one / mass;
-                Symmetric([light, zero, zero, light, zero, one / inertia])
-            };
-            for (array, entry) in terms.inverse.iter_mut().zip(inverse.0) {
-                put(array, i, entry);
             }
-            let (front_n, front_t) = (inverse.times(&front.normal), inverse.times(&front.tangent));
-            let (rear_n, rear_t) = (inverse.times(&rear.normal), inverse.times(&rear.tangent));
-            put(&mut terms.lever[0], i, front.normal[2]);
-            put(&mut terms.lever[1], i, front.tangent[2]);
-            put(&mut terms.lever[2], i, rear.normal[2]);
-            put(&mut terms.lever[3], i, rear.tangent[2]);
-            let [own_front, own_rear] = &mut terms.own;
-            put(&mut own_front[0], i, dot(&front.normal, &front_n));
-            put(&mut own_front[1], i, dot(&front.tangent, &front_t));
-            put(&mut own_front[2], i, dot(&front.normal, &front_t));
-            put(&mut own_rear[0], i, dot(&rear.normal, &rear_n));
-            put(&mut own_rear[1], i, dot(&rear.tangent, &rear_t));
-            put(&mut own_rear[2], i, dot(&rear.normal, &rear_t));
-            let before = &mut terms.ring.before;
-            put(&mut before[0], i, dot(&front.normal, &rear_n));
-            put(&mut before[1], i, dot(&front.normal, &rear_t));
-            put(&mut before[2], i, dot(&front.tangent, &rear_n));
-            put(&mut before[3], i, dot(&front.tangent, &rear_t));
         }
-        let [own_front, own_rear] = &mut terms.own;
-        for (entry, diagonal) in terms.ring.diagonal.iter_mut().enumerate() {
-            own_rear[entry][n] = own_rear[entry][0];
-            for i in 0..blocks {
-                let links = at(simd, &own_front[entry], i) + at(simd, &own_rear[entry][1..], i);
-                let all = match self.hinges.softness.get(entry) {
-                    Some(softness) => links + at(simd, softness, i),
-                    None => links,
-                };
-                put(diagonal, i, all);
+        for array in &mut self.rear {
+            array[n] = array[0];
+        }
+        let [xx, yy, xy] = &self.rear;
+        let behind = [
+            vectors::<S>(&xx[1..], blocks),
+            vectors::<S>(&yy[1..], blocks),
+            vectors::<S>(&xy[1..], blocks),
+        ];
+        for (number, hinges) in ring.iter_mut().enumerate().take(self.groups.len()) {
+            for part in parts::<S>() {
+                let i = number * count + part;
+                let closed = load(simd, &closed[i]);
+                for (octet, rear) in hinges.own.iter_mut().zip(behind) {
+                    octet.put(
+                        part,
+                        closed.mul_add(load(simd, &rear[i]), octet.at(simd, part)),
+                    );
+                }
+            }
+        }
+    }
+
+    /// Links that feel `right` and no change of hinge forces, and what that does to the hinges: the ring's right-hand sides.
+    #[inline(always)]
+    pub(super) fn solve_free<S: Simd, R: RightHand<S>>(
+        &mut self,
+        simd: S,
+        links: usize,
+        closed: &Closed,
+        right: &R,
+    ) {
+        let count = parts::<S>().len();
+        let blocks = self.groups.len() * count;
+        {
+            let [x, y] = &mut self.rear_velocity;
+            let rear = [vectors_mut::<S>(x, blocks), vectors_mut::<S>(y, blocks)];
+            for (number, group) in self.groups.iter_mut().enumerate() {
+                for part in parts::<S>() {
+                    let i = number * count + part;
+                    let mass = group.mass.at(simd, part);
+                    let mass = [mass, mass, group.inertia.at(simd, part)];
+                    let right = right.at(simd, mass, group.held, i);
+                    let free = group.times_inverse(simd, right, part);
+                    let [x, y, turn] = free;
+                    let [u, v] = read(simd, &group.lever, part);
+                    write(&mut group.free, part, free);
+                    let front = [u.mul_add(turn, x), v.mul_add(turn, y)];
+                    write(&mut group.front_velocity, part, front);
+                    rear[0][i] = u.negate_mul_add(turn, x).values();
+                    rear[1][i] = v.negate_mul_add(turn, y).values();
+                }
+            }
+        }
+        for array in &mut self.rear_velocity {
+            array[links] = array[0];
+        }
+        let [x, y] = &self.rear_velocity;
+        let behind = [vectors::<S>(&x[1..], blocks), vectors::<S>(&y[1..], blocks)];
+        let closed = vectors::<S>(&closed.hinges[BASE..], blocks);
+        let [x, y] = &mut self.force;
+        let force = [
+            vectors_mut::<S>(&mut x[BASE..], blocks),
+            vectors_mut::<S>(&mut y[BASE..], blocks),
+        ];
+        for (number, group) in self.groups.iter().enumerate() {
+            for part in parts::<S>() {
+                let i = number * count + part;
+                let closed = load(simd, &closed[i]);
+                let [x, y] = read(simd, &group.front_velocity, part);
+                force[0][i] = (closed * (x - load(simd, &behind[0][i]))).values();
+                force[1][i] = (closed * (y - load(simd, &behind[1][i]))).values();
+            }
+        }
+    }
+
+    /// Puts the last hinge before the first as well, once the ring is solved.
+    #[inline(always)]
+    pub(super) fn close_ring(&mut self, links: usize) {
+        for force in &mut self.force {
+            force[BASE - 1] = force[BASE + links - 1];
+        }
+    }
+
+    /// Links that feel the changes of hinge forces; adds their products with the border's rows to `sums`.
+    #[inline(always)]
+    pub(super) fn solve_bound<S: Simd>(
+        &self,
+        simd: S,
+        unknowns: &mut [[Octet; 3]],
+        rows: &[Border],
+        sums: &mut [PartialSums],
+    ) {
+        let count = parts::<S>().len();
+        let blocks = self.groups.len() * count;
+        let [x, y] = &self.force;
+        let front = both::<S>(&self.force, BASE, blocks);
+        let rear = [
+            vectors::<S>(&x[BASE - 1..], blocks),
+            vectors::<S>(&y[BASE - 1..], blocks),
+        ];
+        for (number, (group, unknowns)) in self.groups.iter().zip(unknowns).enumerate() {
+            for part in parts::<S>() {
+                let i = number * count + part;
+                let at = |array: &[S::f64s]| load(simd, &array[i]);
+                let (front, rear) = ([at(front[0]), at(front[1])], [at(rear[0]), at(rear[1])]);
+                let [u, v] = read(simd, &group.lever, part);
+                let turn = u.mul_add(front[0] + rear[0], v * (front[1] + rear[1]));
+                let taken = [front[0] - rear[0], front[1] - rear[1], turn];
+                let taken = group.times_inverse(simd, taken, part);
+                let free = read(simd, &group.free, part);
+                let bound = [free[0] - taken[0], free[1] - taken[1], free[2] - taken[2]];
+                write(unknowns, part, bound);
+                if group.held {
+                    for (row, sum) in rows.iter().zip(&mut *sums) {
+                        let [x, y, turn] = read(simd, &row[number], part);
+                        let turn = turn * bound[2];
+                        sum.add(i, x.mul_add(bound[0], y.mul_add(bound[1], turn)));
+                    }
+                }
+            }
+        }
+    }
+
+    /// What bushings leave for one coordinate on the border, link by link.
+    #[inline(always)]
+    pub(super) fn gather_column<S: Simd>(
+        &self,
+        simd: S,
+        from: &[Numbers; 2],
+        column: &mut [[Octet; 3]],
+    ) {
+        for (number, (group, column)) in self.groups.iter().zip(column).enumerate() {
+            if !group.held {
+                *column = [Octet::default(); 3];
+                continue;
+            }
+            for part in parts::<S>() {
+                let i = number * parts::<S>().len() + part;
+                let [u, v] = read(simd, &group.lever, part);
+                let [front_x, rear_x] = group.of_ends(simd, &from[0], i, part);
+                let [front_y, rear_y] = group.of_ends(simd, &from[1], i, part);
+                let turn = u.mul_add(front_x - rear_x, v * (front_y - rear_y));
+                write(column, part, [front_x + rear_x, front_y + rear_y, turn]);
             }
         }
     }
 }
 
-/// Residuals of accelerations times masses and inertias: right-hand sides of links.
-pub(super) struct TimesInertia<'a> {
-    pub(super) links: usize,
-    /// All x, all y, all θ.
-    pub(super) residual: &'a [f64],
-    pub(super) inertia: &'a LinkInertia,
-    pub(super) right: &'a mut [Numbers; 3],
+/// Right-hand sides of links.
+pub(super) trait RightHand<S: Simd> {
+    /// Those of register `i` of links with masses and inertias `mass`, `held` by teeth or not.
+    fn at(&self, simd: S, mass: [Lanes<S>; 3], held: bool, i: usize) -> [Lanes<S>; 3];
 }
 
-impl WithSimd for TimesInertia<'_> {
-    type Output = ();
+/// A row of the border, or a column: x, y and θ of the links.
+pub(super) type Border = Vec<[Octet; 3]>;
 
+/// What a register of links does to its two hinges.
+struct Ends<S: Simd> {
+    /// `F D⁻¹ F^T`: xx, yy, xy.
+    front: [Lanes<S>; 3],
+    /// `R D⁻¹ R^T`
+    rear: [Lanes<S>; 3],
+    /// `-F D⁻¹ R^T`: rows, then columns.
+    between: [Lanes<S>; 4],
+}
+
+impl<S: Simd> Ends<S> {
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let n = self.links;
-        let inertia = &self.inertia;
-        let factors = [&inertia.mass, &inertia.mass, &inertia.inertia];
-        for (axis, factor) in factors.into_iter().enumerate() {
-            let (whole, rest) = S::as_simd_f64s(&self.residual[axis * n..(axis + 1) * n]);
-            let right = &mut self.right[axis];
-            for (i, residual) in whole.iter().enumerate() {
-                put(right, i, load(simd, residual) * at(simd, factor, i));
-            }
-            if !rest.is_empty() {
-                let i = whole.len();
-                put(right, i, partial_load(simd, rest) * at(simd, factor, i));
-            }
+    fn of_free(light: Lanes<S>, turn: Lanes<S>, [u, v]: [Lanes<S>; 2]) -> Self {
+        let (tu, tv) = (turn * u, turn * v);
+        let [uu, vv, uv] = [tu * u, tv * v, tu * v];
+        let own = [light + uu, light + vv, uv];
+        Self {
+            front: own,
+            rear: own,
+            between: [uu - light, uv, uv, vv - light],
         }
     }
-}
-
-/// Solves all links as if no hinge force changed, and finds what that does to the hinges: the ring's right-hand sides.
-pub(super) struct SolveFree<'a> {
-    pub(super) links: usize,
-    /// Right-hand sides of all links, padded: x, y, θ.
-    pub(super) right: &'a [Numbers; 3],
-    pub(super) hinges: &'a HingeTerms,
-    pub(super) terms: &'a mut LinkTerms,
-}
-
-impl WithSimd for SolveFree<'_> {
-    type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let n = self.links;
-        let blocks = n.div_ceil(S::F64_LANES);
-        let terms = self.terms;
-        for i in 0..blocks {
-            let right = [
-                at(simd, &self.right[0], i),
-                at(simd, &self.right[1], i),
-                at(simd, &self.right[2], i),
-            ];
-            let w = Symmetric::load(simd, &terms.inverse, i).times(&right);
-            push_hinges(simd, terms, self.hinges, 0, i, w);
-            push_hinges(simd, terms, self.hinges, 1, i, [-w[0], -w[1], w[2]]);
-        }
-        let [front, rear] = &mut terms.push;
-        for ((hinge, front), rear) in terms.hinge.iter_mut().zip(front).zip(rear) {
-            rear[n] = rear[0];
-            for i in 0..blocks {
-                let both = at(simd, front, i) + at(simd, &rear[1..], i);
-                put(&mut hinge[BASE..], i, both);
-            }
-        }
-    }
-}
-
-/// How far links that change by `w` move the hinges of their fronts (`side` 0) or, with the signs of x and y changed, those of
-/// their rears (1).
-#[inline(always)]
-fn push_hinges<S: Simd>(
-    simd: S,
-    terms: &mut LinkTerms,
-    hinges: &HingeTerms,
-    side: usize,
-    i: usize,
-    w: [Lanes<S>; 3],
-) {
-    let first = BASE - side;
-    let nx = at(simd, &hinges.normal[0][first..], i);
-    let ny = at(simd, &hinges.normal[1][first..], i);
-    let lever = &terms.lever[2 * side..];
-    let normal = nx.mul_add(w[0], ny.mul_add(w[1], at(simd, &lever[0], i) * w[2]));
-    let tangent = ny.negate_mul_add(w[0], nx.mul_add(w[1], at(simd, &lever[1], i) * w[2]));
-    put(&mut terms.push[side][0], i, normal);
-    put(&mut terms.push[side][1], i, tangent);
-}
-
-/// Solves all links with the changes of hinge forces known, in place of their right-hand sides.
-pub(super) struct SolveLinks<'a> {
-    pub(super) links: usize,
-    pub(super) hinges: &'a HingeTerms,
-    pub(super) terms: &'a LinkTerms,
-    pub(super) unknowns: &'a mut [Numbers; 3],
-}
-
-impl WithSimd for SolveLinks<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let blocks = self.links.div_ceil(S::F64_LANES);
-        let terms = self.terms;
-        let [x, y] = &self.hinges.normal;
-        let [normal, tangential] = &terms.hinge;
-        for i in 0..blocks {
-            let (fx, fy) = (at(simd, &x[BASE..], i), at(simd, &y[BASE..], i));
-            let (fn_, ft) = (
-                at(simd, &normal[BASE..], i),
-                at(simd, &tangential[BASE..], i),
-            );
-            let (rx, ry) = (at(simd, &x[BASE - 1..], i), at(simd, &y[BASE - 1..], i));
-            let (rn, rt) = (
-                at(simd, &normal[BASE - 1..], i),
-                at(simd, &tangential[BASE - 1..], i),
-            );
-            let lever = &terms.lever;
-            let front = at(simd, &lever[0], i).mul_add(fn_, at(simd, &lever[1], i) * ft);
-            let rear = at(simd, &lever[2], i).mul_add(rn, at(simd, &lever[3], i) * rt);
-            // Each force, turned from the frame of its hinge; the rear's is the other way round.
-            let along_x = rx.mul_add(rn, ry.negate_mul_add(rt, fy * ft)) - fx * fn_;
-            let along_y = ry.mul_add(rn, rx.mul_add(rt, -(fx * ft))) - fy * fn_;
-            let right = [
-                at(simd, &self.unknowns[0], i) + along_x,
-                at(simd, &self.unknowns[1], i) + along_y,
-                at(simd, &self.unknowns[2], i) - (front + rear),
-            ];
-            let w = Symmetric::load(simd, &terms.inverse, i).times(&right);
-            for (array, w) in self.unknowns.iter_mut().zip(w) {
-                put(array, i, w);
-            }
+    fn of_held(inverse: &Symmetric<S>, [u, v]: [Lanes<S>; 2]) -> Self {
+        let [xx, xy, xz, yy, yz, zz] = inverse.0;
+        let (zu, zv) = (zz * u, zz * v);
+        let [uu, vv, uv] = [zu * u, zv * v, zu * v];
+        let (same_x, same_y, same_xy) = (xx + uu, yy + vv, xy + uv);
+        // Twice the products of turning and moving have opposite signs at the two ends.
+        let (x, y) = (u * xz, v * yz);
+        let crossed = u.mul_add(yz, v * xz);
+        let between = v.mul_add(xz, -(u * yz));
+        Self {
+            front: [same_x + (x + x), same_y + (y + y), same_xy + crossed],
+            rear: [same_x - (x + x), same_y - (y + y), same_xy - crossed],
+            between: [uu - xx, (uv - xy) + between, (uv - xy) - between, vv - yy],
         }
     }
 }

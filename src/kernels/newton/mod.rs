@@ -5,26 +5,30 @@
 //! The unknowns of links go first, 3x3 each; what remains is a ring of 2x2 blocks, one a hinge, and the sprockets' own
 //! coordinates on its border. The work grows with the links; nothing is allocated once it has been made.
 
+mod blocks;
 mod border;
 mod contacts;
-mod gather;
+mod dense;
 mod links;
 mod ring;
 mod teeth;
 
+use pulp::{Simd, WithSimd};
+
 use border::{Corner, SprocketMotions};
-use contacts::{HingeTerms, ScaleHinges};
-use gather::{Along, FindLevers, GatherColumn, Take};
-use links::{EliminateLinks, LinkInertia, LinkTerms, SolveFree, SolveLinks, TimesInertia};
-use ring::{FactoriseRing, Ring, SolveRing};
-use teeth::{AddTeeth, Levers, ToothTerms};
+use contacts::{Closed, soften_hinges};
+use links::{Border, LinkTerms, Linked, RightHand};
+use ring::{HingeGroup, Ring, hinge_groups};
+use teeth::{AddTeeth, ToothTerms};
 
 use super::layout::{ChainArrays, FIRST, LinkConstants};
-use super::slopes::ContactSlopes;
+use super::slopes::{SlopeGroup, slope_groups};
 use super::teeth::SprocketPose;
 use crate::contact::Candidates;
 use crate::model::Model;
-use crate::vector::{InstructionSet, Numbers, WIDTH, padded_zeros};
+use crate::vector::{
+    InstructionSet, Lanes, Octet, PartialSums, WIDTH, partial_load, parts, read, vectors, write,
+};
 
 /// Share of a border coordinate's own entry that teeth may make up for the border to be swept instead of eliminated: what a
 /// correction then lacks is that share of it.
@@ -34,27 +38,28 @@ const WEAK: f64 = 0.1;
 #[derive(Debug, Clone)]
 pub(super) struct NewtonMatrix {
     /// Of the hinges.
-    pub(super) hinge_slopes: ContactSlopes,
+    pub(super) hinge_slopes: Vec<SlopeGroup>,
     /// Of each sprocket's candidates, slot by slot.
-    pub(super) tooth_slopes: Vec<ContactSlopes>,
-    inertia: LinkInertia,
+    pub(super) tooth_slopes: Vec<Vec<SlopeGroup>>,
     motions: Vec<SprocketMotions>,
-    levers: Levers,
-    hinges: HingeTerms,
+    closed: Closed,
     teeth: ToothTerms,
     links: LinkTerms,
+    hinges: Vec<HingeGroup>,
     ring: Ring,
     /// Columns of the border, which are its rows too, link by link.
-    columns: Vec<[Numbers; 3]>,
+    columns: Vec<Border>,
     /// The columns solved by the links' part, when the border is eliminated.
-    solved: Vec<[Numbers; 3]>,
+    solved: Vec<Border>,
     corner: Corner,
     /// Whether teeth bind the border so weakly that it is swept, not eliminated.
     swept: bool,
     /// Scratch: what the border would do without links.
     alone: Vec<f64>,
-    /// Scratch: right-hand sides of links, then their solutions.
-    unknowns: [Numbers; 3],
+    /// Scratch: products of the border's rows with the links.
+    sums: Vec<PartialSums>,
+    /// Scratch: solutions of links.
+    unknowns: Border,
 }
 
 /// What an evaluation left.
@@ -71,26 +76,26 @@ impl NewtonMatrix {
     pub(super) fn new(model: &Model) -> Self {
         let n = model.links;
         let border = model.coordinates - 3 * n;
-        let three = || [(); 3].map(|()| padded_zeros(n));
+        let three = || vec![[Octet::default(); 3]; n.div_ceil(WIDTH)];
         let slots = Candidates::most_slots(model);
         Self {
-            hinge_slopes: ContactSlopes::new(n),
+            hinge_slopes: slope_groups(n),
             tooth_slopes: model
                 .sprockets
                 .iter()
-                .map(|_| ContactSlopes::new(slots))
+                .map(|_| slope_groups(slots))
                 .collect(),
-            inertia: LinkInertia::new(model),
             motions: SprocketMotions::of(model),
-            levers: [(); 2].map(|()| padded_zeros(2 * n + 3 * WIDTH)),
-            hinges: HingeTerms::new(n),
+            closed: Closed::new(n),
             teeth: ToothTerms::new(n, border),
-            links: LinkTerms::new(n),
+            links: LinkTerms::new(model),
+            hinges: hinge_groups(n),
             ring: Ring::new(n),
             columns: (0..border).map(|_| three()).collect(),
             solved: (0..border).map(|_| three()).collect(),
             swept: true,
             alone: vec![0.0; border],
+            sums: vec![PartialSums::default(); border],
             corner: Corner::new(border),
             unknowns: three(),
         }
@@ -98,131 +103,12 @@ impl NewtonMatrix {
 
     /// Makes and factorises the matrix; false when it is singular.
     pub(super) fn factorise(&mut self, model: &Model, evaluated: &Evaluated, gamma: f64) -> bool {
-        let n = model.links;
-        let instructions = evaluated.instructions;
-        instructions.run(ScaleHinges {
-            hinges: n,
+        evaluated.instructions.run(Factorise {
+            matrix: self,
+            model,
+            evaluated,
             gamma,
-            slopes: &self.hinge_slopes,
-            force: &evaluated.chain.force,
-            terms: &mut self.hinges,
-        });
-        self.add_teeth(model, evaluated, gamma);
-        let ChainArrays {
-            cos,
-            sin,
-            front_force: [front_x, front_y],
-            rear_force: [rear_x, rear_y],
-            ..
-        } = evaluated.chain;
-        instructions.run(EliminateLinks {
-            links: n,
-            gamma,
-            inertia: &self.inertia,
-            direction: [cos, sin],
-            arm: &evaluated.constants.front_arm,
-            front_force: [front_x, front_y],
-            rear_force: [&rear_x[FIRST..], &rear_y[FIRST..]],
-            hinges: &self.hinges,
-            teeth: &self.teeth,
-            terms: &mut self.links,
-        });
-        let regular = instructions.run(FactoriseRing {
-            ring: &mut self.ring,
-            blocks: &self.links.ring,
-            force: &evaluated.chain.force,
-        });
-        regular && self.eliminate_border(instructions, n)
-    }
-
-    fn add_teeth(&mut self, model: &Model, evaluated: &Evaluated, gamma: f64) {
-        let (n, overhang) = (model.links, evaluated.candidates.overhang);
-        let chain = evaluated.chain;
-        evaluated.instructions.run(FindLevers {
-            links: n,
-            overhang,
-            on_front: &evaluated.constants.bushing_on_front,
-            arm: &evaluated.constants.front_arm,
-            direction: [&chain.cos, &chain.sin],
-            levers: &mut self.levers,
-        });
-        self.teeth.clear();
-        self.corner.start(model, gamma);
-        for (s, candidates) in evaluated.candidates.sprockets.iter().enumerate() {
-            let SprocketMotions { first, motions } = &self.motions[s];
-            let among = evaluated.instructions.run(AddTeeth {
-                gamma,
-                pose: &evaluated.poses[s],
-                candidates,
-                slopes: &self.tooth_slopes[s],
-                bushing: &chain.bushing,
-                levers: &self.levers,
-                motions,
-                first: *first,
-                terms: &mut self.teeth,
-            });
-            for (i, row) in among.iter().enumerate().take(motions.len()) {
-                for (j, &entry) in row.iter().enumerate().take(motions.len()).skip(i) {
-                    self.corner.add(first + i, first + j, entry);
-                    if i < j {
-                        self.corner.add(first + j, first + i, entry);
-                    }
-                }
-            }
-        }
-        self.teeth.take_back(n, overhang);
-    }
-
-    /// Brings the border's columns to the links and, unless it is only swept, eliminates it; false when singular.
-    fn eliminate_border(&mut self, instructions: InstructionSet, links: usize) -> bool {
-        for (coordinate, column) in self.columns.iter_mut().enumerate() {
-            instructions.run(GatherColumn {
-                links,
-                inertia: &self.inertia,
-                teeth: &self.teeth,
-                coordinate,
-                column,
-            });
-        }
-        self.swept = self.corner.bound_by_teeth() < WEAK;
-        if !self.swept {
-            for j in 0..self.columns.len() {
-                for (unknowns, column) in self.unknowns.iter_mut().zip(&self.columns[j]) {
-                    unknowns.copy_from_slice(column);
-                }
-                self.solve_links(instructions, links);
-                std::mem::swap(&mut self.solved[j], &mut self.unknowns);
-            }
-            for (i, row) in self.columns.iter().enumerate() {
-                for (j, column) in self.solved.iter().enumerate() {
-                    let product = instructions.run(Along { links, row, column });
-                    self.corner.add(i, j, -product);
-                }
-            }
-        }
-        self.corner.factorise()
-    }
-
-    /// Solves the links' part for `unknowns`, in place.
-    fn solve_links(&mut self, instructions: InstructionSet, links: usize) {
-        instructions.run(SolveFree {
-            links,
-            right: &self.unknowns,
-            hinges: &self.hinges,
-            terms: &mut self.links,
-        });
-        let unknowns = self.links.ring_unknowns(links);
-        instructions.run(SolveRing {
-            ring: &mut self.ring,
-            unknowns,
-        });
-        self.links.close_ring(links);
-        instructions.run(SolveLinks {
-            links,
-            hinges: &self.hinges,
-            terms: &self.links,
-            unknowns: &mut self.unknowns,
-        });
+        })
     }
 
     /// Overwrites a residual of velocities by the correction that it asks for.
@@ -232,61 +118,252 @@ impl NewtonMatrix {
         instructions: InstructionSet,
         residual: &mut [f64],
     ) {
-        let n = model.links;
-        let (links, border) = residual.split_at_mut(3 * n);
-        instructions.run(TimesInertia {
-            links: n,
-            residual: links,
-            inertia: &self.inertia,
-            right: &mut self.unknowns,
+        instructions.run(Correct {
+            matrix: self,
+            model,
+            residual,
         });
-        for sprocket in &model.sprockets {
-            sprocket.for_each_inertia(|index, inertia| border[index - 3 * n] *= inertia);
+    }
+
+    #[inline(always)]
+    fn add_teeth<S: Simd>(&mut self, simd: S, model: &Model, evaluated: &Evaluated, gamma: f64) {
+        self.teeth.clear();
+        self.corner.start(model, gamma);
+        for (s, candidates) in evaluated.candidates.sprockets.iter().enumerate() {
+            let SprocketMotions { first, motions } = &self.motions[s];
+            let among = AddTeeth {
+                gamma,
+                pose: &evaluated.poses[s],
+                candidates,
+                slopes: &self.tooth_slopes[s],
+                bushing: &evaluated.chain.bushing,
+                motions,
+                first: *first,
+                terms: &mut self.teeth,
+            }
+            .with_simd(simd);
+            for (i, row) in among.iter().enumerate().take(motions.len()) {
+                for (j, &entry) in row.iter().enumerate().take(motions.len()).skip(i) {
+                    self.corner.add(first + i, first + j, entry);
+                    if i < j {
+                        self.corner.add(first + j, first + i, entry);
+                    }
+                }
+            }
         }
-        if self.swept && !border.is_empty() {
-            // What the border does by itself comes first; links then know most of it.
-            self.alone.copy_from_slice(border);
-            self.corner.solve(&mut self.alone);
-            take(
-                instructions,
-                n,
-                &self.columns,
-                &self.alone,
-                &mut self.unknowns,
-            );
+        self.teeth
+            .take_back(model.links, evaluated.candidates.overhang);
+    }
+
+    /// Brings the border's columns to the links and, unless it is only swept, eliminates it; false when singular.
+    #[inline(always)]
+    fn eliminate_border<S: Simd>(&mut self, simd: S, links: usize) -> bool {
+        for (from, column) in self.teeth.column.iter().zip(&mut self.columns) {
+            self.links.gather_column(simd, from, column);
         }
-        self.solve_links(instructions, n);
-        for (row, entry) in self.columns.iter().zip(border.iter_mut()) {
-            *entry -= instructions.run(Along {
-                links: n,
-                row,
-                column: &self.unknowns,
-            });
-        }
-        self.corner.solve(border);
+        self.swept = self.corner.bound_by_teeth() < WEAK;
         if !self.swept {
-            take(instructions, n, &self.solved, border, &mut self.unknowns);
+            self.solve_columns(simd, links);
         }
-        for (unknowns, residual) in self.unknowns.iter().zip(links.chunks_exact_mut(n)) {
-            residual.copy_from_slice(&unknowns[..n]);
+        self.corner.factorise()
+    }
+
+    #[inline(always)]
+    fn solve_columns<S: Simd>(&mut self, simd: S, links: usize) {
+        for j in 0..self.columns.len() {
+            let column = Column(&self.columns[j]);
+            self.links.solve_free(simd, links, &self.closed, &column);
+            self.solve_hinges(simd, links);
+            self.sums.fill(PartialSums::default());
+            self.links
+                .solve_bound(simd, &mut self.solved[j], &self.columns, &mut self.sums);
+            for (i, sum) in self.sums.iter().enumerate() {
+                self.corner.add(i, j, -sum.total());
+            }
         }
+    }
+
+    /// From links that are free to changes of hinge forces.
+    #[inline(always)]
+    fn solve_hinges<S: Simd>(&mut self, simd: S, links: usize) {
+        if self.closed.any {
+            self.ring.solve(simd, self.links.ring_unknowns(links));
+        }
+        self.links.close_ring(links);
     }
 }
 
-/// Takes `columns`, each times its factor, off the entries of links.
-fn take(
-    instructions: InstructionSet,
+/// A column of the border as right-hand side.
+struct Column<'a>(&'a Border);
+
+impl<S: Simd> RightHand<S> for Column<'_> {
+    #[inline(always)]
+    fn at(&self, simd: S, _mass: [Lanes<S>; 3], _held: bool, i: usize) -> [Lanes<S>; 3] {
+        let count = parts::<S>().len();
+        read(simd, &self.0[i / count], i % count)
+    }
+}
+
+/// Accelerations times masses and inertias, less what the border does by itself.
+struct Residual<'a> {
     links: usize,
-    columns: &[[Numbers; 3]],
-    factors: &[f64],
-    from: &mut [Numbers; 3],
-) {
-    for (column, &factor) in columns.iter().zip(factors) {
-        instructions.run(Take {
-            links,
-            factor,
-            column,
-            from,
-        });
+    /// x, y and θ of all links.
+    residual: &'a [f64],
+    columns: &'a [Border],
+    /// What the border does; nothing where it is not swept.
+    alone: &'a [f64],
+}
+
+impl<S: Simd> RightHand<S> for Residual<'_> {
+    #[inline(always)]
+    fn at(&self, simd: S, mass: [Lanes<S>; 3], held: bool, i: usize) -> [Lanes<S>; 3] {
+        let (n, from) = (self.links, i * S::F64_LANES);
+        let mut right = mass;
+        for (axis, right) in right.iter_mut().enumerate() {
+            let rest = &self.residual[axis * n + from.min(n)..(axis + 1) * n];
+            let residual = if rest.len() >= S::F64_LANES {
+                Lanes::new(simd, vectors::<S>(rest, 1)[0])
+            } else {
+                partial_load(simd, rest)
+            };
+            *right = *right * residual;
+        }
+        if held {
+            let count = parts::<S>().len();
+            for (column, &alone) in self.columns.iter().zip(self.alone) {
+                take(simd, &mut right, &column[i / count], alone, i % count);
+            }
+        }
+        right
+    }
+}
+
+/// Takes register `part` of a column, times its factor, off entries of links.
+#[inline(always)]
+fn take<S: Simd>(simd: S, from: &mut [Lanes<S>; 3], column: &[Octet; 3], factor: f64, part: usize) {
+    let factor = Lanes::splat(simd, factor);
+    for (from, column) in from.iter_mut().zip(read(simd, column, part)) {
+        *from = factor.negate_mul_add(column, *from);
+    }
+}
+
+struct Factorise<'a> {
+    matrix: &'a mut NewtonMatrix,
+    model: &'a Model,
+    evaluated: &'a Evaluated<'a>,
+    gamma: f64,
+}
+
+impl WithSimd for Factorise<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let Self {
+            matrix,
+            model,
+            evaluated,
+            gamma,
+        } = self;
+        let n = model.links;
+        soften_hinges(
+            simd,
+            gamma,
+            &matrix.hinge_slopes,
+            &mut matrix.closed,
+            &mut matrix.hinges,
+        );
+        matrix.closed.close(n);
+        matrix.add_teeth(simd, model, evaluated, gamma);
+        let ChainArrays {
+            cos,
+            sin,
+            front_force: [front_x, front_y],
+            rear_force: [rear_x, rear_y],
+            ..
+        } = evaluated.chain;
+        let linked = Linked {
+            links: n,
+            gamma,
+            direction: [cos, sin],
+            arm: &evaluated.constants.front_arm,
+            front_force: [front_x, front_y],
+            rear_force: [&rear_x[FIRST..], &rear_y[FIRST..]],
+            teeth: &matrix.teeth,
+            closed: &matrix.closed,
+        };
+        matrix.links.eliminate(simd, &linked, &mut matrix.hinges);
+        let regular = !matrix.closed.any || matrix.ring.factorise(simd, &matrix.hinges);
+        regular && matrix.eliminate_border(simd, n)
+    }
+}
+
+struct Correct<'a> {
+    matrix: &'a mut NewtonMatrix,
+    model: &'a Model,
+    residual: &'a mut [f64],
+}
+
+impl WithSimd for Correct<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self {
+            matrix,
+            model,
+            residual,
+        } = self;
+        let n = model.links;
+        let (links, border) = residual.split_at_mut(3 * n);
+        for sprocket in &model.sprockets {
+            sprocket.for_each_inertia(|index, inertia| border[index - 3 * n] *= inertia);
+        }
+        let swept = matrix.swept && !border.is_empty();
+        if swept {
+            // What the border does by itself comes first; links then know most of it.
+            matrix.alone.copy_from_slice(border);
+            matrix.corner.solve(&mut matrix.alone);
+        }
+        let right = Residual {
+            links: n,
+            residual: links,
+            columns: &matrix.columns,
+            alone: if swept { &matrix.alone } else { &[] },
+        };
+        matrix.links.solve_free(simd, n, &matrix.closed, &right);
+        matrix.solve_hinges(simd, n);
+        matrix.sums.fill(PartialSums::default());
+        matrix.links.solve_bound(
+            simd,
+            &mut matrix.unknowns,
+            &matrix.columns,
+            &mut matrix.sums,
+        );
+        for (sum, entry) in matrix.sums.iter().zip(border.iter_mut()) {
+            *entry -= sum.total();
+        }
+        matrix.corner.solve(border);
+        if !matrix.swept {
+            for (column, &factor) in matrix.solved.iter().zip(&*border) {
+                for (unknowns, column) in matrix.unknowns.iter_mut().zip(column) {
+                    for part in parts::<S>() {
+                        let mut rest = read(simd, unknowns, part);
+                        take(simd, &mut rest, column, factor, part);
+                        write(unknowns, part, rest);
+                    }
+                }
+            }
+        }
+        for (axis, residual) in links.chunks_exact_mut(n).enumerate() {
+            let (whole, rest) = residual.as_chunks_mut::<WIDTH>();
+            let mut unknowns = matrix.unknowns.iter().map(|group| &group[axis].0);
+            for (residual, unknowns) in whole.iter_mut().zip(&mut unknowns) {
+                *residual = *unknowns;
+            }
+            for (residual, unknown) in rest.iter_mut().zip(unknowns.flatten()) {
+                *residual = *unknown;
+            }
+        }
     }
 }

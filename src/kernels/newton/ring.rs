@@ -1,468 +1,370 @@
-//! The hinges' part of Newton's matrix: a symmetric ring of 2x2 blocks, of which hinges that bear nothing drop out.
+//! The hinges' part of Newton's matrix: a symmetric ring of 2x2 blocks, cut into eight parts that are eliminated side by side.
 //!
-//! Row k reads `S_k q_k + C_k q_(k-1) + C_(k+1)^T q_(k+1) = r_k`. Open hinges cut the ring into pieces, and each piece is
-//! eliminated from both of its ends towards its middle, two sweeps that do not wait for each other. A ring without an open
-//! hinge is cut at the last one, whose two unknowns are solved for at the end.
+//! Row k reads `S_k f_k + C_k f_(k-1) + C_(k+1)^T f_(k+1) = r_k`. Each place in a register has a part of the ring, hinges that
+//! follow one another. All but the last hinge of each part are eliminated one after the other (S. J. Wang's partition, as for
+//! tridiagonal systems); the eight that are left are a ring again, of which each round takes every other neighbour out
+//! (cyclic reduction by all rows at once). Hinges that bear nothing have the block one and are coupled with none.
 
-use std::ops::Range;
+use pulp::Simd;
 
-use pulp::{Simd, WithSimd};
+use super::blocks::{Block, Pair, Symmetric, all, from_left, from_right};
+use super::dense::Dense;
+use crate::vector::{Mask, Octet, WIDTH, lane_numbers, parts, write};
 
-use crate::vector::Numbers;
-
-/// A symmetric 2x2 block: its entries on the diagonal, first and last, and the one beside it.
-type Symmetric = [f64; 3];
-
-/// Rows, then columns, of a 2x2 block.
-type Block = [f64; 4];
-
-/// The ring's blocks, an array an entry.
-#[derive(Debug, Clone)]
-pub(super) struct RingBlocks {
-    /// S, entries as in [`Symmetric`].
-    pub(super) diagonal: [Numbers; 3],
-    /// C, which couples hinge k with hinge k - 1.
-    pub(super) before: [Numbers; 4],
+/// Blocks of eight hinges.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct HingeGroup {
+    /// S: xx, yy, xy.
+    pub(super) own: [Octet; 3],
+    /// C, which couples hinge k with hinge k - 1: rows, then columns.
+    pub(super) before: [Octet; 4],
 }
 
-/// A hinge's row before elimination.
+impl Default for HingeGroup {
+    /// Hinges that bear nothing.
+    fn default() -> Self {
+        let (zero, one) = (Octet::of(0.0), Octet::of(1.0));
+        Self {
+            own: [one, one, zero],
+            before: [zero; 4],
+        }
+    }
+}
+
+/// Room for the ring of `hinges`, and for one that is not there and bears nothing.
+pub(super) fn hinge_groups(hinges: usize) -> Vec<HingeGroup> {
+    vec![HingeGroup::default(); hinges / WIDTH + 1]
+}
+
+/// One hinge of each part.
 #[derive(Debug, Clone, Copy, Default)]
-struct Row {
-    own: Symmetric,
-    /// Its coupling with the hinge before.
-    before: Block,
+struct Place {
+    /// S, then its inverse when those before have been eliminated.
+    own: [Octet; 3],
+    /// C; then how the unknowns follow from those of the last hinge of the part before.
+    before: [Octet; 4],
+    /// How they follow from those of the next hinge.
+    next: [Octet; 4],
 }
 
-/// What elimination leaves of a hinge.
+/// One round of the ring of eight.
 #[derive(Debug, Clone, Copy, Default)]
-struct Eliminated {
-    /// Inverse of what is left of its block.
-    inverse: Symmetric,
-    /// How its unknowns follow from those of the neighbour that is eliminated next, and, transposed, how much of its row that
-    /// neighbour takes.
-    follow: Block,
+struct Round {
+    /// How much of the row to the left each row takes.
+    left: [Octet; 4],
+    right: [Octet; 4],
 }
 
-/// The ring's factors. Places run along the ring from an open hinge on, so that no piece goes past the last one.
+/// The ring's factors.
 #[derive(Debug, Clone)]
 pub(super) struct Ring {
     hinges: usize,
-    /// Hinge of the first place.
-    origin: usize,
-    /// Places of the pieces between open hinges.
-    pieces: Vec<Range<usize>>,
-    rows: Vec<Row>,
-    eliminated: Vec<Eliminated>,
-    /// Only in a ring without an open hinge.
-    cut: Option<Cut>,
-    /// How all other unknowns follow from those of the cut, of which each has a column.
-    from_cut: Vec<[[f64; 2]; 2]>,
-    /// Scratch of a solution.
-    unknowns: Vec<[[f64; 2]; 1]>,
-}
-
-/// The last hinge of a ring that is closed.
-#[derive(Debug, Clone, Copy)]
-struct Cut {
-    inverse: Symmetric,
-    /// Its row in the unknowns of the hinge before and of the first one.
-    to_last: Block,
-    to_first: Block,
-}
-
-/// a b + c, in one rounding where the machine can.
-#[inline(always)]
-fn fused<S: Simd>(a: f64, b: f64, c: f64) -> f64 {
-    if S::IS_SCALAR {
-        a * b + c
-    } else {
-        a.mul_add(b, c)
-    }
-}
-
-#[inline(always)]
-fn transposed(a: Block) -> Block {
-    [a[0], a[2], a[1], a[3]]
-}
-
-/// a v
-#[inline(always)]
-fn times<S: Simd>(a: &Symmetric, v: [f64; 2]) -> [f64; 2] {
-    [
-        fused::<S>(a[0], v[0], a[2] * v[1]),
-        fused::<S>(a[2], v[0], a[1] * v[1]),
-    ]
-}
-
-/// w - a v
-#[inline(always)]
-fn less<S: Simd>(w: [f64; 2], a: &Block, v: [f64; 2]) -> [f64; 2] {
-    [
-        fused::<S>(-a[0], v[0], fused::<S>(-a[1], v[1], w[0])),
-        fused::<S>(-a[2], v[0], fused::<S>(-a[3], v[1], w[1])),
-    ]
-}
-
-impl RingBlocks {
-    pub(super) fn new(hinges: usize) -> Self {
-        let zeros = || crate::vector::padded_zeros(hinges);
-        Self {
-            diagonal: [zeros(), zeros(), zeros()],
-            before: [zeros(), zeros(), zeros(), zeros()],
-        }
-    }
+    /// First hinge of each part. The last ones may have one hinge less than the others: their first place is empty.
+    starts: [usize; WIDTH],
+    /// How many parts have all places.
+    full: usize,
+    places: Vec<Place>,
+    /// Which hinges they are; `hinges` where none.
+    sources: Vec<[usize; WIDTH]>,
+    /// Couplings of the second hinges of parts that have no first one, with the part before.
+    direct: [Octet; 4],
+    rounds: [Round; 2],
+    /// The last round, of which both neighbours are one.
+    opposite: [Octet; 4],
+    inverse: [Octet; 3],
+    /// Scratch of a solution, place by place.
+    unknowns: Vec<[Octet; 2]>,
+    /// Instead of all this in a chain of fewer hinges than parts.
+    dense: Option<Dense>,
 }
 
 impl Ring {
     /// Room for `hinges`.
     pub(super) fn new(hinges: usize) -> Self {
+        let places = hinges.div_ceil(WIDTH);
+        let full = hinges - (places - 1) * WIDTH;
+        let starts = std::array::from_fn(|part| part * places - part.saturating_sub(full));
+        let source = |place: usize, part: usize| match place + usize::from(part < full) {
+            0 => hinges,
+            behind => starts[part] + behind - 1,
+        };
+        let sources = (0..places).map(|place| std::array::from_fn(|part| source(place, part)));
+        let none = [Octet::default(); 4];
         Self {
             hinges,
-            origin: 0,
-            pieces: Vec::with_capacity(hinges),
-            rows: vec![Row::default(); hinges],
-            eliminated: vec![Eliminated::default(); hinges],
-            cut: None,
-            from_cut: vec![[[0.0; 2]; 2]; hinges],
-            unknowns: vec![[[0.0; 2]]; hinges],
+            starts,
+            full,
+            sources: sources.collect(),
+            places: vec![Place::default(); places],
+            direct: none,
+            rounds: [Round::default(); 2],
+            opposite: none,
+            inverse: [Octet::default(); 3],
+            unknowns: vec![[Octet::default(); 2]; places],
+            dense: (hinges < WIDTH).then(|| Dense::new(2 * hinges)),
         }
     }
 
-    /// Finds the pieces between hinges that are open; true when none is, and the last hinge is left out.
-    fn find_pieces(&mut self, force: &[f64]) -> bool {
-        let n = self.hinges;
-        let closed = |k: usize| force[k] > 0.0;
-        self.pieces.clear();
-        let Some(open) = (0..n).find(|&k| !closed(k)) else {
-            self.origin = 0;
-            self.pieces.push(0..n - 1);
-            return true;
-        };
-        self.origin = open;
-        let (before, after) = force[..n].split_at(open);
-        let mut first = 1;
-        for (place, &force) in after.iter().chain(before).enumerate() {
-            if force > 0.0 {
-                continue;
-            }
-            if first < place {
-                self.pieces.push(first..place);
-            }
-            first = place + 1;
-        }
-        if first < n {
-            self.pieces.push(first..n);
-        }
-        false
-    }
-
-    /// Takes the blocks over, place by place.
+    /// Takes the blocks over.
     #[inline(always)]
-    fn take_rows(&mut self, blocks: &RingBlocks) {
-        let (n, origin) = (self.hinges, self.origin);
-        let (first, last) = self.rows.split_at_mut(n - origin);
-        copy_rows(first, blocks, origin);
-        copy_rows(last, blocks, 0);
-    }
-}
-
-/// Rows of the hinges from `from` on.
-#[inline(always)]
-fn copy_rows(rows: &mut [Row], blocks: &RingBlocks, from: usize) {
-    let RingBlocks {
-        diagonal: [d0, d1, d2],
-        before: [b0, b1, b2, b3],
-    } = blocks;
-    let count = rows.len();
-    let part = |array: &Numbers| from..from + array[from..from + count].len();
-    let (d0, d1, d2) = (&d0[part(d0)], &d1[part(d1)], &d2[part(d2)]);
-    let (b0, b1, b2, b3) = (&b0[part(b0)], &b1[part(b1)], &b2[part(b2)], &b3[part(b3)]);
-    let diagonal = d0.iter().zip(d1).zip(d2);
-    let before = b0.iter().zip(b1).zip(b2).zip(b3);
-    for ((row, ((d0, d1), d2)), (((b0, b1), b2), b3)) in rows.iter_mut().zip(diagonal).zip(before) {
-        *row = Row {
-            own: [*d0, *d1, *d2],
-            before: [*b0, *b1, *b2, *b3],
-        };
-    }
-}
-
-/// Factorises the ring; false when a block has no inverse.
-pub(super) struct FactoriseRing<'a> {
-    pub(super) ring: &'a mut Ring,
-    pub(super) blocks: &'a RingBlocks,
-    /// Forces of the hinges \[N\]; those that bear none are open.
-    pub(super) force: &'a [f64],
-}
-
-impl WithSimd for FactoriseRing<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) -> bool {
-        let Self {
-            ring,
-            blocks,
-            force,
-        } = self;
-        let whole = ring.find_pieces(force);
-        ring.cut = None;
-        if ring.pieces.is_empty() {
-            return true;
-        }
-        ring.take_rows(blocks);
-        let mut regular = true;
-        for piece in &ring.pieces {
-            let rows = &ring.rows[piece.clone()];
-            regular &= eliminate::<S>(&mut ring.eliminated[piece.clone()], rows);
-        }
-        if whole {
-            regular &= join_ends::<S>(ring);
-        }
-        regular
-    }
-}
-
-/// One round of an elimination.
-struct Round {
-    eliminated: Eliminated,
-    /// The neighbour's block without what it takes.
-    left: Symmetric,
-    regular: bool,
-}
-
-/// Eliminates the hinge with `own` block, whose row has the next one's unknowns with `coupling`; `next`: the next one's block.
-#[inline(always)]
-fn eliminate_one<S: Simd>(own: Symmetric, c: Block, next: Symmetric) -> Round {
-    let [a, d, b] = own;
-    let determinant = fused::<S>(a, d, -(b * b));
-    let over = 1.0 / determinant;
-    // The products with the adjugate do not wait for the division.
-    let w = [
-        fused::<S>(d, c[0], -(b * c[2])),
-        fused::<S>(d, c[1], -(b * c[3])),
-        fused::<S>(a, c[2], -(b * c[0])),
-        fused::<S>(a, c[3], -(b * c[1])),
-    ];
-    let taken = [
-        fused::<S>(c[0], w[0], c[2] * w[2]),
-        fused::<S>(c[1], w[1], c[3] * w[3]),
-        fused::<S>(c[0], w[1], c[2] * w[3]),
-    ];
-    Round {
-        eliminated: Eliminated {
-            inverse: [d * over, a * over, -b * over],
-            follow: [w[0] * over, w[1] * over, w[2] * over, w[3] * over],
-        },
-        left: [
-            fused::<S>(-taken[0], over, next[0]),
-            fused::<S>(-taken[1], over, next[1]),
-            fused::<S>(-taken[2], over, next[2]),
-        ],
-        // Also false for what is no number.
-        regular: determinant > 0.0 && over > 0.0,
-    }
-}
-
-/// Eliminates a piece from both ends; what is left in the middle is inverted.
-#[inline(always)]
-fn eliminate<S: Simd>(eliminated: &mut [Eliminated], rows: &[Row]) -> bool {
-    let length = rows.len();
-    let eliminated = &mut eliminated[..length];
-    let (middle, sweeps) = middle(length);
-    let (mut low, mut high) = (0, length - 1);
-    let (mut at_low, mut at_high) = (rows[low].own, rows[high].own);
-    let mut regular = true;
-    for _ in 0..sweeps {
-        let next = &rows[low + 1];
-        let up = eliminate_one::<S>(at_low, transposed(next.before), next.own);
-        let below = if low + 1 == high - 1 {
-            up.left
-        } else {
-            rows[high - 1].own
-        };
-        let down = eliminate_one::<S>(at_high, rows[high].before, below);
-        eliminated[low] = up.eliminated;
-        eliminated[high] = down.eliminated;
-        regular &= up.regular && down.regular;
-        (at_low, at_high) = (up.left, down.left);
-        (low, high) = (low + 1, high - 1);
-    }
-    if middle > sweeps {
-        let up = eliminate_one::<S>(at_low, transposed(rows[high].before), at_high);
-        eliminated[low] = up.eliminated;
-        regular &= up.regular;
-        at_high = up.left;
-    }
-    // After the sweeps the upper one has what both left of the middle.
-    let last = eliminate_one::<S>(at_high, [0.0; 4], [0.0; 3]);
-    eliminated[middle] = last.eliminated;
-    regular && last.regular
-}
-
-/// The place that both sweeps of a piece end at, and how many places are swept from either end before one more of the lower
-/// ones may be left.
-#[inline(always)]
-fn middle(length: usize) -> (usize, usize) {
-    (length / 2, length - 1 - length / 2)
-}
-
-/// Solves a piece in place, for `C` right-hand sides at once.
-#[inline(always)]
-fn solve_piece<S: Simd, const C: usize>(eliminated: &[Eliminated], unknowns: &mut [[[f64; 2]; C]]) {
-    let length = unknowns.len();
-    let eliminated = &eliminated[..length];
-    let (middle, sweeps) = middle(length);
-    for i in 0..sweeps {
-        let follow = transposed(eliminated[i].follow);
-        unknowns[i + 1] = less_each::<S, C>(unknowns[i + 1], &follow, unknowns[i]);
-        // The last one of these takes its part off the middle, which the other sweep has changed already.
-        let j = length - 1 - i;
-        let follow = transposed(eliminated[j].follow);
-        unknowns[j - 1] = less_each::<S, C>(unknowns[j - 1], &follow, unknowns[j]);
-    }
-    if middle > sweeps {
-        let follow = transposed(eliminated[sweeps].follow);
-        unknowns[middle] = less_each::<S, C>(unknowns[middle], &follow, unknowns[sweeps]);
-    }
-    for q in &mut unknowns[middle] {
-        *q = times::<S>(&eliminated[middle].inverse, *q);
-    }
-    for i in 1..=sweeps {
-        let (k, j) = (middle - i, middle + i);
-        unknowns[k] = follow_from::<S, C>(&eliminated[k], unknowns[k], unknowns[k + 1]);
-        unknowns[j] = follow_from::<S, C>(&eliminated[j], unknowns[j], unknowns[j - 1]);
-    }
-    if middle > sweeps {
-        unknowns[0] = follow_from::<S, C>(&eliminated[0], unknowns[0], unknowns[1]);
-    }
-}
-
-/// w - a v for each right-hand side.
-#[inline(always)]
-fn less_each<S: Simd, const C: usize>(
-    mut w: [[f64; 2]; C],
-    a: &Block,
-    v: [[f64; 2]; C],
-) -> [[f64; 2]; C] {
-    for (w, v) in w.iter_mut().zip(v) {
-        *w = less::<S>(*w, a, v);
-    }
-    w
-}
-
-/// The unknowns of a hinge from its right-hand sides and its neighbour's unknowns.
-#[inline(always)]
-fn follow_from<S: Simd, const C: usize>(
-    hinge: &Eliminated,
-    mut right: [[f64; 2]; C],
-    neighbour: [[f64; 2]; C],
-) -> [[f64; 2]; C] {
-    for right in &mut right {
-        *right = times::<S>(&hinge.inverse, *right);
-    }
-    less_each::<S, C>(right, &hinge.follow, neighbour)
-}
-
-/// Solves for the last hinge of a ring that is closed.
-#[inline(always)]
-fn join_ends<S: Simd>(ring: &mut Ring) -> bool {
-    let n = ring.hinges;
-    let (cut, last) = (&ring.rows[n - 1], n - 2);
-    let (to_last, to_first) = (cut.before, transposed(ring.rows[0].before));
-    let mut left = cut.own;
-    // Columns of the cut are its rows.
-    let unknowns = &mut ring.from_cut[..n - 1];
-    unknowns.fill([[0.0; 2]; 2]);
-    for (k, row) in [(0, &to_first), (last, &to_last)] {
-        for column in 0..2 {
-            unknowns[k][column][0] += row[2 * column];
-            unknowns[k][column][1] += row[2 * column + 1];
-        }
-    }
-    solve_piece::<S, 2>(&ring.eliminated, unknowns);
-    for (entry, (row, column)) in [(0, 0), (1, 1), (0, 1)].into_iter().enumerate() {
-        let (low, high) = (unknowns[last][column], unknowns[0][column]);
-        left[entry] -= to_last[2 * row] * low[0]
-            + to_last[2 * row + 1] * low[1]
-            + to_first[2 * row] * high[0]
-            + to_first[2 * row + 1] * high[1];
-    }
-    let round = eliminate_one::<S>(left, [0.0; 4], [0.0; 3]);
-    ring.cut = Some(Cut {
-        inverse: round.eliminated.inverse,
-        to_last,
-        to_first,
-    });
-    round.regular
-}
-
-/// Solves the ring in place: normal and tangential parts of all hinges. Those of open hinges become zero.
-pub(super) struct SolveRing<'a> {
-    pub(super) ring: &'a mut Ring,
-    pub(super) unknowns: [&'a mut [f64]; 2],
-}
-
-impl WithSimd for SolveRing<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
-        let Self {
-            ring,
-            unknowns: [normal, tangential],
-        } = self;
-        let n = ring.hinges;
-        let (normal, tangential) = (&mut normal[..n], &mut tangential[..n]);
-        if ring.pieces.is_empty() {
-            normal.fill(0.0);
-            tangential.fill(0.0);
-            return;
-        }
-        let (first, last) = ring.unknowns.split_at_mut(n - ring.origin);
-        take_in(first, &normal[ring.origin..], &tangential[ring.origin..]);
-        take_in(last, &normal[..ring.origin], &tangential[..ring.origin]);
-        let mut solved = 0;
-        for piece in &ring.pieces {
-            ring.unknowns[solved..piece.start].fill([[0.0; 2]]);
-            let eliminated = &ring.eliminated[piece.clone()];
-            solve_piece::<S, 1>(eliminated, &mut ring.unknowns[piece.clone()]);
-            solved = piece.end;
-        }
-        if let Some(cut) = &ring.cut {
-            let unknowns = &mut ring.unknowns[..n];
-            let right = less::<S>(unknowns[n - 1][0], &cut.to_last, unknowns[n - 2][0]);
-            let right = less::<S>(right, &cut.to_first, unknowns[0][0]);
-            let q = times::<S>(&cut.inverse, right);
-            for ([unknown], [by_n, by_t]) in unknowns[..n - 1].iter_mut().zip(&ring.from_cut) {
-                for part in 0..2 {
-                    let left = fused::<S>(-by_n[part], q[0], unknown[part]);
-                    unknown[part] = fused::<S>(-by_t[part], q[1], left);
+    fn take_in(&mut self, groups: &[HingeGroup]) {
+        for (place, sources) in self.places.iter_mut().zip(&self.sources) {
+            for (part, &hinge) in sources.iter().enumerate() {
+                let (group, lane) = (&groups[hinge / WIDTH], hinge % WIDTH);
+                for (to, from) in place.own.iter_mut().zip(&group.own) {
+                    to.0[part] = from.0[lane];
+                }
+                for (to, from) in place.before.iter_mut().zip(&group.before) {
+                    to.0[part] = from.0[lane];
                 }
             }
-            unknowns[n - 1] = [q];
-        } else {
-            ring.unknowns[solved..].fill([[0.0; 2]]);
         }
-        let (first, last) = ring.unknowns.split_at(n - ring.origin);
-        let (normal_last, normal_first) = normal.split_at_mut(ring.origin);
-        let (tangential_last, tangential_first) = tangential.split_at_mut(ring.origin);
-        hand_out(first, normal_first, tangential_first);
-        hand_out(last, normal_last, tangential_last);
+        if let Some(second) = self.places.get_mut(1) {
+            for (direct, before) in self.direct.iter_mut().zip(&mut second.before) {
+                for part in self.full..WIDTH {
+                    direct.0[part] = std::mem::take(&mut before.0[part]);
+                }
+            }
+        }
+    }
+
+    /// Eliminates all but the last place; what is left of that and its coupling with the part before.
+    #[inline(always)]
+    fn eliminate<S: Simd>(&mut self, simd: S) -> Left<S> {
+        let last = self.places.len() - 1;
+        let mut left = Left::nothing(simd);
+        for part in parts::<S>() {
+            let mut own = Symmetric::read(simd, &self.places[0].own, part);
+            let mut edge = Block::read(simd, &self.places[0].before, part);
+            let mut to_last = Symmetric::zero(simd);
+            for j in 0..last {
+                let inverse = own.inverse(&mut left.irregular);
+                let coupling = Block::read(simd, &self.places[j + 1].before, part);
+                let next = inverse.times_transposed(&coupling);
+                let from_last = inverse.times_block(&edge);
+                own = Symmetric::read(simd, &self.places[j + 1].own, part);
+                own.take_off(&coupling, &next);
+                to_last.add(&edge, &from_last);
+                edge = if j == 0 {
+                    Block::read(simd, &self.direct, part)
+                } else {
+                    Block::zero(simd)
+                };
+                edge.take_off(&coupling, &from_last);
+                let place = &mut self.places[j];
+                write(&mut place.own, part, inverse.0);
+                write(&mut place.next, part, next.0);
+                write(&mut place.before, part, from_last.0);
+            }
+            left.own[part] = own;
+            left.edge[part] = edge;
+            left.to_last[part] = to_last;
+        }
+        left
+    }
+
+    /// Solves the ring of the eight that are left; false when a block has no inverse.
+    #[inline(always)]
+    fn reduce<S: Simd>(&mut self, simd: S, left: Left<S>) -> bool {
+        let Left {
+            mut own,
+            edge: mut coupling,
+            to_last,
+            mut irregular,
+        } = left;
+        let taken = from_right(simd, to_last, 1);
+        for part in parts::<S>() {
+            own[part].subtract(&taken[part]);
+        }
+        for (distance, round) in [1, 2].into_iter().zip(&mut self.rounds) {
+            let mut inverse = [Symmetric::zero(simd); WIDTH];
+            let mut follow = [Block::zero(simd); WIDTH];
+            let mut taken = [Symmetric::zero(simd); WIDTH];
+            for part in parts::<S>() {
+                inverse[part] = own[part].inverse(&mut irregular);
+                follow[part] = inverse[part].times_block(&coupling[part]);
+                taken[part] = coupling[part].transposed_times(&follow[part]);
+            }
+            let inverse = from_left(simd, inverse, distance);
+            let beyond = from_left(simd, coupling, distance);
+            let follow = from_right(simd, follow, distance);
+            let taken = from_right(simd, taken, distance);
+            for part in parts::<S>() {
+                let share = coupling[part].times_symmetric(&inverse[part]);
+                own[part].subtract(&taken[part]);
+                own[part].take_off(&share, &coupling[part].transposed());
+                coupling[part] = share.times(&beyond[part]).negated();
+                write(&mut round.left, part, share.0);
+                write(&mut round.right, part, follow[part].transposed().0);
+            }
+        }
+        let mut inverse = [Symmetric::zero(simd); WIDTH];
+        for part in parts::<S>() {
+            inverse[part] = own[part].inverse(&mut irregular);
+        }
+        let inverse = from_left(simd, inverse, WIDTH / 2);
+        let across = from_left(simd, coupling, WIDTH / 2);
+        for part in parts::<S>() {
+            let both = coupling[part].plus(&across[part].transposed());
+            let share = both.times_symmetric(&inverse[part]);
+            own[part].take_off(&share, &both.transposed());
+            write(&mut self.opposite, part, share.0);
+            let inverse = own[part].inverse(&mut irregular);
+            write(&mut self.inverse, part, inverse.0);
+        }
+        !irregular.any()
+    }
+
+    /// Factorises the ring of these blocks; false when one has no inverse.
+    #[inline(always)]
+    pub(super) fn factorise<S: Simd>(&mut self, simd: S, groups: &[HingeGroup]) -> bool {
+        if let Some(dense) = &mut self.dense {
+            return factorise_short(dense, self.hinges, groups);
+        }
+        self.take_in(groups);
+        let left = self.eliminate(simd);
+        self.reduce(simd, left)
+    }
+
+    /// Solves in place: x and y of the unknowns of all hinges.
+    #[inline(always)]
+    pub(super) fn solve<S: Simd>(&mut self, simd: S, [x, y]: [&mut [f64]; 2]) {
+        if let Some(dense) = &self.dense {
+            return solve_short(dense, x, y);
+        }
+        for (part, &start) in self.starts.iter().enumerate() {
+            let empty = usize::from(part >= self.full);
+            if empty > 0 {
+                self.unknowns[0][0].0[part] = 0.0;
+                self.unknowns[0][1].0[part] = 0.0;
+            }
+            let places = &mut self.unknowns[empty..];
+            let end = start + places.len();
+            for (place, (x, y)) in places
+                .iter_mut()
+                .zip(x[start..end].iter().zip(&y[start..end]))
+            {
+                place[0].0[part] = *x;
+                place[1].0[part] = *y;
+            }
+        }
+        self.solve_places(simd);
+        for (part, &start) in self.starts.iter().enumerate() {
+            let places = &self.unknowns[usize::from(part >= self.full)..];
+            let end = start + places.len();
+            let (x, y) = (&mut x[start..end], &mut y[start..end]);
+            for (place, (x, y)) in places.iter().zip(x.iter_mut().zip(y)) {
+                *x = place[0].0[part];
+                *y = place[1].0[part];
+            }
+        }
+    }
+
+    /// Solves for the unknowns, which hold the right-hand sides place by place.
+    #[inline(always)]
+    fn solve_places<S: Simd>(&mut self, simd: S) {
+        let last = self.places.len() - 1;
+        let mut to_last = [Pair::zero(simd); WIDTH];
+        let mut unknowns = [Pair::zero(simd); WIDTH];
+        for part in parts::<S>() {
+            let mut right = Pair::read(simd, &self.unknowns[0], part);
+            for j in 0..last {
+                let place = &self.places[j];
+                to_last[part].add(&Block::read(simd, &place.before, part).transposed_of(&right));
+                let next = Pair::read(simd, &self.unknowns[j + 1], part);
+                right = Block::read(simd, &place.next, part).transposed_less(&next, &right);
+                write(&mut self.unknowns[j + 1], part, right.0);
+            }
+            unknowns[part] = right;
+        }
+        let taken = from_right(simd, to_last, 1);
+        for part in parts::<S>() {
+            unknowns[part].subtract(&taken[part]);
+        }
+        for (distance, round) in [1, 2].into_iter().zip(&self.rounds) {
+            let left = from_left(simd, unknowns, distance);
+            let right = from_right(simd, unknowns, distance);
+            for part in parts::<S>() {
+                let rest = Block::read(simd, &round.left, part).less(&unknowns[part], &left[part]);
+                unknowns[part] = Block::read(simd, &round.right, part).less(&rest, &right[part]);
+            }
+        }
+        let across = from_left(simd, unknowns, WIDTH / 2);
+        for part in parts::<S>() {
+            let right =
+                Block::read(simd, &self.opposite, part).less(&unknowns[part], &across[part]);
+            unknowns[part] = Symmetric::read(simd, &self.inverse, part).of(&right);
+        }
+        let before = from_left(simd, unknowns, 1);
+        for part in parts::<S>() {
+            let mut next = unknowns[part];
+            write(&mut self.unknowns[last], part, next.0);
+            for j in (0..last).rev() {
+                let place = &self.places[j];
+                let right = Pair::read(simd, &self.unknowns[j], part);
+                let own = Symmetric::read(simd, &place.own, part).of(&right);
+                let own = Block::read(simd, &place.before, part).less(&own, &before[part]);
+                next = Block::read(simd, &place.next, part).less(&own, &next);
+                write(&mut self.unknowns[j], part, next.0);
+            }
+        }
     }
 }
 
-#[inline(always)]
-fn take_in(unknowns: &mut [[[f64; 2]; 1]], normal: &[f64], tangential: &[f64]) {
-    for (unknown, (n, t)) in unknowns.iter_mut().zip(normal.iter().zip(tangential)) {
-        *unknown = [[*n, *t]];
+/// What elimination leaves of the eight parts.
+struct Left<S: Simd> {
+    /// Blocks of their last hinges.
+    own: [Symmetric<S>; WIDTH],
+    /// Couplings of each with the part before.
+    edge: [Block<S>; WIDTH],
+    /// What each takes off the last hinge of the part before.
+    to_last: [Symmetric<S>; WIDTH],
+    irregular: Mask<S>,
+}
+
+impl<S: Simd> Left<S> {
+    #[inline(always)]
+    fn nothing(simd: S) -> Self {
+        let number = lane_numbers(simd);
+        Self {
+            own: all(Symmetric::zero(simd)),
+            edge: all(Block::zero(simd)),
+            to_last: all(Symmetric::zero(simd)),
+            irregular: number.less(number),
+        }
     }
 }
 
-#[inline(always)]
-fn hand_out(unknowns: &[[[f64; 2]; 1]], normal: &mut [f64], tangential: &mut [f64]) {
-    for (unknown, (n, t)) in unknowns.iter().zip(normal.iter_mut().zip(tangential)) {
-        [*n, *t] = unknown[0];
+fn factorise_short(dense: &mut Dense, hinges: usize, groups: &[HingeGroup]) -> bool {
+    dense.clear();
+    for k in 0..hinges {
+        let (group, before) = (&groups[k / WIDTH], (k + hinges - 1) % hinges);
+        for (entry, (i, j)) in [(0, 0), (1, 1), (0, 1)].into_iter().enumerate() {
+            let value = group.own[entry].0[k % WIDTH];
+            dense.add(2 * k + i, 2 * k + j, value);
+            if i != j {
+                dense.add(2 * k + j, 2 * k + i, value);
+            }
+        }
+        for (entry, octet) in group.before.iter().enumerate() {
+            let value = octet.0[k % WIDTH];
+            let (i, j) = (2 * k + entry / 2, 2 * before + entry % 2);
+            dense.add(i, j, value);
+            dense.add(j, i, value);
+        }
+    }
+    dense.factorise()
+}
+
+fn solve_short(dense: &Dense, x: &mut [f64], y: &mut [f64]) {
+    let mut unknowns = [0.0; 2 * WIDTH];
+    let count = x.len();
+    for (pair, (x, y)) in unknowns.chunks_exact_mut(2).zip(x.iter().zip(&*y)) {
+        pair.copy_from_slice(&[*x, *y]);
+    }
+    dense.solve(&mut unknowns[..2 * count]);
+    for (pair, (x, y)) in unknowns.chunks_exact(2).zip(x.iter_mut().zip(y)) {
+        (*x, *y) = (pair[0], pair[1]);
     }
 }
 
@@ -471,56 +373,107 @@ mod tests {
     use nalgebra::{DMatrix, DVector};
     use proptest::prelude::*;
 
+    use pulp::WithSimd;
+
     use super::*;
     use crate::vector::InstructionSet;
+
+    struct FactoriseRing<'a> {
+        ring: &'a mut Ring,
+        groups: &'a [HingeGroup],
+    }
+
+    impl WithSimd for FactoriseRing<'_> {
+        type Output = bool;
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> bool {
+            self.ring.factorise(simd, self.groups)
+        }
+    }
+
+    struct SolveRing<'a> {
+        ring: &'a mut Ring,
+        unknowns: [&'a mut [f64]; 2],
+    }
+
+    impl WithSimd for SolveRing<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            self.ring.solve(simd, self.unknowns);
+        }
+    }
 
     proptest! {
         #[test]
         fn solutions_are_those_of_the_dense_matrix(
-            n in 3usize..40,
-            open in proptest::collection::vec(0u8..4, 40),
+            n in 2usize..90,
+            open in proptest::collection::vec(0u8..4, 90),
             any_open in any::<bool>(),
             numbers in proptest::collection::vec(-0.3f64..0.3, 800),
         ) {
             let closed = |k: usize| !any_open || open[k] > 0;
             let mut next = numbers.iter().copied().cycle();
-            let mut blocks = RingBlocks::new(n);
-            for (i, array) in blocks.diagonal.iter_mut().chain(&mut blocks.before).enumerate() {
-                let own = if i < 2 { 1.5 } else { 0.0 };
-                array[..n].fill_with(|| own + next.next().unwrap());
+            let mut groups = hinge_groups(n);
+            for k in 0..n {
+                let (group, lane) = (&mut groups[k / WIDTH], k % WIDTH);
+                let coupled = closed(k) && closed((k + n - 1) % n);
+                for (entry, octet) in group.own.iter_mut().enumerate() {
+                    let one = f64::from(u8::from(entry < 2));
+                    octet.0[lane] = if closed(k) { 1.5 * one + next.next().unwrap() } else { one };
+                }
+                for octet in &mut group.before {
+                    octet.0[lane] = if coupled { next.next().unwrap() } else { 0.0 };
+                }
             }
-            let mut dense = DMatrix::<f64>::identity(2 * n, 2 * n);
-            for k in (0..n).filter(|&k| closed(k)) {
-                let [a, d, b] = [0, 1, 2].map(|i| blocks.diagonal[i][k]);
-                dense[(2 * k, 2 * k)] = a;
-                dense[(2 * k + 1, 2 * k + 1)] = d;
-                dense[(2 * k, 2 * k + 1)] = b;
-                dense[(2 * k + 1, 2 * k)] = b;
+            let mut dense = DMatrix::<f64>::zeros(2 * n, 2 * n);
+            for k in 0..n {
+                let (group, lane) = (&groups[k / WIDTH], k % WIDTH);
+                let [a, d, b] = [0, 1, 2].map(|i| group.own[i].0[lane]);
+                dense[(2 * k, 2 * k)] += a;
+                dense[(2 * k + 1, 2 * k + 1)] += d;
+                dense[(2 * k, 2 * k + 1)] += b;
+                dense[(2 * k + 1, 2 * k)] += b;
                 let before = (k + n - 1) % n;
-                if closed(before) {
-                    for (i, entry) in blocks.before.iter().map(|array| array[k]).enumerate() {
-                        dense[(2 * k + i / 2, 2 * before + i % 2)] += entry;
-                        dense[(2 * before + i % 2, 2 * k + i / 2)] += entry;
-                    }
+                for (i, entry) in group.before.iter().map(|octet| octet.0[lane]).enumerate() {
+                    dense[(2 * k + i / 2, 2 * before + i % 2)] += entry;
+                    dense[(2 * before + i % 2, 2 * k + i / 2)] += entry;
                 }
             }
             let right = DVector::from_fn(2 * n, |i, _| if closed(i / 2) { 1.0 + (i % 7) as f64 } else { 0.0 });
             prop_assume!(dense.clone().cholesky().is_some());
-            let force: Vec<f64> = (0..n).map(|k| f64::from(u8::from(closed(k)))).collect();
             let mut bits: Option<Vec<f64>> = None;
             for set in InstructionSet::available() {
                 let mut ring = Ring::new(n);
-                let regular = set.run(FactoriseRing { ring: &mut ring, blocks: &blocks, force: &force });
+                let regular = set.run(FactoriseRing { ring: &mut ring, groups: &groups });
                 prop_assert!(regular);
-                let mut normal: Vec<f64> = right.iter().step_by(2).copied().collect();
-                let mut tangential: Vec<f64> = right.iter().skip(1).step_by(2).copied().collect();
-                set.run(SolveRing { ring: &mut ring, unknowns: [&mut normal, &mut tangential] });
-                let found = DVector::from_fn(2 * n, |i, _| if i % 2 == 0 { normal[i / 2] } else { tangential[i / 2] });
+                let mut x: Vec<f64> = right.iter().step_by(2).copied().collect();
+                let mut y: Vec<f64> = right.iter().skip(1).step_by(2).copied().collect();
+                set.run(SolveRing { ring: &mut ring, unknowns: [&mut x, &mut y] });
+                let found = DVector::from_fn(2 * n, |i, _| if i % 2 == 0 { x[i / 2] } else { y[i / 2] });
                 let error = (&dense * &found - &right).amax() / found.amax();
                 prop_assert!(error < 1e-12, "{} {}", set.name(), error);
                 if set.has_fused_multiply_add() {
                     let same = bits.get_or_insert_with(|| found.as_slice().to_vec());
                     prop_assert_eq!(&same[..], found.as_slice());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_block_without_an_inverse_is_reported() {
+        for hinge in [0, 3, 20, 37] {
+            let mut groups = hinge_groups(38);
+            for wrong in [0.0, f64::NAN, -1.0] {
+                groups[hinge / WIDTH].own[0].0[hinge % WIDTH] = wrong;
+                for set in InstructionSet::available() {
+                    let mut ring = Ring::new(38);
+                    let regular = set.run(FactoriseRing {
+                        ring: &mut ring,
+                        groups: &groups,
+                    });
+                    assert!(!regular, "{hinge} {wrong} {}", set.name());
                 }
             }
         }

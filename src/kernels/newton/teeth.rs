@@ -1,15 +1,14 @@
-//! What bushings on teeth add to the matrix: blocks of their links, and columns of the sprockets' own coordinates, which are
-//! their rows too.
+//! What bushings on teeth add to the matrix: how stiffly each of them is held, and columns of the sprockets' own coordinates,
+//! which are their rows too.
 
 use pulp::{Simd, WithSimd};
 
-use super::contacts::scaled;
-use super::links::at;
+use super::contacts::{BASE, scaled};
 use crate::contact::{Run, SprocketCandidates};
-use crate::kernels::slopes::ContactSlopes;
+use crate::kernels::slopes::SlopeGroup;
 use crate::kernels::teeth::SprocketPose;
 use crate::vector::{
-    Lanes, Numbers, PartialSums, WIDTH, both, load, padded, padded_zeros, vectors_mut,
+    Lanes, Numbers, PartialSums, WIDTH, both, load, padded, padded_zeros, read, vectors_mut,
 };
 
 /// A coordinate of a sprocket.
@@ -24,29 +23,26 @@ pub(super) enum Motion {
 /// Coordinates that a sprocket may have at most: two of its centre and its angle.
 pub(super) const MOST: usize = 3;
 
-/// Entries of a symmetric 3x3 block that are kept: xx, xy, xθ, yy, yθ, θθ.
-pub(super) const ENTRIES: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
-
-/// From the centre of its link to every bushing \[m\]; runs that go past the last bushing find the first ones behind it.
-pub(super) type Levers = [Numbers; 2];
-
-/// What teeth add, bushing by bushing: to the 3x3 block of its link, and to the three entries of its link in the column of
-/// each coordinate on the border. All but the groups of [`WIDTH`] bushings that are marked is zero.
+/// What teeth add, bushing by bushing: the change of force for a change of the bushing's velocity, and that for one of each
+/// coordinate on the border. Bushing k is at [`BASE`] + k, and the last one once more before the first. All but the groups of
+/// [`WIDTH`] bushings that are marked is zero.
 #[derive(Debug, Clone)]
 pub(super) struct ToothTerms {
-    pub(super) block: [Numbers; 6],
-    pub(super) column: Vec<[Numbers; 3]>,
+    /// xx, yy, xy
+    pub(super) held: [Numbers; 3],
+    /// x and y of each coordinate.
+    pub(super) column: Vec<[Numbers; 2]>,
     /// Groups that are not zero.
     touched: Vec<bool>,
 }
 
 impl ToothTerms {
     pub(super) fn new(links: usize, border: usize) -> Self {
-        let room = padded(2 * links + 3 * WIDTH);
+        let room = padded(BASE + 2 * links + 3 * WIDTH);
         let zeros = || padded_zeros(room);
         Self {
-            block: [(); 6].map(|()| zeros()),
-            column: (0..border).map(|_| [(); 3].map(|()| zeros())).collect(),
+            held: [(); 3].map(|()| zeros()),
+            column: (0..border).map(|_| [(); 2].map(|()| zeros())).collect(),
             touched: vec![false; room / WIDTH],
         }
     }
@@ -58,13 +54,12 @@ impl ToothTerms {
             return;
         };
         let last = self.touched.iter().enumerate().rfind(touched);
-        let entries = first * WIDTH..(last.map_or(first, |(group, _)| group) + 1) * WIDTH;
+        let last = last.map_or(first, |(group, _)| group);
+        let entries = BASE + first * WIDTH..BASE + (last + 1) * WIDTH;
         self.touched.fill(false);
-        for array in &mut self.block {
+        for array in self.held.iter_mut().chain(self.column.iter_mut().flatten()) {
             array[entries.clone()].fill(0.0);
-        }
-        for array in self.column.iter_mut().flatten() {
-            array[entries.clone()].fill(0.0);
+            array[BASE - 1] = 0.0;
         }
     }
 
@@ -81,22 +76,25 @@ impl ToothTerms {
         self.touched[groups].fill(true);
     }
 
-    /// Adds to the first bushings what runs that go past the last one have left behind it.
+    /// Adds to the first bushings what runs that go past the last one have left behind it, and puts the last one before them.
     pub(super) fn take_back(&mut self, links: usize, overhang: usize) {
-        if overhang == 0 || !self.touches(links, overhang) {
+        let past = overhang > 0 && self.touches(links, overhang);
+        if past {
+            self.touch(0, overhang);
+        }
+        let last = self.touches(links - 1, 1);
+        if !past && !last {
             return;
         }
-        self.touch(0, overhang);
-        for array in self
-            .block
-            .iter_mut()
-            .chain(self.column.iter_mut().flatten())
-        {
-            let (first, behind) = array.split_at_mut(links);
-            for (entry, past) in first.iter_mut().zip(&mut behind[..overhang]) {
-                *entry += *past;
-                *past = 0.0;
+        for array in self.held.iter_mut().chain(self.column.iter_mut().flatten()) {
+            if past {
+                let (first, behind) = array[BASE..].split_at_mut(links);
+                for (entry, past) in first.iter_mut().zip(&mut behind[..overhang]) {
+                    *entry += *past;
+                    *past = 0.0;
+                }
             }
+            array[BASE - 1] = array[BASE + links - 1];
         }
     }
 }
@@ -106,10 +104,9 @@ pub(super) struct AddTeeth<'a> {
     pub(super) gamma: f64,
     pub(super) pose: &'a SprocketPose,
     pub(super) candidates: &'a SprocketCandidates,
-    pub(super) slopes: &'a ContactSlopes,
+    pub(super) slopes: &'a [SlopeGroup],
     /// Centres of the bushings \[m\].
     pub(super) bushing: &'a [Numbers; 2],
-    pub(super) levers: &'a Levers,
     /// The sprocket's coordinates, the first of which is number `first` on the border.
     pub(super) motions: &'a [Motion],
     pub(super) first: usize,
@@ -132,37 +129,49 @@ impl WithSimd for AddTeeth<'_> {
         } in &self.candidates.runs
         {
             let blocks = length.div_ceil(S::F64_LANES);
-            let normal = both::<S>(&self.slopes.normal, slot, blocks);
-            let along = both::<S>(self.levers, first, blocks);
             let bushing = both::<S>(self.bushing, first, blocks);
+            let ToothTerms {
+                held: [xx, yy, xy],
+                column,
+                touched,
+            } = &mut *self.terms;
+            let columns = &mut column[self.first..];
+            let mut held = [
+                vectors_mut::<S>(&mut xx[BASE + first..], blocks),
+                vectors_mut::<S>(&mut yy[BASE + first..], blocks),
+                vectors_mut::<S>(&mut xy[BASE + first..], blocks),
+            ];
+            let slopes = &self.slopes[slot / WIDTH..];
             for b in 0..blocks {
-                let force = at(simd, &self.candidates.force[slot..], b);
+                let (slopes, part) = (
+                    &slopes[b * S::F64_LANES / WIDTH],
+                    b % (WIDTH / S::F64_LANES),
+                );
+                let force = slopes.force.at(simd, part);
                 if !force.exceeds(zero).any() {
                     continue;
                 }
-                let slopes = [
-                    at(simd, &self.slopes.stiffness[slot..], b),
-                    at(simd, &self.slopes.damping[slot..], b),
-                    at(simd, &self.slopes.curvature[slot..], b),
-                ];
-                let place = both_at(simd, bushing, b);
-                let [alpha, eta] = scaled(self.gamma, slopes, force);
+                let [alpha, eta] = scaled(self.gamma, simd, slopes, part);
                 let tooth = Tooth {
-                    normal: both_at(simd, normal, b),
+                    normal: read(simd, &slopes.normal, part),
                     arm: [
-                        place[0] - splat(self.pose.center[0]),
-                        place[1] - splat(self.pose.center[1]),
+                        load(simd, &bushing[0][b]) - splat(self.pose.center[0]),
+                        load(simd, &bushing[1][b]) - splat(self.pose.center[1]),
                     ],
-                    curvature: slopes[2],
+                    curvature: slopes.curvature.at(simd, part),
                     turn: gamma_squared * force,
                 };
-                self.terms
-                    .touch(first + b * S::F64_LANES / WIDTH * WIDTH, WIDTH);
-                let [along_n, along_t] = tooth.levers(both_at(simd, along, b));
-                for (array, (i, j)) in self.terms.block.iter_mut().zip(ENTRIES) {
-                    let across = eta * along_t[i] * along_t[j];
-                    let entry = (alpha * along_n[i]).mul_add(along_n[j], across);
-                    add::<S>(array, first, b, entry);
+                let group = first + b * S::F64_LANES / WIDTH * WIDTH;
+                touched[group / WIDTH] = true;
+                touched[(group + WIDTH - 1) / WIDTH] = true;
+                let [nx, ny] = tooth.normal;
+                let stiff = [
+                    alpha.mul_add(nx * nx, eta * (ny * ny)),
+                    alpha.mul_add(ny * ny, eta * (nx * nx)),
+                    (alpha - eta) * (nx * ny),
+                ];
+                for (array, entry) in held.iter_mut().zip(stiff) {
+                    array[b] = (load(simd, &array[b]) + entry).values();
                 }
                 let mut moved = [tooth.still(); MOST];
                 for (moved, &motion) in moved.iter_mut().zip(self.motions) {
@@ -171,10 +180,13 @@ impl WithSimd for AddTeeth<'_> {
                 for (j, &motion) in self.motions.iter().enumerate() {
                     let of = moved[j];
                     let (push, across) = (alpha * of.closes, tooth.turn * of.turns);
-                    let column = &mut self.terms.column[self.first + j];
-                    for (i, array) in column.iter_mut().enumerate() {
-                        let entry = along_n[i].mul_add(push, along_t[i] * across);
-                        add::<S>(array, first, b, entry);
+                    let pull = [
+                        nx.mul_add(push, -(ny * across)),
+                        ny.mul_add(push, nx * across),
+                    ];
+                    for (array, entry) in columns[j].iter_mut().zip(pull) {
+                        let place = &mut vectors_mut::<S>(&mut array[BASE + first..], blocks)[b];
+                        *place = (load(simd, place) + entry).values();
                     }
                     for (i, by) in moved.iter().enumerate().take(j + 1) {
                         let bend = match motion {
@@ -187,19 +199,14 @@ impl WithSimd for AddTeeth<'_> {
                 }
             }
         }
-        corner.map(|row| row.map(|sum| sum.total()))
+        let mut totals = [[0.0; MOST]; MOST];
+        for (row, sums) in totals.iter_mut().zip(&corner) {
+            for (total, sum) in row.iter_mut().zip(sums) {
+                *total = sum.total();
+            }
+        }
+        totals
     }
-}
-
-#[inline(always)]
-fn both_at<S: Simd>(simd: S, of: [&[S::f64s]; 2], b: usize) -> [Lanes<S>; 2] {
-    [load(simd, &of[0][b]), load(simd, &of[1][b])]
-}
-
-#[inline(always)]
-fn add<S: Simd>(array: &mut [f64], first: usize, b: usize, values: Lanes<S>) {
-    let place = &mut vectors_mut::<S>(&mut array[first..], b + 1)[b];
-    *place = (load(values.simd(), place) + values).values();
 }
 
 /// A register of bushings on teeth.
@@ -224,16 +231,6 @@ struct Moved<S: Simd> {
 }
 
 impl<S: Simd> Tooth<S> {
-    /// How far the coordinates of a bushing's link move it along n and along t.
-    #[inline(always)]
-    fn levers(&self, [x, y]: [Lanes<S>; 2]) -> [[Lanes<S>; 3]; 2] {
-        let [nx, ny] = self.normal;
-        [
-            [nx, ny, x.mul_add(ny, -(y * nx))],
-            [-ny, nx, x.mul_add(nx, y * ny)],
-        ]
-    }
-
     /// n·arm
     #[inline(always)]
     fn outward(&self) -> Lanes<S> {

@@ -1,0 +1,88 @@
+//! A small dense system, solved by elimination with row exchanges.
+
+/// A square matrix, then its factors.
+#[derive(Debug, Clone)]
+pub(super) struct Dense {
+    size: usize,
+    /// Row after row; then the factors, with inverses of the pivots.
+    entries: Vec<f64>,
+    pivots: Vec<usize>,
+}
+
+impl Dense {
+    pub(super) fn new(size: usize) -> Self {
+        Self {
+            size,
+            entries: vec![0.0; size * size],
+            pivots: vec![0; size],
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.entries.fill(0.0);
+    }
+
+    pub(super) fn add(&mut self, row: usize, column: usize, value: f64) {
+        self.entries[row * self.size + column] += value;
+    }
+
+    /// Row after row.
+    pub(super) fn entries(&self) -> &[f64] {
+        &self.entries
+    }
+
+    pub(super) fn diagonal(&self) -> impl Iterator<Item = f64> {
+        self.entries.iter().step_by(self.size + 1).copied()
+    }
+
+    /// Factorises; false when singular.
+    pub(super) fn factorise(&mut self) -> bool {
+        let (size, matrix) = (self.size, &mut self.entries);
+        for k in 0..size {
+            let pivot = (k..size)
+                .max_by(|&a, &b| {
+                    let entry = |row: usize| matrix[row * size + k].abs();
+                    entry(a).total_cmp(&entry(b))
+                })
+                .unwrap_or(k);
+            self.pivots[k] = pivot;
+            if pivot != k {
+                for j in 0..size {
+                    matrix.swap(k * size + j, pivot * size + j);
+                }
+            }
+            let over = 1.0 / matrix[k * size + k];
+            if !over.is_finite() || over == 0.0 {
+                return false;
+            }
+            matrix[k * size + k] = over;
+            for i in k + 1..size {
+                let factor = matrix[i * size + k] * over;
+                matrix[i * size + k] = factor;
+                for j in k + 1..size {
+                    matrix[i * size + j] -= factor * matrix[k * size + j];
+                }
+            }
+        }
+        true
+    }
+
+    /// Solves in place.
+    pub(super) fn solve(&self, right: &mut [f64]) {
+        let (size, matrix) = (self.size, &self.entries);
+        for (k, &pivot) in self.pivots.iter().enumerate() {
+            right.swap(k, pivot);
+        }
+        for i in 0..size {
+            for j in 0..i {
+                right[i] -= matrix[i * size + j] * right[j];
+            }
+        }
+        for i in (0..size).rev() {
+            for j in i + 1..size {
+                right[i] -= matrix[i * size + j] * right[j];
+            }
+            right[i] *= matrix[i * size + i];
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Eight numbers of one quantity: what the widest registers hold, for arrays of structures with several quantities side by side.
+
+use pulp::Simd;
+
+use super::{Lanes, WIDTH, load, vectors, vectors_mut};
+
+/// Eight numbers that begin at a cache line.
+#[derive(Debug, Clone, Copy, Default)]
+#[repr(align(64))]
+pub(crate) struct Octet(pub(crate) [f64; WIDTH]);
+
+impl Octet {
+    /// The same number eight times.
+    pub(crate) fn of(value: f64) -> Self {
+        Self([value; WIDTH])
+    }
+
+    /// Register `part` of it.
+    #[inline(always)]
+    pub(crate) fn at<S: Simd>(&self, simd: S, part: usize) -> Lanes<S> {
+        load(simd, &vectors::<S>(&self.0, WIDTH / S::F64_LANES)[part])
+    }
+
+    /// Writes register `part`.
+    #[inline(always)]
+    pub(crate) fn put<S: Simd>(&mut self, part: usize, values: Lanes<S>) {
+        vectors_mut::<S>(&mut self.0, WIDTH / S::F64_LANES)[part] = values.values();
+    }
+}
+
+/// The registers of an octet.
+#[inline(always)]
+pub(crate) fn parts<S: Simd>() -> std::ops::Range<usize> {
+    0..WIDTH / S::F64_LANES
+}
+
+/// Register `part` of each octet.
+#[inline(always)]
+pub(crate) fn read<S: Simd, const N: usize>(
+    simd: S,
+    octets: &[Octet; N],
+    part: usize,
+) -> [Lanes<S>; N] {
+    let mut values = [Lanes::splat(simd, 0.0); N];
+    for (value, octet) in values.iter_mut().zip(octets) {
+        *value = octet.at(simd, part);
+    }
+    values
+}
+
+/// Writes register `part` of each octet.
+#[inline(always)]
+pub(crate) fn write<S: Simd, const N: usize>(
+    octets: &mut [Octet; N],
+    part: usize,
+    values: [Lanes<S>; N],
+) {
+    for (octet, values) in octets.iter_mut().zip(values) {
+        octet.put(part, values);
+    }
+}
