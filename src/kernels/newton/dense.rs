@@ -18,10 +18,12 @@ impl Dense {
         }
     }
 
+    #[inline]
     pub(super) fn clear(&mut self) {
         self.entries.fill(0.0);
     }
 
+    #[inline]
     pub(super) fn add(&mut self, row: usize, column: usize, value: f64) {
         self.entries[row * self.size + column] += value;
     }

@@ -114,7 +114,7 @@ impl LinkGroup {
 #[inline(always)]
 fn touched(teeth: &ToothTerms, links: usize, group: usize) -> bool {
     let first = group * WIDTH;
-    teeth.touches(first, WIDTH) || teeth.touches(if first > 0 { first - 1 } else { links - 1 }, 1)
+    teeth.touches(first) || teeth.touches(if first > 0 { first - 1 } else { links - 1 })
 }
 
 /// Links after elimination.
@@ -146,6 +146,7 @@ impl LinkTerms {
     }
 
     /// The unknowns of the ring, which hold its right-hand sides.
+    #[inline(always)]
     pub(super) fn ring_unknowns(&mut self, links: usize) -> [&mut [f64]; 2] {
         let [x, y] = &mut self.force;
         [&mut x[BASE..BASE + links], &mut y[BASE..BASE + links]]

@@ -48,42 +48,44 @@ impl ToothTerms {
     }
 
     /// No teeth yet.
+    #[inline(always)]
     pub(super) fn clear(&mut self) {
-        let touched = |&(_, touched): &(usize, &bool)| *touched;
-        let Some((first, _)) = self.touched.iter().enumerate().find(touched) else {
-            return;
+        let Self {
+            held,
+            column,
+            touched,
+        } = self;
+        let clear = |array: &mut Numbers, group: usize| {
+            let first = BASE + group * WIDTH;
+            array[first..first + WIDTH].fill(0.0);
         };
-        let last = self.touched.iter().enumerate().rfind(touched);
-        let last = last.map_or(first, |(group, _)| group);
-        let entries = BASE + first * WIDTH..BASE + (last + 1) * WIDTH;
-        self.touched.fill(false);
-        for array in self.held.iter_mut().chain(self.column.iter_mut().flatten()) {
-            array[entries.clone()].fill(0.0);
+        for (group, touched) in touched.iter_mut().enumerate() {
+            if std::mem::take(touched) {
+                held.iter_mut().for_each(|array| clear(array, group));
+                let columns = column.iter_mut().flatten();
+                columns.for_each(|array| clear(array, group));
+            }
+        }
+        for array in held.iter_mut().chain(column.iter_mut().flatten()) {
             array[BASE - 1] = 0.0;
         }
     }
 
-    /// Whether any bushing of these entries touches.
+    /// Whether any bushing of the group with bushing `k` touches.
     #[inline(always)]
-    pub(super) fn touches(&self, first: usize, count: usize) -> bool {
-        let groups = first / WIDTH..=(first + count - 1) / WIDTH;
-        self.touched[groups].contains(&true)
-    }
-
-    #[inline(always)]
-    fn touch(&mut self, first: usize, count: usize) {
-        let groups = first / WIDTH..=(first + count - 1) / WIDTH;
-        self.touched[groups].fill(true);
+    pub(super) fn touches(&self, k: usize) -> bool {
+        self.touched[k / WIDTH]
     }
 
     /// Adds to the first bushings what runs that go past the last one have left behind it, and puts the last one before them.
+    #[inline(always)]
     pub(super) fn take_back(&mut self, links: usize, overhang: usize) {
-        let past = overhang > 0 && self.touches(links, overhang);
+        let behind = links / WIDTH..(links + overhang).div_ceil(WIDTH);
+        let past = overhang > 0 && self.touched[behind].contains(&true);
         if past {
-            self.touch(0, overhang);
+            self.touched[..overhang.div_ceil(WIDTH)].fill(true);
         }
-        let last = self.touches(links - 1, 1);
-        if !past && !last {
+        if !past && !self.touches(links - 1) {
             return;
         }
         for array in self.held.iter_mut().chain(self.column.iter_mut().flatten()) {
