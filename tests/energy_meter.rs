@@ -47,8 +47,9 @@ fn the_meter_has_a_small_part_of_the_residual() {
             differences[1] += (two.0 - many.0).powi(2);
         }
         let share = differences.map(|difference: f64| (difference / residuals).sqrt());
-        // Measured: 0.098, 0.072, 0.005 of residuals of 1.4e-5, 1.5e-5, 6.6e-5 J; half of that at fineness two.
-        assert!(share[0] < 0.2, "{pretension} N: {share:?}");
+        // Measured over 24 runs: 0.10, 0.16, 0.005 of residuals of 1.4e-5, 0.9e-5, 6.6e-5 J; half of that at fineness two. Eight
+        // runs scatter by a third on either side of the quotient.
+        assert!(share[0] < 0.4, "{pretension} N: {share:?}");
         assert!(share[1] < share[0], "{pretension} N: {share:?}");
     }
 }
