@@ -46,6 +46,9 @@ impl Model {
     pub fn compile(drive: &Drive, laws: &ForceLaws, start: &Start) -> Result<Self> {
         drive.validate()?;
         check::positive("min_approach_speed", laws.min_approach_speed, "m/s")?;
+        for law in [laws.hinge, laws.tooth] {
+            law.check("Material.restitution", drive.chain.material.restitution)?;
+        }
         let chain = &drive.chain;
         let links = chain.links as usize;
         if start.positions.len() != links + drive.sprockets.len() {
