@@ -18,13 +18,13 @@ pub enum Damping {
     HuntCrossley,
     /// 3 (1 - `c_e²)/4` (Lankarani and Nikravesh 1990).
     LankaraniNikravesh,
-    /// 6 (1 - `c_e`)/((2 `c_e` - 1)² + 3) (Herbert and McWhannell 1977).
+    /// 6 (1 - `c_e`)/((2 `c_e` - 1)² + 3) (Herbert and `McWhannell` 1977).
     HerbertMcWhannell,
     /// 3 (1 - `c_e)/4` (Lee and Wang 1983). Loses about half of what it should even near `c_e` = 1.
     LeeWang,
     /// 8 (1 - `c_e`)/(5 `c_e`) (Flores, Machado, Silva and Martins 2011).
     Flores,
-    /// (1 - `c_e²)/c_e` (Gonthier, McPhee, Lange and Piedboeuf 2004), the first approximation of their implicit equation, which
+    /// (1 - `c_e²)/c_e` (Gonthier, `McPhee`, Lange and Piedboeuf 2004), the first approximation of their implicit equation, which
     /// is that of [`restitution_obtained`].
     Gonthier,
     /// 3 (1 - `c_e`)/(2 `c_e`) (Hu and Guo 2015).
