@@ -10,8 +10,9 @@
 //!   h = (1 - ν²)/(π E), so that `h_i + h_j` = 1/(π E*).
 //!
 //! The forms are those of Pereira, Ramalho and Ambrósio, "A critical overview of internal and external cylinder contact force
-//! models", Nonlinear Dynamics 63 (2011) 681, checked against public code of multibody programs. Two differ there. Roark's tables
-//! have diameters where b has radii here, which takes ln 2 off Radzimovsky's bracket. One code has π `(h_i + h_j)` with
+//! models", Nonlinear Dynamics 63 (2011) 681, checked against public code of multibody programs. Two want a word. With
+//! diameters in the place of the radii b would be the width of Hertz's contact, 2.26 sqrt(...), and Radzimovsky's bracket have
+//! ln 2 less; it is taken as printed. One code has π `(h_i + h_j)` with
 //! h = (1 - ν²)/E in ESDU's law: nine times softer than any other law of lines, and not taken.
 
 use super::{LogarithmicPair, SurfacePair};
