@@ -1,16 +1,17 @@
-//! Each elastic law over light and heavy contacts of a hinge and of a tooth, and the damping factor.
+//! Each elastic law over light and heavy contacts of a hinge and of a tooth, one by one and in registers, and the damping factor.
 
 mod common;
 
 use std::hint::black_box;
 
-use common::print_counts;
+use common::{Effort, print_counts, race};
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use rustchain::drive::Material;
 use rustchain::force_law::{
-    Damping, ElasticLaw, EnhancedCylinder, Hertz, Johnson, SurfacePair, damping_factor,
+    Damping, Elastic, ElasticPair, RegisterForces, SurfacePair, damping_factor,
 };
+use rustchain::vector::InstructionSet;
 
 /// Penetrations in a batch.
 const COUNT: u32 = 1024;
@@ -22,19 +23,13 @@ fn penetrations() -> Vec<f64> {
         .collect()
 }
 
-fn law<L: ElasticLaw>(
-    group: &mut BenchmarkGroup<'_, WallTime>,
-    name: &str,
-    surfaces: &[(&str, SurfacePair)],
-) {
+fn law(group: &mut BenchmarkGroup<'_, WallTime>, law: Elastic, surfaces: &[(&str, SurfacePair)]) {
     let depths = penetrations();
-    for (place, pair) in surfaces {
-        let constants = L::prepare(pair);
-        let largest = L::force(&constants, depths[depths.len() - 1]);
-        let past_end = depths
-            .iter()
-            .filter(|&&depth| depth > L::range_end(&constants))
-            .count();
+    let name = law.name();
+    for (place, surfaces) in surfaces {
+        let pair = ElasticPair::prepare(law, surfaces);
+        let largest = pair.force(depths[depths.len() - 1]);
+        let past_end = depths.iter().filter(|&&d| d > pair.range_end()).count();
         print_counts(
             &format!("force_law/{name}/{place}"),
             &format!("{COUNT} forces up to {largest:.1} N, {past_end} past the end of the law"),
@@ -43,10 +38,52 @@ fn law<L: ElasticLaw>(
             b.iter(|| {
                 depths
                     .iter()
-                    .map(|&depth| L::force(&constants, black_box(depth)))
+                    .map(|&depth| pair.force(black_box(depth)))
                     .sum::<f64>()
             });
         });
+    }
+}
+
+/// Time of one force \[ns\]: one by one, and in the registers of every instruction set; all laws in turns.
+#[allow(clippy::print_stdout)] // a benchmark's figures
+fn registers(_: &mut Criterion) {
+    let effort = Effort {
+        batches: 300,
+        calls: 5,
+    }
+    .or_once();
+    let modulus = Material::default().contact_modulus();
+    let pin = SurfacePair::internal(2.22e-3, 2.245e-3, 0.011, modulus);
+    let depths = penetrations();
+    let sets = InstructionSet::available();
+    print!("{:<26}{:>12}", "ns a force, pin", "one by one");
+    for set in &sets {
+        print!("{:>9}", set.name());
+    }
+    println!();
+    let mut competitors: Vec<Box<dyn FnMut()>> = Vec::new();
+    for law in Elastic::ALL {
+        let (pair, depths) = (ElasticPair::prepare(law, &pin), depths.clone());
+        let single = depths.clone();
+        competitors.push(Box::new(move || {
+            let sum: f64 = single.iter().map(|&d| pair.force(black_box(d))).sum();
+            black_box(sum);
+        }));
+        for set in &sets {
+            let mut forces = RegisterForces::new(law, &pin, &depths, *set);
+            competitors.push(Box::new(move || {
+                black_box(forces.evaluate());
+            }));
+        }
+    }
+    let times = race(effort, &mut competitors);
+    for (law, row) in Elastic::ALL.iter().zip(times.chunks(1 + sets.len())) {
+        print!("{:<26}{:>12.2}", law.name(), row[0] / f64::from(COUNT));
+        for time in &row[1..] {
+            print!("{:>9.2}", time / f64::from(COUNT));
+        }
+        println!();
     }
 }
 
@@ -68,9 +105,9 @@ fn elastic(criterion: &mut Criterion) {
     ];
     let mut group = criterion.benchmark_group("force_law");
     group.throughput(Throughput::Elements(u64::from(COUNT)));
-    law::<Hertz>(&mut group, "hertz", &surfaces);
-    law::<Johnson>(&mut group, "johnson", &surfaces);
-    law::<EnhancedCylinder>(&mut group, "enhanced_cylinder", &surfaces);
+    for each in Elastic::ALL {
+        law(&mut group, each, &surfaces);
+    }
     group.finish();
 }
 
@@ -95,6 +132,6 @@ fn damping(criterion: &mut Criterion) {
 criterion_group! {
     name = benches;
     config = common::criterion();
-    targets = elastic, damping
+    targets = registers, elastic, damping
 }
 criterion_main!(benches);

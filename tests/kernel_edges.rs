@@ -18,7 +18,13 @@ use rustchain::integrator::OdeSystem;
 use rustchain::model::Support;
 use rustchain::vector::InstructionSet;
 
-const LAWS: [Elastic; 3] = [Elastic::Hertz, Elastic::Johnson, Elastic::EnhancedCylinder];
+/// One law of each form.
+const LAWS: [Elastic; 4] = [
+    Elastic::Hertz,
+    Elastic::Johnson,
+    Elastic::EnhancedCylinder,
+    Elastic::LiuConformal,
+];
 
 fn all_laws() -> impl Iterator<Item = ForceLaws> {
     LAWS.into_iter().flat_map(|elastic| {

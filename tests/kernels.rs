@@ -89,6 +89,8 @@ fn choices() -> impl Strategy<Value = Choice> {
             Elastic::Hertz,
             Elastic::Johnson,
             Elastic::EnhancedCylinder,
+            Elastic::LiuConformal,
+            Elastic::Linear(1e8),
         ])
     };
     let damping = || prop::sample::select(vec![Damping::None, Damping::LankaraniNikravesh]);
@@ -183,9 +185,15 @@ fn the_states_compared_have_every_kind_of_contact() {
 fn samples() -> Vec<Choice> {
     let mut samples = Vec::new();
     for drive in 0..DRIVES {
-        for (i, elastic) in [Elastic::Hertz, Elastic::Johnson, Elastic::EnhancedCylinder]
-            .into_iter()
-            .enumerate()
+        for (i, elastic) in [
+            Elastic::Hertz,
+            Elastic::Johnson,
+            Elastic::EnhancedCylinder,
+            Elastic::LiuConformal,
+            Elastic::Linear(1e8),
+        ]
+        .into_iter()
+        .enumerate()
         {
             for damping in [Damping::None, Damping::LankaraniNikravesh] {
                 samples.push(Choice {

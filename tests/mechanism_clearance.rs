@@ -93,7 +93,7 @@ fn acceleration_peaks_follow_the_ideal_curve_and_shrink_with_the_clearance() {
 #[test]
 fn the_energy_balance_of_the_play_closes_with_every_law() {
     let turn = 60.0 / 5000.0;
-    for elastic in [Elastic::Hertz, Elastic::Johnson, Elastic::EnhancedCylinder] {
+    for elastic in Elastic::ALL {
         let mut machine = simulation(&machine(1e-4, elastic), 1e-9);
         let recording = record(&mut machine, turn, turn / 100.0);
         let last = &recording.energy[recording.energy.len() - 6..];

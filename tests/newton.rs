@@ -32,7 +32,7 @@ fn simulation(
     common::simulation(&drive, &laws, control)
 }
 
-/// Four laws, each with two pretensions, when hinges and teeth are pressed.
+/// Laws of all forms, each with two pretensions, when hinges and teeth are pressed.
 fn pressed_scenes() -> Vec<(String, Simulation)> {
     let mut scenes = Vec::new();
     for (elastic, damping) in [
@@ -40,6 +40,7 @@ fn pressed_scenes() -> Vec<(String, Simulation)> {
         (Elastic::Hertz, Damping::None),
         (Elastic::Johnson, Damping::LankaraniNikravesh),
         (Elastic::EnhancedCylinder, Damping::LankaraniNikravesh),
+        (Elastic::LiuConformal, Damping::Flores),
     ] {
         for pretension in [25.0, 100.0] {
             let mut run = simulation(elastic, damping, pretension, StepControl::default());

@@ -55,7 +55,7 @@ fn the_counter_counts() {
 
 #[test]
 fn ten_milliseconds_with_hundreds_of_onsets_allocate_nothing() {
-    for elastic in [Elastic::Hertz, Elastic::Johnson, Elastic::EnhancedCylinder] {
+    for elastic in LAWS {
         for regions in [Regions::Kept, Regions::Sharp] {
             let law = ForceLaw {
                 elastic,
@@ -100,7 +100,13 @@ fn ten_milliseconds_with_hundreds_of_onsets_allocate_nothing() {
     }
 }
 
-const LAWS: [Elastic; 3] = [Elastic::Hertz, Elastic::Johnson, Elastic::EnhancedCylinder];
+/// One law of each form.
+const LAWS: [Elastic; 4] = [
+    Elastic::Hertz,
+    Elastic::Johnson,
+    Elastic::EnhancedCylinder,
+    Elastic::LiuConformal,
+];
 
 #[test]
 fn evaluations_that_choose_candidates_anew_allocate_nothing_whatever_the_instructions() {

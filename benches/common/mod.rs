@@ -17,8 +17,8 @@ use rustchain::integrator::{Adams, Corrector, StepControl};
 use rustchain::state::{Start, closing_center_distance};
 use rustchain::{ForceLaws, Model, Simulation};
 
-/// The laws as users know them.
-pub const LAWS: [(&str, Elastic, Damping); 3] = [
+/// One law of each form, as users know them.
+pub const LAWS: [(&str, Elastic, Damping); 4] = [
     (
         "lankarani_nikravesh",
         Elastic::Hertz,
@@ -30,6 +30,7 @@ pub const LAWS: [(&str, Elastic, Damping); 3] = [
         Elastic::EnhancedCylinder,
         Damping::LankaraniNikravesh,
     ),
+    ("liu_conformal", Elastic::LiuConformal, Damping::Flores),
 ];
 
 /// The time at which the drive is under way \[s\]: the first impacts are over, and up to 7 ms every machine sees one path.

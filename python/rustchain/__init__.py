@@ -30,7 +30,19 @@ from rustchain.errors import (
     RangeWarning,
     SimulationError,
 )
-from rustchain.force_law import EnhancedCylinder, ForceLaw, Hertz, Johnson, LankaraniNikravesh
+from rustchain.force_law import (
+    EnhancedCylinder,
+    Esdu78035,
+    ForceLaw,
+    Hertz,
+    HertzCylinder,
+    Johnson,
+    LankaraniNikravesh,
+    Linear,
+    LiuConformal,
+    Radzimovsky,
+    restitution_obtained,
+)
 from rustchain.mechanism import Mechanism, MechanismReport
 from rustchain.mechanism_parts import (
     HuntCrossley,
@@ -60,16 +72,20 @@ __all__ = [
     "DriveReport",
     "EnergyWarning",
     "EnhancedCylinder",
+    "Esdu78035",
     "Evaluation",
     "ForceLaw",
     "Free",
     "Hertz",
+    "HertzCylinder",
     "HuntCrossley",
     "InvalidInput",
     "Johnson",
     "LankaraniNikravesh",
+    "Linear",
     "LinearContact",
     "Link",
+    "LiuConformal",
     "Material",
     "Mechanism",
     "MechanismEvaluation",
@@ -78,6 +94,7 @@ __all__ = [
     "MechanismSimulation",
     "NotRecorded",
     "PrescribedSpeed",
+    "Radzimovsky",
     "RangeWarning",
     "Result",
     "Simulation",
@@ -95,6 +112,7 @@ __all__ = [
     "instruction_set",
     "load_result",
     "paper_drive",
+    "restitution_obtained",
     "sweep",
     "two_sprocket_drive",
 ]

@@ -26,6 +26,7 @@ __all__ = [
     "law_force",
     "layout",
     "links_for",
+    "restitution_obtained",
     "tooth_outline",
     "validate",
 ]
@@ -67,7 +68,7 @@ def tooth_outline(sprocket: Sprocket, chain: Chain, points: int) -> _Array:
 
 def law_force(
     law: ForceLaw,
-    kind: Literal["internal", "external"],
+    kind: Literal["internal", "external", "flat"],
     radius_i: float,
     radius_j: float,
     length: float,
@@ -75,6 +76,9 @@ def law_force(
     penetration: npt.NDArray[np.float64],
 ) -> _Array:
     """Return the elastic force [N] at each penetration [m]."""
+
+def restitution_obtained(damping: str, restitution: float) -> float:
+    """Return the restitution that an impact with a damping law really has."""
 
 def integrate(
     fun: Callable[[float, _Array], npt.ArrayLike],

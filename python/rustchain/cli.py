@@ -33,18 +33,28 @@ class Law(str, Enum):
 
     LANKARANI_NIKRAVESH = "lankarani-nikravesh"
     ENHANCED_CYLINDER = "enhanced-cylinder"
+    ENHANCED_CYLINDER_2015 = "enhanced-cylinder-2015"
     JOHNSON = "johnson"
     HERTZ = "hertz"
+    HERTZ_CYLINDER = "hertz-cylinder"
+    RADZIMOVSKY = "radzimovsky"
+    ESDU_78035 = "esdu-78035"
+    LIU_CONFORMAL = "liu-conformal"
 
     def value_of(self) -> rc.ForceLaw:
         """Return the law with its own default damping."""
-        laws = {
-            Law.LANKARANI_NIKRAVESH: rc.LankaraniNikravesh,
-            Law.ENHANCED_CYLINDER: rc.EnhancedCylinder,
-            Law.JOHNSON: rc.Johnson,
-            Law.HERTZ: rc.Hertz,
+        laws: dict[Law, rc.ForceLaw] = {
+            Law.LANKARANI_NIKRAVESH: rc.LankaraniNikravesh(),
+            Law.ENHANCED_CYLINDER: rc.EnhancedCylinder(),
+            Law.ENHANCED_CYLINDER_2015: rc.EnhancedCylinder(coefficients="2015"),
+            Law.JOHNSON: rc.Johnson(),
+            Law.HERTZ: rc.Hertz(),
+            Law.HERTZ_CYLINDER: rc.HertzCylinder(),
+            Law.RADZIMOVSKY: rc.Radzimovsky(),
+            Law.ESDU_78035: rc.Esdu78035(),
+            Law.LIU_CONFORMAL: rc.LiuConformal(),
         }
-        return laws[self]()
+        return laws[self]
 
 
 def _print_version(wanted: bool) -> None:

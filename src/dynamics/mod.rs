@@ -328,15 +328,19 @@ impl Dynamics {
     /// Notes the first hinge and the first tooth contact that go past the end of their law.
     fn watch_ranges(&mut self, adams: &Adams) {
         let model = &self.model;
-        if model.hinge_law.elastic == Elastic::Johnson && self.hinge_past_range.is_none() {
+        if model.hinge_law.elastic.has_an_end() && self.hinge_past_range.is_none() {
             let end = with_law!(&model.hinge_law.pairs, Law, pairs => range_end::<Law>(&pairs[0]));
             let depths = self.kernels.hinge_depths(model);
             if let Some(k) = depths.iter().position(|&depth| depth > end) {
-                self.hinge_past_range =
-                    Some(past_range(&format!("hinge {}", k + 1), depths[k], end));
+                self.hinge_past_range = Some(past_range(
+                    model.hinge_law.elastic,
+                    &format!("hinge {}", k + 1),
+                    depths[k],
+                    end,
+                ));
             }
         }
-        if model.tooth_law.elastic == Elastic::Johnson && self.tooth_past_range.is_none() {
+        if model.tooth_law.elastic.has_an_end() && self.tooth_past_range.is_none() {
             let nearest_end = with_law!(&model.tooth_law.pairs, Law, pairs => {
                 pairs.iter().map(range_end::<Law>).fold(f64::INFINITY, f64::min)
             });
@@ -359,7 +363,7 @@ impl Dynamics {
             let end =
                 with_law!(&model.tooth_law.pairs, Law, pairs => range_end::<Law>(&pairs[number]));
             let name = || format!("bushing {} on sprocket {}", k + 1, s + 1);
-            (depth > end).then(|| past_range(&name(), depth, end))
+            (depth > end).then(|| past_range(model.tooth_law.elastic, &name(), depth, end))
         })
     }
 
@@ -459,9 +463,10 @@ impl Dynamics {
     }
 }
 
-fn past_range(contact: &str, depth: f64, end: f64) -> String {
+fn past_range(law: Elastic, contact: &str, depth: f64, end: f64) -> String {
+    let law = law.name();
     format!(
-        "johnson law, {contact}: penetration {depth:.3e} m is past the end of the law, {end:.3e} m; \
+        "{law} law, {contact}: penetration {depth:.3e} m is past the end of the law, {end:.3e} m; \
          the force goes on with the secant's stiffness"
     )
 }

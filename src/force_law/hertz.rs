@@ -16,14 +16,18 @@ pub struct HertzPair {
     pub stiffness: f64,
 }
 
-impl ElasticLaw for Hertz {
-    type Pair = HertzPair;
-
-    fn prepare(surfaces: &SurfacePair) -> HertzPair {
+impl Hertz {
+    /// K of one pair.
+    #[must_use]
+    pub fn prepare(surfaces: &SurfacePair) -> HertzPair {
         HertzPair {
             stiffness: 4.0 / 3.0 * surfaces.contact_modulus * surfaces.effective_radius.sqrt(),
         }
     }
+}
+
+impl ElasticLaw for Hertz {
+    type Pair = HertzPair;
 
     fn force(pair: &HertzPair, penetration: f64) -> f64 {
         if penetration <= 0.0 {

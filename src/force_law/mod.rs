@@ -6,20 +6,32 @@
 // The vector forms must be inlined into the kernel that chose the instructions.
 #![allow(clippy::inline_always)]
 
+mod conformal;
 mod dissipation;
+mod elastic;
 mod enhanced_cylinder;
 mod hertz;
-mod johnson;
+mod line_contact;
+mod logarithmic;
+mod power;
+mod registers;
 #[cfg(test)]
 mod testing;
 
+pub use conformal::{Conformal, ConformalPair};
 pub use dissipation::{Damping, damping_factor, restitution_obtained};
-pub use enhanced_cylinder::{EnhancedCylinder, EnhancedCylinderPair};
+pub use elastic::{Elastic, ElasticPair, PairTable, elastic_forces, range_note};
+pub(crate) use elastic::{with_form, with_law};
+pub use enhanced_cylinder::EnhancedCylinder;
 pub use hertz::{Hertz, HertzPair};
-pub use johnson::{Johnson, JohnsonPair};
+pub use line_contact::LineContact;
+pub use logarithmic::{Logarithmic, LogarithmicPair};
+pub use power::{Power, PowerPair};
+pub use registers::RegisterForces;
 
 use pulp::Simd;
 
+use crate::error::{Result, check};
 use crate::vector::Lanes;
 
 /// Inside (a cylinder in a bore or on a concave flank) or outside (two convex cylinders).
@@ -87,13 +99,10 @@ impl SurfacePair {
     }
 }
 
-/// The elastic part of a force law; the run's loops are generic over it.
+/// The elastic part of a force law in one of its forms; the run's loops are generic over it.
 pub trait ElasticLaw {
     /// Constants of one pair of surfaces.
     type Pair: Copy + std::fmt::Debug + Send + Sync;
-
-    /// What the law needs of a pair, worked out once when the model is compiled.
-    fn prepare(surfaces: &SurfacePair) -> Self::Pair;
 
     /// Elastic force \[N\] at penetration δ \[m\]; zero for δ <= 0; not a number stays so.
     fn force(pair: &Self::Pair, penetration: f64) -> f64;
@@ -107,12 +116,6 @@ pub trait ElasticLaw {
     /// Penetration \[m\] at which the law's range ends.
     fn range_end(_pair: &Self::Pair) -> f64 {
         f64::INFINITY
-    }
-
-    /// Why the law is outside its range for these surfaces whatever the penetration, if it is.
-    #[must_use]
-    fn range_note(_surfaces: &SurfacePair) -> Option<String> {
-        None
     }
 }
 
@@ -132,29 +135,6 @@ pub(crate) trait VectorLaw: ElasticLaw {
     ) -> Lanes<S>;
 }
 
-/// The elastic law a user picks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Elastic {
-    /// Hertz for spheres, as Lankarani and Nikravesh use it.
-    Hertz,
-    /// Johnson's cylinders.
-    Johnson,
-    /// The enhanced cylindrical law of Pereira, Ramalho and Ambrósio.
-    EnhancedCylinder,
-}
-
-impl Elastic {
-    /// The name used in messages and descriptions.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Hertz => "hertz",
-            Self::Johnson => "johnson",
-            Self::EnhancedCylinder => "enhanced-cylinder",
-        }
-    }
-}
-
 /// Which stiffness a contact on a tooth has when it moves on to the next region under load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Regions {
@@ -165,7 +145,7 @@ pub enum Regions {
 }
 
 /// A complete force law.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceLaw {
     /// Elastic part.
     pub elastic: Elastic,
@@ -173,6 +153,19 @@ pub struct ForceLaw {
     pub damping: Damping,
     /// What happens between the regions of a tooth.
     pub regions: Regions,
+}
+
+impl ForceLaw {
+    /// Checks the law itself, and that it applies to a material of this `restitution`, which is called `field`.
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn check(&self, field: &str, restitution: f64) -> Result<()> {
+        if let Elastic::Linear(stiffness) = self.elastic {
+            check::positive("Linear.stiffness", stiffness, "N/m")?;
+        }
+        self.damping.check(field, restitution)
+    }
 }
 
 impl Default for ForceLaw {
@@ -183,65 +176,4 @@ impl Default for ForceLaw {
             regions: Regions::Kept,
         }
     }
-}
-
-/// The constants of all pairs of one group, one arm a law: one match, then a loop without any.
-#[derive(Debug, Clone)]
-#[allow(missing_docs)] // the names say it
-pub enum PairTable {
-    Hertz(Vec<HertzPair>),
-    Johnson(Vec<JohnsonPair>),
-    EnhancedCylinder(Vec<EnhancedCylinderPair>),
-}
-
-impl PairTable {
-    /// The constants of `law` for every pair.
-    #[must_use]
-    pub fn prepare(law: Elastic, surfaces: &[SurfacePair]) -> Self {
-        match law {
-            Elastic::Hertz => Self::Hertz(surfaces.iter().map(Hertz::prepare).collect()),
-            Elastic::Johnson => Self::Johnson(surfaces.iter().map(Johnson::prepare).collect()),
-            Elastic::EnhancedCylinder => {
-                Self::EnhancedCylinder(surfaces.iter().map(EnhancedCylinder::prepare).collect())
-            }
-        }
-    }
-}
-
-/// Runs a generic function over the law of a table: `with_law!(table, Law, pairs => expression)`.
-macro_rules! with_law {
-    ($table:expr, $law:ident, $pairs:ident => $body:expr) => {
-        match $table {
-            $crate::force_law::PairTable::Hertz($pairs) => {
-                type $law = $crate::force_law::Hertz;
-                $body
-            }
-            $crate::force_law::PairTable::Johnson($pairs) => {
-                type $law = $crate::force_law::Johnson;
-                $body
-            }
-            $crate::force_law::PairTable::EnhancedCylinder($pairs) => {
-                type $law = $crate::force_law::EnhancedCylinder;
-                $body
-            }
-        }
-    };
-}
-pub(crate) use with_law;
-
-/// Why `law` is outside its range for these surfaces, if it is.
-#[must_use]
-pub fn range_note(law: Elastic, surfaces: &SurfacePair) -> Option<String> {
-    match law {
-        Elastic::Hertz => Hertz::range_note(surfaces),
-        Elastic::Johnson => Johnson::range_note(surfaces),
-        Elastic::EnhancedCylinder => EnhancedCylinder::range_note(surfaces),
-    }
-}
-
-/// Elastic force \[N\] of one pair over many penetrations \[m\].
-#[must_use]
-pub fn elastic_forces(law: Elastic, surfaces: &SurfacePair, penetrations: &[f64]) -> Vec<f64> {
-    let table = PairTable::prepare(law, std::slice::from_ref(surfaces));
-    with_law!(&table, Law, pairs => penetrations.iter().map(|&d| Law::force(&pairs[0], d)).collect())
 }

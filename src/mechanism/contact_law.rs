@@ -1,10 +1,7 @@
 //! Force of one contact of a mechanism: the published laws, a linear one and that of Hunt and Crossley.
 
 use crate::error::{Error, Result, check};
-use crate::force_law::{
-    Elastic, ElasticLaw, EnhancedCylinder, EnhancedCylinderPair, ForceLaw, Hertz, HertzPair,
-    Johnson, JohnsonPair, SurfacePair, damping_factor,
-};
+use crate::force_law::{ElasticPair, ForceLaw, PowerPair, SurfacePair, damping_factor};
 
 use super::profile::Curvature;
 
@@ -51,14 +48,15 @@ impl ContactLaw {
         let of = |name: &str| format!("{name} of {field}");
         match self {
             Self::Surfaces {
+                law,
                 contact_modulus,
                 restitution,
                 length,
                 min_approach_speed,
-                ..
             } => {
                 check::positive(&of("contact modulus"), *contact_modulus, "Pa")?;
                 check::within(&of("restitution"), *restitution, 0.0, 1.0)?;
+                law.check(&of("restitution"), *restitution)?;
                 check::positive(&of("min_approach_speed"), *min_approach_speed, "m/s")?;
                 check::positive(&of("length"), *length, "m")
             }
@@ -87,7 +85,10 @@ impl ContactLaw {
     ) -> Result<Prepared> {
         let (elastic, damping) = match self {
             Self::Linear { stiffness, damping } => (
-                ElasticPart::Power(*stiffness, 1.0),
+                ElasticPair::Power(PowerPair {
+                    stiffness: *stiffness,
+                    exponent: 1.0,
+                }),
                 DampingPart::Linear(*damping),
             ),
             Self::HuntCrossley {
@@ -95,7 +96,10 @@ impl ContactLaw {
                 exponent,
                 damping,
             } => (
-                ElasticPart::Power(*stiffness, *exponent),
+                ElasticPair::Power(PowerPair {
+                    stiffness: *stiffness,
+                    exponent: *exponent,
+                }),
                 DampingPart::Proportional(*damping),
             ),
             Self::Surfaces {
@@ -106,16 +110,9 @@ impl ContactLaw {
                 min_approach_speed,
             } => {
                 let pair = surfaces(field, radius, curvature, *length, *contact_modulus)?;
-                let elastic = match law.elastic {
-                    Elastic::Hertz => ElasticPart::Hertz(Hertz::prepare(&pair)),
-                    Elastic::Johnson => ElasticPart::Johnson(Johnson::prepare(&pair)),
-                    Elastic::EnhancedCylinder => {
-                        ElasticPart::Enhanced(EnhancedCylinder::prepare(&pair))
-                    }
-                };
                 let lambda = law.damping.lambda(*restitution);
                 (
-                    elastic,
+                    ElasticPair::prepare(law.elastic, &pair),
                     DampingPart::Restitution(lambda, *min_approach_speed),
                 )
             }
@@ -150,15 +147,6 @@ fn surfaces(
 }
 
 #[derive(Debug, Clone, Copy)]
-enum ElasticPart {
-    Hertz(HertzPair),
-    Johnson(JohnsonPair),
-    Enhanced(EnhancedCylinderPair),
-    /// Stiffness and exponent.
-    Power(f64, f64),
-}
-
-#[derive(Debug, Clone, Copy)]
 enum DampingPart {
     /// Force by rate \[N s/m\].
     Linear(f64),
@@ -171,7 +159,7 @@ enum DampingPart {
 /// A law with the constants of one pair of surfaces.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Prepared {
-    elastic: ElasticPart,
+    elastic: ElasticPair,
     damping: DampingPart,
 }
 
@@ -191,12 +179,7 @@ impl Prepared {
                 elastic: 0.0,
             };
         }
-        let elastic = match &self.elastic {
-            ElasticPart::Hertz(pair) => Hertz::force(pair, penetration),
-            ElasticPart::Johnson(pair) => Johnson::force(pair, penetration),
-            ElasticPart::Enhanced(pair) => EnhancedCylinder::force(pair, penetration),
-            ElasticPart::Power(stiffness, exponent) => stiffness * penetration.powf(*exponent),
-        };
+        let elastic = self.elastic.force(penetration);
         let total = match self.damping {
             DampingPart::Linear(c) => (elastic + c * rate).max(0.0),
             DampingPart::Proportional(chi) => elastic * (1.0 + chi * rate).max(0.0),
@@ -210,15 +193,7 @@ impl Prepared {
 
     /// Energy stored at penetration δ \[m\].
     pub(super) fn energy(&self, penetration: f64) -> f64 {
-        let depth = penetration.max(0.0);
-        match &self.elastic {
-            ElasticPart::Hertz(pair) => Hertz::energy(pair, depth),
-            ElasticPart::Johnson(pair) => Johnson::energy(pair, depth),
-            ElasticPart::Enhanced(pair) => EnhancedCylinder::energy(pair, depth),
-            ElasticPart::Power(stiffness, exponent) => {
-                stiffness * depth.powf(exponent + 1.0) / (exponent + 1.0)
-            }
-        }
+        self.elastic.energy(penetration)
     }
 
     /// The approach speed to remember of an onset at `rate`.

@@ -18,6 +18,14 @@ pub struct ForceLaws {
     pub min_approach_speed: f64,
 }
 
+impl ForceLaws {
+    fn check(&self, restitution: f64) -> Result<()> {
+        check::positive("min_approach_speed", self.min_approach_speed, "m/s")?;
+        self.hinge.check("Material.restitution", restitution)?;
+        self.tooth.check("Material.restitution", restitution)
+    }
+}
+
 impl Default for ForceLaws {
     fn default() -> Self {
         Self {
@@ -45,7 +53,7 @@ impl Model {
     /// When a description does not hold, or a law does not apply to a pair of surfaces.
     pub fn compile(drive: &Drive, laws: &ForceLaws, start: &Start) -> Result<Self> {
         drive.validate()?;
-        check::positive("min_approach_speed", laws.min_approach_speed, "m/s")?;
+        laws.check(drive.chain.material.restitution)?;
         let chain = &drive.chain;
         let links = chain.links as usize;
         if start.positions.len() != links + drive.sprockets.len() {

@@ -8,7 +8,7 @@ use crate::drive::{
     AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Link, Material, Motion, Sprocket, Tensioner,
     TimeTable,
 };
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, check};
 use crate::force_law::{Damping, Elastic, ForceLaw, Regions};
 use crate::geometry::{Seat, Vec2};
 use crate::integrator::{Corrector, StepControl};
@@ -374,28 +374,56 @@ pub(super) fn drive(object: &Bound<'_, PyAny>) -> PyResult<Drive> {
     })
 }
 
-const LAWS: [&str; 4] = ["LankaraniNikravesh", "Hertz", "Johnson", "EnhancedCylinder"];
+const LAWS: [&str; 9] = [
+    "LankaraniNikravesh",
+    "Hertz",
+    "Johnson",
+    "EnhancedCylinder",
+    "HertzCylinder",
+    "Radzimovsky",
+    "Esdu78035",
+    "LiuConformal",
+    "Linear",
+];
 
 /// Reads a force law.
 pub(super) fn force_law(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ForceLaw> {
     let read = Reader::new(object, field, &LAWS)?;
-    Ok(ForceLaw {
-        elastic: read.word(
-            "elastic",
-            &[Elastic::Hertz, Elastic::Johnson, Elastic::EnhancedCylinder]
-                .map(|law| (law.name(), law)),
-        )?,
-        damping: read.word(
-            "damping",
+    let elastic = match read.kind.as_str() {
+        "EnhancedCylinder" => read.word(
+            "coefficients",
             &[
-                ("lankarani-nikravesh", Damping::LankaraniNikravesh),
-                ("None", Damping::None),
+                ("2010", Elastic::EnhancedCylinder),
+                ("2015", Elastic::EnhancedCylinder2015),
             ],
         )?,
+        "Linear" => {
+            let stiffness = read.number("stiffness", "N/m")?;
+            let allowed = check::positive("Linear.stiffness", stiffness, "N/m");
+            checked(object.py(), allowed)?;
+            Elastic::Linear(stiffness)
+        }
+        _ => read.word("elastic", &Elastic::ALL.map(|law| (law.name(), law)))?,
+    };
+    let mut dampings = Damping::ALL.map(|law| (law.name(), law)).to_vec();
+    dampings.push((Damping::None.name(), Damping::None));
+    Ok(ForceLaw {
+        elastic,
+        damping: read.word("damping", &dampings)?,
         regions: read.word(
             "regions",
             &[("kept", Regions::Kept), ("sharp", Regions::Sharp)],
         )?,
+    })
+}
+
+/// Reads a damping by its name.
+pub(super) fn damping(name: &str, py: Python<'_>) -> PyResult<Damping> {
+    let known = Damping::ALL.into_iter().find(|law| law.name() == name);
+    known.ok_or_else(|| {
+        let names = Damping::ALL.map(|law| format!("\"{}\"", law.name()));
+        let expected = format!("must be one of {}", names.join(", "));
+        to_python(py, &Error::invalid("damping", name, expected))
     })
 }
 

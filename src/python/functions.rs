@@ -8,7 +8,7 @@ use super::describe;
 use super::errors::{InvalidInput, to_python};
 use crate::drive::check_links;
 use crate::error::{Error, check};
-use crate::force_law::{SurfacePair, elastic_forces};
+use crate::force_law::{SurfacePair, elastic_forces, restitution_obtained as obtained};
 use crate::integrator::{Adams, OdeSystem, StepControl};
 use crate::state::{self, Start};
 use crate::vector::InstructionSet;
@@ -154,6 +154,7 @@ pub(super) fn law_force<'py>(
             SurfacePair::internal(radius_i, radius_j, length, modulus)
         }
         "external" => SurfacePair::external(radius_i, radius_j, length, modulus),
+        "flat" => SurfacePair::flat(radius_i, radius_j, length, modulus),
         "internal" => {
             return Err(to_python(
                 py,
@@ -167,12 +168,27 @@ pub(super) fn law_force<'py>(
         _ => {
             return Err(to_python(
                 py,
-                &Error::invalid("kind", kind, "must be \"internal\" or \"external\""),
+                &Error::invalid(
+                    "kind",
+                    kind,
+                    "must be \"internal\", \"external\" or \"flat\"",
+                ),
             ));
         }
     };
     let law = describe::force_law(law, "law")?;
     Ok(elastic_forces(law.elastic, &pair, penetration.as_slice()?).into_pyarray(py))
+}
+
+/// Restitution that an impact with a damping law really has when `restitution` is asked of it.
+#[pyfunction]
+pub(super) fn restitution_obtained(damping: &str, restitution: &Bound<'_, PyAny>) -> PyResult<f64> {
+    let py = restitution.py();
+    let law = describe::damping(damping, py)?;
+    let asked = describe::number(restitution, "restitution", "1")?;
+    describe::checked(py, check::within("restitution", asked, 0.0, 1.0))?;
+    describe::checked(py, law.check("restitution", asked))?;
+    Ok(obtained(law.lambda(asked)))
 }
 
 /// A Python callable as a system; the first exception it raises ends the run.

@@ -30,5 +30,6 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(functions::links_for, module)?)?;
     module.add_function(wrap_pyfunction!(functions::tooth_outline, module)?)?;
     module.add_function(wrap_pyfunction!(functions::law_force, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::restitution_obtained, module)?)?;
     module.add_function(wrap_pyfunction!(functions::integrate, module)?)
 }

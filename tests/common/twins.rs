@@ -6,7 +6,7 @@
 //! those of first order with every rounding taken as one unit; the ratios say how many units it were.
 
 use rustchain::dynamics::Dynamics;
-use rustchain::force_law::{ElasticLaw, EnhancedCylinder, Hertz, Johnson, PairTable, Regions};
+use rustchain::force_law::{Conformal, ElasticLaw, Hertz, Logarithmic, PairTable, Power, Regions};
 use rustchain::geometry::Surface;
 use rustchain::integrator::OdeSystem;
 use rustchain::model::{Model, Rotation, Support};
@@ -50,18 +50,19 @@ impl Agreement {
 pub fn elastic(table: &PairTable, pair: usize, depth: f64) -> f64 {
     match table {
         PairTable::Hertz(pairs) => Hertz::force(&pairs[pair], depth),
-        PairTable::Johnson(pairs) => Johnson::force(&pairs[pair], depth),
-        PairTable::EnhancedCylinder(pairs) => EnhancedCylinder::force(&pairs[pair], depth),
+        PairTable::Power(pairs) => Power::force(&pairs[pair], depth),
+        PairTable::Logarithmic(pairs) => Logarithmic::force(&pairs[pair], depth),
+        PairTable::Conformal(pairs) => Conformal::force(&pairs[pair], depth),
     }
 }
 
-/// Error of `force` at `depth` \[N\]: one unit, with Johnson's law what its scalar form makes of one; none with Hertz's, whose
-/// forms have the same bits.
+/// Error of `force` at `depth` \[N\]: one unit, with a logarithmic law what its scalar form makes of one; none with
+/// Hertz's and Liu's, whose forms have the same bits.
 fn law_error(table: &PairTable, pair: usize, depth: f64, force: f64) -> f64 {
     match table {
-        PairTable::Hertz(_) => 0.0,
-        PairTable::EnhancedCylinder(_) => UNIT * force,
-        PairTable::Johnson(pairs) => {
+        PairTable::Hertz(_) | PairTable::Conformal(_) => 0.0,
+        PairTable::Power(_) => UNIT * force,
+        PairTable::Logarithmic(pairs) => {
             // Its exponent is rounded, and so is δ/δ_end, to which the exponent is steep near the end.
             let pair = pairs[pair];
             let to_end = (1.0 - depth / pair.end_penetration).max(UNIT);

@@ -40,6 +40,11 @@ GOOD = {
         rc.Hertz(),
         rc.Johnson(),
         rc.EnhancedCylinder(),
+        rc.HertzCylinder(),
+        rc.Radzimovsky(),
+        rc.Esdu78035(),
+        rc.LiuConformal(),
+        rc.Linear(stiffness=1e8),
         rc.Solver(),
     )
 }
@@ -112,7 +117,17 @@ def table(unit):
 
 
 TEXT = [(value, "must be text") for value in NO_TEXT]
-DAMPING = word("lankarani-nikravesh", None)
+DAMPING = word(
+    "hunt-crossley",
+    "lankarani-nikravesh",
+    "herbert-mcwhannell",
+    "lee-wang",
+    "flores",
+    "gonthier",
+    "hu-guo",
+    "zhiying-qishao",
+    None,
+)
 REGIONS = word("kept", "sharp")
 LAW = {"damping": DAMPING, "regions": REGIONS}
 
@@ -189,7 +204,12 @@ FIELDS = {
     "LankaraniNikravesh": LAW,
     "Hertz": LAW,
     "Johnson": LAW,
-    "EnhancedCylinder": LAW,
+    "EnhancedCylinder": {**LAW, "coefficients": word("2010", "2015")},
+    "HertzCylinder": LAW,
+    "Radzimovsky": LAW,
+    "Esdu78035": LAW,
+    "LiuConformal": LAW,
+    "Linear": {**LAW, "stiffness": positive("N/m")},
     "Solver": {
         "method": word("auto", "pece", "newton"),
         "rtol": [case for case in not_negative("relative units") if case[0] is not None],
@@ -434,7 +454,7 @@ def test_values_at_the_ends_of_their_ranges_are_taken():
 
 # --- Simulation
 
-LAWS = "LankaraniNikravesh or a Hertz or a Johnson or a EnhancedCylinder"
+LAWS = "LankaraniNikravesh or a Hertz or a Johnson or a EnhancedCylinder or a HertzCylinder"
 SIMULATION = [
     *[("drive", value, "must be a ChainDrive") for value in (None, "paper", 1)],
     ("drive", DRIVE.chain, "must be a ChainDrive"),

@@ -4,7 +4,7 @@ import pytest
 from typer.testing import CliRunner
 
 import rustchain as rc
-from rustchain.cli import app
+from rustchain.cli import Law, app
 
 
 def rustchain(*arguments):
@@ -48,6 +48,18 @@ def test_plot_leaves_out_what_was_not_recorded(tmp_path):
     assert "hinges were not recorded" in done.output
     assert (tmp_path / "tooth_force.png").exists()
     assert not (tmp_path / "orbit.png").exists()
+
+
+@pytest.mark.parametrize("name", Law)
+def test_every_name_of_a_law_is_that_law(name):
+    law = name.value_of()
+    plain = {
+        "lankarani-nikravesh": ("hertz", "lankarani-nikravesh"),
+        "enhanced-cylinder": ("enhanced-cylinder", "lankarani-nikravesh"),
+        "enhanced-cylinder-2015": ("enhanced-cylinder", "lankarani-nikravesh"),
+    }
+    assert (law.elastic, law.damping) == plain.get(name.value, (name.value, None))
+    assert getattr(law, "coefficients", "2010") == ("2015" if "2015" in name.value else "2010")
 
 
 @pytest.mark.parametrize(

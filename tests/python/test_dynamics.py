@@ -25,6 +25,15 @@ LAWS = {
     "sharp": (rc.LankaraniNikravesh(regions="sharp"),) * 2,
     "johnson hinges, enhanced teeth": (rc.Johnson(), rc.EnhancedCylinder()),
     "enhanced hinges, hertz teeth": (rc.EnhancedCylinder(), LN),
+    "liu in hinges, hertz cylinders on teeth": (
+        rc.LiuConformal(damping="flores"),
+        rc.HertzCylinder(damping="gonthier"),
+    ),
+    "radzimovsky in hinges, liu on teeth": (
+        rc.Radzimovsky(damping="zhiying-qishao"),
+        rc.LiuConformal(damping="hu-guo", regions="sharp"),
+    ),
+    "esdu": (rc.Esdu78035(damping="herbert-mcwhannell"),) * 2,
 }
 TIME = 0.04  # [s], while the tensioner's pull still grows
 

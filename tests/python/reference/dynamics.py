@@ -160,7 +160,7 @@ class DriveEquations:
         self.pitch = float(chain.pitch)
         self.bushing_radius = float(chain.bushing_radius)
         self.clearance = float(chain.hinge.bore_radius - chain.hinge.pin_radius)
-        self.factor = force_law.lankarani_nikravesh_factor(chain.material.restitution)
+        self.restitution = chain.material.restitution
         modulus = force_law.effective_modulus(chain.material)
         self.hinge_pair = Pair(
             inside=True,
@@ -306,10 +306,11 @@ class DriveEquations:
         energy = float(np.sum(part.energy))
         if law.damping is None:
             return Normal(part.force, part.stiffness, np.zeros_like(part.force)), energy
+        factor = force_law.damping_lambda(law.damping, self.restitution)
         if speed is not None:
             onset = np.where(np.isnan(speed), 1.0, speed)
-            return force_law.damped(part, self.factor, rate, onset), energy
-        normal = force_law.damped(part, self.factor, rate, np.maximum(rate, self.floor))
+            return force_law.damped(part, factor, rate, onset), energy
+        normal = force_law.damped(part, factor, rate, np.maximum(rate, self.floor))
         # Above the floor the rate is its own onset speed, and the quotient is one.
         return normal._replace(by_rate=np.where(rate > self.floor, 0.0, normal.by_rate)), energy
 

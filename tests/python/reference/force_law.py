@@ -5,7 +5,11 @@ Elastic parts, ``f`` the force [N], ``d`` the penetration [m], ``E*`` the effect
 
 hertz              f = (4 E* / 3) sqrt(R_i R_j / dR) d^1.5
 johnson            d = f / (pi L E*) [ln(4 pi L E* dR / f) - 1]
+hertz-cylinder     d = 2 f / (pi L E*) [ln(pi L E* dR / f) - 1]
+radzimovsky        d = f / (pi L E*) [ln(6.25 L E* dR / f) + 2/3]
+esdu-78035         d = f / (pi L E*) [ln(4 pi L E* dR / f) + 1]
 enhanced-cylinder  f = (a dR + b) (L E* / dR) d^n, in mm and N/mm^2
+liu-conformal      f = (pi / 2) E* L d sqrt(d / (2 (dR + d)))
 """
 
 from __future__ import annotations
@@ -94,9 +98,20 @@ def elastic(law: str, pair: Pair, penetration: Array) -> Elastic:
         stiffness, exponent = enhanced_cylinder_constants(pair)
         # f = K (1000 d)^n with d in metres
         return _power_law(stiffness * MILLIMETRES**exponent, exponent, depth)
-    if law == "johnson":
-        return _johnson(pair, depth)
+    if law in LOGARITHMS:
+        return _logarithmic(law, pair, depth)
+    if law == "liu-conformal":
+        return _conformal(pair, depth)
     raise ValueError(law)
+
+
+# A over pi L E*, k and C of d = f/A [ln(k A dR / f) + C].
+LOGARITHMS = {
+    "johnson": (1.0, 4.0, -1.0),
+    "hertz-cylinder": (0.5, 2.0, -1.0),
+    "radzimovsky": (1.0, 6.25 / np.pi, 2.0 / 3.0),
+    "esdu-78035": (1.0, 4.0, 1.0),
+}
 
 
 def _power_law(stiffness: float, exponent: float, depth: Array) -> Elastic:
@@ -144,23 +159,31 @@ def johnson_end(pair: Pair) -> tuple[float, float]:
     return 4.0 * dr / np.e**2, 4.0 * np.pi * pair.length * pair.modulus * dr / np.e**2
 
 
-def _johnson(pair: Pair, depth: Array) -> Elastic:
-    """Inverse of Johnson's law by the lower Lambert branch; past the end a straight line.
+def logarithmic_end(law: str, pair: Pair) -> float:
+    """Penetration [m] at the end of a logarithmic law's branch."""
+    _, k, c = LOGARITHMS[law]
+    return float(k * pair.radius_difference * np.exp(c - 1.0))
 
-    With w = f e / (4 pi L E* dR): -w ln w = d e / (4 dR), w = exp(W_-1(-d e / (4 dR))). Past the
-    end the force goes on from its end value with the secant stiffness f_end / d_end.
+
+def _logarithmic(law: str, pair: Pair, depth: Array) -> Elastic:
+    """Inverse of d = f/A [ln(B / f) - 1] by the lower Lambert branch; past the end a straight line.
+
+    With w = f e / B: -w ln w = d e A / B, w = exp(W_-1(-d e A / B)). Past the end the force goes on
+    from its end value with the secant stiffness f_end / d_end.
     """
-    line = np.pi * pair.length * pair.modulus
-    scale = 4.0 * line * pair.radius_difference
-    end_depth, end_force = johnson_end(pair)
-    secant = end_force / end_depth
+    share, k, c = LOGARITHMS[law]
+    line = share * np.pi * pair.length * pair.modulus  # A
+    scale = k * line * pair.radius_difference * np.exp(c + 1.0)  # B
+    end_force = scale / np.e**2
+    end_depth = end_force / line
+    secant = line
 
     force = np.zeros_like(depth)
     slope = np.zeros_like(depth)
     energy = np.zeros_like(depth)
 
     inside = (depth > 0.0) & (depth < end_depth)
-    argument = -depth[inside] * np.e / (4.0 * pair.radius_difference)
+    argument = -depth[inside] * np.e * line / scale
     branch = np.real(lambertw(argument, k=-1))
     f = scale / np.e * np.exp(branch)
     # One Newton step on d(f) - d = 0 takes away the rounding of the exponent, W eps.
@@ -180,9 +203,37 @@ def _johnson(pair: Pair, depth: Array) -> Elastic:
     return Elastic(force, slope, energy)
 
 
+def _conformal(pair: Pair, depth: Array) -> Elastic:
+    """Liu's law; its energy by Gauss and Legendre's rule in the root of the depth."""
+    stiffness, dr = np.pi * pair.modulus * pair.length / np.sqrt(8.0), pair.radius_difference
+    share = depth / (dr + depth)
+    force = stiffness * depth * np.sqrt(share)
+    slope = stiffness * np.sqrt(share) * (1.5 - 0.5 * share)
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    root = np.sqrt(depth)[..., None] * 0.5 * (1.0 + nodes)
+    integrand = stiffness * 2.0 * root**4 / np.sqrt(dr + root**2)
+    return Elastic(force, slope, np.sqrt(depth) * 0.5 * (integrand @ weights))
+
+
 def lankarani_nikravesh_factor(restitution: float) -> float:
     """Damping factor of Lankarani and Nikravesh, 3 (1 - ce^2) / 4 (Eq. 4)."""
     return 0.75 * (1.0 - restitution**2)
+
+
+def damping_lambda(law: str | None, restitution: float) -> float:
+    """Lambda of the factor 1 + lambda rate / onset speed of a damping law."""
+    e = restitution
+    return {
+        None: 0.0,
+        "hunt-crossley": 3.0 * (1.0 - e) / 2.0,
+        "lankarani-nikravesh": lankarani_nikravesh_factor(e),
+        "herbert-mcwhannell": 6.0 * (1.0 - e) / ((2.0 * e - 1.0) ** 2 + 3.0),
+        "lee-wang": 3.0 * (1.0 - e) / 4.0,
+        "flores": 8.0 * (1.0 - e) / (5.0 * e),
+        "gonthier": (1.0 - e**2) / e,
+        "hu-guo": 3.0 * (1.0 - e) / (2.0 * e),
+        "zhiying-qishao": 3.0 * (1.0 - e**2) * float(np.exp(2.0 * (1.0 - e))) / 4.0,
+    }[law]
 
 
 def damped(part: Elastic, factor: float, rate: Array, onset_speed: Array) -> Normal:

@@ -1,42 +1,31 @@
-//! Johnson's law for cylinders, δ = f/(π L E*) [ln(4 π L E* ΔR / f) - 1] (paper's Eq. 5), inverted exactly.
+//! The form of all logarithmic laws of line contact, δ = f/A [ln(B/f) + C], inverted exactly.
 //!
-//! The physical branch ends where δ is largest: `δ_end` = 4 ΔR/e², `f_end` = 4 π L E* ΔR/e² (e: Euler's number). With
-//! f = `f_end` exp(-x) the law reads x - ln(1 + x) = `ln(δ_end/δ)`, x >= 0, which Newton's method solves without trouble from
-//! `δ_end` down to the smallest number (x = -1 - W₋₁(...), the lower Lambert branch).
+//! The physical branch ends where δ is largest: `f_end` = B `e^(C - 1)`, `δ_end` = `f_end`/A. With f = `f_end` exp(-x) every such
+//! law reads x - ln(1 + x) = `ln(δ_end/δ)`, x >= 0, which Newton's method solves without trouble from `δ_end` down to the
+//! smallest number (x = -1 - W₋₁(...), the lower Lambert branch). A, B and C enter through `δ_end` and `f_end` alone.
 
 use pulp::Simd;
 
-use super::{ElasticLaw, SurfacePair, VectorLaw};
+use super::{ElasticLaw, VectorLaw};
 use crate::vector::{Lanes, ln_of_quotient};
 
-/// Johnson's law. Elastic by itself.
+/// The logarithmic form; [`LineContact`](super::LineContact) names its laws.
 #[derive(Debug, Clone, Copy)]
-pub struct Johnson;
+pub struct Logarithmic;
 
 /// Constants of one pair.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JohnsonPair {
+pub struct LogarithmicPair {
     /// Penetration at the end of the physical branch \[m\].
     pub end_penetration: f64,
     /// Force there \[N\].
     pub end_force: f64,
 }
 
-impl ElasticLaw for Johnson {
-    type Pair = JohnsonPair;
+impl ElasticLaw for Logarithmic {
+    type Pair = LogarithmicPair;
 
-    fn prepare(surfaces: &SurfacePair) -> JohnsonPair {
-        let end_penetration = 4.0 * surfaces.radius_difference * (-2.0f64).exp();
-        JohnsonPair {
-            end_penetration,
-            end_force: std::f64::consts::PI
-                * surfaces.length
-                * surfaces.contact_modulus
-                * end_penetration,
-        }
-    }
-
-    fn force(pair: &JohnsonPair, penetration: f64) -> f64 {
+    fn force(pair: &LogarithmicPair, penetration: f64) -> f64 {
         if penetration <= 0.0 {
             return 0.0;
         }
@@ -47,7 +36,7 @@ impl ElasticLaw for Johnson {
         pair.end_force * (-exponent(-(penetration / pair.end_penetration).ln())).exp()
     }
 
-    fn stiffness(pair: &JohnsonPair, penetration: f64) -> f64 {
+    fn stiffness(pair: &LogarithmicPair, penetration: f64) -> f64 {
         if penetration <= 0.0 {
             return 0.0;
         }
@@ -60,11 +49,11 @@ impl ElasticLaw for Johnson {
         secant * (1.0 + x) / x.max(f64::EPSILON)
     }
 
-    fn energy(pair: &JohnsonPair, penetration: f64) -> f64 {
+    fn energy(pair: &LogarithmicPair, penetration: f64) -> f64 {
         if penetration <= 0.0 {
             return 0.0;
         }
-        // With f = f_end exp(-x): the integral of f dδ is f² /(π L E*) (x/2 + 1/4), and π L E* = f_end/δ_end.
+        // With f = f_end exp(-x): the integral of f dδ is f²/A (x/2 + 1/4), and A = f_end/δ_end.
         let up_to =
             |x: f64| pair.end_force * pair.end_penetration * (-2.0 * x).exp() * (0.5 * x + 0.25);
         if penetration >= pair.end_penetration {
@@ -74,7 +63,7 @@ impl ElasticLaw for Johnson {
         up_to(exponent(-(penetration / pair.end_penetration).ln()))
     }
 
-    fn range_end(pair: &JohnsonPair) -> f64 {
+    fn range_end(pair: &LogarithmicPair) -> f64 {
         pair.end_penetration
     }
 }
@@ -89,9 +78,9 @@ const START: ([f64; 2], f64) = (
     0.180_995_758_130_717_94,
 );
 
-impl VectorLaw for Johnson {
+impl VectorLaw for Logarithmic {
     /// `δ_end`, and the secant's stiffness there.
-    fn constants(pair: &JohnsonPair) -> [f64; 2] {
+    fn constants(pair: &LogarithmicPair) -> [f64; 2] {
         [pair.end_penetration, pair.end_force / pair.end_penetration]
     }
 
@@ -162,6 +151,7 @@ mod tests {
 
     use super::*;
     use crate::force_law::testing::for_each_force;
+    use crate::force_law::{LineContact, SurfacePair};
     use crate::vector::testing::ulps;
 
     fn pin_in_bushing() -> SurfacePair {
@@ -170,7 +160,7 @@ mod tests {
 
     #[test]
     fn the_branch_of_pin_and_bushing_ends_at_13_micrometres_and_53_kilonewtons() {
-        let pair = Johnson::prepare(&pin_in_bushing());
+        let pair = LineContact::Johnson.prepare(&pin_in_bushing());
         assert!((pair.end_penetration - 13.534e-6).abs() < 1e-9);
         assert!((pair.end_force - 53.2e3).abs() < 100.0);
     }
@@ -178,11 +168,11 @@ mod tests {
     #[test]
     fn inverse_returns_the_force_to_1e_12_up_to_0_9999_of_the_end() {
         let surfaces = pin_in_bushing();
-        let pair = Johnson::prepare(&surfaces);
+        let pair = LineContact::Johnson.prepare(&surfaces);
         let scale = std::f64::consts::PI * surfaces.length * surfaces.contact_modulus;
         let mut penetration = 1e-15;
         while penetration < 0.9999 * pair.end_penetration {
-            let f = Johnson::force(&pair, penetration);
+            let f = Logarithmic::force(&pair, penetration);
             let back = f / scale * ((4.0 * scale * surfaces.radius_difference / f).ln() - 1.0);
             assert!(
                 (back / penetration - 1.0).abs() < 1e-12,
@@ -194,17 +184,21 @@ mod tests {
 
     #[test]
     fn energy_is_the_integral_of_the_force_before_and_past_the_end() {
-        let pair = Johnson::prepare(&pin_in_bushing());
+        let pair = LineContact::Johnson.prepare(&pin_in_bushing());
         for d in [1e-8, 1e-6, 10e-6, 15e-6] {
             let h = 1e-4 * d;
-            let slope = (Johnson::energy(&pair, d + h) - Johnson::energy(&pair, d - h)) / (2.0 * h);
-            assert!((slope / Johnson::force(&pair, d) - 1.0).abs() < 1e-6, "{d}");
+            let slope =
+                (Logarithmic::energy(&pair, d + h) - Logarithmic::energy(&pair, d - h)) / (2.0 * h);
+            assert!(
+                (slope / Logarithmic::force(&pair, d) - 1.0).abs() < 1e-6,
+                "{d}"
+            );
         }
     }
 
     /// The twin's error: of the exponent it passes to exp, and of δ/`δ_end` near the end.
-    fn assert_as_twin(pair: &JohnsonPair, penetrations: &[f64]) {
-        for_each_force::<Johnson>(pair, penetrations, |set, d, force, twin| {
+    fn assert_as_twin(pair: &LogarithmicPair, penetrations: &[f64]) {
+        for_each_force::<Logarithmic>(pair, penetrations, |set, d, force, twin| {
             let exponent = (pair.end_force / twin).ln();
             let to_end = 1.0 - d / pair.end_penetration;
             let bound = 1.2e-15 + 5e-16 * exponent + 1e-16 / to_end.max(f64::EPSILON).sqrt();
@@ -217,19 +211,19 @@ mod tests {
 
     #[test]
     fn ends_of_the_range_of_the_vector_form() {
-        let pair = Johnson::prepare(&pin_in_bushing());
+        let pair = LineContact::Johnson.prepare(&pin_in_bushing());
         let end = pair.end_penetration;
         assert_as_twin(&pair, &[LEAST, 1e-299, 0.999 * end, end.next_down()]);
         let past = [end, end.next_up(), 2.0 * end, 1e10];
-        for_each_force::<Johnson>(&pair, &past, |set, d, force, twin| {
+        for_each_force::<Logarithmic>(&pair, &past, |set, d, force, twin| {
             assert!(ulps(force, twin) <= 2, "{set} at {d:e}: {force:e} {twin:e}");
         });
         let exact = [0.0, f64::INFINITY, f64::NAN];
-        for_each_force::<Johnson>(&pair, &exact, |set, d, force, twin| {
+        for_each_force::<Logarithmic>(&pair, &exact, |set, d, force, twin| {
             assert_eq!(ulps(force, twin), 0, "{set} at {d:e}");
         });
         let tiny = [5e-324, 1e-310, LEAST.next_down()];
-        for_each_force::<Johnson>(&pair, &tiny, |set, d, force, twin| {
+        for_each_force::<Logarithmic>(&pair, &tiny, |set, d, force, twin| {
             assert!(
                 (0.9..1.1).contains(&(force / twin)) || force < 1e-310,
                 "{set} at {d:e}"
@@ -240,11 +234,11 @@ mod tests {
     #[test]
     fn the_vector_form_returns_the_force_up_to_the_end() {
         let surfaces = pin_in_bushing();
-        let pair = Johnson::prepare(&surfaces);
+        let pair = LineContact::Johnson.prepare(&surfaces);
         let scale = std::f64::consts::PI * surfaces.length * surfaces.contact_modulus;
         let below = |to_end: f64| pair.end_penetration * (1.0 - to_end);
         let depths: Vec<f64> = (1..4000).map(|i| below(0.996f64.powi(i))).collect();
-        for_each_force::<Johnson>(&pair, &depths, |set, d, force, _| {
+        for_each_force::<Logarithmic>(&pair, &depths, |set, d, force, _| {
             let back =
                 force / scale * ((4.0 * scale * surfaces.radius_difference / force).ln() - 1.0);
             assert!((back / d - 1.0).abs() < 2e-15, "{set} at {d:e}: {back:e}");
@@ -258,7 +252,7 @@ mod tests {
             exponents in proptest::collection::vec(-15.0..0.0f64, 64),
             far in proptest::collection::vec(-290.0..0.0f64, 16),
         ) {
-            let pair = Johnson::prepare(&SurfacePair::internal(2.22e-3, 2.22e-3 + clearance, 0.011, 1e11));
+            let pair = LineContact::Johnson.prepare(&SurfacePair::internal(2.22e-3, 2.22e-3 + clearance, 0.011, 1e11));
             let depths = exponents.into_iter().chain(far).map(|e| pair.end_penetration * 10f64.powf(e));
             assert_as_twin(&pair, &depths.collect::<Vec<_>>());
         }

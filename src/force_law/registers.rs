@@ -1,0 +1,107 @@
+//! A law over many penetrations at once, as the kernels evaluate it; for measurements and comparisons.
+
+use std::marker::PhantomData;
+
+use pulp::{Simd, WithSimd};
+
+use super::{Elastic, PairTable, SurfacePair, VectorLaw, with_law};
+use crate::vector::{InstructionSet, Lanes, Numbers, load, padded_zeros, vectors, vectors_mut};
+
+/// One law of one pair, its instructions, and room for its forces.
+#[derive(Debug, Clone)]
+pub struct RegisterForces {
+    table: PairTable,
+    instructions: InstructionSet,
+    penetrations: Numbers,
+    forces: Numbers,
+    count: usize,
+}
+
+impl RegisterForces {
+    /// `law` for these surfaces at penetrations >= 0 \[m\].
+    #[must_use]
+    pub fn new(
+        law: Elastic,
+        surfaces: &SurfacePair,
+        penetrations: &[f64],
+        instructions: InstructionSet,
+    ) -> Self {
+        let count = penetrations.len();
+        let mut padded = padded_zeros(count);
+        padded[..count].copy_from_slice(penetrations);
+        Self {
+            table: PairTable::prepare(law, std::slice::from_ref(surfaces)),
+            instructions,
+            forces: padded.clone(),
+            penetrations: padded,
+            count,
+        }
+    }
+
+    /// The elastic forces \[N\].
+    pub fn evaluate(&mut self) -> &[f64] {
+        with_law!(&self.table, Law, pairs => self.instructions.run(Evaluate::<Law> {
+            law: PhantomData,
+            constants: Law::constants(&pairs[0]),
+            penetrations: &self.penetrations,
+            forces: &mut self.forces,
+        }));
+        &self.forces[..self.count]
+    }
+}
+
+struct Evaluate<'a, L> {
+    law: PhantomData<L>,
+    constants: [f64; 2],
+    penetrations: &'a [f64],
+    forces: &'a mut [f64],
+}
+
+impl<L: VectorLaw> WithSimd for Evaluate<'_, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let blocks = self.penetrations.len() / S::F64_LANES;
+        let constants = self.constants.map(|value| Lanes::splat(simd, value));
+        let penetrations = vectors::<S>(self.penetrations, blocks);
+        for (depth, force) in penetrations
+            .iter()
+            .zip(vectors_mut::<S>(self.forces, blocks))
+        {
+            *force = L::forces(constants, load(simd, depth)).values();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::force_law::ElasticPair;
+
+    #[test]
+    fn every_law_is_its_scalar_form_with_every_instruction_set() {
+        let surfaces = [
+            SurfacePair::internal(2.22e-3, 2.245e-3, 0.011, 1.137e11),
+            SurfacePair::external(3.968_75e-3, 6.582_621e-3, 0.007, 1.137e11),
+            SurfacePair::flat(3.968_75e-3, 6.582_621e-3, 0.007, 1.137e11),
+        ];
+        let depths: Vec<f64> = (0..=200).map(|i| 1e-14 * 1.11f64.powi(i)).collect();
+        for law in Elastic::ALL.into_iter().chain([Elastic::Linear(2e8)]) {
+            for pair in surfaces {
+                let single = ElasticPair::prepare(law, &pair);
+                let end = single.range_end();
+                for set in InstructionSet::available() {
+                    let mut forces = RegisterForces::new(law, &pair, &depths, set);
+                    for (&d, &force) in depths.iter().zip(forces.evaluate()) {
+                        // Steeper and steeper towards the end: half of a rounding over the root of what is left.
+                        let left = (1.0 - d / end).abs().max(f64::EPSILON);
+                        let bound = 1e-14 + 1e-16 / left.sqrt();
+                        let error = (force / single.force(d) - 1.0).abs();
+                        assert!(error < bound, "{law:?} {} {d:e}: {error:e}", set.name());
+                    }
+                }
+            }
+        }
+    }
+}
