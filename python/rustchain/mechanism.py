@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from rustchain._description import plain
 from rustchain._names import known_keywords, suggest
@@ -77,6 +78,8 @@ class Mechanism:
         fixed : bool
             Whether the body is held where it is.
         """
+        for field, given in (("position", position), ("velocity", velocity)):
+            _numbers(f"{field} of body {name!r}", given, 3, "(x, y, angle)")
         self.bodies.append(Body(name, mass, inertia, position, velocity, fixed))
         return name
 
@@ -260,8 +263,8 @@ class Mechanism:
         follows: bool = False,
     ) -> None:
         """Push a point of a body with a force (x, y) [N], which may turn with the body."""
-        if len(force) != 2:
-            msg = f"force of {name!r} = {force!r}: must be two components (x, y)"
+        if not isinstance(force, Sequence | np.ndarray) or len(force) != 2:
+            msg = f"force of {name!r} = {force!r}: must be two components (x, y) [N]"
             raise InvalidInput(msg)
         self.forces.append(
             Force(
@@ -374,6 +377,12 @@ class Mechanism:
             force x, force y [N] and torque about the centre of mass [N m]. An exception ends the
             run.
         """
+        if not callable(function):
+            msg = (
+                f"function of force {name!r} = {function!r}: must be callable: f(time, position, "
+                "velocity) that returns (force x, force y, torque)"
+            )
+            raise InvalidInput(msg)
         self.forces.append(Force("custom", name, GROUND, body, function=function))
 
     @known_keywords
@@ -459,6 +468,7 @@ class Mechanism:
             Whether the last point is joined to the first.
         """
         kind, rows = "polyline", points
+        _rows(f"points of contact {name!r}", points, 2)
         if bulges is not None:
             kind, rows = "arcs", _arcs(name, points, bulges, closed)
         self.contacts.append(
@@ -488,6 +498,10 @@ class Mechanism:
         circle_point: Point = (0.0, 0.0),
     ) -> None:
         """Let a bushing of `chain` around a point of one body touch the teeth of another."""
+        for field, given, kind in (("sprocket", sprocket, Sprocket), ("chain", chain, Chain)):
+            if not isinstance(given, kind):
+                msg = f"{field} of contact {name!r} = {given!r}: must be a {kind.__name__}"
+                raise InvalidInput(msg)
         self.contacts.append(
             Contact(
                 "sprocket",
@@ -530,6 +544,7 @@ class Mechanism:
             if point_a is not None or point_b is not None:
                 msg = f"at of joint {name!r} = {at!r}: give it, or point_a and point_b, not both"
                 raise InvalidInput(msg)
+            at = _numbers(f"at of joint {name!r}", at, 2, "(x, y) [m]")
             point_a, point_b = (self._local(name, body, at) for body in (body_a, body_b))
         self.joints.append(
             Joint(
@@ -604,17 +619,48 @@ def _one_of(
     return one if one is not None else other  # type: ignore[return-value]
 
 
+def _numbers(field: str, given: object, count: int, names: str) -> tuple[float, ...]:
+    """Return `given` as so many finite numbers, or tell what it must be."""
+    try:
+        values = np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        values = np.empty(0)
+    if values.shape != (count,) or not np.isfinite(values).all():
+        words = {2: "two", 3: "three"}[count]
+        msg = f"{field} = {given!r}: must be {words} finite numbers {names}"
+        raise InvalidInput(msg)
+    return tuple(map(float, values))
+
+
+def _rows(field: str, given: object, width: int) -> npt.NDArray[np.float64]:
+    """Return `given` as an array of finite numbers, a row each, or tell what it must be."""
+    try:
+        values = np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        values = np.empty(())
+    shape = values.shape[1:] == (2,) if width == 2 else values.ndim == 1
+    if values.ndim == 0 or not shape or not np.isfinite(values).all():
+        kind = "rows of two finite numbers (x, y) [m]" if width == 2 else "a list of finite numbers"
+        msg = f"{field} = {given!r}: must be {kind}"
+        raise InvalidInput(msg)
+    return values
+
+
 def _arcs(
     name: str, points: Rows, bulges: Sequence[float], closed: bool
 ) -> list[tuple[float, ...]]:
     """Return pieces (from, to, centre, convex) of an outline with bulges."""
-    corners = np.asarray(points, dtype=float)
+    corners = _rows(f"points of contact {name!r}", points, 2)
     pieces = len(corners) if closed else len(corners) - 1
-    if len(bulges) != pieces:
-        msg = f"bulges of contact {name!r}: {len(bulges)} numbers; needs one for each of {pieces}"
+    given = _rows(f"bulges of contact {name!r}", bulges, 1)
+    if len(given) != pieces:
+        msg = (
+            f"bulges of contact {name!r} = {bulges!r}: must be {pieces} numbers, one for each piece "
+            "between two points (0 for a straight one)"
+        )
         raise InvalidInput(msg)
     rows: list[tuple[float, ...]] = []
-    for k, bulge in enumerate(bulges):
+    for k, bulge in enumerate(map(float, given)):
         start, end = corners[k], corners[(k + 1) % len(corners)]
         center = np.array([math.nan, math.nan])
         if bulge != 0.0:

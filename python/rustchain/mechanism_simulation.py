@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from rustchain import _rustchain, _state_file
 from rustchain._names import known_keywords
-from rustchain.errors import InvalidInput, SimulationError
+from rustchain.errors import EnergyWarning, InvalidInput, SimulationError
 from rustchain.mechanism import Mechanism, MechanismReport
 from rustchain.mechanism_result import MechanismResult
 from rustchain.result import Array, Status
@@ -202,6 +202,11 @@ class MechanismSimulation:
         SimulationError
             The run cannot go on; ``error.result`` holds the rows until then, and the simulation is
             where the last step ended that was made. The same holds for what a callable raises.
+
+        Warns
+        -----
+        EnergyWarning
+            More energy is missing at a row than the tolerances should leave: once a simulation.
         """
         before = self._core.stats()
         start = self.time
@@ -221,6 +226,8 @@ class MechanismSimulation:
             raise
         finally:
             self._core.take_recording()  # whatever else ended the run
+            if (text := self._core.take_warnings()) is not None:
+                warnings.warn(text, EnergyWarning, stacklevel=3)
 
     def _result(
         self, status: Status, before: Mapping[str, float], failure: str = ""

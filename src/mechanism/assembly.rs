@@ -3,7 +3,8 @@
 use super::constrained::Constrained;
 use super::dynamics::MechanismDynamics;
 use super::equation::Row;
-use super::plausibility::{loose_parts, odd_bodies};
+use super::plausibility::loose_parts;
+use super::scales::odd_scales;
 use super::singular::nearness;
 use crate::error::{Error, Result};
 
@@ -23,6 +24,10 @@ pub struct Assembly {
     /// What is worth a second look.
     pub warnings: Vec<String>,
 }
+
+/// Way, as a part of the mechanism's size, and turn \[rad\] of a body in assembly that are worth a word.
+const MOVED_FAR: f64 = 0.02;
+const TURNED_FAR: f64 = 0.1;
 
 const MOST_ITERATIONS: usize = 100;
 
@@ -195,6 +200,7 @@ impl MechanismDynamics {
         }
         self.evaluate(0.0, &state);
         self.check_masses()?;
+        self.check_starts()?;
         let moved = |turning: bool| {
             let change = state[..n].iter().zip(&placed).enumerate();
             let kind = change.filter(|(i, _)| (i % 3 == 2) == turning);
@@ -246,6 +252,31 @@ impl MechanismDynamics {
         Ok(())
     }
 
+    /// No circle begins with its centre in material.
+    fn check_starts(&self) -> Result<()> {
+        for (contact, name) in self.model.contacts.iter().zip(&self.model.contact_names) {
+            let depth = contact.center_depth(&self.frames);
+            if depth > 0.0 {
+                let hole = if contact.is_hole() {
+                    " (the points of its outline run clockwise, so that the material lies outside of them: reverse \
+                     their order if it is to lie inside)"
+                } else {
+                    ""
+                };
+                return Err(Error::invalid(
+                    format!("start of contact {name:?}"),
+                    format!("{depth:.3e} m"),
+                    format!(
+                        "is how deep the centre of the circle, of radius {} m, lies in the material{hole}: place the \
+                         bodies so that they touch at most at their surfaces",
+                        contact.radius
+                    ),
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// Constraints that those before them imply, in the order in which they were described.
     fn redundant(&self) -> Vec<String> {
         let Some(kkt) = &self.kkt else {
@@ -292,14 +323,31 @@ impl MechanismDynamics {
         found
     }
 
+    /// The body that assembly moved or turned most, beside what is worth a word.
+    fn farthest_moved(&self) -> &str {
+        let size = self.size();
+        let bodies = self.model.bodies.iter().zip(&self.frames);
+        let moves = bodies.map(|(body, frame)| {
+            let [x, y, angle] = body.position;
+            let way = (frame.origin.x - x).hypot(frame.origin.y - y) / (MOVED_FAR * size);
+            (
+                way.max((frame.angle - angle).abs() / TURNED_FAR),
+                &body.name,
+            )
+        });
+        let farthest = moves.max_by(|a, b| a.0.total_cmp(&b.0));
+        farthest.map_or("", |(_, name)| name)
+    }
+
     fn warnings(&self, assembly: &Assembly) -> Vec<String> {
         let mut warnings = Vec::new();
-        let size = self.size();
-        if assembly.moved > 0.1 * size || assembly.turned > 0.5 {
+        if assembly.moved > MOVED_FAR * self.size() || assembly.turned > TURNED_FAR {
             warnings.push(format!(
-                "bodies had to be moved by {:.3e} m and turned by {:.3e} rad to assemble: are lengths and positions in \
-                 the same unit?",
-                assembly.moved, assembly.turned
+                "bodies had to be moved by up to {:.3e} m and turned by up to {:.3e} rad to assemble, body {:?} the \
+                 farthest: are lengths and positions in the same unit, and is it placed as it should be?",
+                assembly.moved,
+                assembly.turned,
+                self.farthest_moved()
             ));
         }
         for name in &assembly.redundant {
@@ -307,8 +355,9 @@ impl MechanismDynamics {
                 "joint {name:?} holds something that others hold already; its reaction is shared in the least way"
             ));
         }
+        warnings.extend(self.pressed_starts());
         warnings.extend(loose_parts(&self.model));
-        warnings.extend(odd_bodies(&self.model));
+        warnings.extend(odd_scales(&self.model));
         warnings
     }
 }

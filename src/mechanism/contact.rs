@@ -5,9 +5,10 @@ use serde::{Deserialize, Serialize};
 use super::body::{End, Frame, Marker};
 use super::contact_law::{ContactLaw, Prepared};
 use super::loads::Loads;
-use super::profile::{Nearest, Profile, Tooth};
+use super::outline::{Bearing, Outline, Place, is_tight};
+use super::profile::{Curvature, Nearest, Profile, Tooth};
 use crate::contact::Contact;
-use crate::error::{Result, check};
+use crate::error::{Error, Result, check};
 use crate::geometry::{Vec2, turned_left};
 
 /// A circle that may touch a profile.
@@ -39,6 +40,13 @@ impl ContactPair {
                 check::finite(&format!("point of {field}"), value, "m")?;
             }
         }
+        if self.a.body == self.b.body {
+            return Err(Error::invalid(
+                format!("bodies of {field}"),
+                format!("{:?} twice", self.a.body),
+                "must be two different bodies: a body does not touch itself",
+            ));
+        }
         check::positive(&format!("radius of {field}"), self.radius, "m")?;
         self.profile.validate(&field)?;
         self.law.validate(&field)
@@ -54,30 +62,38 @@ pub(super) struct CompiledContact {
     pub(super) a: End,
     pub(super) b: End,
     profile: Profile,
-    radius: f64,
+    /// Of an outline, all that a circle may bear on at once.
+    outline: Option<Outline>,
+    pub(super) radius: f64,
     /// Distance of the markers from which on they are apart; infinite for what has no outside.
     reach: f64,
     pairs: Vec<Prepared>,
 }
 
-/// What a live contact remembers from its onset: written between steps only.
+/// What a live contact remembers of one side of its profile from its onset: written between steps only.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Memory {
     /// Approach speed \[m/s\]; zero: no memory; below zero: behind an open outline, until it has come out.
     pub(super) speed: f64,
     /// The piece it began on, whose stiffness it keeps.
     pub(super) piece: usize,
+    /// Whether it bears on the front of an open outline: from there it may sink in however deep.
+    pub(super) in_front: bool,
 }
 
-/// A contact at one state; out of reach, its penetration is -∞.
+/// A contact with one side of its profile at one state; out of reach, its penetration is -∞.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Touch {
+    /// Where it is deepest.
     pub(super) contact: Contact,
     pub(super) piece: usize,
+    pub(super) place: Place,
     /// Where among teeth, when it is near them.
     pub(super) tooth: Option<Tooth>,
     /// Normal force \[N\].
     pub(super) force: f64,
+    /// Force on the circle \[N\].
+    pub(super) push: Vec2,
 }
 
 impl Default for Touch {
@@ -89,8 +105,10 @@ impl Default for Touch {
                 penetration_rate: 0.0,
             },
             piece: 0,
+            place: Place::Front,
             tooth: None,
             force: 0.0,
+            push: Vec2::zeros(),
         }
     }
 }
@@ -100,13 +118,23 @@ impl Memory {
     pub(super) const BEHIND: Self = Self {
         speed: -1.0,
         piece: 0,
+        in_front: false,
     };
 }
 
 impl CompiledContact {
     pub(super) fn new(pair: &ContactPair, a: End, b: End) -> Result<Self> {
         let field = format!("contact {:?}", pair.name);
-        let prepare = |curvature| pair.law.prepare(&field, pair.radius, curvature);
+        let outline = match &pair.profile {
+            Profile::Outline { pieces, closed } => Some(Outline::new(pieces, *closed, pair.radius)),
+            _ => None,
+        };
+        let prepare = |curvature| {
+            // A circle bears on the sides of an arc that it does not fit into.
+            let sides = outline.is_some() && is_tight(curvature, pair.radius);
+            let curvature = if sides { Curvature::Flat } else { curvature };
+            pair.law.prepare(&field, pair.radius, curvature)
+        };
         Ok(Self {
             a,
             b,
@@ -116,79 +144,159 @@ impl CompiledContact {
                 .into_iter()
                 .map(prepare)
                 .collect::<Result<_>>()?,
+            outline,
             reach: pair.profile.reach() + pair.radius,
             profile: pair.profile.clone(),
             radius: pair.radius,
         })
     }
 
-    /// Depth and rate, and the place nearest; the normal points into the profile's material.
-    ///
-    /// A contact that has begun stays one however deep it is; what is behind an open outline does not touch it.
-    pub(super) fn find(&self, fa: &Frame, fb: &Frame, memory: Memory) -> (Contact, Nearest) {
-        let center = fb.place(self.b.point);
-        let local = fa.into_local(center - fa.place(self.a.point));
-        let nearest = self.profile.nearest(local, self.radius);
-        let normal = -fa.turned(nearest.outward);
-        // Both bodies' velocities along the normal are the same anywhere on it, so at the centre too.
-        let approach = fb.velocity_at(center) - fa.velocity_at(center);
-        let depth = self.radius - nearest.distance;
-        let begun = memory.speed > 0.0;
-        let behind = memory.speed < 0.0 && depth > 0.0 || depth > 2.0 * self.radius;
-        let penetration = if self.is_open() && behind && !begun {
-            f64::NEG_INFINITY
-        } else {
-            depth
-        };
-        let contact = Contact {
-            normal,
-            penetration,
-            penetration_rate: normal.dot(&approach),
-        };
-        (contact, nearest)
+    /// How many sides of the profile may bear at once.
+    pub(super) fn sides(&self) -> usize {
+        self.outline.as_ref().map_or(1, Outline::sides)
     }
 
-    /// The same as it is recorded.
-    pub(super) fn penetration(&self, frames: &[Frame], memory: Memory) -> f64 {
-        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
-        let (contact, _) = self.find(fa, fb, memory);
-        contact.penetration
+    /// The circle's centre in the frame of the profile.
+    fn local(&self, fa: &Frame, fb: &Frame) -> Vec2 {
+        fa.into_local(fb.place(self.b.point) - fa.place(self.a.point))
     }
 
-    /// Adds the loads of the contact, its stored energy and what it loses; returns it.
-    pub(super) fn add(&self, frames: &[Frame], memory: Memory, loads: &mut Loads) -> Touch {
-        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
-        let apart = fb.place(self.b.point) - fa.place(self.a.point);
-        if apart.norm_squared() > self.reach * self.reach {
-            return Touch::default();
+    /// Shows `visit` every place where the circle may bear, in the frame of the profile, whatever is remembered.
+    fn bearings(&self, local: Vec2, mut visit: impl FnMut(&Bearing, Option<Tooth>)) {
+        if let Some(outline) = &self.outline {
+            outline.bearings(local, self.radius, |bearing| visit(bearing, None));
+            return;
         }
-        let (contact, Nearest { piece, tooth, .. }) = self.find(fa, fb, memory);
-        if contact.penetration <= 0.0 {
-            return Touch {
-                contact,
-                piece,
-                tooth,
-                force: 0.0,
-            };
-        }
-        let pair = &self.pairs[if memory.speed > 0.0 {
-            memory.piece
-        } else {
-            piece
-        }];
-        let force = pair.force(contact.penetration, contact.penetration_rate, memory.speed);
-        let center = fb.place(self.b.point);
-        let push = force.total * contact.normal;
-        loads.push(self.b.body, fb, center, -push);
-        loads.push(self.a.body, fa, center, push);
-        loads.elastic += pair.energy(contact.penetration);
-        loads.dissipated += (force.total - force.elastic) * contact.penetration_rate;
-        Touch {
-            contact,
+        let Nearest {
+            distance,
+            outward,
             piece,
             tooth,
-            force: force.total,
+        } = self.profile.nearest(local, self.radius);
+        let bearing = Bearing {
+            distance,
+            outward,
+            piece,
+            side: 0,
+            weight: 1.0,
+            slope: Vec2::zeros(),
+            place: Place::Front,
+        };
+        visit(&bearing, tooth);
+    }
+
+    /// Whether a place bears: what is behind an open outline does not, until it has come out; what sank in from the front does.
+    fn bears(&self, bearing: &Bearing, memory: Memory) -> bool {
+        match bearing.place {
+            Place::DeepAtEnd => memory.in_front,
+            Place::Deep if self.is_open() => {
+                memory.in_front || memory.speed == 0.0 && -bearing.distance < self.radius
+            }
+            _ => memory.speed >= 0.0 || bearing.distance >= self.radius,
         }
+    }
+
+    /// The contact with one side, as deep as it is anywhere on it.
+    pub(super) fn find(&self, fa: &Frame, fb: &Frame, side: usize, memory: Memory) -> Touch {
+        let mut touch = Touch::default();
+        let approach = self.approach(fa, fb);
+        self.bearings(self.local(fa, fb), |bearing, tooth| {
+            if bearing.side == side && bearing.weight > 0.0 && self.bears(bearing, memory) {
+                self.deepen(
+                    &mut touch,
+                    bearing,
+                    tooth,
+                    -fa.turned(bearing.outward),
+                    approach,
+                );
+            }
+        });
+        touch
+    }
+
+    /// Velocity of the circle's centre as seen from the profile: along a normal both bodies' are the same anywhere on it.
+    fn approach(&self, fa: &Frame, fb: &Frame) -> Vec2 {
+        let center = fb.place(self.b.point);
+        fb.velocity_at(center) - fa.velocity_at(center)
+    }
+
+    fn deepen(
+        &self,
+        touch: &mut Touch,
+        bearing: &Bearing,
+        tooth: Option<Tooth>,
+        normal: Vec2,
+        approach: Vec2,
+    ) {
+        let penetration = self.radius - bearing.distance;
+        if penetration > touch.contact.penetration {
+            touch.contact = Contact {
+                normal,
+                penetration,
+                penetration_rate: normal.dot(&approach),
+            };
+            (touch.piece, touch.place, touch.tooth) = (bearing.piece, bearing.place, tooth);
+        }
+    }
+
+    /// Penetration of the deepest side as it is recorded.
+    pub(super) fn penetration(&self, frames: &[Frame], memory: &[Memory]) -> f64 {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let depths = memory.iter().enumerate();
+        let depths = depths.map(|(side, m)| self.find(fa, fb, side, *m).contact.penetration);
+        depths.fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Adds the loads of the contact, its stored energy and what it loses; writes what happens on each side.
+    pub(super) fn add(
+        &self,
+        frames: &[Frame],
+        memory: &[Memory],
+        loads: &mut Loads,
+        touches: &mut [Touch],
+    ) {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        touches.fill(Touch::default());
+        let apart = fb.place(self.b.point) - fa.place(self.a.point);
+        if apart.norm_squared() > self.reach * self.reach {
+            return;
+        }
+        let approach = self.approach(fa, fb);
+        self.bearings(self.local(fa, fb), |bearing, tooth| {
+            let (touch, memory) = (&mut touches[bearing.side], memory[bearing.side]);
+            if !self.bears(bearing, memory) {
+                return;
+            }
+            let normal = -fa.turned(bearing.outward);
+            if bearing.weight > 0.0 {
+                self.deepen(touch, bearing, tooth, normal, approach);
+            }
+            let depth = self.radius - bearing.distance;
+            if depth <= 0.0 {
+                return;
+            }
+            let rate = normal.dot(&approach);
+            let force = self.pair(bearing, memory).force(depth, rate, memory.speed);
+            let energy = self.pair(bearing, memory).energy(depth);
+            touch.push -= bearing.weight * force.total * normal + energy * fa.turned(bearing.slope);
+            loads.elastic += bearing.weight * energy;
+            loads.dissipated += bearing.weight * (force.total - force.elastic) * rate;
+        });
+        let center = fb.place(self.b.point);
+        for touch in touches {
+            touch.force = touch.push.norm();
+            loads.push(self.b.body, fb, center, touch.push);
+            loads.push(self.a.body, fa, center, -touch.push);
+        }
+    }
+
+    /// The law where a circle bears: a live contact keeps the one that it began with.
+    fn pair(&self, bearing: &Bearing, memory: Memory) -> &Prepared {
+        &self.pairs[if memory.speed > 0.0 {
+            memory.piece
+        } else {
+            bearing.piece
+        }]
     }
 
     /// How far the circle may move along the profile \[m\] before its distance has to be looked at again: its gap, and
@@ -196,16 +304,18 @@ impl CompiledContact {
     pub(super) fn free_way(&self, frames: &[Frame]) -> f64 {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let apart = (fb.place(self.b.point) - fa.place(self.a.point)).norm();
-        let gap = if apart > self.reach {
-            apart - self.reach
+        let mut gap = f64::INFINITY;
+        if apart > self.reach {
+            gap = apart - self.reach;
         } else {
-            let (contact, nearest) = self.find(fa, fb, Memory::default());
-            if contact.penetration == f64::NEG_INFINITY {
-                -nearest.distance - self.radius
-            } else {
-                nearest.distance - self.radius
-            }
-        };
+            self.bearings(self.local(fa, fb), |bearing, _| {
+                if bearing.place == Place::Deep && self.is_open() {
+                    gap = gap.min(-bearing.distance - self.radius);
+                } else if bearing.weight > 0.0 && bearing.place != Place::DeepAtEnd {
+                    gap = gap.min(bearing.distance - self.radius);
+                }
+            });
+        }
         gap.max(FARTHEST * self.radius)
     }
 
@@ -222,13 +332,56 @@ impl CompiledContact {
         (speed, acceleration.norm())
     }
 
-    /// Whether the circle is in the material of an open outline, or beyond, without having come through the surface.
-    pub(super) fn is_behind(&self, fa: &Frame, fb: &Frame, memory: Memory) -> bool {
-        self.is_open() && self.find(fa, fb, memory).0.penetration == f64::NEG_INFINITY
+    /// What a side without a force remembers: that the circle is behind it, in the material of an open outline or beyond,
+    /// without having come through the surface; or nothing.
+    pub(super) fn apart(&self, fa: &Frame, fb: &Frame, side: usize, memory: Memory) -> Memory {
+        let mut behind = false;
+        if self.is_open() {
+            self.bearings(self.local(fa, fb), |bearing, _| {
+                behind |= bearing.side == side
+                    && match bearing.place {
+                        Place::DeepAtEnd => false,
+                        Place::Deep => true,
+                        _ => {
+                            memory.speed < 0.0
+                                && bearing.weight > 0.0
+                                && bearing.distance < self.radius
+                        }
+                    };
+            });
+        }
+        if behind {
+            Memory::BEHIND
+        } else {
+            Memory::default()
+        }
+    }
+
+    /// How deep the circle's centre is in material that has no other side \[m\]; not above zero when it is outside.
+    pub(super) fn center_depth(&self, frames: &[Frame]) -> f64 {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let mut depth = f64::NEG_INFINITY;
+        if !self.is_open() {
+            self.bearings(self.local(fa, fb), |bearing, _| {
+                if bearing.weight > 0.0 {
+                    depth = depth.max(-bearing.distance);
+                }
+            });
+        }
+        depth
+    }
+
+    /// Whether the material of a closed outline lies outside it.
+    pub(super) fn is_hole(&self) -> bool {
+        self.outline.is_some() && !self.is_open() && self.reach.is_infinite()
+    }
+
+    pub(super) fn profile(&self) -> &Profile {
+        &self.profile
     }
 
     fn is_open(&self) -> bool {
-        matches!(self.profile, Profile::Outline { closed: false, .. })
+        self.outline.as_ref().is_some_and(Outline::is_open)
     }
 
     /// What a contact that began on `piece` at `rate` remembers.
@@ -236,6 +389,7 @@ impl CompiledContact {
         Memory {
             speed: self.pairs[piece].onset_speed(rate),
             piece,
+            in_front: false,
         }
     }
 }

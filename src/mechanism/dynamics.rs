@@ -10,6 +10,7 @@ use super::contact::{Memory, Touch};
 use super::equation::Row;
 use super::loads::Loads;
 use super::model::MechanismModel;
+use crate::geometry::Vec2;
 use crate::integrator::OdeSystem;
 
 /// How positions and velocities are kept on the constraints.
@@ -37,6 +38,7 @@ pub struct MechanismDynamics {
     pub(super) kkt: Option<Constrained>,
     pub(super) accelerations: Vec<f64>,
     pub(super) multipliers: Vec<f64>,
+    /// What happens on each side of each contact, and what it remembers.
     pub(super) touches: Vec<Touch>,
     pub(super) memory: Vec<Memory>,
     pub(super) shift: Vec<f64>,
@@ -65,8 +67,8 @@ impl MechanismDynamics {
             kkt: (m > 0).then(|| Constrained::new(&model)),
             accelerations: vec![0.0; n],
             multipliers: vec![0.0; m],
-            touches: vec![Touch::default(); model.contacts.len()],
-            memory: vec![Memory::default(); model.contacts.len()],
+            touches: vec![Touch::default(); model.sides.len()],
+            memory: vec![Memory::default(); model.sides.len()],
             shift: vec![0.0; 2 * n],
             stabilisation,
             near_singular: 0.0,
@@ -160,9 +162,12 @@ impl MechanismDynamics {
         for force in &model.forces {
             force.add(t, &self.frames, &mut self.loads);
         }
-        let contacts = model.contacts.iter().zip(&self.memory);
-        for ((contact, memory), touch) in contacts.zip(&mut self.touches) {
-            *touch = contact.add(&self.frames, *memory, &mut self.loads);
+        for (contact, sides) in model.contacts.iter().zip(&model.sides_of_contact) {
+            let (memory, touches) = (
+                &self.memory[sides.clone()],
+                &mut self.touches[sides.clone()],
+            );
+            contact.add(&self.frames, memory, &mut self.loads, touches);
         }
     }
 
@@ -205,8 +210,17 @@ impl MechanismDynamics {
         }
     }
 
-    /// Time \[s\] in which no circle passes a profile unseen from where the bodies are, by their speeds and accelerations.
-    pub(super) fn longest_step(&self) -> f64 {
+    /// Time from `t` on \[s\] in which nothing passes unseen: no circle a profile, from where the bodies are by their speeds
+    /// and accelerations; no bend of a driver or of a force, nor a change that would be over at once.
+    pub(super) fn longest_step(&self, t: f64) -> f64 {
+        let motions = self
+            .model
+            .equations
+            .iter()
+            .filter_map(|e| e.motion.as_ref());
+        let motions = motions.map(|motion| motion.longest_step(t));
+        let forces = self.model.forces.iter().map(|force| force.longest_step(t));
+        let longest = motions.chain(forces).fold(f64::INFINITY, f64::min);
         let rates = |body: usize| match self.model.first[body] {
             None => [0.0; 3],
             Some(i) => [0, 1, 2].map(|k| self.accelerations[i + k]),
@@ -218,19 +232,26 @@ impl MechanismDynamics {
             // The root of way = speed t + acceleration t²/2.
             2.0 * way / (speed + (speed * speed + 2.0 * acceleration * way).sqrt())
         });
-        times.fold(f64::INFINITY, f64::min)
+        times.fold(longest, f64::min)
     }
 
-    /// What a contact without penetration remembers: that it is behind, or nothing.
+    /// What a side without penetration remembers: that the circle is behind it, or nothing.
     pub(super) fn apart(&self, k: usize) -> Memory {
-        let contact = &self.model.contacts[k];
+        let (contact, side) = self.model.sides[k];
+        let contact = &self.model.contacts[contact];
         let frames = [contact.a.body, contact.b.body].map(|body| &self.frames[body]);
-        let behind = contact.is_behind(frames[0], frames[1], self.memory[k]);
-        if behind {
-            Memory::BEHIND
-        } else {
-            Memory::default()
-        }
+        contact.apart(frames[0], frames[1], side, self.memory[k])
+    }
+
+    /// Force of each contact on its circle, of all sides together \[N\].
+    pub(super) fn pushes(&self) -> impl Iterator<Item = Vec2> {
+        let contacts = self.model.sides_of_contact.iter();
+        contacts.map(|sides| {
+            self.touches[sides.clone()]
+                .iter()
+                .map(|touch| touch.push)
+                .sum()
+        })
     }
 
     /// Work that the drivers do: power of the multipliers along the prescribed motions \[W\].
@@ -257,6 +278,30 @@ impl MechanismDynamics {
             }
         }
         energy
+    }
+
+    /// The joint and the contact that carry most, in words for the end of an error's sentence; empty without either.
+    pub(super) fn hardest_pressed(&self) -> String {
+        let joints = (0..self.model.joints.len()).map(|joint| {
+            let [x, y, torque] = self.reaction(joint);
+            (x.hypot(y).max(torque.abs()), joint)
+        });
+        let joint = joints
+            .filter(|j| j.0.is_finite())
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        let contacts = self.pushes().map(|push| push.norm()).enumerate();
+        let contact = contacts
+            .filter(|c| c.1 > 0.0)
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        let joint = joint.map_or(String::new(), |(load, joint)| {
+            let name = &self.model.joints[joint].name;
+            format!(", joint {name:?} with a load of {load:.1e} N or N m")
+        });
+        let contact = contact.map_or(String::new(), |(contact, force)| {
+            let name = &self.model.contact_names[contact];
+            format!(", contact {name:?} with {force:.1e} N")
+        });
+        joint + &contact
     }
 
     /// Force and torque of a joint on its body b, about the joint's point b \[N, N, N m\].
