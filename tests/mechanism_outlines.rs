@@ -134,7 +134,7 @@ fn a_ball_pushed_round_an_end_to_the_back_leaves_the_contact_softly() {
     mechanism.bodies[0].velocity = [0.6, -0.8, 0.0];
     mechanism.forces.push(ForceElement::new(
         "lead",
-        ground(-0.3, 0.0),
+        ground(-0.1, -0.3),
         Marker::new("ball", 0.0, 0.0),
         ForceKind::Spring {
             law: SpringLaw::linear(200.0, 0.0),

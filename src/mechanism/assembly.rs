@@ -2,7 +2,7 @@
 
 use super::constrained::Constrained;
 use super::dynamics::MechanismDynamics;
-use super::equation::Row;
+use super::equation::{Equation, Row};
 use super::plausibility::loose_parts;
 use super::scales::odd_scales;
 use super::singular::nearness;
@@ -40,7 +40,7 @@ impl MechanismDynamics {
             return true;
         };
         let n = self.model.coordinates();
-        let (mut residual, mut change) = (vec![0.0; self.rows.len()], vec![0.0; n]);
+        let [mut residual, mut change] = std::mem::take(&mut self.projecting);
         let mut done = false;
         let mut before = f64::INFINITY;
         for iteration in 0..iterations {
@@ -76,6 +76,7 @@ impl MechanismDynamics {
             done = self.project_velocities(&mut kkt, state, &mut residual, &mut change);
         }
         self.kkt = Some(kkt);
+        self.projecting = [residual, change];
         done
     }
 
@@ -138,9 +139,9 @@ impl MechanismDynamics {
     /// What the joints miss where they cannot all hold: positions, or else velocities.
     pub(super) fn what_misses(&self) -> String {
         if self.worst() <= 1e-9 {
-            return self.residuals(|row| row.rate(&self.frames), ["m/s", "rad/s"]);
+            return self.rates();
         }
-        self.residuals(|row| row.value, ["m", "rad"])
+        self.misses()
     }
 
     /// Speeds that the constraints compare; of a mechanism at rest a slow one.
@@ -163,14 +164,28 @@ impl MechanismDynamics {
         2.0 * f64::EPSILON * angle
     }
 
+    fn misses(&self) -> String {
+        self.residuals(|equation, row| equation.residual(row), ["m", "rad"])
+    }
+
+    fn rates(&self) -> String {
+        let rate = |equation: &Equation, row: &Row| equation.residual_rate(row, &self.frames);
+        self.residuals(rate, ["m/s", "rad/s"])
+    }
+
     /// Largest residuals by joint, in words.
-    pub(super) fn residuals(&self, of: impl Fn(&Row) -> f64, unit: [&str; 2]) -> String {
+    fn residuals(&self, of: impl Fn(&Equation, &Row) -> f64, unit: [&str; 2]) -> String {
         let mut found: Vec<(f64, String)> = Vec::new();
         for (j, joint) in self.model.joints.iter().enumerate() {
             let rows = self.model.equations.iter().zip(&self.rows);
             let worst = rows
                 .filter(|(equation, _)| equation.joint == j)
-                .map(|(equation, row)| (of(row).abs(), unit[usize::from(equation.is_angle())]))
+                .map(|(equation, row)| {
+                    (
+                        of(equation, row).abs(),
+                        unit[usize::from(equation.is_angle())],
+                    )
+                })
                 .max_by(|a, b| a.0.total_cmp(&b.0));
             if let Some((value, unit)) = worst {
                 found.push((value, format!("{:?} by {value:.3e} {unit}", joint.name)));
@@ -225,13 +240,13 @@ impl MechanismDynamics {
             return Error::Impossible(format!(
                 "no velocities satisfy all joints and drivers at the start; the nearest miss {}: two drivers may ask \
                  for different speeds, or a driver may move what the joints hold",
-                self.residuals(|row| row.rate(&self.frames), ["m/s", "rad/s"])
+                self.rates()
             ));
         }
         Error::Impossible(format!(
             "the mechanism does not go together; the nearest positions miss {}: check lengths, points and units of \
              these joints (SI: metres, radians)",
-            self.residuals(|row| row.value, ["m", "rad"])
+            self.misses()
         ))
     }
 

@@ -1,11 +1,13 @@
 //! Contacts of a mechanism: a circle of body b against a profile of body a; a pin in a bore is the clearance joint.
 
+use nalgebra::Matrix2;
 use serde::{Deserialize, Serialize};
 
 use super::body::{End, Frame, Marker};
 use super::contact_law::{ContactLaw, Prepared};
 use super::loads::Loads;
 use super::outline::{Bearing, Outline, Place, is_tight};
+use super::pair::PairForce;
 use super::profile::{Curvature, Nearest, Profile, Tooth};
 use crate::contact::Contact;
 use crate::error::{Error, Result, check};
@@ -180,6 +182,7 @@ impl CompiledContact {
             side: 0,
             weight: 1.0,
             slope: Vec2::zeros(),
+            bend: 0.0,
             place: Place::Front,
         };
         visit(&bearing, tooth);
@@ -288,6 +291,45 @@ impl CompiledContact {
             loads.push(self.b.body, fb, center, touch.push);
             loads.push(self.a.body, fa, center, -touch.push);
         }
+    }
+
+    /// Shows `visit` how the force of each place that bears changes.
+    pub(super) fn slopes(
+        &self,
+        frames: &[Frame],
+        memory: &[Memory],
+        mut visit: impl FnMut(&PairForce),
+    ) {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let approach = self.approach(fa, fb);
+        let local = self.local(fa, fb);
+        self.bearings(local, |bearing, _| {
+            let memory = memory[bearing.side];
+            let depth = self.radius - bearing.distance;
+            if depth <= 0.0 || !self.bears(bearing, memory) {
+                return;
+            }
+            let (n, slope) = (fa.turned(bearing.outward), fa.turned(bearing.slope));
+            let (law, rate) = (self.pair(bearing, memory), -n.dot(&approach));
+            let [force, stiffness, damping] = law.slopes(depth, rate, memory.speed);
+            let elastic = law.force(depth, rate, memory.speed).elastic;
+            let energy = law.energy(depth);
+            let w = bearing.weight;
+            let bend = match self.outline {
+                Some(_) => bearing.bend,
+                None => self.profile.bend(local, self.radius, bearing.outward),
+            };
+            let across = bend * (Matrix2::identity() - n * n.transpose());
+            // The bend of the weight itself is left out.
+            let along = -stiffness * n - damping * (across * approach);
+            visit(&PairForce {
+                force: w * force * n - energy * slope,
+                by_place: w * (n * along.transpose() + force * across)
+                    + force * n * slope.transpose()
+                    + elastic * slope * n.transpose(),
+                by_velocity: -w * damping * (n * n.transpose()),
+            });
+        });
     }
 
     /// The law where a circle bears: a live contact keeps the one that it began with.

@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Dyn, LU};
-
 use super::body::Frame;
 use super::constrained::Constrained;
 use super::contact::{Memory, Touch};
 use super::equation::Row;
+use super::implicit::ImplicitMatrix;
 use super::loads::Loads;
 use super::model::MechanismModel;
 use crate::geometry::Vec2;
@@ -47,8 +46,10 @@ pub struct MechanismDynamics {
     pub(super) near_singular: f64,
     /// Time of the last derivative \[s\].
     pub(super) time: f64,
-    /// Factors of the implicit corrector's matrix, once it is used.
-    pub(super) corrector: Option<LU<f64, Dyn, Dyn>>,
+    /// The implicit corrector's matrix, once it is used.
+    pub(super) corrector: Option<Box<ImplicitMatrix>>,
+    /// Scratch of projections: residuals, changes.
+    pub(super) projecting: [Vec<f64>; 2],
     /// Scratch: loads of the free coordinates.
     pub(super) forces: Vec<f64>,
     /// Scratch: the state with its shift.
@@ -74,6 +75,7 @@ impl MechanismDynamics {
             near_singular: 0.0,
             time: 0.0,
             corrector: None,
+            projecting: [vec![0.0; m], vec![0.0; n]],
             forces: vec![0.0; n],
             shifted: vec![0.0; 2 * n],
             model,

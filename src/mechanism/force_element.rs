@@ -100,10 +100,17 @@ impl SpringLaw {
         }
     }
 
-    fn elastic(&self, x: f64) -> f64 {
+    pub(super) fn elastic(&self, x: f64) -> f64 {
         match &self.table {
             Some(curve) => curve.value(x),
             None => (self.stiffness + self.cubic * x * x) * x,
+        }
+    }
+
+    pub(super) fn stiffness(&self, x: f64) -> f64 {
+        match &self.table {
+            Some(curve) => curve.slope(x),
+            None => self.stiffness + 3.0 * self.cubic * x * x,
         }
     }
 

@@ -28,6 +28,9 @@ pub(super) struct Bearing {
     pub(super) weight: f64,
     /// Slope of the weight \[1/m\].
     pub(super) slope: Vec2,
+    /// How the outward direction turns as the centre moves along the surface \[1/m\]: one over its distance from the centre
+    /// of curvature, negative where that lies in front.
+    pub(super) bend: f64,
     /// Where on the profile it is.
     pub(super) place: Place,
 }
@@ -190,21 +193,21 @@ impl Part {
     fn inside(&self, point: Vec2, least: bool) -> Bearing {
         let Some(center) = self.piece.center else {
             let outward = -turned_left(self.tangents[0]);
-            return self.bearing((point - self.piece.from).dot(&outward), outward);
+            return self.bearing((point - self.piece.from).dot(&outward), outward, 0.0);
         };
         let arm = point - center;
         let length = arm.norm();
         let direction = direction(arm, length);
         match (least, self.piece.convex) {
-            (true, true) => self.bearing(length - self.radius, direction),
-            (true, false) => self.bearing(self.radius - length, -direction),
-            (false, false) => self.bearing(self.radius + length, direction),
+            (true, true) => self.bearing(length - self.radius, direction, 1.0 / length),
+            (true, false) => self.bearing(self.radius - length, -direction, -1.0 / length),
+            (false, false) => self.bearing(self.radius + length, direction, 1.0 / length),
             // The far side of a disc does not face the circle.
-            (false, true) => self.bearing(f64::INFINITY, direction),
+            (false, true) => self.bearing(f64::INFINITY, direction, 0.0),
         }
     }
 
-    fn bearing(&self, distance: f64, outward: Vec2) -> Bearing {
+    fn bearing(&self, distance: f64, outward: Vec2, bend: f64) -> Bearing {
         Bearing {
             distance,
             outward,
@@ -212,6 +215,7 @@ impl Part {
             side: self.side,
             weight: 1.0,
             slope: Vec2::zeros(),
+            bend,
             place: Place::Front,
         }
     }
@@ -230,7 +234,11 @@ fn at_corner(before: &Part, part: &Part, arm: Vec2) -> Bearing {
     let distance = arm.norm();
     let outward = -turned_left(before.tangents[1] + part.tangents[0]);
     let side = if arm.dot(&outward) >= 0.0 { 1.0 } else { -1.0 };
-    part.bearing(side * distance, side * direction(arm, distance))
+    part.bearing(
+        side * distance,
+        side * direction(arm, distance),
+        side / distance,
+    )
 }
 
 /// The places seen so far on the way along an outline.
@@ -294,7 +302,7 @@ impl Found {
         visit: &mut impl FnMut(&Bearing),
     ) {
         let distance = arm.norm();
-        let mut bearing = part.bearing(distance, direction(arm, distance));
+        let mut bearing = part.bearing(distance, direction(arm, distance), 1.0 / distance);
         let height = arm.dot(&front);
         bearing.place = Place::EndFront;
         if height < 0.0 {
@@ -307,6 +315,7 @@ impl Found {
                 outward: front,
                 weight: 1.0 - bearing.weight,
                 slope: -bearing.slope,
+                bend: 0.0,
                 place: Place::DeepAtEnd,
                 ..bearing
             });

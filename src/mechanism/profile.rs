@@ -1,7 +1,7 @@
 //! Shapes that a circle may touch: bore, circle, segment, arc, and outlines made of them.
 
 use crate::error::{Error, Result, check};
-use crate::geometry::{ToothProfile, Vec2, unit};
+use crate::geometry::{ToothProfile, Vec2, turned_left, unit};
 
 use super::piece::Piece;
 
@@ -133,6 +133,20 @@ impl Profile {
                     Some(center) => center.norm() + (piece.from - center).norm(),
                 };
                 pieces.iter().map(far).fold(0.0, f64::max)
+            }
+        }
+    }
+
+    /// How the outward direction turns as a point moves along the surface \[1/m\]; by a difference among teeth.
+    pub(super) fn bend(&self, point: Vec2, radius: f64, outward: Vec2) -> f64 {
+        match self {
+            Self::Bore { .. } => -1.0 / point.norm(),
+            Self::Disc { .. } => 1.0 / point.norm(),
+            Self::Outline { .. } => 0.0,
+            Self::Teeth(profile) => {
+                let (along, step) = (turned_left(outward), 1e-6 * radius);
+                let moved = nearest_tooth(profile, point + step * along, radius);
+                moved.outward.dot(&along) / step
             }
         }
     }

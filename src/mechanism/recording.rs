@@ -88,8 +88,8 @@ impl MechanismRecording {
         self.velocity_residual.resize(first + joints, 0.0);
         for (equation, row) in dynamics.model.equations.iter().zip(&dynamics.rows) {
             let i = first + equation.joint;
-            self.position_residual[i] = self.position_residual[i].max(row.value.abs());
-            let rate = row.rate(&dynamics.frames).abs();
+            self.position_residual[i] = self.position_residual[i].max(equation.residual(row).abs());
+            let rate = equation.residual_rate(row, &dynamics.frames).abs();
             self.velocity_residual[i] = self.velocity_residual[i].max(rate);
         }
         self.contact_force.extend(contact_forces(dynamics));
