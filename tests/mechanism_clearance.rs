@@ -114,12 +114,13 @@ fn peak(clearance: f64) -> f64 {
 #[test]
 fn the_largest_accelerations_come_down_to_the_ideal_ones_with_the_clearance() {
     let peaks = [5e-4, 1e-4, 2e-5, 2e-6].map(peak);
-    println!("{peaks:?}");
+    // Measured: 6.9, 1.63, 1.09 and 1.0001.
+    let excess = peaks.map(|peak| peak - 1.0);
     assert!(
-        peaks.windows(2).all(|pair| pair[1] < 0.8 * pair[0]),
+        excess.windows(2).all(|pair| pair[1] < 0.4 * pair[0]),
         "{peaks:?}"
     );
-    assert!(peaks[0] > 5.0 && peaks[3] < 3.0, "{peaks:?}");
+    assert!(peaks[0] > 3.0 && excess[3].abs() < 0.01, "{peaks:?}");
 }
 
 #[test]

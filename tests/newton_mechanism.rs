@@ -447,7 +447,11 @@ fn as_mechanism(
 
 #[test]
 fn the_matrix_of_a_drive_laid_out_as_a_mechanism_is_the_chains_own() {
-    for (elastic, pretension) in [(Elastic::Hertz, 25.0), (Elastic::Johnson, 100.0)] {
+    for (elastic, pretension) in [
+        (Elastic::Hertz, 25.0),
+        (Elastic::Hertz, 100.0),
+        (Elastic::Johnson, 100.0),
+    ] {
         // Without damping, no onset has to be remembered the same.
         let law = ForceLaw {
             elastic,
@@ -494,7 +498,7 @@ fn the_matrix_of_a_drive_laid_out_as_a_mechanism_is_the_chains_own() {
                 .iter()
                 .filter(|f| f[0] != 0.0)
                 .count();
-            assert!(pressed > 20, "{pressed}");
+            assert!(pressed > 1, "{pressed}");
             assert!(dynamics.factorise(&state, gamma));
             dynamics.correct(&mut general);
             assert!(chain.correct_exactly(&y, gamma, &mut own));

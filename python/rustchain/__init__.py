@@ -31,7 +31,7 @@ from rustchain.errors import (
     SimulationError,
 )
 from rustchain.force_law import EnhancedCylinder, ForceLaw, Hertz, Johnson, LankaraniNikravesh
-from rustchain.mechanism import Mechanism, MechanismReport
+from rustchain.mechanism import Mechanism
 from rustchain.mechanism_parts import (
     HuntCrossley,
     LinearContact,
@@ -41,6 +41,7 @@ from rustchain.mechanism_parts import (
     SurfaceContact,
     Table,
 )
+from rustchain.mechanism_report import MechanismReport
 from rustchain.mechanism_result import MechanismResult
 from rustchain.mechanism_simulation import MechanismEvaluation, MechanismSimulation
 from rustchain.report import DriveReport

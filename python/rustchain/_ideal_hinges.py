@@ -148,7 +148,7 @@ class IdealHingeCore:
         return self._core.stats()
 
     def take_warnings(self) -> tuple[list[str], list[str]]:
-        """Return what was not told yet: nothing of laws; the energy balance, where it is recorded."""
+        """Return what was not told yet: no law, but the energy balance where it is recorded."""
         text = self._core.take_warnings() if self._energy else None
         return [], [] if text is None else [text]
 

@@ -13,7 +13,8 @@ import numpy.typing as npt
 from rustchain import _rustchain, _state_file
 from rustchain._names import known_keywords
 from rustchain.errors import EnergyWarning, InvalidInput, SimulationError
-from rustchain.mechanism import Mechanism, MechanismReport
+from rustchain.mechanism import Mechanism
+from rustchain.mechanism_report import MechanismReport
 from rustchain.mechanism_result import MechanismResult
 from rustchain.result import Array, Status
 from rustchain.simulation import _WALL_BUDGET, Solver, _rows, seconds_bar
@@ -57,7 +58,7 @@ class MechanismSimulation:
     mechanism : Mechanism
         What moves. Later changes of it have no effect.
     solver : Solver
-        Method and tolerances; "newton" is for mechanisms of some tens of bodies.
+        Method and tolerances; "newton" is for contacts that are stiff beside the steps.
     baumgarte : float, optional
         Angular frequency [rad/s] of Baumgarte's stabilisation, for comparison; by default positions
         and velocities are projected onto the constraints after each step.

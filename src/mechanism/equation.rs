@@ -1,7 +1,7 @@
 //! One scalar constraint equation c(q, t) = 0: its value, its row of the Jacobian, and what its second derivative leaves.
 
 use super::body::{End, Frame};
-use super::time_function::Motion;
+use super::motion::Motion;
 use crate::geometry::{Vec2, turned_left};
 
 /// What is held; ends a and b, directions in the frame of a.

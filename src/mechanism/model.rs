@@ -4,11 +4,11 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use super::body::{Body, End, Frame, Marker};
-use super::contact::CompiledContact;
 use super::contact_law::ContactLaw;
 use super::equation::{Equation, Quantity};
 use super::force_element::{Force, ForceKind};
 use super::joint::{Joint, JointKind};
+use super::touch::CompiledContact;
 use super::{GROUND, Mechanism};
 use crate::error::{Error, Result};
 use crate::geometry::{Vec2, turned_left};
@@ -265,12 +265,8 @@ impl MechanismModel {
 }
 
 /// The equation with its motion; one that is given by its speed begins where the bodies are placed.
-fn driven(
-    mut equation: Equation,
-    motion: &super::time_function::Motion,
-    frames: &[Frame],
-) -> Equation {
-    if matches!(motion, super::time_function::Motion::Speed(_)) {
+fn driven(mut equation: Equation, motion: &super::motion::Motion, frames: &[Frame]) -> Equation {
+    if matches!(motion, super::motion::Motion::Speed(_)) {
         equation.offset = equation.quantity(frames);
     }
     equation.motion = Some(motion.clone());

@@ -1,10 +1,10 @@
 //! A run at one instant: at its present time, inside its last step, or at a state of one's own.
 
 use super::body::{Body, Frame};
-use super::contact::Memory;
 use super::dynamics::{MechanismDynamics, Stabilisation};
 use super::recording::MechanismRecording;
 use super::simulation::{ITERATIONS, MechanismSimulation};
+use super::touch::Memory;
 use crate::error::{Error, Result};
 
 impl MechanismSimulation {

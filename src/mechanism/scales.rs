@@ -113,14 +113,15 @@ impl Scales {
         let compact = ratio < COMPACT && (typical.is_nan() || ratio < typical / BESIDE_INERTIA);
         (wide || compact).then(|| {
             let expected = body.mass * reach * reach / 3.0;
+            let mass = if wide { "small" } else { "large" };
             format!(
                 "inertia of body {:?} is {:.4e} kg m^2: with its mass of {:.4e} kg and points up to {reach:.4e} m from \
-                 its centre of mass, about {expected:.1e} kg m^2 would be expected: {}, or the mass by as much the other \
-                 way, or its points by the root of it?",
+                 its centre of mass, about {expected:.1e} kg m^2 would be expected: is it {}, or the mass as many times \
+                 too {mass}, in another unit?",
                 body.name,
                 body.inertia,
                 body.mass,
-                factor(body.inertia / expected)
+                times(body.inertia / expected)
             )
         })
     }
@@ -217,9 +218,13 @@ fn median(model: &MechanismModel, i: usize, value: impl Fn(usize) -> f64) -> f64
 }
 
 /// The power of 1000 that a ratio is nearest to, in words.
-fn factor(ratio: f64) -> String {
+fn times(ratio: f64) -> String {
     let thousands = (ratio.log10() / 3.0).round();
     let direction = if ratio > 1.0 { "large" } else { "small" };
     let times = 1000f64.powf(thousands.abs().max(1.0));
-    format!("is it {times:.0} times too {direction}, in another unit?")
+    format!("{times:.0} times too {direction}")
+}
+
+fn factor(ratio: f64) -> String {
+    format!("is it {}, in another unit?", times(ratio))
 }

@@ -4,10 +4,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::assembly::Assembly;
-use super::contact::Memory;
 use super::dynamics::{MechanismDynamics, Stabilisation};
 use super::model::MechanismModel;
 use super::recording::MechanismRecording;
+use super::touch::Memory;
 use crate::error::{Error, Result};
 use crate::integrator::{Adams, Counts, OdeSystem, StepControl};
 use crate::simulate::{STANDSTILL, STEPS_OF_STANDSTILL, describe_open_balance};

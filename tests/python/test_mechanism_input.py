@@ -29,13 +29,25 @@ def outline(mechanism, points=SQUARE, name="floor", **keywords):
         (lambda m: m.add_force("push", "bar", ("a", 0.0)), "force 'push': x = 'a': .*a number"),
         (lambda m: m.add_force("push", "ground", (1.0, 0.0)), 'body of force "push" = "ground"'),
         (lambda m: m.add_torque("turn", "bar", "much"), "force 'turn': torque = 'much'"),
-        (lambda m: m.add_torque("turn", "bar", by_speed=[1.0]), "force 'turn': .*rows of two numbers"),
+        (
+            lambda m: m.add_torque("turn", "bar", by_speed=[1.0]),
+            "force 'turn': .*rows of two numbers",
+        ),
         (lambda m: outline(m, bulges=0.5), "bulges of contact 'floor' = 0.5: .*list of finite"),
-        (lambda m: outline(m, bulges=[0.1]), "bulges of contact 'floor' = .*4 numbers, one for each"),
+        (
+            lambda m: outline(m, bulges=[0.1]),
+            "bulges of contact 'floor' = .*4 numbers, one for each",
+        ),
         (lambda m: outline(m, bulges=[math.nan, 0, 0, 0]), "bulges of contact 'floor' .*finite"),
         (lambda m: outline(m, points=7.0), "points of contact 'floor' = 7.0: .*rows of two finite"),
-        (lambda m: outline(m, points=[(0, 0, 1)]), "points of contact 'floor' .*rows of two finite"),
-        (lambda m: outline(m, points=SQUARE[::2] + SQUARE[1::2]), "cross each other: give the points"),
+        (
+            lambda m: outline(m, points=[(0, 0, 1)]),
+            "points of contact 'floor' .*rows of two finite",
+        ),
+        (
+            lambda m: outline(m, points=SQUARE[::2] + SQUARE[1::2]),
+            "cross each other: give the points",
+        ),
         (lambda m: m.add_callable("own", "bar", 3.0), "function of force 'own' = 3.0: .*callable"),
         (lambda m: m.add_body("x", 1.0, 1.0, (0.0, 0.0)), "position of body 'x' = .*three finite"),
         (
@@ -46,11 +58,23 @@ def outline(mechanism, points=SQUARE, name="floor", **keywords):
             lambda m: m.add_body("x", 1.0, 1.0, velocity=(1.0, 0.0, 0.0), fixed=True),
             'velocity of body "x" .*held',
         ),
-        (lambda m: m.add_body("x", "heavy", 1.0), "body 'x': .*mass = 'heavy': must be a number in kg"),
-        (lambda m: m.add_revolute("pin", "ground", "bar", at=5.0), "at of joint 'pin' = 5.0: .*two"),
-        (lambda m: m.add_revolute("pin", "ground", "bar", point_b=3.0), "joint 'pin': .*point_b = 3.0"),
+        (
+            lambda m: m.add_body("x", "heavy", 1.0),
+            "body 'x': .*mass = 'heavy': must be a number in kg",
+        ),
+        (
+            lambda m: m.add_revolute("pin", "ground", "bar", at=5.0),
+            "at of joint 'pin' = 5.0: .*two",
+        ),
+        (
+            lambda m: m.add_revolute("pin", "ground", "bar", point_b=3.0),
+            "joint 'pin': .*point_b = 3.0",
+        ),
         (lambda m: m.add_gear("pair", "ground", "bar", "x"), "joint 'pair': ratio = 'x'"),
-        (lambda m: m.add_gear("pair", "ground", "bar", 2.0, carrier=7), "joint 'pair': carrier = 7"),
+        (
+            lambda m: m.add_gear("pair", "ground", "bar", 2.0, carrier=7),
+            "joint 'pair': carrier = 7",
+        ),
         (
             lambda m: m.add_driver("motor", "ground", "bar", angle=rc.Sines([1.0, 2.0, 3.0])),
             "joint 'motor': terms of Sines = .*rows of three numbers",
@@ -64,8 +88,14 @@ def outline(mechanism, points=SQUARE, name="floor", **keywords):
             lambda m: m.add_spring("s", "ground", "bar", 1.0, table=[(0, 0), (1, 1)]),
             'stiffness of force "s" = 1: .*table',
         ),
-        (lambda m: m.add_disc_contact("d", "bar", "bar", 1.0, 1.0, LAW), 'contact "d" = "bar" twice'),
-        (lambda m: m.add_disc_contact("d", "ground", "bar", 1.0, 1.0, "soft"), "contact 'd': law = 'soft'"),
+        (
+            lambda m: m.add_disc_contact("d", "bar", "bar", 1.0, 1.0, LAW),
+            'contact "d" = "bar" twice',
+        ),
+        (
+            lambda m: m.add_disc_contact("d", "ground", "bar", 1.0, 1.0, "soft"),
+            "contact 'd': law = 'soft'",
+        ),
         (
             lambda m: m.add_sprocket_contact("d", "ground", "bar", 1, 2, LAW),
             "sprocket of contact 'd' = 1: must be a Sprocket",

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from reference.mechanism import Reference
 
 import rustchain as rc
+from reference.mechanism import Reference
 
 STATES = 8
 
@@ -48,7 +48,8 @@ def joined(kind, rng):
             m.add_rack("joint", *ends, direction, radius=0.4, point_a=point)
         case "driven angle":
             angle = m.bodies[1].position[2] - m.bodies[0].position[2]
-            start = sum(a * np.sin(p) for a, _, p in (terms := rng.uniform(0.1, 1.0, (2, 3))))
+            terms = rng.uniform(0.1, 1.0, (2, 3))
+            start = (terms[:, 0] * np.sin(terms[:, 2])).sum()
             m.add_driver("joint", *ends, angle=rc.Sines(terms, offset=angle - start))
         case "driven speed":
             m.add_driver("joint", *ends, speed=waves(rng))
@@ -69,7 +70,13 @@ def loaded(kind, rng):
             m.add_spring("load", *ends, 30.0, 4.0, point, other, cubic=9.0)
         case "spring by a table":
             m.add_spring(
-                "load", *ends, damping=1.0, point_a=point, point_b=other, rest_length=0.5, table=rows
+                "load",
+                *ends,
+                damping=1.0,
+                point_a=point,
+                point_b=other,
+                rest_length=0.5,
+                table=rows,
             )
         case "torsion spring":
             m.add_torsion_spring("load", *ends, 30.0, 4.0, rest_angle=0.3, cubic=2.0)

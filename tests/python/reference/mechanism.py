@@ -144,9 +144,7 @@ class Reference:
                 b = self.number[force.body_b]
                 given = np.array([force.x, force.y])
                 push = turned(rows[b, 2], given) if force.follows else given
-                _, slope = self.slope(
-                    lambda r, p=force, k=b, g=push: place(r[k], p.point_b) @ g, q
-                )
+                _, slope = self.slope(lambda r, p=force, k=b, g=push: place(r[k], p.point_b) @ g, q)
                 f += slope
         return f
 
