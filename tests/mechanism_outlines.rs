@@ -1,5 +1,7 @@
 //! Circles on outlines: corners where two sides bear, ends, tight arcs; and contacts that cannot be.
 
+#![allow(clippy::unwrap_used)]
+
 mod common {
     pub(crate) mod mechanisms;
 }

@@ -1,5 +1,7 @@
 //! What is told of numbers in wrong units, and drivers and forces that change within less than a step.
 
+#![allow(clippy::unwrap_used)]
+
 mod common {
     pub(crate) mod mechanisms;
 }
@@ -191,19 +193,14 @@ fn the_work_of_a_driver_closes_better_with_the_tolerance_however_short_its_motio
             let mut machine = simulation(&driven(motion.clone()), tolerance);
             let recording = record(&mut machine, 2.0, 0.1);
             let rows = recording.energy.chunks(6);
-            let work = rows.clone().map(|row| row[4].abs()).fold(0.0, f64::max);
-            assert!(
-                (work - 2.0 * 9.81 * 0.3 * 1f64.sin()).abs() < 0.1 * work + 1e3,
-                "{work}"
-            );
-            let energy = rows.clone().map(|row| row[0]).fold(work, f64::max);
+            // What the wheel has on the way, at 15/8 of its mean speed.
+            let energy = 0.5 * 0.68 * (1.875 / span).powi(2) + 5.0;
             rows.map(|row| row[5].abs()).fold(0.0, f64::max) / energy
         };
         let residuals = [1e-4, 1e-7, 1e-10].map(residual);
-        // Measured at 1, 0.01 and 0.1 ms: at most 4e-2, 6e-8 and 1e-10.
-        assert!(residuals[0] < 0.2, "{span}: {residuals:?}");
-        assert!(residuals[1] < 1e-4, "{span}: {residuals:?}");
-        assert!(residuals[2] < 1e-6, "{span}: {residuals:?}");
+        assert!(residuals[0] < 1e-2, "{span}: {residuals:?}");
+        assert!(residuals[1] < 1e-5, "{span}: {residuals:?}");
+        assert!(residuals[2] < 1e-8, "{span}: {residuals:?}");
     }
 }
 

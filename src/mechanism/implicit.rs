@@ -11,6 +11,7 @@
 
 use nalgebra::{DMatrix, DVectorViewMut, Dyn, LU};
 
+use super::constrained::Constrained;
 use super::dynamics::{MechanismDynamics, Stabilisation};
 use super::pair::{Block, Pair};
 use super::saddle::{PairPlaces, Pattern, RowPlaces, Saddle};
@@ -138,11 +139,10 @@ impl MechanismDynamics {
                 let pair = Pair::new(equation.a, equation.b, &self.frames, false);
                 let acceleration = self.pair_accelerations([equation.a.body, equation.b.body]);
                 for k in 0..6 {
-                    let (mut by_rate, mut by_place) = (0.0, slopes.third[k]);
-                    for l in 0..6 {
-                        by_rate += slopes.second[k][l] * pair.v[l];
-                        by_place += slopes.second[k][l] * acceleration[l];
-                    }
+                    let line = slopes.second[k].iter();
+                    let along = |v: &[f64; 6]| line.clone().zip(v).map(|(a, b)| a * b).sum::<f64>();
+                    let by_rate = along(&pair.v);
+                    let by_place = slopes.third[k] + along(&acceleration);
                     across[k / 3][k % 3] += 2.0 * gamma * by_rate + gamma * gamma * by_place;
                 }
                 let weight = gamma * gamma * self.multipliers[i];
@@ -222,7 +222,7 @@ impl SecondOrderSystem for MechanismDynamics {
         let nearness = self
             .kkt
             .as_ref()
-            .map_or(f64::INFINITY, |kkt| kkt.independence());
+            .map_or(f64::INFINITY, Constrained::independence);
         let singular = nearness < self.near_singular;
         let regular = if singular && self.model.coordinates() <= MOST_BY_DIFFERENCES {
             let factors = self.matrix_by_differences(y, gamma);

@@ -153,17 +153,12 @@ impl Outline {
                     0 => None,
                     _ => Some(&self.parts[i - 1]),
                 };
-                match before {
-                    Some(before) => found.add(
-                        !starts,
-                        at_corner(before, part, at_start),
-                        radius,
-                        &mut visit,
-                    ),
-                    None => {
-                        let away = -part.tangents[0];
-                        found.at_end(part, at_start, away, turned_left(away), &mut visit);
-                    }
+                if let Some(before) = before {
+                    let corner = at_corner(before, part, at_start);
+                    found.add(!starts, corner, radius, &mut visit);
+                } else {
+                    let away = -part.tangents[0];
+                    found.at_end(part, at_start, away, turned_left(away), &mut visit);
                 }
             }
             descending = part.tangents[1].dot(&(point - part.piece.to)) > 0.0;

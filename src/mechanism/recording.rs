@@ -47,8 +47,8 @@ pub struct MechanismRecording {
     balance: Balance,
 }
 
-/// Share of all energy that rounding may make out of none.
-const ROUNDING: f64 = 1e-9;
+/// Share of all energy there is that may be missing where little is exchanged.
+const SMALL: f64 = 1e-6;
 
 impl MechanismRecording {
     /// Sets aside the forces at the end of a step, before reports inside it are evaluated.
@@ -129,18 +129,19 @@ impl MechanismRecording {
         let residual = total - start + dissipated - worked_in;
         self.energy
             .extend([kinetic, gravity, elastic, dissipated, worked_in, residual]);
-        if residual.abs() > ROUNDING * (kinetic + gravity.abs() + elastic) {
-            let energy = Energy {
-                kinetic,
-                gravity,
-                elastic,
-            };
-            let passed = Passed {
-                dissipated,
-                worked_in,
-                residual,
-            };
-            self.balance.watch(energy, passed);
+        let energy = Energy {
+            kinetic,
+            gravity,
+            elastic,
+        };
+        let passed = Passed {
+            dissipated,
+            worked_in,
+            residual,
+        };
+        self.balance.watch(energy, passed);
+        if residual.abs() <= SMALL * (kinetic + gravity.abs() + elastic) {
+            self.balance.open = None;
         }
     }
 

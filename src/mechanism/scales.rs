@@ -17,7 +17,7 @@ const BESIDE_INERTIA: f64 = 100.0;
 const BESIDE_MASS: f64 = 300.0;
 const BESIDE_POINTS: f64 = 200.0;
 /// Radii of circles beside the size of the mechanism.
-const RADII: [f64; 2] = [1e-4, 2.0];
+const RADII: [f64; 2] = [1e-4, 30.0];
 /// Gravity on bodies of this world \[m/s²\].
 const GRAVITY: [f64; 2] = [0.05, 100.0];
 
@@ -126,25 +126,35 @@ impl Scales {
         })
     }
 
-    /// A body of another weight than others of its size.
-    fn odd_mass(&self, model: &MechanismModel, i: usize) -> Option<String> {
-        let body = &model.bodies[i];
-        let reach = self.reach[i];
-        let like = |k: usize| {
-            let other = self.reach[k];
-            reach == 0.0 || other == 0.0 || (0.1..10.0).contains(&(reach / other))
+    /// Mass over the square of the size \[kg/m²\], the size by the points or else by the radius of gyration.
+    fn density(&self, model: &MechanismModel, i: usize) -> f64 {
+        let (body, reach) = (&model.bodies[i], self.reach[i]);
+        let density = if reach > 0.0 {
+            body.mass / (reach * reach)
+        } else {
+            body.mass * body.mass / body.inertia
         };
-        let typical = median(model, i, |k| {
-            if like(k) && model.bodies[k].mass > 0.0 {
-                model.bodies[k].mass
-            } else {
-                f64::NAN
-            }
-        });
-        let ratio = body.mass / typical;
+        if density > 0.0 && density.is_finite() {
+            density
+        } else {
+            f64::NAN
+        }
+    }
+
+    /// A body that is lighter or heavier for its size than others.
+    fn odd_mass(&self, model: &MechanismModel, i: usize) -> Option<String> {
+        let (body, reach) = (&model.bodies[i], self.reach[i]);
+        let typical = median(model, i, |k| self.density(model, k));
+        let expected = if reach > 0.0 {
+            typical * reach * reach
+        } else {
+            (typical * body.inertia).sqrt()
+        };
+        let ratio = body.mass / expected;
         (ratio > BESIDE_MASS || ratio < 1.0 / BESIDE_MASS && ratio > 0.0).then(|| {
             format!(
-                "mass of body {:?} is {:.4e} kg, other bodies of its size have about {typical:.1e} kg: {}",
+                "mass of body {:?} is {:.4e} kg, beside the other bodies about {expected:.1e} kg would be expected for \
+                 its size: {}",
                 body.name,
                 body.mass,
                 factor(ratio)

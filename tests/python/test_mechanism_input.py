@@ -125,7 +125,8 @@ def drop(tolerance):
     mechanism.add_body("ball", 1.0, 0.01, position=(0.0, 1.0, 0.0))
     line = [(1.0, 0.0), (-1.0, 0.0)]
     mechanism.add_outline_contact("floor", "ground", "ball", line, 0.1, LAW, closed=False)
-    return rc.Simulation(mechanism, solver=rc.Solver(method="pece", rtol=tolerance, atol=tolerance))
+    solver = rc.Solver(method="pece", rtol=tolerance, atol=tolerance, max_step=0.1)
+    return rc.Simulation(mechanism, solver=solver)
 
 
 def test_an_energy_balance_that_does_not_close_is_told_once():

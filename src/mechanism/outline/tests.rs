@@ -31,6 +31,9 @@ fn sum(outline: &Outline, point: Vec2, radius: f64) -> (f64, Vec2) {
     (energy, force)
 }
 
+/// A way of the circle's centre, from 0 to 1.
+type Way = Box<dyn Fn(f64) -> Vec2>;
+
 /// The largest change of the force along a way in small steps, and the largest difference from the slope of the energy.
 fn roughness(outline: &Outline, radius: f64, way: impl Fn(f64) -> Vec2) -> (f64, f64) {
     let (mut jump, mut wrong) = (0.0f64, 0.0f64);
@@ -113,7 +116,7 @@ fn along_edges_corners_bends_and_ends_the_force_does_not_jump_and_is_the_slope_o
         true,
     );
     let radius = 0.25;
-    let cases: [(&str, &[Piece], bool, Box<dyn Fn(f64) -> Vec2>); 6] = [
+    let cases: [(&str, &[Piece], bool, Way); 6] = [
         (
             "bent floor",
             &polyline(&bent, false),

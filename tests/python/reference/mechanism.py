@@ -54,18 +54,23 @@ class Reference:
             carrier = rows[self.number[joint.carrier or "ground"], 2]
             gear = (rows[b, 2] - carrier) - joint.value * (rows[a, 2] - carrier)
             return np.array([gear])
+        if joint.kind == "distance":
+            return np.array([d @ d / (2.0 * self.rod(joint))])
         return np.array(
             {
                 "revolute": [*d],
                 "fixed": [*d, angle],
                 "prismatic": [across, angle],
                 "point_on_line": [across],
-                "distance": [np.sqrt(d @ d)],
                 "rack": [along - (joint.value or 0.0) * angle],
                 "driven_angle": [angle],
                 "driven_position": [along],
             }[joint.kind]
         )
+
+    def rod(self, joint):
+        """Length of a distance joint; off the constraint the form (d^2 - L^2) / 2L matters."""
+        return self.length(joint, self.placed) if joint.value is None else joint.value
 
     def held(self, joint, t):
         """The values that a joint holds its quantity at."""
@@ -77,7 +82,7 @@ class Reference:
         if joint.kind == "prismatic":
             return np.array([0.0, start[1] if joint.value is None else joint.value])
         if joint.kind == "distance":
-            return start if joint.value is None else np.array([joint.value])
+            return np.array([0.5 * self.rod(joint)])
         if joint.kind in ("gear", "rack"):
             return start
         terms = np.array(joint.motion.terms)
