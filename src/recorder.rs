@@ -377,10 +377,10 @@ fn write_teeth(row: &mut Row, teeth: &ToothContacts, links: usize, sprockets: us
 
 /// What passed since the first report, and what is missing \[J\].
 #[derive(Debug, Clone, Copy)]
-struct Passed {
-    dissipated: f64,
-    worked_in: f64,
-    residual: f64,
+pub(crate) struct Passed {
+    pub(crate) dissipated: f64,
+    pub(crate) worked_in: f64,
+    pub(crate) residual: f64,
 }
 
 fn write_energy(
@@ -419,18 +419,18 @@ const OF_DISSIPATED: f64 = 0.05;
 const OF_EXCHANGED: f64 = 0.01;
 
 /// Whether the energy balance closes.
-#[derive(Debug, Clone, Copy, Default)]
-struct Balance {
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Balance {
     /// Least and largest kinetic energy at the reports so far \[J\].
     kinetic: Option<[f64; 2]>,
     /// Largest elastic energy \[J\].
     elastic: f64,
     /// Missing, dissipated and exchanged \[J\], where more is missing than may be.
-    open: Option<[f64; 3]>,
+    pub(crate) open: Option<[f64; 3]>,
 }
 
 impl Balance {
-    fn watch(&mut self, energy: Energy, passed: Passed) {
+    pub(crate) fn watch(&mut self, energy: Energy, passed: Passed) {
         let [least, most] = self.kinetic.unwrap_or([energy.kinetic; 2]);
         let (least, most) = (least.min(energy.kinetic), most.max(energy.kinetic));
         self.kinetic = Some([least, most]);

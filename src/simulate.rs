@@ -64,13 +64,30 @@ pub struct Statistics {
 const STEPS_BETWEEN_CLOCK_READINGS: u32 = 64;
 
 /// A run that takes this many steps, rejected ones included, for [`STANDSTILL`] does not go on.
-const STEPS_OF_STANDSTILL: u64 = 100_000;
+pub(crate) const STEPS_OF_STANDSTILL: u64 = 100_000;
 
 /// Time that so many steps must cover \[s\]: less than a single contact lasts.
-const STANDSTILL: f64 = 1e-7;
+pub(crate) const STANDSTILL: f64 = 1e-7;
 
 /// A kink nearer than this is not stepped to \[s\].
 const SHORTEST_TO_KINK: f64 = 1e-10;
+
+/// An energy balance that does not close, in words: what is missing, dissipated and exchanged \[J\].
+pub(crate) fn describe_open_balance(
+    control: &StepControl,
+    t: f64,
+    [missing, dissipated, exchanged]: [f64; 3],
+) -> String {
+    let remedy = if control.is_by_component() {
+        format!("rtol and atol below {:e}", control.rtol.max(control.atol))
+    } else {
+        format!("accuracy below {:e}", control.accuracy)
+    };
+    format!(
+        "the energy balance is off by {missing:.1e} J at t = {t:.6} s, with {dissipated:.1e} J dissipated and \
+         {exchanged:.1e} J exchanged: take {remedy}"
+    )
+}
 
 impl Simulation {
     /// A run of `model` from `start` at time zero.
@@ -325,7 +342,7 @@ impl Simulation {
                 if self.balance_note.is_none()
                     && let Some(open) = recorder.open_balance()
                 {
-                    self.balance_note = Some(self.describe_open_balance(t, open));
+                    self.balance_note = Some(describe_open_balance(&self.adams.control(), t, open));
                 }
                 self.now = t;
                 if start.elapsed() >= budget {
@@ -340,19 +357,6 @@ impl Simulation {
         }
         self.recorder = Some(recorder);
         complete
-    }
-
-    fn describe_open_balance(&self, t: f64, [missing, dissipated, exchanged]: [f64; 3]) -> String {
-        let control = self.adams.control();
-        let remedy = if control.is_by_component() {
-            format!("rtol and atol below {:e}", control.rtol.max(control.atol))
-        } else {
-            format!("accuracy below {:e}", control.accuracy)
-        };
-        format!(
-            "the energy balance is off by {missing:.1e} J at t = {t:.6} s, with {dissipated:.1e} J dissipated and \
-             {exchanged:.1e} J exchanged: take {remedy}"
-        )
     }
 
     /// An error when many steps have hardly led anywhere: what shrinks steps without end is named in bounded time.

@@ -3,13 +3,20 @@
 #![allow(unsafe_code)] // a counting allocator has to be one
 
 mod common;
+#[path = "common/mechanisms.rs"]
+mod mechanisms;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use std::sync::Arc;
 use std::time::Duration;
 
 use rustchain::force_law::{Damping, Elastic, ForceLaw, Regions};
+use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, OdeSystem, StepControl};
+use rustchain::mechanism::{
+    ContactLaw, ContactPair, Marker, MechanismModel, MechanismSimulation, Profile, Stabilisation,
+};
 use rustchain::vector::InstructionSet;
 use rustchain::{ForceLaws, Groups};
 
@@ -164,5 +171,44 @@ fn steps_with_onsets_and_new_candidates_allocate_nothing_whatever_the_instructio
             assert_eq!(allocations, 0, "{} {elastic:?}", set.name());
             assert!(refreshes > 3 && begun.1 > 100, "{refreshes} {begun:?}");
         }
+    }
+}
+
+#[test]
+fn steps_of_a_mechanism_allocate_nothing_after_the_first() {
+    // A hung chain, dense and sparse, whose last bar falls onto a floor.
+    for (bars, corrector) in [
+        (5, Corrector::Pece),
+        (5, Corrector::Newton),
+        (60, Corrector::Pece),
+        (60, Corrector::Newton),
+    ] {
+        let mut mechanism = mechanisms::bar_chain(bars, 0.0);
+        let floor = [(1e3, -0.02), (-1e3, -0.02)].map(|(x, y)| Vec2::new(x, y));
+        mechanism.contacts.push(ContactPair {
+            name: "floor".into(),
+            a: mechanisms::ground(0.0, 0.0),
+            b: Marker::new(format!("bar {}", bars - 1), 0.5, 0.0),
+            profile: Profile::polyline("floor", &floor, false).unwrap(),
+            radius: 0.01,
+            law: ContactLaw::Linear {
+                stiffness: 1e5,
+                damping: 10.0,
+            },
+        });
+        let control = StepControl {
+            corrector,
+            accuracy: 1e-7,
+            ..StepControl::default()
+        };
+        let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
+        let mut machine =
+            MechanismSimulation::new(model, control, Stabilisation::Projection).unwrap();
+        machine.advance(5e-3, Duration::MAX).unwrap();
+        let (begun, before) = (machine.counts().steps, ALLOCATIONS.get());
+        machine.advance(0.08, Duration::MAX).unwrap();
+        let allocations = ALLOCATIONS.get() - before;
+        assert!(machine.counts().steps > begun + 50 && machine.onsets() > 0);
+        assert_eq!(allocations, 0, "{bars} {corrector:?}");
     }
 }

@@ -43,7 +43,7 @@ from rustchain.force_law import (
     Radzimovsky,
     restitution_obtained,
 )
-from rustchain.mechanism import Mechanism, MechanismReport
+from rustchain.mechanism import Mechanism
 from rustchain.mechanism_parts import (
     HuntCrossley,
     LinearContact,
@@ -53,6 +53,7 @@ from rustchain.mechanism_parts import (
     SurfaceContact,
     Table,
 )
+from rustchain.mechanism_report import MechanismReport
 from rustchain.mechanism_result import MechanismResult
 from rustchain.mechanism_simulation import MechanismEvaluation, MechanismSimulation
 from rustchain.report import DriveReport

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -18,6 +19,7 @@ from rustchain.force_law import ForceLaw
 from rustchain.result import Array
 from rustchain.simulation import Solver
 
+_FAR = 0.01  # of a pitch: way that hinges may move a link without a word
 _ENERGY = ("kinetic", "gravity", "elastic", "dissipated", "worked_in", "residual")
 Arrays = Mapping[str, npt.NDArray[Any]]
 
@@ -49,6 +51,13 @@ class IdealHingeCore:
         if solver.method == "auto":  # Newton's matrix is dense for mechanisms
             solver = replace(solver, method="pece")
         self._core = _rustchain.MechanismCore(mechanism, solver, None)
+        report = self._core.check()
+        if positions is not None and report["moved"] > _FAR * drive.chain.pitch:
+            msg = (
+                f"positions: links had to be moved by up to {report['moved']:.3g} m to close the "
+                "ideal hinges: is each link placed where its hinges meet?"
+            )
+            warnings.warn(msg, stacklevel=4)
         self._groups: Sequence[str] = ()
         self._energy = False
         joints = self._core.joint_names
@@ -139,8 +148,9 @@ class IdealHingeCore:
         return self._core.stats()
 
     def take_warnings(self) -> tuple[list[str], list[str]]:
-        """Return no warnings: a mechanism has none while it runs."""
-        return [], []
+        """Return what was not told yet: no law, but the energy balance where it is recorded."""
+        text = self._core.take_warnings() if self._energy else None
+        return [], [] if text is None else [text]
 
     def take_recording(self) -> dict[str, npt.NDArray[Any]]:
         """Return the rows recorded up to now, as the channels of a drive."""

@@ -223,6 +223,8 @@ class MechanismCore:
         """Begin a recording that ends `duration` [s] from now."""
     def advance(self, wall_budget: float) -> bool:
         """Go on for about `wall_budget` seconds of wall time; return whether the end is reached."""
+    def take_warnings(self) -> str | None:
+        """Return where the energy balance did not close, when that was not returned yet."""
     def take_recording(self) -> dict[str, _Array]:
         """Return the rows recorded up to now."""
     def step_to(self, t: float, wall_budget: float) -> bool:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from rustchain._description import plain
+from rustchain._mechanism_input import arcs, numbers, one_of, rows
 from rustchain._names import known_keywords, suggest
 from rustchain.drive import Chain, Sprocket
 from rustchain.errors import InvalidInput
@@ -24,6 +24,7 @@ from rustchain.mechanism_parts import (
     Rows,
     TimeFunction,
 )
+from rustchain.mechanism_report import MechanismReport
 
 
 @known_keywords
@@ -77,6 +78,8 @@ class Mechanism:
         fixed : bool
             Whether the body is held where it is.
         """
+        for field, given in (("position", position), ("velocity", velocity)):
+            numbers(f"{field} of body {name!r}", given, 3, "(x, y, angle)")
         self.bodies.append(Body(name, mass, inertia, position, velocity, fixed))
         return name
 
@@ -209,7 +212,7 @@ class Mechanism:
         speed: TimeFunction | None = None,
     ) -> None:
         """Prescribe the angle [rad] or the speed [rad/s] of b seen from a."""
-        motion = _one_of(name, "angle", angle, "speed", speed)
+        motion = one_of(name, "angle", angle, "speed", speed)
         by_speed = angle is None
         self._join(
             "driven_angle",
@@ -236,7 +239,7 @@ class Mechanism:
         point_b: Point = (0.0, 0.0),
     ) -> None:
         """Prescribe the way [m] or speed [m/s] of point b along `direction` from point a."""
-        motion = _one_of(name, "position", position, "speed", speed)
+        motion = one_of(name, "position", position, "speed", speed)
         self._join(
             "driven_position",
             name,
@@ -260,8 +263,8 @@ class Mechanism:
         follows: bool = False,
     ) -> None:
         """Push a point of a body with a force (x, y) [N], which may turn with the body."""
-        if len(force) != 2:
-            msg = f"force of {name!r} = {force!r}: must be two components (x, y)"
+        if not isinstance(force, Sequence | np.ndarray) or len(force) != 2:
+            msg = f"force of {name!r} = {force!r}: must be two components (x, y) [N]"
             raise InvalidInput(msg)
         self.forces.append(
             Force(
@@ -289,7 +292,7 @@ class Mechanism:
 
         `reaction` names the body that takes the reaction and from which the speed is seen.
         """
-        _one_of(name, "torque", torque, "by_speed", by_speed)
+        one_of(name, "torque", torque, "by_speed", by_speed)
         if torque is None:
             self.forces.append(Force("torque_by_speed", name, reaction, body, table=by_speed))
         else:
@@ -374,6 +377,12 @@ class Mechanism:
             force x, force y [N] and torque about the centre of mass [N m]. An exception ends the
             run.
         """
+        if not callable(function):
+            msg = (
+                f"function of force {name!r} = {function!r}: must be callable: f(time, position, "
+                "velocity) that returns (force x, force y, torque)"
+            )
+            raise InvalidInput(msg)
         self.forces.append(Force("custom", name, GROUND, body, function=function))
 
     @known_keywords
@@ -458,9 +467,10 @@ class Mechanism:
         closed : bool
             Whether the last point is joined to the first.
         """
-        kind, rows = "polyline", points
+        kind, pieces = "polyline", points
+        rows(f"points of contact {name!r}", points, 2)
         if bulges is not None:
-            kind, rows = "arcs", _arcs(name, points, bulges, closed)
+            kind, pieces = "arcs", arcs(name, points, bulges, closed)
         self.contacts.append(
             Contact(
                 kind,
@@ -471,7 +481,7 @@ class Mechanism:
                 circle_point,
                 radius,
                 law,
-                points=rows,
+                points=pieces,
                 closed=closed,
             )
         )
@@ -488,6 +498,10 @@ class Mechanism:
         circle_point: Point = (0.0, 0.0),
     ) -> None:
         """Let a bushing of `chain` around a point of one body touch the teeth of another."""
+        for field, given, kind in (("sprocket", sprocket, Sprocket), ("chain", chain, Chain)):
+            if not isinstance(given, kind):
+                msg = f"{field} of contact {name!r} = {given!r}: must be a {kind.__name__}"
+                raise InvalidInput(msg)
         self.contacts.append(
             Contact(
                 "sprocket",
@@ -530,6 +544,7 @@ class Mechanism:
             if point_a is not None or point_b is not None:
                 msg = f"at of joint {name!r} = {at!r}: give it, or point_a and point_b, not both"
                 raise InvalidInput(msg)
+            at = numbers(f"at of joint {name!r}", at, 2, "(x, y) [m]")
             point_a, point_b = (self._local(name, body, at) for body in (body_a, body_b))
         self.joints.append(
             Joint(
@@ -560,66 +575,3 @@ class Mechanism:
         names = [GROUND, *(known.name for known in self.bodies)]
         msg = f"body of joint {joint!r} = {body!r}: there is no such body; {suggest(body, names)}"
         raise InvalidInput(msg)
-
-
-@dataclass(frozen=True)
-class MechanismReport:
-    """What assembling a mechanism found.
-
-    Attributes
-    ----------
-    degrees_of_freedom : int
-        Motions that joints and drivers leave.
-    redundant : list of str
-        Joints that hold something others hold already; one entry for each such equation.
-    moved, turned : float
-        Farthest that a body had to be moved [m] and turned [rad] to fulfil the joints.
-    warnings : list of str
-        What is worth a second look.
-    """
-
-    degrees_of_freedom: int
-    redundant: list[str]
-    moved: float
-    turned: float
-    warnings: list[str]
-
-    def __str__(self) -> str:
-        """Return the report, a line each."""
-        lines = [
-            f"degrees of freedom   {self.degrees_of_freedom}",
-            f"redundant            {', '.join(self.redundant) or 'none'}",
-            f"moved, turned        {self.moved:.3g} m, {self.turned:.3g} rad",
-        ]
-        return "\n".join(lines + [f"warning              {text}" for text in self.warnings])
-
-
-def _one_of(
-    name: str, first: str, one: TimeFunction | Rows | None, second: str, other: object
-) -> TimeFunction:
-    """Return the one of two that is given."""
-    if (one is None) == (other is None):
-        msg = f"{first}, {second} of {name!r}: exactly one of them must be given"
-        raise InvalidInput(msg)
-    return one if one is not None else other  # type: ignore[return-value]
-
-
-def _arcs(
-    name: str, points: Rows, bulges: Sequence[float], closed: bool
-) -> list[tuple[float, ...]]:
-    """Return pieces (from, to, centre, convex) of an outline with bulges."""
-    corners = np.asarray(points, dtype=float)
-    pieces = len(corners) if closed else len(corners) - 1
-    if len(bulges) != pieces:
-        msg = f"bulges of contact {name!r}: {len(bulges)} numbers; needs one for each of {pieces}"
-        raise InvalidInput(msg)
-    rows: list[tuple[float, ...]] = []
-    for k, bulge in enumerate(bulges):
-        start, end = corners[k], corners[(k + 1) % len(corners)]
-        center = np.array([math.nan, math.nan])
-        if bulge != 0.0:
-            chord = end - start
-            left = np.array([-chord[1], chord[0]])
-            center = 0.5 * (start + end) + left * (1.0 - bulge**2) / (4.0 * bulge)
-        rows.append((*map(float, (*start, *end, *center)), 1.0 if bulge > 0.0 else -1.0))
-    return rows

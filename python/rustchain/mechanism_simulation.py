@@ -12,8 +12,9 @@ import numpy.typing as npt
 
 from rustchain import _rustchain, _state_file
 from rustchain._names import known_keywords
-from rustchain.errors import InvalidInput, SimulationError
-from rustchain.mechanism import Mechanism, MechanismReport
+from rustchain.errors import EnergyWarning, InvalidInput, SimulationError
+from rustchain.mechanism import Mechanism
+from rustchain.mechanism_report import MechanismReport
 from rustchain.mechanism_result import MechanismResult
 from rustchain.result import Array, Status
 from rustchain.simulation import _WALL_BUDGET, Solver, _rows, seconds_bar
@@ -57,7 +58,7 @@ class MechanismSimulation:
     mechanism : Mechanism
         What moves. Later changes of it have no effect.
     solver : Solver
-        Method and tolerances; "newton" is for mechanisms of some tens of bodies.
+        Method and tolerances; "newton" is for contacts that are stiff beside the steps.
     baumgarte : float, optional
         Angular frequency [rad/s] of Baumgarte's stabilisation, for comparison; by default positions
         and velocities are projected onto the constraints after each step.
@@ -202,6 +203,11 @@ class MechanismSimulation:
         SimulationError
             The run cannot go on; ``error.result`` holds the rows until then, and the simulation is
             where the last step ended that was made. The same holds for what a callable raises.
+
+        Warns
+        -----
+        EnergyWarning
+            More energy is missing at a row than the tolerances should leave: once a simulation.
         """
         before = self._core.stats()
         start = self.time
@@ -221,6 +227,8 @@ class MechanismSimulation:
             raise
         finally:
             self._core.take_recording()  # whatever else ended the run
+            if (text := self._core.take_warnings()) is not None:
+                warnings.warn(text, EnergyWarning, stacklevel=3)
 
     def _result(
         self, status: Status, before: Mapping[str, float], failure: str = ""

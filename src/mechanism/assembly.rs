@@ -2,8 +2,9 @@
 
 use super::constrained::Constrained;
 use super::dynamics::MechanismDynamics;
-use super::equation::Row;
-use super::plausibility::{loose_parts, odd_bodies};
+use super::equation::{Equation, Row};
+use super::plausibility::loose_parts;
+use super::scales::odd_scales;
 use super::singular::nearness;
 use crate::error::{Error, Result};
 
@@ -24,87 +25,13 @@ pub struct Assembly {
     pub warnings: Vec<String>,
 }
 
+/// Way, as a part of the mechanism's size, and turn \[rad\] of a body in assembly that are worth a word.
+const MOVED_FAR: f64 = 0.05;
+const TURNED_FAR: f64 = 0.1;
+
 const MOST_ITERATIONS: usize = 100;
 
 impl MechanismDynamics {
-    /// Moves `state` (q, then v) onto the constraints at time `t`: positions, then velocities.
-    ///
-    /// Returns whether what is left is round-off.
-    pub(super) fn project(&mut self, t: f64, state: &mut [f64], iterations: usize) -> bool {
-        let Some(mut kkt) = self.kkt.take() else {
-            return true;
-        };
-        let n = self.model.coordinates();
-        let (mut residual, mut change) = (vec![0.0; self.rows.len()], vec![0.0; n]);
-        let mut done = false;
-        let mut before = f64::INFINITY;
-        for iteration in 0..iterations {
-            self.place(state);
-            self.find_rows(t);
-            for (r, row) in residual.iter_mut().zip(&self.rows) {
-                *r = row.value;
-            }
-            let worst = self.worst();
-            if worst <= self.round_off() || (worst < 1e-11 && worst >= 0.5 * before) {
-                done = true;
-                break;
-            }
-            if worst.is_nan() {
-                break;
-            }
-            // While it converges fast, the factors at hand do.
-            if iteration == 0 || worst > 0.05 * before {
-                kkt.factorise(&self.rows);
-                kkt.truncate(self.near_singular);
-            }
-            before = worst;
-            change.fill(0.0);
-            kkt.correct(&self.rows, &residual, &mut change);
-            state[..n]
-                .iter_mut()
-                .zip(&change)
-                .for_each(|(q, c)| *q += c);
-        }
-        if done {
-            kkt.factorise(&self.rows);
-            kkt.truncate(self.near_singular);
-            done = self.project_velocities(&mut kkt, state, &mut residual, &mut change);
-        }
-        self.kkt = Some(kkt);
-        done
-    }
-
-    fn project_velocities(
-        &mut self,
-        kkt: &mut Constrained,
-        state: &mut [f64],
-        residual: &mut [f64],
-        change: &mut [f64],
-    ) -> bool {
-        let n = self.model.coordinates();
-        let mut worst = f64::INFINITY;
-        for _ in 0..3 {
-            self.place(state);
-            for (r, row) in residual.iter_mut().zip(&self.rows) {
-                *r = row.rate(&self.frames);
-            }
-            let now = largest(residual);
-            if now <= f64::EPSILON * self.speed() || now >= worst {
-                break;
-            }
-            worst = now;
-            change.fill(0.0);
-            kkt.correct(&self.rows, residual, change);
-            state[n..2 * n]
-                .iter_mut()
-                .zip(&*change)
-                .for_each(|(v, c)| *v += c);
-        }
-        self.place(state);
-        let left = self.rows.iter().map(|row| row.rate(&self.frames).abs());
-        left.fold(0.0, f64::max) <= 1e-9 * self.speed()
-    }
-
     /// Size of the mechanism: its farthest point \[m\].
     pub(super) fn size(&self) -> f64 {
         let far = self.frames.iter().map(|f| f.origin.amax());
@@ -133,13 +60,13 @@ impl MechanismDynamics {
     /// What the joints miss where they cannot all hold: positions, or else velocities.
     pub(super) fn what_misses(&self) -> String {
         if self.worst() <= 1e-9 {
-            return self.residuals(|row| row.rate(&self.frames), ["m/s", "rad/s"]);
+            return self.rates();
         }
-        self.residuals(|row| row.value, ["m", "rad"])
+        self.misses()
     }
 
     /// Speeds that the constraints compare; of a mechanism at rest a slow one.
-    fn speed(&self) -> f64 {
+    pub(super) fn speed(&self) -> f64 {
         let speeds = self
             .frames
             .iter()
@@ -149,7 +76,7 @@ impl MechanismDynamics {
     }
 
     /// What rounding leaves of residuals: a large angle is known less well.
-    fn round_off(&self) -> f64 {
+    pub(super) fn round_off(&self) -> f64 {
         let angle = self
             .frames
             .iter()
@@ -158,14 +85,28 @@ impl MechanismDynamics {
         2.0 * f64::EPSILON * angle
     }
 
+    fn misses(&self) -> String {
+        self.residuals(Equation::residual, ["m", "rad"])
+    }
+
+    fn rates(&self) -> String {
+        let rate = |equation: &Equation, row: &Row| equation.residual_rate(row, &self.frames);
+        self.residuals(rate, ["m/s", "rad/s"])
+    }
+
     /// Largest residuals by joint, in words.
-    pub(super) fn residuals(&self, of: impl Fn(&Row) -> f64, unit: [&str; 2]) -> String {
+    fn residuals(&self, of: impl Fn(&Equation, &Row) -> f64, unit: [&str; 2]) -> String {
         let mut found: Vec<(f64, String)> = Vec::new();
         for (j, joint) in self.model.joints.iter().enumerate() {
             let rows = self.model.equations.iter().zip(&self.rows);
             let worst = rows
                 .filter(|(equation, _)| equation.joint == j)
-                .map(|(equation, row)| (of(row).abs(), unit[usize::from(equation.is_angle())]))
+                .map(|(equation, row)| {
+                    (
+                        of(equation, row).abs(),
+                        unit[usize::from(equation.is_angle())],
+                    )
+                })
                 .max_by(|a, b| a.0.total_cmp(&b.0));
             if let Some((value, unit)) = worst {
                 found.push((value, format!("{:?} by {value:.3e} {unit}", joint.name)));
@@ -195,6 +136,7 @@ impl MechanismDynamics {
         }
         self.evaluate(0.0, &state);
         self.check_masses()?;
+        self.check_starts()?;
         let moved = |turning: bool| {
             let change = state[..n].iter().zip(&placed).enumerate();
             let kind = change.filter(|(i, _)| (i % 3 == 2) == turning);
@@ -219,13 +161,13 @@ impl MechanismDynamics {
             return Error::Impossible(format!(
                 "no velocities satisfy all joints and drivers at the start; the nearest miss {}: two drivers may ask \
                  for different speeds, or a driver may move what the joints hold",
-                self.residuals(|row| row.rate(&self.frames), ["m/s", "rad/s"])
+                self.rates()
             ));
         }
         Error::Impossible(format!(
             "the mechanism does not go together; the nearest positions miss {}: check lengths, points and units of \
              these joints (SI: metres, radians)",
-            self.residuals(|row| row.value, ["m", "rad"])
+            self.misses()
         ))
     }
 
@@ -242,6 +184,31 @@ impl MechanismDynamics {
                 0.0,
                 "no joint carries this motion along with a mass: give it a value above zero, or join the body to others",
             ));
+        }
+        Ok(())
+    }
+
+    /// No circle begins with its centre in material.
+    fn check_starts(&self) -> Result<()> {
+        for (contact, name) in self.model.contacts.iter().zip(&self.model.contact_names) {
+            let depth = contact.center_depth(&self.frames);
+            if depth > 0.0 {
+                let hole = if contact.is_hole() {
+                    " (the points of its outline run clockwise, so that the material lies outside of them: reverse \
+                     their order if it is to lie inside)"
+                } else {
+                    ""
+                };
+                return Err(Error::invalid(
+                    format!("start of contact {name:?}"),
+                    format!("{depth:.3e} m"),
+                    format!(
+                        "is how deep the centre of the circle, of radius {} m, lies in the material{hole}: place the \
+                         bodies so that they touch at most at their surfaces",
+                        contact.radius
+                    ),
+                ));
+            }
         }
         Ok(())
     }
@@ -292,14 +259,31 @@ impl MechanismDynamics {
         found
     }
 
+    /// The body that assembly moved or turned most, beside what is worth a word.
+    fn farthest_moved(&self) -> &str {
+        let size = self.size();
+        let bodies = self.model.bodies.iter().zip(&self.frames);
+        let moves = bodies.map(|(body, frame)| {
+            let [x, y, angle] = body.position;
+            let way = (frame.origin.x - x).hypot(frame.origin.y - y) / (MOVED_FAR * size);
+            (
+                way.max((frame.angle - angle).abs() / TURNED_FAR),
+                &body.name,
+            )
+        });
+        let farthest = moves.max_by(|a, b| a.0.total_cmp(&b.0));
+        farthest.map_or("", |(_, name)| name)
+    }
+
     fn warnings(&self, assembly: &Assembly) -> Vec<String> {
         let mut warnings = Vec::new();
-        let size = self.size();
-        if assembly.moved > 0.1 * size || assembly.turned > 0.5 {
+        if assembly.moved > MOVED_FAR * self.size() || assembly.turned > TURNED_FAR {
             warnings.push(format!(
-                "bodies had to be moved by {:.3e} m and turned by {:.3e} rad to assemble: are lengths and positions in \
-                 the same unit?",
-                assembly.moved, assembly.turned
+                "bodies had to be moved by up to {:.3e} m and turned by up to {:.3e} rad to assemble, body {:?} the \
+                 farthest: are lengths and positions in the same unit, and is it placed as it should be?",
+                assembly.moved,
+                assembly.turned,
+                self.farthest_moved()
             ));
         }
         for name in &assembly.redundant {
@@ -307,18 +291,9 @@ impl MechanismDynamics {
                 "joint {name:?} holds something that others hold already; its reaction is shared in the least way"
             ));
         }
+        warnings.extend(self.pressed_starts());
         warnings.extend(loose_parts(&self.model));
-        warnings.extend(odd_bodies(&self.model));
+        warnings.extend(odd_scales(&self.model));
         warnings
     }
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most: f64, v| {
-        if v.is_nan() {
-            f64::NAN
-        } else {
-            most.max(v.abs())
-        }
-    })
 }

@@ -1,6 +1,6 @@
 //! Rigid bodies: what is described of them, and where they are at one instant.
 
-use crate::error::{Result, check};
+use crate::error::{Error, Result, check};
 use crate::geometry::{Vec2, turned_left};
 
 /// A rigid body. Its frame sits at the centre of mass.
@@ -67,6 +67,13 @@ impl Body {
         }
         for value in self.velocity {
             check::finite(&field("velocity"), value, "m/s, m/s, rad/s")?;
+        }
+        if self.fixed && self.velocity != [0.0; 3] {
+            return Err(Error::invalid(
+                field("velocity"),
+                format!("{:?}", self.velocity),
+                "must be zero for a body that is held: leave it out, or let the body go and drive it",
+            ));
         }
         Ok(())
     }

@@ -191,6 +191,28 @@ impl Prepared {
         ContactForce { total, elastic }
     }
 
+    /// Force \[N\] and its slopes by penetration \[N/m\] and by its rate \[N s/m\], as [`Self::force`] has it.
+    pub(super) fn slopes(&self, penetration: f64, rate: f64, onset: f64) -> [f64; 3] {
+        let ContactForce { total, elastic } = self.force(penetration, rate, onset);
+        if total <= 0.0 {
+            return [0.0; 3];
+        }
+        let stiffness = self.elastic.stiffness(penetration);
+        let (factor, damping) = match self.damping {
+            DampingPart::Linear(c) => (1.0, c),
+            DampingPart::Proportional(chi) => (1.0 + chi * rate, elastic * chi),
+            // Without memory the present rate is the onset speed: the factor is a constant, above the floor.
+            DampingPart::Restitution(_, floor) if onset <= 0.0 && rate > floor => {
+                (total / elastic, 0.0)
+            }
+            DampingPart::Restitution(lambda, floor) => {
+                let onset = if onset > 0.0 { onset } else { floor };
+                (total / elastic, elastic * lambda / onset)
+            }
+        };
+        [total, factor * stiffness, damping]
+    }
+
     /// Energy stored at penetration δ \[m\].
     pub(super) fn energy(&self, penetration: f64) -> f64 {
         self.elastic.energy(penetration)

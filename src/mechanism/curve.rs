@@ -30,6 +30,11 @@ impl Curve {
         })
     }
 
+    /// Arguments of the rows.
+    pub(super) fn arguments(&self) -> &[f64] {
+        &self.arguments
+    }
+
     /// Value at `x`.
     #[must_use]
     pub fn value(&self, x: f64) -> f64 {
@@ -93,6 +98,11 @@ impl Spline {
             values,
             bends,
         })
+    }
+
+    /// Arguments of the rows.
+    pub(super) fn arguments(&self) -> &[f64] {
+        &self.arguments
     }
 
     /// Value and first two derivatives at `x`.

@@ -2,14 +2,13 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Dyn, LU};
-
 use super::body::Frame;
 use super::constrained::Constrained;
-use super::contact::{Memory, Touch};
 use super::equation::Row;
+use super::implicit::ImplicitMatrix;
 use super::loads::Loads;
 use super::model::MechanismModel;
+use super::touch::{Memory, Touch};
 use crate::integrator::OdeSystem;
 
 /// How positions and velocities are kept on the constraints.
@@ -37,6 +36,7 @@ pub struct MechanismDynamics {
     pub(super) kkt: Option<Constrained>,
     pub(super) accelerations: Vec<f64>,
     pub(super) multipliers: Vec<f64>,
+    /// What happens on each side of each contact, and what it remembers.
     pub(super) touches: Vec<Touch>,
     pub(super) memory: Vec<Memory>,
     pub(super) shift: Vec<f64>,
@@ -45,8 +45,10 @@ pub struct MechanismDynamics {
     pub(super) near_singular: f64,
     /// Time of the last derivative \[s\].
     pub(super) time: f64,
-    /// Factors of the implicit corrector's matrix, once it is used.
-    pub(super) corrector: Option<LU<f64, Dyn, Dyn>>,
+    /// The implicit corrector's matrix, once it is used.
+    pub(super) corrector: Option<Box<ImplicitMatrix>>,
+    /// Scratch of projections: residuals, changes.
+    pub(super) projecting: [Vec<f64>; 2],
     /// Scratch: loads of the free coordinates.
     pub(super) forces: Vec<f64>,
     /// Scratch: the state with its shift.
@@ -65,13 +67,14 @@ impl MechanismDynamics {
             kkt: (m > 0).then(|| Constrained::new(&model)),
             accelerations: vec![0.0; n],
             multipliers: vec![0.0; m],
-            touches: vec![Touch::default(); model.contacts.len()],
-            memory: vec![Memory::default(); model.contacts.len()],
+            touches: vec![Touch::default(); model.sides.len()],
+            memory: vec![Memory::default(); model.sides.len()],
             shift: vec![0.0; 2 * n],
             stabilisation,
             near_singular: 0.0,
             time: 0.0,
             corrector: None,
+            projecting: [vec![0.0; m], vec![0.0; n]],
             forces: vec![0.0; n],
             shifted: vec![0.0; 2 * n],
             model,
@@ -88,45 +91,6 @@ impl MechanismDynamics {
     #[must_use]
     pub fn is_constrained(&self) -> bool {
         self.kkt.is_some()
-    }
-
-    /// Accelerations of the bodies that are not held, three a body.
-    #[must_use]
-    pub fn accelerations(&self) -> &[f64] {
-        &self.accelerations
-    }
-
-    /// Multiplier of each constraint equation.
-    #[must_use]
-    pub fn multipliers(&self) -> &[f64] {
-        &self.multipliers
-    }
-
-    /// Entries (constraint, coordinate, value) of the Jacobian at the last state.
-    #[must_use]
-    pub fn jacobian(&self) -> Vec<(usize, usize, f64)> {
-        let mut entries = Vec::new();
-        for (i, row) in self.rows.iter().enumerate() {
-            for (body, part) in row.bodies.iter().zip(&row.jacobian) {
-                if let Some(first) = self.model.first[*body] {
-                    entries.extend((0..3).map(|k| (i, first + k, part[k])));
-                }
-            }
-        }
-        entries.retain(|entry| entry.2 != 0.0);
-        entries
-    }
-
-    /// Right-hand sides γ of the constraints at the last state.
-    #[must_use]
-    pub fn gamma(&self) -> Vec<f64> {
-        self.rows.iter().map(|row| row.gamma).collect()
-    }
-
-    /// Mass or moment of inertia of each coordinate, and the load on it at the last state.
-    #[must_use]
-    pub fn masses_and_loads(&self) -> (&[f64], &[f64]) {
-        (&self.model.mass, &self.forces)
     }
 
     /// Reads positions and velocities (q, then v), without a shift.
@@ -160,9 +124,12 @@ impl MechanismDynamics {
         for force in &model.forces {
             force.add(t, &self.frames, &mut self.loads);
         }
-        let contacts = model.contacts.iter().zip(&self.memory);
-        for ((contact, memory), touch) in contacts.zip(&mut self.touches) {
-            *touch = contact.add(&self.frames, *memory, &mut self.loads);
+        for (contact, sides) in model.contacts.iter().zip(&model.sides_of_contact) {
+            let (memory, touches) = (
+                &self.memory[sides.clone()],
+                &mut self.touches[sides.clone()],
+            );
+            contact.add(&self.frames, memory, &mut self.loads, touches);
         }
     }
 
@@ -205,8 +172,17 @@ impl MechanismDynamics {
         }
     }
 
-    /// Time \[s\] in which no circle passes a profile unseen from where the bodies are, by their speeds and accelerations.
-    pub(super) fn longest_step(&self) -> f64 {
+    /// Time from `t` on \[s\] in which nothing passes unseen: no circle a profile, from where the bodies are by their speeds
+    /// and accelerations; no bend of a driver or of a force, nor a change that would be over at once.
+    pub(super) fn longest_step(&self, t: f64) -> f64 {
+        let motions = self
+            .model
+            .equations
+            .iter()
+            .filter_map(|e| e.motion.as_ref());
+        let motions = motions.map(|motion| motion.longest_step(t));
+        let forces = self.model.forces.iter().map(|force| force.longest_step(t));
+        let longest = motions.chain(forces).fold(f64::INFINITY, f64::min);
         let rates = |body: usize| match self.model.first[body] {
             None => [0.0; 3],
             Some(i) => [0, 1, 2].map(|k| self.accelerations[i + k]),
@@ -218,19 +194,15 @@ impl MechanismDynamics {
             // The root of way = speed t + acceleration t²/2.
             2.0 * way / (speed + (speed * speed + 2.0 * acceleration * way).sqrt())
         });
-        times.fold(f64::INFINITY, f64::min)
+        times.fold(longest, f64::min)
     }
 
-    /// What a contact without penetration remembers: that it is behind, or nothing.
+    /// What a side without penetration remembers: that the circle is behind it, or nothing.
     pub(super) fn apart(&self, k: usize) -> Memory {
-        let contact = &self.model.contacts[k];
+        let (contact, side) = self.model.sides[k];
+        let contact = &self.model.contacts[contact];
         let frames = [contact.a.body, contact.b.body].map(|body| &self.frames[body]);
-        let behind = contact.is_behind(frames[0], frames[1], self.memory[k]);
-        if behind {
-            Memory::BEHIND
-        } else {
-            Memory::default()
-        }
+        contact.apart(frames[0], frames[1], side, self.memory[k])
     }
 
     /// Work that the drivers do: power of the multipliers along the prescribed motions \[W\].
@@ -243,35 +215,6 @@ impl MechanismDynamics {
     pub(super) fn evaluate(&mut self, t: f64, state: &[f64]) {
         self.place(state);
         self.accelerate(t);
-    }
-
-    /// Kinetic energy and potential energy of gravity \[J\].
-    #[must_use]
-    pub(super) fn energy(&self) -> (f64, f64) {
-        let mut energy = (0.0, 0.0);
-        for (frame, body) in self.frames.iter().zip(&self.model.bodies) {
-            if !body.fixed {
-                energy.0 += 0.5 * body.mass * frame.velocity.norm_squared()
-                    + 0.5 * body.inertia * frame.spin * frame.spin;
-                energy.1 -= body.mass * self.model.gravity.dot(&frame.origin);
-            }
-        }
-        energy
-    }
-
-    /// Force and torque of a joint on its body b, about the joint's point b \[N, N, N m\].
-    #[must_use]
-    pub(super) fn reaction(&self, joint: usize) -> [f64; 3] {
-        let mut load = [0.0; 3];
-        for i in self.model.equations_of_joint[joint].clone() {
-            let end = self.model.equations[i].b;
-            let arm = self.frames[end.body].turned(end.point);
-            let [x, y, torque] = self.rows[i].jacobian[1].map(|j| -self.multipliers[i] * j);
-            load[0] += x;
-            load[1] += y;
-            load[2] += torque - (arm.x * y - arm.y * x);
-        }
-        load
     }
 }
 

@@ -1,7 +1,7 @@
 //! One scalar constraint equation c(q, t) = 0: its value, its row of the Jacobian, and what its second derivative leaves.
 
 use super::body::{End, Frame};
-use super::time_function::Motion;
+use super::motion::Motion;
 use crate::geometry::{Vec2, turned_left};
 
 /// What is held; ends a and b, directions in the frame of a.
@@ -60,6 +60,30 @@ impl Equation {
     /// Whether its residual is an angle.
     pub(super) fn is_angle(&self) -> bool {
         matches!(self.quantity, Quantity::Angle | Quantity::Gear(_))
+    }
+
+    /// What is missed, as it is told: a length or an angle. The equation of a distance L, found as d, has (d² - L²) / 2L,
+    /// which is smooth where the points coincide; what is told is d - L.
+    pub(super) fn residual(&self, row: &Row) -> f64 {
+        match self.quantity {
+            Quantity::Distance(length) => {
+                let found = (length * (length + 2.0 * row.value)).max(0.0).sqrt();
+                2.0 * length * row.value / (found + length)
+            }
+            _ => row.value,
+        }
+    }
+
+    /// Its rate.
+    pub(super) fn residual_rate(&self, row: &Row, frames: &[Frame]) -> f64 {
+        match self.quantity {
+            Quantity::Distance(length) => {
+                let found = length + self.residual(row);
+                let part = if found > 0.0 { length / found } else { 1.0 };
+                row.rate(frames) * part
+            }
+            _ => row.rate(frames),
+        }
     }
 
     /// The quantity itself, without offset and motion.
@@ -165,6 +189,32 @@ mod tests {
                 Frame::new([at(0), at(1), at(2)], [speed(0), speed(1), speed(2)])
             })
             .collect()
+    }
+
+    #[test]
+    fn a_distance_is_missed_by_a_length() {
+        let end = |body, x| End {
+            body,
+            point: Vec2::new(x, 0.0),
+        };
+        let equation = Equation {
+            joint: 0,
+            quantity: Quantity::Distance(0.5),
+            a: end(0, 0.0),
+            b: end(1, 0.0),
+            carrier: 0,
+            offset: 0.0,
+            motion: None,
+        };
+        for found in [0.5 + 1e-12, 0.7, 3.0, 0.1] {
+            let frames = [
+                Frame::new([0.0; 3], [0.0; 3]),
+                Frame::new([0.6 * found, 0.8 * found, 0.0], [0.6, 0.8, 0.0]),
+            ];
+            let row = equation.evaluate(0.0, &frames);
+            assert!((equation.residual(&row) - (found - 0.5)).abs() < 1e-15);
+            assert!((equation.residual_rate(&row, &frames) - 1.0).abs() < 1e-14);
+        }
     }
 
     #[test]

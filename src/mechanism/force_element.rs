@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use super::GROUND;
 use super::body::{End, Frame, Marker};
 use super::curve::Curve;
 use super::loads::Loads;
 use super::time_function::TimeFunction;
-use crate::error::{Result, check};
+use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
 
 /// A force or torque between body `a` and body `b`.
@@ -99,10 +100,17 @@ impl SpringLaw {
         }
     }
 
-    fn elastic(&self, x: f64) -> f64 {
+    pub(super) fn elastic(&self, x: f64) -> f64 {
         match &self.table {
             Some(curve) => curve.value(x),
             None => (self.stiffness + self.cubic * x * x) * x,
+        }
+    }
+
+    pub(super) fn stiffness(&self, x: f64) -> f64 {
+        match &self.table {
+            Some(curve) => curve.slope(x),
+            None => self.stiffness + 3.0 * self.cubic * x * x,
         }
     }
 
@@ -114,6 +122,15 @@ impl SpringLaw {
     }
 
     fn validate(&self, field: &str) -> Result<()> {
+        for (name, value) in [("stiffness", self.stiffness), ("cubic", self.cubic)] {
+            if self.table.is_some() && value != 0.0 {
+                return Err(Error::invalid(
+                    format!("{name} of {field}"),
+                    value,
+                    "stands beside a table, which takes its place: give one of them",
+                ));
+            }
+        }
         check::finite(&format!("stiffness of {field}"), self.stiffness, "N/m")?;
         check::finite(&format!("cubic of {field}"), self.cubic, "N/m^3")?;
         check::not_negative(&format!("damping of {field}"), self.damping, "N s/m")
@@ -142,6 +159,7 @@ impl ForceElement {
                 check::finite(&format!("point of {field}"), value, "m")?;
             }
         }
+        self.check_bodies(&field)?;
         match &self.kind {
             ForceKind::Force { x, y, .. } => {
                 x.validate(&field)?;
@@ -164,6 +182,35 @@ impl ForceElement {
                 law.validate(&field)
             }
         }
+    }
+}
+
+impl ForceElement {
+    /// What acts between bodies needs two, and what acts on one needs a body that moves.
+    fn check_bodies(&self, field: &str) -> Result<()> {
+        if self.a.body != self.b.body {
+            return Ok(());
+        }
+        let between = match &self.kind {
+            ForceKind::Spring { .. } | ForceKind::TorsionSpring { .. } => true,
+            ForceKind::Torque(_) | ForceKind::TorqueBySpeed(_) => self.b.body != GROUND,
+            ForceKind::Force { .. } | ForceKind::Custom(_) => false,
+        };
+        if between {
+            return Err(Error::invalid(
+                format!("bodies of {field}"),
+                format!("{:?} twice", self.a.body),
+                "must be two different bodies: a body does not act on itself",
+            ));
+        }
+        if self.b.body == GROUND {
+            return Err(Error::invalid(
+                format!("body of {field}"),
+                format!("{GROUND:?}"),
+                "must be a body that can move",
+            ));
+        }
+        Ok(())
     }
 }
 
@@ -209,6 +256,15 @@ impl Force {
                 loads.elastic += law.energy(x);
                 loads.dissipated += law.damping * rate * rate;
             }
+        }
+    }
+
+    /// The longest step from `t` that passes over nothing of its functions of time unseen \[s\].
+    pub(super) fn longest_step(&self, t: f64) -> f64 {
+        match &self.kind {
+            ForceKind::Force { x, y, .. } => x.longest_step(t).min(y.longest_step(t)),
+            ForceKind::Torque(torque) => torque.longest_step(t),
+            _ => f64::INFINITY,
         }
     }
 

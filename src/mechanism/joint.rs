@@ -1,7 +1,7 @@
 //! Ideal joints and drivers, as they are described.
 
 use super::body::Marker;
-use super::time_function::Motion;
+use super::motion::Motion;
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
 

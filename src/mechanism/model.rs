@@ -4,11 +4,11 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use super::body::{Body, End, Frame, Marker};
-use super::contact::CompiledContact;
 use super::contact_law::ContactLaw;
 use super::equation::{Equation, Quantity};
 use super::force_element::{Force, ForceKind};
 use super::joint::{Joint, JointKind};
+use super::touch::CompiledContact;
 use super::{GROUND, Mechanism};
 use crate::error::{Error, Result};
 use crate::geometry::{Vec2, turned_left};
@@ -27,6 +27,10 @@ pub struct MechanismModel {
     pub(super) forces: Vec<Force>,
     pub(super) contacts: Vec<CompiledContact>,
     pub(super) contact_names: Vec<String>,
+    /// The sides of all contacts that may bear at once, one after another: contact and number of the side.
+    pub(super) sides: Vec<(usize, usize)>,
+    /// The sides of each contact.
+    pub(super) sides_of_contact: Vec<Range<usize>>,
     /// Body by name.
     numbers: HashMap<String, usize>,
     /// The equations of each joint.
@@ -79,6 +83,8 @@ impl MechanismModel {
             numbers,
             equations_of_joint: Vec::new(),
             contact_names: mechanism.contacts.iter().map(|c| c.name.clone()).collect(),
+            sides: Vec::new(),
+            sides_of_contact: Vec::new(),
         };
         let frames = model.start_frames();
         for (number, joint) in mechanism.joints.iter().enumerate() {
@@ -108,7 +114,14 @@ impl MechanismModel {
             contact.validate()?;
             let owner = || format!("contact {:?}", contact.name);
             let (a, b) = (model.end(&contact.a, owner)?, model.end(&contact.b, owner)?);
-            model.contacts.push(CompiledContact::new(contact, a, b)?);
+            let compiled = CompiledContact::new(contact, a, b)?;
+            let first = model.sides.len();
+            let number = model.contacts.len();
+            model
+                .sides
+                .extend((0..compiled.sides()).map(|side| (number, side)));
+            model.sides_of_contact.push(first..model.sides.len());
+            model.contacts.push(compiled);
         }
         Ok(model)
     }
@@ -252,12 +265,8 @@ impl MechanismModel {
 }
 
 /// The equation with its motion; one that is given by its speed begins where the bodies are placed.
-fn driven(
-    mut equation: Equation,
-    motion: &super::time_function::Motion,
-    frames: &[Frame],
-) -> Equation {
-    if matches!(motion, super::time_function::Motion::Speed(_)) {
+fn driven(mut equation: Equation, motion: &super::motion::Motion, frames: &[Frame]) -> Equation {
+    if matches!(motion, super::motion::Motion::Speed(_)) {
         equation.offset = equation.quantity(frames);
     }
     equation.motion = Some(motion.clone());

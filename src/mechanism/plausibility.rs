@@ -1,6 +1,29 @@
-//! What of a mechanism is worth a second look: parts that nothing holds, masses and lengths in different units.
+//! What of a mechanism is worth a second look: parts that nothing holds, contacts that begin pressed in.
 
+use super::dynamics::MechanismDynamics;
 use super::model::MechanismModel;
+
+/// Part of its radius by which a circle may be pressed in at the start without a word.
+const PRESSED: f64 = 0.05;
+
+impl MechanismDynamics {
+    /// Contacts that begin pressed in by more than bodies do that are laid on each other.
+    pub(super) fn pressed_starts(&self) -> Vec<String> {
+        let contacts = self.model.contacts.iter().zip(&self.model.contact_names);
+        let sides = self.model.sides_of_contact.iter();
+        let found = contacts.zip(sides).filter_map(|((contact, name), sides)| {
+            let depth = contact.penetration(&self.frames, &self.memory[sides.clone()]);
+            (depth > PRESSED * contact.radius).then(|| {
+                format!(
+                    "contact {name:?} begins with its circle of radius {} m pressed in by {depth:.3e} m: it will \
+                     spring back; is the body placed as it should be?",
+                    contact.radius
+                )
+            })
+        });
+        found.collect()
+    }
+}
 
 /// Bodies that nothing ties to the rest.
 pub(super) fn loose_parts(model: &MechanismModel) -> Vec<String> {
@@ -55,28 +78,4 @@ fn root(part: &mut [usize], mut body: usize) -> usize {
         body = part[body];
     }
     body
-}
-
-/// Bodies whose mass and inertia do not belong to a body of their size.
-pub(super) fn odd_bodies(model: &MechanismModel) -> Vec<String> {
-    let mut reach = vec![0.0f64; model.bodies.len()];
-    for equation in &model.equations {
-        for end in [equation.a, equation.b] {
-            reach[end.body] = reach[end.body].max(end.point.norm());
-        }
-    }
-    let odd = |i: usize| {
-        let body = &model.bodies[i];
-        let gyration = (body.inertia / body.mass).sqrt();
-        let ratio = gyration / reach[i];
-        (!body.fixed && reach[i] > 0.0 && ratio.is_finite() && !(1e-3..30.0).contains(&ratio) && ratio > 0.0)
-            .then(|| {
-                format!(
-                    "body {:?} has a radius of gyration of {gyration:.3e} m, its joints are {:.3e} m from its centre \
-                     of mass: are mass, inertia and lengths in kg, kg m^2 and m?",
-                    body.name, reach[i]
-                )
-            })
-    };
-    (1..model.bodies.len()).filter_map(odd).collect()
 }

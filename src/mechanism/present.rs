@@ -1,10 +1,10 @@
 //! A run at one instant: at its present time, inside its last step, or at a state of one's own.
 
 use super::body::{Body, Frame};
-use super::contact::{Memory, Touch};
 use super::dynamics::{MechanismDynamics, Stabilisation};
 use super::recording::MechanismRecording;
 use super::simulation::{ITERATIONS, MechanismSimulation};
+use super::touch::Memory;
 use crate::error::{Error, Result};
 
 impl MechanismSimulation {
@@ -136,8 +136,7 @@ impl MechanismDynamics {
     /// Force of each contact on its circle \[N\].
     #[must_use]
     pub fn contact_forces(&self) -> Vec<[f64; 2]> {
-        let force = |touch: &Touch| <[f64; 2]>::from(-touch.force * touch.contact.normal);
-        self.touches.iter().map(force).collect()
+        self.pushes().map(<[f64; 2]>::from).collect()
     }
 }
 

@@ -3,6 +3,8 @@
 use crate::error::{Error, Result, check};
 use crate::geometry::{ToothProfile, Vec2, turned_left, unit};
 
+use super::piece::Piece;
+
 /// A shape in the frame of marker a; a circle around marker b may touch it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Profile {
@@ -25,19 +27,6 @@ pub enum Profile {
         /// Whether the last one ends where the first begins.
         closed: bool,
     },
-}
-
-/// A piece of an outline \[m\].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Piece {
-    /// Where it begins.
-    pub from: Vec2,
-    /// Where it ends.
-    pub to: Vec2,
-    /// Centre of an arc; `None`: a straight line.
-    pub center: Option<Vec2>,
-    /// Whether an arc runs counterclockwise: its outside is then convex.
-    pub convex: bool,
 }
 
 /// Where a profile is nearest to a point.
@@ -110,36 +99,21 @@ impl Profile {
     /// # Errors
     /// Names `field`, its value and what is allowed.
     pub fn validate(&self, field: &str) -> Result<()> {
-        let pieces = match self {
+        let outline = match self {
             Self::Bore { radius } | Self::Disc { radius } => {
                 return check::positive(&format!("radius of {field}"), *radius, "m");
             }
             Self::Teeth(_) => return Ok(()),
-            Self::Outline { pieces, .. } => pieces,
+            Self::Outline { pieces, closed } => (pieces, closed),
         };
+        let (pieces, closed) = outline;
         if pieces.is_empty() {
             return Err(Error::invalid(field, "()", "needs at least one piece"));
         }
         for (i, piece) in pieces.iter().enumerate() {
-            let name = format!("piece {} of {field}", i + 1);
-            for value in [piece.from.x, piece.from.y, piece.to.x, piece.to.y] {
-                check::finite(&name, value, "m")?;
-            }
-            if piece.from == piece.to {
-                return Err(Error::invalid(name, "no length", "must have two ends"));
-            }
-            if let Some(center) = piece.center {
-                let (first, last) = ((piece.from - center).norm(), (piece.to - center).norm());
-                if !((first - last).abs() <= 1e-6 * first.max(last) && first > 0.0) {
-                    return Err(Error::invalid(
-                        name,
-                        format!("an arc of radii {first} m and {last} m at its ends"),
-                        "its ends must be equally far from its centre",
-                    ));
-                }
-            }
+            piece.validate(&format!("piece {} of {field}", i + 1))?;
         }
-        Ok(())
+        super::outline_check::check_way(field, pieces, *closed)
     }
 
     /// Radius of a circle around the origin of its frame that holds all of it; infinite where the material goes on without end.
@@ -163,6 +137,20 @@ impl Profile {
         }
     }
 
+    /// How the outward direction turns as a point moves along the surface \[1/m\]; by a difference among teeth.
+    pub(super) fn bend(&self, point: Vec2, radius: f64, outward: Vec2) -> f64 {
+        match self {
+            Self::Bore { .. } => -1.0 / point.norm(),
+            Self::Disc { .. } => 1.0 / point.norm(),
+            Self::Outline { .. } => 0.0,
+            Self::Teeth(profile) => {
+                let (along, step) = (turned_left(outward), 1e-6 * radius);
+                let moved = nearest_tooth(profile, point + step * along, radius);
+                moved.outward.dot(&along) / step
+            }
+        }
+    }
+
     /// Curvature of each piece.
     pub(super) fn curvatures(&self) -> Vec<Curvature> {
         match self {
@@ -178,9 +166,16 @@ impl Profile {
         }
     }
 
-    /// Where the profile is nearest to a circle of `radius` around `point`, which is given in its frame.
+    /// Where the profile is nearest to a circle of `radius` around `point`, which is given in its frame; for an outline, see
+    /// [`super::outline::Outline`].
     pub(super) fn nearest(&self, point: Vec2, radius: f64) -> Nearest {
         match self {
+            Self::Outline { .. } => Nearest {
+                distance: f64::INFINITY,
+                outward: Vec2::zeros(),
+                piece: 0,
+                tooth: None,
+            },
             Self::Bore { radius } => {
                 let distance = point.norm();
                 Nearest {
@@ -200,70 +195,7 @@ impl Profile {
                 }
             }
             Self::Teeth(profile) => nearest_tooth(profile, point, radius),
-            Self::Outline { pieces, closed } => nearest_piece(pieces, *closed, point),
         }
-    }
-}
-
-impl Piece {
-    fn curvature(&self) -> Curvature {
-        match self.center {
-            None => Curvature::Flat,
-            Some(center) if self.convex => Curvature::Convex((self.from - center).norm()),
-            Some(center) => Curvature::Concave((self.from - center).norm()),
-        }
-    }
-
-    /// Direction in which it runs at one of its ends.
-    fn tangent(&self, at: Vec2) -> Vec2 {
-        match self.center {
-            None => (self.to - self.from).normalize(),
-            Some(center) => {
-                let left = turned_left((at - center).normalize());
-                if self.convex { left } else { -left }
-            }
-        }
-    }
-
-    /// Distance and outward direction where `point` is nearest to the inside of the piece, not to an end.
-    fn nearest_inside(&self, point: Vec2) -> Option<(f64, Vec2)> {
-        match self.center {
-            None => {
-                let along = self.to - self.from;
-                let part = (point - self.from).dot(&along) / along.norm_squared();
-                let outward = -turned_left(along.normalize());
-                (0.0..=1.0)
-                    .contains(&part)
-                    .then(|| ((point - self.from).dot(&outward), outward))
-            }
-            Some(center) => {
-                let d = point - center;
-                let distance = d.norm();
-                let n = direction(d, distance);
-                let radius = (self.from - center).norm();
-                let (first, last) = if self.convex {
-                    (self.from - center, self.to - center)
-                } else {
-                    (self.to - center, self.from - center)
-                };
-                let within = turn(first, d) <= turn(first, last);
-                within.then_some(if self.convex {
-                    (distance - radius, n)
-                } else {
-                    (radius - distance, -n)
-                })
-            }
-        }
-    }
-}
-
-/// Angle from one direction counterclockwise to another, from 0 to 2π \[rad\].
-fn turn(from: Vec2, to: Vec2) -> f64 {
-    let angle = from.perp(&to).atan2(from.dot(&to));
-    if angle < 0.0 {
-        angle + 2.0 * std::f64::consts::PI
-    } else {
-        angle
     }
 }
 
@@ -303,103 +235,9 @@ fn nearest_tooth(profile: &ToothProfile, point: Vec2, radius: f64) -> Nearest {
     }
 }
 
-fn nearest_piece(pieces: &[Piece], closed: bool, point: Vec2) -> Nearest {
-    let mut best = Nearest {
-        distance: f64::INFINITY,
-        outward: Vec2::zeros(),
-        piece: 0,
-        tooth: None,
-    };
-    for (i, piece) in pieces.iter().enumerate() {
-        if let Some((distance, outward)) = piece.nearest_inside(point)
-            && distance.abs() < best.distance.abs()
-        {
-            best = Nearest {
-                distance,
-                outward,
-                piece: i,
-                tooth: None,
-            };
-        }
-        let corner = point - piece.from;
-        if corner.norm() < best.distance.abs() {
-            let before = match i {
-                0 if closed => pieces.last(),
-                0 => None,
-                _ => pieces.get(i - 1),
-            };
-            // From outside only a convex corner can be the nearest place, from inside only a reentrant one.
-            let convex = before.is_none_or(|before| {
-                before.tangent(before.to).perp(&piece.tangent(piece.from)) >= 0.0
-            });
-            best = at_corner(corner, convex, i);
-        }
-    }
-    if let Some(last) = pieces.last().filter(|_| !closed) {
-        let corner = point - last.to;
-        if corner.norm() < best.distance.abs() {
-            best = at_corner(corner, true, pieces.len() - 1);
-        }
-    }
-    best
-}
-
-fn at_corner(corner: Vec2, convex: bool, piece: usize) -> Nearest {
-    let distance = corner.norm();
-    let outward = direction(corner, distance);
-    Nearest {
-        distance: if convex { distance } else { -distance },
-        outward: if convex { outward } else { -outward },
-        piece,
-        tooth: None,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn square() -> Profile {
-        let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
-        let points: Vec<Vec2> = corners.map(|(x, y)| Vec2::new(x, y)).to_vec();
-        Profile::polyline("square", &points, true).unwrap()
-    }
-
-    #[test]
-    fn a_square_is_nearest_at_its_sides_and_corners() {
-        for (point, distance, outward) in [
-            ((0.5, -0.2), 0.2, (0.0, -1.0)),
-            ((0.5, 0.1), -0.1, (0.0, -1.0)),
-            ((1.3, 1.4), 0.5, (0.6, 0.8)),
-            ((-0.25, 0.5), 0.25, (-1.0, 0.0)),
-        ] {
-            let found = square().nearest(Vec2::new(point.0, point.1), 0.1);
-            assert!((found.distance - distance).abs() < 1e-15);
-            assert!((found.outward - Vec2::new(outward.0, outward.1)).norm() < 1e-15);
-        }
-    }
-
-    #[test]
-    fn arcs_are_convex_counterclockwise_and_concave_clockwise() {
-        let arc = |convex: bool| {
-            let (from, to) = if convex { (1.0, -1.0) } else { (-1.0, 1.0) };
-            Profile::Outline {
-                pieces: vec![Piece {
-                    from: Vec2::new(from, 0.0),
-                    to: Vec2::new(to, 0.0),
-                    center: Some(Vec2::zeros()),
-                    convex,
-                }],
-                closed: false,
-            }
-        };
-        let above = Vec2::new(0.0, 1.25);
-        assert!((arc(true).nearest(above, 0.1).distance - 0.25).abs() < 1e-15);
-        assert!((arc(false).nearest(above, 0.1).distance + 0.25).abs() < 1e-15);
-        assert_eq!(arc(false).nearest(above, 0.1).outward, Vec2::new(0.0, -1.0));
-        let beside = Vec2::new(1.3, -0.4);
-        assert!((arc(true).nearest(beside, 0.1).distance - 0.5).abs() < 1e-15);
-    }
 
     #[test]
     fn bore_and_disc_are_each_others_complement() {

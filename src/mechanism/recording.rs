@@ -2,6 +2,8 @@
 
 use super::dynamics::MechanismDynamics;
 use super::peaks::Peaks;
+use crate::dynamics::Energy;
+use crate::recorder::{Balance, Passed};
 
 /// The rows of a run, one array a channel, time first.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -20,7 +22,7 @@ pub struct MechanismRecording {
     pub position_residual: Vec<f64>,
     /// Largest rate of each joint's equations, (times, joints) \[m/s or rad/s\].
     pub velocity_residual: Vec<f64>,
-    /// Normal force of each contact, (times, contacts) \[N\].
+    /// Force of each contact, of all sides together, (times, contacts) \[N\].
     pub contact_force: Vec<f64>,
     /// Penetration of each contact, negative when apart, (times, contacts) \[m\].
     pub penetration: Vec<f64>,
@@ -42,7 +44,11 @@ pub struct MechanismRecording {
     reference: Option<[f64; 3]>,
     joints: Peaks,
     contacts: Peaks,
+    balance: Balance,
 }
+
+/// Share of all energy there is that may be missing where little is exchanged.
+const SMALL: f64 = 1e-6;
 
 impl MechanismRecording {
     /// Sets aside the forces at the end of a step, before reports inside it are evaluated.
@@ -82,19 +88,22 @@ impl MechanismRecording {
         self.velocity_residual.resize(first + joints, 0.0);
         for (equation, row) in dynamics.model.equations.iter().zip(&dynamics.rows) {
             let i = first + equation.joint;
-            self.position_residual[i] = self.position_residual[i].max(row.value.abs());
-            let rate = row.rate(&dynamics.frames).abs();
+            self.position_residual[i] = self.position_residual[i].max(equation.residual(row).abs());
+            let rate = equation.residual_rate(row, &dynamics.frames).abs();
             self.velocity_residual[i] = self.velocity_residual[i].max(rate);
         }
-        let contacts = dynamics.model.contacts.iter().zip(&dynamics.memory);
-        for (touch, (contact, memory)) in dynamics.touches.iter().zip(contacts) {
-            self.contact_force.push(touch.force);
-            self.penetration.push(if touch.force > 0.0 {
-                touch.contact.penetration
+        self.contact_force.extend(contact_forces(dynamics));
+        let contacts = dynamics.model.contacts.iter();
+        for (contact, sides) in contacts.zip(&dynamics.model.sides_of_contact) {
+            let touches = &dynamics.touches[sides.clone()];
+            let depth = touches.iter().map(|touch| touch.contact.penetration);
+            let depth = depth.fold(f64::NEG_INFINITY, f64::max);
+            self.penetration.push(if depth > 0.0 {
+                depth
             } else {
-                contact.penetration(&dynamics.frames, *memory)
+                contact.penetration(&dynamics.frames, &dynamics.memory[sides.clone()])
             });
-            let near = touch.tooth.map(|tooth| (tooth.gap, tooth.region));
+            let near = touches[0].tooth.map(|tooth| (tooth.gap, tooth.region));
             // A sprocket has few teeth.
             self.contact_gap
                 .push(near.map_or(-1, |(gap, _)| gap.cast_signed()));
@@ -120,6 +129,25 @@ impl MechanismRecording {
         let residual = total - start + dissipated - worked_in;
         self.energy
             .extend([kinetic, gravity, elastic, dissipated, worked_in, residual]);
+        let energy = Energy {
+            kinetic,
+            gravity,
+            elastic,
+        };
+        let passed = Passed {
+            dissipated,
+            worked_in,
+            residual,
+        };
+        self.balance.watch(energy, passed);
+        if residual.abs() <= SMALL * (kinetic + gravity.abs() + elastic) {
+            self.balance.open = None;
+        }
+    }
+
+    /// Energy missing, dissipated and exchanged \[J\] at the last row, where more is missing than should be.
+    pub(super) fn open_balance(&self) -> Option<[f64; 3]> {
+        self.balance.open
     }
 }
 
@@ -132,5 +160,5 @@ fn joint_forces(dynamics: &MechanismDynamics) -> impl Iterator<Item = f64> {
 }
 
 fn contact_forces(dynamics: &MechanismDynamics) -> impl Iterator<Item = f64> {
-    dynamics.touches.iter().map(|touch| touch.force)
+    dynamics.pushes().map(|push| push.norm())
 }

@@ -4,14 +4,13 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::assembly::Assembly;
-use super::body::Frame;
-use super::contact::Memory;
 use super::dynamics::{MechanismDynamics, Stabilisation};
 use super::model::MechanismModel;
 use super::recording::MechanismRecording;
-use crate::contact::first_crossing;
+use super::touch::Memory;
 use crate::error::{Error, Result};
 use crate::integrator::{Adams, Counts, OdeSystem, StepControl};
+use crate::simulate::{STANDSTILL, STEPS_OF_STANDSTILL, describe_open_balance};
 
 /// A mechanism in motion.
 #[derive(Debug, Clone)]
@@ -27,6 +26,10 @@ pub struct MechanismSimulation {
     /// Next report, time between two, last one; none when nothing is recorded.
     pub(super) reports: Option<Reports>,
     pub(super) onsets: u64,
+    /// Where the energy balance first did not close, in words.
+    balance_note: Option<String>,
+    /// Steps and time from which on the run is watched for standing still.
+    watched: (u64, f64),
     /// What to go back to when a step fails.
     accepted: Accepted,
     /// Scratch: a state.
@@ -93,6 +96,8 @@ impl MechanismSimulation {
             recording: MechanismRecording::default(),
             reports: None,
             onsets: 0,
+            balance_note: None,
+            watched: (0, 0.0),
             accepted: Accepted::default(),
             inside: y,
             dynamics,
@@ -100,7 +105,7 @@ impl MechanismSimulation {
             assembly,
         };
         simulation.remember_present_contacts();
-        let longest = simulation.dynamics.longest_step();
+        let longest = simulation.dynamics.longest_step(0.0);
         simulation.adams.limit_step(longest);
         Ok(simulation)
     }
@@ -127,6 +132,12 @@ impl MechanismSimulation {
     #[must_use]
     pub fn onsets(&self) -> u64 {
         self.onsets
+    }
+
+    /// Where more energy was first missing at a report than should be, in words.
+    #[must_use]
+    pub fn balance_note(&self) -> Option<&str> {
+        self.balance_note.as_deref()
     }
 
     /// The model.
@@ -183,7 +194,7 @@ impl MechanismSimulation {
                 return Ok(false);
             }
             self.keep();
-            if let Err(error) = self.step() {
+            if let Err(error) = self.step().and_then(|()| self.watch_progress()) {
                 self.go_back();
                 return Err(error);
             }
@@ -207,6 +218,14 @@ impl MechanismSimulation {
         self.accepted.memory.get(k) == Some(&Memory::BEHIND)
     }
 
+    /// Approach speed that a side of a contact remembered when the last step began.
+    pub(super) fn accepted_speed(&self, k: usize) -> f64 {
+        self.accepted
+            .memory
+            .get(k)
+            .map_or(0.0, |memory| memory.speed)
+    }
+
     /// Forgets how the last step began.
     pub(super) fn forget_accepted(&mut self) {
         self.accepted = Accepted::default();
@@ -228,7 +247,8 @@ impl MechanismSimulation {
             let model = Arc::clone(self.dynamics.model());
             let n = model.coordinates();
             Error::from_failure(failure, |_, component| {
-                format!("body {:?}", model.bodies[model.body_of(component % n)].name)
+                let body = &model.bodies[model.body_of(component % n)].name;
+                format!("body {body:?}{}", self.dynamics.hardest_pressed())
             })
         })?;
         self.step_start = step.start;
@@ -239,8 +259,27 @@ impl MechanismSimulation {
         if self.dynamics.stabilisation == Stabilisation::Projection {
             self.project(step.end)?;
         }
-        self.adams.limit_step(self.dynamics.longest_step());
+        self.adams.limit_step(self.dynamics.longest_step(step.end));
         Ok(())
+    }
+
+    /// An error when many steps have hardly led anywhere: what shrinks steps without end is named in bounded time.
+    fn watch_progress(&mut self) -> Result<()> {
+        let counts = self.adams.counts();
+        let (tried, time) = (counts.steps + counts.rejected, self.adams.time());
+        let (since, begin) = self.watched;
+        if tried < since + STEPS_OF_STANDSTILL && tried >= since {
+            return Ok(());
+        }
+        self.watched = (tried, time);
+        if tried < since || time - begin > STANDSTILL {
+            return Ok(());
+        }
+        Err(Error::Standstill {
+            time,
+            step_size: (time - begin) / (tried - since) as f64,
+            culprit: format!("the mechanism{}", self.dynamics.hardest_pressed()),
+        })
     }
 
     /// Takes what the step has left on the constraints off the solution, and leaves the integrator's history as it is.
@@ -271,6 +310,12 @@ impl MechanismSimulation {
             let sums = 2 * self.dynamics.model.coordinates();
             let sums = [self.inside[sums], self.inside[sums + 1]];
             self.recording.report(t, &self.dynamics, sums);
+            if self.balance_note.is_none()
+                && let Some(open) = self.recording.open_balance()
+            {
+                let control = self.adams.control();
+                self.balance_note = Some(describe_open_balance(&control, t, open));
+            }
             self.now = t;
             if let Some(reports) = &mut self.reports {
                 reports.made += 1;
@@ -279,58 +324,5 @@ impl MechanismSimulation {
         if self.reports.is_some() {
             self.recording.take_arrived(end);
         }
-    }
-
-    /// Contacts that are there from the start have begun with their present rate.
-    fn remember_present_contacts(&mut self) {
-        self.look_at(0.0);
-        for k in 0..self.dynamics.touches.len() {
-            let touch = self.dynamics.touches[k];
-            if touch.contact.penetration > 0.0 {
-                let rate = touch.contact.penetration_rate;
-                self.dynamics.memory[k] =
-                    self.dynamics.model.contacts[k].remember(touch.piece, rate);
-            } else {
-                self.dynamics.memory[k] = self.dynamics.apart(k);
-            }
-        }
-    }
-
-    /// Writes the memory of contacts that began or ended within the step; the root of the dense output says when.
-    fn find_onsets(&mut self, start: f64, end: f64) {
-        for k in 0..self.dynamics.memory.len() {
-            let deep = self.dynamics.touches[k].contact.penetration > 0.0;
-            let remembered = self.dynamics.memory[k].speed > 0.0;
-            if deep && !remembered {
-                let (t, rate) = first_crossing(|t| Some(self.contact_at(k, t).0), start, end);
-                let piece = self.contact_at(k, t).1;
-                self.dynamics.memory[k] = self.dynamics.model.contacts[k].remember(piece, rate);
-                self.onsets += 1;
-            } else if !deep {
-                self.dynamics.memory[k] = self.dynamics.apart(k);
-            }
-        }
-    }
-
-    /// One contact at `t` inside the last step.
-    fn contact_at(&self, k: usize, t: f64) -> (crate::contact::Contact, usize) {
-        let contact = &self.dynamics.model.contacts[k];
-        let dense = self.adams.dense(t);
-        let model = &self.dynamics.model;
-        let n = model.coordinates();
-        let value = |i: usize| dense.value(i) + self.dynamics.shift[i];
-        let frame = |body: usize| match model.first[body] {
-            None => self.dynamics.frames[body],
-            Some(i) => Frame::new(
-                [value(i), value(i + 1), value(i + 2)],
-                [value(n + i), value(n + i + 1), value(n + i + 2)],
-            ),
-        };
-        let (contact, nearest) = contact.find(
-            &frame(contact.a.body),
-            &frame(contact.b.body),
-            Memory::default(),
-        );
-        (contact, nearest.piece)
     }
 }

@@ -2,14 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::contact::Memory;
 use super::model::MechanismModel;
 use super::simulation::MechanismSimulation;
+use super::touch::Memory;
 use crate::error::{Error, Result};
 use crate::integrator::Adams;
 
 /// What the bytes begin with: a name and a version, another one for every change of what they hold.
-const MAGIC: &[u8; 24] = b"rustchain mechanism  001";
+const MAGIC: &[u8; 24] = b"rustchain mechanism  002";
 
 /// All that decides how a run goes on, and what it is of.
 #[derive(Debug, Clone, Serialize, Deserialize)]

@@ -32,6 +32,21 @@ pub enum TimeFunction {
     },
 }
 
+/// Longest step inside a smooth step, as a part of its time, and along a wave, as a part of its period.
+const PART_OF_RISE: f64 = 0.125;
+const PART_OF_PERIOD: f64 = 0.25;
+
+/// What rounding may leave of a step that was to end at `t`.
+fn margin(t: f64) -> f64 {
+    16.0 * f64::EPSILON * t.abs()
+}
+
+/// The first of increasing `arguments` behind `t`; infinite where there is none.
+fn next_after(arguments: &[f64], t: f64) -> f64 {
+    let next = arguments.partition_point(|&x| x - margin(x) <= t);
+    arguments.get(next).copied().unwrap_or(f64::INFINITY)
+}
+
 impl From<f64> for TimeFunction {
     fn from(value: f64) -> Self {
         Self::Constant(value)
@@ -125,6 +140,35 @@ impl TimeFunction {
         }
     }
 
+    /// The longest step from `t` \[s\] that passes over nothing unseen: to where the function bends next, and short beside
+    /// the time that it takes to change.
+    pub(super) fn longest_step(&self, t: f64) -> f64 {
+        match self {
+            Self::Constant(_) => f64::INFINITY,
+            Self::SmoothStep {
+                start,
+                end,
+                from,
+                to,
+            } => {
+                if from == to || t >= end - margin(*end) {
+                    f64::INFINITY
+                } else if t < start - margin(*start) {
+                    start - t
+                } else {
+                    (end - t).min(PART_OF_RISE * (end - start))
+                }
+            }
+            Self::Table(curve) => next_after(curve.arguments(), t) - t,
+            Self::Spline(spline) => next_after(spline.arguments(), t) - t,
+            Self::Sines { terms, .. } => {
+                let moving = terms.iter().filter(|term| term[0] != 0.0);
+                let fastest = moving.fold(0.0, |most: f64, term| most.max(term[1].abs()));
+                PART_OF_PERIOD * 2.0 * std::f64::consts::PI / fastest
+            }
+        }
+    }
+
     /// Integral from zero to `t` \[s\]; a spline's is not known, and is refused where one is needed.
     #[must_use]
     pub fn integral(&self, t: f64) -> f64 {
@@ -155,45 +199,6 @@ impl TimeFunction {
                 });
                 offset * t + waves.sum::<f64>()
             }
-        }
-    }
-}
-
-/// What a driver prescribes of a relative coordinate.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Motion {
-    /// The coordinate itself; its first two derivatives must be continuous.
-    Position(TimeFunction),
-    /// Its rate; the coordinate begins where it is placed.
-    Speed(TimeFunction),
-}
-
-impl Motion {
-    /// The coordinate (for a speed: its change since time zero) and its first two derivatives.
-    pub(super) fn derivatives(&self, t: f64) -> [f64; 3] {
-        match self {
-            Self::Position(function) => function.derivatives(t),
-            Self::Speed(function) => {
-                let [rate, acceleration, _] = function.derivatives(t);
-                [function.integral(t), rate, acceleration]
-            }
-        }
-    }
-
-    /// Checks every number, and that the motion is smooth enough to be followed without impacts.
-    pub(super) fn validate(&self, field: &str) -> Result<()> {
-        match self {
-            Self::Position(TimeFunction::Table(_)) => Err(Error::invalid(
-                field,
-                "a table with corners",
-                "would need an infinite force at each corner: give a spline, or the speed as a table",
-            )),
-            Self::Speed(TimeFunction::Spline(_)) => Err(Error::invalid(
-                field,
-                "a spline",
-                "is for positions: give the speed as a table, or the position as a spline",
-            )),
-            Self::Position(function) | Self::Speed(function) => function.validate(field),
         }
     }
 }
@@ -235,9 +240,26 @@ mod tests {
     }
 
     #[test]
-    fn a_position_with_corners_is_refused() {
-        let motion = Motion::Position(TimeFunction::ramp(0.0, 1.0, 0.0, 1.0).unwrap());
-        let error = motion.validate("driver").unwrap_err();
-        assert!(error.to_string().contains("spline"));
+    fn no_step_passes_over_a_bend_or_over_a_change() {
+        let rise = TimeFunction::SmoothStep {
+            start: 1.0,
+            end: 1.8,
+            from: 0.0,
+            to: 1.0,
+        };
+        assert_eq!(rise.longest_step(0.25), 0.75);
+        assert!((rise.longest_step(1.0 - 1e-16) - 0.1).abs() < 1e-12);
+        assert!((rise.longest_step(1.75) - 0.05).abs() < 1e-12);
+        assert_eq!(rise.longest_step(1.8), f64::INFINITY);
+        let pulse = Curve::new("x", &[(1.0, 0.0), (1.001, 5.0), (1.002, 0.0)]).unwrap();
+        let pulse = TimeFunction::Table(pulse);
+        assert_eq!(pulse.longest_step(0.0), 1.0);
+        assert!((pulse.longest_step(1.001) - 0.001).abs() < 1e-12);
+        assert_eq!(pulse.longest_step(2.0), f64::INFINITY);
+        let waves = TimeFunction::Sines {
+            offset: 1.0,
+            terms: vec![[2.0, 10.0, 0.0], [0.0, 1e9, 0.0]],
+        };
+        assert!((waves.longest_step(3.0) - 0.05 * std::f64::consts::PI).abs() < 1e-12);
     }
 }

@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 use super::describe::{
     Reader, chain, checked, force_law, material, number, refuse, sprocket, truth,
 };
+use super::errors::InvalidInput;
 use crate::geometry::Vec2;
 use crate::mechanism::{
     Body, ContactLaw, ContactPair, Curve, CustomForce, ForceElement, ForceKind, Joint, JointKind,
@@ -23,19 +24,35 @@ pub(super) fn mechanism(object: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<
         gravity: read.vector("gravity", "m/s^2")?,
         ..Mechanism::default()
     };
-    for part in read.get("bodies")?.try_iter()? {
-        found.bodies.push(body(&part?)?);
-    }
-    for part in read.get("joints")?.try_iter()? {
-        found.joints.push(joint(&part?)?);
-    }
-    for part in read.get("forces")?.try_iter()? {
-        found.forces.push(force(&part?, raised)?);
-    }
-    for part in read.get("contacts")?.try_iter()? {
-        found.contacts.push(contact(&part?)?);
+    found.bodies = parts(&read, "bodies", "body", body)?;
+    found.joints = parts(&read, "joints", "joint", joint)?;
+    found.forces = parts(&read, "forces", "force", |part| force(part, raised))?;
+    found.contacts = parts(&read, "contacts", "contact", contact)?;
+    Ok(found)
+}
+
+/// Reads all parts of a kind; what is wrong with one of them is told with its name.
+fn parts<T>(
+    read: &Reader<'_, '_>,
+    field: &str,
+    kind: &str,
+    one: impl Fn(&Bound<'_, PyAny>) -> PyResult<T>,
+) -> PyResult<Vec<T>> {
+    let mut found = Vec::new();
+    for part in read.get(field)?.try_iter()? {
+        let part = part?;
+        found.push(one(&part).map_err(|error| of_part(&part, kind, &error))?);
     }
     Ok(found)
+}
+
+/// What was raised while a part was read, with the name of the part in front.
+fn of_part(part: &Bound<'_, PyAny>, kind: &str, error: &PyErr) -> PyErr {
+    let name = part
+        .getattr("name")
+        .and_then(|name| name.repr())
+        .map_or_else(|_| "without a name".to_string(), |name| name.to_string());
+    InvalidInput::new_err(format!("{kind} {name}: {}", error.value(part.py())))
 }
 
 fn text(read: &Reader<'_, '_>, field: &str) -> PyResult<String> {
@@ -43,6 +60,20 @@ fn text(read: &Reader<'_, '_>, field: &str) -> PyResult<String> {
     value
         .extract()
         .map_err(|_| refuse(value.py(), field, &value, "must be text"))
+}
+
+fn optional_text(read: &Reader<'_, '_>, field: &str) -> PyResult<Option<String>> {
+    if read.get(field)?.is_none() {
+        return Ok(None);
+    }
+    text(read, field).map(Some)
+}
+
+fn optional(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyResult<Option<f64>> {
+    if value.is_none() {
+        return Ok(None);
+    }
+    number(value, field, unit).map(Some)
 }
 
 fn triple(read: &Reader<'_, '_>, field: &str, unit: &str) -> PyResult<[f64; 3]> {
@@ -85,28 +116,29 @@ fn joint(object: &Bound<'_, PyAny>) -> PyResult<Joint> {
     let read = Reader::new(object, "joints", &["Joint"])?;
     let [a, b] = markers(&read)?;
     let direction = || read.vector("direction", "1");
+    let value = |name: &str, unit: &str| optional(&read.get("value")?, name, unit);
     let kind = match text(&read, "kind")?.as_str() {
         "revolute" => JointKind::Revolute,
         "fixed" => JointKind::Fixed {
-            angle: read.optional_number("value", "rad")?,
+            angle: value("angle", "rad")?,
         },
         "prismatic" => JointKind::Prismatic {
             direction: direction()?,
-            angle: read.optional_number("value", "rad")?,
+            angle: value("angle", "rad")?,
         },
         "point_on_line" => JointKind::PointOnLine {
             direction: direction()?,
         },
         "distance" => JointKind::Distance {
-            length: read.optional_number("value", "m")?,
+            length: value("length", "m")?,
         },
         "gear" => JointKind::Gear {
-            ratio: read.number("value", "1")?,
-            carrier: read.get("carrier")?.extract()?,
+            ratio: number(&read.get("value")?, "ratio", "1")?,
+            carrier: optional_text(&read, "carrier")?,
         },
         "rack" => JointKind::Rack {
             direction: direction()?,
-            radius: read.number("value", "m")?,
+            radius: number(&read.get("value")?, "radius", "m")?,
         },
         "driven_angle" => JointKind::DrivenAngle(motion(&read)?),
         "driven_position" => JointKind::DrivenPosition {
@@ -145,6 +177,18 @@ fn pairs(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<(f64, f64)>> {
         .map_err(|_| refuse(value.py(), field, value, "must be rows of two numbers"))
 }
 
+/// Waves (amplitude, angular frequency, phase).
+fn terms(value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 3]>> {
+    value.extract().map_err(|_| {
+        refuse(
+            value.py(),
+            "terms of Sines",
+            value,
+            "must be rows of three numbers (amplitude, angular frequency [rad/s], phase [rad])",
+        )
+    })
+}
+
 /// A number, or one of the functions of time.
 fn time_function(value: &Bound<'_, PyAny>, field: &str) -> PyResult<TimeFunction> {
     let kind = value.get_type().name()?.to_string();
@@ -170,12 +214,12 @@ fn time_function(value: &Bound<'_, PyAny>, field: &str) -> PyResult<TimeFunction
         "Spline" => TimeFunction::Spline(checked(value.py(), Spline::new(field, &rows()?))?),
         _ => TimeFunction::Sines {
             offset: read.number("offset", "its unit")?,
-            terms: read.get("terms")?.extract()?,
+            terms: terms(&read.get("terms")?)?,
         },
     })
 }
 
-fn spring_law(read: &Reader<'_, '_>, field: &str) -> PyResult<SpringLaw> {
+fn spring_law(read: &Reader<'_, '_>) -> PyResult<SpringLaw> {
     let table = read.get("table")?;
     Ok(SpringLaw {
         stiffness: read.number("stiffness", "N/m")?,
@@ -186,7 +230,7 @@ fn spring_law(read: &Reader<'_, '_>, field: &str) -> PyResult<SpringLaw> {
         } else {
             Some(checked(
                 table.py(),
-                Curve::new(field, &pairs(&table, field)?),
+                Curve::new("table", &pairs(&table, "table")?),
             )?)
         },
     })
@@ -196,8 +240,17 @@ fn force(object: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<ForceElement> {
     let read = Reader::new(object, "forces", &["Force"])?;
     let [a, b] = markers(&read)?;
     let name = text(&read, "name")?;
-    let value =
-        |field: &str| time_function(&read.get(field)?, &format!("{field} of force {name:?}"));
+    let is_torque = text(&read, "kind")? == "torque";
+    let value = |field: &str| {
+        time_function(
+            &read.get(field)?,
+            if field == "x" && is_torque {
+                "torque"
+            } else {
+                field
+            },
+        )
+    };
     let kind = match text(&read, "kind")?.as_str() {
         "force" => ForceKind::Force {
             x: value("x")?,
@@ -210,14 +263,14 @@ fn force(object: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<ForceElement> {
             ForceKind::TorqueBySpeed(checked(object.py(), Curve::new("table", &rows))?)
         }
         "spring" => ForceKind::Spring {
-            law: spring_law(&read, &name)?,
-            rest: read.optional_number("rest", "m")?,
+            law: spring_law(&read)?,
+            rest: optional(&read.get("rest")?, "rest_length", "m")?,
         },
         "torsion_spring" => ForceKind::TorsionSpring {
-            law: spring_law(&read, &name)?,
-            rest: read.optional_number("rest", "rad")?,
+            law: spring_law(&read)?,
+            rest: optional(&read.get("rest")?, "rest_angle", "rad")?,
         },
-        "custom" => custom(&read.get("function")?, raised),
+        "custom" => custom(&read.get("function")?, raised)?,
         _ => {
             return Err(refuse(
                 object.py(),
@@ -231,9 +284,17 @@ fn force(object: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<ForceElement> {
 }
 
 /// A callable; what it raises ends the run, which sees a load that is not a number.
-fn custom(function: &Bound<'_, PyAny>, raised: &Raised) -> ForceKind {
+fn custom(function: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<ForceKind> {
+    if !function.is_callable() {
+        return Err(refuse(
+            function.py(),
+            "function",
+            function,
+            "must be callable: f(time, position, velocity) that returns (force x, force y, torque)",
+        ));
+    }
     let (function, raised) = (function.clone().unbind(), Arc::clone(raised));
-    ForceKind::Custom(CustomForce(Arc::new(move |t, position, velocity| {
+    let load = move |t: f64, position: [f64; 3], velocity: [f64; 3]| {
         let Ok(mut failure) = raised.lock() else {
             return [f64::NAN; 3];
         };
@@ -256,7 +317,8 @@ fn custom(function: &Bound<'_, PyAny>, raised: &Raised) -> ForceKind {
             *failure = Some(error);
             [f64::NAN; 3]
         })
-    })))
+    };
+    Ok(ForceKind::Custom(CustomForce(Arc::new(load))))
 }
 
 fn points(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<Vec2>> {
@@ -274,10 +336,10 @@ fn contact(object: &Bound<'_, PyAny>) -> PyResult<ContactPair> {
     let closed = || truth(&read.get("closed")?, "closed");
     let profile = match text(&read, "kind")?.as_str() {
         "bore" => Profile::Bore {
-            radius: read.number("profile_radius", "m")?,
+            radius: number(&read.get("profile_radius")?, "bore_radius", "m")?,
         },
         "disc" => Profile::Disc {
-            radius: read.number("profile_radius", "m")?,
+            radius: number(&read.get("profile_radius")?, "radius_a", "m")?,
         },
         "sprocket" => {
             let wheel = sprocket(&read.get("sprocket")?, &field)?;

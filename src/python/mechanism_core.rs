@@ -19,6 +19,8 @@ use crate::simulate::check_reports;
 pub(super) struct MechanismCore {
     simulation: MechanismSimulation,
     raised: Raised,
+    /// Whether the energy balance was warned of.
+    warned: bool,
 }
 
 #[pymethods]
@@ -49,6 +51,7 @@ impl MechanismCore {
         let core = made.map(|simulation| Self {
             simulation,
             raised: Arc::clone(&raised),
+            warned: false,
         });
         take(&raised)?;
         describe::checked(py, core)
@@ -115,6 +118,7 @@ impl MechanismCore {
         Ok(Self {
             simulation,
             raised: Arc::clone(&self.raised),
+            warned: self.warned,
         })
     }
 
@@ -156,6 +160,14 @@ impl MechanismCore {
         found.set_item("contact_gap", row.contact_gap.into_pyarray(py))?;
         found.set_item("contact_region", row.contact_region.into_pyarray(py))?;
         Ok(found)
+    }
+
+    /// What was not warned of yet of the energy balance.
+    fn take_warnings(&mut self) -> Option<String> {
+        let note = self.simulation.balance_note().filter(|_| !self.warned)?;
+        let note = note.to_string();
+        self.warned = true;
+        Some(note)
     }
 
     fn start_recording(

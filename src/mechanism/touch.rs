@@ -1,0 +1,355 @@
+//! A contact in a run: where its circle bears, its forces, and what each side of the profile remembers.
+
+use serde::{Deserialize, Serialize};
+
+use super::body::{End, Frame};
+use super::contact::ContactPair;
+use super::contact_law::Prepared;
+use super::loads::Loads;
+use super::outline::{Bearing, Outline, Place, is_tight};
+use super::profile::{Curvature, Nearest, Profile, Tooth};
+use crate::contact::Contact;
+use crate::error::Result;
+use crate::geometry::{Vec2, turned_left};
+
+/// Part of its radius that a circle near a profile may move by in one step: none passes through another unseen.
+const FARTHEST: f64 = 0.25;
+
+/// A contact whose bodies are numbers, with the constants of each piece of its profile.
+#[derive(Debug, Clone)]
+pub(super) struct CompiledContact {
+    pub(super) a: End,
+    pub(super) b: End,
+    profile: Profile,
+    /// Of an outline, all that a circle may bear on at once.
+    pub(super) outline: Option<Outline>,
+    pub(super) radius: f64,
+    /// Distance of the markers from which on they are apart; infinite for what has no outside.
+    reach: f64,
+    pairs: Vec<Prepared>,
+}
+
+/// What a live contact remembers of one side of its profile from its onset: written between steps only.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub(super) struct Memory {
+    /// Approach speed \[m/s\]; zero: no memory; below zero: behind an open outline, until it has come out.
+    pub(super) speed: f64,
+    /// The piece it began on, whose stiffness it keeps.
+    pub(super) piece: usize,
+    /// Whether it bears on the front of an open outline: from there it may sink in however deep.
+    pub(super) in_front: bool,
+}
+
+/// A contact with one side of its profile at one state; out of reach, its penetration is -∞.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Touch {
+    /// Where it is deepest.
+    pub(super) contact: Contact,
+    pub(super) piece: usize,
+    pub(super) place: Place,
+    /// Where among teeth, when it is near them.
+    pub(super) tooth: Option<Tooth>,
+    /// Normal force \[N\].
+    pub(super) force: f64,
+    /// Force on the circle \[N\].
+    pub(super) push: Vec2,
+}
+
+impl Default for Touch {
+    fn default() -> Self {
+        Self {
+            contact: Contact {
+                normal: Vec2::zeros(),
+                penetration: f64::NEG_INFINITY,
+                penetration_rate: 0.0,
+            },
+            piece: 0,
+            place: Place::Front,
+            tooth: None,
+            force: 0.0,
+            push: Vec2::zeros(),
+        }
+    }
+}
+
+impl Memory {
+    /// Of a circle behind an open outline, which it did not come through.
+    pub(super) const BEHIND: Self = Self {
+        speed: -1.0,
+        piece: 0,
+        in_front: false,
+    };
+}
+
+impl CompiledContact {
+    pub(super) fn new(pair: &ContactPair, a: End, b: End) -> Result<Self> {
+        let field = format!("contact {:?}", pair.name);
+        let outline = match &pair.profile {
+            Profile::Outline { pieces, closed } => Some(Outline::new(pieces, *closed, pair.radius)),
+            _ => None,
+        };
+        let prepare = |curvature| {
+            // A circle bears on the sides of an arc that it does not fit into.
+            let sides = outline.is_some() && is_tight(curvature, pair.radius);
+            let curvature = if sides { Curvature::Flat } else { curvature };
+            pair.law.prepare(&field, pair.radius, curvature)
+        };
+        Ok(Self {
+            a,
+            b,
+            pairs: pair
+                .profile
+                .curvatures()
+                .into_iter()
+                .map(prepare)
+                .collect::<Result<_>>()?,
+            outline,
+            reach: pair.profile.reach() + pair.radius,
+            profile: pair.profile.clone(),
+            radius: pair.radius,
+        })
+    }
+
+    /// How many sides of the profile may bear at once.
+    pub(super) fn sides(&self) -> usize {
+        self.outline.as_ref().map_or(1, Outline::sides)
+    }
+
+    /// The circle's centre in the frame of the profile.
+    pub(super) fn local(&self, fa: &Frame, fb: &Frame) -> Vec2 {
+        fa.into_local(fb.place(self.b.point) - fa.place(self.a.point))
+    }
+
+    /// Shows `visit` every place where the circle may bear, in the frame of the profile, whatever is remembered.
+    pub(super) fn bearings(&self, local: Vec2, mut visit: impl FnMut(&Bearing, Option<Tooth>)) {
+        if let Some(outline) = &self.outline {
+            outline.bearings(local, self.radius, |bearing| visit(bearing, None));
+            return;
+        }
+        let Nearest {
+            distance,
+            outward,
+            piece,
+            tooth,
+        } = self.profile.nearest(local, self.radius);
+        let bearing = Bearing {
+            distance,
+            outward,
+            piece,
+            side: 0,
+            weight: 1.0,
+            slope: Vec2::zeros(),
+            bend: 0.0,
+            place: Place::Front,
+        };
+        visit(&bearing, tooth);
+    }
+
+    /// Whether a place bears: what is behind an open outline does not, until it has come out; what sank in from the front does.
+    pub(super) fn bears(&self, bearing: &Bearing, memory: Memory) -> bool {
+        match bearing.place {
+            Place::DeepAtEnd => memory.in_front,
+            Place::Deep if self.is_open() => {
+                memory.in_front || memory.speed == 0.0 && -bearing.distance < 0.5 * self.radius
+            }
+            _ => memory.speed >= 0.0 || bearing.distance >= self.radius,
+        }
+    }
+
+    /// The contact with one side, as deep as it is anywhere on it.
+    pub(super) fn find(&self, fa: &Frame, fb: &Frame, side: usize, memory: Memory) -> Touch {
+        let mut touch = Touch::default();
+        let approach = self.approach(fa, fb);
+        self.bearings(self.local(fa, fb), |bearing, tooth| {
+            if bearing.side == side && bearing.weight > 0.0 && self.bears(bearing, memory) {
+                self.deepen(
+                    &mut touch,
+                    bearing,
+                    tooth,
+                    -fa.turned(bearing.outward),
+                    approach,
+                );
+            }
+        });
+        touch
+    }
+
+    /// Velocity of the circle's centre as seen from the profile: along a normal both bodies' are the same anywhere on it.
+    pub(super) fn approach(&self, fa: &Frame, fb: &Frame) -> Vec2 {
+        let center = fb.place(self.b.point);
+        fb.velocity_at(center) - fa.velocity_at(center)
+    }
+
+    fn deepen(
+        &self,
+        touch: &mut Touch,
+        bearing: &Bearing,
+        tooth: Option<Tooth>,
+        normal: Vec2,
+        approach: Vec2,
+    ) {
+        let penetration = self.radius - bearing.distance;
+        if penetration > touch.contact.penetration {
+            touch.contact = Contact {
+                normal,
+                penetration,
+                penetration_rate: normal.dot(&approach),
+            };
+            (touch.piece, touch.place, touch.tooth) = (bearing.piece, bearing.place, tooth);
+        }
+    }
+
+    /// Penetration of the deepest side as it is recorded.
+    pub(super) fn penetration(&self, frames: &[Frame], memory: &[Memory]) -> f64 {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let depths = memory.iter().enumerate();
+        let depths = depths.map(|(side, m)| self.find(fa, fb, side, *m).contact.penetration);
+        depths.fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Adds the loads of the contact, its stored energy and what it loses; writes what happens on each side.
+    pub(super) fn add(
+        &self,
+        frames: &[Frame],
+        memory: &[Memory],
+        loads: &mut Loads,
+        touches: &mut [Touch],
+    ) {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        touches.fill(Touch::default());
+        let apart = fb.place(self.b.point) - fa.place(self.a.point);
+        if apart.norm_squared() > self.reach * self.reach {
+            return;
+        }
+        let approach = self.approach(fa, fb);
+        self.bearings(self.local(fa, fb), |bearing, tooth| {
+            let (touch, memory) = (&mut touches[bearing.side], memory[bearing.side]);
+            if !self.bears(bearing, memory) {
+                return;
+            }
+            let normal = -fa.turned(bearing.outward);
+            if bearing.weight > 0.0 {
+                self.deepen(touch, bearing, tooth, normal, approach);
+            }
+            let depth = self.radius - bearing.distance;
+            if depth <= 0.0 {
+                return;
+            }
+            let rate = normal.dot(&approach);
+            let force = self.pair(bearing, memory).force(depth, rate, memory.speed);
+            let energy = self.pair(bearing, memory).energy(depth);
+            touch.push -= bearing.weight * force.total * normal + energy * fa.turned(bearing.slope);
+            loads.elastic += bearing.weight * energy;
+            loads.dissipated += bearing.weight * (force.total - force.elastic) * rate;
+        });
+        let center = fb.place(self.b.point);
+        for touch in touches {
+            touch.force = touch.push.norm();
+            loads.push(self.b.body, fb, center, touch.push);
+            loads.push(self.a.body, fa, center, -touch.push);
+        }
+    }
+
+    /// The law where a circle bears: a live contact keeps the one that it began with.
+    pub(super) fn pair(&self, bearing: &Bearing, memory: Memory) -> &Prepared {
+        &self.pairs[if memory.speed > 0.0 {
+            memory.piece
+        } else {
+            bearing.piece
+        }]
+    }
+
+    /// How far the circle may move along the profile \[m\] before its distance has to be looked at again: its gap, and
+    /// where that is small a part of its radius.
+    pub(super) fn free_way(&self, frames: &[Frame]) -> f64 {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let apart = (fb.place(self.b.point) - fa.place(self.a.point)).norm();
+        let mut gap = f64::INFINITY;
+        if apart > self.reach {
+            gap = apart - self.reach;
+        } else {
+            self.bearings(self.local(fa, fb), |bearing, _| {
+                if bearing.place == Place::Deep && self.is_open() {
+                    gap = gap.min(-bearing.distance - self.radius);
+                } else if bearing.weight > 0.0 && bearing.place != Place::DeepAtEnd {
+                    gap = gap.min(bearing.distance - self.radius);
+                }
+            });
+        }
+        gap.max(FARTHEST * self.radius)
+    }
+
+    /// Speed \[m/s\] and acceleration \[m/s²\] of the circle's centre as seen from the profile, of bodies that accelerate so.
+    pub(super) fn relative_motion(&self, frames: &[Frame], rates: [[f64; 3]; 2]) -> (f64, f64) {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let center = fb.place(self.b.point);
+        let speed = (fb.velocity_at(center) - fa.velocity_at(center)).norm();
+        let accelerated = |frame: &Frame, [x, y, spin]: [f64; 3]| {
+            let arm = center - frame.origin;
+            Vec2::new(x, y) + spin * turned_left(arm) - frame.spin * frame.spin * arm
+        };
+        let acceleration = accelerated(fb, rates[1]) - accelerated(fa, rates[0]);
+        (speed, acceleration.norm())
+    }
+
+    /// What a side without a force remembers: that the circle is behind it, in the material of an open outline or beyond,
+    /// without having come through the surface; or nothing.
+    pub(super) fn apart(&self, fa: &Frame, fb: &Frame, side: usize, memory: Memory) -> Memory {
+        let mut behind = false;
+        if self.is_open() {
+            self.bearings(self.local(fa, fb), |bearing, _| {
+                behind |= bearing.side == side
+                    && match bearing.place {
+                        Place::DeepAtEnd => false,
+                        Place::Deep => true,
+                        _ => {
+                            memory.speed < 0.0
+                                && bearing.weight > 0.0
+                                && bearing.distance < self.radius
+                        }
+                    };
+            });
+        }
+        if behind {
+            Memory::BEHIND
+        } else {
+            Memory::default()
+        }
+    }
+
+    /// How deep the circle's centre is in material that has no other side \[m\]; not above zero when it is outside.
+    pub(super) fn center_depth(&self, frames: &[Frame]) -> f64 {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let mut depth = f64::NEG_INFINITY;
+        if !self.is_open() {
+            self.bearings(self.local(fa, fb), |bearing, _| {
+                if bearing.weight > 0.0 {
+                    depth = depth.max(-bearing.distance);
+                }
+            });
+        }
+        depth
+    }
+
+    /// Whether the material of a closed outline lies outside it.
+    pub(super) fn is_hole(&self) -> bool {
+        self.outline.is_some() && !self.is_open() && self.reach.is_infinite()
+    }
+
+    pub(super) fn profile(&self) -> &Profile {
+        &self.profile
+    }
+
+    fn is_open(&self) -> bool {
+        self.outline.as_ref().is_some_and(Outline::is_open)
+    }
+
+    /// What a contact that began on `piece` at `rate` remembers.
+    pub(super) fn remember(&self, piece: usize, rate: f64) -> Memory {
+        Memory {
+            speed: self.pairs[piece].onset_speed(rate),
+            piece,
+            in_front: false,
+        }
+    }
+}

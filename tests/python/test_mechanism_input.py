@@ -1,0 +1,158 @@
+"""What is wrong in a description of a mechanism is told with part, field, value and remedy."""
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+
+import rustchain as rc
+
+LAW = rc.LinearContact(1e5, 10.0)
+SQUARE = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+
+
+def bar():
+    mechanism = rc.Mechanism()
+    mechanism.add_body("bar", 1.0, 0.1, position=(0.5, 3.0, 0.0))
+    return mechanism
+
+
+def outline(mechanism, points=SQUARE, name="floor", **keywords):
+    mechanism.add_outline_contact(name, "ground", "bar", points, radius=0.1, law=LAW, **keywords)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda m: m.add_force("push", "bar", 3.0), "force of 'push' = 3.0: .*two components"),
+        (lambda m: m.add_force("push", "bar", ("a", 0.0)), "force 'push': x = 'a': .*a number"),
+        (lambda m: m.add_force("push", "ground", (1.0, 0.0)), 'body of force "push" = "ground"'),
+        (lambda m: m.add_torque("turn", "bar", "much"), "force 'turn': torque = 'much'"),
+        (
+            lambda m: m.add_torque("turn", "bar", by_speed=[1.0]),
+            "force 'turn': .*rows of two numbers",
+        ),
+        (lambda m: outline(m, bulges=0.5), "bulges of contact 'floor' = 0.5: .*list of finite"),
+        (
+            lambda m: outline(m, bulges=[0.1]),
+            "bulges of contact 'floor' = .*4 numbers, one for each",
+        ),
+        (lambda m: outline(m, bulges=[math.nan, 0, 0, 0]), "bulges of contact 'floor' .*finite"),
+        (lambda m: outline(m, points=7.0), "points of contact 'floor' = 7.0: .*rows of two finite"),
+        (
+            lambda m: outline(m, points=[(0, 0, 1)]),
+            "points of contact 'floor' .*rows of two finite",
+        ),
+        (
+            lambda m: outline(m, points=SQUARE[::2] + SQUARE[1::2]),
+            "cross each other: give the points",
+        ),
+        (lambda m: m.add_callable("own", "bar", 3.0), "function of force 'own' = 3.0: .*callable"),
+        (lambda m: m.add_body("x", 1.0, 1.0, (0.0, 0.0)), "position of body 'x' = .*three finite"),
+        (
+            lambda m: m.add_body("x", 1.0, 1.0, velocity=(0, 0, math.inf)),
+            "velocity of body 'x' = .*three finite",
+        ),
+        (
+            lambda m: m.add_body("x", 1.0, 1.0, velocity=(1.0, 0.0, 0.0), fixed=True),
+            'velocity of body "x" .*held',
+        ),
+        (
+            lambda m: m.add_body("x", "heavy", 1.0),
+            "body 'x': .*mass = 'heavy': must be a number in kg",
+        ),
+        (
+            lambda m: m.add_revolute("pin", "ground", "bar", at=5.0),
+            "at of joint 'pin' = 5.0: .*two",
+        ),
+        (
+            lambda m: m.add_revolute("pin", "ground", "bar", point_b=3.0),
+            "joint 'pin': .*point_b = 3.0",
+        ),
+        (lambda m: m.add_gear("pair", "ground", "bar", "x"), "joint 'pair': ratio = 'x'"),
+        (
+            lambda m: m.add_gear("pair", "ground", "bar", 2.0, carrier=7),
+            "joint 'pair': carrier = 7",
+        ),
+        (
+            lambda m: m.add_driver("motor", "ground", "bar", angle=rc.Sines([1.0, 2.0, 3.0])),
+            "joint 'motor': terms of Sines = .*rows of three numbers",
+        ),
+        (
+            lambda m: m.add_driver("motor", "ground", "bar", angle="fast"),
+            "joint 'motor': motion = 'fast': .*SmoothStep, Table, Spline or Sines",
+        ),
+        (lambda m: m.add_spring("s", "bar", "bar", 1.0), 'bodies of force "s" = "bar" twice'),
+        (
+            lambda m: m.add_spring("s", "ground", "bar", 1.0, table=[(0, 0), (1, 1)]),
+            'stiffness of force "s" = 1: .*table',
+        ),
+        (
+            lambda m: m.add_disc_contact("d", "bar", "bar", 1.0, 1.0, LAW),
+            'contact "d" = "bar" twice',
+        ),
+        (
+            lambda m: m.add_disc_contact("d", "ground", "bar", 1.0, 1.0, "soft"),
+            "contact 'd': law = 'soft'",
+        ),
+        (
+            lambda m: m.add_sprocket_contact("d", "ground", "bar", 1, 2, LAW),
+            "sprocket of contact 'd' = 1: must be a Sprocket",
+        ),
+        (lambda m: outline(m, points=[(x, y + 2.5) for x, y in SQUARE]), "in the material: place"),
+        (lambda m: outline(m, points=SQUARE[::-1]), "run clockwise.*reverse their order"),
+    ],
+)
+def test_what_is_wrong_is_told_with_part_field_value_and_remedy(change, says):
+    mechanism = bar()
+
+    def made():
+        change(mechanism)
+        mechanism.check()
+
+    with pytest.raises(rc.InvalidInput, match=says):
+        made()
+
+
+def test_a_gravity_that_is_no_vector_is_refused():
+    with pytest.raises(rc.InvalidInput, match=r"gravity = 9.81: must be two numbers"):
+        rc.Mechanism(gravity=9.81).check()
+
+
+def drop(tolerance):
+    mechanism = rc.Mechanism()
+    mechanism.add_body("ball", 1.0, 0.01, position=(0.0, 1.0, 0.0))
+    line = [(1.0, 0.0), (-1.0, 0.0)]
+    mechanism.add_outline_contact("floor", "ground", "ball", line, 0.1, LAW, closed=False)
+    solver = rc.Solver(method="pece", rtol=tolerance, atol=tolerance, max_step=0.1)
+    return rc.Simulation(mechanism, solver=solver)
+
+
+def test_an_energy_balance_that_does_not_close_is_told_once():
+    simulation = drop(0.5)
+    with pytest.warns(rc.EnergyWarning, match="take rtol and atol below 5e-1") as caught:
+        result = simulation.run(duration=1.5, report_step=0.01, progress=False)
+    assert len(caught) == 1
+    assert caught[0].filename == __file__
+    energy = result.energy
+    assert np.abs(energy.residual).max() > 0.05 * energy.dissipated[-1]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        simulation.run(duration=0.1, progress=False)
+        drop(1e-8).run(duration=1.5, progress=False)
+
+
+def test_an_ideal_drive_tells_of_its_balance_where_it_is_recorded():
+    drive = rc.paper_drive(hinges="ideal", pretension=100.0)
+    solver = rc.Solver(method="pece", rtol=0.3, atol=0.3)
+    with pytest.warns(rc.EnergyWarning, match="the energy balance is off"):
+        rc.Simulation(drive, solver=solver).run(duration=5e-3, report_step=1e-3, progress=False)
+
+
+def test_links_that_have_to_be_moved_far_to_close_ideal_hinges_are_told():
+    drive = rc.paper_drive(hinges="ideal")
+    positions = rc.Simulation(drive).positions.copy()
+    positions[3, 0] += 1e-3
+    with pytest.warns(UserWarning, match="links had to be moved by up to"):
+        rc.Simulation(drive, positions=positions)

@@ -1,0 +1,181 @@
+"""Every joint, force and contact against dense NumPy, at random states."""
+
+import numpy as np
+import pytest
+
+import rustchain as rc
+from reference.mechanism import Reference
+
+STATES = 8
+
+
+def bodies(rng, count):
+    mechanism = rc.Mechanism(gravity=(0.7, -9.81))
+    for k in range(count):
+        mass = rng.uniform(0.5, 2.0)
+        position = (*rng.uniform(-1.0, 1.0, 2), rng.uniform(-3.0, 3.0))
+        mechanism.add_body(f"b{k}", mass, mass * rng.uniform(0.05, 0.3), position)
+    return mechanism
+
+
+def waves(rng):
+    return rc.Sines(rng.uniform(0.1, 1.0, (2, 3)), offset=0.2)
+
+
+def joined(kind, rng):
+    """Three bodies, one of them on a hinge, and a joint of this kind between the others."""
+    m = bodies(rng, 3)
+    point = tuple(rng.uniform(-1.0, 1.0, 2))
+    direction = tuple(rng.normal(size=2))
+    m.add_revolute("hinge", "ground", "b0", at=rng.uniform(-1.0, 1.0, 2))
+    ends = ("b0", "b1")
+    match kind:
+        case "revolute":
+            m.add_revolute("joint", *ends, at=point)
+        case "fixed":
+            m.add_fixed("joint", *ends, at=point)
+        case "prismatic":
+            m.add_prismatic("joint", *ends, direction, at=point)
+        case "point_on_line":
+            m.add_point_on_line("joint", *ends, direction, at=point)
+        case "distance":
+            m.add_distance("joint", *ends, point_a=point, point_b=(0.3, -0.1))
+        case "gear":
+            m.add_gear("joint", *ends, ratio=-1.4)
+        case "planet":
+            m.add_gear("joint", "b1", "b2", ratio=0.6, carrier="b0")
+        case "rack":
+            m.add_rack("joint", *ends, direction, radius=0.4, point_a=point)
+        case "driven angle":
+            angle = m.bodies[1].position[2] - m.bodies[0].position[2]
+            terms = rng.uniform(0.1, 1.0, (2, 3))
+            start = (terms[:, 0] * np.sin(terms[:, 2])).sum()
+            m.add_driver("joint", *ends, angle=rc.Sines(terms, offset=angle - start))
+        case "driven speed":
+            m.add_driver("joint", *ends, speed=waves(rng))
+        case "driven position":
+            m.add_position_driver("joint", *ends, direction, speed=waves(rng), point_b=point)
+    return m
+
+
+def loaded(kind, rng):
+    """Three bodies, two on a common hinge, with a load of this kind."""
+    m = bodies(rng, 3)
+    m.add_revolute("hinge", "b0", "b1", at=rng.uniform(-1.0, 1.0, 2))
+    point, other = rng.uniform(-0.5, 0.5, (2, 2))
+    ends = ("b1", "b2")
+    rows = [(-9.0, 20.0), (-0.1, 3.0), (0.4, -5.0), (9.0, 2.0)]
+    match kind:
+        case "spring":
+            m.add_spring("load", *ends, 30.0, 4.0, point, other, cubic=9.0)
+        case "spring by a table":
+            m.add_spring(
+                "load",
+                *ends,
+                damping=1.0,
+                point_a=point,
+                point_b=other,
+                rest_length=0.5,
+                table=rows,
+            )
+        case "torsion spring":
+            m.add_torsion_spring("load", *ends, 30.0, 4.0, rest_angle=0.3, cubic=2.0)
+        case "force":
+            m.add_force("load", "b2", (3.0, -5.0), point)
+        case "force that follows":
+            m.add_force("load", "b1", (3.0, -5.0), point, follows=True)
+        case "torque":
+            m.add_torque("load", "b2", 7.0, reaction="b0")
+        case "torque by speed":
+            m.add_torque("load", "b2", by_speed=rows, reaction="b1")
+        case "bore":
+            law = rc.HuntCrossley(stiffness=300.0, exponent=1.5, damping=0.1)
+            m.add_clearance_joint("load", *ends, 0.2, 0.19, law, point, other)
+        case "disc":
+            law = rc.LinearContact(stiffness=300.0, damping=2.0)
+            m.add_disc_contact("load", *ends, 1.5, 1.6, law, point, other)
+        case "segment":
+            law = rc.HuntCrossley(stiffness=300.0, exponent=2.0, damping=0.1)
+            line = [(50.0, -3.0), (-50.0, -2.0)]
+            m.add_outline_contact("load", *ends, line, 4.0, law, other, closed=False)
+    return m
+
+
+def compare(mechanism, rng):
+    """Accelerations, reactions and contact forces at states off and on the constraints."""
+    simulation = rc.Simulation(mechanism)
+    reference = Reference(mechanism)
+    placed = np.array([body.position for body in mechanism.bodies])
+    pressed = 0
+    for _ in range(STATES):
+        q = placed + 0.2 * rng.normal(size=placed.shape)
+        v = rng.normal(size=placed.shape)
+        t = rng.uniform(0.0, 2.0)
+        found = simulation.evaluate(q, v, t)
+        acceleration, reactions, forces, condition = reference.solve(q.ravel(), v.ravel(), t)
+        scale = 1.0 + np.abs(acceleration).max() + np.abs(v).max() ** 2
+        # Cauchy's circle of 0.05 s leaves 1e-16 / 0.05^2 of the constraints; the rest is rounding.
+        bound = (1e-12 + 1e-15 * condition) * scale
+        assert np.abs(found.accelerations.ravel() - acceleration).max() < bound
+        weight = reference.mass.max() * (1.0 + np.abs(q).max())
+        assert np.abs(found.joint_reaction - reactions).max() < 20.0 * bound * weight
+        if len(forces):
+            assert np.abs(found.contact_force - forces).max() < 1e-12 * (1.0 + forces.max())
+            pressed += int((forces > 0.0).sum())
+    return pressed
+
+
+@pytest.mark.filterwarnings("ignore:nothing connects", "ignore:.*pressed in by")
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "revolute",
+        "fixed",
+        "prismatic",
+        "point_on_line",
+        "distance",
+        "gear",
+        "planet",
+        "rack",
+        "driven angle",
+        "driven speed",
+        "driven position",
+    ],
+)
+def test_a_joint_of_each_kind_is_that_of_the_reference(kind):
+    rng = np.random.default_rng(11)
+    for _ in range(5):
+        compare(joined(kind, rng), rng)
+
+
+@pytest.mark.filterwarnings("ignore:nothing connects", "ignore:.*pressed in by")
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "spring",
+        "spring by a table",
+        "torsion spring",
+        "force",
+        "force that follows",
+        "torque",
+        "torque by speed",
+    ],
+)
+def test_a_load_of_each_kind_is_that_of_the_reference(kind):
+    rng = np.random.default_rng(12)
+    for _ in range(5):
+        compare(loaded(kind, rng), rng)
+
+
+@pytest.mark.filterwarnings("ignore:nothing connects", "ignore:.*pressed in by")
+@pytest.mark.parametrize("kind", ["bore", "disc", "segment"])
+def test_a_contact_of_each_kind_is_that_of_the_reference(kind):
+    rng, pressed, made = np.random.default_rng(13), 0, 0
+    while made < 5:
+        mechanism = loaded(kind, rng)
+        reference = Reference(mechanism)
+        # The centre of the circle must begin outside the material.
+        if reference.distance(mechanism.contacts[0], reference.placed) > 0.0:
+            made += 1
+            pressed += compare(mechanism, rng)
+    assert pressed > 10
