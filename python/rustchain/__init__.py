@@ -31,6 +31,7 @@ from rustchain.errors import (
     SimulationError,
 )
 from rustchain.force_law import EnhancedCylinder, ForceLaw, Hertz, Johnson, LankaraniNikravesh
+from rustchain.layouts import chain_drive
 from rustchain.mechanism import Mechanism, MechanismReport
 from rustchain.mechanism_parts import (
     HuntCrossley,
@@ -92,6 +93,7 @@ __all__ = [
     "Table",
     "Tensioner",
     "catalogue_chain",
+    "chain_drive",
     "instruction_set",
     "load_result",
     "paper_drive",

@@ -146,10 +146,17 @@ impl Dynamics {
             let bushing = link_levers(1.0, along, v[2 * n + link]);
             let mut levers = [(0, bushing[0]); 4];
             let mut count = 0;
-            sprocket_levers(model, s, from_center, frame.spin, |j, lever: Lever| {
-                levers[count] = (j, lever);
-                count += 1;
-            });
+            sprocket_levers(
+                model,
+                s,
+                frame.center,
+                from_center,
+                frame.spin,
+                |j, lever: Lever| {
+                    levers[count] = (j, lever);
+                    count += 1;
+                },
+            );
             matrix.add_tooth(link, &contact, &bushing, &levers[..count]);
         }
     }

@@ -2,9 +2,13 @@
 
 mod initial;
 mod layout;
+mod many_sprockets;
 mod motion;
+mod strand_motion;
+mod two_sprockets;
 
 pub use initial::Start;
-pub use layout::{Layout, closing_center_distance, links_for};
+pub use layout::{Layout, closing_center_distance, links_for, strand_name};
+pub use many_sprockets::{closing_move, links_around};
 pub use motion::Motion;
 pub(crate) use motion::sprocket_motion;
