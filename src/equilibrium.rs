@@ -27,7 +27,7 @@ const BETWEEN_MEMORIES: u32 = 500;
 const HINGE_SHARE: f64 = 0.2;
 /// How far anything may move in one iteration, in pitches.
 const LARGEST_MOVE: f64 = 0.02;
-/// Unbalanced force that is let stand, over the largest force of a contact or the weight of a link.
+/// Unbalanced force that is let stand, over the largest force of a contact or from outside.
 const TOLERANCE: f64 = 1e-7;
 /// A drive that takes more does not come to rest.
 const MOST_ITERATIONS: u32 = 40_000;
@@ -97,6 +97,16 @@ fn arm(sprocket: &SprocketModel, index: usize) -> f64 {
     }
 }
 
+/// The largest force from outside \[N\]: weight of a link, pull of a tensioner, torque at a pitch radius; a micronewton at least.
+fn applied_force(model: &Model) -> f64 {
+    let heaviest = model.mass.iter().fold(0.0, |a: f64, &b| a.max(b));
+    let outside = model.sprockets.iter().map(|sprocket| {
+        let torque = sprocket.applied_torque(0.0, 0.0) / sprocket.profile.pitch_radius;
+        sprocket.pull(0.0).abs().max(torque.abs())
+    });
+    outside.fold((model.gravity.norm() * heaviest).max(1e-6), f64::max)
+}
+
 struct Settling {
     dynamics: Dynamics,
     places: Places,
@@ -150,12 +160,12 @@ impl Settling {
     fn settle(&mut self) -> Result<f64> {
         let model = self.dynamics.model();
         let coordinates = model.coordinates;
-        let weight = model.gravity.norm() * model.mass.iter().fold(0.0, |a: f64, &b| a.max(b));
+        let applied = applied_force(model);
         let mut gamma = FIRST_GAMMA;
         let mut residual = self.unbalanced();
         let mut step = vec![0.0; coordinates];
         loop {
-            if residual <= TOLERANCE * weight.max(self.largest_force()) {
+            if residual <= TOLERANCE * applied.max(self.largest_force()) {
                 self.places.read(self.dynamics.model(), 0.0, &self.y);
                 return Ok(residual);
             }

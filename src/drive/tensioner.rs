@@ -49,6 +49,8 @@ pub struct TensionerLine {
     pub curvature: f64,
     /// Full pull \[N\].
     pub pull: f64,
+    /// Where the sprocket has taken up the chain's slack \[m\]; `None` where it never does.
+    pub taut_at: Option<f64>,
 }
 
 impl Tensioner {
@@ -132,6 +134,7 @@ impl Tensioner {
                 direction: self.direction.unwrap_or(away).normalize(),
                 curvature: 0.0,
                 pull: 2.0 * self.pretension * (1.0 - sin * sin).max(0.0).sqrt(),
+                taut_at: Some(0.0),
             });
         }
         let line = BeltLine::of(drive)?;
@@ -177,12 +180,14 @@ impl Tensioner {
                 ),
             ));
         }
-        let s = closing_place(drive, &line, number, (direction, curvature)).unwrap_or(0.0);
+        let taut_at = closing_place(drive, &line, number, (direction, curvature));
+        let s = taut_at.unwrap_or(0.0);
         let tight = share_at(drive, &line, number, (direction, curvature), s).unwrap_or(share);
         Ok(TensionerLine {
             direction,
             curvature,
             pull: tight * self.pretension + self.stiffness * s,
+            taut_at,
         })
     }
 }

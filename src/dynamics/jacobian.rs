@@ -203,6 +203,17 @@ impl ChainMatrix {
         }
     }
 
+    /// Adds the tensioner's spring and stops.
+    pub(super) fn add_springs(&mut self, model: &Model, y: &[f64], gamma: f64) {
+        let (first, m) = (3 * model.links, self.border());
+        for sprocket in &model.sprockets {
+            if let Support::Slide { index, guide, .. } = sprocket.support {
+                let j = index - first;
+                self.corner[j * m + j] += gamma * gamma * guide.stiffness_at(y[index]);
+            }
+        }
+    }
+
     /// Adds masses, and the tensioner's dashpot.
     pub(super) fn add_masses(&mut self, model: &Model, gamma: f64) {
         for (i, block) in self.diagonal.iter_mut().enumerate() {

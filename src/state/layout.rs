@@ -82,6 +82,24 @@ pub(super) fn tension_force(drive: &Drive) -> Result<f64> {
     }
 }
 
+/// What keeps the drive's tensioner from the tension that it is asked for.
+fn tensioner_warning(drive: &Drive) -> Option<String> {
+    let tensioner = drive.tensioner.as_ref()?;
+    let line = tensioner.line(drive).ok()?;
+    let way = match line.taut_at {
+        None => "anywhere on its way".to_string(),
+        Some(s) if s > tensioner.travel[1] => format!(
+            "before its stop: it would move by {:.3} mm and can by {:.3} mm",
+            1e3 * s,
+            1e3 * tensioner.travel[1]
+        ),
+        Some(_) => return None,
+    };
+    Some(format!(
+        "the tensioner does not take up the chain's slack {way}"
+    ))
+}
+
 /// The wheel of a sprocket whose seated bushings start `gap` \[m\] off their seats at least.
 pub(super) fn wheel(profile: &ToothProfile, bushing_radius: f64, gap: f64) -> Wheel {
     let on_pitch_circle = Vec2::new(0.0, profile.pitch_radius - profile.seat_center_radius);
@@ -203,6 +221,7 @@ impl Layout {
             }
         }
         self.warn_of_speeds(drive, &mut warnings);
+        warnings.extend(tensioner_warning(drive));
         self.warnings = warnings;
     }
 

@@ -9,14 +9,14 @@ use super::layout::{
 use crate::drive::{BeltLine, Drive};
 use crate::error::{Error, Result};
 use crate::geometry::polygon::{Course, PlacedWheel, Polygon, bow_angle};
-use crate::geometry::{ToothProfile, Vec2, turned_left};
+use crate::geometry::{ToothProfile, turned_left};
 
 /// Share of the hinge clearance below which a stretched chain counts as taut.
 const TAUT_STRETCH: f64 = 0.02;
 /// Largest angle of a slack strand's bow at its ends \[rad\].
 const LARGEST_BOW: f64 = 0.45 * PI;
 /// How many places of the first seat are tried within a pitch.
-const SHIFTS: u32 = 48;
+pub(super) const SHIFTS: u32 = 48;
 
 /// A drive and its belt line.
 pub(super) struct Around<'a> {
@@ -49,7 +49,7 @@ impl<'a> Around<'a> {
     }
 
     /// Wheels in the order of the chain, seated bushings `gap` \[m\] off their seats at least.
-    fn course(&self, gap: f64) -> Option<Course> {
+    pub(super) fn course(&self, gap: f64) -> Option<Course> {
         let chain = &self.drive.chain;
         let placed = |&i: &usize| PlacedWheel {
             wheel: wheel(&self.profiles[i], chain.bushing_radius, gap),
@@ -62,7 +62,7 @@ impl<'a> Around<'a> {
 
     /// Strands, the one that should take the slack first: the one that gravity pulls outward most; without gravity, the one that
     /// leaves the driver.
-    fn slack_strands(&self) -> Vec<usize> {
+    pub(super) fn slack_strands(&self) -> Vec<usize> {
         let n = self.line.order.len();
         let driver = (0..n)
             .find(|&i| given_speed(self.drive, i).is_some())
@@ -286,116 +286,4 @@ impl<'a> Around<'a> {
         layout.warn(drive);
         Ok(layout)
     }
-}
-
-/// Where the centre of sprocket `moved` has to be, along `direction` from where it is, for the drive's chain to be taut:
-/// the distance to move \[m\], to be searched within `reach` \[m\] either way.
-///
-/// # Errors
-/// When the chain is too short or too long for that, with the lengths at both ends.
-pub fn closing_move(drive: &Drive, moved: usize, direction: Vec2, reach: f64) -> Result<f64> {
-    let along = direction.normalize();
-    let at = |s: f64| {
-        let mut there = drive.clone();
-        there.sprockets[moved].center += s * along;
-        there
-    };
-    let links = f64::from(drive.chain.links);
-    let pitches = |s: f64| BeltLine::of(&at(s)).map(|line| line.pitches(drive));
-    // The nearest place where the belt line is as long as the chain, in steps of half a pitch to both sides.
-    let step = 0.5 * drive.chain.pitch;
-    let spare = |s: f64| pitches(s).ok().map(|needed| links - needed);
-    let here = links - pitches(0.0)?;
-    let mut bracket = (here == 0.0).then_some((0.0, 0.0));
-    let mut fronts = [Some((0.0, here)); 2];
-    let mut ends = [(0.0, here); 2];
-    let mut steps = 0;
-    while bracket.is_none() && fronts.iter().any(Option::is_some) {
-        steps += 1;
-        for (side, front) in fronts.iter_mut().enumerate() {
-            let Some((from, _)) = *front else { continue };
-            let to = (1.0 - 2.0 * side as f64) * f64::from(steps) * step;
-            *front = spare(to)
-                .filter(|_| to.abs() <= reach)
-                .map(|spare| (to, spare));
-            let Some((_, there)) = *front else { continue };
-            ends[side] = (to, there);
-            if there * here <= 0.0 && bracket.is_none() {
-                bracket = Some((from, to));
-            }
-        }
-    }
-    let Some((mut low, mut high)) = bracket else {
-        return Err(Error::Impossible(format!(
-            "no place of sprocket {} along ({:.4}, {:.4}) suits {} links: from {:.3} mm to {:.3} mm along it a taut chain has \
-             {:.3} to {:.3} pitches, {:.3} where it is",
-            moved + 1,
-            along.x,
-            along.y,
-            drive.chain.links,
-            1e3 * ends[1].0,
-            1e3 * ends[0].0,
-            links - ends[1].1,
-            links - ends[0].1,
-            links - here
-        )));
-    };
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        match spare(middle) {
-            Some(there) if there * here > 0.0 => low = middle,
-            _ => high = middle,
-        }
-    }
-    let belt_place = 0.5 * (low + high);
-    let closing = closing_polygon(&at, belt_place, drive);
-    Ok(closing.unwrap_or(belt_place))
-}
-
-/// The move near `belt_place` at which the best polygon is taut to rounding.
-fn closing_polygon(at: &impl Fn(f64) -> Drive, belt_place: f64, drive: &Drive) -> Option<f64> {
-    let there = at(belt_place);
-    let around = Around::new(&there).ok()?;
-    let slack = around.slack_strands()[0];
-    let shift = |i: u32| f64::from(i) / f64::from(SHIFTS) - 0.5;
-    // A twentieth of a pitch of spare chain, so that every split of the pitches is allowed.
-    let course = around.course(0.0)?;
-    let mut best: Option<(f64, f64)> = None;
-    for i in 0..SHIFTS {
-        let Some(off) = course.off_tangent(slack, shift(i)) else {
-            continue;
-        };
-        if best.is_none_or(|(least, _)| off < least) {
-            best = Some((off, shift(i)));
-        }
-    }
-    let (_, shift) = best?;
-    let spare = |s: f64| {
-        let there = at(s);
-        Around::new(&there).ok()?.course(0.0)?.spare(slack, shift)
-    };
-    let step = 0.02 * drive.chain.pitch;
-    let (mut a, mut b) = (belt_place, belt_place + 0.01 * step);
-    let (mut f, mut g) = (spare(a)?, spare(b)?);
-    for _ in 0..60 {
-        if (g - f).abs() < 1e-300 || a == b {
-            break;
-        }
-        let next = (b - g * (b - a) / (g - f)).clamp(b - step, b + step);
-        (a, f) = (b, g);
-        b = next;
-        g = spare(b)?;
-        if g == 0.0 {
-            break;
-        }
-    }
-    (g.abs() < 1e-12).then_some(b)
-}
-
-/// Smallest even number of links that closes round the sprockets of `drive` where they are.
-///
-/// # Errors
-/// When no chain can be laid.
-pub fn links_around(drive: &Drive) -> Result<u32> {
-    Ok(Around::new(drive)?.links_that_close())
 }

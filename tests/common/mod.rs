@@ -3,6 +3,7 @@
 // Every test binary compiles this file anew and uses a part of it.
 #![allow(dead_code, unreachable_pub)]
 
+pub mod layouts;
 pub mod scenes;
 pub mod twins;
 

@@ -101,7 +101,7 @@ def test_strands_have_names_numbers_and_a_tension():
     assert np.array_equal(result.strand(3).tension, result.strand("3-4").tension)
     assert result.arrays["strand_tension"].shape == (5, 4)
     assert result.sprocket(4).speed[0] < 0.0
-    with pytest.raises(rc.InvalidInput, match="1-2"):
+    with pytest.raises(rc.InvalidInput, match="did you mean '2-3'"):
         result.strand("1-3")
     with pytest.raises(IndexError):
         result.strand(5)
