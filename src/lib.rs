@@ -14,6 +14,7 @@ pub mod contact;
 pub mod drive;
 pub mod dynamics;
 pub mod ensemble;
+mod equilibrium;
 mod error;
 pub mod force_law;
 pub mod geometry;
@@ -30,6 +31,7 @@ pub mod vector;
 mod python;
 
 pub use drive::Drive;
+pub use equilibrium::Equilibrium;
 pub use error::{Error, Result};
 pub use model::{ForceLaws, Model};
 pub use recorder::{Channel, Groups, Recording, Values};

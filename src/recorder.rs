@@ -1,5 +1,7 @@
 //! Chosen channels at the report times.
 
+mod strands;
+
 use crate::contact::ToothContacts;
 use crate::dynamics::{Dynamics, Energy, Needs, Want};
 use crate::geometry::Vec2;
@@ -101,7 +103,7 @@ impl Recorder {
             add("hinge_force_vector", &[n, 2], false);
             add("hinge_penetration", &[n], false);
             add("hinge_eccentricity", &[n, 2], false);
-            add("strand_tension", &[2], false);
+            add("strand_tension", &[s], false);
             add("peak_hinge_force", &[n], false);
             add("peak_hinge_impulse", &[n], false);
         }
@@ -252,10 +254,14 @@ impl Recorder {
             let sprockets = model.links..model.bodies();
             row.real(dynamics.motion.angle[sprockets.clone()].iter().copied());
             row.real(dynamics.motion.spin[sprockets.clone()].iter().copied());
-            row.real(
-                (0..model.sprockets.len())
-                    .map(|s| dynamics.accelerations.shaft_torque(model, s, t)),
-            );
+            row.real((0..model.sprockets.len()).map(|s| {
+                dynamics.accelerations.shaft_torque(
+                    model,
+                    s,
+                    t,
+                    dynamics.motion.spin[model.links + s],
+                )
+            }));
             row.real(sprockets.flat_map(|body| [dynamics.motion.x[body], dynamics.motion.y[body]]));
         }
         if groups.bodies {
@@ -303,12 +309,16 @@ fn write_hinges(row: &mut Row, dynamics: &Dynamics) {
     row.real((0..n).flat_map(|k| <[f64; 2]>::from(hinges.force_on_pin(k))));
     row.real(hinges.penetration.iter().copied());
     row.real((0..n).flat_map(|k| <[f64; 2]>::from(hinges.eccentricity(k))));
-    row.real(strand_tensions(dynamics));
+    if dynamics.model().sprockets.len() == 2 {
+        row.real(two_strand_tensions(dynamics));
+    } else {
+        row.real(strands::tensions(dynamics));
+    }
 }
 
 /// Mean pull along the chain of the hinges between the two sprockets: upper strand (left of the line from the first to the
 /// second centre), lower strand \[N\].
-fn strand_tensions(dynamics: &Dynamics) -> [f64; 2] {
+fn two_strand_tensions(dynamics: &Dynamics) -> [f64; 2] {
     let (model, motion, hinges) = (dynamics.model(), &dynamics.motion, &dynamics.hinges);
     let n = model.links;
     let center = |s: usize| Vec2::new(motion.x[n + s], motion.y[n + s]);

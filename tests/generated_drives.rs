@@ -11,6 +11,7 @@ use proptest::test_runner::RngSeed;
 use rustchain::drive::{
     AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Link, Material, Motion, Sprocket,
 };
+use rustchain::geometry::belt::Side;
 use rustchain::geometry::{Seat, ToothProfile, Vec2, turned_left, unit};
 use rustchain::state::{Layout, Start, closing_center_distance, links_for};
 use rustchain::{Error, ForceLaws, Simulation};
@@ -116,6 +117,8 @@ impl Choice {
             inertia: None,
             initial_speed: None,
             bearing: Bearing::Fixed,
+            side: Side::Inside,
+            load_inertia: 0.0,
         };
         Drive {
             sprockets: vec![
@@ -196,10 +199,7 @@ fn assert_good(choice: &Choice, drive: &Drive, loose: f64) {
             k + 1
         );
         // A link between two seats of one sprocket turns with it.
-        if let (Some(s), true) = (
-            layout.path.seat_of[k],
-            layout.path.seat_of[k] == layout.path.seat_of[next],
-        ) {
+        if let (Some(s), true) = (layout.seat_of[k], layout.seat_of[k] == layout.seat_of[next]) {
             let spin = start.velocities[next][2];
             assert!((spin - spins[s]).abs() <= 1e-9 * spins[s].abs());
             let with_sprocket = spins[s] * turned_left(rear - drive.sprockets[s].center);

@@ -43,6 +43,7 @@ from rustchain.force_law import (
     Radzimovsky,
     restitution_obtained,
 )
+from rustchain.layouts import chain_drive
 from rustchain.mechanism import Mechanism
 from rustchain.mechanism_parts import (
     HuntCrossley,
@@ -110,6 +111,7 @@ __all__ = [
     "Table",
     "Tensioner",
     "catalogue_chain",
+    "chain_drive",
     "instruction_set",
     "load_result",
     "paper_drive",

@@ -187,11 +187,15 @@ def _paths(description: type[Description]) -> Iterator[str]:
         yield from (f"{field.name}.{path}" for path in inside)
 
 
+_MOST_SPROCKETS = 16  # whose fields have names
+
+
 def _inside(hint: Any) -> Iterator[str]:  # noqa: ANN401
     """Yield the dotted names of what lies within a value of this type; a table is taken whole."""
     if isinstance(hint, type) and issubclass(hint, Description):
         yield from _paths(hint)
     elif get_origin(hint) is tuple or get_args(hint) == (Sprocket,):
-        for place in ("0", "1"):  # two coordinates, two sprockets
+        count = 2 if get_origin(hint) is tuple else _MOST_SPROCKETS  # of coordinates, of sprockets
+        for place in map(str, range(count)):
             yield place
             yield from (f"{place}.{path}" for path in _inside(get_args(hint)[0]))

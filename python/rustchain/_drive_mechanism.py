@@ -86,14 +86,14 @@ def _add_sprocket(
     disc = _STEEL_DENSITY * math.pi * radius**2 * chain.tooth_contact_length
     mass = disc if sprocket.mass is None else sprocket.mass
     inertia = 0.5 * mass * radius**2 if sprocket.inertia is None else sprocket.inertia
+    inertia += sprocket.load_inertia
     row = chain.links + k
     position = start[0][row]
     mechanism.add_body(name, mass, inertia, position, start[1][row])
     center = (float(position[0]), float(position[1]))
     tensioner = drive.tensioner
     if tensioner is not None and tensioner.sprocket == k + 1:
-        other = drive.sprockets[1 - k].center
-        x, y = tensioner.direction or (center[0] - other[0], center[1] - other[1])
+        x, y = _direction_of_pull(drive, k)
         x, y = x / math.hypot(x, y), y / math.hypot(x, y)
         pull = drive.check().tension_force
         ramp = [Table([(0.0, 0.0), (tensioner.ramp_time, pull * part)]) for part in (x, y)]
@@ -110,7 +110,33 @@ def _add_sprocket(
         speed = _function(sprocket.motion.speed)
         mechanism.add_driver(f"motor_{k + 1}", GROUND, name, speed=speed)
     elif isinstance(sprocket.motion, AppliedTorque):
+        if sprocket.motion.curve is not None:
+            msg = (
+                "AppliedTorque.curve: a curve over speed is not translated into a mechanism; leave "
+                "it out and add a torque to it"
+            )
+            raise InvalidInput(msg)
         mechanism.add_torque(f"motor_{k + 1}", name, _function(sprocket.motion.torque))
+
+
+def _direction_of_pull(drive: ChainDrive, k: int) -> tuple[float, float]:
+    """Return the direction of the tensioner's pull on sprocket `k`, of any length."""
+    tensioner = drive.tensioner
+    if tensioner is None or any(
+        (tensioner.pivot, tensioner.stiffness, tensioner.travel, tensioner.damping_back)
+    ):
+        msg = (
+            "Tensioner: a pivot, a stiffness, stops or a leak do not go into a mechanism; leave "
+            "them out and add joints and springs to it"
+        )
+        raise InvalidInput(msg)
+    if tensioner.direction is not None:
+        return tensioner.direction
+    if len(drive.sprockets) > 2:
+        msg = "Tensioner.direction = None: a mechanism of more than two sprockets needs one"
+        raise InvalidInput(msg)
+    (x, y), (other_x, other_y) = drive.sprockets[k].center, drive.sprockets[1 - k].center
+    return x - other_x, y - other_y
 
 
 def _function(value: object) -> TimeFunction:

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from rustchain import _rustchain
 from rustchain._drive_mechanism import drive_mechanism
 from rustchain.drive import AppliedTorque, ChainDrive, PrescribedSpeed
+from rustchain.errors import InvalidInput
 from rustchain.force_law import ForceLaw
 from rustchain.result import Array
 from rustchain.simulation import Solver
@@ -43,6 +44,12 @@ class IdealHingeCore:
         velocities: Array | None,
     ) -> None:
         del hinge_law  # there is no contact in the hinges
+        if len(drive.sprockets) > 2:
+            msg = (
+                f"ChainDrive.hinges = 'ideal': {len(drive.sprockets)} sprockets; ideal hinges go "
+                "with two, take 'clearance' or ChainDrive.to_mechanism(hinges='ideal')"
+            )
+            raise InvalidInput(msg)
         law = force_law if tooth_law is None else tooth_law
         mechanism = drive_mechanism(
             drive, "ideal", law, min_approach_speed, (positions, velocities)

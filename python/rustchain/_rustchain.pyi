@@ -20,13 +20,18 @@ __all__ = [
     "InvalidInput",
     "MechanismCore",
     "SimulationError",
+    "bisector",
     "closing_center_distance",
+    "closing_move",
     "instruction_set",
     "integrate",
     "law_force",
     "layout",
+    "links_around",
     "links_for",
     "restitution_obtained",
+    "static_start",
+    "strand_names",
     "tooth_outline",
     "validate",
 ]
@@ -56,6 +61,29 @@ def instruction_set() -> Literal["avx512", "avx2", "neon", "plain"]:
 
 def layout(drive: ChainDrive) -> dict[str, Any]:
     """Return the fields of a DriveReport."""
+
+def static_start(
+    drive: ChainDrive,
+    force_law: ForceLaw,
+    hinge_law: ForceLaw | None,
+    tooth_law: ForceLaw | None,
+    min_approach_speed: float,
+) -> dict[str, Any]:
+    """Return positions and velocities of a chain at rest, and how well it rests."""
+
+def strand_names(drive: ChainDrive) -> list[str]:
+    """Return the names of the strands, in the order of arrays over strands."""
+
+def links_around(drive: ChainDrive) -> int:
+    """Return the smallest even number of links that closes round the sprockets where they are."""
+
+def bisector(drive: ChainDrive, number: int) -> tuple[float, float]:
+    """Return the unit vector along which a sprocket tightens both strands beside it alike."""
+
+def closing_move(
+    drive: ChainDrive, number: int, direction: tuple[float, float], reach: float
+) -> float:
+    """Return how far [m] sprocket `number` moves along `direction` until the chain is taut."""
 
 def closing_center_distance(pitch: float, teeth: tuple[int, int], links: int) -> float:
     """Return the centre distance [m] at which both strands are taut and straight."""

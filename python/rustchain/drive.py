@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 Point: TypeAlias = tuple[float, float]
 Seat = Literal["bottom-diameter", "pitch-circle"]
 Hinges = Literal["clearance", "ideal"]
+Side = Literal["inside", "outside"]
 TimeTable: TypeAlias = float | Sequence[Sequence[float]]
 """A constant, or rows (time [s], value): linear between the rows, constant outside them."""
 
@@ -159,9 +160,13 @@ class AppliedTorque(Description):
     ----------
     torque : float or table of (time, torque)
         Torque [N m], counterclockwise positive.
+    curve : table of (speed, torque), optional
+        Torque that the sprocket's own speed [rad/s] adds: a motor's or a load's curve, linear
+        between the rows and constant outside them.
     """
 
-    torque: TimeTable
+    torque: TimeTable = 0.0
+    curve: TimeTable | None = None
 
 
 @known_keywords
@@ -192,6 +197,11 @@ class Sprocket(Description):
         Speed at the start [rad/s]; by default what the motion prescribes or the chain carries over.
     bearing : {"fixed", "floating"}
         Whether the centre is held.
+    side : {"inside", "outside"}
+        On which side of the chain's loop it stands: a sprocket outside is a reverse idler, which
+        presses the chain inward and turns against the driver.
+    load_inertia : float
+        Moment of inertia of all that turns with it [kg m^2]: shaft, load, motor.
     """
 
     teeth: int
@@ -202,25 +212,42 @@ class Sprocket(Description):
     inertia: float | None = None
     initial_speed: float | None = None
     bearing: Literal["fixed", "floating"] = "fixed"
+    side: Side = "inside"
+    load_inertia: float = 0.0
 
 
 @known_keywords
 @dataclass(frozen=True)
 class Tensioner(Description):
-    """A pull on a sprocket's centre, which slides along one direction.
+    """A pull on a sprocket's centre, which slides along one direction or swings about a pivot.
 
     Attributes
     ----------
     pretension : float
-        Tension that the pull gives each strand at rest [N].
+        Tension that the pull gives the strands at rest [N], where the sprocket has taken up the
+        chain's slack.
     sprocket : int
         Number of the sprocket, from 1.
     ramp_time : float
         Time over which the pull grows from zero [s].
     damping : float
         Damping of the slide [N s/m].
+    damping_back : float, optional
+        Damping while the centre gives way to the chain [N s/m], by default the same: a hydraulic
+        tensioner follows the chain through its check valve and gives way by its leak.
     direction : (float, float), optional
-        Direction of the pull; by default away from the other sprocket.
+        Direction of the pull; by default away from the other one of two sprockets, and along the
+        bisector that tightens both strands alike of more.
+    stiffness : float
+        How much of the pull is lost as the centre moves along it [N/m]: a spring's stiffness.
+    travel : (float, float), optional
+        How far the centre can move against the pull and along it [m], where stops of 1e7 N/m are
+        (0 for the first: the sprocket cannot give way); by default there are none.
+    pivot : (float, float), optional
+        Where the arm turns that carries the sprocket [m]; by default the sprocket slides. Lengths,
+        stiffness and damping then count along the circle of the centre.
+    arm_inertia : float
+        Moment of inertia of the arm about its pivot, without the sprocket [kg m^2].
     """
 
     pretension: float
@@ -228,19 +255,25 @@ class Tensioner(Description):
     ramp_time: float = 0.1
     damping: float = 2000.0
     direction: Point | None = None
+    stiffness: float = 0.0
+    travel: tuple[float, float] | None = None
+    pivot: Point | None = None
+    arm_inertia: float = 0.0
+    damping_back: float | None = None
 
 
 @known_keywords
 @dataclass(frozen=True)
 class ChainDrive(Description):
-    """A chain round two sprockets.
+    """A chain round two sprockets or more.
 
     Attributes
     ----------
     chain : Chain
         The chain.
     sprockets : sequence of Sprocket
-        The driver first.
+        In the order in which the chain meets them, one way round or the other; the driver first by
+        custom.
     tensioner : Tensioner, optional
         Without one, the centres stay where they are.
     gravity : (float, float)

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.typing import ColorType
 
 BLUE, ORANGE, GREEN, RED, GREY = "#0b64a0", "#d9730d", "#2a8f5b", "#b8323a", "#7a7f87"
+_CYCLE = (BLUE, ORANGE, GREEN, RED, "#7d5ba6", "#8c6d1f", "#1d9a9a", "#c2608f")
 _INNER, _OUTER, _STEEL, _INK = "#5b8fb9", "#f0b35a", "#d5dae0", "#3b4048"
 _STYLE: dict[str, Any] = {
     "font.size": 9.0,
@@ -95,7 +96,7 @@ class Plots:
             )
             for rows, sprocket, tooth in _visits(view, window):
                 time, force = view.time[rows], view.tooth_force[rows]
-                color = (BLUE, ORANGE)[(sprocket - 1) % 2]
+                color = _CYCLE[(sprocket - 1) % len(_CYCLE)]
                 axes.plot(time, force, color=color, label=f"sprocket {sprocket}")
                 axes.annotate(
                     f"tooth {tooth}",
@@ -164,11 +165,11 @@ class Plots:
     @known_keywords
     @_styled
     def tension(self, *, start: float | None = None, end: float | None = None) -> Figure:
-        """Draw the tension of both strands over time, and the pretension if there is one."""
+        """Draw the tension of all strands over time, and the pretension if there is one."""
         rows = self._rows(start, end)
         figure, (axes,) = _panels(1, "time [s]", "strand tension [N]", size=(7.0, 2.8))
-        for name, color in (("upper", BLUE), ("lower", ORANGE)):
-            strand = self.result.strand(name)
+        for k, name in enumerate(self.result.strand_names):
+            strand, color = self.result.strand(name), _CYCLE[k % len(_CYCLE)]
             axes.plot(strand.time[rows], strand.tension[rows], color=color, label=f"{name} strand")
         tensioner = self.result.drive.tensioner
         if tensioner is not None:
@@ -232,7 +233,12 @@ class Plots:
         for radius, face in ((chain.bushing_radius, "none"), (chain.hinge.pin_radius, "white")):
             _add_polygons(axes, hinges[:, None] + _circle(radius), face, _INK)
         for number in (1, *range(6, chain.links + 1, 5)):
-            x, y = _outside(hinges[number - 1], wheels[:, :2], chain.pitch)
+            here = hinges[number - 1]
+            if len(wheels) == 2:
+                x, y = _outside(here, wheels[:, :2], chain.pitch)
+            else:  # to the right of the chain, which runs counterclockwise
+                along = hinges[number % chain.links] - hinges[number - 2]
+                x, y = here + chain.pitch * np.array([along[1], -along[0]]) / np.hypot(*along)
             axes.text(x, y, str(number), fontsize=7.5, ha="center", va="center")
 
         axes.set(aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]))

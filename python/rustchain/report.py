@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import degrees
 from typing import TYPE_CHECKING, TypeAlias
@@ -12,15 +13,16 @@ from rustchain._description import plain
 if TYPE_CHECKING:
     from rustchain.drive import ChainDrive
 
-Pair: TypeAlias = tuple[float, float]
+Numbers: TypeAlias = tuple[float, ...]
 
 
 @dataclass(frozen=True)
 class DriveReport:
     """How a chain lies round its sprockets at the start; ``print(report)`` shows it as a table.
 
-    Pairs belong to sprockets 1 and 2, or to the upper strand (left of the line from sprocket 1 to
-    sprocket 2) and the lower one.
+    Tuples have an entry for each sprocket as listed, or for each strand. Two sprockets have the
+    strands "upper" (left of the line from sprocket 1 to sprocket 2) and "lower"; of more, strand
+    "1-3" leads from sprocket 1 to sprocket 3.
 
     Attributes
     ----------
@@ -28,28 +30,43 @@ class DriveReport:
         Number of links.
     pitch : float
         Pitch of the chain [m].
-    teeth : (int, int)
+    belt_pitches : float
+        Length of a taut chain along the belt line on the pitch circles, in pitches.
+    order : tuple of int
+        Sprockets in the order in which the chain meets them, counterclockwise.
+    teeth : tuple of int
         Numbers of teeth.
-    center_distance, closing_center_distance : float
-        Distance of the centres, and the one at which the strands are taut and straight [m].
-    pitch_radius : (float, float)
+    sides : tuple of str
+        On which side of the chain each sprocket stands.
+    center_distance, closing_center_distance : float, optional
+        Distance of the centres of two sprockets, and the one at which the strands are taut and
+        straight [m].
+    pitch_radius : tuple of float
         Pitch radii [m].
-    wrap_pitches : (int, int)
+    wrap_pitches : tuple of int
         Pitches seated on each sprocket.
-    wrap_angle, first_seat_angle, phase : (float, float)
-        Angle of wrap, of the first seated hinge, and of the sprocket at the start [rad].
-    strand_pitches : (int, int)
+    wrap_angle, belt_wrap_angle : tuple of float
+        Angle that the seated pitches and that the belt line wraps [rad].
+    first_seat_angle, phase : tuple of float
+        Angle of the first seated hinge (from the line of centres of two sprockets) and of the
+        sprocket at the start [rad].
+    initial_speed : tuple of float
+        Angular speed at the start [rad/s].
+    speed_ratios : tuple of float
+        Mean speed of each sprocket over that of sprocket 1.
+    strands : tuple of str
+        Names of the strands.
+    strand_pitches : tuple of int
         Pitches in each strand.
-    strand_slack : (float, float)
-        Length of each strand over the straight line [m]; negative: stretched into the clearance.
-    sag : (float, float)
+    strand_span, strand_slack : tuple of float
+        Straight distance between the ends of each strand, and its length over that [m]; negative:
+        stretched into the clearance.
+    sag : tuple of float
         Rise of each strand's arc over its chord [m].
     hinge_stretch : float
         Eccentricity of the strand hinges at the start [m].
     start_gap : float
         Smallest gap of all contacts at the start [m].
-    speed_ratio : float
-        Speed of sprocket 2 over that of sprocket 1.
     tension_force : float
         Full pull of the tensioner on its sprocket [N].
     warnings : tuple of str
@@ -58,20 +75,27 @@ class DriveReport:
 
     links: int
     pitch: float
-    teeth: tuple[int, int]
-    center_distance: float
-    closing_center_distance: float
-    pitch_radius: Pair
-    wrap_pitches: tuple[int, int]
-    wrap_angle: Pair
-    first_seat_angle: Pair
-    phase: Pair
-    strand_pitches: tuple[int, int]
-    strand_slack: Pair
-    sag: Pair
+    belt_pitches: float
+    order: tuple[int, ...]
+    teeth: tuple[int, ...]
+    sides: tuple[str, ...]
+    center_distance: float | None
+    closing_center_distance: float | None
+    pitch_radius: Numbers
+    wrap_pitches: tuple[int, ...]
+    wrap_angle: Numbers
+    belt_wrap_angle: Numbers
+    first_seat_angle: Numbers
+    phase: Numbers
+    initial_speed: Numbers
+    speed_ratios: Numbers
+    strands: tuple[str, ...]
+    strand_pitches: tuple[int, ...]
+    strand_span: Numbers
+    strand_slack: Numbers
+    sag: Numbers
     hinge_stretch: float
     start_gap: float
-    speed_ratio: float
     tension_force: float
     warnings: tuple[str, ...]
 
@@ -80,39 +104,61 @@ class DriveReport:
         """Return the report on `drive`."""
         return cls(**{name: plain(value) for name, value in _rustchain.layout(drive).items()})
 
+    @property
+    def speed_ratio(self) -> float:
+        """Mean speed of sprocket 2 over that of sprocket 1."""
+        return self.speed_ratios[1]
+
     def __str__(self) -> str:
         """Return the report as a table, lengths in mm and angles in degrees."""
-        rows = (
+        spare = self.links - self.belt_pitches
+        rows = [
             ("chain", f"{self.links} links of {1e3 * self.pitch:.4f} mm"),
-            ("centre distance", f"{1e3 * self.center_distance:.6f} mm"),
-            ("  taut and straight at", f"{1e3 * self.closing_center_distance:.6f} mm"),
-            ("speed ratio", f"{self.speed_ratio:.6f}"),
+            (
+                "  taut",
+                f"{self.belt_pitches:.4f} pitches; {1e3 * spare * self.pitch:.3f} mm to spare",
+            ),
+        ]
+        if self.center_distance is not None:
+            rows.append(("centre distance", f"{1e3 * self.center_distance:.6f} mm"))
+        if self.closing_center_distance is not None:
+            rows.append(("  taut and straight at", f"{1e3 * self.closing_center_distance:.6f} mm"))
+        if len(self.teeth) > 2:
+            rows.append(("order along the chain", ", ".join(map(str, self.order))))
+        percent = [100.0 * sag / span for sag, span in zip(self.sag, self.strand_span, strict=True)]
+        rows += [
             ("hinge stretch", f"{1e6 * self.hinge_stretch:.3f} um"),
             ("smallest gap at the start", f"{1e6 * self.start_gap:.3f} um"),
             ("tensioner's pull", f"{self.tension_force:.3f} N"),
             ("", ""),
-            _row("", "sprocket 1", "sprocket 2"),
-            _row("teeth", *self.teeth),
-            _row("pitch radius [mm]", *_scaled(self.pitch_radius, 1e3, ".4f")),
-            _row("pitches seated", *self.wrap_pitches),
-            _row("angle of wrap [deg]", *_scaled(self.wrap_angle, degrees(1), ".3f")),
-            _row("first seat at [deg]", *_scaled(self.first_seat_angle, degrees(1), ".6f")),
-            _row("phase [deg]", *_scaled(self.phase, degrees(1), ".6f")),
+            _row("sprocket", range(1, len(self.teeth) + 1)),
+            _row("teeth", self.teeth),
+            _row("side of the chain", self.sides),
+            _row("pitch radius [mm]", _scaled(self.pitch_radius, 1e3, ".4f")),
+            _row("speed ratio", _scaled(self.speed_ratios, 1.0, ".6f")),
+            _row("speed [rad/s]", _scaled(self.initial_speed, 1.0, ".4f")),
+            _row("pitches seated", self.wrap_pitches),
+            _row("wrap of these [deg]", _scaled(self.wrap_angle, degrees(1), ".3f")),
+            _row("wrap of the belt [deg]", _scaled(self.belt_wrap_angle, degrees(1), ".3f")),
+            _row("first seat at [deg]", _scaled(self.first_seat_angle, degrees(1), ".6f")),
+            _row("phase [deg]", _scaled(self.phase, degrees(1), ".6f")),
             ("", ""),
-            _row("", "upper strand", "lower strand"),
-            _row("pitches", *self.strand_pitches),
-            _row("slack [um]", *_scaled(self.strand_slack, 1e6, ".3f")),
-            _row("sag [mm]", *_scaled(self.sag, 1e3, ".4f")),
-        )
+            _row("strand", self.strands),
+            _row("pitches", self.strand_pitches),
+            _row("span [mm]", _scaled(self.strand_span, 1e3, ".4f")),
+            _row("slack [um]", _scaled(self.strand_slack, 1e6, ".3f")),
+            _row("sag [mm]", _scaled(self.sag, 1e3, ".4f")),
+            _row("sag [% of span]", _scaled(tuple(percent), 1.0, ".2f")),
+        ]
         table = (f"{label:<26}{value}".rstrip() for label, value in rows)
         return "\n".join([*table, *(f"warning: {warning}" for warning in self.warnings)])
 
 
-def _row(label: str, first: object, second: object) -> tuple[str, str]:
-    """Return a row of two columns."""
-    return label, f"{first!s:>14}{second!s:>14}"
+def _row(label: str, values: Iterable[object]) -> tuple[str, str]:
+    """Return a row of columns."""
+    return label, "".join(f"{value!s:>14}" for value in values)
 
 
-def _scaled(pair: Pair, factor: float, form: str) -> list[str]:
-    """Return both numbers in another unit, as text."""
-    return [format(factor * value, form) for value in pair]
+def _scaled(values: Numbers, factor: float, form: str) -> list[str]:
+    """Return numbers in another unit, as text."""
+    return [format(factor * value, form) for value in values]

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from rustchain import _rustchain
 from rustchain._description import Description
 from rustchain._names import known_keywords, suggest
 from rustchain.drive import ChainDrive
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
 Array: TypeAlias = npt.NDArray[np.float64]
 IntArray: TypeAlias = npt.NDArray[np.int32]
 Status = Literal["finished", "interrupted", "failed"]
-
-_STRANDS = ("upper", "lower")
 
 
 class _Variable(NamedTuple):
@@ -138,7 +137,7 @@ class Bushing:
 
 @dataclass(frozen=True, eq=False)
 class Strand:
-    """One strand over time: "upper" lies left of the line from sprocket 1 to sprocket 2.
+    """One strand over time.
 
     Attributes
     ----------
@@ -314,12 +313,26 @@ class Result:
         names = ("force", "penetration", "sprocket", "index", "region")
         return Bushing(self.time, *(self.array(f"tooth_{name}")[:, k] for name in names))
 
-    def strand(self, name: str) -> Strand:
-        """Return the strand "upper" (left of the line from sprocket 1 to 2) or "lower"."""
-        if name not in _STRANDS:
-            msg = f"strand: {name!r} is no strand; {suggest(name, _STRANDS)}"
+    @property
+    def strand_names(self) -> tuple[str, ...]:
+        """Names of the strands, in the order of arrays.
+
+        Two sprockets have "upper" (left of the line from sprocket 1 to 2) and "lower"; of more,
+        "1-3" leads from sprocket 1 to sprocket 3.
+        """
+        return tuple(_rustchain.strand_names(self.drive))
+
+    def strand(self, name: str | int) -> Strand:
+        """Return a strand by its name in `strand_names` or by its number there, from 1."""
+        names = self.strand_names
+        if not isinstance(name, str):
+            k = _position("strand", name, len(names))
+        elif name in names:
+            k = names.index(name)
+        else:
+            msg = f"strand: {name!r} is no strand; {suggest(name, names)}"
             raise InvalidInput(msg)
-        return Strand(self.time, self.array("strand_tension")[:, _STRANDS.index(name)])
+        return Strand(self.time, self.array("strand_tension")[:, k])
 
     def sprocket(self, number: int) -> SprocketMotion:
         """Return sprocket `number`; 1 is the driver."""
@@ -354,7 +367,7 @@ class Result:
             "hinge": np.arange(1, self.drive.chain.links + 1),
             "bushing": np.arange(1, self.drive.chain.links + 1),
             "sprocket": np.arange(1, len(self.drive.sprockets) + 1),
-            "strand": list(_STRANDS),
+            "strand": list(self.strand_names),
             "axis": ["x", "y"],
             "body": list(self.body_names),
             "coordinate": ["x", "y", "theta"],

@@ -5,7 +5,7 @@ from __future__ import annotations
 import reprlib
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NoReturn, get_args
 
@@ -126,17 +126,29 @@ class Simulation:
         A start of one's own [m, m, rad] and [m/s, m/s, rad/s]; by default the generated one.
     solver : Solver
         Method and tolerances.
+    start : {"laid", "static"}
+        As the generator lays the chain, with nothing in contact; or at rest under gravity, the
+        loads of the first instant and the tensioner's full pull, which then has no ramp. The
+        sprockets' speeds are those of the laid start. `rest` says how well the chain rests.
+
+    Attributes
+    ----------
+    rest : dict, optional
+        Of a static start: ``residual``, the largest unbalanced force [N], ``largest_force`` of a
+        contact [N], and ``iterations``.
 
     Raises
     ------
     InvalidInput
-        A value is out of its range.
+        A value is out of its range, or nothing holds a load at rest.
 
     Warns
     -----
     RangeWarning
         A contact has left the range of its law.
     """
+
+    rest: dict[str, float] | None = None
 
     def __new__(cls, drive: object = None, *_: object, **keywords: Any) -> Simulation:  # noqa: ANN401
         """Return the simulation that suits what is given."""
@@ -156,7 +168,18 @@ class Simulation:
         positions: npt.ArrayLike | None = None,
         velocities: npt.ArrayLike | None = None,
         solver: Solver = _SOLVER,
+        start: Literal["laid", "static"] = "laid",
     ) -> None:
+        if start == "static":
+            if positions is not None or velocities is not None:
+                msg = "start = 'static': there is no room for positions and velocities of one's own"
+                raise InvalidInput(msg)
+            drive, found = _at_rest(drive, force_law, hinge_law, tooth_law, min_approach_speed)
+            positions, velocities = found.pop("positions"), found.pop("velocities")
+            self.rest = found
+        elif start != "laid":
+            msg = f"start = {start!r}: must be 'laid' or 'static'"
+            raise InvalidInput(msg)
         self._describe(drive, force_law, hinge_law, tooth_law, min_approach_speed, solver)
         known = isinstance(drive, ChainDrive)  # the core refuses anything else
         bodies = drive.chain.links + len(drive.sprockets) if known else "bodies"
@@ -465,6 +488,23 @@ def _core_for(drive: object) -> type[Core]:
 
         return IdealHingeCore
     return _rustchain.Core
+
+
+def _at_rest(
+    drive: ChainDrive,
+    force_law: ForceLaw,
+    hinge_law: ForceLaw | None,
+    tooth_law: ForceLaw | None,
+    min_approach_speed: float,
+) -> tuple[ChainDrive, dict[str, Any]]:
+    """Return the drive with its tensioner at full pull from the beginning, and its static start."""
+    if drive.hinges == "ideal":
+        msg = "start = 'static': only for drives with clearance in their hinges"
+        raise InvalidInput(msg)
+    if drive.tensioner is not None:
+        drive = replace(drive, tensioner=replace(drive.tensioner, ramp_time=0.0))
+    found = _rustchain.static_start(drive, force_law, hinge_law, tooth_law, min_approach_speed)
+    return drive, found
 
 
 def _rows(name: str, values: npt.ArrayLike | None, bodies: int | str) -> Array | None:

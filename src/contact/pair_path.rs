@@ -76,6 +76,8 @@ pub struct ToothPath<'a> {
     angle: f64,
     /// The gap that the bushing is in there, when it is in reach.
     gap: Option<u32>,
+    /// From where a tensioner's coordinate counts along the tangent of its way at the end \[m\].
+    origin: Vec2,
 }
 
 impl<'a> ToothPath<'a> {
@@ -85,14 +87,14 @@ impl<'a> ToothPath<'a> {
         let n = model.links;
         let link = model.link_of_bushing(k);
         let sprocket = &model.sprockets[s];
+        // An arm turns by next to nothing in a step: its centre goes along the tangent of its end.
+        let (tangent, origin) = tangent_way(sprocket, adams.y());
         let path = adams.path(|row| {
             let (q, v) = row.split_at(model.coordinates);
             let pair = |q: &[f64]| {
                 let center = match sprocket.support {
                     Support::Fixed => Vec2::zeros(),
-                    Support::Slide {
-                        index, direction, ..
-                    } => q[index] * direction,
+                    Support::Slide { index, .. } => q[index] * tangent,
                     Support::Floating { x, y } => Vec2::new(q[x], q[y]),
                 };
                 let angle = match sprocket.rotation {
@@ -118,6 +120,7 @@ impl<'a> ToothPath<'a> {
             directions: [unit(link_angle), unit(angle)],
             angle,
             gap: None,
+            origin,
         };
         at.gap = at.at(adams.time()).map(|found| found.gap);
         at
@@ -134,7 +137,8 @@ impl<'a> ToothPath<'a> {
             });
         // Where a support holds the centre somewhere, its place is not among the coordinates.
         let center = match self.sprocket.support {
-            Support::Fixed | Support::Slide { .. } => self.sprocket.center,
+            Support::Fixed => self.sprocket.center,
+            Support::Slide { .. } => self.origin,
             Support::Floating { .. } => Vec2::zeros(),
         };
         let arm = self.arm * turned(self.directions[0], link_turn);
@@ -154,6 +158,25 @@ impl<'a> ToothPath<'a> {
             None => bushing_on_sprocket(sprocket, &frame, point, velocity, radius),
         }
     }
+}
+
+/// Unit vector of a tensioner's way where state `y` has its sprocket, and the point on that tangent from where the coordinate counts.
+fn tangent_way(sprocket: &SprocketModel, y: &[f64]) -> (Vec2, Vec2) {
+    let Support::Slide {
+        index,
+        direction,
+        guide,
+        ..
+    } = sprocket.support
+    else {
+        return (Vec2::zeros(), sprocket.center);
+    };
+    if guide.curvature == 0.0 {
+        return (direction, sprocket.center);
+    }
+    let tangent = guide.tangent(direction, y[index]);
+    let here = sprocket.center + guide.offset(direction, y[index]);
+    (tangent, here - y[index] * tangent)
 }
 
 /// Angle \[rad\] and angular speed \[rad/s\] of a sprocket that turns as prescribed.

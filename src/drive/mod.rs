@@ -1,5 +1,6 @@
 //! What the user describes: plain data in SI, validated once.
 
+mod belt_line;
 mod chain;
 mod material;
 mod profile;
@@ -7,22 +8,24 @@ mod sprocket;
 mod tensioner;
 mod time_table;
 
+pub use belt_line::BeltLine;
 pub use chain::{Chain, ClearanceHinge, Link, check_links};
 pub use material::Material;
 pub use profile::AnsiTooth;
 pub use sprocket::{Bearing, Motion, Sprocket};
-pub use tensioner::Tensioner;
+pub use tensioner::{Tensioner, TensionerLine};
 pub use time_table::TimeTable;
 
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
+use crate::geometry::belt::Side;
 
 /// A chain drive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
     /// The chain.
     pub chain: Chain,
-    /// The sprockets; the first one is the driver by custom.
+    /// The sprockets in the order in which the chain meets them, one way round or the other; the first one is the driver by custom.
     pub sprockets: Vec<Sprocket>,
     /// What tightens it, if anything does.
     pub tensioner: Option<Tensioner>,
@@ -41,11 +44,19 @@ impl Drive {
             sprocket.validate()?;
             sprocket.check_against(&self.chain)?;
         }
-        if self.sprockets.len() != 2 {
+        if self.sprockets.len() < 2 {
             return Err(Error::invalid(
                 "ChainDrive.sprockets",
                 format!("{} sprockets", self.sprockets.len()),
-                "must be exactly two",
+                "must be at least two",
+            ));
+        }
+        let inside = self.sprockets.iter().filter(|s| s.side == Side::Inside);
+        if inside.count() < 2 {
+            return Err(Error::invalid(
+                "Sprocket.side",
+                "\"outside\"",
+                "at least two sprockets must stand inside the chain to hold it open",
             ));
         }
         for (name, value) in [("x", self.gravity.x), ("y", self.gravity.y)] {

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use super::{AnsiTooth, Chain, TimeTable};
 use crate::error::{Error, Result, check};
+use crate::geometry::belt::Side;
 use crate::geometry::{ToothProfile, Vec2};
 
 /// Density of the disc whose mass a sprocket has when none is given \[kg/m³\].
@@ -16,6 +17,14 @@ pub enum Motion {
     PrescribedSpeed(TimeTable),
     /// Is turned by this torque \[N m\].
     AppliedTorque(TimeTable),
+    /// Is turned by a torque of time \[N m\] and one that its own speed sets: a motor's or a load's curve, rows
+    /// (speed \[rad/s\], torque \[N m\]).
+    TorqueCurve {
+        /// Against time.
+        torque: TimeTable,
+        /// Against the sprocket's speed.
+        curve: TimeTable,
+    },
     /// Turned by the chain alone.
     Free,
 }
@@ -48,6 +57,10 @@ pub struct Sprocket {
     pub initial_speed: Option<f64>,
     /// What holds its centre.
     pub bearing: Bearing,
+    /// On which side of the chain it stands.
+    pub side: Side,
+    /// Moment of inertia of all that turns with it: shaft, load, motor \[kg m²\].
+    pub load_inertia: f64,
 }
 
 impl Sprocket {
@@ -84,6 +97,7 @@ impl Sprocket {
                 ));
             }
         }
+        check::not_negative("Sprocket.load_inertia", self.load_inertia, "kg m^2")?;
         self.profile.validate()
     }
 
@@ -121,12 +135,13 @@ impl Sprocket {
     }
 
     /// Mass \[kg\] and moment of inertia \[kg m²\]: as given, or those of a steel disc with the pitch circle's radius, as
-    /// thick as the chain's contact with the tooth is long.
+    /// thick as the chain's contact with the tooth is long; what turns with it is added.
     #[must_use]
     pub fn mass_properties(&self, chain: &Chain) -> (f64, f64) {
         let radius = crate::geometry::wrap::pitch_radius(chain.pitch, self.teeth);
         let disc = STEEL_DENSITY * PI * radius * radius * chain.tooth_contact_length;
         let mass = self.mass.unwrap_or(disc);
-        (mass, self.inertia.unwrap_or(0.5 * mass * radius * radius))
+        let own = self.inertia.unwrap_or(0.5 * mass * radius * radius);
+        (mass, own + self.load_inertia)
     }
 }

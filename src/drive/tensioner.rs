@@ -1,9 +1,20 @@
-//! A gradual tensioner: pulls a sprocket's centre along a line.
+//! A tensioner: pulls a sprocket's centre along a line, or round the pivot of an arm.
 
+use super::Drive;
+use super::belt_line::{BeltLine, pitches, pulleys};
 use crate::error::{Error, Result, check};
-use crate::geometry::Vec2;
+use crate::geometry::belt::Belt;
+use crate::geometry::way;
+use crate::geometry::wrap::pitch_radius;
+use crate::geometry::{Vec2, turned_left};
 
-/// The sprocket's centre slides, pulled by a force that grows linearly and then stays, damped by a dashpot.
+/// How far the place is looked for where a chain is taut, in tenths of a pitch.
+const MOST_STEPS: u32 = 1000;
+/// Least share of its force with which a tensioner has to tighten the chain.
+const LEAST_SHARE: f64 = 0.05;
+
+/// The sprocket's centre slides along a line, or turns about a pivot, pulled by a force that grows linearly and then stays,
+/// held back by a spring and damped by a dashpot, between two stops.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tensioner {
     /// Which sprocket it moves, from 1.
@@ -14,8 +25,32 @@ pub struct Tensioner {
     pub ramp_time: f64,
     /// Dashpot \[N s/m\].
     pub damping: f64,
-    /// Direction of the pull; `None`: away from the other sprocket.
+    /// Dashpot against a centre that gives way \[N s/m\]: the leak of a hydraulic tensioner, whose check valve lets it follow the
+    /// chain freely; `None`: the same both ways.
+    pub damping_back: Option<f64>,
+    /// Direction of the pull; `None`: away from the other one of two sprockets, along the belt line's bisector of more.
     pub direction: Option<Vec2>,
+    /// What the pull loses as the centre moves: the stiffness of its spring \[N/m\].
+    pub stiffness: f64,
+    /// How far the centre can move against the pull and along it \[m\]; infinite without a stop.
+    pub travel: [f64; 2],
+    /// Where the arm that carries the sprocket turns \[m\]; `None`: a slide.
+    pub pivot: Option<Vec2>,
+    /// Moment of inertia of the arm about its pivot, without the sprocket \[kg m²\].
+    pub arm_inertia: f64,
+}
+
+/// Where a tensioner lets its sprocket go, and how hard it pulls.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TensionerLine {
+    /// Unit vector of the pull at the start.
+    pub direction: Vec2,
+    /// 1/length of the arm \[1/m\], positive where the pivot lies to the left of the direction; 0 for a slide.
+    pub curvature: f64,
+    /// Full pull \[N\].
+    pub pull: f64,
+    /// Where the sprocket has taken up the chain's slack \[m\]; `None` where it never does.
+    pub taut_at: Option<f64>,
 }
 
 impl Tensioner {
@@ -27,6 +62,20 @@ impl Tensioner {
         check::not_negative("Tensioner.pretension", self.pretension, "N")?;
         check::not_negative("Tensioner.ramp_time", self.ramp_time, "s")?;
         check::not_negative("Tensioner.damping", self.damping, "N s/m")?;
+        if let Some(back) = self.damping_back {
+            check::not_negative("Tensioner.damping_back", back, "N s/m")?;
+        }
+        check::not_negative("Tensioner.stiffness", self.stiffness, "N/m")?;
+        check::not_negative("Tensioner.arm_inertia", self.arm_inertia, "kg m^2")?;
+        let [back, forth] = self.travel;
+        if !(back >= 0.0 && forth >= 0.0 && back + forth > 0.0) {
+            return Err(Error::invalid(
+                "Tensioner.travel",
+                format!("({back}, {forth})"),
+                "must be how far the centre can move against the pull and along it in m: two numbers, not negative and not both \
+                 zero",
+            ));
+        }
         if let Some(d) = self.direction {
             let length = d.norm();
             if !(length.is_finite() && length > 0.0) {
@@ -36,6 +85,23 @@ impl Tensioner {
                     "must be a direction: two finite numbers, not both zero",
                 ));
             }
+            if self.pivot.is_some() {
+                return Err(Error::invalid(
+                    "Tensioner.direction",
+                    format!("({}, {})", d.x, d.y),
+                    "must be absent when there is a pivot: the arm leaves one direction only",
+                ));
+            }
+        }
+        if let Some(pivot) = self.pivot {
+            check::finite("Tensioner.pivot (x)", pivot.x, "m")?;
+            check::finite("Tensioner.pivot (y)", pivot.y, "m")?;
+        } else if self.arm_inertia > 0.0 {
+            return Err(Error::invalid(
+                "Tensioner.arm_inertia",
+                self.arm_inertia,
+                "must be 0 without a pivot: there is no arm",
+            ));
         }
         Ok(())
     }
@@ -49,4 +115,136 @@ impl Tensioner {
             (t / self.ramp_time).max(0.0)
         }
     }
+
+    /// Its line in `drive`. The pull is what a belt of this tension exerts against it on the sprocket, where that has taken up the
+    /// chain's slack; with a spring, what that leaves there. Two sprockets: what parts them
+    /// with that tension in both strands, whatever the direction.
+    ///
+    /// # Errors
+    /// When pulling so does not tighten the chain, with the share of the force that does.
+    pub fn line(&self, drive: &Drive) -> Result<TensionerLine> {
+        let number = self.sprocket - 1;
+        let center = drive.sprockets[number].center;
+        if let ([first, second], None) = (drive.sprockets.as_slice(), self.pivot) {
+            let between = second.center - first.center;
+            let away = if number == 0 { -between } else { between };
+            let [r1, r2] = [first, second].map(|s| pitch_radius(drive.chain.pitch, s.teeth));
+            let sin = (r1 - r2) / between.norm();
+            return Ok(TensionerLine {
+                direction: self.direction.unwrap_or(away).normalize(),
+                curvature: 0.0,
+                pull: 2.0 * self.pretension * (1.0 - sin * sin).max(0.0).sqrt(),
+                taut_at: Some(0.0),
+            });
+        }
+        let line = BeltLine::of(drive)?;
+        let against = -line.belt.pull(line.place_of(number));
+        let (direction, curvature) = match (self.direction, self.pivot) {
+            (_, Some(pivot)) => {
+                let arm = center - pivot;
+                let length = arm.norm();
+                if length <= 0.0 {
+                    return Err(Error::invalid(
+                        "Tensioner.pivot",
+                        format!("({}, {})", pivot.x, pivot.y),
+                        format!("must lie off the centre of sprocket {}", self.sprocket),
+                    ));
+                }
+                // Counterclockwise about the pivot, which then lies on the left.
+                let turning = turned_left(arm) / length;
+                if turning.dot(&against) >= 0.0 {
+                    (turning, 1.0 / length)
+                } else {
+                    (-turning, -1.0 / length)
+                }
+            }
+            (Some(direction), None) => (direction.normalize(), 0.0),
+            (None, None) => (against.normalize(), 0.0),
+        };
+        let share = direction.dot(&against);
+        if share < LEAST_SHARE {
+            return Err(Error::invalid(
+                if self.pivot.is_some() {
+                    "Tensioner.pivot"
+                } else {
+                    "Tensioner.direction"
+                },
+                format!("({:.4}, {:.4})", direction.x, direction.y),
+                format!(
+                    "must tighten the chain: moved so, sprocket {} would take up {share:.3} of its way; along ({:.4}, {:.4}) it \
+                     takes up {:.3}",
+                    self.sprocket,
+                    against.x / against.norm(),
+                    against.y / against.norm(),
+                    against.norm()
+                ),
+            ));
+        }
+        let taut_at = closing_place(drive, &line, number, (direction, curvature));
+        let s = taut_at.unwrap_or(0.0);
+        let tight = share_at(drive, &line, number, (direction, curvature), s).unwrap_or(share);
+        Ok(TensionerLine {
+            direction,
+            curvature,
+            pull: tight * self.pretension + self.stiffness * s,
+            taut_at,
+        })
+    }
+}
+
+/// The belt with the centre of sprocket `number` at `s` \[m\] along its way (direction, curvature), and the unit vector of the way.
+fn belt_at(
+    drive: &Drive,
+    line: &BeltLine,
+    number: usize,
+    (direction, curvature): (Vec2, f64),
+    s: f64,
+) -> Option<(Belt, Vec2)> {
+    let mut pulleys = pulleys(drive, &line.order);
+    let (offset, tangent) = way::along(direction, curvature, s);
+    pulleys[line.place_of(number)].center += offset;
+    let belt = Belt::around(&pulleys).ok()?;
+    belt.is_simple().then_some((belt, tangent))
+}
+
+/// Force along the way per tension.
+fn share_at(
+    drive: &Drive,
+    line: &BeltLine,
+    number: usize,
+    way: (Vec2, f64),
+    s: f64,
+) -> Option<f64> {
+    let (belt, tangent) = belt_at(drive, line, number, way, s)?;
+    Some(-belt.pull(line.place_of(number)).dot(&tangent))
+}
+
+/// Where along the way the belt is as long as the chain \[m\]: there the pull has to be what it is asked for.
+fn closing_place(drive: &Drive, line: &BeltLine, number: usize, way: (Vec2, f64)) -> Option<f64> {
+    // Under tension every pin has gone to the end of its clearance.
+    let open = 1.0 + drive.chain.hinge.clearance() / drive.chain.pitch;
+    let links = f64::from(drive.chain.links) * open;
+    let spare = |s: f64| {
+        let (belt, _) = belt_at(drive, line, number, way, s)?;
+        Some(links - pitches(drive, &line.order, &belt))
+    };
+    let step = spare(0.0)?.signum() * 0.1 * drive.chain.pitch;
+    let (mut low, mut high) = (0.0, step);
+    let mut steps = 0;
+    while spare(high)? * step > 0.0 {
+        (low, high) = (high, high + step);
+        steps += 1;
+        if steps == MOST_STEPS {
+            return None;
+        }
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if spare(middle)? * step > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Some(high)
 }

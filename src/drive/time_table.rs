@@ -1,8 +1,8 @@
-//! A number that may depend on time: constant, or piecewise linear between rows.
+//! A number that may depend on time, or on a speed: constant, or piecewise linear between rows.
 
 use crate::error::{Error, Result, check};
 
-/// Value against time; held constant before the first and after the last row.
+/// Value against time (or against a speed); held constant before the first and after the last row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeTable {
     times: Vec<f64>,
@@ -27,22 +27,35 @@ impl TimeTable {
     /// # Errors
     /// When there is no row, a number is not finite or times do not increase.
     pub fn new(field: &str, unit: &str, rows: &[(f64, f64)]) -> Result<Self> {
+        Self::against(field, ("time", "s"), unit, rows)
+    }
+
+    /// A table of rows (`axis`, value), the axis with its unit.
+    ///
+    /// # Errors
+    /// When there is no row, a number is not finite or the axis does not increase.
+    pub fn against(
+        field: &str,
+        (axis, axis_unit): (&str, &str),
+        unit: &str,
+        rows: &[(f64, f64)],
+    ) -> Result<Self> {
         if rows.is_empty() {
             return Err(Error::invalid(
                 field,
                 "()",
-                "needs at least one row (time, value)",
+                format!("needs at least one row ({axis}, value)"),
             ));
         }
         for &(time, value) in rows {
-            check::finite(&format!("{field} (time)"), time, "s")?;
+            check::finite(&format!("{field} ({axis})"), time, axis_unit)?;
             check::finite(&format!("{field} (value)"), value, unit)?;
         }
         if let Some(pair) = rows.windows(2).find(|pair| pair[1].0 <= pair[0].0) {
             return Err(Error::invalid(
                 field,
-                format!("{} s after {} s", pair[1].0, pair[0].0),
-                "times must increase from row to row",
+                format!("{} {axis_unit} after {} {axis_unit}", pair[1].0, pair[0].0),
+                format!("{axis}s must increase from row to row"),
             ));
         }
         let mut sums = vec![0.0];

@@ -12,7 +12,7 @@ pub struct Energy {
     pub kinetic: f64,
     /// In the field of gravity, of all bodies that can move.
     pub gravity: f64,
-    /// Stored in the contacts.
+    /// Stored in the contacts and in the tensioner's spring.
     pub elastic: f64,
 }
 
@@ -38,12 +38,20 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
     for i in 0..model.links {
         add_body(i, model.mass[i], model.inertia[i]);
     }
+    let (mut arms, mut springs) = (0.0, 0.0);
     for (s, sprocket) in model.sprockets.iter().enumerate() {
         let mass = if sprocket.support == Support::Fixed {
             0.0
         } else {
             sprocket.mass
         };
+        if let Support::Slide { guide, .. } = sprocket.support {
+            let center = Vec2::new(motion.x[model.links + s], motion.y[model.links + s]);
+            let (place, _) = sprocket.slide_at(center).unwrap_or_default();
+            let (vx, vy) = (motion.vx[model.links + s], motion.vy[model.links + s]);
+            arms += 0.5 * guide.extra_mass * (vx * vx + vy * vy);
+            springs += guide.energy(place);
+        }
         let inertia = if matches!(sprocket.rotation, Rotation::Prescribed(_)) {
             0.0
         } else {
@@ -51,7 +59,8 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
         };
         add_body(model.links + s, mass, inertia);
     }
-    energy.elastic = elastic_energy(dynamics);
+    energy.kinetic += arms;
+    energy.elastic = elastic_energy(dynamics) + springs;
     energy
 }
 

@@ -146,10 +146,17 @@ impl Dynamics {
             let bushing = link_levers(1.0, along, v[2 * n + link]);
             let mut levers = [(0, bushing[0]); 4];
             let mut count = 0;
-            sprocket_levers(model, s, from_center, frame.spin, |j, lever: Lever| {
-                levers[count] = (j, lever);
-                count += 1;
-            });
+            sprocket_levers(
+                model,
+                s,
+                frame.center,
+                from_center,
+                frame.spin,
+                |j, lever: Lever| {
+                    levers[count] = (j, lever);
+                    count += 1;
+                },
+            );
             matrix.add_tooth(link, &contact, &bushing, &levers[..count]);
         }
     }
@@ -170,6 +177,7 @@ impl Dynamics {
         let (n, coordinates) = (model.links, model.coordinates);
         let mut matrix = ChainMatrix::new(n, coordinates - 3 * n);
         matrix.add_masses(model, gamma);
+        matrix.add_springs(model, y, gamma);
         self.add_hinges(&mut matrix, y, gamma);
         self.add_teeth(&mut matrix, y, gamma);
         if !matrix.factorise() {

@@ -119,6 +119,7 @@ pub(super) fn moving_lever(direction: Vec2) -> Lever {
 pub(super) fn sprocket_levers(
     model: &Model,
     s: usize,
+    center: Vec2,
     from_center: Vec2,
     spin: f64,
     mut take: impl FnMut(usize, Lever),
@@ -128,8 +129,15 @@ pub(super) fn sprocket_levers(
     match sprocket.support {
         Support::Fixed => {}
         Support::Slide {
-            index, direction, ..
-        } => take(index - first, moving_lever(direction)),
+            index,
+            direction,
+            guide,
+            ..
+        } => {
+            // An arm turns its way; the bend of the way itself is slight against the teeth's stiffness.
+            let s = guide.place(direction, center - sprocket.center);
+            take(index - first, moving_lever(guide.tangent(direction, s)));
+        }
         Support::Floating { x, y } => {
             take(x - first, moving_lever(Vec2::x()));
             take(y - first, moving_lever(Vec2::y()));
@@ -195,6 +203,17 @@ impl ChainMatrix {
         }
     }
 
+    /// Adds the tensioner's spring and stops.
+    pub(super) fn add_springs(&mut self, model: &Model, y: &[f64], gamma: f64) {
+        let (first, m) = (3 * model.links, self.border());
+        for sprocket in &model.sprockets {
+            if let Support::Slide { index, guide, .. } = sprocket.support {
+                let j = index - first;
+                self.corner[j * m + j] += gamma * gamma * guide.stiffness_at(y[index]);
+            }
+        }
+    }
+
     /// Adds masses, and the tensioner's dashpot.
     pub(super) fn add_masses(&mut self, model: &Model, gamma: f64) {
         for (i, block) in self.diagonal.iter_mut().enumerate() {
@@ -210,8 +229,13 @@ impl ChainMatrix {
         for sprocket in &model.sprockets {
             match sprocket.support {
                 Support::Fixed => {}
-                Support::Slide { index, damping, .. } => {
-                    add(index, sprocket.mass + gamma * damping);
+                Support::Slide {
+                    index,
+                    guide,
+                    damping,
+                    ..
+                } => {
+                    add(index, sprocket.mass + guide.extra_mass + gamma * damping);
                 }
                 Support::Floating { x, y } => {
                     add(x, sprocket.mass);

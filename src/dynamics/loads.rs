@@ -2,7 +2,7 @@
 
 use super::Powers;
 use crate::contact::{HingeContacts, ToothContacts};
-use crate::geometry::Vec2;
+use crate::geometry::{Vec2, turned_left};
 use crate::model::{Model, Rotation, SprocketModel, Support};
 use crate::state::Motion;
 
@@ -100,22 +100,40 @@ impl Accelerations {
     fn accelerate_sprockets(&mut self, model: &Model, motion: &Motion, t: f64) {
         for (s, sprocket) in model.sprockets.iter().enumerate() {
             let body = model.links + s;
-            let velocity = Vec2::new(motion.vx[body], motion.vy[body]);
+            let moves = Moves::of(motion, body);
             let (center, angle) =
-                sprocket_acceleration(sprocket, model.gravity, velocity, &self.chain[s], t);
+                sprocket_acceleration(sprocket, model.gravity, &moves, &self.chain[s], t);
             self.x[body] = center.x;
             self.y[body] = center.y;
             self.angle[body] = angle;
         }
     }
 
-    /// Torque on sprocket `s` from its motor or load \[N m\]: what it takes to move it as it moves.
+    /// Torque on sprocket `s`, which turns at `spin` \[rad/s\], from its motor or load \[N m\]: what it takes to move it as it moves.
     #[must_use]
-    pub fn shaft_torque(&self, model: &Model, s: usize, t: f64) -> f64 {
+    pub fn shaft_torque(&self, model: &Model, s: usize, t: f64, spin: f64) -> f64 {
         let sprocket = &model.sprockets[s];
         match &sprocket.rotation {
             Rotation::Prescribed(speed) => sprocket.inertia * speed.slope(t) - self.chain[s].moment,
-            Rotation::Free { .. } => sprocket.applied_torque(t),
+            Rotation::Free { .. } => sprocket.applied_torque(t, spin),
+        }
+    }
+}
+
+/// Where a sprocket's centre is \[m\], its velocity \[m/s\], and the sprocket's angular speed \[rad/s\].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Moves {
+    pub(crate) center: Vec2,
+    pub(crate) velocity: Vec2,
+    pub(crate) spin: f64,
+}
+
+impl Moves {
+    pub(super) fn of(motion: &Motion, body: usize) -> Self {
+        Self {
+            center: Vec2::new(motion.x[body], motion.y[body]),
+            velocity: Vec2::new(motion.vx[body], motion.vy[body]),
+            spin: motion.spin[body],
         }
     }
 }
@@ -124,24 +142,29 @@ impl Accelerations {
 pub(crate) fn sprocket_acceleration(
     sprocket: &SprocketModel,
     gravity: Vec2,
-    velocity: Vec2,
+    moves: &Moves,
     chain: &SprocketLoad,
     t: f64,
 ) -> (Vec2, f64) {
     let center = match sprocket.support {
         Support::Fixed => Vec2::zeros(),
-        Support::Slide {
-            direction, damping, ..
-        } => {
-            let along =
-                chain.force.dot(&direction) + sprocket.pull(t) - damping * velocity.dot(&direction);
-            (along / sprocket.mass + gravity.dot(&direction)) * direction
+        Support::Slide { guide, .. } => {
+            let (s, tangent) = sprocket.slide_at(moves.center).unwrap_or_default();
+            let speed = moves.velocity.dot(&tangent);
+            let along = chain.force.dot(&tangent) + sprocket.pull(t) - guide.dashpot(speed) * speed
+                + guide.force(s);
+            let mass = sprocket.mass + guide.extra_mass;
+            let weight = gravity.dot(&tangent) * (sprocket.mass / mass);
+            let bend = guide.curvature * speed * speed;
+            (along / mass + weight) * tangent + bend * turned_left(tangent)
         }
         Support::Floating { .. } => chain.force / sprocket.mass + gravity,
     };
     let angle = match &sprocket.rotation {
         Rotation::Prescribed(speed) => speed.slope(t),
-        Rotation::Free { .. } => (chain.moment + sprocket.applied_torque(t)) / sprocket.inertia,
+        Rotation::Free { .. } => {
+            (chain.moment + sprocket.applied_torque(t, moves.spin)) / sprocket.inertia
+        }
     };
     (center, angle)
 }
@@ -152,25 +175,23 @@ pub(crate) fn sprocket_acceleration(
 /// drive is that of its teeth on the chain.
 pub(crate) fn outside_powers(
     sprocket: &SprocketModel,
-    velocity: Vec2,
-    spin: f64,
+    moves: &Moves,
     chain: &SprocketLoad,
     t: f64,
 ) -> Powers {
+    let spin = moves.spin;
     let mut powers = Powers {
         dissipated: 0.0,
         worked_in: match &sprocket.rotation {
             Rotation::Prescribed(_) => -chain.moment * spin,
-            Rotation::Free { .. } => sprocket.applied_torque(t) * spin,
+            Rotation::Free { .. } => sprocket.applied_torque(t, spin) * spin,
         },
     };
-    if let Support::Slide {
-        direction, damping, ..
-    } = sprocket.support
-    {
-        let speed = velocity.dot(&direction);
+    if let Support::Slide { guide, .. } = sprocket.support {
+        let (_, tangent) = sprocket.slide_at(moves.center).unwrap_or_default();
+        let speed = moves.velocity.dot(&tangent);
         powers.worked_in += sprocket.pull(t) * speed;
-        powers.dissipated += damping * speed * speed;
+        powers.dissipated += guide.dashpot(speed) * speed * speed;
     }
     powers
 }

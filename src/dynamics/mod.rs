@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 pub(crate) use carried::Carried;
 pub use energy::Energy;
 pub use loads::SprocketLoad;
-pub(crate) use loads::{outside_powers, sprocket_acceleration};
+pub(crate) use loads::{Moves, outside_powers, sprocket_acceleration};
 use meter::{EnergyMeter, StepStart};
 pub(crate) use needs::{Needs, Want};
 
@@ -29,7 +29,7 @@ use crate::contact::{
     HingeContacts, HingePath, ImpactMemory, ToothContacts, ToothPath, first_crossing,
 };
 use crate::force_law::{Elastic, Regions, with_law};
-use crate::geometry::{Surface, Vec2};
+use crate::geometry::Surface;
 use crate::integrator::{Adams, OdeSystem, Step};
 use crate::kernels::Kernels;
 use crate::model::Model;
@@ -178,9 +178,9 @@ impl Dynamics {
             let motion = &self.motion;
             for (s, sprocket) in self.model.sprockets.iter().enumerate() {
                 let body = self.model.links + s;
-                let velocity = Vec2::new(motion.vx[body], motion.vy[body]);
+                let moves = Moves::of(motion, body);
                 let chain = &self.accelerations.chain[s];
-                powers += outside_powers(sprocket, velocity, motion.spin[body], chain, t);
+                powers += outside_powers(sprocket, &moves, chain, t);
             }
         }
         powers

@@ -1,8 +1,11 @@
 //! Plane curves: no bodies, no forces, no time.
 
 mod arc;
+pub mod belt;
+pub mod polygon;
 mod segment;
 mod tooth_profile;
+pub mod way;
 pub mod wrap;
 
 pub use arc::Arc;

@@ -27,7 +27,7 @@ impl Wheel {
         }
     }
 
-    fn gap_angle(&self) -> f64 {
+    pub(super) fn gap_angle(&self) -> f64 {
         2.0 * PI / f64::from(self.teeth)
     }
 }
@@ -320,7 +320,7 @@ impl Layout {
 }
 
 /// A strand's hinges between its ends: evenly on the straight line, or on a circular arc of equal links when slack.
-struct Bow {
+pub(super) struct Bow {
     span: f64,
     links: u32,
     pitch: f64,
@@ -329,7 +329,7 @@ struct Bow {
 }
 
 impl Bow {
-    fn new(span: f64, links: u32, pitch: f64) -> Self {
+    pub(super) fn new(span: f64, links: u32, pitch: f64) -> Self {
         let n = f64::from(links);
         let mut bow = Self {
             span,
@@ -355,7 +355,7 @@ impl Bow {
     }
 
     /// Largest distance of a hinge's circle from the straight line \[m\].
-    fn height(&self) -> f64 {
+    pub(super) fn height(&self) -> f64 {
         if self.link_angle == 0.0 {
             return 0.0;
         }
@@ -364,7 +364,7 @@ impl Bow {
     }
 
     /// Hinge `index` of the strand; the bow goes to the right of the path, which is outward.
-    fn point(&self, from: Vec2, to: Vec2, index: u32) -> Vec2 {
+    pub(super) fn point(&self, from: Vec2, to: Vec2, index: u32) -> Vec2 {
         let (i, n) = (f64::from(index), f64::from(self.links));
         if self.link_angle == 0.0 {
             return from + (i / n) * (to - from);

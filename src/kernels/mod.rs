@@ -245,7 +245,7 @@ impl Kernels {
         if ENERGY {
             for ((sprocket, pose), load) in model.sprockets.iter().zip(&self.poses).zip(&self.loads)
             {
-                powers += outside_powers(sprocket, Vec2::from(pose.velocity), pose.spin, load, t);
+                powers += outside_powers(sprocket, &pose.moves(), load, t);
             }
         }
         powers
@@ -381,13 +381,14 @@ impl Kernels {
             {
                 continue;
             }
-            let velocity = Vec2::from(pose.velocity);
-            let (center, angle) = sprocket_acceleration(sprocket, model.gravity, velocity, load, t);
+            let moves = pose.moves();
+            let (center, angle) = sprocket_acceleration(sprocket, model.gravity, &moves, load, t);
             match sprocket.support {
                 Support::Fixed => {}
-                Support::Slide {
-                    index, direction, ..
-                } => rates[index] = center.dot(&direction),
+                Support::Slide { index, .. } => {
+                    let (_, tangent) = sprocket.slide_at(moves.center).unwrap_or_default();
+                    rates[index] = center.dot(&tangent);
+                }
                 Support::Floating { x, y } => (rates[x], rates[y]) = (center.x, center.y),
             }
             if let Rotation::Free { index, .. } = sprocket.rotation {

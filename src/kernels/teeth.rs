@@ -8,6 +8,7 @@ use super::gap::{Gap, InGap, ToothConstants};
 use super::layout::{ChainArrays, FIRST, LinkConstants};
 use super::slopes::{Damped, SlopeGroup, Touch, group_of};
 use crate::contact::{Run, SprocketCandidates, gap_direction};
+use crate::dynamics::Moves;
 use crate::force_law::VectorLaw;
 use crate::geometry::Vec2;
 use crate::model::SprocketModel;
@@ -27,6 +28,17 @@ pub(super) struct SprocketPose {
     pub(super) spin: f64,
     /// Cosine and sine of the angle.
     pub(super) direction: [f64; 2],
+}
+
+impl SprocketPose {
+    /// The same, as scalar code has it.
+    pub(super) fn moves(&self) -> Moves {
+        Moves {
+            center: self.center.into(),
+            velocity: self.velocity.into(),
+            spin: self.spin,
+        }
+    }
 }
 
 /// What the chain does to a sprocket, and what else its teeth found.

@@ -1,7 +1,7 @@
 //! Drive and start -> `Model`: inertias, coordinates, pair constants.
 
-use super::{ContactLaw, Model, Rotation, SprocketModel, Support};
-use crate::drive::{Bearing, Drive, Motion, Sprocket};
+use super::{ContactLaw, Guide, Model, Rotation, SprocketModel, Support};
+use crate::drive::{Bearing, BeltLine, Drive, Motion, Sprocket};
 use crate::error::{Error, Result, check};
 use crate::force_law::{ForceLaw, PairTable, SurfacePair, range_note};
 use crate::geometry::{Surface, ToothProfile, Vec2};
@@ -82,7 +82,7 @@ impl Model {
                 sprocket,
                 start,
                 &mut coordinates,
-            ));
+            )?);
         }
 
         let modulus = chain.material.contact_modulus();
@@ -149,6 +149,7 @@ impl Model {
             tooth_law: ready(laws.tooth, &tooth_pairs),
             min_approach_speed: laws.min_approach_speed,
             gravity: drive.gravity,
+            strands: strands(drive),
             sprockets,
             range_notes,
         })
@@ -161,24 +162,41 @@ fn place_sprocket(
     sprocket: &Sprocket,
     start: &Start,
     coordinates: &mut Coordinates,
-) -> SprocketModel {
+) -> Result<SprocketModel> {
     let chain = &drive.chain;
     let profile = sprocket.tooth_profile(chain);
     let (mass, inertia) = sprocket.mass_properties(chain);
     let [x, y, angle] = start.positions[chain.links as usize + number];
-    let center = Vec2::new(x, y);
+    let mut center = Vec2::new(x, y);
     let tensioner = drive.tensioner.filter(|t| t.sprocket == number + 1);
     let support = match (&tensioner, sprocket.bearing) {
         (Some(tensioner), _) => {
-            let other = drive.sprockets[1 - number].center;
-            let away = sprocket.center - other;
-            let direction = tensioner.direction.unwrap_or(away).normalize();
+            let line = tensioner.line(drive)?;
+            let [back, forth] = tensioner.travel;
+            // The way, its spring and its stops begin where the sprocket is described, wherever the start has it.
+            let moved = center - sprocket.center;
+            center = if line.curvature == 0.0 {
+                center - moved.dot(&line.direction) * line.direction
+            } else {
+                sprocket.center
+            };
             Support::Slide {
                 index: coordinates.take(),
-                direction,
-                pull: tensioner_pull(drive, tensioner.pretension),
+                direction: line.direction,
+                guide: Guide {
+                    curvature: line.curvature,
+                    stiffness: tensioner.stiffness,
+                    stops: [-back, forth],
+                    extra_mass: tensioner.arm_inertia * line.curvature * line.curvature,
+                    dashpots: [
+                        tensioner.damping_back.unwrap_or(tensioner.damping),
+                        tensioner.damping,
+                    ],
+                },
+                pull: line.pull,
                 ramp_time: tensioner.ramp_time,
-                damping: tensioner.damping,
+                // Newton's method converges with the harder one, whichever acts.
+                damping: tensioner.damping.max(tensioner.damping_back.unwrap_or(0.0)),
             }
         }
         (None, Bearing::Fixed) => Support::Fixed,
@@ -192,10 +210,17 @@ fn place_sprocket(
         Motion::AppliedTorque(table) => Rotation::Free {
             index: coordinates.take(),
             torque: (!table.is_zero()).then(|| table.clone()),
+            curve: None,
+        },
+        Motion::TorqueCurve { torque, curve } => Rotation::Free {
+            index: coordinates.take(),
+            torque: (!torque.is_zero()).then(|| torque.clone()),
+            curve: Some(curve.clone()),
         },
         Motion::Free => Rotation::Free {
             index: coordinates.take(),
             torque: None,
+            curve: None,
         },
     };
     let gap_directions = (0..profile.teeth)
@@ -204,7 +229,8 @@ fn place_sprocket(
             (cos, sin)
         })
         .collect();
-    SprocketModel {
+    Ok(SprocketModel {
+        side: sprocket.side,
         reach: profile.reach(chain.bushing_radius),
         profile,
         gap_directions,
@@ -214,16 +240,21 @@ fn place_sprocket(
         phase: angle,
         support,
         rotation,
-    }
+    })
 }
 
-/// Pull \[N\] along the line of centres that gives both strands `pretension` \[N\]: 2 T for sprockets of one size.
-pub(crate) fn tensioner_pull(drive: &Drive, pretension: f64) -> f64 {
-    let [first, second] = [0, 1]
-        .map(|i| crate::geometry::wrap::pitch_radius(drive.chain.pitch, drive.sprockets[i].teeth));
-    let distance = (drive.sprockets[1].center - drive.sprockets[0].center).norm();
-    let sin = (first - second) / distance;
-    2.0 * pretension * (1.0 - sin * sin).max(0.0).sqrt()
+/// From which to which sprocket (from 0) the strands lead; where the centres make no belt line (with a start of the caller's own they need
+/// not), as the sprockets are listed.
+#[must_use]
+pub fn strands(drive: &Drive) -> Vec<[usize; 2]> {
+    let n = drive.sprockets.len();
+    if n == 2 {
+        return vec![[1, 0], [0, 1]];
+    }
+    BeltLine::of(drive).map_or_else(
+        |_| (0..n).map(|i| [i, (i + 1) % n]).collect(),
+        |line| line.strands(),
+    )
 }
 
 fn tooth_surfaces(

@@ -1,12 +1,14 @@
 //! What a run needs: flat, indexed, immutable.
 
 mod compile;
+mod guide;
 
-pub use compile::ForceLaws;
-pub(crate) use compile::tensioner_pull;
+pub use compile::{ForceLaws, strands};
+pub use guide::Guide;
 
 use crate::drive::TimeTable;
 use crate::force_law::{Elastic, PairTable, Regions};
+use crate::geometry::belt::Side;
 use crate::geometry::{Surface, ToothProfile, Vec2};
 
 /// The complete model of a drive. Read-only during a run.
@@ -35,6 +37,8 @@ pub struct Model {
     pub bushing_radius: f64,
     /// The sprockets.
     pub sprockets: Vec<SprocketModel>,
+    /// From which to which sprocket each strand leads. Two sprockets: the upper strand, the lower one.
+    pub strands: Vec<[usize; 2]>,
     /// Law of the hinges: one pair for all.
     pub hinge_law: ContactLaw,
     /// Law of the teeth: pair `4 * sprocket + surface`.
@@ -81,6 +85,8 @@ pub struct SprocketModel {
     pub support: Support,
     /// What the rotation obeys.
     pub rotation: Rotation,
+    /// On which side of the chain it stands.
+    pub side: Side,
 }
 
 /// What holds a sprocket's centre; indices point into q.
@@ -88,17 +94,19 @@ pub struct SprocketModel {
 pub enum Support {
     /// At rest.
     Fixed,
-    /// Slides along a line, pulled and damped by a tensioner.
+    /// Slides along a line or round a pivot, pulled and damped by a tensioner.
     Slide {
-        /// Coordinate: distance from the start along `direction` \[m\].
+        /// Coordinate: distance from the start along the way \[m\].
         index: usize,
-        /// Unit vector.
+        /// Unit vector of the way at the start.
         direction: Vec2,
+        /// The way, its spring and its stops.
+        guide: Guide,
         /// Full pull \[N\].
         pull: f64,
         /// Time in which the pull grows \[s\].
         ramp_time: f64,
-        /// Dashpot \[N s/m\].
+        /// Dashpot \[N s/m\]: the harder one of both directions.
         damping: f64,
     },
     /// Free in the plane: coordinates x and y \[m\].
@@ -121,6 +129,8 @@ pub enum Rotation {
         index: usize,
         /// Applied torque, if any.
         torque: Option<TimeTable>,
+        /// Torque against the sprocket's own speed, if any.
+        curve: Option<TimeTable>,
     },
 }
 
@@ -203,7 +213,7 @@ impl SprocketModel {
     pub(crate) fn for_each_inertia(&self, mut each: impl FnMut(usize, f64)) {
         match self.support {
             Support::Fixed => {}
-            Support::Slide { index, .. } => each(index, self.mass),
+            Support::Slide { index, guide, .. } => each(index, self.mass + guide.extra_mass),
             Support::Floating { x, y } => {
                 each(x, self.mass);
                 each(y, self.mass);
@@ -214,16 +224,30 @@ impl SprocketModel {
         }
     }
 
-    /// Torque applied from outside at time `t` \[N m\]; zero where the rotation is prescribed or free.
+    /// Torque applied from outside at time `t` and angular speed `spin` \[N m\]; zero where the rotation is prescribed or free.
     #[must_use]
-    pub fn applied_torque(&self, t: f64) -> f64 {
-        match &self.rotation {
-            Rotation::Free {
-                torque: Some(table),
-                ..
-            } => table.value(t),
-            _ => 0.0,
+    pub fn applied_torque(&self, t: f64, spin: f64) -> f64 {
+        let Rotation::Free { torque, curve, .. } = &self.rotation else {
+            return 0.0;
+        };
+        let of_time = torque.as_ref().map_or(0.0, |table| table.value(t));
+        match curve {
+            Some(curve) => of_time + curve.value(spin),
+            None => of_time,
         }
+    }
+
+    /// Place along its tensioner's way of a centre there \[m\], and the unit vector of the way; nothing without a tensioner.
+    #[must_use]
+    pub fn slide_at(&self, center: Vec2) -> Option<(f64, Vec2)> {
+        let Support::Slide {
+            direction, guide, ..
+        } = &self.support
+        else {
+            return None;
+        };
+        let s = guide.place(*direction, center - self.center);
+        Some((s, guide.tangent(*direction, s)))
     }
 
     /// The tensioner's pull \[N\] at time `t`, along its direction.

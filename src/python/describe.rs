@@ -10,6 +10,7 @@ use crate::drive::{
 };
 use crate::error::{Error, Result, check};
 use crate::force_law::{Damping, Elastic, ForceLaw, Regions};
+use crate::geometry::belt::Side;
 use crate::geometry::{Seat, Vec2};
 use crate::integrator::{Corrector, StepControl};
 use crate::model::ForceLaws;
@@ -98,6 +99,13 @@ impl<'a, 'py> Reader<'a, 'py> {
         ))
     }
 
+    fn optional_vector(&self, field: &str, unit: &str) -> PyResult<Option<Vec2>> {
+        if self.get(field)?.is_none() {
+            return Ok(None);
+        }
+        self.vector(field, unit).map(Some)
+    }
+
     /// One of several words, each standing for a value; `None` in Python is the word "None".
     pub(super) fn word<T: Copy>(&self, field: &str, words: &[(&str, T)]) -> PyResult<T> {
         let value = self.get(field)?;
@@ -128,6 +136,12 @@ impl<'a, 'py> Reader<'a, 'py> {
     }
 
     fn table(&self, field: &str, unit: &str) -> PyResult<TimeTable> {
+        self.table_against(field, ("time", "s"), unit)
+    }
+
+    /// A constant, or rows of (axis, value).
+    fn table_against(&self, field: &str, axis: (&str, &str), unit: &str) -> PyResult<TimeTable> {
+        let expected = format!("each row must be ({}, value)", axis.0);
         let value = self.get(field)?;
         let name = self.name(field);
         let Ok(rows) = value.cast::<PyTuple>() else {
@@ -140,27 +154,17 @@ impl<'a, 'py> Reader<'a, 'py> {
         let mut pairs = Vec::new();
         for row in rows {
             let Ok(pair) = row.cast::<PyTuple>() else {
-                return Err(refuse(
-                    row.py(),
-                    &name,
-                    &row,
-                    "each row must be (time, value)",
-                ));
+                return Err(refuse(row.py(), &name, &row, &expected));
             };
             if pair.len() != 2 {
-                return Err(refuse(
-                    row.py(),
-                    &name,
-                    &row,
-                    "each row must be (time, value)",
-                ));
+                return Err(refuse(row.py(), &name, &row, &expected));
             }
             pairs.push((
-                number(&pair.get_item(0)?, &format!("{name} (time)"), "s")?,
+                number(&pair.get_item(0)?, &format!("{name} ({})", axis.0), axis.1)?,
                 number(&pair.get_item(1)?, &format!("{name} (value)"), unit)?,
             ));
         }
-        checked(value.py(), TimeTable::new(&name, unit, &pairs))
+        checked(value.py(), TimeTable::against(&name, axis, unit, &pairs))
     }
 }
 
@@ -305,7 +309,15 @@ fn motion(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Motion> {
     let read = Reader::new(object, field, &["PrescribedSpeed", "AppliedTorque", "Free"])?;
     Ok(match read.kind.as_str() {
         "PrescribedSpeed" => Motion::PrescribedSpeed(read.table("speed", "rad/s")?),
-        "AppliedTorque" => Motion::AppliedTorque(read.table("torque", "N m")?),
+        "AppliedTorque" => {
+            let torque = read.table("torque", "N m")?;
+            if read.get("curve")?.is_none() {
+                Motion::AppliedTorque(torque)
+            } else {
+                let curve = read.table_against("curve", ("speed", "rad/s"), "N m")?;
+                Motion::TorqueCurve { torque, curve }
+            }
+        }
         _ => Motion::Free,
     })
 }
@@ -324,6 +336,11 @@ pub(super) fn sprocket(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Sproc
             "bearing",
             &[("fixed", Bearing::Fixed), ("floating", Bearing::Floating)],
         )?,
+        side: read.word(
+            "side",
+            &[("inside", Side::Inside), ("outside", Side::Outside)],
+        )?,
+        load_inertia: read.number("load_inertia", "kg m^2")?,
     })
 }
 
@@ -334,11 +351,16 @@ fn tensioner(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Tensioner> {
         pretension: read.number("pretension", "N")?,
         ramp_time: read.number("ramp_time", "s")?,
         damping: read.number("damping", "N s/m")?,
-        direction: if read.get("direction")?.is_none() {
-            None
+        damping_back: read.optional_number("damping_back", "N s/m")?,
+        direction: read.optional_vector("direction", "1")?,
+        stiffness: read.number("stiffness", "N/m")?,
+        travel: if read.get("travel")?.is_none() {
+            [f64::INFINITY; 2]
         } else {
-            Some(read.vector("direction", "1")?)
+            read.vector("travel", "m")?.into()
         },
+        pivot: read.optional_vector("pivot", "m")?,
+        arm_inertia: read.number("arm_inertia", "kg m^2")?,
     })
 }
 

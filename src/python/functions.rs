@@ -6,9 +6,11 @@ use pyo3::types::PyDict;
 
 use super::describe;
 use super::errors::{InvalidInput, to_python};
-use crate::drive::check_links;
+use crate::drive::{BeltLine, Drive, check_links};
+use crate::equilibrium::Equilibrium;
 use crate::error::{Error, check};
 use crate::force_law::{SurfacePair, elastic_forces, restitution_obtained as obtained};
+use crate::geometry::Vec2;
 use crate::integrator::{Adams, OdeSystem, StepControl};
 use crate::state::{self, Start};
 use crate::vector::InstructionSet;
@@ -27,32 +29,143 @@ pub(super) fn layout<'py>(drive: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDi
     let py = drive.py();
     let description = describe::drive(drive)?;
     let (_, layout) = describe::checked(py, Start::generate(&description))?;
-    let path = &layout.path;
-    let gap_angle =
-        [0, 1].map(|i| 2.0 * std::f64::consts::PI / f64::from(description.sprockets[i].teeth));
     let found = PyDict::new(py);
+    let numbered = |sprockets: &[usize]| sprockets.iter().map(|s| s + 1).collect::<Vec<_>>();
+    let teeth: Vec<u32> = description.sprockets.iter().map(|s| s.teeth).collect();
+    let gap_angle = |i: usize| std::f64::consts::TAU / f64::from(teeth[i]);
+    let wrap_angle: Vec<f64> = (0..teeth.len())
+        .map(|i| f64::from(layout.seated[i]) * gap_angle(i))
+        .collect();
+    let names: Vec<String> = (0..layout.strands.len())
+        .map(|i| layout.strand_name(i))
+        .collect();
     found.set_item("links", description.chain.links)?;
     found.set_item("pitch", description.chain.pitch)?;
-    found.set_item("teeth", [0, 1].map(|i| description.sprockets[i].teeth))?;
-    found.set_item("center_distance", path.center_distance)?;
+    found.set_item("belt_pitches", layout.belt_pitches)?;
+    found.set_item("order", numbered(&layout.order))?;
+    found.set_item("teeth", teeth)?;
+    found.set_item(
+        "sides",
+        layout
+            .sides
+            .iter()
+            .map(|side| side.name())
+            .collect::<Vec<_>>(),
+    )?;
+    found.set_item("center_distance", layout.center_distance)?;
     found.set_item("closing_center_distance", layout.closing_center_distance)?;
     found.set_item("pitch_radius", layout.pitch_radius)?;
-    found.set_item("wrap_pitches", path.split.seated)?;
-    found.set_item(
-        "wrap_angle",
-        [0, 1].map(|i| f64::from(path.split.seated[i]) * gap_angle[i]),
-    )?;
-    found.set_item("first_seat_angle", path.first_seat)?;
+    found.set_item("wrap_pitches", layout.seated)?;
+    found.set_item("wrap_angle", wrap_angle)?;
+    found.set_item("belt_wrap_angle", layout.belt_wrap)?;
+    found.set_item("first_seat_angle", layout.first_seat)?;
     found.set_item("phase", layout.phase)?;
-    found.set_item("strand_pitches", path.split.strands)?;
-    found.set_item("strand_slack", path.slack)?;
-    found.set_item("sag", path.sag)?;
+    found.set_item("initial_speed", layout.speeds)?;
+    found.set_item("strands", names)?;
+    found.set_item("strand_pitches", layout.strand_pitches)?;
+    found.set_item("strand_span", layout.spans)?;
+    found.set_item("strand_slack", layout.slack)?;
+    found.set_item("sag", layout.sag)?;
     found.set_item("hinge_stretch", layout.hinge_stretch)?;
     found.set_item("start_gap", layout.start_gap)?;
-    found.set_item("speed_ratio", layout.speed_ratio)?;
+    found.set_item("speed_ratios", layout.speed_ratio)?;
     found.set_item("tension_force", layout.tension_force)?;
     found.set_item("warnings", layout.warnings)?;
     Ok(found)
+}
+
+/// Lets the chain of a drive come to rest: positions, velocities to run on with, and how well it rests.
+#[pyfunction]
+pub(super) fn static_start<'py>(
+    drive: &Bound<'py, PyAny>,
+    force_law: &Bound<'py, PyAny>,
+    hinge_law: Option<&Bound<'py, PyAny>>,
+    tooth_law: Option<&Bound<'py, PyAny>>,
+    min_approach_speed: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let py = drive.py();
+    let description = describe::drive(drive)?;
+    let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_approach_speed)?;
+    let rest = py.detach(|| Equilibrium::find(&description, &laws));
+    let rest = describe::checked(py, rest)?;
+    let found = PyDict::new(py);
+    for (name, rows) in [
+        ("positions", rest.start.positions),
+        ("velocities", rest.start.velocities),
+    ] {
+        let count = rows.len();
+        let flat: Vec<f64> = rows.into_iter().flatten().collect();
+        found.set_item(name, flat.into_pyarray(py).reshape([count, 3])?)?;
+    }
+    found.set_item("residual", rest.residual)?;
+    found.set_item("largest_force", rest.largest_force)?;
+    found.set_item("iterations", rest.iterations)?;
+    Ok(found)
+}
+
+/// Names of the strands of a drive, in the order of arrays over strands.
+#[pyfunction]
+pub(super) fn strand_names(drive: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
+    let description = describe::drive(drive)?;
+    if description.sprockets.len() == 2 {
+        return Ok(vec!["upper".to_string(), "lower".to_string()]);
+    }
+    let strands = crate::model::strands(&description);
+    Ok((0..strands.len())
+        .map(|i| state::strand_name(&strands, i))
+        .collect())
+}
+
+/// Smallest even number of links that closes round a drive's sprockets where they are.
+#[pyfunction]
+pub(super) fn links_around(drive: &Bound<'_, PyAny>) -> PyResult<u32> {
+    let description = describe::drive(drive)?;
+    describe::checked(drive.py(), description.validate())?;
+    describe::checked(drive.py(), state::links_around(&description))
+}
+
+/// How far sprocket `number` has to move along `direction` for a drive's chain to be taut \[m\], searched within `reach` \[m\].
+#[pyfunction]
+pub(super) fn closing_move(
+    drive: &Bound<'_, PyAny>,
+    number: usize,
+    direction: (f64, f64),
+    reach: f64,
+) -> PyResult<f64> {
+    let py = drive.py();
+    let description = one_of(drive, number)?;
+    let along = Vec2::new(direction.0, direction.1);
+    if !(along.norm().is_finite() && along.norm() > 0.0) {
+        let expected = "must be two finite numbers, not both zero";
+        let shown = format!("({}, {})", along.x, along.y);
+        return Err(to_python(py, &Error::invalid("direction", shown, expected)));
+    }
+    describe::checked(
+        py,
+        state::closing_move(&description, number - 1, along, reach),
+    )
+}
+
+/// Unit vector along which sprocket `number` of a drive tightens both strands beside it alike.
+#[pyfunction]
+pub(super) fn bisector(drive: &Bound<'_, PyAny>, number: usize) -> PyResult<(f64, f64)> {
+    let description = one_of(drive, number)?;
+    let line = describe::checked(drive.py(), BeltLine::of(&description))?;
+    let along = -line.belt.pull(line.place_of(number - 1)).normalize();
+    Ok((along.x, along.y))
+}
+
+/// A drive that has a sprocket of this number.
+fn one_of(drive: &Bound<'_, PyAny>, number: usize) -> PyResult<Drive> {
+    let description = describe::drive(drive)?;
+    describe::checked(drive.py(), description.validate())?;
+    let count = description.sprockets.len();
+    if (1..=count).contains(&number) {
+        return Ok(description);
+    }
+    let expected = format!("must be the number of a sprocket, 1 to {count}");
+    let refusal = Error::invalid("adjust", number, expected);
+    Err(to_python(drive.py(), &refusal))
 }
 
 fn positive(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyResult<f64> {

@@ -28,6 +28,11 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module
     )?)?;
     module.add_function(wrap_pyfunction!(functions::links_for, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::static_start, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::strand_names, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::links_around, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::bisector, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::closing_move, module)?)?;
     module.add_function(wrap_pyfunction!(functions::tooth_outline, module)?)?;
     module.add_function(wrap_pyfunction!(functions::law_force, module)?)?;
     module.add_function(wrap_pyfunction!(functions::restitution_obtained, module)?)?;

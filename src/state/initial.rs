@@ -1,10 +1,14 @@
 //! The start of a run: where every body lies and how it moves, with nothing in contact.
 
-use super::layout::{Layout, Place};
+use super::layout::Layout;
+use super::many_sprockets::Around;
+use super::strand_motion;
+use super::two_sprockets::Place;
 use crate::drive::Drive;
 use crate::error::Result;
+use crate::geometry::belt::Side;
 use crate::geometry::wrap::Path;
-use crate::geometry::{Vec2, turned_left};
+use crate::geometry::{Vec2, turned_left, unit};
 
 /// Positions and velocities of all bodies at time zero.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,29 +26,59 @@ impl Start {
     /// When no such start exists: the numbers that show why, and the nearest that works.
     pub fn generate(drive: &Drive) -> Result<(Self, Layout)> {
         drive.validate()?;
-        let place = Place::new(drive)?;
-        let path = place.find_path()?;
-        let layout = place.layout(path);
-        Ok((place.start(&layout), layout))
+        if drive.sprockets.len() == 2 && drive.sprockets.iter().all(|s| s.side == Side::Inside) {
+            let place = Place::new(drive)?;
+            let path = place.find_path()?;
+            let layout = place.layout(&path)?;
+            return Ok((place.start(&path, &layout), layout));
+        }
+        let around = Around::new(drive)?;
+        let found = around.find()?;
+        let (speeds, velocities) = strand_motion::of(drive, &around.line, &found);
+        let layout = around.layout(&found, speeds)?;
+        let start = Self::of_bodies(drive, &found.polygon.hinges, &velocities, &layout);
+        Ok((start, layout))
     }
-}
 
-impl Place<'_> {
+    /// The same drive with its bodies elsewhere: hinges keep their velocities but for what keeps the links' lengths.
+    #[must_use]
+    pub fn moved_to(&self, positions: Vec<[f64; 3]>, layout: &Layout, pitch: f64) -> Self {
+        let n = layout.seat_of.len();
+        let hinges = |positions: &[[f64; 3]]| -> Vec<Vec2> {
+            let end = |[x, y, angle]: [f64; 3], side: f64| {
+                Vec2::new(x, y) + 0.5 * side * pitch * unit(angle)
+            };
+            (0..n)
+                .map(|k| 0.5 * (end(positions[k], 1.0) + end(positions[(k + 1) % n], -1.0)))
+                .collect()
+        };
+        let velocity = |k: usize| {
+            let end = |i: usize, side: f64| {
+                let ([_, _, angle], [vx, vy, spin]) = (self.positions[i], self.velocities[i]);
+                Vec2::new(vx, vy) + 0.5 * side * pitch * spin * turned_left(unit(angle))
+            };
+            0.5 * (end(k, 1.0) + end((k + 1) % n, -1.0))
+        };
+        let places = hinges(&positions);
+        let mut velocities: Vec<Vec2> = (0..n).map(velocity).collect();
+        strand_motion::keep_all_lengths(&layout.seat_of, &places, &mut velocities);
+        let links = (0..n).map(|front| {
+            let rear = (front + n - 1) % n;
+            let along = places[front] - places[rear];
+            let apart = velocities[front] - velocities[rear];
+            let mean = 0.5 * (velocities[front] + velocities[rear]);
+            let spin = (along.x * apart.y - along.y * apart.x) / along.norm_squared();
+            [mean.x, mean.y, spin]
+        });
+        Self {
+            velocities: links.chain(self.velocities[n..].iter().copied()).collect(),
+            positions,
+        }
+    }
+
     /// Bodies from hinges: a link's centre and velocity are the means of its two hinges, its rate is (d x dv)/d².
-    fn start(&self, layout: &Layout) -> Start {
-        let speeds = self.speeds();
-        let origin = self.sprockets[0].center;
-        let to_world = |p: Vec2| p.x * self.axis + p.y * turned_left(self.axis);
-        let hinges: Vec<Vec2> = layout
-            .path
-            .hinges
-            .iter()
-            .map(|&p| origin + to_world(p))
-            .collect();
-        let velocities = self.hinge_velocities(&layout.path, speeds);
-        let velocities: Vec<Vec2> = velocities.into_iter().map(to_world).collect();
-
-        let mut start = Start {
+    fn of_bodies(drive: &Drive, hinges: &[Vec2], velocities: &[Vec2], layout: &Layout) -> Self {
+        let mut start = Self {
             positions: Vec::new(),
             velocities: Vec::new(),
         };
@@ -60,13 +94,25 @@ impl Place<'_> {
                 .push([center.x, center.y, along.y.atan2(along.x)]);
             start.velocities.push([velocity.x, velocity.y, spin]);
         }
-        for ((sprocket, phase), speed) in self.sprockets.iter().zip(layout.phase).zip(speeds) {
+        let turns = layout.phase.iter().zip(&layout.speeds);
+        for (sprocket, (&phase, &speed)) in drive.sprockets.iter().zip(turns) {
             start
                 .positions
                 .push([sprocket.center.x, sprocket.center.y, phase]);
             start.velocities.push([0.0, 0.0, speed]);
         }
         start
+    }
+}
+
+impl Place<'_> {
+    fn start(&self, path: &Path, layout: &Layout) -> Start {
+        let origin = self.sprockets[0].center;
+        let to_world = |p: Vec2| p.x * self.axis + p.y * turned_left(self.axis);
+        let hinges: Vec<Vec2> = path.hinges.iter().map(|&p| origin + to_world(p)).collect();
+        let velocities = self.hinge_velocities(path, self.speeds());
+        let velocities: Vec<Vec2> = velocities.into_iter().map(to_world).collect();
+        Start::of_bodies(self.drive, &hinges, &velocities, layout)
     }
 
     /// Seated hinges turn with their sprocket; along a strand the velocity changes linearly from end to end.

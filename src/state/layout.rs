@@ -1,281 +1,146 @@
-//! How the chain of a drive is laid round its sprockets: the choices of the generator, and what cannot be laid.
+//! What the generator chose for a drive, and what it measures on a chain laid round sprockets.
 
-use std::f64::consts::PI;
-
-use crate::drive::{Drive, Motion, Sprocket};
-use crate::error::{Error, Result};
-use crate::geometry::wrap::{self, Path, Split, Strand, Wheel};
-use crate::geometry::{ToothProfile, Vec2, turned_left, unit};
+use crate::drive::{Chain, Drive, Motion};
+use crate::error::Result;
+use crate::geometry::belt::Side;
+use crate::geometry::wrap::{self, Wheel};
+use crate::geometry::{ToothProfile, Vec2, unit};
 
 /// How far off its seat a bushing starts that would otherwise touch \[m\]; a stretched chain, whose bushings stand beside
 /// the middle of their seats, may need more.
-const START_GAPS: [f64; 4] = [1e-6, 3e-6, 1e-5, 3e-5];
-/// Share of the hinge clearance below which a stretched chain counts as taut.
-const TAUT_STRETCH: f64 = 0.02;
+pub(super) const START_GAPS: [f64; 4] = [1e-6, 3e-6, 1e-5, 3e-5];
 /// Share of the hinge clearance that a chain may be stretched by at the start.
-const LARGEST_STRETCH: f64 = 0.9;
-/// Largest angle of a slack strand's bow at its ends \[rad\].
-const LARGEST_BOW: f64 = 0.45 * PI;
+pub(super) const LARGEST_STRETCH: f64 = 0.9;
 
-/// What the generator chose.
+/// What the generator chose. One entry for each sprocket as they are listed, or for each strand.
+///
+/// With two sprockets the strands are the upper one (left of the line from the first to the second centre) and the lower one.
+/// With more, strand `i` leads from `order[i]` to the next one, counterclockwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layout {
-    /// Chain and path in the frame of the line of centres.
-    pub path: Path,
-    /// Centre distance at which the chain is taut \[m\], where there is one.
-    pub closing_center_distance: Option<f64>,
+    /// Sprockets (from 0) in the order in which the chain meets them, counterclockwise.
+    pub order: Vec<usize>,
+    /// On which side of the chain each stands.
+    pub sides: Vec<Side>,
+    /// Which sprocket each hinge is seated on.
+    pub seat_of: Vec<Option<usize>>,
     /// Pitch radii \[m\].
-    pub pitch_radius: [f64; 2],
+    pub pitch_radius: Vec<f64>,
     /// How far outside the pitch circle the seated hinges start \[m\].
-    pub seat_offset: [f64; 2],
+    pub seat_offset: Vec<f64>,
+    /// Pitches seated on each sprocket.
+    pub seated: Vec<u32>,
+    /// Angle that the belt line on the pitch circles wraps each sprocket by \[rad\].
+    pub belt_wrap: Vec<f64>,
+    /// Angle of the first seated hinge of each sprocket \[rad\]: seen from its centre; with two sprockets, from the line of centres.
+    pub first_seat: Vec<f64>,
     /// θ of each sprocket \[rad\].
-    pub phase: [f64; 2],
+    pub phase: Vec<f64>,
+    /// Angular speeds at the start \[rad/s\].
+    pub speeds: Vec<f64>,
+    /// Mean speed of each sprocket over that of the first; negative where it turns the other way.
+    pub speed_ratio: Vec<f64>,
+    /// From which to which sprocket (from 0) each strand leads.
+    pub strands: Vec<[usize; 2]>,
+    /// Pitches in each strand.
+    pub strand_pitches: Vec<u32>,
+    /// Straight distance between the ends of each strand \[m\].
+    pub spans: Vec<f64>,
+    /// Chain length in each strand less the straight distance \[m\]: positive when it sags, negative when it is stretched.
+    pub slack: Vec<f64>,
+    /// How far each strand bows outward \[m\].
+    pub sag: Vec<f64>,
+    /// Length of a taut chain along the belt line, in pitches.
+    pub belt_pitches: f64,
+    /// Distance of the centres of two sprockets \[m\].
+    pub center_distance: Option<f64>,
+    /// Centre distance of two sprockets at which the chain is taut \[m\], where there is one.
+    pub closing_center_distance: Option<f64>,
     /// Largest opening of a hinge at the start \[m\]: the chain is stretched by this much a pitch.
     pub hinge_stretch: f64,
     /// Smallest distance of a bushing from a tooth at the start \[m\].
     pub start_gap: f64,
-    /// Mean speed of the second sprocket over that of the first.
-    pub speed_ratio: f64,
     /// Pull of the tensioner \[N\].
     pub tension_force: f64,
     /// What a designer should know.
     pub warnings: Vec<String>,
 }
 
-/// A drive seen along its line of centres.
-pub(super) struct Place<'a> {
-    pub(super) drive: &'a Drive,
-    pub(super) sprockets: [&'a Sprocket; 2],
-    profiles: [ToothProfile; 2],
-    pub(super) center_distance: f64,
-    /// Unit vector from the first to the second centre.
-    pub(super) axis: Vec2,
+/// Angular speed that a sprocket is given at the start \[rad/s\], if any.
+pub(super) fn given_speed(drive: &Drive, sprocket: usize) -> Option<f64> {
+    match &drive.sprockets[sprocket].motion {
+        Motion::PrescribedSpeed(table) => Some(table.value(0.0)),
+        _ => drive.sprockets[sprocket].initial_speed,
+    }
 }
 
-impl<'a> Place<'a> {
-    pub(super) fn new(drive: &'a Drive) -> Result<Self> {
-        let chain = &drive.chain;
-        let sprockets = [&drive.sprockets[0], &drive.sprockets[1]];
-        let profiles = sprockets.map(|s| s.tooth_profile(chain));
-        let between = sprockets[1].center - sprockets[0].center;
-        let center_distance = between.norm();
-        let apart = profiles[0].outside_radius + profiles[1].outside_radius;
-        let place = Self {
-            drive,
-            sprockets,
-            profiles,
-            center_distance,
-            axis: if center_distance > 0.0 {
-                between / center_distance
-            } else {
-                Vec2::new(1.0, 0.0)
-            },
-        };
-        if center_distance <= apart {
-            return Err(Error::Impossible(format!(
-                "sprockets overlap: their centres are {center_distance:.6} m apart, their outside radii {:.6} m and {:.6} m \
-                 need more than {apart:.6} m{}",
-                place.profiles[0].outside_radius,
-                place.profiles[1].outside_radius,
-                place.suggestion()
-            )));
-        }
-        Ok(place)
+/// Full pull of the drive's tensioner \[N\]; zero without one.
+pub(super) fn tension_force(drive: &Drive) -> Result<f64> {
+    match &drive.tensioner {
+        Some(tensioner) => Ok(tensioner.line(drive)?.pull),
+        None => Ok(0.0),
     }
+}
 
-    fn teeth(&self) -> [u32; 2] {
-        self.sprockets.map(|s| s.teeth)
+/// What keeps the drive's tensioner from the tension that it is asked for.
+fn tensioner_warning(drive: &Drive) -> Option<String> {
+    let tensioner = drive.tensioner.as_ref()?;
+    let line = tensioner.line(drive).ok()?;
+    let way = match line.taut_at {
+        None => "anywhere on its way".to_string(),
+        Some(s) if s > tensioner.travel[1] => format!(
+            "before its stop: it would move by {:.3} mm and can by {:.3} mm",
+            1e3 * s,
+            1e3 * tensioner.travel[1]
+        ),
+        Some(_) => return None,
+    };
+    Some(format!(
+        "the tensioner does not take up the chain's slack {way}"
+    ))
+}
+
+/// The wheel of a sprocket whose seated bushings start `gap` \[m\] off their seats at least.
+pub(super) fn wheel(profile: &ToothProfile, bushing_radius: f64, gap: f64) -> Wheel {
+    let on_pitch_circle = Vec2::new(0.0, profile.pitch_radius - profile.seat_center_radius);
+    let depth = profile.contact(on_pitch_circle, bushing_radius).penetration;
+    Wheel {
+        teeth: profile.teeth,
+        hinge_radius: profile.pitch_radius + (depth + gap).max(0.0),
     }
+}
 
-    /// Angular speeds at the start \[rad/s\]: as given, else what turns both at one mean chain speed.
-    pub(super) fn speeds(&self) -> [f64; 2] {
-        let given = self.sprockets.map(|s| match &s.motion {
-            Motion::PrescribedSpeed(table) => Some(table.value(0.0)),
-            _ => s.initial_speed,
-        });
-        let [n1, n2] = self.teeth().map(f64::from);
-        match given {
-            [Some(first), Some(second)] => [first, second],
-            [Some(first), None] => [first, first * (n1 / n2)],
-            [None, Some(second)] => [second * (n2 / n1), second],
-            [None, None] => [0.0, 0.0],
-        }
-    }
+/// θ of a sprocket with a gap centre at `angle`: the nearest to zero.
+pub(super) fn phase(profile: &ToothProfile, angle: f64) -> f64 {
+    let gap = profile.gap_angle();
+    angle - (angle / gap).round() * gap
+}
 
-    /// The strand that hangs outward under gravity takes the slack; without gravity, the one that leaves the driver.
-    fn slack_strand(&self) -> Strand {
-        let up = turned_left(self.axis);
-        let pull = self.drive.gravity.dot(&up);
-        if pull.abs() > 1e-9 * self.drive.gravity.norm() {
-            return if pull < 0.0 {
-                Strand::Lower
-            } else {
-                Strand::Upper
-            };
-        }
-        if self.speeds()[0] >= 0.0 {
-            Strand::Lower
-        } else {
-            Strand::Upper
-        }
-    }
+/// A chain laid round sprockets, in one frame.
+pub(super) struct Lie<'a> {
+    pub(super) chain: &'a Chain,
+    pub(super) hinges: &'a [Vec2],
+    /// Centre, angle of a gap, and tooth profile of each sprocket.
+    pub(super) sprockets: Vec<(Vec2, f64, &'a ToothProfile)>,
+}
 
-    /// What would work instead, for messages.
-    fn suggestion(&self) -> String {
-        let (pitch, teeth, links) = (self.drive.chain.pitch, self.teeth(), self.drive.chain.links);
-        let taut = match closing_center_distance(pitch, teeth, links) {
-            Some(distance) => {
-                format!("{links} links are taut at a centre distance of {distance:.6} m")
-            }
-            None => format!(
-                "{links} links are too few for {} and {} teeth at any centre distance",
-                teeth[0], teeth[1]
-            ),
-        };
-        let apart = self.profiles[0].outside_radius + self.profiles[1].outside_radius;
-        let distance = self.center_distance.max(1.02 * apart);
-        let fewest = links_for(pitch, teeth, distance);
-        format!("; {taut}; a centre distance of {distance:.6} m takes {fewest} links")
-    }
-
-    pub(super) fn find_path(&self) -> Result<Path> {
-        let chain = &self.drive.chain;
-        let slack_strand = self.slack_strand();
-        let needed = wrap::belt_length(chain.pitch, self.teeth(), self.center_distance);
-        let refuse = |why: String| {
-            Err(Error::Impossible(format!(
-                "the chain cannot be laid: {} links at a centre distance of {:.6} m, where a taut chain has {needed:.3} pitches: \
-                 {why}{}",
-                chain.links,
-                self.center_distance,
-                self.suggestion()
-            )))
-        };
-        let stretch = (needed - f64::from(chain.links)) * chain.pitch / f64::from(chain.links);
-        let allowed = LARGEST_STRETCH * chain.hinge.clearance();
-        if stretch > 3.0 * allowed + 0.01 * chain.pitch {
-            return refuse(format!(
-                "it is {:.3} mm too short, {:.1} um a hinge, and a hinge's clearance gives {:.1} um",
-                1e3 * (needed - f64::from(chain.links)) * chain.pitch,
-                1e6 * stretch,
-                1e6 * chain.hinge.clearance()
-            ));
-        }
-        let mut why = None; // what is wrong with the most natural path
-        for gap in START_GAPS {
-            let wheels = self.wheels(gap);
-            let mut best: Option<(f64, Path)> = None;
-            for split in self.splits(wheels, slack_strand) {
-                let path = wrap::path_at(
-                    chain.pitch,
-                    wheels,
-                    split,
-                    self.center_distance,
-                    slack_strand,
-                );
-                let Some(path) = path else { continue };
-                if let Some(fault) = self.fault(&path) {
-                    why.get_or_insert(fault);
-                    continue;
-                }
-                // Taut or slack as it should be; a stretched one waits for a better split.
-                let stretch = [0, 1]
-                    .map(|i| -path.slack[i] / f64::from(path.split.strands[i]))
-                    .into_iter()
-                    .fold(0.0, f64::max);
-                if stretch <= TAUT_STRETCH * chain.hinge.clearance() {
-                    return Ok(path);
-                }
-                if best.as_ref().is_none_or(|(least, _)| stretch < *least) {
-                    best = Some((stretch, path));
-                }
-            }
-            if let Some((_, path)) = best {
-                return Ok(path);
-            }
-        }
-        refuse(why.unwrap_or_else(|| "no whole numbers of pitches fit the strands".to_string()))
-    }
-
-    /// Wheels whose seated bushings start `gap` \[m\] off their seats at least.
-    fn wheels(&self, gap: f64) -> [Wheel; 2] {
-        let radius = self.drive.chain.bushing_radius;
-        [0, 1].map(|i| {
-            let profile = &self.profiles[i];
-            let on_pitch_circle = Vec2::new(0.0, profile.pitch_radius - profile.seat_center_radius);
-            let depth = profile.contact(on_pitch_circle, radius).penetration;
-            Wheel {
-                teeth: profile.teeth,
-                hinge_radius: profile.pitch_radius + (depth + gap).max(0.0),
-            }
-        })
-    }
-
-    /// Splits to try: at the distance at which the chain is taut, the taut one first.
-    fn splits(&self, wheels: [Wheel; 2], slack_strand: Strand) -> Vec<Split> {
-        let chain = &self.drive.chain;
-        let taut = wrap::taut_path(chain.pitch, wheels, chain.links)
-            .filter(|path| (path.center_distance - self.center_distance).abs() < 1e-3 * chain.pitch)
-            .map(|path| path.split);
-        let others = wrap::splits_at(
-            chain.pitch,
-            self.teeth(),
-            chain.links,
-            self.center_distance,
-            slack_strand,
-        );
-        taut.into_iter().chain(others).collect()
-    }
-
-    /// Why a path will not do.
-    fn fault(&self, path: &Path) -> Option<String> {
-        let chain = &self.drive.chain;
-        let stretch = self.stretch(path);
-        if stretch >= LARGEST_STRETCH * chain.hinge.clearance() {
-            return Some(format!(
-                "it would open every hinge of a strand by {:.1} um, and their clearance is {:.1} um",
-                1e6 * stretch,
-                1e6 * chain.hinge.clearance()
-            ));
-        }
-        for (strand, name) in [(Strand::Upper, "upper"), (Strand::Lower, "lower")] {
-            let i = strand as usize;
-            let (span, sag) = (path.spans[i], path.sag[i]);
-            let bow = 2.0 * (2.0 * sag / span).atan();
-            if bow > LARGEST_BOW {
-                return Some(format!(
-                    "the {name} strand has {:.3} mm of slack over {:.3} mm and would bow out by {:.3} mm",
-                    1e3 * path.slack[i],
-                    1e3 * span,
-                    1e3 * sag
-                ));
-            }
-        }
-        let gap = self.smallest_gap(path);
-        (gap < 0.9 * START_GAPS[0]).then(|| {
-            format!(
-                "a bushing would start {:.3} um off a tooth (negative: inside)",
-                1e6 * gap
-            )
-        })
-    }
-
+impl Lie<'_> {
     /// Ends of every link as the model will have them, (rear, front): its hinges lie at half a pitch from its middle.
-    fn link_ends(&self, path: &Path) -> Vec<(Vec2, Vec2)> {
-        let n = path.hinges.len();
+    fn link_ends(&self) -> Vec<(Vec2, Vec2)> {
+        let n = self.hinges.len();
         (0..n)
             .map(|i| {
-                let (rear, front) = (path.hinges[(i + n - 1) % n], path.hinges[i]);
+                let (rear, front) = (self.hinges[(i + n - 1) % n], self.hinges[i]);
                 let middle = 0.5 * (rear + front);
-                let half = 0.5 * self.drive.chain.pitch * (front - rear).normalize();
+                let half = 0.5 * self.chain.pitch * (front - rear).normalize();
                 (middle - half, middle + half)
             })
             .collect()
     }
 
     /// Largest distance of a pin's centre from its bushing's \[m\].
-    fn stretch(&self, path: &Path) -> f64 {
-        let ends = self.link_ends(path);
+    pub(super) fn stretch(&self) -> f64 {
+        let ends = self.link_ends();
         let next = ends.iter().cycle().skip(1);
         ends.iter()
             .zip(next)
@@ -283,26 +148,25 @@ impl<'a> Place<'a> {
             .fold(0.0, f64::max)
     }
 
-    /// Smallest distance of a bushing from a tooth \[m\].
-    fn smallest_gap(&self, path: &Path) -> f64 {
-        let radius = self.drive.chain.bushing_radius;
+    /// Smallest distance of a bushing from a tooth \[m\]; infinite when none is near.
+    pub(super) fn smallest_gap(&self) -> f64 {
+        let radius = self.chain.bushing_radius;
         let bushings: Vec<Vec2> = self
-            .link_ends(path)
+            .link_ends()
             .into_iter()
             .step_by(2) // the inner links
             .flat_map(|(rear, front)| [rear, front])
             .collect();
         let mut gap = f64::INFINITY;
-        for (i, profile) in self.profiles.iter().enumerate() {
-            let center = Vec2::new(if i == 0 { 0.0 } else { self.center_distance }, 0.0);
+        for &(center, first_seat, profile) in &self.sprockets {
             for bushing in &bushings {
                 let offset = bushing - center;
                 if offset.norm() >= profile.reach(radius) {
                     continue;
                 }
                 let gap_angle = profile.gap_angle();
-                let nearest = ((offset.y.atan2(offset.x) - path.first_seat[i]) / gap_angle).round();
-                let middle = unit(path.first_seat[i] + nearest * gap_angle);
+                let nearest = ((offset.y.atan2(offset.x) - first_seat) / gap_angle).round();
+                let middle = unit(first_seat + nearest * gap_angle);
                 let point = Vec2::new(
                     offset.x * middle.y - offset.y * middle.x,
                     offset.dot(&middle) - profile.seat_center_radius,
@@ -312,61 +176,94 @@ impl<'a> Place<'a> {
         }
         gap
     }
+}
 
-    pub(super) fn layout(&self, path: Path) -> Layout {
-        let chain = &self.drive.chain;
-        let pitch_radius = [0, 1].map(|i| self.profiles[i].pitch_radius);
-        let tilt = self.axis.y.atan2(self.axis.x);
-        let phase = [0, 1].map(|i| {
-            let gap = self.profiles[i].gap_angle();
-            let angle = path.first_seat[i] + tilt;
-            angle - (angle / gap).round() * gap
-        });
+/// Fewest pitches in mesh that go without a word.
+const FEW_IN_MESH: u32 = 3;
+
+impl Layout {
+    /// What a strand is called.
+    #[must_use]
+    pub fn strand_name(&self, strand: usize) -> String {
+        strand_name(&self.strands, strand)
+    }
+
+    /// What a designer should know of these choices.
+    pub(super) fn warn(&mut self, drive: &Drive) {
         let mut warnings = Vec::new();
-        for (i, name) in ["upper", "lower"].iter().enumerate() {
-            let share = path.sag[i] / path.spans[i];
+        for i in 0..self.strands.len() {
+            let share = self.sag[i] / self.spans[i];
             if share > 0.06 {
                 warnings.push(format!(
-                    "the {name} strand sags by {:.1} % of its span; 4 to 6 % is usual",
+                    "the {} strand sags by {:.1} % of its span; 4 to 6 % is usual",
+                    self.strand_name(i),
                     100.0 * share
                 ));
             }
         }
-        for i in 0..2 {
-            let wrap = f64::from(path.split.seated[i]) * self.profiles[i].gap_angle().to_degrees();
-            if wrap < 120.0 {
+        for (i, sprocket) in drive.sprockets.iter().enumerate() {
+            let gap = std::f64::consts::TAU / f64::from(sprocket.teeth);
+            let wrap = (f64::from(self.seated[i]) * gap).to_degrees();
+            // Idlers carry no power: a few teeth will do.
+            if drive.sprockets.len() == 2 || !matches!(sprocket.motion, Motion::Free) {
+                if wrap < 120.0 - 1e-9 {
+                    warnings.push(format!(
+                        "sprocket {} is wrapped by {wrap:.0} degrees only; 120 is usual",
+                        i + 1
+                    ));
+                }
+            } else if self.seated[i] < FEW_IN_MESH {
                 warnings.push(format!(
-                    "sprocket {} is wrapped by {wrap:.0} degrees only; 120 is usual",
-                    i + 1
+                    "sprocket {} has {} pitches in mesh; {FEW_IN_MESH} are usual for an idler",
+                    i + 1,
+                    self.seated[i]
                 ));
             }
         }
-        let [n1, n2] = self.teeth().map(f64::from);
-        let [first, second] = self.speeds();
-        if (first * n1 - second * n2).abs() > 0.01 * (first * n1).abs().max((second * n2).abs()) {
-            warnings.push(format!(
-                "the sprockets start at {first:.4} and {second:.4} rad/s, which pull the chain at different speeds"
-            ));
-        }
-        Layout {
-            closing_center_distance: closing_center_distance(
-                chain.pitch,
-                self.teeth(),
-                chain.links,
-            ),
-            pitch_radius,
-            seat_offset: [0, 1].map(|i| path.hinge_radius[i] - pitch_radius[i]),
-            phase,
-            hinge_stretch: self.stretch(&path),
-            start_gap: self.smallest_gap(&path),
-            speed_ratio: n1 / n2,
-            tension_force: self.drive.tensioner.map_or(0.0, |t| {
-                crate::model::tensioner_pull(self.drive, t.pretension)
-            }),
-            warnings,
-            path,
+        self.warn_of_speeds(drive, &mut warnings);
+        warnings.extend(tensioner_warning(drive));
+        self.warnings = warnings;
+    }
+
+    fn warn_of_speeds(&self, drive: &Drive, warnings: &mut Vec<String>) {
+        // Speeds that are given must agree; the others follow.
+        let given: Vec<usize> = (0..drive.sprockets.len())
+            .filter(|&i| given_speed(drive, i).is_some())
+            .collect();
+        let chain_speed =
+            |i: usize| self.sides[i].sign() * self.speeds[i] * f64::from(drive.sprockets[i].teeth);
+        if let [first, others @ ..] = given.as_slice() {
+            for other in others {
+                let (one, two) = (chain_speed(*first), chain_speed(*other));
+                if (one - two).abs() > 0.01 * one.abs().max(two.abs()) {
+                    warnings.push(format!(
+                        "sprockets {} and {} start at {:.4} and {:.4} rad/s, which pull the chain at different speeds",
+                        first + 1,
+                        other + 1,
+                        self.speeds[*first],
+                        self.speeds[*other]
+                    ));
+                }
+            }
         }
     }
+}
+
+/// "upper" and "lower" of two sprockets, "1-3" from sprocket 1 to sprocket 3 of more.
+#[must_use]
+pub fn strand_name(strands: &[[usize; 2]], strand: usize) -> String {
+    if strands.len() == 2 {
+        return ["upper", "lower"][strand].to_string();
+    }
+    let [from, to] = strands[strand];
+    format!("{}-{}", from + 1, to + 1)
+}
+
+/// Smallest even number of links that is `pitches` or more but for a hair.
+#[must_use]
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a count of links
+pub(super) fn even_links(pitches: f64) -> u32 {
+    2 * (0.5 * pitches - 0.05).ceil().max(2.0) as u32
 }
 
 /// Centre distance \[m\] at which a chain of `links` lies taut round two sprockets, its hinges on the pitch circles.
@@ -382,10 +279,8 @@ pub fn closing_center_distance(pitch: f64, teeth: [u32; 2], links: u32) -> Optio
 
 /// Smallest even number of links that closes at a centre distance \[m\].
 #[must_use]
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a count of links
 pub fn links_for(pitch: f64, teeth: [u32; 2], center_distance: f64) -> u32 {
-    let needed = wrap::belt_length(pitch, teeth, center_distance);
-    let mut links = 2 * (0.5 * needed - 0.05).ceil().max(2.0) as u32;
+    let mut links = even_links(wrap::belt_length(pitch, teeth, center_distance));
     // The chain is a polygon: a taut one of this many links may still fall a little short.
     while closing_center_distance(pitch, teeth, links)
         .is_some_and(|c| c < center_distance * (1.0 - 1e-12))

@@ -1,10 +1,15 @@
 //! What changes: time, coordinates, velocities; and the motion of every body read from them.
 
+mod closing;
 mod initial;
 mod layout;
+mod many_sprockets;
 mod motion;
+mod strand_motion;
+mod two_sprockets;
 
+pub use closing::{closing_move, links_around};
 pub use initial::Start;
-pub use layout::{Layout, closing_center_distance, links_for};
+pub use layout::{Layout, closing_center_distance, links_for, strand_name};
 pub use motion::Motion;
 pub(crate) use motion::sprocket_motion;

@@ -119,10 +119,14 @@ impl Motion {
             match sprocket.support {
                 Support::Fixed => {}
                 Support::Slide {
-                    index, direction, ..
+                    index,
+                    direction,
+                    guide,
+                    ..
                 } => {
-                    q[index] = (center - sprocket.center).dot(&direction);
-                    v[index] = velocity.dot(&direction);
+                    let s = guide.place(direction, center - sprocket.center);
+                    q[index] = s;
+                    v[index] = velocity.dot(&guide.tangent(direction, s));
                 }
                 Support::Floating { x, y } => {
                     (q[x], q[y]) = (center.x, center.y);
@@ -145,10 +149,16 @@ pub(crate) fn sprocket_motion(
     let at = match sprocket.support {
         Support::Fixed => (sprocket.center, Vec2::zeros()),
         Support::Slide {
-            index, direction, ..
+            index,
+            direction,
+            guide,
+            ..
         } => {
             let (s, speed) = value(index);
-            (sprocket.center + s * direction, speed * direction)
+            (
+                sprocket.center + guide.offset(direction, s),
+                speed * guide.tangent(direction, s),
+            )
         }
         Support::Floating { x, y } => {
             let ((x, vx), (y, vy)) = (value(x), value(y));

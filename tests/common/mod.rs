@@ -3,6 +3,7 @@
 // Every test binary compiles this file anew and uses a part of it.
 #![allow(dead_code, unreachable_pub)]
 
+pub mod layouts;
 pub mod scenes;
 pub mod twins;
 
@@ -12,6 +13,7 @@ use std::time::Duration;
 use rustchain::drive::{
     AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Link, Material, Motion, Sprocket, Tensioner,
 };
+use rustchain::geometry::belt::Side;
 use rustchain::geometry::{Seat, Vec2};
 use rustchain::integrator::{Corrector, StepControl};
 use rustchain::state::{Start, closing_center_distance};
@@ -57,6 +59,8 @@ pub fn paper_drive() -> Drive {
         inertia: Some(588.29e-6),
         initial_speed: None,
         bearing: Bearing::Fixed,
+        side: Side::Inside,
+        load_inertia: 0.0,
     };
     let driver = Motion::PrescribedSpeed((4.0 * std::f64::consts::PI).into());
     Drive {
@@ -74,7 +78,12 @@ pub fn tensioner(pretension: f64, ramp_time: f64) -> Tensioner {
         pretension,
         ramp_time,
         damping: 2000.0,
+        damping_back: None,
         direction: None,
+        stiffness: 0.0,
+        travel: [f64::INFINITY; 2],
+        pivot: None,
+        arm_inertia: 0.0,
     }
 }
 

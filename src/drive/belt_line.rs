@@ -1,0 +1,279 @@
+//! The belt line of a drive: in which order the chain meets the sprockets, and why it may not be able to.
+
+use std::f64::consts::TAU;
+
+use super::Drive;
+use crate::error::{Error, Result};
+use crate::geometry::belt::{self, Belt, NoTangent, Pulley, Side};
+use crate::geometry::wrap::pitch_radius;
+
+/// Up to this many sprockets, a list in the wrong order is answered with the right one.
+const MOST_TO_ORDER: usize = 8;
+
+/// The belt on the pitch circles.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BeltLine {
+    /// Sprockets (from 0) in the order in which it meets them, counterclockwise; the first one first.
+    pub order: Vec<usize>,
+    /// Spans and wraps in that order.
+    pub belt: Belt,
+}
+
+impl BeltLine {
+    /// The belt line of `drive`, whose sprockets are listed one way round or the other.
+    ///
+    /// # Errors
+    /// When there is none: sprockets that overlap, an order or a side that makes no loop, a line that crosses itself or a sprocket,
+    /// or a wrap below one tooth, with the numbers that say so.
+    pub fn of(drive: &Drive) -> Result<Self> {
+        check_room(drive)?;
+        let n = drive.sprockets.len();
+        let listed: Vec<usize> = (0..n).collect();
+        let found = loop_in(drive, &listed).or_else(|| loop_in(drive, &reversed(&listed)));
+        let Some(line) = found else {
+            return refuse(&why_no_loop(drive, &listed));
+        };
+        line.check_crossings(drive)?;
+        for (place, &i) in line.order.iter().enumerate() {
+            let gap = 360.0 / f64::from(drive.sprockets[i].teeth);
+            let wrap = line.belt.wraps[place].to_degrees();
+            if wrap < gap {
+                return refuse(&format!(
+                    "sprocket {} is wrapped by {wrap:.2} degrees, less than one of its {} tooth gaps, {gap:.2} degrees: move \
+                     it {}",
+                    i + 1,
+                    drive.sprockets[i].teeth,
+                    match drive.sprockets[i].side {
+                        Side::Inside => "outward",
+                        Side::Outside => "into the loop",
+                    }
+                ));
+            }
+        }
+        Ok(line)
+    }
+
+    /// Length of a taut chain along it, in pitches: on a wrap they are as many as teeth, whose chords are shorter than the arc.
+    #[must_use]
+    pub fn pitches(&self, drive: &Drive) -> f64 {
+        pitches(drive, &self.order, &self.belt)
+    }
+
+    /// Place of sprocket `i` in the order.
+    #[must_use]
+    pub fn place_of(&self, i: usize) -> usize {
+        self.order.iter().position(|&j| j == i).unwrap_or(0)
+    }
+
+    /// From which to which sprocket each strand leads.
+    #[must_use]
+    pub fn strands(&self) -> Vec<[usize; 2]> {
+        let next = self.order.iter().cycle().skip(1);
+        self.order.iter().zip(next).map(|(&a, &b)| [a, b]).collect()
+    }
+
+    fn check_crossings(&self, drive: &Drive) -> Result<()> {
+        let strands = self.strands();
+        let name = |i: usize| format!("{}-{}", strands[i][0] + 1, strands[i][1] + 1);
+        for (i, span) in self.belt.spans.iter().enumerate() {
+            for (j, other) in self.belt.spans.iter().enumerate().skip(i + 1) {
+                if belt::cross(span, other) {
+                    return refuse(&format!(
+                        "the strands {} and {} cross: list the sprockets in the order in which the chain meets them{}",
+                        name(i),
+                        name(j),
+                        suggested_order(drive)
+                    ));
+                }
+            }
+            for (k, sprocket) in drive.sprockets.iter().enumerate() {
+                if strands[i].contains(&k) {
+                    continue;
+                }
+                let distance = belt::distance_from(span, sprocket.center);
+                let reach = sprocket.tooth_profile(&drive.chain).outside_radius
+                    + drive.chain.bushing_radius;
+                if distance < reach {
+                    return refuse(&format!(
+                        "the strand {} runs into sprocket {}: it passes its centre at {:.3} mm, and teeth and bushings need \
+                         {:.3} mm",
+                        name(i),
+                        k + 1,
+                        1e3 * distance,
+                        1e3 * reach
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn refuse<T>(why: &str) -> Result<T> {
+    Err(Error::Impossible(format!("no chain can be laid: {why}")))
+}
+
+fn check_room(drive: &Drive) -> Result<()> {
+    let radius = |i: usize| {
+        drive.sprockets[i]
+            .tooth_profile(&drive.chain)
+            .outside_radius
+    };
+    for i in 0..drive.sprockets.len() {
+        for j in i + 1..drive.sprockets.len() {
+            let distance = (drive.sprockets[j].center - drive.sprockets[i].center).norm();
+            let needed = radius(i) + radius(j);
+            if distance <= needed {
+                return refuse(&format!(
+                    "sprockets {} and {} overlap: their centres are {distance:.6} m apart, their outside radii {:.6} m and {:.6} \
+                     m need more than {needed:.6} m",
+                    i + 1,
+                    j + 1,
+                    radius(i),
+                    radius(j)
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The same loop the other way round, from the same sprocket.
+fn reversed(order: &[usize]) -> Vec<usize> {
+    let (first, rest) = order.split_at(1);
+    first.iter().chain(rest.iter().rev()).copied().collect()
+}
+
+/// The wheels of a belt on the pitch circles, in this order.
+pub(super) fn pulleys(drive: &Drive, order: &[usize]) -> Vec<Pulley> {
+    let pulley = |&i: &usize| {
+        let sprocket = &drive.sprockets[i];
+        Pulley {
+            center: sprocket.center,
+            radius: pitch_radius(drive.chain.pitch, sprocket.teeth),
+            side: sprocket.side,
+        }
+    };
+    order.iter().map(pulley).collect()
+}
+
+/// Length of a taut chain along `belt`, in pitches.
+pub(super) fn pitches(drive: &Drive, order: &[usize], belt: &Belt) -> f64 {
+    let straight: f64 = belt.spans.iter().map(|span| span.length).sum();
+    let seated = order
+        .iter()
+        .zip(&belt.wraps)
+        .map(|(&i, wrap)| wrap / TAU * f64::from(drive.sprockets[i].teeth));
+    straight / drive.chain.pitch + seated.sum::<f64>()
+}
+
+/// The belt in this order, where it goes round once.
+fn loop_in(drive: &Drive, order: &[usize]) -> Option<BeltLine> {
+    let belt = Belt::around(&pulleys(drive, order)).ok()?;
+    belt.is_simple().then(|| BeltLine {
+        order: order.to_vec(),
+        belt,
+    })
+}
+
+fn why_no_loop(drive: &Drive, listed: &[usize]) -> String {
+    if let Err(NoTangent {
+        wheels: [a, b],
+        distance,
+        needed,
+    }) = Belt::around(&pulleys(drive, listed))
+    {
+        return format!(
+            "sprockets {} and {} have no common tangent: their centres are {:.3} mm apart and need more than {:.3} mm",
+            a + 1,
+            b + 1,
+            1e3 * distance,
+            1e3 * needed
+        );
+    }
+    let order = suggested_order(drive);
+    if !order.is_empty() {
+        return format!(
+            "the sprockets are not listed in the order in which a chain meets them{order}"
+        );
+    }
+    let mut flipped = drive.clone();
+    for i in 0..drive.sprockets.len() {
+        let side = drive.sprockets[i].side;
+        let other = match side {
+            Side::Inside => Side::Outside,
+            Side::Outside => Side::Inside,
+        };
+        flipped.sprockets[i].side = other;
+        let found = loop_in(&flipped, listed).or_else(|| loop_in(&flipped, &reversed(listed)));
+        if found.is_some_and(|line| line.check_crossings(&flipped).is_ok()) {
+            return format!(
+                "sprocket {} stands where a chain in this order would have it {}; it has side=\"{}\"",
+                i + 1,
+                other.name(),
+                side.name()
+            );
+        }
+        flipped.sprockets[i].side = side;
+    }
+    let turns = Belt::around(&pulleys(drive, listed)).map_or(0.0, |belt| belt.turns);
+    format!(
+        "a chain round the sprockets in this order would turn {turns:.2} times round instead of once; check their order, \
+         centres and sides"
+    )
+}
+
+/// The shortest loop in another order that crosses nothing, in words; empty when there is none, or too many to look at.
+fn suggested_order(drive: &Drive) -> String {
+    let n = drive.sprockets.len();
+    if n > MOST_TO_ORDER {
+        return String::new();
+    }
+    let mut best: Option<BeltLine> = None;
+    let mut order: Vec<usize> = (0..n).collect();
+    for_each_order(&mut order, 1, &mut |order| {
+        let Some(line) = loop_in(drive, order) else {
+            return;
+        };
+        let shorter = best
+            .as_ref()
+            .is_none_or(|best| line.belt.length < best.belt.length);
+        if shorter && line.check_crossings_quietly(drive) {
+            best = Some(line);
+        }
+    });
+    best.map_or(String::new(), |line| {
+        let names: Vec<String> = line.order.iter().map(|i| (i + 1).to_string()).collect();
+        format!(": {} would do", names.join(", "))
+    })
+}
+
+impl BeltLine {
+    /// The same without the answer to a crossing, which asks for orders itself.
+    fn check_crossings_quietly(&self, drive: &Drive) -> bool {
+        let spans = &self.belt.spans;
+        let strands = self.strands();
+        let free = |i: usize| {
+            let own = |k: usize| strands[i].contains(&k);
+            drive.sprockets.iter().enumerate().all(|(k, sprocket)| {
+                let reach = sprocket.tooth_profile(&drive.chain).outside_radius;
+                own(k) || belt::distance_from(&spans[i], sprocket.center) >= reach
+            })
+        };
+        (0..spans.len())
+            .all(|i| free(i) && (i + 1..spans.len()).all(|j| !belt::cross(&spans[i], &spans[j])))
+    }
+}
+
+/// Calls `take` with every order that keeps the first `fixed` places.
+fn for_each_order(order: &mut [usize], fixed: usize, take: &mut impl FnMut(&[usize])) {
+    if fixed >= order.len() {
+        take(order);
+        return;
+    }
+    for i in fixed..order.len() {
+        order.swap(fixed, i);
+        for_each_order(order, fixed + 1, take);
+        order.swap(fixed, i);
+    }
+}

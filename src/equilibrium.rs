@@ -1,0 +1,235 @@
+//! Static equilibrium of a drive: where its links come to rest with every motor held, every load on and the tensioner at full pull.
+//!
+//! Newton's method on the forces, from rest in every iteration: a step of backward Euler of length γ, (M - γ² K) Δq = γ² Q,
+//! is Newton's step once γ is long, and a slow sag down the forces while it is short. γ grows while the forces fall. No hinge
+//! opens or turns by more than a share of its clearance in one iteration, because its normal would be another one.
+
+use std::sync::Arc;
+
+use crate::drive::{Drive, Motion, TimeTable};
+use crate::dynamics::Dynamics;
+use crate::error::{Error, Result};
+use crate::geometry::{Vec2, turned_left, unit};
+use crate::integrator::OdeSystem;
+use crate::model::{ForceLaws, Model, Rotation, SprocketModel};
+use crate::state::{Layout, Motion as Places, Start};
+
+/// First γ \[s\]: a link falls by 10 nm.
+const FIRST_GAMMA: f64 = 3e-5;
+/// Longest γ \[s\]: inertia is then nothing beside any stiffness, gravity's own included.
+const LONGEST_GAMMA: f64 = 3.0;
+/// Shortest γ \[s\].
+const SHORTEST_GAMMA: f64 = 1e-6;
+/// Iterations after which contacts remember anew which surface of a tooth they are on: where two of unlike stiffness meet, the
+/// force jumps, and there may be no balance until one is kept.
+const BETWEEN_MEMORIES: u32 = 500;
+/// Share of the hinge clearance that the two ends in a hinge may move by against each other in one iteration.
+const HINGE_SHARE: f64 = 0.2;
+/// How far anything may move in one iteration, in pitches.
+const LARGEST_MOVE: f64 = 0.02;
+/// Unbalanced force that is let stand, over the largest force of a contact or from outside.
+const TOLERANCE: f64 = 1e-7;
+/// A drive that takes more does not come to rest.
+const MOST_ITERATIONS: u32 = 40_000;
+
+/// A drive at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Equilibrium {
+    /// Positions at rest; velocities with which the drive runs on from there.
+    pub start: Start,
+    /// Largest unbalanced force on a body, moments of links divided by half the pitch \[N\].
+    pub residual: f64,
+    /// Largest force of a contact \[N\].
+    pub largest_force: f64,
+    /// How many iterations it took.
+    pub iterations: u32,
+}
+
+/// The drive with its motors held, and all that depends on time or speed as it is at the start.
+fn held(drive: &Drive, layout: &Layout) -> Drive {
+    let mut held = drive.clone();
+    for (sprocket, &speed) in held.sprockets.iter_mut().zip(&layout.speeds) {
+        sprocket.initial_speed = None;
+        sprocket.motion = match &sprocket.motion {
+            Motion::PrescribedSpeed(_) => Motion::PrescribedSpeed(0.0.into()),
+            Motion::AppliedTorque(torque) => Motion::AppliedTorque(torque.value(0.0).into()),
+            Motion::TorqueCurve { torque, curve } => {
+                Motion::AppliedTorque(TimeTable::from(torque.value(0.0) + curve.value(speed)))
+            }
+            Motion::Free => Motion::Free,
+        };
+    }
+    if let Some(tensioner) = &mut held.tensioner {
+        tensioner.ramp_time = 0.0;
+    }
+    held
+}
+
+impl Equilibrium {
+    /// Lets the chain of `drive` come to rest from where the generator lays it.
+    ///
+    /// # Errors
+    /// When the chain cannot be laid, or there is no rest: a torque that nothing holds, with the force that is left.
+    pub fn find(drive: &Drive, laws: &ForceLaws) -> Result<Self> {
+        let (laid, layout) = Start::generate(drive)?;
+        let at_rest = Start {
+            positions: laid.positions.clone(),
+            velocities: vec![[0.0; 3]; laid.velocities.len()],
+        };
+        let model = Arc::new(Model::compile(&held(drive, &layout), laws, &at_rest)?);
+        let mut settling = Settling::new(model, &at_rest);
+        let residual = settling.settle()?;
+        let positions = settling.places.positions();
+        Ok(Self {
+            start: laid.moved_to(positions, &layout, drive.chain.pitch),
+            residual,
+            largest_force: settling.largest_force(),
+            iterations: settling.iterations,
+        })
+    }
+}
+
+/// Length that a coordinate of a sprocket stands for: the pitch radius where it is an angle \[m\], 1 where it is a length.
+fn arm(sprocket: &SprocketModel, index: usize) -> f64 {
+    match sprocket.rotation {
+        Rotation::Free { index: own, .. } if own == index => sprocket.profile.pitch_radius,
+        _ => 1.0,
+    }
+}
+
+/// The largest force from outside \[N\]: weight of a link, pull of a tensioner, torque at a pitch radius; a micronewton at least.
+fn applied_force(model: &Model) -> f64 {
+    let heaviest = model.mass.iter().fold(0.0, |a: f64, &b| a.max(b));
+    let outside = model.sprockets.iter().map(|sprocket| {
+        let torque = sprocket.applied_torque(0.0, 0.0) / sprocket.profile.pitch_radius;
+        sprocket.pull(0.0).abs().max(torque.abs())
+    });
+    outside.fold((model.gravity.norm() * heaviest).max(1e-6), f64::max)
+}
+
+struct Settling {
+    dynamics: Dynamics,
+    places: Places,
+    y: Vec<f64>,
+    rates: Vec<f64>,
+    iterations: u32,
+}
+
+impl Settling {
+    fn new(model: Arc<Model>, start: &Start) -> Self {
+        let mut places = Places::new(model.bodies());
+        places.set(&start.positions, &start.velocities);
+        let mut y = vec![0.0; 2 * model.coordinates];
+        places.write(&model, &mut y);
+        Self {
+            dynamics: Dynamics::new(model),
+            places,
+            rates: vec![0.0; y.len()],
+            y,
+            iterations: 0,
+        }
+    }
+
+    /// Evaluates the accelerations at the present places; the largest unbalanced force \[N\].
+    fn unbalanced(&mut self) -> f64 {
+        self.dynamics.derivative(0.0, &self.y, &mut self.rates);
+        let model = self.dynamics.model();
+        let (n, accelerations) = (model.links, &self.rates[model.coordinates..]);
+        let mut largest: f64 = 0.0;
+        for i in 0..n {
+            largest = largest
+                .max(model.mass[i] * accelerations[i].abs())
+                .max(model.mass[i] * accelerations[n + i].abs())
+                .max(model.inertia[i] * accelerations[2 * n + i].abs() / model.half_pitch);
+        }
+        for sprocket in &model.sprockets {
+            sprocket.for_each_inertia(|index, inertia| {
+                let force = inertia * accelerations[index].abs() / arm(sprocket, index);
+                largest = largest.max(force);
+            });
+        }
+        largest
+    }
+
+    fn largest_force(&self) -> f64 {
+        let hinges = self.dynamics.hinge_contacts().map(|(_, force)| force);
+        let teeth = self.dynamics.candidates().map(|(_, _, _, force)| force);
+        hinges.chain(teeth).fold(0.0, f64::max)
+    }
+
+    fn settle(&mut self) -> Result<f64> {
+        let model = self.dynamics.model();
+        let coordinates = model.coordinates;
+        let applied = applied_force(model);
+        let mut gamma = FIRST_GAMMA;
+        let mut residual = self.unbalanced();
+        let mut step = vec![0.0; coordinates];
+        loop {
+            if residual <= TOLERANCE * applied.max(self.largest_force()) {
+                self.places.read(self.dynamics.model(), 0.0, &self.y);
+                return Ok(residual);
+            }
+            if self.iterations == MOST_ITERATIONS || !residual.is_finite() {
+                return Err(Error::Impossible(format!(
+                    "the drive does not come to rest: {residual:.3e} N are left unbalanced after {} iterations, beside contacts \
+                     of {:.3e} N; a torque that no sprocket of prescribed speed holds, or a tensioner that nothing stops?",
+                    self.iterations,
+                    self.largest_force()
+                )));
+            }
+            self.iterations += 1;
+            if self.iterations.is_multiple_of(BETWEEN_MEMORIES) {
+                self.dynamics.remember_present_contacts(0.0, &self.y);
+                residual = self.unbalanced();
+            }
+            for (step, acceleration) in step.iter_mut().zip(&self.rates[coordinates..]) {
+                *step = gamma * acceleration;
+            }
+            if !self.dynamics.correct_exactly(&self.y, gamma, &mut step) {
+                gamma *= 0.25;
+                continue;
+            }
+            for step in &mut step {
+                *step *= gamma;
+            }
+            let share = (1.0 / self.excess(&step)).min(1.0);
+            for (q, step) in self.y.iter_mut().zip(&step) {
+                *q += share * step;
+            }
+            let before = residual;
+            residual = self.unbalanced();
+            gamma = if share == 1.0 && residual < 1.2 * before {
+                (1.5 * gamma).min(LONGEST_GAMMA)
+            } else if share < 0.1 || residual > 2.0 * before {
+                (0.6 * gamma).max(SHORTEST_GAMMA)
+            } else {
+                gamma
+            };
+        }
+    }
+
+    /// How many times further a step goes than it may.
+    fn excess(&self, step: &[f64]) -> f64 {
+        let model = self.dynamics.model();
+        let n = model.links;
+        let ends = |i: usize| {
+            let along = model.half_pitch * turned_left(unit(self.y[2 * n + i]));
+            let (center, turn) = (Vec2::new(step[i], step[n + i]), step[2 * n + i] * along);
+            [center - turn, center + turn]
+        };
+        let mut excess: f64 = 0.0;
+        for i in 0..n {
+            let ([_, front], [rear, _]) = (ends(i), ends((i + 1) % n));
+            let apart = (front - rear).norm() / (HINGE_SHARE * model.clearance);
+            let moved = front.norm() / (LARGEST_MOVE * 2.0 * model.half_pitch);
+            excess = excess.max(apart).max(moved);
+        }
+        for sprocket in &model.sprockets {
+            sprocket.for_each_inertia(|index, _| {
+                let moved = step[index].abs() * arm(sprocket, index);
+                excess = excess.max(moved / (LARGEST_MOVE * 2.0 * model.half_pitch));
+            });
+        }
+        excess
+    }
+}

@@ -1,0 +1,118 @@
+//! Links counted from the centres, or a centre found for the links.
+
+use super::many_sprockets::{Around, SHIFTS};
+use crate::drive::{BeltLine, Drive};
+use crate::error::{Error, Result};
+use crate::geometry::Vec2;
+
+/// Where the centre of sprocket `moved` has to be, along `direction` from where it is, for the drive's chain to be taut:
+/// the distance to move \[m\], to be searched within `reach` \[m\] either way.
+///
+/// # Errors
+/// When the chain is too short or too long for that, with the lengths at both ends.
+pub fn closing_move(drive: &Drive, moved: usize, direction: Vec2, reach: f64) -> Result<f64> {
+    let along = direction.normalize();
+    let at = |s: f64| {
+        let mut there = drive.clone();
+        there.sprockets[moved].center += s * along;
+        there
+    };
+    let links = f64::from(drive.chain.links);
+    let pitches = |s: f64| BeltLine::of(&at(s)).map(|line| line.pitches(drive));
+    // The nearest place where the belt line is as long as the chain, in steps of half a pitch to both sides.
+    let step = 0.5 * drive.chain.pitch;
+    let spare = |s: f64| pitches(s).ok().map(|needed| links - needed);
+    let here = links - pitches(0.0)?;
+    let mut bracket = (here == 0.0).then_some((0.0, 0.0));
+    let mut fronts = [Some((0.0, here)); 2];
+    let mut ends = [(0.0, here); 2];
+    let mut steps = 0;
+    while bracket.is_none() && fronts.iter().any(Option::is_some) {
+        steps += 1;
+        for (side, front) in fronts.iter_mut().enumerate() {
+            let Some((from, _)) = *front else { continue };
+            let to = (1.0 - 2.0 * side as f64) * f64::from(steps) * step;
+            *front = spare(to)
+                .filter(|_| to.abs() <= reach)
+                .map(|spare| (to, spare));
+            let Some((_, there)) = *front else { continue };
+            ends[side] = (to, there);
+            if there * here <= 0.0 && bracket.is_none() {
+                bracket = Some((from, to));
+            }
+        }
+    }
+    let Some((mut low, mut high)) = bracket else {
+        return Err(Error::Impossible(format!(
+            "no place of sprocket {} along ({:.4}, {:.4}) suits {} links: from {:.3} mm to {:.3} mm along it a taut chain has \
+             {:.3} to {:.3} pitches, {:.3} where it is",
+            moved + 1,
+            along.x,
+            along.y,
+            drive.chain.links,
+            1e3 * ends[1].0,
+            1e3 * ends[0].0,
+            links - ends[1].1,
+            links - ends[0].1,
+            links - here
+        )));
+    };
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        match spare(middle) {
+            Some(there) if there * here > 0.0 => low = middle,
+            _ => high = middle,
+        }
+    }
+    let belt_place = 0.5 * (low + high);
+    let closing = closing_polygon(&at, belt_place, drive);
+    Ok(closing.unwrap_or(belt_place))
+}
+
+/// The move near `belt_place` at which the best polygon is taut to rounding.
+fn closing_polygon(at: &impl Fn(f64) -> Drive, belt_place: f64, drive: &Drive) -> Option<f64> {
+    let there = at(belt_place);
+    let around = Around::new(&there).ok()?;
+    let slack = around.slack_strands()[0];
+    let shift = |i: u32| f64::from(i) / f64::from(SHIFTS) - 0.5;
+    // A twentieth of a pitch of spare chain, so that every split of the pitches is allowed.
+    let course = around.course(0.0)?;
+    let mut best: Option<(f64, f64)> = None;
+    for i in 0..SHIFTS {
+        let Some(off) = course.off_tangent(slack, shift(i)) else {
+            continue;
+        };
+        if best.is_none_or(|(least, _)| off < least) {
+            best = Some((off, shift(i)));
+        }
+    }
+    let (_, shift) = best?;
+    let spare = |s: f64| {
+        let there = at(s);
+        Around::new(&there).ok()?.course(0.0)?.spare(slack, shift)
+    };
+    let step = 0.02 * drive.chain.pitch;
+    let (mut a, mut b) = (belt_place, belt_place + 0.01 * step);
+    let (mut f, mut g) = (spare(a)?, spare(b)?);
+    for _ in 0..60 {
+        if (g - f).abs() < 1e-300 || a == b {
+            break;
+        }
+        let next = (b - g * (b - a) / (g - f)).clamp(b - step, b + step);
+        (a, f) = (b, g);
+        b = next;
+        g = spare(b)?;
+        if g == 0.0 {
+            break;
+        }
+    }
+    (g.abs() < 1e-12).then_some(b)
+}
+
+/// Smallest even number of links that closes round the sprockets of `drive` where they are.
+///
+/// # Errors
+/// When no chain can be laid.
+pub fn links_around(drive: &Drive) -> Result<u32> {
+    Ok(Around::new(drive)?.links_that_close())
+}

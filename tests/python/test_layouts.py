@@ -1,0 +1,209 @@
+"""Drives of many sprockets in Python: geometry, choices, results, refusals."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import rustchain as rc
+
+PITCH = 0.0127
+
+
+def four_sprockets(**keywords):
+    sprockets = [
+        rc.Sprocket(17, (0.0, 0.0), rc.PrescribedSpeed(20.0)),
+        rc.Sprocket(25, (0.35, -0.05)),
+        rc.Sprocket(21, (0.25, 0.22)),
+        rc.Sprocket(13, (0.092, 0.107), side="outside"),
+    ]
+    return rc.chain_drive("ANSI 40", sprockets, **keywords)
+
+
+def pitch_radius(teeth):
+    return PITCH / (2.0 * math.sin(math.pi / teeth))
+
+
+def belt_pitches(circles):
+    """Return the pitches of a taut chain round circles (x, y, signed teeth), by complex numbers.
+
+    On the line from one centre to the next, the tangent leaves at the angle whose sine is the
+    difference of the signed radii over the distance.
+    """
+    count = len(circles)
+    directions, straight = [], 0.0
+    for i, (x, y, teeth) in enumerate(circles):
+        x2, y2, teeth2 = circles[(i + 1) % count]
+        line = complex(x2 - x, y2 - y)
+        r1, r2 = (math.copysign(pitch_radius(abs(n)), n) for n in (teeth, teeth2))
+        straight += math.sqrt(abs(line) ** 2 - (r1 - r2) ** 2)
+        directions.append(line / abs(line) * np.exp(1j * math.asin((r1 - r2) / abs(line))))
+    seated = 0.0
+    for i, (_, _, teeth) in enumerate(circles):
+        turn = float(np.angle(directions[i] / directions[i - 1])) * math.copysign(1.0, teeth)
+        seated += (turn % (2.0 * math.pi)) / (2.0 * math.pi) * abs(teeth)
+    return straight / PITCH + seated
+
+
+def test_the_belt_line_has_the_length_of_an_independent_formula():
+    drive = four_sprockets()
+    circles = [(*s.center, s.teeth if s.side == "inside" else -s.teeth) for s in drive.sprockets]
+    report = drive.check()
+    assert report.belt_pitches == pytest.approx(belt_pitches(circles), abs=1e-9)
+    assert report.links == 2 * math.ceil(report.belt_pitches / 2.0)
+    assert sum(report.wrap_pitches) + sum(report.strand_pitches) == report.links
+    assert report.speed_ratios == pytest.approx((1.0, 17 / 25, 17 / 21, -17 / 13))
+    turned = sum(
+        w * (1 if s == "inside" else -1)
+        for w, s in zip(report.belt_wrap_angle, report.sides, strict=True)
+    )
+    assert turned == pytest.approx(2.0 * math.pi)
+
+
+def test_the_report_reads_as_a_table_of_all_sprockets():
+    text = str(four_sprockets().check())
+    assert "outside" in text
+    assert "4-1" in text
+    assert "sag [% of span]" in text
+    for line in text.splitlines():
+        assert not line.endswith(" ")
+
+
+@pytest.mark.parametrize("adjust", [1, 2, 3, 4])
+def test_a_moved_centre_makes_the_chain_taut(adjust):
+    drive = four_sprockets(adjust=adjust)
+    report = drive.check()
+    # Seats start 1 um outside the pitch circles: 2 pi um over the loop, for each sprocket's share.
+    assert max(np.abs(report.strand_slack)) < 2e-5
+    assert report.hinge_stretch < 1e-6
+
+
+def test_a_given_number_of_links_is_met_by_the_sprocket_that_moves():
+    more = four_sprockets(links=104, adjust=2, direction=(1.0, 0.0))
+    less = four_sprockets(links=100, adjust=2, direction=(1.0, 0.0))
+    assert more.chain.links == 104
+    assert more.sprockets[1].center[0] > less.sprockets[1].center[0] + PITCH
+    assert more.sprockets[1].center[1] == -0.05
+    with pytest.raises(rc.InvalidInput, match="suits 400 links"):
+        four_sprockets(links=400, adjust=4)
+
+
+def test_strands_have_names_numbers_and_a_tension():
+    result = rc.Simulation(four_sprockets(adjust=2)).run(
+        duration=0.004, report_step=1e-3, record=["hinges", "sprockets", "bodies"]
+    )
+    assert result.strand_names == ("1-2", "2-3", "3-4", "4-1")
+    assert np.array_equal(result.strand(3).tension, result.strand("3-4").tension)
+    assert result.arrays["strand_tension"].shape == (5, 4)
+    assert result.sprocket(4).speed[0] < 0.0
+    with pytest.raises(rc.InvalidInput, match="did you mean '2-3'"):
+        result.strand("1-3")
+    with pytest.raises(IndexError):
+        result.strand(5)
+    assert list(result.to_xarray()["strand"].values) == ["1-2", "2-3", "3-4", "4-1"]
+    result.plot.drive()
+    result.plot.tension()
+
+
+def test_two_sprockets_keep_their_strands_and_have_numbers_too():
+    result = rc.Simulation(rc.paper_drive()).run(duration=1e-3, report_step=5e-4)
+    assert result.strand_names == ("upper", "lower")
+    assert np.array_equal(result.strand(1).tension, result.strand("upper").tension)
+
+
+def test_a_static_start_rests_under_its_loads_and_has_the_tension_it_is_asked_for():
+    drive = four_sprockets()
+    drive = replace(drive, gravity=(0.0, 0.0), tensioner=rc.Tensioner(60.0, sprocket=4))
+    held = replace(drive.sprockets[0], motion=rc.PrescribedSpeed(0.0))
+    drive = replace(drive, sprockets=(held, *drive.sprockets[1:]))
+    simulation = rc.Simulation(drive, start="static")
+    assert simulation.rest["residual"] <= 1e-6 * simulation.rest["largest_force"]
+    result = simulation.run(duration=0.002, report_step=1e-3)
+    for name in result.strand_names:
+        assert result.strand(name).tension == pytest.approx(60.0, abs=4.0)
+    with pytest.raises(rc.InvalidInput, match="start"):
+        rc.Simulation(drive, start="rest")
+
+
+BAD = {
+    "side": (lambda: rc.Sprocket(17, side="out"), "side"),
+    "all but one outside": (
+        lambda: rc.ChainDrive(
+            four_sprockets().chain,
+            [rc.Sprocket(17), rc.Sprocket(17, (0.2, 0.0), side="outside")],
+        ),
+        "inside the chain",
+    ),
+    "load inertia": (lambda: rc.Sprocket(17, load_inertia=-1.0), "load_inertia"),
+    "falling speeds": (
+        lambda: rc.AppliedTorque(curve=((10.0, 1.0), (0.0, 2.0))),
+        "speeds must increase",
+    ),
+    "travel": (lambda: rc.Tensioner(10.0, travel=(-1.0, 1.0)), "travel"),
+    "pivot and direction": (
+        lambda: rc.Tensioner(10.0, pivot=(0.0, 0.0), direction=(1.0, 0.0)),
+        "direction",
+    ),
+    "a pull that slackens": (
+        lambda: replace(
+            four_sprockets(), tensioner=rc.Tensioner(10.0, sprocket=4, direction=(-1.0, 1.0))
+        ).check(),
+        "must tighten",
+    ),
+    "adjust": (lambda: four_sprockets(adjust=7), "adjust = 7"),
+    "direction alone": (lambda: four_sprockets(direction=(1.0, 0.0)), "no sprocket to adjust"),
+    "too short": (lambda: four_sprockets(links=96).check(), "mm too short"),
+    "wrong order": (
+        lambda: replace(
+            four_sprockets(), sprockets=[four_sprockets().sprockets[i] for i in (0, 1, 3, 2)]
+        ).check(),
+        "1, 2, 4, 3 would do",
+    ),
+    "ideal hinges": (lambda: rc.Simulation(four_sprockets(hinges="ideal")), "ideal"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_what_does_not_hold_is_refused_by_name(case):
+    build, text = BAD[case]
+    with pytest.raises(ValueError, match=text):
+        build()
+
+
+@st.composite
+def layouts(draw):
+    """Return sprockets on a circle, far enough apart, turned anyhow."""
+    count = draw(st.integers(3, 5))
+    teeth = [draw(st.integers(9, 30)) for _ in range(count)]
+    radius = draw(st.floats(0.35, 0.7))
+    tilt = draw(st.floats(-3.0, 3.0))
+    angles = [tilt + 2.0 * math.pi * k / count for k in range(count)]
+    return [
+        rc.Sprocket(
+            n,
+            (radius * math.cos(a), radius * math.sin(a)),
+            rc.PrescribedSpeed(12.0) if k == 0 else rc.Free(),
+        )
+        for k, (n, a) in enumerate(zip(teeth, angles, strict=True))
+    ]
+
+
+@given(layouts(), st.integers(0, 1))
+@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
+def test_any_layout_starts_closed_and_free_of_contact(sprockets, pairs):
+    drive = rc.chain_drive("ANSI 40", sprockets)
+    drive = replace(drive, chain=replace(drive.chain, links=drive.chain.links + 2 * pairs))
+    simulation = rc.Simulation(drive)
+    e = simulation.evaluate()
+    assert np.max(e.hinge_penetration) < 0.0
+    assert np.max(e.tooth_penetration) < 0.0
+    n = drive.chain.links
+    q = simulation.positions[:n]
+    half = 0.5 * PITCH * np.stack([np.cos(q[:, 2]), np.sin(q[:, 2])], axis=1)
+    opening = np.hypot(*(q[:, :2] + half - np.roll(q[:, :2] - half, -1, axis=0)).T)
+    assert np.max(opening) <= drive.check().hinge_stretch + 1e-12
