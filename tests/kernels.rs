@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::scenes::{Noise, Scene, geared_drive, laws};
+use common::scenes::{Noise, Scene, VARIED, geared_drive, laws, varied_drive};
 use common::twins::{Agreement, compare};
 use common::{control, paper_drive, tensioner};
 use proptest::prelude::*;
@@ -18,7 +18,7 @@ use rustchain::integrator::{Adams, OdeSystem, Step};
 use rustchain::vector::InstructionSet;
 
 /// Drives of all kinds, by number.
-const DRIVES: usize = 11;
+const DRIVES: usize = 11 + VARIED;
 
 fn scene(number: usize, laws: &ForceLaws) -> Scene {
     let drive: Drive = match number {
@@ -39,7 +39,7 @@ fn scene(number: usize, laws: &ForceLaws) -> Scene {
         6 => geared_drive([6, 6], 12, 10.0),
         // Shorter than a register, and more.
         7..=10 => return Scene::ring([4, 6, 8, 10][number - 7], laws),
-        _ => unreachable!(),
+        _ => varied_drive(number - 11),
     };
     Scene::laid(&drive, laws)
 }

@@ -6,13 +6,15 @@ mod profile;
 mod sprocket;
 mod tensioner;
 mod time_table;
+mod variation;
 
 pub use chain::{Chain, ClearanceHinge, Link, check_links};
 pub use material::Material;
-pub use profile::AnsiTooth;
-pub use sprocket::{Bearing, Motion, Sprocket};
+pub use profile::{AnsiTooth, CustomTooth, IsoTooth, StraightTooth, Tip, ToothForm};
+pub use sprocket::{Bearing, Faults, Motion, Sprocket};
 pub use tensioner::Tensioner;
 pub use time_table::TimeTable;
+pub use variation::Variation;
 
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;

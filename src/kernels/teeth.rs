@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use pulp::{Simd, WithSimd};
 
-use super::gap::{Gap, InGap, ToothConstants};
+use super::gap::{Gap, GapConstants, InGap};
 use super::layout::{ChainArrays, FIRST, LinkConstants};
 use super::slopes::{ContactSlopes, Damped, SlopeRegisters, Touch};
 use crate::contact::{Run, SprocketCandidates, gap_direction};
@@ -42,10 +42,12 @@ pub(super) struct TeethFound {
 }
 
 /// One law, one loop; see the hinges.
-pub(super) struct TouchTeeth<'a, L, const DAMPED: bool, const ENERGY: bool> {
+pub(super) struct TouchTeeth<'a, C, L, const DAMPED: bool, const ENERGY: bool> {
     pub(super) law: PhantomData<L>,
     pub(super) sprocket: &'a SprocketModel,
-    pub(super) constants: &'a ToothConstants,
+    pub(super) constants: &'a C,
+    /// Whether a contact keeps the stiffness that it began with.
+    pub(super) keeps_stiffness: bool,
     pub(super) pose: &'a SprocketPose,
     pub(super) lambda: f64,
     pub(super) floor: f64,
@@ -56,8 +58,8 @@ pub(super) struct TouchTeeth<'a, L, const DAMPED: bool, const ENERGY: bool> {
     pub(super) slopes: Option<&'a mut ContactSlopes>,
 }
 
-impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
-    for TouchTeeth<'_, L, DAMPED, ENERGY>
+impl<C: GapConstants, L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
+    for TouchTeeth<'_, C, L, DAMPED, ENERGY>
 {
     type Output = TeethFound;
 
@@ -65,16 +67,16 @@ impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
     fn with_simd<S: Simd>(mut self, simd: S) -> TeethFound {
         let splat = |value| Lanes::splat(simd, value);
         let pair = |values: [f64; 2]| values.map(splat);
-        let mut teeth = Teeth::<S, L, DAMPED, ENERGY> {
+        let mut teeth = Teeth::<S, C::Of<'_, S>, L, DAMPED, ENERGY> {
             law: PhantomData,
-            gap: Gap::new(simd, self.constants),
+            gap: self.constants.gap(simd),
             center: pair(self.pose.center),
             velocity: pair(self.pose.velocity),
             direction: pair(self.pose.direction),
             spin: splat(self.pose.spin),
             lambda: splat(self.lambda),
             floor: splat(self.floor),
-            keeps_stiffness: self.constants.keeps_stiffness,
+            keeps_stiffness: self.keeps_stiffness,
             changed: false,
             sums: [PartialSums::default(); 4],
         };
@@ -159,9 +161,9 @@ struct RunOfBushings<'a, S: Simd> {
 }
 
 /// A sprocket's teeth in registers, and sums over their contacts.
-struct Teeth<'a, S: Simd, L, const DAMPED: bool, const ENERGY: bool> {
+struct Teeth<S: Simd, G, L, const DAMPED: bool, const ENERGY: bool> {
     law: PhantomData<L>,
-    gap: Gap<'a, S>,
+    gap: G,
     center: [Lanes<S>; 2],
     velocity: [Lanes<S>; 2],
     direction: [Lanes<S>; 2],
@@ -174,8 +176,8 @@ struct Teeth<'a, S: Simd, L, const DAMPED: bool, const ENERGY: bool> {
     sums: [PartialSums; 4],
 }
 
-impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
-    Teeth<'_, S, L, DAMPED, ENERGY>
+impl<S: Simd, G: Gap<S>, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
+    Teeth<S, G, L, DAMPED, ENERGY>
 {
     /// Bushings seen from the sprocket's centre \[m\].
     #[inline(always)]
@@ -192,7 +194,7 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
     fn place(&self, b: usize, arm: [Lanes<S>; 2], gap_cos: &[f64], gap_sin: &[f64]) -> InGap<S> {
         let simd = self.spin.simd();
         let gap = [gap_cos, gap_sin].map(|array| load(simd, &vectors::<S>(array, b + 1)[b]));
-        InGap::new(arm, self.direction, gap)
+        self.gap.place(arm, self.direction, gap)
     }
 
     /// Depth, force and what it does to links and sprocket, for one register of bushings.
@@ -208,7 +210,7 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
         let at = |array: &[S::f64s]| load(arm_x.simd(), &array[b]);
         let (zero, one) = (arm_x.constant(0.0), arm_x.constant(1.0));
         let surface = self.gap.nearest(place);
-        let near = surface.near.and(valid);
+        let near = self.gap.near(&surface).and(valid);
         let inverse_onset = at(run.inverse_onset);
         let remembered = inverse_onset.greater(zero);
         if !near.any() {

@@ -29,6 +29,9 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     )?)?;
     module.add_function(wrap_pyfunction!(functions::links_for, module)?)?;
     module.add_function(wrap_pyfunction!(functions::tooth_outline, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::tooth_contacts, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::tooth_surfaces, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::chain_links, module)?)?;
     module.add_function(wrap_pyfunction!(functions::law_force, module)?)?;
     module.add_function(wrap_pyfunction!(functions::integrate, module)?)
 }

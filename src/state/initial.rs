@@ -2,9 +2,14 @@
 
 use super::layout::{Layout, Place};
 use crate::drive::Drive;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::wrap::Path;
-use crate::geometry::{Vec2, turned_left};
+use crate::geometry::{Vec2, turned_left, unit};
+
+/// How often a chain is laid anew round eccentric teeth.
+const MOST_ROUNDS: usize = 30;
+/// Share of the pitch by which they may move in the last round.
+const SETTLED: f64 = 1e-10;
 
 /// Positions and velocities of all bodies at time zero.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +27,37 @@ impl Start {
     /// When no such start exists: the numbers that show why, and the nearest that works.
     pub fn generate(drive: &Drive) -> Result<(Self, Layout)> {
         drive.validate()?;
+        if (drive.sprockets.iter()).all(|sprocket| sprocket.faults.eccentricity == 0.0) {
+            return Self::lay(drive);
+        }
+        // Where eccentric teeth are follows from the angles that the chain is laid at, which hardly depend on it.
+        let mut centered = drive.clone();
+        for _ in 0..MOST_ROUNDS {
+            let (mut start, layout) = Self::lay(&centered)?;
+            let mut moved: f64 = 0.0;
+            for (i, sprocket) in drive.sprockets.iter().enumerate() {
+                let offset = sprocket.faults.offset();
+                let angle = unit(layout.phase[i]);
+                let teeth = sprocket.center + offset.x * angle + offset.y * turned_left(angle);
+                moved = moved.max((teeth - centered.sprockets[i].center).norm());
+                centered.sprockets[i].center = teeth;
+                let body = drive.chain.links as usize + i;
+                [start.positions[body][0], start.positions[body][1]] = sprocket.center.into();
+            }
+            if moved <= SETTLED * drive.chain.pitch {
+                return Ok((start, layout));
+            }
+        }
+        Err(Error::Impossible(format!(
+            "the chain cannot be laid: the places of eccentric teeth, of eccentricities {:?} m, do not settle; take smaller \
+             ones or other angles",
+            (drive.sprockets.iter())
+                .map(|sprocket| sprocket.faults.eccentricity)
+                .collect::<Vec<f64>>()
+        )))
+    }
+
+    fn lay(drive: &Drive) -> Result<(Self, Layout)> {
         let place = Place::new(drive)?;
         let path = place.find_path()?;
         let layout = place.layout(path);

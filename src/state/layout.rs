@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use super::fit::fit;
 use crate::drive::{Drive, Motion, Sprocket};
 use crate::error::{Error, Result};
 use crate::geometry::wrap::{self, Path, Split, Strand, Wheel};
@@ -56,7 +57,10 @@ impl<'a> Place<'a> {
     pub(super) fn new(drive: &'a Drive) -> Result<Self> {
         let chain = &drive.chain;
         let sprockets = [&drive.sprockets[0], &drive.sprockets[1]];
-        let profiles = sprockets.map(|s| s.tooth_profile(chain));
+        let profiles = [
+            sprockets[0].tooth_profile(chain)?,
+            sprockets[1].tooth_profile(chain)?,
+        ];
         let between = sprockets[1].center - sprockets[0].center;
         let center_distance = between.norm();
         let apart = profiles[0].outside_radius + profiles[1].outside_radius;
@@ -122,7 +126,11 @@ impl<'a> Place<'a> {
 
     /// What would work instead, for messages.
     fn suggestion(&self) -> String {
-        let (pitch, teeth, links) = (self.drive.chain.pitch, self.teeth(), self.drive.chain.links);
+        let (pitch, teeth, links) = (
+            self.drive.chain.mean_pitch(),
+            self.teeth(),
+            self.drive.chain.links,
+        );
         let taut = match closing_center_distance(pitch, teeth, links) {
             Some(distance) => {
                 format!("{links} links are taut at a centre distance of {distance:.6} m")
@@ -140,8 +148,9 @@ impl<'a> Place<'a> {
 
     pub(super) fn find_path(&self) -> Result<Path> {
         let chain = &self.drive.chain;
+        let pitch = chain.mean_pitch();
         let slack_strand = self.slack_strand();
-        let needed = wrap::belt_length(chain.pitch, self.teeth(), self.center_distance);
+        let needed = wrap::belt_length(pitch, self.teeth(), self.center_distance);
         let refuse = |why: String| {
             Err(Error::Impossible(format!(
                 "the chain cannot be laid: {} links at a centre distance of {:.6} m, where a taut chain has {needed:.3} pitches: \
@@ -151,12 +160,12 @@ impl<'a> Place<'a> {
                 self.suggestion()
             )))
         };
-        let stretch = (needed - f64::from(chain.links)) * chain.pitch / f64::from(chain.links);
+        let stretch = (needed - f64::from(chain.links)) * pitch / f64::from(chain.links);
         let allowed = LARGEST_STRETCH * chain.hinge.clearance();
-        if stretch > 3.0 * allowed + 0.01 * chain.pitch {
+        if stretch > 3.0 * allowed + 0.01 * pitch {
             return refuse(format!(
                 "it is {:.3} mm too short, {:.1} um a hinge, and a hinge's clearance gives {:.1} um",
-                1e3 * (needed - f64::from(chain.links)) * chain.pitch,
+                1e3 * (needed - f64::from(chain.links)) * pitch,
                 1e6 * stretch,
                 1e6 * chain.hinge.clearance()
             ));
@@ -166,14 +175,10 @@ impl<'a> Place<'a> {
             let wheels = self.wheels(gap);
             let mut best: Option<(f64, Path)> = None;
             for split in self.splits(wheels, slack_strand) {
-                let path = wrap::path_at(
-                    chain.pitch,
-                    wheels,
-                    split,
-                    self.center_distance,
-                    slack_strand,
-                );
-                let Some(path) = path else { continue };
+                let path = wrap::path_at(pitch, wheels, split, self.center_distance, slack_strand);
+                let Some(path) = path.and_then(|path| self.fitted(path)) else {
+                    continue;
+                };
                 if let Some(fault) = self.fault(&path) {
                     why.get_or_insert(fault);
                     continue;
@@ -197,16 +202,36 @@ impl<'a> Place<'a> {
         refuse(why.unwrap_or_else(|| "no whole numbers of pitches fit the strands".to_string()))
     }
 
+    /// The path with links of their own lengths, where they differ.
+    fn fitted(&self, mut path: Path) -> Option<Path> {
+        let pitches = self.drive.chain.link_pitches();
+        let mean = self.drive.chain.mean_pitch();
+        if pitches.iter().all(|&pitch| (pitch - mean).abs() <= 1e-15) {
+            return Some(path);
+        }
+        // Hinges that the path opens stay as open.
+        let n = pitches.len();
+        let lengths: Vec<f64> = (0..n)
+            .map(|i| {
+                let laid = path.hinges[i] - path.hinges[(i + n - 1) % n];
+                laid.norm() + (pitches[i] - mean)
+            })
+            .collect();
+        fit(&mut path.hinges, &lengths).then_some(path)
+    }
+
     /// Wheels whose seated bushings start `gap` \[m\] off their seats at least.
     fn wheels(&self, gap: f64) -> [Wheel; 2] {
         let radius = self.drive.chain.bushing_radius;
         [0, 1].map(|i| {
             let profile = &self.profiles[i];
-            let on_pitch_circle = Vec2::new(0.0, profile.pitch_radius - profile.seat_center_radius);
+            // A chain that is longer than its pitch lies farther out.
+            let hinge_circle = wrap::pitch_radius(self.drive.chain.mean_pitch(), profile.teeth);
+            let on_pitch_circle = Vec2::new(0.0, hinge_circle - profile.seat_center_radius);
             let depth = profile.contact(on_pitch_circle, radius).penetration;
             Wheel {
                 teeth: profile.teeth,
-                hinge_radius: profile.pitch_radius + (depth + gap).max(0.0),
+                hinge_radius: hinge_circle + (depth + gap).max(0.0),
             }
         })
     }
@@ -214,11 +239,12 @@ impl<'a> Place<'a> {
     /// Splits to try: at the distance at which the chain is taut, the taut one first.
     fn splits(&self, wheels: [Wheel; 2], slack_strand: Strand) -> Vec<Split> {
         let chain = &self.drive.chain;
-        let taut = wrap::taut_path(chain.pitch, wheels, chain.links)
-            .filter(|path| (path.center_distance - self.center_distance).abs() < 1e-3 * chain.pitch)
+        let pitch = chain.mean_pitch();
+        let taut = wrap::taut_path(pitch, wheels, chain.links)
+            .filter(|path| (path.center_distance - self.center_distance).abs() < 1e-3 * pitch)
             .map(|path| path.split);
         let others = wrap::splits_at(
-            chain.pitch,
+            pitch,
             self.teeth(),
             chain.links,
             self.center_distance,
@@ -263,11 +289,12 @@ impl<'a> Place<'a> {
     /// Ends of every link as the model will have them, (rear, front): its hinges lie at half a pitch from its middle.
     fn link_ends(&self, path: &Path) -> Vec<(Vec2, Vec2)> {
         let n = path.hinges.len();
+        let pitches = self.drive.chain.link_pitches();
         (0..n)
             .map(|i| {
                 let (rear, front) = (path.hinges[(i + n - 1) % n], path.hinges[i]);
                 let middle = 0.5 * (rear + front);
-                let half = 0.5 * self.drive.chain.pitch * (front - rear).normalize();
+                let half = 0.5 * pitches[i] * (front - rear).normalize();
                 (middle - half, middle + half)
             })
             .collect()
@@ -315,6 +342,7 @@ impl<'a> Place<'a> {
 
     pub(super) fn layout(&self, path: Path) -> Layout {
         let chain = &self.drive.chain;
+        let pitch = chain.mean_pitch();
         let pitch_radius = [0, 1].map(|i| self.profiles[i].pitch_radius);
         let tilt = self.axis.y.atan2(self.axis.x);
         let phase = [0, 1].map(|i| {
@@ -349,11 +377,7 @@ impl<'a> Place<'a> {
             ));
         }
         Layout {
-            closing_center_distance: closing_center_distance(
-                chain.pitch,
-                self.teeth(),
-                chain.links,
-            ),
+            closing_center_distance: closing_center_distance(pitch, self.teeth(), chain.links),
             pitch_radius,
             seat_offset: [0, 1].map(|i| path.hinge_radius[i] - pitch_radius[i]),
             phase,

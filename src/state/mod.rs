@@ -1,5 +1,6 @@
 //! What changes: time, coordinates, velocities; and the motion of every body read from them.
 
+mod fit;
 mod initial;
 mod layout;
 mod motion;
