@@ -15,8 +15,9 @@ use std::time::Duration;
 
 use aligned_vec::AVec;
 use common::{Halves, drives, laws, longer_drive, only_tried, pressed_into_seats};
-use rustchain::drive::{Bearing, Drive, Motion};
+use rustchain::drive::{AnsiTooth, Bearing, Drive, Motion};
 use rustchain::force_law::{Damping, Elastic, Regions};
+use rustchain::geometry::Seat;
 use rustchain::integrator::OdeSystem;
 use rustchain::{ForceLaws, Groups, Simulation};
 
@@ -123,7 +124,14 @@ const SCENES: [Scene; 17] = [
         changed(|drive, _| drive.sprockets[0].motion = Motion::AppliedTorque(0.2.into()))
     }),
     scene("other profile on the second", || {
-        changed(|drive, _| drive.sprockets[1].profile.roller_diameter = Some(7.938e-3))
+        changed(|drive, _| {
+            let profile = AnsiTooth {
+                seat: Seat::PitchCircle,
+                roller_diameter: Some(7.938e-3),
+                ..AnsiTooth::default()
+            };
+            drive.sprockets[1].profile = profile.into();
+        })
     }),
     scene("100 more strand links", || {
         changed(|drive, _| *drive = longer_drive([17, 17], 138))

@@ -39,16 +39,17 @@ fn main() {
     // From 1 um deep to 1 um apart.
     let depth = |i: usize| 1e-6 * (1.0 - 2.0 * ((7 * i) % PLACES) as f64 / PLACES as f64);
 
-    let topping = profile.topping;
+    let curves = profile.ansi_curves().unwrap();
+    let topping = curves.topping;
     let tip = Ball::new(topping.radius);
     let round_the_tip =
         |i: usize| topping.center + (topping.radius + radius - depth(i)) * unit(6.0 * share(i));
-    let flat = profile.flat;
+    let flat = curves.flat;
     let segment = Segment::new(vector(flat.start), vector(flat.end()));
     let along_the_flat = |i: usize| {
         flat.start + share(i) * flat.length * flat.tangent - (radius - depth(i)) * flat.normal
     };
-    let seating = profile.seating;
+    let seating = curves.seating;
     let [from, to] = [-2.6, -0.5];
     let chords = (0..=CHORDS)
         .map(|i| {

@@ -81,7 +81,7 @@ impl Equilibrium {
         let residual = settling.settle()?;
         let positions = settling.places.positions();
         Ok(Self {
-            start: laid.moved_to(positions, &layout, drive.chain.pitch),
+            start: laid.moved_to(positions, &layout, &drive.chain.link_pitches()),
             residual,
             largest_force: settling.largest_force(),
             iterations: settling.iterations,
@@ -213,7 +213,7 @@ impl Settling {
         let model = self.dynamics.model();
         let n = model.links;
         let ends = |i: usize| {
-            let along = model.half_pitch * turned_left(unit(self.y[2 * n + i]));
+            let along = model.arms[i] * turned_left(unit(self.y[2 * n + i]));
             let (center, turn) = (Vec2::new(step[i], step[n + i]), step[2 * n + i] * along);
             [center - turn, center + turn]
         };

@@ -9,7 +9,8 @@ use std::f64::consts::PI;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rustchain::drive::{
-    AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Link, Material, Motion, Sprocket,
+    AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Faults, Link, Material, Motion, Sprocket,
+    Variation,
 };
 use rustchain::geometry::belt::Side;
 use rustchain::geometry::{Seat, ToothProfile, Vec2, turned_left, unit};
@@ -104,6 +105,9 @@ impl Choice {
             bushing_radius: 0.3125 * p,
             tooth_contact_length: 0.55 * p,
             material: Material::default(),
+            offset: None,
+            strands: 1,
+            variation: Variation::default(),
         };
         let sprocket = |number: usize, motion: Motion| Sprocket {
             teeth: self.teeth[number],
@@ -111,8 +115,10 @@ impl Choice {
             motion,
             profile: AnsiTooth {
                 seat: self.seat,
-                roller_diameter: None,
-            },
+                ..AnsiTooth::default()
+            }
+            .into(),
+            faults: Faults::default(),
             mass: None,
             inertia: None,
             initial_speed: None,

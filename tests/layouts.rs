@@ -95,7 +95,11 @@ impl Choice {
             let point = span.from + share * span.length * span.direction;
             let center = point - (radius - depth * 3.0 * PITCH) * turned_left(span.direction);
             let mut idler = sprocket(teeth, center.x, center.y, Side::Outside, Motion::Free);
-            idler.profile.seat = Seat::PitchCircle;
+            idler.profile = AnsiTooth {
+                seat: Seat::PitchCircle,
+                ..AnsiTooth::default()
+            }
+            .into();
             sprockets.insert(line.strands()[strand][0] + 1, idler);
             drive.sprockets = sprockets;
         }
@@ -232,7 +236,11 @@ fn a_moved_centre_closes_the_chain_to_rounding() {
     let direction = Vec2::new(1.0, 0.3);
     let mut wide = drive.clone();
     for sprocket in &mut wide.sprockets {
-        sprocket.profile.seat = Seat::PitchCircle;
+        sprocket.profile = AnsiTooth {
+            seat: Seat::PitchCircle,
+            ..AnsiTooth::default()
+        }
+        .into();
     }
     let s = closing_move(&wide, 1, direction, 0.1).unwrap();
     wide.sprockets[1].center += s * direction.normalize();

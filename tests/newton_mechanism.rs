@@ -404,7 +404,7 @@ fn as_mechanism(
                 name: format!("bushing {k} on wheel {s}"),
                 a: marker(&format!("wheel {s}"), 0.0, 0.0),
                 b: inner.clone(),
-                profile: Profile::Teeth(wheel.tooth_profile(chain)),
+                profile: Profile::Teeth(Box::new(wheel.tooth_profile(chain).unwrap())),
                 radius: chain.bushing_radius,
                 law: surfaces(chain.tooth_contact_length),
             });

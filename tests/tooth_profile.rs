@@ -9,7 +9,7 @@ use std::f64::consts::FRAC_PI_2;
 use parry2d_f64::math::{Pose, Vector};
 use parry2d_f64::query::{Contact, contact};
 use parry2d_f64::shape::{Ball, Polyline, Segment, Shape};
-use rustchain::geometry::{Region, Seat, Surface, ToothContact, ToothProfile, Vec2};
+use rustchain::geometry::{AnsiCurves, Seat, Surface, ToothContact, ToothProfile, Vec2};
 
 const INCH: f64 = 0.0254;
 
@@ -72,6 +72,10 @@ impl Gap {
         }
     }
 
+    fn curves(&self) -> &AnsiCurves {
+        self.profile.ansi_curves().unwrap()
+    }
+
     /// The unit normal into the material that points `slope` \[rad\] below +u.
     fn normal(slope: f64) -> Vec2 {
         Vec2::new(slope.cos(), -slope.sin())
@@ -79,29 +83,29 @@ impl Gap {
 
     /// The surface's point with a normal of `slope`; on the flat, which has one normal, `share` of the way along.
     fn point(&self, surface: Surface, slope: f64, share: f64) -> Vec2 {
-        let (p, n) = (&self.profile, Self::normal(slope));
+        let (p, n) = (self.curves(), Self::normal(slope));
         match surface {
-            Surface::Seating => p.seating.center + p.seating.radius * n,
-            Surface::Working => p.working.center + p.working.radius * n,
-            Surface::Flat => p.flat.start + share * p.flat.length * p.flat.tangent,
-            Surface::Topping => p.topping.center - p.topping.radius * n,
+            Surface::SEATING => p.seating.center + p.seating.radius * n,
+            Surface::WORKING => p.working.center + p.working.radius * n,
+            Surface::FLAT => p.flat.start + share * p.flat.length * p.flat.tangent,
+            _ => p.topping.center - p.topping.radius * n,
         }
     }
 
     /// Slope of the topping curve's normal where it meets the outside circle \[rad\].
     fn tip(&self) -> f64 {
         let outline = self.profile.half_outline(2);
-        let normal = self.profile.topping.center - outline[outline.len() - 1];
+        let normal = self.curves().topping.center - outline[outline.len() - 1];
         (-normal.y).atan2(normal.x)
     }
 
     /// Slopes of the normals from one end of a surface's right half to the other.
     fn slopes(&self, surface: Surface) -> (f64, f64) {
         match surface {
-            Surface::Seating => (FRAC_PI_2, self.seat_end),
-            Surface::Working => (self.seat_end, self.flat),
-            Surface::Flat => (self.flat, self.flat),
-            Surface::Topping => (self.flat, self.tip()),
+            Surface::SEATING => (FRAC_PI_2, self.seat_end),
+            Surface::WORKING => (self.seat_end, self.flat),
+            Surface::FLAT => (self.flat, self.flat),
+            _ => (self.flat, self.tip()),
         }
     }
 
@@ -133,16 +137,21 @@ fn cross(a: Vec2, b: Vec2) -> f64 {
 fn seating_and_working_curve_meet_at_x_in_line_with_both_centres() {
     for gap in every_profile() {
         let (p, close) = (&gap.profile, ROUNDING * gap.roller);
-        let x = gap.point(Surface::Seating, gap.seat_end, 0.0);
-        assert!(((x - p.working.center).norm() - p.working.radius).abs() <= close);
-        let (to_center, to_x) = (p.working.center - p.seating.center, x - p.seating.center);
+        let x = gap.point(Surface::SEATING, gap.seat_end, 0.0);
+        assert!(
+            ((x - gap.curves().working.center).norm() - gap.curves().working.radius).abs() <= close
+        );
+        let (to_center, to_x) = (
+            gap.curves().working.center - gap.curves().seating.center,
+            x - gap.curves().seating.center,
+        );
         assert!(cross(to_center.normalize(), to_x.normalize()).abs() <= ROUNDING);
         assert!(
             to_center.dot(&to_x) < 0.0,
             "the working curve is the flatter one: its centre is beyond a"
         );
-        assert!(p.seat_end_tangent.dot(&to_x.normalize()).abs() <= ROUNDING);
-        assert!((p.seat_end_tangent.norm() - 1.0).abs() <= ROUNDING);
+        assert!(gap.curves().seat_end_tangent.dot(&to_x.normalize()).abs() <= ROUNDING);
+        assert!((gap.curves().seat_end_tangent.norm() - 1.0).abs() <= ROUNDING);
     }
 }
 
@@ -150,15 +159,29 @@ fn seating_and_working_curve_meet_at_x_in_line_with_both_centres() {
 fn working_curve_flat_and_topping_curve_meet_at_y_and_z_with_one_normal() {
     for gap in every_profile() {
         let (p, close) = (&gap.profile, ROUNDING * gap.roller);
-        let (y, z) = (p.flat.start, p.flat.end());
-        assert!(((y - p.working.center).norm() - p.working.radius).abs() <= close);
-        assert!(((z - p.topping.center).norm() - p.topping.radius).abs() <= close);
-        for radius_line in [y - p.working.center, p.topping.center - z] {
-            assert!(cross(radius_line.normalize(), p.flat.normal).abs() <= ROUNDING);
-            assert!(radius_line.dot(&p.flat.normal) > 0.0);
+        let (y, z) = (gap.curves().flat.start, gap.curves().flat.end());
+        assert!(
+            ((y - gap.curves().working.center).norm() - gap.curves().working.radius).abs() <= close
+        );
+        assert!(
+            ((z - gap.curves().topping.center).norm() - gap.curves().topping.radius).abs() <= close
+        );
+        for radius_line in [
+            y - gap.curves().working.center,
+            gap.curves().topping.center - z,
+        ] {
+            assert!(cross(radius_line.normalize(), gap.curves().flat.normal).abs() <= ROUNDING);
+            assert!(radius_line.dot(&gap.curves().flat.normal) > 0.0);
         }
-        assert!((p.flat.normal - Gap::normal(gap.flat)).norm() <= ROUNDING);
-        assert!(p.flat.tangent.dot(&p.flat.normal).abs() <= ROUNDING);
+        assert!((gap.curves().flat.normal - Gap::normal(gap.flat)).norm() <= ROUNDING);
+        assert!(
+            gap.curves()
+                .flat
+                .tangent
+                .dot(&gap.curves().flat.normal)
+                .abs()
+                <= ROUNDING
+        );
     }
 }
 
@@ -167,13 +190,13 @@ fn the_standard_s_length_of_the_flat_is_the_distance_of_y_and_z() {
     for gap in every_profile() {
         let p = &gap.profile;
         let n = f64::from(p.teeth);
-        let y = gap.point(Surface::Working, gap.flat, 0.0);
-        let z = gap.point(Surface::Topping, gap.flat, 0.0);
+        let y = gap.point(Surface::WORKING, gap.flat, 0.0);
+        let z = gap.point(Surface::TOPPING, gap.flat, 0.0);
         let sine = |degrees: f64| degrees.to_radians().sin();
         let length = gap.roller * (1.4 * sine(17.0 - 64.0 / n) - 0.8 * sine(18.0 - 56.0 / n));
         assert!(length > 0.0);
         assert!(((z - y).norm() - length).abs() <= ROUNDING * gap.roller);
-        assert!((p.flat.length - length).abs() <= ROUNDING * gap.roller);
+        assert!((gap.curves().flat.length - length).abs() <= ROUNDING * gap.roller);
     }
 }
 
@@ -182,17 +205,17 @@ fn a_maker_s_sheet_has_the_same_numbers() {
     // One-inch pitch, 5/8 in rollers, 28 teeth; printed to four places, so half a unit of the fourth and a little.
     let gap = Gap::new(1.0, 0.625, 28);
     let p = &gap.profile;
-    let x = gap.point(Surface::Seating, gap.seat_end, 0.0);
+    let x = gap.point(Surface::SEATING, gap.seat_end, 0.0);
     for (name, metres, inches) in [
-        ("R", p.seating.radius, 0.3156),
-        ("M", -p.working.center.x, 0.3986),
-        ("T", p.working.center.y, 0.3019),
-        ("E", p.working.radius, 0.8156),
-        ("chord xy", (p.flat.start - x).norm(), 0.2270),
-        ("yz", p.flat.length, 0.0844),
-        ("W", p.topping.center.x, 0.8695),
-        ("V", -p.topping.center.y, 0.0980),
-        ("F", p.topping.radius, 0.5114),
+        ("R", gap.curves().seating.radius, 0.3156),
+        ("M", -gap.curves().working.center.x, 0.3986),
+        ("T", gap.curves().working.center.y, 0.3019),
+        ("E", gap.curves().working.radius, 0.8156),
+        ("chord xy", (gap.curves().flat.start - x).norm(), 0.2270),
+        ("yz", gap.curves().flat.length, 0.0844),
+        ("W", gap.curves().topping.center.x, 0.8695),
+        ("V", -gap.curves().topping.center.y, 0.0980),
+        ("F", gap.curves().topping.radius, 0.5114),
     ] {
         assert!(
             (metres / INCH - inches).abs() <= 0.6e-4,
@@ -212,8 +235,8 @@ fn the_outline_lies_on_the_profile_and_leaves_no_gap() {
             assert!(p.contact(point, 0.0).penetration.abs() <= ROUNDING * gap.roller);
         }
         // The longest piece that may stay straight is the flat; the arcs, a quarter turn at most, are cut into POINTS - 1.
-        let arc_piece = FRAC_PI_2 * p.topping.radius / (POINTS - 1) as f64;
-        let longest = p.flat.length.max(arc_piece) + ROUNDING * gap.roller;
+        let arc_piece = FRAC_PI_2 * gap.curves().topping.radius / (POINTS - 1) as f64;
+        let longest = gap.curves().flat.length.max(arc_piece) + ROUNDING * gap.roller;
         assert!(
             half.windows(2)
                 .all(|pair| (pair[1] - pair[0]).norm() <= longest)
@@ -233,14 +256,14 @@ fn the_outline_lies_on_the_profile_and_leaves_no_gap() {
 fn the_left_flank_mirrors_the_right_one_bit_for_bit() {
     for gap in every_profile() {
         let radius = 0.5 * gap.roller;
-        for surface in Surface::ALL {
+        for surface in Surface::ANSI {
             for (place, _) in gap.places(surface, radius) {
                 let right = gap.profile.contact(place, radius);
                 let left = gap.profile.contact(Vec2::new(-place.x, place.y), radius);
                 assert_eq!(left.penetration, right.penetration);
                 assert_eq!(left.normal, Vec2::new(-right.normal.x, right.normal.y));
-                assert_eq!(left.region as u8 + right.region as u8, 8);
-                assert!(surface == Surface::Seating || (left.region as u8) < Region::Seating as u8);
+                assert_eq!(left.region + right.region, 8);
+                assert!(surface == Surface::SEATING || (left.region) < 4);
             }
         }
     }
@@ -250,11 +273,11 @@ fn the_left_flank_mirrors_the_right_one_bit_for_bit() {
 fn each_place_along_the_profile_belongs_to_its_own_region_with_its_own_depth() {
     for gap in every_profile() {
         for radius in [0.1, 0.35, 0.5].map(|share| share * gap.roller) {
-            for (number, surface) in Surface::ALL.into_iter().enumerate() {
+            for (number, surface) in Surface::ANSI.into_iter().enumerate() {
                 for (place, depth) in gap.places(surface, radius) {
                     let found = gap.profile.contact(place, radius);
                     assert_eq!(found.surface, surface);
-                    assert_eq!(found.region as usize, Region::Seating as usize + number);
+                    assert_eq!(found.region as usize, 4 + number);
                     assert!((found.penetration - depth).abs() <= ROUNDING * gap.roller);
                 }
             }
@@ -267,16 +290,16 @@ fn penetration_and_normal_are_continuous_across_the_junctions() {
     for gap in every_profile() {
         let p = &gap.profile;
         let junctions = [
-            (Surface::Seating, Surface::Working, gap.seat_end),
-            (Surface::Working, Surface::Flat, gap.flat),
-            (Surface::Flat, Surface::Topping, gap.flat),
+            (Surface::SEATING, Surface::WORKING, gap.seat_end),
+            (Surface::WORKING, Surface::FLAT, gap.flat),
+            (Surface::FLAT, Surface::TOPPING, gap.flat),
         ];
         for (before, after, slope) in junctions {
             let (normal, tangent) = (Gap::normal(slope), Vec2::new(slope.sin(), slope.cos()));
             let junction = gap.point(before, slope, 1.0);
             for radius in [0.02, 0.1, 0.3, 0.45, 0.5].map(|share| share * gap.roller) {
                 for depth in [-0.03, -1e-3, 0.0, 1e-4, 0.01].map(|share| share * gap.roller) {
-                    if before == Surface::Seating && depth <= radius - p.seating.radius {
+                    if before == Surface::SEATING && depth <= radius - gap.curves().seating.radius {
                         continue; // the seat is too narrow to be that far from it
                     }
                     let place = junction + (depth - radius) * normal;
@@ -285,8 +308,8 @@ fn penetration_and_normal_are_continuous_across_the_junctions() {
                     assert!((one.penetration - other.penetration).abs() <= ROUNDING * gap.roller);
                     // A rounding error across the line turns the normal by it over the distance to the arc's centre.
                     let lever = [
-                        p.seating.radius - radius + depth,
-                        p.topping.radius + radius - depth,
+                        gap.curves().seating.radius - radius + depth,
+                        gap.curves().topping.radius + radius - depth,
                     ];
                     let turn = ROUNDING * (1.0 + gap.roller / lever[0].min(lever[1]).abs());
                     assert!(
@@ -346,10 +369,13 @@ fn assert_same(found: &ToothContact, penetration: f64, out: Vector, roller: f64,
 fn parry_finds_the_same_contacts_with_the_flat_and_the_topping_curve() {
     for gap in every_profile() {
         let p = &gap.profile;
-        let flat = Segment::new(vector(p.flat.start), vector(p.flat.end()));
-        let tip = Ball::new(p.topping.radius);
+        let flat = Segment::new(
+            vector(gap.curves().flat.start),
+            vector(gap.curves().flat.end()),
+        );
+        let tip = Ball::new(gap.curves().topping.radius);
         for radius in [0.2, 0.5].map(|share| share * gap.roller) {
-            for (place, _) in gap.places(Surface::Flat, radius) {
+            for (place, _) in gap.places(Surface::FLAT, radius) {
                 let parry = by_parry(&flat, Vec2::zeros(), place, radius);
                 let found = p.contact(place, radius);
                 assert_same(
@@ -360,15 +386,15 @@ fn parry_finds_the_same_contacts_with_the_flat_and_the_topping_curve() {
                     radius + parry.dist,
                 );
             }
-            for (place, _) in gap.places(Surface::Topping, radius) {
-                let parry = by_parry(&tip, p.topping.center, place, radius);
+            for (place, _) in gap.places(Surface::TOPPING, radius) {
+                let parry = by_parry(&tip, gap.curves().topping.center, place, radius);
                 let found = p.contact(place, radius);
                 assert_same(
                     &found,
                     -parry.dist,
                     parry.normal1,
                     gap.roller,
-                    p.topping.radius + radius + parry.dist,
+                    gap.curves().topping.radius + radius + parry.dist,
                 );
             }
         }
@@ -380,7 +406,10 @@ fn parry_s_distances_from_the_centres_give_the_same_contacts_with_the_concave_cu
     // A cylinder inside a bore is as deep as its centre is outside the disc of radius R - r.
     for gap in every_profile() {
         let p = &gap.profile;
-        for (surface, arc) in [(Surface::Seating, p.seating), (Surface::Working, p.working)] {
+        for (surface, arc) in [
+            (Surface::SEATING, gap.curves().seating),
+            (Surface::WORKING, gap.curves().working),
+        ] {
             for radius in [0.2, 0.4].map(|share| share * gap.roller) {
                 let within = Ball::new(arc.radius - radius);
                 for (place, _) in gap.places(surface, radius) {
@@ -408,12 +437,16 @@ fn parry_finds_the_same_penetrations_with_a_fine_polyline_of_the_whole_gap() {
         let mut right = Vec::new();
         // What a chord misses of its arc: r (1 - cos(half step)). It lies inside a bore and inside a tip's disc.
         let mut sagitta = [0.0; 4];
-        for surface in [Surface::Seating, Surface::Working, Surface::Topping] {
+        for surface in [Surface::SEATING, Surface::WORKING, Surface::TOPPING] {
             let (from, to) = gap.slopes(surface);
             let step = (to - from) / f64::from(PIECES);
-            let radius =
-                [p.seating.radius, p.working.radius, 0.0, p.topping.radius][surface as usize];
-            sagitta[surface as usize] = 2.0 * radius * (0.25 * step).sin().powi(2);
+            let radius = [
+                gap.curves().seating.radius,
+                gap.curves().working.radius,
+                0.0,
+                gap.curves().topping.radius,
+            ][surface.index()];
+            sagitta[surface.index()] = 2.0 * radius * (0.25 * step).sin().powi(2);
             right.extend((0..=PIECES).map(|i| gap.point(surface, from + step * f64::from(i), 0.0)));
         }
         let mirrored = right.iter().rev().map(|q| Vec2::new(-q.x, q.y));
@@ -429,7 +462,7 @@ fn parry_finds_the_same_penetrations_with_a_fine_polyline_of_the_whole_gap() {
         );
         let rounding = ROUNDING * gap.roller;
         let radius = 0.5 * gap.roller;
-        for surface in Surface::ALL {
+        for surface in Surface::ANSI {
             for (place, _) in gap.places(surface, radius) {
                 for side in [1.0, -1.0] {
                     let place = Vec2::new(side * place.x, place.y);

@@ -9,10 +9,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use criterion::Criterion;
-use rustchain::drive::Drive;
+use rustchain::drive::{AnsiTooth, Drive};
 use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic, ForceLaw};
-use rustchain::geometry::{Seat, Vec2};
+use rustchain::geometry::Vec2;
 use rustchain::integrator::{Adams, Corrector, StepControl};
 use rustchain::state::{Start, closing_center_distance};
 use rustchain::{ForceLaws, Model, Simulation};
@@ -82,7 +82,7 @@ pub fn at_start_of(drive: &Drive, laws: &ForceLaws) -> Simulation {
 pub fn pressed_into_seats(drive: &Drive, laws: &ForceLaws) -> Simulation {
     let mut drive = drive.clone();
     for sprocket in &mut drive.sprockets {
-        sprocket.profile.seat = Seat::BottomDiameter;
+        sprocket.profile = AnsiTooth::default().into();
     }
     let (mut start, _) = Start::generate(&drive).unwrap();
     let (links, sprockets) = start.positions.split_at_mut(drive.chain.links as usize);
@@ -90,7 +90,11 @@ pub fn pressed_into_seats(drive: &Drive, laws: &ForceLaws) -> Simulation {
     for (i, link) in links.iter_mut().enumerate() {
         let from_axis = Vec2::new(link[0] - link[0].clamp(first, last), link[1]).normalize();
         // A seat is 1 um away and a hinge has 25 um of clearance.
-        let shift = if Model::is_inner(i) { -1.5e-6 } else { 24.5e-6 } * from_axis;
+        let shift = if i.is_multiple_of(2) {
+            -1.5e-6
+        } else {
+            24.5e-6
+        } * from_axis;
         link[0] += shift.x;
         link[1] += shift.y;
     }

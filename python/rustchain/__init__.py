@@ -9,19 +9,25 @@
 from importlib.metadata import version
 
 from rustchain._rustchain import instruction_set
-from rustchain.catalogue import catalogue_chain, paper_drive, two_sprocket_drive
+from rustchain.catalogue import catalogue, catalogue_chain, paper_drive, two_sprocket_drive
+from rustchain.chain_sizes import ChainSize
 from rustchain.drive import (
     AnsiTooth,
     AppliedTorque,
     Chain,
     ChainDrive,
     ClearanceHinge,
+    CustomTooth,
     Free,
+    IsoTooth,
     Link,
     Material,
     PrescribedSpeed,
     Sprocket,
+    StraightTooth,
     Tensioner,
+    ToothArc,
+    ToothLine,
 )
 from rustchain.errors import (
     EnergyWarning,
@@ -70,7 +76,9 @@ __all__ = [
     "AppliedTorque",
     "Chain",
     "ChainDrive",
+    "ChainSize",
     "ClearanceHinge",
+    "CustomTooth",
     "DriveReport",
     "EnergyWarning",
     "EnhancedCylinder",
@@ -82,6 +90,7 @@ __all__ = [
     "HertzCylinder",
     "HuntCrossley",
     "InvalidInput",
+    "IsoTooth",
     "Johnson",
     "LankaraniNikravesh",
     "Linear",
@@ -106,10 +115,14 @@ __all__ = [
     "Solver",
     "Spline",
     "Sprocket",
+    "StraightTooth",
     "SurfaceContact",
     "SweepResult",
     "Table",
     "Tensioner",
+    "ToothArc",
+    "ToothLine",
+    "catalogue",
     "catalogue_chain",
     "chain_drive",
     "instruction_set",

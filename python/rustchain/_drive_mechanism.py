@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from rustchain import _rustchain
 from rustchain.drive import AppliedTorque, ChainDrive, PrescribedSpeed
 from rustchain.errors import InvalidInput
 from rustchain.force_law import ForceLaw, LankaraniNikravesh
@@ -37,10 +38,17 @@ def drive_mechanism(
         generated.velocities if placed[1] is None else placed[1],
     )
     mechanism = Mechanism(drive.gravity, drive.name)
-    links, half = chain.links, 0.5 * chain.pitch
-    for k in range(links):
-        kind = chain.inner if k % 2 == 0 else chain.outer
-        mechanism.add_body(f"link_{k + 1}", kind.mass, kind.inertia, start[0][k], start[1][k])
+    for number, sprocket in enumerate(drive.sprockets):
+        if sprocket.eccentricity:
+            msg = (
+                f"ChainDrive.sprockets[{number}].eccentricity = {sprocket.eccentricity}: must be 0 "
+                "in a mechanism, whose teeth are concentric"
+            )
+            raise InvalidInput(msg)
+    table = _rustchain.chain_links(chain)
+    links = chain.links
+    for k, (_, mass, inertia, _) in enumerate(table):
+        mechanism.add_body(f"link_{k + 1}", mass, inertia, start[0][k], start[1][k])
     for k in range(len(drive.sprockets)):
         _add_sprocket(mechanism, drive, k, start)
 
@@ -48,8 +56,10 @@ def drive_mechanism(
         return SurfaceContact(law, length, chain.material, min_approach_speed)
 
     for k in range(links):
-        ends = ((f"link_{k + 1}", (half, 0.0)), (f"link_{(k + 1) % links + 1}", (-half, 0.0)))
-        inner, outer = ends if k % 2 == 0 else ends[::-1]
+        behind = (k + 1) % links
+        front, rear = 0.5 * float(table[k, 0]), -0.5 * float(table[behind, 0])
+        ends = ((f"link_{k + 1}", (front, 0.0)), (f"link_{behind + 1}", (rear, 0.0)))
+        inner, outer = ends if table[k, 3] else ends[::-1]
         name = f"hinge_{k + 1}"
         if hinges == "ideal":
             mechanism.add_revolute(name, inner[0], outer[0], inner[1], outer[1])
@@ -60,7 +70,7 @@ def drive_mechanism(
                 outer[0],
                 chain.hinge.bore_radius,
                 chain.hinge.pin_radius,
-                surfaces(chain.hinge.length),
+                surfaces(chain.strands * chain.hinge.length),
                 inner[1],
                 outer[1],
             )
@@ -71,7 +81,7 @@ def drive_mechanism(
                 inner[0],
                 sprocket,
                 chain,
-                surfaces(chain.tooth_contact_length),
+                surfaces(chain.strands * chain.tooth_contact_length),
                 inner[1],
             )
     return mechanism
@@ -83,7 +93,7 @@ def _add_sprocket(
     """Add sprocket `k` with its bearing, motor and tensioner."""
     sprocket, chain, name = drive.sprockets[k], drive.chain, f"sprocket_{k + 1}"
     radius = chain.pitch / (2.0 * math.sin(math.pi / sprocket.teeth))
-    disc = _STEEL_DENSITY * math.pi * radius**2 * chain.tooth_contact_length
+    disc = _STEEL_DENSITY * math.pi * radius**2 * chain.strands * chain.tooth_contact_length
     mass = disc if sprocket.mass is None else sprocket.mass
     inertia = 0.5 * mass * radius**2 if sprocket.inertia is None else sprocket.inertia
     inertia += sprocket.load_inertia

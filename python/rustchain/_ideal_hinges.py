@@ -178,17 +178,14 @@ class IdealHingeCore:
     def _ends(self, positions: Array) -> tuple[Array, Array]:
         """Return front of each link and rear of the next one, (times, links, 2)."""
         links = positions[:, : self._drive.chain.links]
-        arm = (
-            0.5
-            * self._drive.chain.pitch
-            * np.stack([np.cos(links[..., 2]), np.sin(links[..., 2])], -1)
-        )
+        half = 0.5 * _rustchain.chain_links(self._drive.chain)[:, :1]
+        arm = half * np.stack([np.cos(links[..., 2]), np.sin(links[..., 2])], -1)
         return links[..., :2] + arm, np.roll(links[..., :2] - arm, -1, axis=1)
 
     def _eccentricity(self, positions: Array) -> Array:
         """Return the pin's centre of each hinge seen from its bushing's [m], (times, hinges, 2)."""
         front, rear = self._ends(positions)
-        inner = np.arange(front.shape[1]) % 2 == 0
+        inner = _rustchain.chain_links(self._drive.chain)[:, 3] > 0.0
         apart: Array = np.where(inner[:, None], rear - front, front - rear)
         return apart
 
@@ -210,7 +207,7 @@ class IdealHingeCore:
         """Return the mean pull along the chain of the hinges between the sprockets, (times, 2)."""
         links, drive = self._drive.chain.links, self._drive
         front, rear = self._ends(positions)
-        inner = (np.arange(links) % 2 == 0)[:, None]
+        inner = _rustchain.chain_links(drive.chain)[:, 3:] > 0.0
         bushing, on_front = np.where(inner, front, rear), np.where(inner, -on_pin, on_pin)
         centers = positions[:, links : links + 2, :2]
         line = centers[:, 1] - centers[:, 0]

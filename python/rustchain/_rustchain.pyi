@@ -21,6 +21,7 @@ __all__ = [
     "MechanismCore",
     "SimulationError",
     "bisector",
+    "chain_links",
     "closing_center_distance",
     "closing_move",
     "instruction_set",
@@ -32,7 +33,9 @@ __all__ = [
     "restitution_obtained",
     "static_start",
     "strand_names",
+    "tooth_contacts",
     "tooth_outline",
+    "tooth_surfaces",
     "validate",
 ]
 
@@ -93,6 +96,21 @@ def links_for(pitch: float, teeth: tuple[int, int], center_distance: float) -> i
 
 def tooth_outline(sprocket: Sprocket, chain: Chain, points: int) -> _Array:
     """Return the sprocket's closed outline [m], (points_total, 2), in its own frame."""
+
+def tooth_contacts(
+    sprocket: Sprocket, chain: Chain, points: _Array, radius: float
+) -> tuple[npt.NDArray[np.uint8], _Array, _Array]:
+    """Return region, penetration [m] and normal (n, 2) of cylinders at points (n, 2) [m].
+
+    In the frame of the sprocket, its origin in the centre of the teeth; the penetration grows along
+    the normal.
+    """
+
+def tooth_surfaces(sprocket: Sprocket, chain: Chain) -> list[str]:
+    """Return names of the surfaces of whole teeth, from the seat outward."""
+
+def chain_links(chain: Chain) -> _Array:
+    """Return length [m], mass [kg], inertia [kg m^2], 1 for a bushing in front, of each link."""
 
 def law_force(
     law: ForceLaw,

@@ -1,25 +1,13 @@
-"""Chains by name and drives from a handful of numbers.
-
-Sources. Pitch, roller diameter, inside width, pin diameter, plate thickness and strength of the
-ANSI chains: ANSI/ASME B29.1, as makers' tables give them (rounded decimals that stand for fractions
-are given as fractions here). Weight: makers' tables, which differ by about 5 %. Limits of pin and
-bore: ANSI/ASME B29.1, largest pin 0.0005 in and smallest bore 0.0015 in over the nominal pin
-diameter. Heights of the plates: the standard's largest. Thickness of the sprocket: 0.93 times the
-inside width less 0.006 in, the usual largest for a single strand. Everything else is derived in
-`catalogue_chain`.
-"""
+"""Chains by name and drives from a handful of numbers."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from math import pi
-from typing import NamedTuple
-
-import numpy as np
-import numpy.typing as npt
 
 from rustchain import _rustchain
 from rustchain._names import known_keywords, suggest
+from rustchain.chain_sizes import SIZES, ChainSize
 from rustchain.drive import (
     AnsiTooth,
     AppliedTorque,
@@ -28,6 +16,7 @@ from rustchain.drive import (
     ClearanceHinge,
     Free,
     Hinges,
+    IsoTooth,
     Link,
     Material,
     Point,
@@ -36,46 +25,9 @@ from rustchain.drive import (
     Sprocket,
     Tensioner,
     TimeTable,
+    ToothForm,
 )
 from rustchain.errors import InvalidInput
-
-_INCH = 0.0254  # [m]
-_POUND_PER_FOOT = 0.45359237 / 0.3048  # [kg/m]
-_STEEL_DENSITY = 7850.0  # [kg/m^3]
-
-
-class AnsiSize(NamedTuple):
-    """One row of the standard: lengths [in], smallest ultimate strength [lbf], weight [lb/ft]."""
-
-    pitch: float
-    roller_diameter: float
-    width: float
-    pin_diameter: float
-    plate_thickness: float
-    strength: float
-    weight: float
-
-
-ANSI_SIZES = {
-    "ANSI 25": AnsiSize(
-        1 / 4, 0.130, 1 / 8, 0.0905, 0.030, 780, 0.084
-    ),  # no rollers: bushing diameter
-    "ANSI 35": AnsiSize(
-        3 / 8, 0.200, 3 / 16, 0.141, 0.050, 1760, 0.21
-    ),  # no rollers: bushing diameter
-    "ANSI 41": AnsiSize(1 / 2, 0.306, 1 / 4, 0.141, 0.050, 1500, 0.28),
-    "ANSI 40": AnsiSize(1 / 2, 5 / 16, 5 / 16, 0.156, 0.060, 3125, 0.41),
-    "ANSI 50": AnsiSize(5 / 8, 0.400, 3 / 8, 0.200, 0.080, 4880, 0.68),
-    "ANSI 60": AnsiSize(3 / 4, 15 / 32, 1 / 2, 0.234, 0.094, 7030, 1.00),
-    "ANSI 80": AnsiSize(1, 5 / 8, 5 / 8, 0.312, 0.125, 12500, 1.69),
-    "ANSI 100": AnsiSize(1 + 1 / 4, 3 / 4, 3 / 4, 0.375, 0.156, 19530, 2.49),
-    "ANSI 120": AnsiSize(1 + 1 / 2, 7 / 8, 1, 0.437, 0.187, 28125, 3.67),
-    "ANSI 140": AnsiSize(1 + 3 / 4, 1, 1, 0.500, 0.219, 38280, 4.93),
-    "ANSI 160": AnsiSize(2, 1 + 1 / 8, 1 + 1 / 4, 0.562, 0.250, 50000, 6.43),
-    "ANSI 180": AnsiSize(2 + 1 / 4, 1 + 13 / 32, 1 + 13 / 32, 0.687, 0.281, 63280, 8.70),
-    "ANSI 200": AnsiSize(2 + 1 / 2, 1 + 9 / 16, 1 + 1 / 2, 0.781, 0.312, 78125, 10.51),
-    "ANSI 240": AnsiSize(3, 1 + 7 / 8, 1 + 7 / 8, 0.937, 0.375, 112500, 16.90),
-}
 
 PAPER_CHAIN = Chain(
     name="ASA 40 of Pereira, Ambrosio and Ramalho (2010)",
@@ -134,6 +86,7 @@ def two_sprocket_drive(
     seat: Seat = "bottom-diameter",
     gravity: Point = (0.0, -9.81),
     hinges: Hinges = "clearance",
+    profile: ToothForm | None = None,
 ) -> ChainDrive:
     """Return a drive of two sprockets, the driver at the origin and the other at +x.
 
@@ -144,7 +97,7 @@ def two_sprocket_drive(
     teeth : (int, int)
         Teeth of the driver and of the driven sprocket.
     links : int, optional
-        Number of links, even; by default the smallest that closes round `center_distance`.
+        Number of links; by default the smallest even one that closes round `center_distance`.
     center_distance : float, optional
         Distance of the centres [m]; by default the one at which the strands are taut and straight.
     speed : float or table of (time, speed)
@@ -160,10 +113,16 @@ def two_sprocket_drive(
         Acceleration of gravity [m/s^2].
     hinges : {"clearance", "ideal"}
         Pins with play in their bushings, or ideal joints.
+    profile : AnsiTooth, IsoTooth, StraightTooth or CustomTooth, optional
+        Tooth form of both sprockets; by default that of the chain's standard with this `seat`.
     """
     if links is None and isinstance(chain, Chain):
         links = chain.links
-    pitch = chain.pitch if isinstance(chain, Chain) else _INCH * ANSI_SIZES[_listed(chain)].pitch
+    iso = isinstance(chain, str) and _size(chain).standard == "ISO 606"
+    if isinstance(chain, Chain):
+        pitch = (chain if links is None else replace(chain, links=links)).mean_pitch
+    else:
+        pitch = _size(chain).pitch
     if links is None:
         if center_distance is None:
             msg = (
@@ -174,7 +133,8 @@ def two_sprocket_drive(
     if center_distance is None:
         center_distance = _rustchain.closing_center_distance(pitch, teeth, links)
     chain = catalogue_chain(chain, links) if isinstance(chain, str) else replace(chain, links=links)
-    profile = AnsiTooth(seat=seat)
+    if profile is None:
+        profile = IsoTooth(seat=seat) if iso else AnsiTooth(seat=seat)
     return ChainDrive(
         chain=chain,
         sprockets=[
@@ -193,65 +153,44 @@ def two_sprocket_drive(
     )
 
 
-@known_keywords
-def catalogue_chain(name: str, links: int) -> Chain:
-    """Return a chain of the catalogue, such as "ANSI 40".
+def catalogue() -> dict[str, ChainSize]:
+    """Return the standard chains by name: ANSI/ASME B29.1 and ISO 606; print one to read it."""
+    return dict(SIZES)
 
-    A roller chain is represented as a bushing chain of the roller's outside diameter. The clearance
-    of its hinges is the standard's least. Mass follows the maker's weight per length; how inner and
-    outer links share it, and the moments of inertia, follow from the parts: plates with rounded
-    ends (a pressed-in pin or bushing fills the hole), tubes between the inner plates, pins with
-    heads of half a plate's thickness; all scaled alike to the weight, which allows for the waist of
-    real plates.
+
+@known_keywords
+def catalogue_chain(name: str, links: int, strands: int = 1) -> Chain:
+    """Return a chain of the catalogue, such as "ANSI 40" or "ISO 08B".
+
+    A roller chain is represented as a bushing chain of the roller's outside diameter, whose inner
+    links carry the rollers' mass. Where its numbers come from: `catalogue` and docs/chains.md.
 
     Parameters
     ----------
     name : str
-        Name in `ANSI_SIZES`.
+        Name in `catalogue()`, or the number alone, such as "40" or "08B".
     links : int
-        Number of links, even.
+        Number of links.
+    strands : int
+        Parallel strands on common pins.
     """
-    name = _listed(name)
-    size = ANSI_SIZES[name]
-    pitch, roller_diameter, width, pin_diameter, thickness = (_INCH * length for length in size[:5])
-    pin_radius = (pin_diameter + 0.0005 * _INCH) / 2
-    bore_radius = (pin_diameter + 0.0015 * _INCH) / 2
-    bushing_radius = roller_diameter / 2
-
-    plates = _plate(pitch, 0.95 * pitch, 2 * thickness)
-    tubes = _cylinders(pitch, bushing_radius, width)
-    bores = _cylinders(pitch, bore_radius, width + 2 * thickness)
-    inner = plates + tubes - bores
-    pins = _cylinders(pitch, pin_radius, width + 3 * thickness)
-    outer = _plate(pitch, 0.82 * pitch, 2 * thickness) + pins
-    mass = 2 * pitch * size.weight * _POUND_PER_FOOT  # of an inner and an outer link
-    scale = mass / (inner + outer)[0]
-
+    size = _size(name)
+    inner, outer = size.links()
     return Chain(
-        name=name,
-        pitch=pitch,
+        name=size.name,
+        pitch=size.pitch,
         links=links,
-        inner=Link(*(scale * inner)),
-        outer=Link(*(scale * outer)),
-        hinge=ClearanceHinge(pin_radius, bore_radius, length=width + 2 * thickness),
-        bushing_radius=bushing_radius,
-        tooth_contact_length=0.93 * width - 0.006 * _INCH,
+        inner=Link(*inner),
+        outer=Link(*outer),
+        hinge=ClearanceHinge(
+            size.pin_diameter / 2,
+            size.bore_diameter / 2,
+            length=size.inner_width + 2 * size.inner_plate_thickness,
+        ),
+        bushing_radius=size.roller_diameter / 2,
+        tooth_contact_length=size.tooth_width,
+        strands=strands,
     )
-
-
-def _plate(pitch: float, height: float, thickness: float) -> npt.NDArray[np.float64]:
-    """Return mass [kg] and inertia [kg m^2] of a bar with round ends centred on the hinges."""
-    bar = pitch * height
-    ends = pi * height**2 / 4
-    bar_inertia = bar * (pitch**2 + height**2) / 12
-    ends_inertia = ends * (height**2 / 8 + pitch**2 / 4 + pitch * 2 * height / (3 * pi))
-    return _STEEL_DENSITY * thickness * np.array([bar + ends, bar_inertia + ends_inertia])
-
-
-def _cylinders(pitch: float, radius: float, length: float) -> npt.NDArray[np.float64]:
-    """Return mass [kg] and inertia [kg m^2] of a cylinder at each hinge, about the middle."""
-    mass = _STEEL_DENSITY * 2 * pi * radius**2 * length
-    return np.array([mass, mass * (radius**2 / 2 + pitch**2 / 4)])
 
 
 def _tensioner(pretension: float | None) -> Tensioner | None:
@@ -259,10 +198,11 @@ def _tensioner(pretension: float | None) -> Tensioner | None:
     return Tensioner(sprocket=2, pretension=pretension) if pretension else None
 
 
-def _listed(name: str) -> str:
-    """Return the name as it stands in the catalogue, whatever its case here."""
-    for listed in ANSI_SIZES:
-        if listed.casefold() == str(name).casefold():
-            return listed
-    msg = f"chain: {name!r} is not in the catalogue; {suggest(name, ANSI_SIZES)}"
+def _size(name: str) -> ChainSize:
+    """Return the size of this name, whatever its case, or of this number alone."""
+    folded = str(name).casefold()
+    for listed, size in SIZES.items():
+        if isinstance(name, str) and folded in (listed.casefold(), listed.split()[1].casefold()):
+            return size
+    msg = f"chain: {name!r} is not in the catalogue; {suggest(name, SIZES)}"
     raise InvalidInput(msg)

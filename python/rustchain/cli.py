@@ -1,4 +1,4 @@
-"""The command `rustchain`: run a drive into a file, draw a file's figures."""
+"""The command `rustchain`: run a drive into a file, draw a file's figures, list the chains."""
 
 from __future__ import annotations
 
@@ -166,6 +166,29 @@ def plot(
             figure.savefig(path)
             plt.close(figure)
             typer.echo(path)
+
+
+@app.command()
+def catalogue(
+    name: Annotated[
+        str | None, typer.Argument(help="A chain, such as 'ANSI 40': all of its numbers.")
+    ] = None,
+) -> None:
+    """List the standard chains, or all numbers of one with their sources."""
+    with _clear_errors():
+        sizes = rc.catalogue()
+        if name is not None:
+            typer.echo(sizes[rc.catalogue_chain(name, links=8).name])
+            return
+        typer.echo(
+            f"{'chain':<10}{'pitch':>9}{'roller':>9}{'width':>9}{'pin':>9}{'kg/m':>9}{'kN':>9}"
+        )
+        for size in sizes.values():
+            lengths = (size.pitch, size.roller_diameter, size.inner_width, size.pin_diameter)
+            row = "".join(f"{1e3 * length:9.3f}" for length in lengths)
+            typer.echo(
+                f"{size.name:<10}{row}{size.mass_per_length:9.3f}{1e-3 * size.strength:9.2f}"
+            )
 
 
 def _numbers(text: str) -> list[int]:

@@ -45,12 +45,7 @@ _STYLE: dict[str, Any] = {
     "figure.constrained_layout.use": True,
     "figure.dpi": 150,
 }
-_REGIONS = {  # regions of the tooth by kind, from the seat outward
-    "seating": ((4,), BLUE),
-    "working": ((3, 5), ORANGE),
-    "flat": ((2, 6), GREEN),
-    "topping": ((1, 7), RED),
-}
+_SURFACES = (BLUE, ORANGE, GREEN, RED)  # of the tooth, from the seat outward
 
 _styled = style.context(_STYLE)
 
@@ -283,12 +278,16 @@ class Plots:
         force, region = view.tooth_force[rows], view.region[rows]
         touching = force > 0.0
         penetration = 1e6 * view.tooth_penetration[rows]
-        for name, (regions, color) in _REGIONS.items():
-            there = touching & np.isin(region, regions)
-            if there.any():
-                axes.plot(
-                    penetration[there], force[there], "o", markersize=2.2, color=color, label=name
-                )
+        drive = self.result.drive
+        for wheel, sprocket in enumerate(drive.sprockets, 1):
+            names = _rustchain.tooth_surfaces(sprocket, drive.chain)
+            for step, name in enumerate(names):
+                there = touching & (view.sprocket[rows] == wheel)
+                there &= np.abs(region - len(names)) == step
+                if there.any():
+                    (dots,) = axes.plot(penetration[there], force[there], "o", markersize=2.2)
+                    dots.set_color(_SURFACES[step % len(_SURFACES)])
+                    dots.set_label(name.removesuffix(" curve"))
         axes.set_title(f"bushing {number}")
 
     def _hinge_loops(self, axes: Axes, number: int, rows: slice) -> None:

@@ -123,8 +123,8 @@ class Bushing:
     tooth_force, tooth_penetration : ndarray, (times,)
         Contact force [N] and penetration [m]; penetration is -inf when not even near.
     sprocket, tooth, region : ndarray of int, (times,)
-        Sprocket from 1 (0: none), tooth gap from 0 (-1: none), region of the tooth 1 to 7
-        (0: none).
+        Sprocket from 1 (0: none), tooth gap from 0 (-1: none), region of the gap from 1
+        (0: none); an ANSI gap has seven, the fourth is the seat.
     """
 
     time: Array

@@ -258,13 +258,16 @@ pub(crate) fn gap_direction(
     arm: Vec2,
     [cos, sin]: [f64; 2],
 ) -> (f64, f64) {
-    let (x, y) = (arm.x * cos + arm.y * sin, arm.y * cos - arm.x * sin);
+    let (x, y) = (
+        arm.x * cos + arm.y * sin - sprocket.offset.x,
+        arm.y * cos - arm.x * sin - sprocket.offset.y,
+    );
     sprocket.gap_directions[sprocket.profile.nearest_gap(y.atan2(x)) as usize]
 }
 
 /// Constants of the tooth law for a surface of sprocket `s`.
 pub(crate) fn surface_constants(model: &Model, s: usize, surface: Surface) -> [f64; 2] {
-    with_law!(&model.tooth_law.pairs, Law, pairs => Law::constants(&pairs[Model::tooth_pair(s, surface)]))
+    with_law!(&model.tooth_law.pairs, Law, pairs => Law::constants(&pairs[model.tooth_pair(s, surface)]))
 }
 
 /// Writes the runs of the `near` ones of `n` bushings and returns the number of their slots.

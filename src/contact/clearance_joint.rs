@@ -83,10 +83,7 @@ impl HingeContacts {
     /// Finds the ends of the links only, and with them the bushings.
     pub(crate) fn place_ends(&mut self, model: &Model, motion: &Motion) {
         for i in 0..model.links {
-            let (dx, dy) = (
-                model.half_pitch * motion.cos[i],
-                model.half_pitch * motion.sin[i],
-            );
+            let (dx, dy) = (model.arms[i] * motion.cos[i], model.arms[i] * motion.sin[i]);
             let (dvx, dvy) = (-dy * motion.spin[i], dx * motion.spin[i]);
             self.front_x[i] = motion.x[i] + dx;
             self.front_y[i] = motion.y[i] + dy;
@@ -102,7 +99,7 @@ impl HingeContacts {
     /// Centre of bushing `k` and its velocity; it belongs to the inner one of the two links.
     #[must_use]
     pub fn bushing(&self, k: usize) -> (Vec2, Vec2) {
-        if Model::is_inner(k) {
+        if Model::bushing_on_front(k, self.rear_x.len()) {
             (
                 Vec2::new(self.front_x[k], self.front_y[k]),
                 Vec2::new(self.front_vx[k], self.front_vy[k]),
@@ -124,14 +121,18 @@ impl HingeContacts {
             self.front_x[k] - self.rear_x[next],
             self.front_y[k] - self.rear_y[next],
         );
-        if Model::is_inner(k) { -offset } else { offset }
+        if Model::bushing_on_front(k, self.rear_x.len()) {
+            -offset
+        } else {
+            offset
+        }
     }
 
     /// Force on the pin of hinge `k` \[N\].
     #[must_use]
     pub fn force_on_pin(&self, k: usize) -> Vec2 {
         let on_front = self.force_on_front(k);
-        if Model::is_inner(k) {
+        if Model::bushing_on_front(k, self.rear_x.len()) {
             -on_front
         } else {
             on_front

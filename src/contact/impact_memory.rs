@@ -39,7 +39,7 @@ impl ImpactMemory {
             hinge_speed: vec![0.0; hinges],
             hinge_inverse: padded_zeros(hinges),
             tooth_speed: vec![0.0; tooth_pairs],
-            tooth_surface: vec![Surface::Seating; tooth_pairs],
+            tooth_surface: vec![Surface::SEATING; tooth_pairs],
             floor,
             counts: OnsetCounts::default(),
         }

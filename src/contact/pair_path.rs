@@ -14,7 +14,8 @@ const SMALL_TURN: f64 = 0.0625;
 #[derive(Debug)]
 pub struct HingePath<'a> {
     clearance: f64,
-    half_pitch: f64,
+    /// From the centres of both links to the hinge \[m\].
+    arms: [f64; 2],
     /// Centre of link k seen from that of the next one \[m\], their angles, and the rates of all four.
     path: Path<'a, 8>,
     /// Directions of both links at the end of the step.
@@ -38,7 +39,7 @@ impl<'a> HingePath<'a> {
         let [_, _, front, rear, ..] = path.end();
         Self {
             clearance: model.clearance,
-            half_pitch: model.half_pitch,
+            arms: [k, next].map(|i| model.arms[i]),
             path,
             directions: [unit(front), unit(rear)],
         }
@@ -49,8 +50,8 @@ impl<'a> HingePath<'a> {
     pub fn at(&self, t: f64) -> Contact {
         let [x, y, .., vx, vy, front_spin, rear_spin] = self.path.end();
         let [dx, dy, front, rear, dvx, dvy, front_spun, rear_spun] = self.path.change_at(t);
-        let front = self.half_pitch * turned(self.directions[0], front);
-        let rear = self.half_pitch * turned(self.directions[1], rear);
+        let front = self.arms[0] * turned(self.directions[0], front);
+        let rear = self.arms[1] * turned(self.directions[1], rear);
         let turning = (front_spin + front_spun) * front + (rear_spin + rear_spun) * rear;
         pin_in_bushing(
             Vec2::new(x + dx, y + dy) + front + rear,
@@ -111,11 +112,7 @@ impl<'a> ToothPath<'a> {
         let mut at = Self {
             sprocket,
             bushing_radius: model.bushing_radius,
-            arm: if link == k {
-                model.half_pitch
-            } else {
-                -model.half_pitch
-            },
+            arm: model.bushing_arm(k),
             path,
             directions: [unit(link_angle), unit(angle)],
             angle,

@@ -1,4 +1,4 @@
-//! Bushing on the seven regions of a tooth gap.
+//! Bushing on the surfaces of a tooth gap.
 
 use super::{Contact, HingeContacts};
 use crate::geometry::{Surface, Vec2};
@@ -22,9 +22,9 @@ pub struct ToothContacts {
     pub arm_x: Vec<f64>,
     /// The same, y \[m\].
     pub arm_y: Vec<f64>,
-    /// Kind of surface.
+    /// Number of the surface.
     pub surface: Vec<Surface>,
-    /// Region 1 to 7.
+    /// Region from 1.
     pub region: Vec<u8>,
     /// Gap the bushing is in.
     pub gap: Vec<u32>,
@@ -46,7 +46,7 @@ impl ToothContacts {
             normal_y: zeros(),
             arm_x: zeros(),
             arm_y: zeros(),
-            surface: vec![Surface::Seating; pairs],
+            surface: vec![Surface::SEATING; pairs],
             region: vec![0; pairs],
             gap: vec![0; pairs],
             force: zeros(),
@@ -132,9 +132,9 @@ impl SprocketFrame {
 pub struct OnGap {
     /// Depth and rate.
     pub contact: Contact,
-    /// Kind of surface.
+    /// Number of the surface.
     pub surface: Surface,
-    /// Region 1 to 7.
+    /// Region from 1.
     pub region: u8,
     /// Gap, from 0.
     pub gap: u32,
@@ -170,7 +170,7 @@ pub(super) fn bushing_near_gap(
         return None;
     }
     let gaps = &sprocket.gap_directions;
-    let in_body = seen_from(frame, arm);
+    let in_body = seen_from_teeth(sprocket, frame, arm);
     let towards = |gap: usize| in_body.x * gaps[gap].0 + in_body.y * gaps[gap].1;
     let (here, last) = (gap as usize, gaps.len() - 1);
     let before = if here == 0 { last } else { here - 1 };
@@ -183,12 +183,12 @@ pub(super) fn bushing_near_gap(
     })
 }
 
-/// `arm` in the frame of the sprocket.
-fn seen_from(frame: &SprocketFrame, arm: Vec2) -> Vec2 {
+/// `arm` in the frame of the sprocket, from the centre of its teeth.
+fn seen_from_teeth(sprocket: &SprocketModel, frame: &SprocketFrame, arm: Vec2) -> Vec2 {
     Vec2::new(
         arm.x * frame.cos + arm.y * frame.sin,
         arm.y * frame.cos - arm.x * frame.sin,
-    )
+    ) - sprocket.offset
 }
 
 fn on_gap(
@@ -198,7 +198,7 @@ fn on_gap(
     velocity: Vec2,
     radius: f64,
 ) -> OnGap {
-    let in_body = seen_from(frame, arm);
+    let in_body = seen_from_teeth(sprocket, frame, arm);
     let gap = sprocket.profile.nearest_gap(in_body.y.atan2(in_body.x));
     in_gap(sprocket, frame, arm, velocity, radius, gap)
 }
@@ -219,8 +219,18 @@ fn in_gap(
         frame.sin * cos + frame.cos * sin,
     );
     let u = Vec2::new(v.y, -v.x);
-    let found = profile.contact(
-        Vec2::new(arm.dot(&u), arm.dot(&v) - profile.seat_center_radius),
+    let offset = sprocket.offset;
+    let from_teeth = arm
+        - Vec2::new(
+            frame.cos * offset.x - frame.sin * offset.y,
+            frame.sin * offset.x + frame.cos * offset.y,
+        );
+    let found = profile.contact_in(
+        gap,
+        Vec2::new(
+            from_teeth.dot(&u),
+            from_teeth.dot(&v) - profile.seat_center_radius,
+        ),
         radius,
     );
     let normal = found.normal.x * u + found.normal.y * v;
@@ -234,7 +244,7 @@ fn in_gap(
             penetration_rate: normal.dot(&relative),
         },
         surface: found.surface,
-        region: found.region as u8,
+        region: found.region,
         gap,
     }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::Drive;
+use super::{Drive, Sprocket};
 use crate::error::{Error, Result};
 use crate::geometry::belt::{self, Belt, NoTangent, Pulley, Side};
 use crate::geometry::wrap::pitch_radius;
@@ -91,8 +91,7 @@ impl BeltLine {
                     continue;
                 }
                 let distance = belt::distance_from(span, sprocket.center);
-                let reach = sprocket.tooth_profile(&drive.chain).outside_radius
-                    + drive.chain.bushing_radius;
+                let reach = outside_radius(drive, sprocket) + drive.chain.bushing_radius;
                 if distance < reach {
                     return refuse(&format!(
                         "the strand {} runs into sprocket {}: it passes its centre at {:.3} mm, and teeth and bushings need \
@@ -113,12 +112,14 @@ fn refuse<T>(why: &str) -> Result<T> {
     Err(Error::Impossible(format!("no chain can be laid: {why}")))
 }
 
+/// Zero for teeth that cannot be: whoever asks for their profile is told why.
+fn outside_radius(drive: &Drive, sprocket: &Sprocket) -> f64 {
+    let profile = sprocket.tooth_profile(&drive.chain);
+    profile.map_or(0.0, |profile| profile.outside_radius)
+}
+
 fn check_room(drive: &Drive) -> Result<()> {
-    let radius = |i: usize| {
-        drive.sprockets[i]
-            .tooth_profile(&drive.chain)
-            .outside_radius
-    };
+    let radius = |i: usize| outside_radius(drive, &drive.sprockets[i]);
     for i in 0..drive.sprockets.len() {
         for j in i + 1..drive.sprockets.len() {
             let distance = (drive.sprockets[j].center - drive.sprockets[i].center).norm();
@@ -150,7 +151,7 @@ pub(super) fn pulleys(drive: &Drive, order: &[usize]) -> Vec<Pulley> {
         let sprocket = &drive.sprockets[i];
         Pulley {
             center: sprocket.center,
-            radius: pitch_radius(drive.chain.pitch, sprocket.teeth),
+            radius: pitch_radius(drive.chain.mean_pitch(), sprocket.teeth),
             side: sprocket.side,
         }
     };
@@ -164,7 +165,7 @@ pub(super) fn pitches(drive: &Drive, order: &[usize], belt: &Belt) -> f64 {
         .iter()
         .zip(&belt.wraps)
         .map(|(&i, wrap)| wrap / TAU * f64::from(drive.sprockets[i].teeth));
-    straight / drive.chain.pitch + seated.sum::<f64>()
+    straight / drive.chain.mean_pitch() + seated.sum::<f64>()
 }
 
 /// The belt in this order, where it goes round once.
@@ -256,7 +257,7 @@ impl BeltLine {
         let free = |i: usize| {
             let own = |k: usize| strands[i].contains(&k);
             drive.sprockets.iter().enumerate().all(|(k, sprocket)| {
-                let reach = sprocket.tooth_profile(&drive.chain).outside_radius;
+                let reach = outside_radius(drive, sprocket);
                 own(k) || belt::distance_from(&spans[i], sprocket.center) >= reach
             })
         };

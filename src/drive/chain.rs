@@ -1,6 +1,6 @@
 //! The chain: its links, hinges and contact surfaces.
 
-use super::Material;
+use super::{Material, Variation};
 use crate::error::{Error, Result, check};
 
 /// Largest number of links: about 10 GB of memory in a run.
@@ -34,12 +34,13 @@ impl ClearanceHinge {
     }
 }
 
-/// A closed bushing chain: inner links with two bushings alternate with outer links with two pins.
+/// A closed bushing chain: inner links with two bushings alternate with outer links with two pins. In a chain of an odd number of
+/// links the last one is an offset link: bushing at its rear, pin at its front.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chain {
     /// Distance of the hinges of a link \[m\].
     pub pitch: f64,
-    /// Number of links, even.
+    /// Number of links.
     pub links: u32,
     /// Links 1, 3, ...
     pub inner: Link,
@@ -53,6 +54,12 @@ pub struct Chain {
     pub tooth_contact_length: f64,
     /// Material of all contacts.
     pub material: Material,
+    /// The last link of an odd number; `None`: the mean of an inner and an outer one.
+    pub offset: Option<Link>,
+    /// Parallel strands on common pins; masses and lengths of contact are those of one.
+    pub strands: u32,
+    /// How links differ from the pitch.
+    pub variation: Variation,
 }
 
 impl Chain {
@@ -62,22 +69,33 @@ impl Chain {
     /// Names the field, its value and what is allowed.
     pub fn validate(&self) -> Result<()> {
         check::positive("Chain.pitch", self.pitch, "m")?;
-        if !self.links.is_multiple_of(2) {
-            return Err(Error::invalid(
-                "Chain.links",
-                self.links,
-                format!(
-                    "must be even, for inner and outer links alternate: the nearest are {} and {}",
-                    self.links - 1,
-                    self.links + 1
-                ),
-            ));
-        }
         check_links("Chain.links", self.links)?;
         for (name, link) in [("inner", self.inner), ("outer", self.outer)] {
             check::positive(&format!("Chain.{name}.mass"), link.mass, "kg")?;
             check::positive(&format!("Chain.{name}.inertia"), link.inertia, "kg m^2")?;
         }
+        if let Some(offset) = self.offset {
+            check::positive("Chain.offset.mass", offset.mass, "kg")?;
+            check::positive("Chain.offset.inertia", offset.inertia, "kg m^2")?;
+            if self.links.is_multiple_of(2) {
+                return Err(Error::invalid(
+                    "Chain.offset",
+                    format!("a link of {} kg", offset.mass),
+                    format!(
+                        "must be absent in a chain of {} links: only an odd number needs an offset link",
+                        self.links
+                    ),
+                ));
+            }
+        }
+        if !(1..=24).contains(&self.strands) {
+            return Err(Error::invalid(
+                "Chain.strands",
+                self.strands,
+                "must be between 1 and 24",
+            ));
+        }
+        self.variation.validate(self.links)?;
         self.hinge.validate()?;
         check::positive("Chain.bushing_radius", self.bushing_radius, "m")?;
         if self.bushing_radius <= self.hinge.bore_radius {
@@ -102,6 +120,41 @@ impl Chain {
         }
         check::positive("Chain.tooth_contact_length", self.tooth_contact_length, "m")?;
         self.material.validate()
+    }
+}
+
+impl Chain {
+    /// Link `i`, from 0, with all strands.
+    #[must_use]
+    pub fn link(&self, i: usize) -> Link {
+        let last_of_odd = i + 1 == self.links as usize && !self.links.is_multiple_of(2);
+        let link = if last_of_odd {
+            self.offset.unwrap_or(Link {
+                mass: 0.5 * (self.inner.mass + self.outer.mass),
+                inertia: 0.5 * (self.inner.inertia + self.outer.inertia),
+            })
+        } else if i.is_multiple_of(2) {
+            self.inner
+        } else {
+            self.outer
+        };
+        let strands = f64::from(self.strands);
+        Link {
+            mass: strands * link.mass,
+            inertia: strands * link.inertia,
+        }
+    }
+
+    /// Length of contact of pin and bushing over all strands \[m\].
+    #[must_use]
+    pub fn hinge_contact_length(&self) -> f64 {
+        f64::from(self.strands) * self.hinge.length
+    }
+
+    /// Length of contact of bushing and teeth over all strands \[m\].
+    #[must_use]
+    pub fn teeth_contact_length(&self) -> f64 {
+        f64::from(self.strands) * self.tooth_contact_length
     }
 }
 

@@ -7,14 +7,16 @@ mod profile;
 mod sprocket;
 mod tensioner;
 mod time_table;
+mod variation;
 
 pub use belt_line::BeltLine;
 pub use chain::{Chain, ClearanceHinge, Link, check_links};
 pub use material::Material;
-pub use profile::AnsiTooth;
-pub use sprocket::{Bearing, Motion, Sprocket};
+pub use profile::{AnsiTooth, CustomTooth, IsoTooth, StraightTooth, Tip, ToothForm};
+pub use sprocket::{Bearing, Faults, Motion, Sprocket};
 pub use tensioner::{Tensioner, TensionerLine};
 pub use time_table::TimeTable;
+pub use variation::Variation;
 
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;

@@ -1,7 +1,41 @@
 //! The tooth form a user asks for.
 
-use crate::error::{Result, check};
-use crate::geometry::Seat;
+use super::Chain;
+use crate::error::{Error, Result, check};
+use crate::geometry::{
+    Blank, IsoGap, Misfit, OutlinePiece, Seat, ToothProfile, iso_tip_diameters, wrap,
+};
+
+/// Radius of a broken edge over the roller diameter, where none is given.
+const EDGE_SHARE: f64 = 0.025;
+
+/// A tooth after one of the forms.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ToothForm {
+    /// ANSI/ASME B29.1.
+    Ansi(AnsiTooth),
+    /// ISO 606.
+    Iso(IsoTooth),
+    /// Straight flanks.
+    Straight(StraightTooth),
+    /// Arcs and lines of the user's own.
+    Custom(CustomTooth),
+}
+
+impl From<AnsiTooth> for ToothForm {
+    fn from(tooth: AnsiTooth) -> Self {
+        Self::Ansi(tooth)
+    }
+}
+
+/// How a tooth ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tip {
+    /// Its flanks go on to the middle of the tooth.
+    Full,
+    /// It is cut off at the outside diameter, with a broken edge.
+    Cut,
+}
 
 /// A tooth after ANSI/ASME B29.1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -10,6 +44,10 @@ pub struct AnsiTooth {
     pub seat: Seat,
     /// Roller diameter Dr that the tooth is cut for \[m\]; `None`: the chain's bushing diameter.
     pub roller_diameter: Option<f64>,
+    /// How it ends.
+    pub tip: Tip,
+    /// Radius of the edge of a cut tip \[m\]; `None`: 0.025 Dr.
+    pub edge_radius: Option<f64>,
 }
 
 impl Default for AnsiTooth {
@@ -17,18 +55,365 @@ impl Default for AnsiTooth {
         Self {
             seat: Seat::BottomDiameter,
             roller_diameter: None,
+            tip: Tip::Full,
+            edge_radius: None,
         }
     }
 }
 
-impl AnsiTooth {
+/// A tooth after ISO 606.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct IsoTooth {
+    /// From the standard's minimum gap, 0, to its maximum, 1.
+    pub gap: f64,
+    /// Where the seating curve's centre lies.
+    pub seat: Seat,
+    /// Roller diameter d1 that the tooth is cut for \[m\]; `None`: the chain's bushing diameter.
+    pub roller_diameter: Option<f64>,
+    /// Tip diameter \[m\]; `None`: the middle of the standard's range, or its least where that is pointed.
+    pub tip_diameter: Option<f64>,
+    /// Radius of the edge at the tip \[m\]; `None`: 0.025 d1.
+    pub edge_radius: Option<f64>,
+}
+
+/// A tooth with a round seat and straight flanks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StraightTooth {
+    /// Angle between flank and middle of the gap \[rad\].
+    pub flank_angle: f64,
+    /// Radius of the seat \[m\]; `None`: 0.505 roller diameters.
+    pub seat_radius: Option<f64>,
+    /// Where the seat's centre lies.
+    pub seat: Seat,
+    /// Roller diameter that the tooth is cut for \[m\]; `None`: the chain's bushing diameter.
+    pub roller_diameter: Option<f64>,
+    /// Tip diameter \[m\]; `None`: as of an ISO tooth.
+    pub tip_diameter: Option<f64>,
+    /// Radius of the edge at the tip \[m\]; `None`: 0.025 roller diameters.
+    pub edge_radius: Option<f64>,
+}
+
+/// A tooth of arcs and lines.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CustomTooth {
+    /// From the middle of the gap up the right flank.
+    pub pieces: Vec<OutlinePiece>,
+    /// Diameter at which the tooth is cut off \[m\]; `None`: the pieces go on to the middle of the tooth.
+    pub tip_diameter: Option<f64>,
+    /// Radius of the edge of a cut tip \[m\]; `None`: 0.025 bushing diameters.
+    pub edge_radius: Option<f64>,
+}
+
+fn check_lengths(form: &str, lengths: &[(&str, Option<f64>)]) -> Result<()> {
+    lengths.iter().try_for_each(|(name, length)| {
+        length.map_or(Ok(()), |length| {
+            check::positive(&format!("{form}.{name}"), length, "m")
+        })
+    })
+}
+
+impl ToothForm {
+    /// Name of the form's class.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Ansi(_) => "AnsiTooth",
+            Self::Iso(_) => "IsoTooth",
+            Self::Straight(_) => "StraightTooth",
+            Self::Custom(_) => "CustomTooth",
+        }
+    }
+
+    /// The least and the largest number of teeth that the form is for.
+    #[must_use]
+    pub fn teeth(&self) -> [u32; 2] {
+        match self {
+            Self::Iso(_) => [9, 150],
+            _ => [5, 1000],
+        }
+    }
+
     /// Checks every field.
     ///
     /// # Errors
     /// Names the field, its value and what is allowed.
     pub fn validate(&self) -> Result<()> {
-        self.roller_diameter.map_or(Ok(()), |d| {
-            check::positive("AnsiTooth.roller_diameter", d, "m")
+        let form = self.name();
+        match self {
+            Self::Ansi(tooth) => check_lengths(
+                form,
+                &[
+                    ("roller_diameter", tooth.roller_diameter),
+                    ("edge_radius", tooth.edge_radius),
+                ],
+            ),
+            Self::Iso(tooth) => {
+                check::within("IsoTooth.gap", tooth.gap, 0.0, 1.0)?;
+                check_lengths(
+                    form,
+                    &[
+                        ("roller_diameter", tooth.roller_diameter),
+                        ("tip_diameter", tooth.tip_diameter),
+                        ("edge_radius", tooth.edge_radius),
+                    ],
+                )
+            }
+            Self::Straight(tooth) => {
+                check::within("StraightTooth.flank_angle", tooth.flank_angle, 0.0, 1.2)?;
+                check_lengths(
+                    form,
+                    &[
+                        ("seat_radius", tooth.seat_radius),
+                        ("roller_diameter", tooth.roller_diameter),
+                        ("tip_diameter", tooth.tip_diameter),
+                        ("edge_radius", tooth.edge_radius),
+                    ],
+                )
+            }
+            Self::Custom(tooth) => {
+                for (i, piece) in tooth.pieces.iter().enumerate() {
+                    let points = [Some(piece.start), Some(piece.end), piece.center];
+                    for point in points.into_iter().flatten() {
+                        let name = format!("CustomTooth.pieces[{i}]");
+                        check::finite(&name, point.x, "m")?;
+                        check::finite(&name, point.y, "m")?;
+                    }
+                }
+                check_lengths(
+                    form,
+                    &[
+                        ("tip_diameter", tooth.tip_diameter),
+                        ("edge_radius", tooth.edge_radius),
+                    ],
+                )
+            }
+        }
+    }
+
+    /// Roller diameter \[m\] that the form is cut for.
+    fn roller_diameter(&self, chain: &Chain) -> f64 {
+        let given = match self {
+            Self::Ansi(tooth) => tooth.roller_diameter,
+            Self::Iso(tooth) => tooth.roller_diameter,
+            Self::Straight(tooth) => tooth.roller_diameter,
+            Self::Custom(_) => None,
+        };
+        given.unwrap_or(2.0 * chain.bushing_radius)
+    }
+
+    /// Radius of a broken edge \[m\].
+    pub(super) fn edge_radius(&self, chain: &Chain) -> f64 {
+        let given = match self {
+            Self::Ansi(tooth) => tooth.edge_radius,
+            Self::Iso(tooth) => tooth.edge_radius,
+            Self::Straight(tooth) => tooth.edge_radius,
+            Self::Custom(tooth) => tooth.edge_radius,
+        };
+        given.unwrap_or(EDGE_SHARE * self.roller_diameter(chain))
+    }
+
+    /// The teeth for `chain`, as whole as they are drawn.
+    ///
+    /// # Errors
+    /// When the flanks meet below the tip, pieces do not fit together, or a bushing cannot roll along the gap: with the numbers.
+    pub(super) fn profile(&self, chain: &Chain, teeth: u32) -> Result<ToothProfile> {
+        let roller = self.roller_diameter(chain);
+        let edge = self.edge_radius(chain);
+        let profile = match self {
+            Self::Ansi(tooth) => {
+                let full = ToothProfile::ansi(chain.pitch, roller, teeth, tooth.seat);
+                if tooth.tip == Tip::Full {
+                    return Ok(full);
+                }
+                let outside = full.outside_radius;
+                full.cut(outside, edge).map_err(|meets| {
+                    let expected = format!(
+                        "the tooth's flanks meet at a diameter of {:.6} m, and its tip is to be at {:.6} m: take \
+                         tip=\"full\" or a smaller edge_radius",
+                        2.0 * meets,
+                        2.0 * outside
+                    );
+                    Error::invalid("AnsiTooth.tip", "\"cut\"", expected)
+                })?
+            }
+            Self::Iso(tooth) => {
+                let gap = IsoGap::new(roller, teeth, tooth.gap);
+                let form = |blank: &Blank| ToothProfile::iso(blank, &gap);
+                self.cut_off(chain, teeth, tooth.seat, tooth.tip_diameter, &form)?
+            }
+            Self::Straight(tooth) => {
+                let seat = tooth.seat_radius.unwrap_or(0.505 * roller);
+                let form = |blank: &Blank| ToothProfile::straight(blank, seat, tooth.flank_angle);
+                self.cut_off(chain, teeth, tooth.seat, tooth.tip_diameter, &form)?
+            }
+            Self::Custom(tooth) => {
+                let tip = tooth.tip_diameter.map(|diameter| (0.5 * diameter, edge));
+                ToothProfile::custom(chain.pitch, teeth, &tooth.pieces, tip)
+                    .map_err(|misfit| misfit_error(misfit, tooth))?
+            }
+        };
+        if let Some((surface, depth)) = profile.pinch(chain.bushing_radius) {
+            let name = profile.surfaces()[surface.index()].name;
+            return Err(Error::invalid(
+                self.name(),
+                format!("{name}, number {} of the flank", surface.index() + 1),
+                format!(
+                    "a bushing of radius {} m that touches it would be {depth:.3e} m inside another surface: must leave room \
+                     for the bushing",
+                    chain.bushing_radius
+                ),
+            ));
+        }
+        Ok(profile)
+    }
+
+    /// A tooth of this `form` with its tip where it is asked for: by default in the middle of the standard's range, or at its
+    /// least where that is pointed.
+    fn cut_off(
+        &self,
+        chain: &Chain,
+        teeth: u32,
+        seat: Seat,
+        tip_diameter: Option<f64>,
+        form: &dyn Fn(&Blank) -> std::result::Result<ToothProfile, f64>,
+    ) -> Result<ToothProfile> {
+        let [least, most] = iso_tip_diameters(chain.pitch, self.roller_diameter(chain), teeth);
+        let tips = tip_diameter.map_or_else(|| vec![0.5 * (least + most), least], |tip| vec![tip]);
+        let mut outcome = self.with_tip(chain, teeth, seat, tips[0], form);
+        if outcome.is_err() && tips.len() > 1 {
+            outcome = self.with_tip(chain, teeth, seat, tips[1], form);
+        }
+        outcome
+    }
+
+    fn with_tip(
+        &self,
+        chain: &Chain,
+        teeth: u32,
+        seat: Seat,
+        tip: f64,
+        form: &dyn Fn(&Blank) -> std::result::Result<ToothProfile, f64>,
+    ) -> Result<ToothProfile> {
+        let blank = self.blank(chain, teeth, seat, tip)?;
+        form(&blank).map_err(|meets| self.pointed(&blank, meets))
+    }
+
+    fn blank(&self, chain: &Chain, teeth: u32, seat: Seat, tip: f64) -> Result<Blank> {
+        let roller_diameter = self.roller_diameter(chain);
+        let [least, most] = iso_tip_diameters(chain.pitch, roller_diameter, teeth);
+        let pitch_diameter = 2.0 * wrap::pitch_radius(chain.pitch, teeth);
+        let seat_radius = match self {
+            Self::Straight(tooth) => tooth.seat_radius.unwrap_or(0.505 * roller_diameter),
+            _ => 0.505 * roller_diameter,
+        };
+        if roller_diameter >= chain.pitch || seat_radius <= chain.bushing_radius {
+            return Err(Error::invalid(
+                format!("{}.roller_diameter", self.name()),
+                roller_diameter,
+                format!(
+                    "must be below the pitch, {} m, and give a seat wider than the bushing of {} m (this one's is {:.6} m)",
+                    chain.pitch,
+                    2.0 * chain.bushing_radius,
+                    2.0 * seat_radius
+                ),
+            ));
+        }
+        if tip <= pitch_diameter || tip > pitch_diameter + 2.0 * chain.pitch {
+            return Err(Error::invalid(
+                format!("{}.tip_diameter", self.name()),
+                tip,
+                format!(
+                    "must be above the pitch diameter, {pitch_diameter:.6} m, by at most two pitches; ISO 606 has {least:.6} m \
+                     to {most:.6} m"
+                ),
+            ));
+        }
+        Ok(Blank {
+            pitch: chain.pitch,
+            roller_diameter,
+            teeth,
+            seat,
+            outside_radius: 0.5 * tip,
+            edge_radius: self.edge_radius(chain),
         })
     }
+
+    fn pointed(&self, blank: &Blank, meets: f64) -> Error {
+        Error::invalid(
+            format!("{}.tip_diameter", self.name()),
+            2.0 * blank.outside_radius,
+            format!(
+                "the tooth is pointed: its flanks meet at a diameter of {:.6} m; must be less than that by what the edge \
+                 of radius {} m takes, or the gap narrower",
+                2.0 * meets,
+                blank.edge_radius
+            ),
+        )
+    }
+}
+
+fn misfit_error(misfit: Misfit, tooth: &CustomTooth) -> Error {
+    let piece = |number: usize| format!("CustomTooth.pieces[{}]", number - 1);
+    let joint = |number: usize| {
+        format!(
+            "joint of CustomTooth.pieces[{}] and [{}]",
+            number - 2,
+            number - 1
+        )
+    };
+    let whole = "CustomTooth.pieces".to_string();
+    let shown = |length: f64| format!("{length:.3e} m");
+    let degrees = |angle: f64| format!("{:.4} degrees", angle.to_degrees());
+    let (field, value, expected) = match misfit {
+        Misfit::Nothing => (whole, "()".to_string(), "needs at least one piece".to_string()),
+        Misfit::NoCurve(number, first, last) => (
+            piece(number),
+            format!("{first} m and {last} m from centre to ends"),
+            "must have two ends, those of an arc equally far from its centre to 1e-7 m".to_string(),
+        ),
+        Misfit::Apart(number, gap) => (
+            joint(number),
+            format!("a gap of {}", shown(gap)),
+            "must begin where the piece before ends, to 1e-7 m".to_string(),
+        ),
+        Misfit::Corner(number, angle) => (
+            joint(number),
+            format!("a turn of {}", degrees(angle)),
+            "must be tangent to 0.0057 degrees (1e-4 rad): put an arc between them".to_string(),
+        ),
+        Misfit::Beside(distance) => (
+            piece(1),
+            format!("begins at u = {}", shown(distance)),
+            "must begin in the middle of the gap, at u = 0 to 1e-7 m".to_string(),
+        ),
+        Misfit::Leans(angle) => (
+            piece(1),
+            format!("begins at {} from level", degrees(angle)),
+            "must be level where it meets its mirror image, to 0.0057 degrees (1e-4 rad)".to_string(),
+        ),
+        Misfit::Open(distance) => (
+            piece(tooth.pieces.len()),
+            format!("ends {} from the middle of the tooth", shown(distance)),
+            "must end there, to 1e-7 m, where no tip_diameter is given".to_string(),
+        ),
+        Misfit::Point(angle) => (
+            piece(tooth.pieces.len()),
+            format!("ends at {} from level", degrees(angle)),
+            "the tooth is pointed: must be level in the middle of the tooth, to 0.0057 degrees, where no tip_diameter is \
+             given"
+                .to_string(),
+        ),
+        Misfit::Pointed(radius) => (
+            "CustomTooth.tip_diameter".to_string(),
+            tooth
+                .tip_diameter
+                .map_or_else(String::new, |diameter| format!("{diameter} m")),
+            format!(
+                "the circle meets the flank nowhere, or the tooth is pointed there: the flanks meet at a diameter of \
+                 {:.6} m",
+                2.0 * radius
+            ),
+        ),
+    };
+    Error::invalid(field, value, expected)
 }

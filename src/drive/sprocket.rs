@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-use super::{AnsiTooth, Chain, TimeTable};
+use super::{Chain, TimeTable, ToothForm};
 use crate::error::{Error, Result, check};
 use crate::geometry::belt::Side;
-use crate::geometry::{ToothProfile, Vec2};
+use crate::geometry::{AnsiCurves, Damage, ToothProfile, Vec2, unit};
 
 /// Density of the disc whose mass a sprocket has when none is given \[kg/m³\].
 const STEEL_DENSITY: f64 = 7850.0;
@@ -38,6 +38,25 @@ pub enum Bearing {
     Floating,
 }
 
+/// What is wrong with a sprocket's teeth.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Faults {
+    /// Distance of the teeth's centre from the bore's \[m\]: half the full radial runout.
+    pub eccentricity: f64,
+    /// Direction of the teeth's centre from the bore's, from that of gap 0 \[rad\].
+    pub eccentricity_angle: f64,
+    /// Teeth that are not whole.
+    pub damage: Vec<Damage>,
+}
+
+impl Faults {
+    /// The teeth's centre in the frame of the sprocket \[m\].
+    #[must_use]
+    pub fn offset(&self) -> Vec2 {
+        self.eccentricity * unit(self.eccentricity_angle)
+    }
+}
+
 /// A sprocket.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sprocket {
@@ -48,7 +67,7 @@ pub struct Sprocket {
     /// What its rotation obeys.
     pub motion: Motion,
     /// Tooth form.
-    pub profile: AnsiTooth,
+    pub profile: ToothForm,
     /// Mass \[kg\]; `None`: a steel disc.
     pub mass: Option<f64>,
     /// Moment of inertia \[kg m²\]; `None`: a steel disc.
@@ -61,6 +80,8 @@ pub struct Sprocket {
     pub side: Side,
     /// Moment of inertia of all that turns with it: shaft, load, motor \[kg m²\].
     pub load_inertia: f64,
+    /// What is wrong with its teeth.
+    pub faults: Faults,
 }
 
 impl Sprocket {
@@ -69,11 +90,15 @@ impl Sprocket {
     /// # Errors
     /// Names the field, its value and what is allowed.
     pub fn validate(&self) -> Result<()> {
-        if !(5..=1000).contains(&self.teeth) {
+        let [fewest, most] = self.profile.teeth();
+        if !(fewest..=most).contains(&self.teeth) {
             return Err(Error::invalid(
                 "Sprocket.teeth",
                 self.teeth,
-                "must be between 5 and 1000; the tooth form holds from 5 on",
+                format!(
+                    "must be between {fewest} and {most}: {} holds from {fewest} on",
+                    self.profile.name()
+                ),
             ));
         }
         for (name, value) in [("x", self.center.x), ("y", self.center.y)] {
@@ -98,7 +123,30 @@ impl Sprocket {
             }
         }
         check::not_negative("Sprocket.load_inertia", self.load_inertia, "kg m^2")?;
+        self.validate_faults()?;
         self.profile.validate()
+    }
+
+    fn validate_faults(&self) -> Result<()> {
+        let faults = &self.faults;
+        check::finite(
+            "Sprocket.eccentricity_angle",
+            faults.eccentricity_angle,
+            "rad",
+        )?;
+        check::within("Sprocket.eccentricity", faults.eccentricity, 0.0, 1.0)?;
+        for (i, damage) in faults.damage.iter().enumerate() {
+            check::within("Sprocket.damaged_teeth", damage.height, 0.0, 1.0)?;
+            let again = faults.damage[..i].iter().any(|d| d.tooth == damage.tooth);
+            if damage.tooth >= self.teeth || again {
+                return Err(Error::invalid(
+                    "Sprocket.damaged_teeth",
+                    damage.tooth,
+                    format!("must name each tooth once, 0 to {}", self.teeth - 1),
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// Checks that the teeth suit `chain`.
@@ -106,32 +154,53 @@ impl Sprocket {
     /// # Errors
     /// Names the field, its value and what is allowed.
     pub fn check_against(&self, chain: &Chain) -> Result<()> {
-        let bushing = 2.0 * chain.bushing_radius;
-        let roller = self.profile.roller_diameter.unwrap_or(bushing);
-        let seat = self.tooth_profile(chain).seating.radius;
-        if seat <= chain.bushing_radius || roller >= chain.pitch {
+        let largest = 0.5 * chain.pitch;
+        if self.faults.eccentricity >= largest {
             return Err(Error::invalid(
-                "AnsiTooth.roller_diameter",
-                roller,
-                format!(
-                    "must be below the pitch, {} m, and give a seat wider than the bushing of {bushing} m (this one's is \
-                     {:.6} m): take {bushing} m",
-                    chain.pitch,
-                    2.0 * seat
-                ),
+                "Sprocket.eccentricity",
+                self.faults.eccentricity,
+                format!("must be below half the pitch, {largest} m"),
             ));
         }
-        Ok(())
+        if let ToothForm::Ansi(tooth) = &self.profile {
+            let bushing = 2.0 * chain.bushing_radius;
+            let roller = tooth.roller_diameter.unwrap_or(bushing);
+            let seat = AnsiCurves::new(roller, self.teeth).seating.radius;
+            if seat <= chain.bushing_radius || roller >= chain.pitch {
+                return Err(Error::invalid(
+                    "AnsiTooth.roller_diameter",
+                    roller,
+                    format!(
+                        "must be below the pitch, {} m, and give a seat wider than the bushing of {bushing} m (this one's \
+                         is {:.6} m): take {bushing} m",
+                        chain.pitch,
+                        2.0 * seat
+                    ),
+                ));
+            }
+        }
+        self.tooth_profile(chain).map(|_| ())
     }
 
     /// The tooth profile for `chain`.
-    #[must_use]
-    pub fn tooth_profile(&self, chain: &Chain) -> ToothProfile {
-        let roller = self
-            .profile
-            .roller_diameter
-            .unwrap_or(2.0 * chain.bushing_radius);
-        ToothProfile::ansi(chain.pitch, roller, self.teeth, self.profile.seat)
+    ///
+    /// # Errors
+    /// When the form does not make teeth for this chain: with the numbers.
+    pub fn tooth_profile(&self, chain: &Chain) -> Result<ToothProfile> {
+        let profile = self.profile.profile(chain, self.teeth)?;
+        if self.faults.damage.is_empty() {
+            return Ok(profile);
+        }
+        let edge = self.profile.edge_radius(chain);
+        profile
+            .with_damage(&self.faults.damage, edge)
+            .ok_or_else(|| {
+                Error::invalid(
+                    "Sprocket.damaged_teeth",
+                    format!("{} teeth", self.faults.damage.len()),
+                    "too many different heights: at most about 40",
+                )
+            })
     }
 
     /// Mass \[kg\] and moment of inertia \[kg m²\]: as given, or those of a steel disc with the pitch circle's radius, as
@@ -139,7 +208,7 @@ impl Sprocket {
     #[must_use]
     pub fn mass_properties(&self, chain: &Chain) -> (f64, f64) {
         let radius = crate::geometry::wrap::pitch_radius(chain.pitch, self.teeth);
-        let disc = STEEL_DENSITY * PI * radius * radius * chain.tooth_contact_length;
+        let disc = STEEL_DENSITY * PI * radius * radius * chain.teeth_contact_length();
         let mass = self.mass.unwrap_or(disc);
         let own = self.inertia.unwrap_or(0.5 * mass * radius * radius);
         (mass, own + self.load_inertia)

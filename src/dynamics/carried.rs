@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::meter::EnergyMeter;
 use super::{Dynamics, Pair};
 use crate::contact::{CarriedCandidates, ImpactMemory};
+use crate::geometry::Surface;
 use crate::kernels::Watch;
 
 /// All that decides, with the integrator's state, how the dynamics go on.
@@ -46,7 +47,14 @@ impl Dynamics {
             Pair::Hinge(k) => k < dynamics.memory.hinge_speed().len(),
             Pair::Tooth(pair) => pair < dynamics.memory.tooth_speed.len(),
         };
+        let links = self.model.links;
+        let mut surfaces = carried.memory.tooth_surface.iter().enumerate();
+        let exists = |(pair, surface): (usize, &Surface)| {
+            let sprocket = self.model.sprockets.get(pair / links);
+            sprocket.is_some_and(|s| surface.index() < s.profile.surfaces().len())
+        };
         if !carried.memory.is_like(&dynamics.memory)
+            || !surfaces.all(exists)
             || !carried.parted.iter().all(there)
             || !carried.meter.is_like(&dynamics.meter)
             || !(carried.watch).is_like(&dynamics.kernels.watch, dynamics.model.links)

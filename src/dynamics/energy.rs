@@ -3,7 +3,7 @@
 use super::Dynamics;
 use crate::force_law::{ElasticLaw, with_law};
 use crate::geometry::Vec2;
-use crate::model::{Model, Rotation, Support};
+use crate::model::{Rotation, Support};
 
 /// Energies \[J\].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -72,7 +72,7 @@ fn elastic_energy(dynamics: &Dynamics) -> f64 {
     let teeth: f64 = with_law!(&model.tooth_law.pairs, Law, pairs => {
         dynamics.teeth.near.iter().map(|&pair| {
             let pair = pair as usize;
-            let number = Model::tooth_pair(pair / model.links, dynamics.stiffness_surface(pair));
+            let number = model.tooth_pair(pair / model.links, dynamics.stiffness_surface(pair));
             Law::energy(&pairs[number], dynamics.teeth.penetration[pair])
         }).sum()
     });

@@ -58,10 +58,7 @@ pub(super) fn tooth_forces<L: ElasticLaw, const ENERGY: bool>(
         } else {
             teeth.surface[pair]
         };
-        let elastic = L::force(
-            &pairs[Model::tooth_pair(pair / model.links, surface)],
-            depth,
-        );
+        let elastic = L::force(&pairs[model.tooth_pair(pair / model.links, surface)], depth);
         let force = elastic * damping_factor(lambda, rate, memory.onset_speed(remembered, rate));
         teeth.force[pair] = force;
         if ENERGY {

@@ -5,9 +5,8 @@ use super::chain_solver::ChainMatrix;
 use super::jacobian::{FAR, Lever, PointForce, Pressed, link_levers, sprocket_levers};
 use crate::contact::bushing_on_sprocket;
 use crate::force_law::{ElasticLaw, Regions, with_law};
-use crate::geometry::{Surface, Vec2, turned_left};
+use crate::geometry::{Curve, Vec2, turned_left};
 use crate::integrator::{OdeSystem, SecondOrderSystem};
-use crate::model::Model;
 
 /// Force \[N\] and its slopes with penetration \[N/m\] and rate \[N s/m\].
 fn slopes<L: ElasticLaw>(
@@ -48,9 +47,8 @@ impl Dynamics {
                 continue;
             }
             let next = (k + 1) % n;
-            let a = model.half_pitch;
             let end = |i: usize, side: f64| {
-                let along = side * a * self.kernels.link_direction(i);
+                let along = side * model.arms[i] * self.kernels.link_direction(i);
                 (
                     Vec2::new(q[i], q[n + i]) + along,
                     Vec2::new(v[i], v[n + i]) + v[2 * n + i] * turned_left(along),
@@ -96,12 +94,7 @@ impl Dynamics {
             let sprocket = &model.sprockets[s];
             let frame = self.kernels.sprocket_frame(s);
             let link = model.link_of_bushing(k);
-            let arm = if link == k {
-                model.half_pitch
-            } else {
-                -model.half_pitch
-            };
-            let along = arm * self.kernels.link_direction(link);
+            let along = model.bushing_arm(k) * self.kernels.link_direction(link);
             let point = Vec2::new(q[link], q[n + link]) + along;
             let velocity = Vec2::new(v[link], v[n + link]) + v[2 * n + link] * turned_left(along);
             let Some(found) =
@@ -109,12 +102,11 @@ impl Dynamics {
             else {
                 continue;
             };
-            let profile = &sprocket.profile;
-            let (side, distance) = match found.surface {
-                Surface::Seating => (1.0, depth + profile.seating.radius - model.bushing_radius),
-                Surface::Working => (1.0, depth + profile.working.radius - model.bushing_radius),
-                Surface::Flat => (1.0, FAR),
-                Surface::Topping => (-1.0, profile.topping.radius + model.bushing_radius - depth),
+            let surface = &sprocket.profile.surfaces()[found.surface.index()];
+            let (side, distance) = match surface.curve {
+                Curve::Concave(arc) => (1.0, depth + arc.radius - model.bushing_radius),
+                Curve::Straight(_) => (1.0, FAR),
+                Curve::Convex(arc) => (-1.0, arc.radius + model.bushing_radius - depth),
             };
             let normal = found.contact.normal;
             let from_center = point - frame.center - side * distance * normal;
@@ -128,7 +120,7 @@ impl Dynamics {
                 found.surface
             };
             let (force, stiffness, damping) = with_law!(&law.pairs, Law, pairs => {
-                slopes::<Law>(&pairs[Model::tooth_pair(s, surface)], depth,
+                slopes::<Law>(&pairs[model.tooth_pair(s, surface)], depth,
                     found.contact.penetration_rate, law.lambda, remembered, model.min_approach_speed)
             });
             let contact = PointForce::new(

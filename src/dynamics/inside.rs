@@ -62,7 +62,7 @@ impl Dynamics {
             let between = contact(step.start + part * length);
             if between.is_none_or(|between| between.penetration < 0.0) {
                 let (t, rate) = crossing_between(contact, times, ends);
-                let surface = path.at(t).map_or(Surface::Topping, |found| found.surface);
+                let surface = path.at(t).map_or(Surface::TOPPING, |found| found.surface);
                 self.memory.begin_tooth(pair, rate, surface);
                 self.begun.push((s, k));
             }

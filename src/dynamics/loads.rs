@@ -85,11 +85,13 @@ impl Accelerations {
             let before = if i == 0 { n - 1 } else { i - 1 };
             let mut front = hinges.force_on_front(i);
             let mut rear = -hinges.force_on_front(before);
-            if Model::is_inner(i) {
+            if Model::bushing_on_front(i, n) {
                 front += Vec2::new(self.tooth_x[i], self.tooth_y[i]);
+            }
+            if !Model::bushing_on_front(before, n) {
                 rear += Vec2::new(self.tooth_x[before], self.tooth_y[before]);
             }
-            let moment = model.half_pitch
+            let moment = model.arms[i]
                 * (motion.cos[i] * (front.y - rear.y) - motion.sin[i] * (front.x - rear.x));
             self.x[i] = (front.x + rear.x) * model.inverse_mass[i] + model.gravity.x;
             self.y[i] = (front.y + rear.y) * model.inverse_mass[i] + model.gravity.y;

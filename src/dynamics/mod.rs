@@ -310,7 +310,7 @@ impl Dynamics {
                 let path = ToothPath::new(model, adams, k, s);
                 let at = |t| path.at(t).map(|found| found.contact);
                 let (t, rate) = first_crossing(at, step.start, step.end);
-                let surface = path.at(t).map_or(Surface::Topping, |found| found.surface);
+                let surface = path.at(t).map_or(Surface::TOPPING, |found| found.surface);
                 self.memory.begin_tooth(pair, rate, surface);
                 begun.push((s, k));
             } else {
@@ -359,7 +359,7 @@ impl Dynamics {
             let pair = pair as usize;
             let depth = self.teeth.penetration[pair];
             let (s, k) = (pair / model.links, pair % model.links);
-            let number = Model::tooth_pair(s, self.stiffness_surface(pair));
+            let number = model.tooth_pair(s, self.stiffness_surface(pair));
             let end =
                 with_law!(&model.tooth_law.pairs, Law, pairs => range_end::<Law>(&pairs[number]));
             let name = || format!("bushing {} on sprocket {}", k + 1, s + 1);

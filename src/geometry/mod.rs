@@ -1,16 +1,24 @@
 //! Plane curves: no bodies, no forces, no time.
 
+mod ansi_tooth;
 mod arc;
 pub mod belt;
+mod custom_tooth;
+mod flank;
+mod iso_tooth;
 pub mod polygon;
 mod segment;
 mod tooth_profile;
 pub mod way;
 pub mod wrap;
 
+pub use ansi_tooth::AnsiCurves;
 pub use arc::Arc;
+pub use custom_tooth::{Misfit, OutlinePiece};
+pub use flank::{Curve, Piece};
+pub use iso_tooth::{Blank, IsoGap, iso_tip_diameters};
 pub use segment::Segment;
-pub use tooth_profile::{Region, Seat, Surface, ToothContact, ToothProfile};
+pub use tooth_profile::{Damage, Seat, Surface, ToothContact, ToothProfile};
 
 /// A point or a direction in the plane, \[m\] or dimensionless.
 pub type Vec2 = nalgebra::Vector2<f64>;

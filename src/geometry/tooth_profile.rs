@@ -1,76 +1,47 @@
-//! The tooth gap of ANSI/ASME B29.1: seven regions from pitch, roller diameter and number of teeth.
+//! The teeth of a sprocket: the surfaces of a gap, which of them is nearest to a cylinder, and how deep it is there.
 //!
 //! Everything here lives in the frame of one gap: `v` points radially outward through the middle of the gap, `u` is
 //! tangential towards the tooth on the right (clockwise), the origin is the centre of the seating curve. The left flank
 //! mirrors the right one, so only the right one is stored.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Arc, Segment, Vec2};
-
-const INCH: f64 = 0.0254;
+use super::flank::{Flank, Piece, nearest_piece};
+use super::{AnsiCurves, Vec2, unit};
 
 /// Where the centre of the seating curve lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Seat {
-    /// The standard's bottom diameter, pitch diameter less roller diameter: a seated roller just touches.
+    /// The standards' bottom diameter, pitch diameter less roller diameter: a seated roller just touches.
     BottomDiameter,
     /// On the pitch circle: a roller on the pitch circle has clearance all round.
     PitchCircle,
 }
 
-/// One of the seven regions of a gap, counted in the direction of +u.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[repr(u8)]
-#[allow(missing_docs)] // the names say it
-pub enum Region {
-    ToppingLeft = 1,
-    FlatLeft = 2,
-    WorkingLeft = 3,
-    Seating = 4,
-    WorkingRight = 5,
-    FlatRight = 6,
-    ToppingRight = 7,
-}
-
-/// The kind of surface a region has; both flanks share one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[repr(u8)]
-#[allow(missing_docs)] // the names say it
-pub enum Surface {
-    Seating = 0,
-    Working = 1,
-    Flat = 2,
-    Topping = 3,
-}
+/// Number of a surface of a profile: both flanks of whole teeth share their surfaces, from the seat outward; those of damaged
+/// teeth follow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Surface(pub u8);
 
 impl Surface {
-    /// All four, in the order of their numbers.
-    pub const ALL: [Self; 4] = [Self::Seating, Self::Working, Self::Flat, Self::Topping];
+    /// Seating curve; of every form the one in the middle of the gap.
+    pub const SEATING: Self = Self(0);
+    /// Working curve of an ANSI tooth.
+    pub const WORKING: Self = Self(1);
+    /// Flat of an ANSI tooth.
+    pub const FLAT: Self = Self(2);
+    /// Topping curve of an ANSI tooth.
+    pub const TOPPING: Self = Self(3);
+    /// The four of an ANSI tooth, in the order of their numbers.
+    pub const ANSI: [Self; 4] = [Self::SEATING, Self::WORKING, Self::FLAT, Self::TOPPING];
 
-    /// The name used in messages.
+    /// Its place in an array over the surfaces of a profile.
     #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Seating => "seating curve",
-            Self::Working => "working curve",
-            Self::Flat => "flat",
-            Self::Topping => "topping curve",
-        }
-    }
-
-    fn region(self, left: bool) -> Region {
-        match (self, left) {
-            (Self::Seating, _) => Region::Seating,
-            (Self::Working, true) => Region::WorkingLeft,
-            (Self::Working, false) => Region::WorkingRight,
-            (Self::Flat, true) => Region::FlatLeft,
-            (Self::Flat, false) => Region::FlatRight,
-            (Self::Topping, true) => Region::ToppingLeft,
-            (Self::Topping, false) => Region::ToppingRight,
-        }
+    pub fn index(self) -> usize {
+        usize::from(self.0)
     }
 }
 
@@ -79,90 +50,180 @@ impl Surface {
 pub struct ToothContact {
     /// The surface nearest to the cylinder.
     pub surface: Surface,
-    /// The region of the seven that it belongs to.
-    pub region: Region,
+    /// The region that it belongs to, counted from 1 in the direction of +u; an ANSI gap has seven, the fourth is the seat.
+    pub region: u8,
     /// Penetration δ \[m\]; negative when apart.
     pub penetration: f64,
     /// Unit vector in which the penetration grows, in the gap's (u, v).
     pub normal: Vec2,
 }
 
-/// The gap between two neighbouring teeth after ANSI/ASME B29.1.
+/// A tooth that is not whole.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Damage {
+    /// Number of the tooth, from 0: tooth k lies between gaps k and k + 1.
+    pub tooth: u32,
+    /// What is left of its height above the bottom of the gap, 0 (gone) to 1.
+    pub height: f64,
+}
+
+/// The gaps between the teeth of a sprocket.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ToothProfile {
     /// Number of teeth N.
     pub teeth: u32,
     /// Radius of the pitch circle \[m\].
     pub pitch_radius: f64,
-    /// Distance from the sprocket's centre to the centre of the seating curve \[m\].
+    /// Distance from the sprocket's centre to the origin of a gap's frame, the centre of the seating curve \[m\].
     pub seat_center_radius: f64,
     /// Radius of the outside circle \[m\], where the blank ends.
     pub outside_radius: f64,
-    /// Seating curve: centre a, radius R.
-    pub seating: Arc,
-    /// Working curve of the right flank: centre c, radius E.
-    pub working: Arc,
-    /// Flat of the right flank, from y to z.
-    pub flat: Segment,
-    /// Topping curve of the right flank: centre b, radius F.
-    pub topping: Arc,
-    /// Unit tangent of the right flank where seating and working curve meet, (sin A, cos A).
-    pub seat_end_tangent: Vec2,
+    /// The curves of an ANSI tooth that nothing was cut off from.
+    ansi: Option<AnsiCurves>,
+    /// Surfaces by their number.
+    surfaces: Vec<Piece>,
+    /// Whole teeth first, then damaged ones: which surfaces each kind of flank has.
+    flanks: Vec<Range<usize>>,
+    /// Damaged teeth and their flanks.
+    damaged: Vec<(u32, usize)>,
 }
 
 impl ToothProfile {
-    /// The profile for chain `pitch` P and `roller_diameter` Dr, both \[m\] (ANSI/ASME B29.1).
-    #[must_use]
-    pub fn ansi(pitch: f64, roller_diameter: f64, teeth: u32, seat: Seat) -> Self {
-        let n = f64::from(teeth);
-        let degree = PI / 180.0;
-        let dr = roller_diameter;
-        let allowance = 0.0015 * INCH;
-
-        let a_angle = (35.0 + 60.0 / n) * degree;
-        let b_angle = (18.0 - 56.0 / n) * degree;
-        let phi = (17.0 + 116.0 / n) * degree;
-        let flat_angle = (17.0 - 64.0 / n) * degree;
-        let half_pitch_angle = PI / n;
-        let (sin_a, cos_a) = a_angle.sin_cos();
-        let (sin_phi, cos_phi) = phi.sin_cos();
-        let (sin_h, cos_h) = half_pitch_angle.sin_cos();
-
-        let seating_radius = 0.5025 * dr + allowance;
-        let working = Arc {
-            center: Vec2::new(-0.8 * dr * cos_a, 0.8 * dr * sin_a),
-            radius: 1.3025 * dr + allowance,
-        };
-        let normal = Vec2::new(cos_phi, -sin_phi);
-        let flat = Segment {
-            start: working.point(normal),
-            tangent: Vec2::new(sin_phi, cos_phi),
-            normal,
-            length: dr * (1.4 * flat_angle.sin() - 0.8 * b_angle.sin()),
-        };
-        let topping = Arc {
-            center: Vec2::new(1.4 * dr * cos_h, -1.4 * dr * sin_h),
-            radius: dr * (0.8 * b_angle.cos() + 1.4 * flat_angle.cos() - 1.3025) - allowance,
-        };
-        let pitch_radius = pitch / (2.0 * sin_h);
-        let seat_center_radius = match seat {
-            Seat::BottomDiameter => pitch_radius + (seating_radius - 0.5 * dr),
-            Seat::PitchCircle => pitch_radius,
-        };
+    pub(super) fn of(
+        teeth: u32,
+        pitch: f64,
+        seat_center_radius: f64,
+        outside_radius: f64,
+        flank: Flank,
+    ) -> Self {
         Self {
             teeth,
-            pitch_radius,
+            pitch_radius: super::wrap::pitch_radius(pitch, teeth),
             seat_center_radius,
-            outside_radius: 0.5 * pitch * (0.6 + cos_h / sin_h),
-            seating: Arc {
-                center: Vec2::zeros(),
-                radius: seating_radius,
-            },
-            working,
-            flat,
-            topping,
-            seat_end_tangent: Vec2::new(sin_a, cos_a),
+            outside_radius,
+            ansi: None,
+            flanks: vec![0..flank.pieces.len(); 1],
+            surfaces: flank.pieces,
+            damaged: Vec::new(),
         }
+    }
+
+    pub(super) fn with_ansi(self, curves: AnsiCurves) -> Self {
+        Self {
+            ansi: Some(curves),
+            ..self
+        }
+    }
+
+    /// The curves of an ANSI tooth whose topping curves go on to the middle of the tooth.
+    #[must_use]
+    pub fn ansi_curves(&self) -> Option<&AnsiCurves> {
+        self.ansi.as_ref()
+    }
+
+    /// All surfaces by their number.
+    #[must_use]
+    pub fn surfaces(&self) -> &[Piece] {
+        &self.surfaces
+    }
+
+    /// Surfaces of whole teeth, from the seat outward.
+    #[must_use]
+    pub fn whole(&self) -> &[Piece] {
+        &self.surfaces[self.flanks[0].clone()]
+    }
+
+    /// Damaged teeth, each with the numbers of its surfaces.
+    pub fn damaged(&self) -> impl Iterator<Item = (u32, Range<usize>)> {
+        let flanks = &self.flanks;
+        self.damaged
+            .iter()
+            .map(|&(tooth, flank)| (tooth, flanks[flank].clone()))
+    }
+
+    /// The sprocket's centre in the frame of a gap \[m\].
+    #[must_use]
+    pub fn center(&self) -> Vec2 {
+        Vec2::new(0.0, -self.seat_center_radius)
+    }
+
+    /// Unit vector from the sprocket's centre along the middle of the tooth on the right.
+    pub(super) fn axis(&self) -> Vec2 {
+        unit(PI / 2.0 - 0.5 * self.gap_angle())
+    }
+
+    /// The same teeth cut off at a circle of `outside` \[m\], their edges broken by a radius `edge` \[m\].
+    ///
+    /// # Errors
+    /// The radius \[m\] at which the flanks meet, when that is inside the circle.
+    pub fn cut(&self, outside: f64, edge: f64) -> Result<Self, f64> {
+        let whole = Flank {
+            pieces: self.whole().to_vec(),
+        };
+        let cut = whole.cut(self.center(), self.axis(), outside, edge);
+        let cut = cut.ok_or_else(|| self.point_radius())?;
+        let mut profile = Self {
+            outside_radius: outside,
+            ansi: None,
+            ..self.clone()
+        };
+        profile.flanks = vec![0..cut.pieces.len(); 1];
+        profile.surfaces = cut.pieces;
+        profile.damaged = Vec::new();
+        Ok(profile)
+    }
+
+    /// Radius \[m\] at which the flanks meet in the middle of a tooth, when they go on as they are.
+    fn point_radius(&self) -> f64 {
+        let (center, axis) = (self.center(), self.axis());
+        let outside = |radius: f64| self.contact(center + radius * axis, 0.0).penetration < 0.0;
+        let (mut low, mut high) = (0.8 * self.pitch_radius, 2.0 * self.pitch_radius);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if outside(middle) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        high
+    }
+
+    /// The same with damaged teeth, their edges broken by a radius `edge` \[m\]; `None` when more surfaces come of it than there
+    /// are numbers for.
+    #[must_use]
+    pub fn with_damage(mut self, damage: &[Damage], edge: f64) -> Option<Self> {
+        let bottom = self.seat_center_radius
+            + self
+                .contact_with(Surface::SEATING, Vec2::zeros(), 0.0)
+                .penetration;
+        let whole = Flank {
+            pieces: self.whole().to_vec(),
+        };
+        let last_step = whole.pieces.last().map_or(0, |piece| piece.step);
+        let mut heights: Vec<f64> = Vec::new();
+        for damage in damage {
+            let known = heights.iter().position(|&height| height == damage.height);
+            let flank = known.unwrap_or(heights.len());
+            if known.is_none() {
+                heights.push(damage.height);
+                let outside = bottom + damage.height * (self.outside_radius - bottom);
+                let (center, axis) = (self.center(), self.axis());
+                let stump = (damage.height > 0.0)
+                    .then(|| whole.cut(center, axis, outside, edge))
+                    .flatten();
+                let cut = stump.unwrap_or_else(|| Flank::level(center, axis, outside));
+                let first = self.surfaces.len();
+                self.surfaces
+                    .extend(cut.pieces.into_iter().map(|piece| Piece {
+                        step: piece.step.min(last_step),
+                        ..piece
+                    }));
+                self.flanks.push(first..self.surfaces.len());
+            }
+            self.damaged.push((damage.tooth, 1 + flank));
+        }
+        u8::try_from(self.surfaces.len()).is_ok().then_some(self)
     }
 
     /// Angle from one gap to the next \[rad\].
@@ -187,140 +248,147 @@ impl ToothProfile {
         }) as u32
     }
 
-    /// The surface of this gap that is nearest to a cylinder at `point` (u, v): the normals at the junctions divide the plane.
+    /// The surface of a gap between whole teeth that is nearest to a cylinder at `point` (u, v).
     #[must_use]
     pub fn surface_at(&self, point: Vec2) -> Surface {
-        let right = Vec2::new(point.x.abs(), point.y);
-        if right.dot(&self.seat_end_tangent) < 0.0 {
-            return Surface::Seating;
-        }
-        let along = self.flat.along(right);
-        if along < 0.0 {
-            Surface::Working
-        } else if along <= self.flat.length {
-            Surface::Flat
-        } else {
-            Surface::Topping
-        }
+        self.nearest_of(0, Vec2::new(point.x.abs(), point.y))
     }
 
-    /// Contact of a cylinder of `radius` \[m\] centred at `point` (u, v) \[m\] with its nearest surface.
+    /// The surface of a right flank that is nearest to `point`.
+    #[allow(clippy::cast_possible_truncation)] // surfaces are counted when teeth are damaged
+    fn nearest_of(&self, flank: usize, point: Vec2) -> Surface {
+        let Range { start, end } = self.flanks[flank];
+        Surface((start + nearest_piece(&self.surfaces[start..end], point)) as u8)
+    }
+
+    /// Contact of a cylinder of `radius` \[m\] centred at `point` (u, v) \[m\] with its nearest surface between whole teeth.
     #[must_use]
     pub fn contact(&self, point: Vec2, radius: f64) -> ToothContact {
         self.contact_with(self.surface_at(point), point, radius)
     }
 
-    /// The same with a given surface, continued past its ends.
+    /// The same in a gap of its own, whose teeth may be damaged: then either flank may be the nearer one, wherever the cylinder is.
+    #[must_use]
+    pub fn contact_in(&self, gap: u32, point: Vec2, radius: f64) -> ToothContact {
+        let flank_of = |tooth: u32| {
+            let damaged = self.damaged.iter().find(|(number, _)| *number == tooth);
+            damaged.map_or(0, |&(_, flank)| flank)
+        };
+        let flanks = [gap.checked_sub(1).unwrap_or(self.teeth - 1), gap].map(flank_of);
+        if flanks == [0, 0] {
+            return self.contact(point, radius);
+        }
+        let own_side = point.x < 0.0;
+        let on = |left: bool| {
+            let across = Vec2::new(if left { -point.x } else { point.x }, point.y);
+            let flank = flanks[usize::from(left)];
+            let surface = self.nearest_of(flank, across);
+            // The curve in the middle of the gap ends there.
+            let there = left == own_side || surface.index() > self.flanks[flank].start;
+            there.then(|| self.contact_on(surface, left, point, radius))
+        };
+        let deeper = |one: ToothContact, other: ToothContact| {
+            if other.penetration > one.penetration {
+                other
+            } else {
+                one
+            }
+        };
+        match [on(false), on(true)] {
+            [Some(right), Some(left)] => deeper(right, left),
+            [one, other] => one.or(other).unwrap_or_else(|| self.contact(point, radius)),
+        }
+    }
+
+    /// Contact with a given surface, continued past its ends, of the flank on whose side `point` lies.
     #[must_use]
     pub fn contact_with(&self, surface: Surface, point: Vec2, radius: f64) -> ToothContact {
-        let left = point.x < 0.0;
-        let right = Vec2::new(point.x.abs(), point.y);
-        let (penetration, mut normal) = match surface {
-            Surface::Seating => self.seating.depth_inside(right, radius),
-            Surface::Working => self.working.depth_inside(right, radius),
-            Surface::Flat => self.flat.depth(right, radius),
-            Surface::Topping => self.topping.depth_outside(right, radius),
-        };
+        self.contact_on(surface, point.x < 0.0, point, radius)
+    }
+
+    #[allow(clippy::cast_possible_truncation)] // regions are fewer than surfaces
+    fn contact_on(&self, surface: Surface, left: bool, point: Vec2, radius: f64) -> ToothContact {
+        let across = Vec2::new(if left { -point.x } else { point.x }, point.y);
+        let piece = &self.surfaces[surface.index()];
+        let (penetration, mut normal) = piece.curve.depth(across, radius);
         if left {
             normal.x = -normal.x;
         }
+        let middle = self.flanks[0].len() as u8;
         ToothContact {
             surface,
-            region: surface.region(left),
+            region: if left {
+                middle - piece.step
+            } else {
+                middle + piece.step
+            },
             penetration,
             normal,
         }
     }
 
     /// Distance from the sprocket's centre \[m\] beyond which a cylinder of `radius` touches no tooth.
-    ///
-    /// There the circles of radius F + r about the topping centres of neighbouring gaps cross, on the tooth's centre line;
-    /// inside it a cylinder cannot pass from one gap to the next without deep contact. Rollers thinner than a third of the
-    /// pitch leave room for the topping's centre before that line: then its circle is farthest straight above the centre.
-    /// Cylinders much thinner than a roller of nearly the pitch meet the line on the flat.
     #[must_use]
     pub fn reach(&self, radius: f64) -> f64 {
-        let (sin, cos) = (0.5 * self.gap_angle()).sin_cos();
-        let b = self.topping.center + Vec2::new(0.0, self.seat_center_radius);
-        let beyond = b.x * cos - b.y * sin; // distance of b from the tooth's centre line
-        let along = b.x * sin + b.y * cos;
-        let touch = self.topping.radius + radius;
-        if beyond < 0.0 {
-            return b.norm() + touch;
+        match &self.ansi {
+            Some(curves) => curves.reach(self.seat_center_radius, self.gap_angle(), radius),
+            None => self.outside_radius + radius,
         }
-        let past_line = |p: Vec2| p.x * cos - p.y * sin;
-        let to_cylinder = Vec2::new(0.0, self.seat_center_radius) - radius * self.flat.normal;
-        let start = self.flat.start + to_cylinder;
-        if past_line(self.flat.end() + to_cylinder) > 0.0 {
-            // Where the flat meets the line, or where it begins, which is farther out than whatever lies before it.
-            let meets = -past_line(start) / past_line(self.flat.tangent);
-            return (start + meets.max(0.0) * self.flat.tangent).norm();
-        }
-        along + (touch * touch - beyond * beyond).max(0.0).sqrt()
     }
 
-    /// The outline of the right half of a gap from the bottom of the seat to the outside circle, `points` to a curve \[m\].
+    /// Where a cylinder of `radius` \[m\] that touches one surface between whole teeth is inside another one: the two surfaces,
+    /// the second one's depth \[m\]; `None` when it can roll along the whole gap.
+    #[must_use]
+    pub fn pinch(&self, radius: f64) -> Option<(Surface, f64)> {
+        const POINTS: usize = 24;
+        let outline = self.half_outline(4 * POINTS);
+        let deepest = |place: Vec2| {
+            let off = outline.iter().flat_map(|p| [*p, Vec2::new(-p.x, p.y)]);
+            off.map(|p| radius - (p - place).norm())
+                .fold(f64::NEG_INFINITY, f64::max)
+        };
+        let axis = self.axis();
+        for (number, piece) in (0..).zip(self.whole()) {
+            for point in piece.curve.sweep(piece.start, piece.end, POINTS) {
+                let tangent = piece.curve.tangent(point);
+                let place = point + radius * super::turned_left(tangent);
+                let from_center = place - self.center();
+                if from_center.perp(&axis) > 0.0 {
+                    continue;
+                }
+                let depth = deepest(place).max(self.contact(place, radius).penetration);
+                if depth > 1e-4 * radius {
+                    return Some((Surface(number), depth));
+                }
+            }
+        }
+        None
+    }
+
+    /// The outline of the right half of a gap between whole teeth, from its middle to that of the tooth, `points` to a curve \[m\].
     ///
-    /// In the gap's (u, v); for drawings. Where the topping curve leaves the outside circle, it ends there.
+    /// In the gap's (u, v); for drawings. Uncut teeth end at the outside circle.
     #[must_use]
     pub fn half_outline(&self, points: usize) -> Vec<Vec2> {
-        let points = points.max(2);
-        let a_angle = self.seat_end_tangent.x.atan2(self.seat_end_tangent.y);
-        let phi = (-self.flat.normal.y).atan2(self.flat.normal.x);
-        let sweep = |arc: &Arc, from: f64, to: f64| -> Vec<Vec2> {
-            (0..points)
-                .map(|i| {
-                    arc.point(super::unit(
-                        from + (to - from) * i as f64 / (points - 1) as f64,
-                    ))
-                })
-                .collect()
-        };
-        let mut outline = sweep(&self.seating, -PI / 2.0, -a_angle);
-        outline.extend(sweep(&self.working, -a_angle, -phi));
-        outline.extend([self.flat.start, self.flat.end()]);
-        // The topping curve turns clockwise about b, from facing the flat up to the outside circle or the tooth's centre line.
-        let (sin, cos) = (0.5 * self.gap_angle()).sin_cos();
-        let center = Vec2::new(0.0, -self.seat_center_radius);
-        for tip in sweep(&self.topping, PI - phi, PI - phi - PI / 2.0) {
-            let from_center = tip - center;
-            let past_middle = from_center.x * cos - from_center.y * sin > 0.0;
-            if from_center.norm() > self.outside_radius || past_middle {
-                break;
-            }
-            outline.push(tip);
-        }
-        outline.push(self.tip());
-        outline
+        self.outline_of(0, points)
     }
 
-    /// Where the topping curve meets the outside circle or, before that, the tooth's centre line (u, v) \[m\].
-    fn tip(&self) -> Vec2 {
-        let center = Vec2::new(0.0, -self.seat_center_radius);
-        let axis = super::unit(PI / 2.0 - 0.5 * self.gap_angle());
-        let b = self.topping.center - center;
-        let radius = self.topping.radius;
-        // Intersection of two circles: outside circle about the sprocket's centre, topping circle about b.
-        let distance = b.norm();
-        let along = (distance * distance + self.outside_radius.powi(2) - radius * radius)
-            / (2.0 * distance);
-        let half_chord = (self.outside_radius.powi(2) - along * along)
-            .max(0.0)
-            .sqrt();
-        let e = b / distance;
-        let on_circle = along * e + half_chord * super::turned_left(e);
-        if on_circle.x * axis.y - on_circle.y * axis.x <= 0.0 {
-            return on_circle + center;
-        }
-        let beyond = b.x * axis.y - b.y * axis.x;
-        let height = (radius * radius - beyond * beyond).max(0.0).sqrt();
-        (b.dot(&axis) + height) * axis + center
+    fn outline_of(&self, flank: usize, points: usize) -> Vec<Vec2> {
+        let pieces = &self.surfaces[self.flanks[flank].clone()];
+        let sweep = |piece: &Piece| piece.curve.sweep(piece.start, piece.end, points.max(2));
+        pieces.iter().flat_map(sweep).collect()
     }
 
     /// The closed outline of the whole sprocket in its own frame, counterclockwise \[m\]; `points` to a curve.
     #[must_use]
     pub fn outline(&self, points: usize) -> Vec<Vec2> {
-        let right = self.half_outline(points);
+        let halves: Vec<Vec<Vec2>> = (0..self.flanks.len())
+            .map(|flank| self.outline_of(flank, points))
+            .collect();
+        let half_of = |tooth: u32| {
+            let damaged = self.damaged.iter().find(|(number, _)| *number == tooth);
+            &halves[damaged.map_or(0, |&(_, flank)| flank)]
+        };
         let mut outline = Vec::new();
         for gap in 0..self.teeth {
             let (sin, cos) = (f64::from(gap) * self.gap_angle()).sin_cos();
@@ -332,8 +400,10 @@ impl ToothProfile {
                     radial * sin + tangential * cos,
                 )
             };
-            outline.extend(right.iter().rev().map(|&p| place(p)));
-            outline.extend(right.iter().skip(1).map(|&p| place(Vec2::new(-p.x, p.y))));
+            let before = half_of(gap.checked_sub(1).unwrap_or(self.teeth - 1));
+            outline.extend(before.iter().rev().map(|&p| place(p)));
+            let behind = half_of(gap).iter().skip(1);
+            outline.extend(behind.map(|&p| place(Vec2::new(-p.x, p.y))));
         }
         outline
     }
@@ -350,20 +420,21 @@ mod tests {
     #[test]
     fn profile_of_the_seventeen_tooth_sprocket_has_the_tabulated_numbers() {
         let p = paper();
+        let c = p.ansi_curves().unwrap();
         let mm = 1e-3;
         let close = |a: f64, b: f64| (a - b).abs() < 6e-7 * mm;
         assert!(close(2.0 * p.pitch_radius, 69.115_828 * mm));
-        assert!(close(p.seating.radius, 4.026_694 * mm));
-        assert!(close(p.working.radius, 10.376_694 * mm));
-        assert!(close(p.topping.radius, 6.582_621 * mm));
-        assert!(close(p.flat.length, 0.932_219 * mm));
+        assert!(close(c.seating.radius, 4.026_694 * mm));
+        assert!(close(c.working.radius, 10.376_694 * mm));
+        assert!(close(c.topping.radius, 6.582_621 * mm));
+        assert!(close(c.flat.length, 0.932_219 * mm));
         assert!(close(2.0 * p.outside_radius, 75.558_999 * mm));
         assert!(close(p.seat_center_radius, 34.615_858 * mm));
-        assert!(close(p.flat.start.x, 4.525_004 * mm) && close(p.flat.start.y, -0.235_846 * mm));
-        assert!(close(p.flat.end().x, 4.901_547 * mm) && close(p.flat.end().y, 0.616_943 * mm));
+        assert!(close(c.flat.start.x, 4.525_004 * mm) && close(c.flat.start.y, -0.235_846 * mm));
+        assert!(close(c.flat.end().x, 4.901_547 * mm) && close(c.flat.end().y, 0.616_943 * mm));
         assert!(
-            close(p.topping.center.x, 10.923_289 * mm)
-                && close(p.topping.center.y, -2.041_917 * mm)
+            close(c.topping.center.x, 10.923_289 * mm)
+                && close(c.topping.center.y, -2.041_917 * mm)
         );
         assert!((p.reach(0.003_968_75) - 43.4e-3).abs() < 0.1e-3);
     }
@@ -373,7 +444,7 @@ mod tests {
         let p = paper();
         let on_pitch_circle = Vec2::new(0.0, p.pitch_radius - p.seat_center_radius);
         let contact = p.contact(on_pitch_circle, 0.5 * 0.007_937_5);
-        assert_eq!(contact.region, Region::Seating);
+        assert_eq!(contact.region, 4);
         assert!(contact.penetration.abs() < 1e-17);
     }
 

@@ -1,72 +1,42 @@
-//! A tooth gap over a register of bushings: the nearest surface, the depth there and the direction in which it grows.
+//! A tooth gap over a register of bushings: what the loops over a sprocket's candidates ask of its tooth form.
 
 use pulp::Simd;
 
-use crate::contact::surface_constants;
+use super::ansi_gap::AnsiGap;
+use super::surface_table::SurfaceTable;
 use crate::force_law::Regions;
-use crate::geometry::{Surface, ToothProfile, Vec2};
+use crate::geometry::Vec2;
 use crate::model::Model;
 use crate::vector::{Lanes, Mask};
 
-/// A tooth gap in numbers, and the constants of its four surfaces.
+/// The teeth of a sprocket in numbers, with the law constants of every surface.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ToothConstants {
-    seat_center_radius: f64,
-    seat_end_tangent: [f64; 2],
-    seating_clearance: f64,
-    working_center: [f64; 2],
-    working_clearance: f64,
-    flat_start: [f64; 2],
-    flat_tangent: [f64; 2],
-    flat_normal: [f64; 2],
-    flat_length: f64,
-    topping_center: [f64; 2],
-    topping_distance: f64,
-    bushing_radius: f64,
-    /// 1/(2 D) for the distance D of centres at which a bushing touches seat, working curve and tip \[1/m\].
-    half_over_touch: [f64; 3],
-    /// Cosine and sine of half the angle from gap to gap.
-    half_gap: [f64; 2],
-    /// Law constants: [constant][surface].
-    law: [[f64; 4]; 2],
+    pub(super) form: Form,
     /// Whether a contact keeps the stiffness that it began with.
     pub(super) keeps_stiffness: bool,
 }
 
+/// The forms that have loops of their own.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Form {
+    /// The four surfaces of a whole ANSI tooth.
+    Ansi(AnsiGap),
+    /// Any surfaces, damaged and eccentric teeth.
+    Table(SurfaceTable),
+}
+
 impl ToothConstants {
     pub(super) fn new(model: &Model, s: usize) -> Self {
-        let law = Surface::ALL.map(|surface| surface_constants(model, s, surface));
+        let sprocket = &model.sprockets[s];
+        let plain = sprocket.offset == Vec2::zeros() && sprocket.profile.damaged().next().is_none();
+        let form = match sprocket.profile.ansi_curves().filter(|_| plain) {
+            Some(curves) => Form::Ansi(AnsiGap::new(model, s, curves)),
+            None => Form::Table(SurfaceTable::new(model, s)),
+        };
         Self {
+            form,
             keeps_stiffness: model.tooth_law.regions == Regions::Kept,
-            ..Self::of(&model.sprockets[s].profile, model.bushing_radius, law)
-        }
-    }
-
-    /// Cylinders of `radius` on `profile`, with the law constants of the four surfaces; no stiffness is kept.
-    fn of(profile: &ToothProfile, radius: f64, law: [[f64; 2]; 4]) -> Self {
-        let pair = |v: Vec2| [v.x, v.y];
-        let (sin, cos) = (0.5 * profile.gap_angle()).sin_cos();
-        Self {
-            seat_center_radius: profile.seat_center_radius,
-            seat_end_tangent: pair(profile.seat_end_tangent),
-            seating_clearance: profile.seating.radius - radius,
-            working_center: pair(profile.working.center),
-            working_clearance: profile.working.radius - radius,
-            flat_start: pair(profile.flat.start),
-            flat_tangent: pair(profile.flat.tangent),
-            flat_normal: pair(profile.flat.normal),
-            flat_length: profile.flat.length,
-            topping_center: pair(profile.topping.center),
-            topping_distance: profile.topping.radius + radius,
-            bushing_radius: radius,
-            half_over_touch: [
-                0.5 / (profile.seating.radius - radius),
-                0.5 / (profile.working.radius - radius),
-                0.5 / (profile.topping.radius + radius),
-            ],
-            half_gap: [cos, sin],
-            law: [0, 1].map(|i| law.map(|constants| constants[i])),
-            keeps_stiffness: false,
         }
     }
 }
@@ -74,15 +44,18 @@ impl ToothConstants {
 /// Bushings in the frames of their gaps.
 pub(super) struct InGap<S: Simd> {
     /// v, radially outward through the gap; u is v turned clockwise.
-    direction: [Lanes<S>; 2],
+    pub(super) direction: [Lanes<S>; 2],
+    /// v in the sprocket's own frame.
+    pub(super) gap: [Lanes<S>; 2],
     /// Along u \[m\].
-    u: Lanes<S>,
-    /// Along v, from the sprocket's centre \[m\].
-    outward: Lanes<S>,
+    pub(super) u: Lanes<S>,
+    /// Along v, from the teeth's centre \[m\].
+    pub(super) outward: Lanes<S>,
 }
 
 impl<S: Simd> InGap<S> {
-    /// Bushings at `arm` from the centre of a sprocket that has turned to `direction`, in gaps at `gap` in its own frame.
+    /// Bushings at `arm` from the centre of the teeth of a sprocket that has turned to `direction`, in gaps at `gap` in its own
+    /// frame.
     #[inline(always)]
     pub(super) fn new(
         [arm_x, arm_y]: [Lanes<S>; 2],
@@ -93,296 +66,87 @@ impl<S: Simd> InGap<S> {
         let vy = sin.mul_add(gap_cos, cos * gap_sin);
         Self {
             direction: [vx, vy],
+            gap: [gap_cos, gap_sin],
             u: arm_x.mul_add(vy, -(arm_y * vx)),
             outward: arm_x.mul_add(vx, arm_y * vy),
         }
     }
-}
 
-/// A gap with its constants in registers.
-pub(super) struct Gap<'a, S: Simd> {
-    simd: S,
-    constants: &'a ToothConstants,
-}
-
-/// The surface nearest to each bushing, where its centre of curvature is seen from there, and whether it is within touch.
-pub(super) struct Nearest<S: Simd> {
-    seating: Mask<S>,
-    working: Mask<S>,
-    topping: Mask<S>,
-    /// Bushing seen from the centre of curvature, u on the right flank, v \[m\].
-    offset: [Lanes<S>; 2],
-    distance_squared: Lanes<S>,
-    /// Distance of the centres at which bushing and curve touch \[m\].
-    touch: Lanes<S>,
-    /// Bushings on the flat: depth there.
-    flat: Option<(Mask<S>, Lanes<S>)>,
-    pub(super) near: Mask<S>,
-}
-
-impl<'a, S: Simd> Gap<'a, S> {
+    /// Bushings on the left of their gaps.
     #[inline(always)]
-    pub(super) fn new(simd: S, constants: &'a ToothConstants) -> Self {
-        Self { simd, constants }
+    pub(super) fn on_left(&self) -> Mask<S> {
+        self.u.less(self.u.constant(0.0))
     }
 
+    /// A direction (u as on the right flank, v) in the frame of the scene, where `left` that of the left flank.
     #[inline(always)]
-    fn splat(&self, value: f64) -> Lanes<S> {
-        Lanes::splat(self.simd, value)
+    pub(super) fn to_scene(&self, left: Mask<S>, [u, v]: [Lanes<S>; 2]) -> [Lanes<S>; 2] {
+        let u = left.select(-u, u);
+        let [vx, vy] = self.direction;
+        [u.mul_add(vy, v * vx), v.mul_add(vy, -(u * vx))]
     }
+
+    /// Velocities in the frame of the scene as (u as on the right flank, v).
+    #[inline(always)]
+    pub(super) fn in_gap(&self, left: Mask<S>, [x, y]: [Lanes<S>; 2]) -> [Lanes<S>; 2] {
+        let [vx, vy] = self.direction;
+        let outward = x.mul_add(vx, y * vy);
+        let right = x.mul_add(vy, -(y * vx));
+        [left.select(-right, right), outward]
+    }
+}
+
+/// A tooth form with its constants at hand; one loop for each.
+pub(super) trait Gap<S: Simd> {
+    /// The surface nearest to each bushing.
+    type Nearest;
+
+    /// Bushings at `arm` from the centre of a sprocket that has turned to `direction`, in gaps at `gap` in its own frame.
+    fn place(&self, arm: [Lanes<S>; 2], direction: [Lanes<S>; 2], gap: [Lanes<S>; 2]) -> InGap<S>;
+
+    /// Cosine and sine of half the angle from gap to gap.
+    fn half_gap(&self) -> [f64; 2];
+
+    /// The surface nearest to bushings.
+    fn nearest(&self, place: &InGap<S>) -> Self::Nearest;
+
+    /// Bushings within touch of it.
+    fn near(&self, surface: &Self::Nearest) -> Mask<S>;
+
+    /// Depth, the direction in which it grows, and how far that direction turns for a length moved across it \[1/m\].
+    fn depth(
+        &self,
+        surface: &Self::Nearest,
+        place: &InGap<S>,
+    ) -> (Lanes<S>, [Lanes<S>; 2], Lanes<S>);
+
+    /// The gap as [`watch`](super::watch) has it, and its rate for bushings that move at `velocity` seen from the sprocket.
+    fn gap_and_rate(
+        &self,
+        surface: &Self::Nearest,
+        place: &InGap<S>,
+        velocity: [Lanes<S>; 2],
+    ) -> [Lanes<S>; 2];
+
+    /// Law constants of the surfaces.
+    fn law_constants(&self, surface: &Self::Nearest) -> [Lanes<S>; 2];
 
     /// Bushings that are nearer to a neighbouring gap.
     #[inline(always)]
-    pub(super) fn left(&self, place: &InGap<S>) -> Mask<S> {
-        let [cos, sin] = self.constants.half_gap;
-        (place.u.abs() * self.splat(cos)).greater(place.outward * self.splat(sin))
-    }
-
-    /// The surface nearest to bushings.
-    #[inline(always)]
-    pub(super) fn nearest(&self, place: &InGap<S>) -> Nearest<S> {
-        let c = self.constants;
-        let splat = |value| self.splat(value);
-        let zero = splat(0.0);
-        let right = place.u.abs();
-        let v = place.outward - splat(c.seat_center_radius);
-        let seating = right
-            .mul_add(
-                splat(c.seat_end_tangent[0]),
-                v * splat(c.seat_end_tangent[1]),
-            )
-            .less(zero);
-        let from_start = [right - splat(c.flat_start[0]), v - splat(c.flat_start[1])];
-        let along = from_start[0].mul_add(
-            splat(c.flat_tangent[0]),
-            from_start[1] * splat(c.flat_tangent[1]),
-        );
-        let working = along.less(zero);
-        let topping = along.greater(splat(c.flat_length)).and(seating.not());
-        let of = |seat: f64, work: f64, top: f64| {
-            seating.select(splat(seat), working.select(splat(work), splat(top)))
-        };
-        let offset = [
-            right - of(0.0, c.working_center[0], c.topping_center[0]),
-            v - of(0.0, c.working_center[1], c.topping_center[1]),
-        ];
-        let touch = of(c.seating_clearance, c.working_clearance, c.topping_distance);
-        let distance_squared = offset[0].mul_add(offset[0], offset[1] * offset[1]);
-        let beyond = distance_squared - touch * touch;
-        let near = topping.select(-beyond, beyond).exceeds(zero);
-        let flat = seating.or(working).or(topping).not();
-        if !flat.any() {
-            return Nearest {
-                seating,
-                working,
-                topping,
-                offset,
-                distance_squared,
-                touch,
-                flat: None,
-                near,
-            };
-        }
-        let depth = from_start[0].mul_add(
-            splat(c.flat_normal[0]),
-            from_start[1] * splat(c.flat_normal[1]),
-        ) + splat(c.bushing_radius);
-        let near = flat.and(depth.exceeds(zero)).or(flat.not().and(near));
-        Nearest {
-            seating,
-            working,
-            topping,
-            offset,
-            distance_squared,
-            touch,
-            flat: Some((flat, depth)),
-            near,
-        }
-    }
-
-    /// Depth, the direction in which it grows, and how far that direction turns for a length moved across it \[1/m\].
-    #[inline(always)]
-    pub(super) fn depth(
-        &self,
-        surface: &Nearest<S>,
-        place: &InGap<S>,
-    ) -> (Lanes<S>, [Lanes<S>; 2], Lanes<S>) {
-        let zero = self.splat(0.0);
-        let distance = surface.distance_squared.sqrt();
-        let inverse = distance
-            .exceeds(zero)
-            .select(self.splat(1.0) / distance, zero);
-        let outside = |value: Lanes<S>| surface.topping.select(-value, value);
-        let inverse = outside(inverse);
-        let mut curvature = inverse;
-        let mut depth = outside(distance - surface.touch);
-        let mut normal_u = surface.offset[0] * inverse;
-        let mut normal_v = surface.offset[1] * inverse;
-        if let Some((flat, flat_depth)) = surface.flat {
-            let [flat_u, flat_v] = self.constants.flat_normal;
-            depth = flat.select(flat_depth, depth);
-            curvature = flat.select(zero, curvature);
-            normal_u = flat.select(self.splat(flat_u), normal_u);
-            normal_v = flat.select(self.splat(flat_v), normal_v);
-        }
-        let normal_u = place.u.less(zero).select(-normal_u, normal_u);
-        let [vx, vy] = place.direction;
-        let normal_x = normal_u.mul_add(vy, normal_v * vx);
-        let normal_y = normal_v.mul_add(vy, -(normal_u * vx));
-        (depth, [normal_x, normal_y], curvature)
-    }
-
-    /// The gap as [`watch`](super::watch) has it, and its rate for bushings that move at `velocity` seen from the sprocket.
-    #[inline(always)]
-    pub(super) fn gap_and_rate(
-        &self,
-        surface: &Nearest<S>,
-        place: &InGap<S>,
-        velocity: [Lanes<S>; 2],
-    ) -> [Lanes<S>; 2] {
-        let [seat, work, top] = self.constants.half_over_touch;
-        let (seating, working) = (surface.seating, surface.working);
-        let rest = working.select(self.splat(work), self.splat(-top));
-        let scale = seating.select(self.splat(seat), rest);
-        let [vx, vy] = place.direction;
-        let [speed_x, speed_y] = velocity;
-        let outward = speed_x.mul_add(vx, speed_y * vy);
-        let right = speed_x.mul_add(vy, -(speed_y * vx));
-        let right = place.u.less(self.splat(0.0)).select(-right, right);
-        let touch = surface.touch;
-        let mut gap = (surface.distance_squared - touch * touch) * scale;
-        let mut rate =
-            surface.offset[0].mul_add(right, surface.offset[1] * outward) * (scale + scale);
-        if let Some((flat, depth)) = surface.flat {
-            let [flat_u, flat_v] = self.constants.flat_normal;
-            let on_flat = right.mul_add(self.splat(flat_u), outward * self.splat(flat_v));
-            gap = flat.select(depth, gap);
-            rate = flat.select(on_flat, rate);
-        }
-        [gap, rate]
-    }
-
-    /// Law constants of the surfaces.
-    #[inline(always)]
-    pub(super) fn law_constants(&self, surface: &Nearest<S>) -> [Lanes<S>; 2] {
-        let [first, second] = &self.constants.law;
-        [
-            self.of_surface(first, surface),
-            self.of_surface(second, surface),
-        ]
-    }
-
-    /// The number of the surface: seating, working, flat, topping.
-    #[inline(always)]
-    fn of_surface(&self, &[seat, work, flat, top]: &[f64; 4], surface: &Nearest<S>) -> Lanes<S> {
-        let rest = surface.topping.select(self.splat(top), self.splat(flat));
-        let rest = surface.working.select(self.splat(work), rest);
-        surface.seating.select(self.splat(seat), rest)
+    fn left(&self, place: &InGap<S>) -> Mask<S> {
+        let [cos, sin] = self.half_gap();
+        let (cos, sin) = (place.u.constant(cos), place.u.constant(sin));
+        (place.u.abs() * cos).greater(place.outward * sin)
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use pulp::WithSimd;
+/// The constants of a form, from which its gap is made.
+pub(super) trait GapConstants {
+    /// The form with its constants at hand.
+    type Of<'a, S: Simd>: Gap<S>
+    where
+        Self: 'a;
 
-    use super::*;
-    use crate::geometry::Seat;
-    use crate::vector::InstructionSet;
-
-    const RADIUS: f64 = 3.968_75e-3;
-
-    fn profile(teeth: u32, seat: Seat) -> ToothProfile {
-        ToothProfile::ansi(0.0127, 2.0 * RADIUS, teeth, seat)
-    }
-
-    /// What the kernel finds at one point: surface, depth, normal (u, v), and whether it is near.
-    struct At<'a>(&'a ToothConstants, Vec2);
-
-    impl WithSimd for At<'_> {
-        type Output = (Surface, f64, Vec2, bool);
-
-        #[inline(always)]
-        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-            let splat = |value| Lanes::splat(simd, value);
-            let gap = Gap::new(simd, self.0);
-            let along_x = [splat(1.0), splat(0.0)];
-            // v along x, so that u is along -y.
-            let place = InGap::new([splat(self.1.y), splat(-self.1.x)], along_x, along_x);
-            let surface = gap.nearest(&place);
-            let (depth, [x, y], _) = gap.depth(&surface, &place);
-            let number = gap.law_constants(&surface)[0].greatest();
-            let surface_of = |s: &Surface| f64::from(*s as u8) == number;
-            (
-                Surface::ALL.into_iter().find(surface_of).unwrap(),
-                depth.greatest(),
-                Vec2::new(-y.greatest(), x.greatest()),
-                surface.near.any(),
-            )
-        }
-    }
-
-    /// Points (u, outward) of both flanks on, and to a few numbers beside, the middle of the gap and the normals at the junctions.
-    fn points(profile: &ToothProfile) -> Vec<Vec2> {
-        let [x, y] = [profile.seat_end_tangent.x, profile.seat_end_tangent.y];
-        let normals = [
-            (Vec2::zeros(), Vec2::new(y, -x)),
-            (profile.flat.start, profile.flat.normal),
-            (profile.flat.end(), profile.flat.normal),
-            (Vec2::zeros(), Vec2::new(0.0, -1.0)),
-        ];
-        let mut points = Vec::new();
-        for (foot, normal) in normals {
-            for i in -400..=100 {
-                let mut point = foot + 1e-5 * f64::from(i) * normal;
-                point.y += profile.seat_center_radius;
-                for beside in -3..=3 {
-                    let u = point.x + f64::from(beside) * f64::EPSILON * RADIUS;
-                    points.extend([Vec2::new(u, point.y), Vec2::new(-u, point.y)]);
-                }
-            }
-        }
-        points
-    }
-
-    /// With the same point for both: depths to 2 units of the distance of centres, normals to 4.
-    #[test]
-    fn a_point_on_every_surface_and_junction_has_the_depth_and_normal_of_the_twin() {
-        let law = [0.0, 1.0, 2.0, 3.0].map(|number| [number, 0.0]);
-        let mut seen = [0; 4];
-        for teeth in [6, 9, 17, 60, 150] {
-            for seat in [Seat::BottomDiameter, Seat::PitchCircle] {
-                let profile = profile(teeth, seat);
-                let constants = ToothConstants::of(&profile, RADIUS, law);
-                for point in points(&profile) {
-                    let in_gap = point - Vec2::new(0.0, profile.seat_center_radius);
-                    let twin = profile.contact(in_gap, RADIUS);
-                    seen[twin.surface as usize] += 1;
-                    for set in InstructionSet::available() {
-                        let (surface, depth, normal, near) = set.run(At(&constants, point));
-                        let what =
-                            format!("{} {teeth} teeth at {in_gap:?}: {surface:?}", set.name());
-                        // On a junction either of the two is nearest; they meet there with one normal.
-                        let same = profile.contact_with(surface, in_gap, RADIUS);
-                        assert!((surface as u8).abs_diff(twin.surface as u8) <= 1, "{what}");
-                        assert!(
-                            (same.penetration - twin.penetration).abs() < 1e-17,
-                            "{what}"
-                        );
-                        let size = 4.0 * RADIUS;
-                        let off = (depth - same.penetration).abs();
-                        assert!(off <= 2.0 * f64::EPSILON * size, "{what}: {off:e}");
-                        let distance = (in_gap.norm() > 1e-4) || surface != Surface::Seating;
-                        let turned = (normal - same.normal).amax();
-                        assert!(
-                            turned <= 4.0 * f64::EPSILON || !distance,
-                            "{what}: {turned:e}"
-                        );
-                        assert!(near || depth <= 0.0, "{what}: {depth:e} unseen");
-                        assert!(!near || depth >= 0.0, "{what}: {depth:e}");
-                    }
-                }
-            }
-        }
-        assert!(seen.iter().all(|&count| count > 1000), "{seen:?}");
-    }
+    /// With the instructions `simd`.
+    fn gap<S: Simd>(&self, simd: S) -> Self::Of<'_, S>;
 }

@@ -6,9 +6,9 @@ use crate::vector::{Numbers, WIDTH, padded_zeros};
 /// What the kernels need to know of the links; a link that is not there, in the padding, has no length and no mass.
 #[derive(Debug, Clone)]
 pub(super) struct LinkConstants {
-    /// Half the pitch \[m\]: where the front of link k is.
+    /// Half the length of link k \[m\]: where its front is.
     pub(super) front_arm: Numbers,
-    /// Where the rear of link k + 1 is: minus half the pitch \[m\].
+    /// Where the rear of link k + 1 is: minus half its length \[m\].
     pub(super) rear_arm: Numbers,
     /// 1/mass \[1/kg\].
     pub(super) inverse_mass: Numbers,
@@ -29,8 +29,8 @@ impl LinkConstants {
             values
         };
         Self {
-            front_arm: lay_out(n, &|_| model.half_pitch),
-            rear_arm: lay_out(n, &|_| -model.half_pitch),
+            front_arm: lay_out(n, &|i| model.arms[i]),
+            rear_arm: lay_out(n, &|i| -model.arms[(i + 1) % n]),
             inverse_mass: lay_out(n, &|i| model.inverse_mass[i]),
             inverse_inertia: lay_out(n, &|i| model.inverse_inertia[i]),
             bushing_on_front: lay_out(2 * n + WIDTH, &|k| f64::from(model.link_of_bushing(k) == k)),

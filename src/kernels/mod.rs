@@ -8,19 +8,21 @@
 
 #![allow(clippy::inline_always)] // what is not inlined into a kernel does not run with its instructions
 
+mod ansi_gap;
 mod chain;
 mod gap;
 mod layout;
 mod loads;
 mod newton;
 mod slopes;
+mod surface_table;
 mod teeth;
 mod watch;
 
 use std::marker::PhantomData;
 
 use chain::{ChainFound, JoinChain, RepeatBushings};
-use gap::ToothConstants;
+use gap::{Form, ToothConstants};
 use layout::{ChainArrays, LinkConstants};
 use loads::AccelerateLinks;
 use newton::{Evaluated, NewtonMatrix};
@@ -191,14 +193,22 @@ impl Kernels {
         let mut rim: f64 = 0.0;
         for (s, ends) in self.watch.teeth.iter_mut().enumerate() {
             let pose = &self.poses[s];
-            watched.turned |= self.instructions.run(WatchTeeth {
-                length,
-                constants: &self.teeth[self.kind[s]],
-                pose,
-                arrays: &self.chain,
-                candidates: &self.candidates.sprockets[s],
-                ends,
-            });
+            macro_rules! watch {
+                ($constants:expr) => {
+                    self.instructions.run(WatchTeeth {
+                        length,
+                        constants: $constants,
+                        pose,
+                        arrays: &self.chain,
+                        candidates: &self.candidates.sprockets[s],
+                        ends,
+                    })
+                };
+            }
+            watched.turned |= match &self.teeth[self.kind[s]].form {
+                Form::Ansi(gap) => watch!(gap),
+                Form::Table(gap) => watch!(gap),
+            };
             let center_speed = Vec2::from(pose.velocity).norm();
             rim = rim.max(center_speed + pose.spin.abs() * model.sprockets[s].reach);
         }
@@ -337,13 +347,19 @@ impl Kernels {
         let law = &model.tooth_law;
         let newton = self.newton.as_mut().filter(|_| self.writes_slopes);
         let slopes = newton.map(|newton| &mut newton.tooth_slopes[s][..]);
+        let ToothConstants {
+            form,
+            keeps_stiffness,
+        } = &self.teeth[self.kind[s]];
+        let keeps_stiffness = *keeps_stiffness;
         macro_rules! touch {
-            ($damped:literal, $energy:expr) => {
+            ($constants:expr, $damped:literal, $energy:expr) => {
                 self.instructions
-                    .run(TouchTeeth::<L, $damped, { $energy }> {
+                    .run(TouchTeeth::<_, L, $damped, { $energy }> {
                         law: PhantomData,
                         sprocket: &model.sprockets[s],
-                        constants: &self.teeth[self.kind[s]],
+                        constants: $constants,
+                        keeps_stiffness,
                         pose: &self.poses[s],
                         lambda: law.lambda,
                         floor: model.min_approach_speed,
@@ -354,10 +370,11 @@ impl Kernels {
                     })
             };
         }
-        if law.lambda > 0.0 {
-            touch!(true, ENERGY)
-        } else {
-            touch!(false, false)
+        match form {
+            Form::Ansi(gap) if law.lambda > 0.0 => touch!(gap, true, ENERGY),
+            Form::Ansi(gap) => touch!(gap, false, false),
+            Form::Table(gap) if law.lambda > 0.0 => touch!(gap, true, ENERGY),
+            Form::Table(gap) => touch!(gap, false, false),
         }
     }
 

@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use pulp::{Simd, WithSimd};
 
-use super::gap::{Gap, InGap, ToothConstants};
+use super::gap::{Gap, GapConstants, InGap};
 use super::layout::{ChainArrays, FIRST, LinkConstants};
 use super::slopes::{Damped, SlopeGroup, Touch, group_of};
 use crate::contact::{Run, SprocketCandidates, gap_direction};
@@ -55,10 +55,12 @@ pub(super) struct TeethFound {
 }
 
 /// One law, one loop; see the hinges.
-pub(super) struct TouchTeeth<'a, L, const DAMPED: bool, const ENERGY: bool> {
+pub(super) struct TouchTeeth<'a, C, L, const DAMPED: bool, const ENERGY: bool> {
     pub(super) law: PhantomData<L>,
     pub(super) sprocket: &'a SprocketModel,
-    pub(super) constants: &'a ToothConstants,
+    pub(super) constants: &'a C,
+    /// Whether a contact keeps the stiffness that it began with.
+    pub(super) keeps_stiffness: bool,
     pub(super) pose: &'a SprocketPose,
     pub(super) lambda: f64,
     pub(super) floor: f64,
@@ -69,24 +71,24 @@ pub(super) struct TouchTeeth<'a, L, const DAMPED: bool, const ENERGY: bool> {
     pub(super) slopes: Option<&'a mut [SlopeGroup]>,
 }
 
-impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
-    for TouchTeeth<'_, L, DAMPED, ENERGY>
+impl<C: GapConstants, L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
+    for TouchTeeth<'_, C, L, DAMPED, ENERGY>
 {
     type Output = TeethFound;
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) -> TeethFound {
         let splat = |value| Lanes::splat(simd, value);
-        let mut teeth = Teeth::<S, L, DAMPED, ENERGY> {
+        let mut teeth = Teeth::<S, C::Of<'_, S>, L, DAMPED, ENERGY> {
             law: PhantomData,
-            gap: Gap::new(simd, self.constants),
+            gap: self.constants.gap(simd),
             center: splat_two(simd, self.pose.center),
             velocity: splat_two(simd, self.pose.velocity),
             direction: splat_two(simd, self.pose.direction),
             spin: splat(self.pose.spin),
             lambda: splat(self.lambda),
             floor: splat(self.floor),
-            keeps_stiffness: self.constants.keeps_stiffness,
+            keeps_stiffness: self.keeps_stiffness,
             changed: false,
             sums: [PartialSums::default(); 4],
         };
@@ -169,9 +171,9 @@ struct RunOfBushings<'a, S: Simd> {
 }
 
 /// A sprocket's teeth in registers, and sums over their contacts.
-struct Teeth<'a, S: Simd, L, const DAMPED: bool, const ENERGY: bool> {
+struct Teeth<S: Simd, G, L, const DAMPED: bool, const ENERGY: bool> {
     law: PhantomData<L>,
-    gap: Gap<'a, S>,
+    gap: G,
     center: [Lanes<S>; 2],
     velocity: [Lanes<S>; 2],
     direction: [Lanes<S>; 2],
@@ -184,8 +186,8 @@ struct Teeth<'a, S: Simd, L, const DAMPED: bool, const ENERGY: bool> {
     sums: [PartialSums; 4],
 }
 
-impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
-    Teeth<'_, S, L, DAMPED, ENERGY>
+impl<S: Simd, G: Gap<S>, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
+    Teeth<S, G, L, DAMPED, ENERGY>
 {
     /// Bushings seen from the sprocket's centre \[m\].
     #[inline(always)]
@@ -205,7 +207,7 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
             load(simd, &vectors::<S>(gap_cos, b + 1)[b]),
             load(simd, &vectors::<S>(gap_sin, b + 1)[b]),
         ];
-        InGap::new(arm, self.direction, gap)
+        self.gap.place(arm, self.direction, gap)
     }
 
     /// Depth, force and what it does to links and sprocket, for one register of bushings.
@@ -221,7 +223,7 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
         let at = |array: &[S::f64s]| load(arm_x.simd(), &array[b]);
         let (zero, one) = (arm_x.constant(0.0), arm_x.constant(1.0));
         let surface = self.gap.nearest(place);
-        let near = surface.near.and(valid);
+        let near = self.gap.near(&surface).and(valid);
         let inverse_onset = at(run.inverse_onset);
         let remembered = inverse_onset.greater(zero);
         if !near.any() {

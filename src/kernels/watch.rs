@@ -6,7 +6,7 @@
 use pulp::{Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
-use super::gap::{Gap, InGap, ToothConstants};
+use super::gap::{Gap, GapConstants};
 use super::layout::ChainArrays;
 use super::teeth::SprocketPose;
 use crate::contact::{Candidates, Run, SprocketCandidates};
@@ -236,16 +236,16 @@ impl WithSimd for WatchHinges<'_> {
 }
 
 /// The candidates of one sprocket, likewise; true when one of them may have turned round.
-pub(super) struct WatchTeeth<'a> {
+pub(super) struct WatchTeeth<'a, C> {
     pub(super) length: f64,
-    pub(super) constants: &'a ToothConstants,
+    pub(super) constants: &'a C,
     pub(super) pose: &'a SprocketPose,
     pub(super) arrays: &'a ChainArrays,
     pub(super) candidates: &'a SprocketCandidates,
     pub(super) ends: &'a mut Ends,
 }
 
-impl WithSimd for WatchTeeth<'_> {
+impl<C: GapConstants> WithSimd for WatchTeeth<'_, C> {
     type Output = bool;
 
     #[inline(always)]
@@ -253,7 +253,7 @@ impl WithSimd for WatchTeeth<'_> {
         let splat = |value| Lanes::splat(simd, value);
         let pair = |values: [f64; 2]| values.map(splat);
         let length = splat(self.length);
-        let gaps = Gap::<S>::new(simd, self.constants);
+        let gaps = self.constants.gap(simd);
         let (center, own) = (pair(self.pose.center), pair(self.pose.velocity));
         let (direction, spin) = (pair(self.pose.direction), splat(self.pose.spin));
         let mut named = false;
@@ -272,7 +272,7 @@ impl WithSimd for WatchTeeth<'_> {
                 let [x, y] = [0, 1].map(|i| at(bushing[i]) - center[i]);
                 let [vx, vy] = [0, 1].map(|i| at(velocity[i]) - own[i]);
                 let relative = [spin.mul_add(y, vx), spin.negate_mul_add(x, vy)];
-                let place = InGap::new([x, y], direction, [at(gap_cos), at(gap_sin)]);
+                let place = gaps.place([x, y], direction, [at(gap_cos), at(gap_sin)]);
                 let surface = gaps.nearest(&place);
                 let found = gaps.gap_and_rate(&surface, &place, relative);
                 let before = start.map(at);

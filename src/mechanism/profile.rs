@@ -1,7 +1,7 @@
 //! Shapes that a circle may touch: bore, circle, segment, arc, and outlines made of them.
 
 use crate::error::{Error, Result, check};
-use crate::geometry::{ToothProfile, Vec2, turned_left, unit};
+use crate::geometry::{Curve, ToothProfile, Vec2, turned_left, unit};
 
 use super::piece::Piece;
 
@@ -19,7 +19,7 @@ pub enum Profile {
         radius: f64,
     },
     /// The teeth of a sprocket, one gap after another; gap 0 lies along x.
-    Teeth(ToothProfile),
+    Teeth(Box<ToothProfile>),
     /// A row of pieces, each beginning where the one before ends; the material lies on their left.
     Outline {
         /// The pieces in order.
@@ -47,7 +47,7 @@ pub(super) struct Nearest {
 pub(super) struct Tooth {
     /// Number of the gap; gap 0 lies along x.
     pub(super) gap: u32,
-    /// Region of the tooth, 1 to 7.
+    /// Region of the tooth, from 1.
     pub(super) region: u8,
 }
 
@@ -156,12 +156,7 @@ impl Profile {
         match self {
             Self::Bore { radius } => vec![Curvature::Concave(*radius)],
             Self::Disc { radius } => vec![Curvature::Convex(*radius)],
-            Self::Teeth(profile) => vec![
-                Curvature::Concave(profile.seating.radius),
-                Curvature::Concave(profile.working.radius),
-                Curvature::FlatBefore(profile.topping.radius),
-                Curvature::Convex(profile.topping.radius),
-            ],
+            Self::Teeth(profile) => tooth_curvatures(profile),
             Self::Outline { pieces, .. } => pieces.iter().map(Piece::curvature).collect(),
         }
     }
@@ -207,6 +202,19 @@ fn direction(vector: Vec2, length: f64) -> Vec2 {
     }
 }
 
+fn tooth_curvatures(profile: &ToothProfile) -> Vec<Curvature> {
+    let surfaces = profile.surfaces();
+    let curves = surfaces.iter().map(|surface| surface.curve);
+    let next = curves.clone().skip(1).map(Some).chain([None]);
+    let curvature = |(curve, next)| match (curve, next) {
+        (Curve::Concave(arc), _) => Curvature::Concave(arc.radius),
+        (Curve::Convex(arc), _) => Curvature::Convex(arc.radius),
+        (Curve::Straight(_), Some(Curve::Convex(arc))) => Curvature::FlatBefore(arc.radius),
+        (Curve::Straight(_), _) => Curvature::Flat,
+    };
+    curves.zip(next).map(curvature).collect()
+}
+
 fn nearest_tooth(profile: &ToothProfile, point: Vec2, radius: f64) -> Nearest {
     let distance = point.norm();
     let clear = distance - profile.outside_radius;
@@ -223,14 +231,14 @@ fn nearest_tooth(profile: &ToothProfile, point: Vec2, radius: f64) -> Nearest {
     let v = unit(f64::from(gap) * profile.gap_angle());
     let u = Vec2::new(v.y, -v.x);
     let place = Vec2::new(point.dot(&u), point.dot(&v) - profile.seat_center_radius);
-    let found = profile.contact(place, radius);
+    let found = profile.contact_in(gap, place, radius);
     Nearest {
         distance: radius - found.penetration,
         outward: -(found.normal.x * u + found.normal.y * v),
-        piece: found.surface as usize,
+        piece: found.surface.index(),
         tooth: Some(Tooth {
             gap,
-            region: found.region as u8,
+            region: found.region,
         }),
     }
 }

@@ -4,7 +4,7 @@ use super::{ContactLaw, Guide, Model, Rotation, SprocketModel, Support};
 use crate::drive::{Bearing, BeltLine, Drive, Motion, Sprocket};
 use crate::error::{Error, Result, check};
 use crate::force_law::{ForceLaw, PairTable, SurfacePair, range_note};
-use crate::geometry::{Surface, ToothProfile, Vec2};
+use crate::geometry::{Curve, ToothProfile, Vec2};
 use crate::state::Start;
 
 /// The laws of a run.
@@ -66,23 +66,16 @@ impl Model {
                 ),
             ));
         }
-        let link = |i: usize| {
-            if Self::is_inner(i) {
-                chain.inner
-            } else {
-                chain.outer
-            }
-        };
         let mut coordinates = Coordinates(3 * links);
         let mut sprockets = Vec::new();
         for (number, sprocket) in drive.sprockets.iter().enumerate() {
-            sprockets.push(place_sprocket(
-                drive,
-                number,
-                sprocket,
-                start,
-                &mut coordinates,
-            )?);
+            let first_pair = sprockets.last().map_or(0, |last: &SprocketModel| {
+                last.first_pair + last.profile.surfaces().len()
+            });
+            sprockets.push(SprocketModel {
+                first_pair,
+                ..place_sprocket(drive, number, sprocket, start, &mut coordinates)?
+            });
         }
 
         let modulus = chain.material.contact_modulus();
@@ -90,21 +83,18 @@ impl Model {
         let hinge_pairs = [SurfacePair::internal(
             hinge.pin_radius,
             hinge.bore_radius,
-            hinge.length,
+            chain.hinge_contact_length(),
             modulus,
         )];
         let tooth_pairs: Vec<SurfacePair> = sprockets
             .iter()
             .flat_map(|s: &SprocketModel| {
-                Surface::ALL.map(|kind| {
-                    tooth_surfaces(
-                        &s.profile,
-                        kind,
-                        chain.bushing_radius,
-                        chain.tooth_contact_length,
-                        modulus,
-                    )
-                })
+                tooth_surfaces(
+                    &s.profile,
+                    chain.bushing_radius,
+                    chain.teeth_contact_length(),
+                    modulus,
+                )
             })
             .collect();
         let mut range_notes = Vec::new();
@@ -117,7 +107,15 @@ impl Model {
                     continue;
                 };
                 let surface = if pairs.len() > 1 {
-                    format!(" {} of sprocket {}", Surface::ALL[i % 4].name(), i / 4 + 1)
+                    let owner = sprockets.iter().rposition(|s| s.first_pair <= i);
+                    let number = owner.unwrap_or_default();
+                    let SprocketModel {
+                        profile,
+                        first_pair,
+                        ..
+                    } = &sprockets[number];
+                    let name = profile.surfaces()[i - first_pair].name;
+                    format!(" {name} of sprocket {}", number + 1)
                 } else {
                     String::new()
                 };
@@ -133,12 +131,13 @@ impl Model {
             lambda: law.damping.lambda(chain.material.restitution),
             regions: law.regions,
         };
-        let mass: Vec<f64> = (0..links).map(|i| link(i).mass).collect();
-        let inertia: Vec<f64> = (0..links).map(|i| link(i).inertia).collect();
+        let mass: Vec<f64> = (0..links).map(|i| chain.link(i).mass).collect();
+        let inertia: Vec<f64> = (0..links).map(|i| chain.link(i).inertia).collect();
         Ok(Self {
             links,
             coordinates: coordinates.0,
             half_pitch: 0.5 * chain.pitch,
+            arms: chain.link_pitches().iter().map(|p| 0.5 * p).collect(),
             inverse_mass: mass.iter().map(|m| 1.0 / m).collect(),
             inverse_inertia: inertia.iter().map(|j| 1.0 / j).collect(),
             mass,
@@ -164,7 +163,7 @@ fn place_sprocket(
     coordinates: &mut Coordinates,
 ) -> Result<SprocketModel> {
     let chain = &drive.chain;
-    let profile = sprocket.tooth_profile(chain);
+    let profile = sprocket.tooth_profile(chain)?;
     let (mass, inertia) = sprocket.mass_properties(chain);
     let [x, y, angle] = start.positions[chain.links as usize + number];
     let mut center = Vec2::new(x, y);
@@ -231,8 +230,10 @@ fn place_sprocket(
         .collect();
     Ok(SprocketModel {
         side: sprocket.side,
-        reach: profile.reach(chain.bushing_radius),
+        reach: profile.reach(chain.bushing_radius) + sprocket.faults.eccentricity,
+        offset: sprocket.faults.offset(),
         profile,
+        first_pair: 0,
         gap_directions,
         mass,
         inertia,
@@ -257,17 +258,26 @@ pub fn strands(drive: &Drive) -> Vec<[usize; 2]> {
     )
 }
 
+/// A cylinder of `radius` against every surface of a profile.
 fn tooth_surfaces(
     profile: &ToothProfile,
-    kind: Surface,
     radius: f64,
     length: f64,
     modulus: f64,
-) -> SurfacePair {
-    match kind {
-        Surface::Seating => SurfacePair::internal(radius, profile.seating.radius, length, modulus),
-        Surface::Working => SurfacePair::internal(radius, profile.working.radius, length, modulus),
-        Surface::Flat => SurfacePair::flat(radius, profile.topping.radius, length, modulus),
-        Surface::Topping => SurfacePair::external(radius, profile.topping.radius, length, modulus),
-    }
+) -> Vec<SurfacePair> {
+    let surfaces = profile.surfaces();
+    let pair = |(i, curve): (usize, &Curve)| match curve {
+        Curve::Concave(arc) => SurfacePair::internal(radius, arc.radius, length, modulus),
+        Curve::Convex(arc) => SurfacePair::external(radius, arc.radius, length, modulus),
+        Curve::Straight(_) => {
+            // An edge is no curve that the flat goes on as.
+            let next = match surfaces.get(i + 1).map(|next| next.curve) {
+                Some(Curve::Convex(arc)) if arc.radius >= radius => arc.radius,
+                _ => profile.pitch_radius,
+            };
+            SurfacePair::flat(radius, next, length, modulus)
+        }
+    };
+    let curves = surfaces.iter().map(|piece| &piece.curve);
+    curves.enumerate().map(pair).collect()
 }

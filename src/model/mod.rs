@@ -21,8 +21,10 @@ pub struct Model {
     pub links: usize,
     /// Number of generalized coordinates.
     pub coordinates: usize,
-    /// Half the pitch \[m\]: a link's hinges lie at (± half pitch, 0).
+    /// Half the nominal pitch \[m\].
     pub half_pitch: f64,
+    /// Half the length of each link \[m\]: its hinges lie at (± arm, 0).
+    pub arms: Vec<f64>,
     /// Mass of each link \[kg\].
     pub mass: Vec<f64>,
     /// Moment of inertia of each link \[kg m²\].
@@ -41,7 +43,7 @@ pub struct Model {
     pub strands: Vec<[usize; 2]>,
     /// Law of the hinges: one pair for all.
     pub hinge_law: ContactLaw,
-    /// Law of the teeth: pair `4 * sprocket + surface`.
+    /// Law of the teeth: the pairs of one sprocket after those of another, see [`Self::tooth_pair`].
     pub tooth_law: ContactLaw,
     /// Floor of the approach speed at onset \[m/s\].
     pub min_approach_speed: f64,
@@ -69,8 +71,12 @@ pub struct ContactLaw {
 pub struct SprocketModel {
     /// Tooth profile.
     pub profile: ToothProfile,
+    /// Number of the pair of its first surface in the law of the teeth.
+    pub first_pair: usize,
     /// Directions (cos, sin) of the gaps in the sprocket's own frame.
     pub gap_directions: Vec<(f64, f64)>,
+    /// The teeth's centre in the sprocket's own frame \[m\]; zero unless they are eccentric.
+    pub offset: Vec2,
     /// Distance of a bushing beyond which nothing touches \[m\].
     pub reach: f64,
     /// Mass \[kg\].
@@ -168,26 +174,37 @@ impl Model {
             .collect()
     }
 
-    /// Whether link `i` (from 0) is an inner one, which carries bushings.
+    /// Whether link `i` (from 0) has a bushing at its front: an inner one, but not the offset link that ends an odd number.
     #[must_use]
-    pub fn is_inner(link: usize) -> bool {
-        link.is_multiple_of(2)
+    pub fn bushing_on_front(link: usize, links: usize) -> bool {
+        link.is_multiple_of(2) && (link + 1 < links || links.is_multiple_of(2))
     }
 
     /// The link that bushing `k` is rigid with.
     #[must_use]
     pub fn link_of_bushing(&self, bushing: usize) -> usize {
-        if Self::is_inner(bushing) {
+        if Self::bushing_on_front(bushing, self.links) {
             bushing
         } else {
             (bushing + 1) % self.links
         }
     }
 
+    /// From the centre of the link that bushing `k` is rigid with to the bushing, along the link \[m\].
+    #[must_use]
+    pub fn bushing_arm(&self, bushing: usize) -> f64 {
+        let link = self.link_of_bushing(bushing);
+        if link == bushing {
+            self.arms[link]
+        } else {
+            -self.arms[link]
+        }
+    }
+
     /// The pair constants' number for a surface of a sprocket.
     #[must_use]
-    pub fn tooth_pair(sprocket: usize, surface: Surface) -> usize {
-        Surface::ALL.len() * sprocket + surface as usize
+    pub fn tooth_pair(&self, sprocket: usize, surface: Surface) -> usize {
+        self.sprockets[sprocket].first_pair + surface.index()
     }
 
     /// The body that generalized coordinate `index` belongs to.

@@ -110,7 +110,7 @@ impl Core {
         )?;
         state.set_item(
             "tooth_onset_surface",
-            by_bushing(model, |pair| memory.tooth_surface[pair] as i32)
+            by_bushing(model, |pair| i32::from(memory.tooth_surface[pair].0))
                 .into_pyarray(py)
                 .reshape([model.links, model.sprockets.len()])?,
         )?;

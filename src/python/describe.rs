@@ -5,13 +5,13 @@ use pyo3::types::{PyBool, PyString, PyTuple};
 
 use super::errors::{InvalidInput, to_python};
 use crate::drive::{
-    AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Link, Material, Motion, Sprocket, Tensioner,
-    TimeTable,
+    AnsiTooth, Bearing, Chain, ClearanceHinge, CustomTooth, Drive, Faults, IsoTooth, Link,
+    Material, Motion, Sprocket, StraightTooth, Tensioner, TimeTable, Tip, ToothForm, Variation,
 };
 use crate::error::{Error, Result, check};
 use crate::force_law::{Damping, Elastic, ForceLaw, Regions};
 use crate::geometry::belt::Side;
-use crate::geometry::{Seat, Vec2};
+use crate::geometry::{Damage, OutlinePiece, Seat, Vec2};
 use crate::integrator::{Corrector, StepControl};
 use crate::model::ForceLaws;
 use crate::recorder::Groups;
@@ -74,6 +74,16 @@ impl<'a, 'py> Reader<'a, 'py> {
             &value,
             "must be text",
         ))
+    }
+
+    /// A number, or a row of them.
+    fn numbers(&self, field: &str, unit: &str) -> PyResult<Vec<f64>> {
+        let value = self.get(field)?;
+        let name = self.name(field);
+        let Ok(row) = value.cast::<PyTuple>() else {
+            return Ok(vec![number(&value, &name, unit)?]);
+        };
+        row.iter().map(|each| number(&each, &name, unit)).collect()
     }
 
     fn count(&self, field: &str) -> PyResult<u32> {
@@ -288,21 +298,125 @@ pub(super) fn chain(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Chain> {
         bushing_radius: read.number("bushing_radius", "m")?,
         tooth_contact_length: read.number("tooth_contact_length", "m")?,
         material: material(&read.get("material")?, "Chain.material")?,
+        offset: {
+            let offset = read.get("offset")?;
+            if offset.is_none() {
+                None
+            } else {
+                Some(link(&offset, "Chain.offset")?)
+            }
+        },
+        strands: read.count("strands")?,
+        variation: Variation {
+            elongation: read.numbers("elongation", "1")?,
+            pitch_spread: read.number("pitch_spread", "1")?,
+            seed: u64::from(read.count("seed")?),
+        },
     })
 }
 
-fn ansi_tooth(object: &Bound<'_, PyAny>, field: &str) -> PyResult<AnsiTooth> {
-    let read = Reader::new(object, field, &["AnsiTooth"])?;
-    Ok(AnsiTooth {
-        seat: read.word(
-            "seat",
-            &[
-                ("bottom-diameter", Seat::BottomDiameter),
-                ("pitch-circle", Seat::PitchCircle),
-            ],
-        )?,
-        roller_diameter: read.optional_number("roller_diameter", "m")?,
+const FORMS: [&str; 4] = ["AnsiTooth", "IsoTooth", "StraightTooth", "CustomTooth"];
+
+fn seat(read: &Reader<'_, '_>) -> PyResult<Seat> {
+    read.word(
+        "seat",
+        &[
+            ("bottom-diameter", Seat::BottomDiameter),
+            ("pitch-circle", Seat::PitchCircle),
+        ],
+    )
+}
+
+fn tooth_form(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ToothForm> {
+    let read = Reader::new(object, field, &FORMS)?;
+    let edge_radius = read.optional_number("edge_radius", "m")?;
+    Ok(match read.kind.as_str() {
+        "AnsiTooth" => ToothForm::Ansi(AnsiTooth {
+            seat: seat(&read)?,
+            roller_diameter: read.optional_number("roller_diameter", "m")?,
+            tip: read.word("tip", &[("full", Tip::Full), ("cut", Tip::Cut)])?,
+            edge_radius,
+        }),
+        "IsoTooth" => ToothForm::Iso(IsoTooth {
+            gap: iso_gap(&read)?,
+            seat: seat(&read)?,
+            roller_diameter: read.optional_number("roller_diameter", "m")?,
+            tip_diameter: read.optional_number("tip_diameter", "m")?,
+            edge_radius,
+        }),
+        "StraightTooth" => ToothForm::Straight(StraightTooth {
+            flank_angle: read.number("flank_angle", "rad")?,
+            seat_radius: read.optional_number("seat_radius", "m")?,
+            seat: seat(&read)?,
+            roller_diameter: read.optional_number("roller_diameter", "m")?,
+            tip_diameter: read.optional_number("tip_diameter", "m")?,
+            edge_radius,
+        }),
+        _ => ToothForm::Custom(CustomTooth {
+            pieces: outline(&read)?,
+            tip_diameter: read.optional_number("tip_diameter", "m")?,
+            edge_radius,
+        }),
     })
+}
+
+/// A share of the way from the minimum gap to the maximum one, or one of the two by name.
+fn iso_gap(read: &Reader<'_, '_>) -> PyResult<f64> {
+    let gap = read.get("gap")?;
+    if gap.is_instance_of::<PyString>() {
+        return read.word("gap", &[("minimum", 0.0), ("maximum", 1.0)]);
+    }
+    number(&gap, "IsoTooth.gap", "1")
+}
+
+fn outline(read: &Reader<'_, '_>) -> PyResult<Vec<OutlinePiece>> {
+    let pieces = read.get("pieces")?;
+    let Ok(pieces) = pieces.cast::<PyTuple>() else {
+        let expected = "must be a sequence of ToothLine and ToothArc";
+        return Err(refuse(pieces.py(), "CustomTooth.pieces", &pieces, expected));
+    };
+    let piece = |(i, piece): (usize, Bound<'_, PyAny>)| {
+        let field = format!("CustomTooth.pieces[{i}]");
+        outline_piece(&piece, &field)
+    };
+    pieces.iter().enumerate().map(piece).collect()
+}
+
+fn outline_piece(object: &Bound<'_, PyAny>, field: &str) -> PyResult<OutlinePiece> {
+    let read = Reader::new(object, field, &["ToothLine", "ToothArc"])?;
+    Ok(OutlinePiece {
+        start: read.vector("start", "m")?,
+        end: read.vector("end", "m")?,
+        center: if read.kind == "ToothArc" {
+            Some(read.vector("center", "m")?)
+        } else {
+            None
+        },
+    })
+}
+
+/// Rows (number of a tooth, share of its height that is left).
+fn damage(read: &Reader<'_, '_>) -> PyResult<Vec<Damage>> {
+    const NAME: &str = "Sprocket.damaged_teeth";
+    let rows = read.get("damaged_teeth")?;
+    let wrong = |value: &Bound<'_, PyAny>| {
+        let expected =
+            "must be rows (number of the tooth from 0, share of its height that is left)";
+        refuse(value.py(), NAME, value, expected)
+    };
+    let Ok(rows) = rows.cast::<PyTuple>() else {
+        return Err(wrong(&rows));
+    };
+    let row = |row: Bound<'_, PyAny>| {
+        let Ok([tooth, height]) = row.extract::<[Bound<'_, PyAny>; 2]>() else {
+            return Err(wrong(&row));
+        };
+        Ok(Damage {
+            tooth: count(&tooth, NAME)?,
+            height: number(&height, NAME, "1")?,
+        })
+    };
+    rows.iter().map(row).collect()
 }
 
 fn motion(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Motion> {
@@ -328,7 +442,12 @@ pub(super) fn sprocket(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Sproc
         teeth: read.count("teeth")?,
         center: read.vector("center", "m")?,
         motion: motion(&read.get("motion")?, "Sprocket.motion")?,
-        profile: ansi_tooth(&read.get("profile")?, "Sprocket.profile")?,
+        profile: tooth_form(&read.get("profile")?, "Sprocket.profile")?,
+        faults: Faults {
+            eccentricity: read.number("eccentricity", "m")?,
+            eccentricity_angle: read.number("eccentricity_angle", "rad")?,
+            damage: damage(&read)?,
+        },
         mass: read.optional_number("mass", "kg")?,
         inertia: read.optional_number("inertia", "kg m^2")?,
         initial_speed: read.optional_number("initial_speed", "rad/s")?,
@@ -532,7 +651,8 @@ pub(super) fn validate(description: &Bound<'_, PyAny>) -> PyResult<()> {
         "Link" => link(object, "")?.validate(),
         "ClearanceHinge" => hinge(object, "")?.validate(),
         "Chain" => chain(object, "")?.validate(),
-        "AnsiTooth" => ansi_tooth(object, "")?.validate(),
+        kind if FORMS.contains(&kind) => tooth_form(object, "")?.validate(),
+        "ToothLine" | "ToothArc" => outline_piece(object, "").map(|_| Ok(()))?,
         "PrescribedSpeed" | "AppliedTorque" | "Free" => motion(object, "").map(|_| Ok(()))?,
         "Sprocket" => sprocket(object, "")?.validate(),
         "Tensioner" => tensioner(object, "")?.validate(),

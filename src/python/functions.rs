@@ -1,6 +1,6 @@
 //! Free functions for Python.
 
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -10,8 +10,9 @@ use crate::drive::{BeltLine, Drive, check_links};
 use crate::equilibrium::Equilibrium;
 use crate::error::{Error, check};
 use crate::force_law::{SurfacePair, elastic_forces, restitution_obtained as obtained};
-use crate::geometry::Vec2;
+use crate::geometry::{Vec2, unit};
 use crate::integrator::{Adams, OdeSystem, StepControl};
+use crate::model::Model;
 use crate::state::{self, Start};
 use crate::vector::InstructionSet;
 
@@ -240,12 +241,80 @@ pub(super) fn tooth_outline<'py>(
     points: usize,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let sprocket_description = describe::sprocket(sprocket, "sprocket")?;
-    let outline = sprocket_description
-        .tooth_profile(&describe::chain(chain, "chain")?)
-        .outline(points);
+    let chain = describe::chain(chain, "chain")?;
+    let profile = describe::checked(sprocket.py(), sprocket_description.tooth_profile(&chain))?;
+    let outline = profile.outline(points);
     let rows = outline.len();
     let flat: Vec<f64> = outline.into_iter().flat_map(|p| [p.x, p.y]).collect();
     flat.into_pyarray(sprocket.py()).reshape([rows, 2])
+}
+
+/// Names of the surfaces of whole teeth, from the seat outward.
+#[pyfunction]
+pub(super) fn tooth_surfaces(
+    sprocket: &Bound<'_, PyAny>,
+    chain: &Bound<'_, PyAny>,
+) -> PyResult<Vec<&'static str>> {
+    let described = describe::sprocket(sprocket, "sprocket")?;
+    let chain = describe::chain(chain, "chain")?;
+    let profile = describe::checked(sprocket.py(), described.tooth_profile(&chain))?;
+    Ok(profile.whole().iter().map(|piece| piece.name).collect())
+}
+
+/// Of each link: distance of its hinges \[m\], mass \[kg\], moment of inertia \[kg m²\], and 1 where a bushing is at its front,
+/// (links, 4).
+#[pyfunction]
+pub(super) fn chain_links<'py>(chain: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let described = describe::chain(chain, "chain")?;
+    describe::checked(chain.py(), described.validate())?;
+    let pitches = described.link_pitches();
+    let count = pitches.len();
+    let rows = pitches.into_iter().enumerate().flat_map(|(i, pitch)| {
+        let link = described.link(i);
+        let on_front = f64::from(Model::bushing_on_front(i, count));
+        [pitch, link.mass, link.inertia, on_front]
+    });
+    let flat: Vec<f64> = rows.collect();
+    flat.into_pyarray(chain.py()).reshape([count, 4])
+}
+
+/// Contact of cylinders at `points` (n, 2) in the frame of the teeth with a whole sprocket: region (n,), penetration (n,) \[m\] and
+/// normal (n, 2), in which the penetration grows.
+#[pyfunction]
+#[allow(clippy::type_complexity, clippy::needless_pass_by_value)] // three arrays; PyO3 hands arrays over
+pub(super) fn tooth_contacts<'py>(
+    sprocket: &Bound<'py, PyAny>,
+    chain: &Bound<'py, PyAny>,
+    points: PyReadonlyArray2<'py, f64>,
+    radius: f64,
+) -> PyResult<(
+    Bound<'py, PyArray1<u8>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray2<f64>>,
+)> {
+    let py = sprocket.py();
+    let described = describe::sprocket(sprocket, "sprocket")?;
+    let chain = describe::chain(chain, "chain")?;
+    let profile = describe::checked(py, described.tooth_profile(&chain))?;
+    let (mut regions, mut depths, mut normals) = (Vec::new(), Vec::new(), Vec::new());
+    for row in points.as_array().rows() {
+        let point = Vec2::new(row[0], row[1]);
+        let gap = profile.nearest_gap(point.y.atan2(point.x));
+        let v = unit(f64::from(gap) * profile.gap_angle());
+        let u = Vec2::new(v.y, -v.x);
+        let place = Vec2::new(point.dot(&u), point.dot(&v) - profile.seat_center_radius);
+        let found = profile.contact_in(gap, place, radius);
+        let normal = found.normal.x * u + found.normal.y * v;
+        regions.push(found.region);
+        depths.push(found.penetration);
+        normals.extend([normal.x, normal.y]);
+    }
+    let rows = depths.len();
+    Ok((
+        regions.into_pyarray(py),
+        depths.into_pyarray(py),
+        normals.into_pyarray(py).reshape([rows, 2])?,
+    ))
 }
 
 /// Elastic force \[N\] of a law at each penetration \[m\].

@@ -343,7 +343,8 @@ fn contact(object: &Bound<'_, PyAny>) -> PyResult<ContactPair> {
         },
         "sprocket" => {
             let wheel = sprocket(&read.get("sprocket")?, &field)?;
-            Profile::Teeth(wheel.tooth_profile(&chain(&read.get("chain")?, &field)?))
+            let chain = chain(&read.get("chain")?, &field)?;
+            Profile::Teeth(Box::new(checked(object.py(), wheel.tooth_profile(&chain))?))
         }
         "polyline" => {
             let points = points(&read.get("points")?, &field)?;

@@ -5,10 +5,15 @@ use super::many_sprockets::Around;
 use super::strand_motion;
 use super::two_sprockets::Place;
 use crate::drive::Drive;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::geometry::belt::Side;
 use crate::geometry::wrap::Path;
 use crate::geometry::{Vec2, turned_left, unit};
+
+/// How often a chain is laid anew round eccentric teeth.
+const MOST_ROUNDS: usize = 30;
+/// Share of the pitch by which they may move in the last round.
+const SETTLED: f64 = 1e-10;
 
 /// Positions and velocities of all bodies at time zero.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +31,37 @@ impl Start {
     /// When no such start exists: the numbers that show why, and the nearest that works.
     pub fn generate(drive: &Drive) -> Result<(Self, Layout)> {
         drive.validate()?;
+        if (drive.sprockets.iter()).all(|sprocket| sprocket.faults.eccentricity == 0.0) {
+            return Self::lay(drive);
+        }
+        // Where eccentric teeth are follows from the angles that the chain is laid at, which hardly depend on it.
+        let mut centered = drive.clone();
+        for _ in 0..MOST_ROUNDS {
+            let (mut start, layout) = Self::lay(&centered)?;
+            let mut moved: f64 = 0.0;
+            for (i, sprocket) in drive.sprockets.iter().enumerate() {
+                let offset = sprocket.faults.offset();
+                let angle = unit(layout.phase[i]);
+                let teeth = sprocket.center + offset.x * angle + offset.y * turned_left(angle);
+                moved = moved.max((teeth - centered.sprockets[i].center).norm());
+                centered.sprockets[i].center = teeth;
+                let body = drive.chain.links as usize + i;
+                [start.positions[body][0], start.positions[body][1]] = sprocket.center.into();
+            }
+            if moved <= SETTLED * drive.chain.pitch {
+                return Ok((start, layout));
+            }
+        }
+        Err(Error::Impossible(format!(
+            "the chain cannot be laid: the places of eccentric teeth, of eccentricities {:?} m, do not settle; take smaller \
+             ones or other angles",
+            (drive.sprockets.iter())
+                .map(|sprocket| sprocket.faults.eccentricity)
+                .collect::<Vec<f64>>()
+        )))
+    }
+
+    fn lay(drive: &Drive) -> Result<(Self, Layout)> {
         if drive.sprockets.len() == 2 && drive.sprockets.iter().all(|s| s.side == Side::Inside) {
             let place = Place::new(drive)?;
             let path = place.find_path()?;
@@ -42,20 +78,21 @@ impl Start {
 
     /// The same drive with its bodies elsewhere: hinges keep their velocities but for what keeps the links' lengths.
     #[must_use]
-    pub fn moved_to(&self, positions: Vec<[f64; 3]>, layout: &Layout, pitch: f64) -> Self {
+    pub fn moved_to(&self, positions: Vec<[f64; 3]>, layout: &Layout, pitches: &[f64]) -> Self {
         let n = layout.seat_of.len();
         let hinges = |positions: &[[f64; 3]]| -> Vec<Vec2> {
-            let end = |[x, y, angle]: [f64; 3], side: f64| {
-                Vec2::new(x, y) + 0.5 * side * pitch * unit(angle)
+            let end = |i: usize, side: f64| {
+                let [x, y, angle] = positions[i];
+                Vec2::new(x, y) + 0.5 * side * pitches[i] * unit(angle)
             };
             (0..n)
-                .map(|k| 0.5 * (end(positions[k], 1.0) + end(positions[(k + 1) % n], -1.0)))
+                .map(|k| 0.5 * (end(k, 1.0) + end((k + 1) % n, -1.0)))
                 .collect()
         };
         let velocity = |k: usize| {
             let end = |i: usize, side: f64| {
                 let ([_, _, angle], [vx, vy, spin]) = (self.positions[i], self.velocities[i]);
-                Vec2::new(vx, vy) + 0.5 * side * pitch * spin * turned_left(unit(angle))
+                Vec2::new(vx, vy) + 0.5 * side * pitches[i] * spin * turned_left(unit(angle))
             };
             0.5 * (end(k, 1.0) + end((k + 1) % n, -1.0))
         };

@@ -101,12 +101,16 @@ fn tensioner_warning(drive: &Drive) -> Option<String> {
 }
 
 /// The wheel of a sprocket whose seated bushings start `gap` \[m\] off their seats at least.
-pub(super) fn wheel(profile: &ToothProfile, bushing_radius: f64, gap: f64) -> Wheel {
-    let on_pitch_circle = Vec2::new(0.0, profile.pitch_radius - profile.seat_center_radius);
-    let depth = profile.contact(on_pitch_circle, bushing_radius).penetration;
+pub(super) fn wheel(profile: &ToothProfile, chain: &Chain, gap: f64) -> Wheel {
+    // A chain that is longer than its pitch lies farther out.
+    let hinge_circle = wrap::pitch_radius(chain.mean_pitch(), profile.teeth);
+    let on_hinge_circle = Vec2::new(0.0, hinge_circle - profile.seat_center_radius);
+    let depth = profile
+        .contact(on_hinge_circle, chain.bushing_radius)
+        .penetration;
     Wheel {
         teeth: profile.teeth,
-        hinge_radius: profile.pitch_radius + (depth + gap).max(0.0),
+        hinge_radius: hinge_circle + (depth + gap).max(0.0),
     }
 }
 
@@ -128,11 +132,12 @@ impl Lie<'_> {
     /// Ends of every link as the model will have them, (rear, front): its hinges lie at half a pitch from its middle.
     fn link_ends(&self) -> Vec<(Vec2, Vec2)> {
         let n = self.hinges.len();
+        let pitches = self.chain.link_pitches();
         (0..n)
             .map(|i| {
                 let (rear, front) = (self.hinges[(i + n - 1) % n], self.hinges[i]);
                 let middle = 0.5 * (rear + front);
-                let half = 0.5 * self.chain.pitch * (front - rear).normalize();
+                let half = 0.5 * pitches[i] * (front - rear).normalize();
                 (middle - half, middle + half)
             })
             .collect()

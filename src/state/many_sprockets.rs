@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use super::fit::fit_links;
 use super::layout::{
     LARGEST_STRETCH, Layout, Lie, START_GAPS, even_links, given_speed, phase, strand_name,
     tension_force, wheel,
@@ -40,7 +41,7 @@ impl<'a> Around<'a> {
             .sprockets
             .iter()
             .map(|s| s.tooth_profile(&drive.chain))
-            .collect();
+            .collect::<Result<_>>()?;
         Ok(Self {
             line: BeltLine::of(drive)?,
             drive,
@@ -52,12 +53,12 @@ impl<'a> Around<'a> {
     pub(super) fn course(&self, gap: f64) -> Option<Course> {
         let chain = &self.drive.chain;
         let placed = |&i: &usize| PlacedWheel {
-            wheel: wheel(&self.profiles[i], chain.bushing_radius, gap),
+            wheel: wheel(&self.profiles[i], chain, gap),
             center: self.drive.sprockets[i].center,
             side: self.drive.sprockets[i].side,
         };
         let wheels = self.line.order.iter().map(placed).collect();
-        Course::new(chain.pitch, chain.links, wheels).ok()
+        Course::new(chain.mean_pitch(), chain.links, wheels).ok()
     }
 
     /// Strands, the one that should take the slack first: the one that gravity pulls outward most; without gravity, the one that
@@ -91,14 +92,14 @@ impl<'a> Around<'a> {
     /// The chain in the first strand and place of its seats where it touches nothing, as little stretched as can be.
     pub(super) fn find(&self) -> Result<Found> {
         let chain = &self.drive.chain;
-        let clearance = chain.hinge.clearance();
+        let (clearance, pitch) = (chain.hinge.clearance(), chain.mean_pitch());
         let needed = self.line.pitches(self.drive);
         let missing = needed - f64::from(chain.links);
-        let stretch = missing * chain.pitch / f64::from(chain.links);
-        if stretch > 3.0 * LARGEST_STRETCH * clearance + 0.01 * chain.pitch {
+        let stretch = missing * pitch / f64::from(chain.links);
+        if stretch > 3.0 * LARGEST_STRETCH * clearance + 0.01 * pitch {
             return self.refuse(&format!(
                 "it is {:.3} mm too short, {:.1} um a hinge, and a hinge's clearance gives {:.1} um",
-                1e3 * missing * chain.pitch,
+                1e3 * missing * pitch,
                 1e6 * stretch,
                 1e6 * clearance
             ));
@@ -110,7 +111,10 @@ impl<'a> Around<'a> {
             };
             let mut stretched: Option<Found> = None;
             for slack in self.slack_strands() {
-                for polygon in Self::by_merit(&course, slack, clearance) {
+                for mut polygon in Self::by_merit(&course, slack, clearance) {
+                    if !fit_links(chain, &mut polygon.hinges) {
+                        continue;
+                    }
                     if let Some(fault) = self.fault(&polygon, slack) {
                         why.get_or_insert(fault);
                         continue;
@@ -121,7 +125,7 @@ impl<'a> Around<'a> {
                         slack,
                     };
                     let stretch = found.polygon.stretch;
-                    if stretch * chain.pitch <= TAUT_STRETCH * clearance {
+                    if stretch * pitch <= TAUT_STRETCH * clearance {
                         return Ok(found);
                     }
                     if stretched
@@ -141,7 +145,7 @@ impl<'a> Around<'a> {
             if missing > 0.0 {
                 format!(
                     "it is {:.3} mm too short, more than the clearance of its hinges gives, {:.1} um each",
-                    1e3 * missing * chain.pitch,
+                    1e3 * missing * pitch,
                     1e6 * clearance
                 )
             } else {

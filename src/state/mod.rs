@@ -1,6 +1,7 @@
 //! What changes: time, coordinates, velocities; and the motion of every body read from them.
 
 mod closing;
+mod fit;
 mod initial;
 mod layout;
 mod many_sprockets;

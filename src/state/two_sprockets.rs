@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use super::fit::fit_links;
 use super::layout::{
     LARGEST_STRETCH, Layout, Lie, START_GAPS, closing_center_distance, given_speed, links_for,
     phase, tension_force, wheel,
@@ -31,7 +32,10 @@ impl<'a> Place<'a> {
     pub(super) fn new(drive: &'a Drive) -> Result<Self> {
         let chain = &drive.chain;
         let sprockets = [&drive.sprockets[0], &drive.sprockets[1]];
-        let profiles = sprockets.map(|s| s.tooth_profile(chain));
+        let profiles = [
+            sprockets[0].tooth_profile(chain)?,
+            sprockets[1].tooth_profile(chain)?,
+        ];
         let between = sprockets[1].center - sprockets[0].center;
         let center_distance = between.norm();
         let apart = profiles[0].outside_radius + profiles[1].outside_radius;
@@ -94,7 +98,11 @@ impl<'a> Place<'a> {
 
     /// What would work instead, for messages.
     fn suggestion(&self) -> String {
-        let (pitch, teeth, links) = (self.drive.chain.pitch, self.teeth(), self.drive.chain.links);
+        let (pitch, teeth, links) = (
+            self.drive.chain.mean_pitch(),
+            self.teeth(),
+            self.drive.chain.links,
+        );
         let taut = match closing_center_distance(pitch, teeth, links) {
             Some(distance) => {
                 format!("{links} links are taut at a centre distance of {distance:.6} m")
@@ -112,8 +120,9 @@ impl<'a> Place<'a> {
 
     pub(super) fn find_path(&self) -> Result<Path> {
         let chain = &self.drive.chain;
+        let pitch = chain.mean_pitch();
         let slack_strand = self.slack_strand();
-        let needed = wrap::belt_length(chain.pitch, self.teeth(), self.center_distance);
+        let needed = wrap::belt_length(pitch, self.teeth(), self.center_distance);
         let refuse = |why: String| {
             Err(Error::Impossible(format!(
                 "the chain cannot be laid: {} links at a centre distance of {:.6} m, where a taut chain has {needed:.3} pitches: \
@@ -123,12 +132,12 @@ impl<'a> Place<'a> {
                 self.suggestion()
             )))
         };
-        let stretch = (needed - f64::from(chain.links)) * chain.pitch / f64::from(chain.links);
+        let stretch = (needed - f64::from(chain.links)) * pitch / f64::from(chain.links);
         let allowed = LARGEST_STRETCH * chain.hinge.clearance();
-        if stretch > 3.0 * allowed + 0.01 * chain.pitch {
+        if stretch > 3.0 * allowed + 0.01 * pitch {
             return refuse(format!(
                 "it is {:.3} mm too short, {:.1} um a hinge, and a hinge's clearance gives {:.1} um",
-                1e3 * (needed - f64::from(chain.links)) * chain.pitch,
+                1e3 * (needed - f64::from(chain.links)) * pitch,
                 1e6 * stretch,
                 1e6 * chain.hinge.clearance()
             ));
@@ -138,14 +147,10 @@ impl<'a> Place<'a> {
             let wheels = self.wheels(gap);
             let mut best: Option<(f64, Path)> = None;
             for split in self.splits(wheels, slack_strand) {
-                let path = wrap::path_at(
-                    chain.pitch,
-                    wheels,
-                    split,
-                    self.center_distance,
-                    slack_strand,
-                );
-                let Some(path) = path else { continue };
+                let path = wrap::path_at(pitch, wheels, split, self.center_distance, slack_strand);
+                let Some(path) = path.and_then(|path| self.fitted(path)) else {
+                    continue;
+                };
                 if let Some(fault) = self.fault(&path) {
                     why.get_or_insert(fault);
                     continue;
@@ -169,20 +174,25 @@ impl<'a> Place<'a> {
         refuse(why.unwrap_or_else(|| "no whole numbers of pitches fit the strands".to_string()))
     }
 
+    /// The path with links of their own lengths, where they differ.
+    fn fitted(&self, mut path: Path) -> Option<Path> {
+        fit_links(&self.drive.chain, &mut path.hinges).then_some(path)
+    }
+
     /// Wheels whose seated bushings start `gap` \[m\] off their seats at least.
     fn wheels(&self, gap: f64) -> [Wheel; 2] {
-        let radius = self.drive.chain.bushing_radius;
-        [0, 1].map(|i| wheel(&self.profiles[i], radius, gap))
+        [0, 1].map(|i| wheel(&self.profiles[i], &self.drive.chain, gap))
     }
 
     /// Splits to try: at the distance at which the chain is taut, the taut one first.
     fn splits(&self, wheels: [Wheel; 2], slack_strand: Strand) -> Vec<Split> {
         let chain = &self.drive.chain;
-        let taut = wrap::taut_path(chain.pitch, wheels, chain.links)
-            .filter(|path| (path.center_distance - self.center_distance).abs() < 1e-3 * chain.pitch)
+        let pitch = chain.mean_pitch();
+        let taut = wrap::taut_path(pitch, wheels, chain.links)
+            .filter(|path| (path.center_distance - self.center_distance).abs() < 1e-3 * pitch)
             .map(|path| path.split);
         let others = wrap::splits_at(
-            chain.pitch,
+            pitch,
             self.teeth(),
             chain.links,
             self.center_distance,
@@ -239,6 +249,7 @@ impl<'a> Place<'a> {
 
     pub(super) fn layout(&self, path: &Path) -> Result<Layout> {
         let chain = &self.drive.chain;
+        let pitch = chain.mean_pitch();
         let pitch_radius = [0, 1].map(|i| self.profiles[i].pitch_radius);
         let tilt = self.axis.y.atan2(self.axis.x);
         let lie = self.lie(path);
@@ -248,13 +259,9 @@ impl<'a> Place<'a> {
             order: vec![0, 1],
             sides: vec![Side::Inside; 2],
             seat_of: path.seat_of.clone(),
-            closing_center_distance: closing_center_distance(
-                chain.pitch,
-                self.teeth(),
-                chain.links,
-            ),
+            closing_center_distance: closing_center_distance(pitch, self.teeth(), chain.links),
             center_distance: Some(path.center_distance),
-            belt_pitches: wrap::belt_length(chain.pitch, self.teeth(), self.center_distance),
+            belt_pitches: wrap::belt_length(pitch, self.teeth(), self.center_distance),
             belt_wrap: vec![2.0 * (PI - tangent), 2.0 * tangent],
             seat_offset: [0, 1]
                 .map(|i| path.hinge_radius[i] - pitch_radius[i])

@@ -1,6 +1,6 @@
 //! Layouts of many sprockets that several tests use.
 
-use rustchain::drive::{AnsiTooth, Bearing, Drive, Motion, Sprocket};
+use rustchain::drive::{AnsiTooth, Bearing, Drive, Faults, Motion, Sprocket, Tip};
 use rustchain::geometry::belt::Side;
 use rustchain::geometry::{Seat, Vec2};
 use rustchain::state::links_around;
@@ -15,11 +15,15 @@ pub fn sprocket(teeth: u32, x: f64, y: f64, side: Side, motion: Motion) -> Sproc
         profile: AnsiTooth {
             seat: Seat::BottomDiameter,
             roller_diameter: None,
-        },
+            tip: Tip::Full,
+            edge_radius: None,
+        }
+        .into(),
         mass: None,
         inertia: None,
         initial_speed: None,
         bearing: Bearing::Fixed,
+        faults: Faults::default(),
         side,
         load_inertia: 0.0,
     }

@@ -11,7 +11,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use rustchain::drive::{
-    AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Link, Material, Motion, Sprocket, Tensioner,
+    AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Faults, Link, Material, Motion, Sprocket,
+    Tensioner, Variation,
 };
 use rustchain::geometry::belt::Side;
 use rustchain::geometry::{Seat, Vec2};
@@ -40,6 +41,9 @@ pub fn paper_chain() -> Chain {
         bushing_radius: 3.968_75e-3,
         tooth_contact_length: 0.007,
         material: Material::default(),
+        offset: None,
+        strands: 1,
+        variation: Variation::default(),
     }
 }
 
@@ -53,8 +57,10 @@ pub fn paper_drive() -> Drive {
         motion,
         profile: AnsiTooth {
             seat: Seat::PitchCircle,
-            roller_diameter: None,
-        },
+            ..AnsiTooth::default()
+        }
+        .into(),
+        faults: Faults::default(),
         mass: Some(0.817),
         inertia: Some(588.29e-6),
         initial_speed: None,

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
-use rustchain::drive::{Bearing, Drive, Motion, TimeTable};
+use rustchain::drive::{
+    AnsiTooth, Bearing, Drive, IsoTooth, Motion, StraightTooth, TimeTable, Tip, ToothForm,
+};
 use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic, ForceLaw, Regions};
-use rustchain::geometry::{Surface, Vec2, unit};
+use rustchain::geometry::{Damage, Seat, Surface, Vec2, unit};
 use rustchain::integrator::{Adams, StepControl};
 use rustchain::state::{Motion as Motions, Start, closing_center_distance};
 use rustchain::{ForceLaws, Model};
@@ -22,6 +24,76 @@ pub fn geared_drive(teeth: [u32; 2], links: u32, speed: impl Into<TimeTable>) ->
     }
     drive.sprockets[1].center = Vec2::new(distance, 0.0);
     drive.sprockets[0].motion = Motion::PrescribedSpeed(speed.into());
+    drive
+}
+
+/// Drives whose teeth are of other forms, not whole or not concentric, and whose links differ, by number.
+pub const VARIED: usize = 6;
+
+pub fn varied_drive(number: usize) -> Drive {
+    let iso = |gap: f64| {
+        ToothForm::Iso(IsoTooth {
+            gap,
+            seat: Seat::BottomDiameter,
+            roller_diameter: None,
+            tip_diameter: None,
+            edge_radius: None,
+        })
+    };
+    let cut = AnsiTooth {
+        tip: Tip::Cut,
+        ..AnsiTooth::default()
+    };
+    let straight = StraightTooth {
+        flank_angle: 0.35,
+        seat_radius: None,
+        seat: Seat::PitchCircle,
+        roller_diameter: None,
+        tip_diameter: None,
+        edge_radius: None,
+    };
+    let damage = |teeth: &[(u32, f64)]| {
+        let one = |&(tooth, height): &(u32, f64)| Damage { tooth, height };
+        teeth.iter().map(one).collect::<Vec<_>>()
+    };
+    let (teeth, links) = [
+        ([17, 25], 60),
+        ([17, 17], 38),
+        ([13, 30], 62),
+        ([17, 25], 60),
+        ([17, 17], 39),
+        ([12, 40], 71),
+    ][number];
+    let mut drive = geared_drive(teeth, links, 15.0);
+    let [first, second] = &mut drive.sprockets[..] else {
+        unreachable!()
+    };
+    match number {
+        0 => (first.profile, second.profile) = (iso(0.0), iso(1.0)),
+        1 => (first.profile, second.profile) = (cut.into(), ToothForm::Straight(straight)),
+        2 => {
+            (first.profile, second.profile) = (iso(0.5), cut.into());
+            first.faults.damage = damage(&[(0, 0.0), (1, 0.4), (7, 0.4)]);
+            second.faults.damage = damage(&[(29, 0.7), (3, 0.02)]);
+        }
+        3 => {
+            second.profile = iso(0.3);
+            for (i, sprocket) in [first, second].into_iter().enumerate() {
+                sprocket.faults.eccentricity = 2e-5;
+                sprocket.faults.eccentricity_angle = 1.0 + i as f64;
+                sprocket.center -= 1e-4 * i as f64 * Vec2::new(1.0, 0.0);
+            }
+        }
+        4 => drive.chain.strands = 3,
+        _ => {
+            drive.chain.variation.elongation = vec![0.004];
+            drive.chain.variation.pitch_spread = 1e-4;
+            drive.chain.variation.seed = 5;
+            let pitch = drive.chain.mean_pitch();
+            let distance = closing_center_distance(pitch, teeth, links).unwrap();
+            drive.sprockets[1].center.x = distance - 5e-5;
+        }
+    }
     drive
 }
 
@@ -118,7 +190,9 @@ impl Scene {
         }
         for pair in 0..n * self.model.sprockets.len() {
             if noise.share() < share {
-                let surface = Surface::ALL[(noise.next() % 4) as usize];
+                let profile = &self.model.sprockets[pair / n].profile;
+                let count = profile.surfaces().len() as u64;
+                let surface = Surface(u8::try_from(noise.next() % count).unwrap());
                 dynamics.memory.begin_tooth(pair, noise.share(), surface);
             }
         }

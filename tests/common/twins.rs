@@ -7,9 +7,9 @@
 
 use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Conformal, ElasticLaw, Hertz, Logarithmic, PairTable, Power, Regions};
-use rustchain::geometry::Surface;
+use rustchain::geometry::{Curve, Surface};
 use rustchain::integrator::OdeSystem;
-use rustchain::model::{Model, Rotation, Support};
+use rustchain::model::{Rotation, Support};
 
 const UNIT: f64 = f64::EPSILON;
 
@@ -183,7 +183,7 @@ pub fn compare(dynamics: &mut Dynamics, t: f64, y: &[f64]) -> Agreement {
             .force
             .max(ratio(force, errors.force, errors.force_error));
         if model.tooth_law.lambda == 0.0 {
-            let number = Model::tooth_pair(s, stiffness_surface(dynamics, pair));
+            let number = model.tooth_pair(s, stiffness_surface(dynamics, pair));
             let law = elastic(&model.tooth_law.pairs, number, depth);
             let error = law_error(&model.tooth_law.pairs, number, depth, law);
             all.elastic = all.elastic.max(ratio(force, law, error));
@@ -262,14 +262,13 @@ fn tooth_errors(dynamics: &Dynamics, pair: usize) -> Errors {
     let body = model.links + s;
     let depth = teeth.penetration[pair];
     let radius = model.bushing_radius;
-    let distance = match teeth.surface[pair] {
-        Surface::Seating => depth + profile.seating.radius - radius,
-        Surface::Working => depth + profile.working.radius - radius,
-        Surface::Flat => f64::INFINITY,
-        Surface::Topping => profile.topping.radius + radius - depth,
+    let distance = match profile.surfaces()[teeth.surface[pair].index()].curve {
+        Curve::Concave(arc) => depth + arc.radius - radius,
+        Curve::Straight(_) => f64::INFINITY,
+        Curve::Convex(arc) => arc.radius + radius - depth,
     };
     let rate = teeth.rate[pair];
-    let number = Model::tooth_pair(s, stiffness_surface(dynamics, pair));
+    let number = model.tooth_pair(s, stiffness_surface(dynamics, pair));
     let reach = model.sprockets[s].reach;
     let link = model.link_of_bushing(k);
     Found {
@@ -309,7 +308,7 @@ fn compare_links(
         for k in [i, before] {
             let contact = hinges[k];
             error += contact.vector_error + UNIT * contact.force;
-            if Model::is_inner(i) {
+            if model.link_of_bushing(k) == i {
                 for errors in (0..model.sprockets.len()).filter_map(|s| teeth[s * n + k]) {
                     error += errors.vector_error + UNIT * errors.force;
                 }

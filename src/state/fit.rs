@@ -1,0 +1,126 @@
+//! Hinges that are moved as little as possible until every link has its own length.
+
+use crate::drive::Chain;
+use crate::geometry::Vec2;
+
+/// Misfit that counts as none, over the longest link.
+const FITTING: f64 = 1e-15;
+
+/// Moves hinges of a chain laid with its mean pitch until its links have their own lengths, where they differ; false when they cannot
+/// be.
+pub(super) fn fit_links(chain: &Chain, hinges: &mut [Vec2]) -> bool {
+    let (pitches, mean) = (chain.link_pitches(), chain.mean_pitch());
+    if pitches.iter().all(|&pitch| (pitch - mean).abs() <= 1e-15) {
+        return true;
+    }
+    // Hinges that were laid open stay as open.
+    let n = pitches.len();
+    let lengths: Vec<f64> = (0..n)
+        .map(|i| (hinges[i] - hinges[(i + n - 1) % n]).norm() + (pitches[i] - mean))
+        .collect();
+    fit(hinges, &lengths)
+}
+
+/// Moves `hinges` of a closed chain, link i from hinge i - 1 to hinge i, until link i is `lengths[i]` \[m\] long; false when they
+/// cannot be.
+///
+/// Gauss and Newton's steps of least length: with the links' directions e, a step is `Jᵀ λ`, and `J Jᵀ` is 2 on the diagonal and
+/// -e·e' beside it, round the chain.
+fn fit(hinges: &mut [Vec2], lengths: &[f64]) -> bool {
+    let n = hinges.len();
+    let longest = lengths.iter().copied().fold(0.0, f64::max);
+    for _ in 0..50 {
+        let links: Vec<Vec2> = (0..n)
+            .map(|i| hinges[i] - hinges[(i + n - 1) % n])
+            .collect();
+        let misfit: Vec<f64> = links
+            .iter()
+            .zip(lengths)
+            .map(|(d, l)| l - d.norm())
+            .collect();
+        let worst = misfit.iter().fold(0.0, |most: f64, m| most.max(m.abs()));
+        if worst <= 4.0 * FITTING * longest {
+            return true;
+        }
+        let along: Vec<Vec2> = links.iter().map(Vec2::normalize).collect();
+        let beside: Vec<f64> = (0..n).map(|i| -along[i].dot(&along[(i + 1) % n])).collect();
+        let Some(push) = solve_ring(&beside, misfit) else {
+            return false;
+        };
+        for i in 0..n {
+            let next = (i + 1) % n;
+            hinges[i] += push[i] * along[i] - push[next] * along[next];
+        }
+        if worst > longest || worst.is_nan() {
+            return false;
+        }
+    }
+    false
+}
+
+/// Solves the symmetric system with 2 on the diagonal and `beside[i]` between i and i + 1, the last one with the first.
+///
+/// The corner is taken as a change of rank one (Sherman and Morrison).
+fn solve_ring(beside: &[f64], mut right: Vec<f64>) -> Option<Vec<f64>> {
+    let n = right.len();
+    let corner = beside[n - 1];
+    let shift = -2.0;
+    let mut diagonal = vec![2.0; n];
+    diagonal[0] -= shift;
+    diagonal[n - 1] -= corner * corner / shift;
+    let mut column = vec![0.0; n];
+    column[0] = shift;
+    column[n - 1] = corner;
+    for i in 1..n {
+        let factor = beside[i - 1] / diagonal[i - 1];
+        diagonal[i] -= factor * beside[i - 1];
+        right[i] -= factor * right[i - 1];
+        column[i] -= factor * column[i - 1];
+    }
+    for values in [&mut right, &mut column] {
+        values[n - 1] /= diagonal[n - 1];
+        for i in (0..n - 1).rev() {
+            values[i] = (values[i] - beside[i] * values[i + 1]) / diagonal[i];
+        }
+    }
+    let weight = |values: &[f64]| values[0] + corner / shift * values[n - 1];
+    let share = weight(&right) / (1.0 + weight(&column));
+    let solution: Vec<f64> = right
+        .iter()
+        .zip(&column)
+        .map(|(r, c)| r - share * c)
+        .collect();
+    solution.iter().all(|x| x.is_finite()).then_some(solution)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::unit;
+
+    #[test]
+    fn a_polygon_takes_other_lengths_and_moves_little() {
+        let n: usize = 40;
+        let angle = 2.0 * std::f64::consts::PI / n as f64;
+        let radius = 0.5 / (0.5 * angle).sin();
+        let polygon: Vec<Vec2> = (0..n).map(|i| radius * unit(i as f64 * angle)).collect();
+        let lengths: Vec<f64> = (0..n)
+            .map(|i| 1.0 + 1e-3 * ((i % 3) as f64 - 1.0))
+            .collect();
+        let mut fitted = polygon.clone();
+        assert!(fit(&mut fitted, &lengths));
+        for i in 0..n {
+            let link = fitted[i] - fitted[(i + n - 1) % n];
+            assert!((link.norm() - lengths[i]).abs() < 1e-14);
+        }
+        let moved = polygon.iter().zip(&fitted).map(|(a, b)| (a - b).norm());
+        assert!(moved.fold(0.0, f64::max) < 2e-3);
+    }
+
+    #[test]
+    fn a_link_longer_than_all_others_together_does_not_fit() {
+        let mut square =
+            [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y)| Vec2::new(x, y));
+        assert!(!fit(&mut square, &[9.0, 1.0, 1.0, 1.0]));
+    }
+}

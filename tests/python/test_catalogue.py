@@ -1,0 +1,102 @@
+"""The catalogue: every size, its sources, its masses, and names that are not there."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import rustchain as rc
+from rustchain.cli import app
+
+INCH = 0.0254
+SIZES = rc.catalogue()
+ANSI = ["25", "35", "41", "40", "50", "60", "80", "100", "120", "140", "160", "180", "200", "240"]
+ISO = ["05B", "06B", "08B", "10B", "12B", "16B", "20B", "24B", "32B"]
+WORDS = {"standard", "standard, bushing", "standard, largest", "makers", "limit", "typical"}
+
+
+def test_all_sizes_of_both_standards_are_there():
+    assert list(SIZES) == [f"ANSI {n}" for n in ANSI] + [f"ISO {n}" for n in ISO]
+
+
+@pytest.mark.parametrize("name", SIZES)
+def test_each_number_has_a_source_and_the_parts_fit_into_each_other(name):
+    size = SIZES[name]
+    numbers = {f.name for f in fields(size)} - {"name", "standard", "sources"}
+    assert set(size.sources) == numbers
+    assert set(size.sources.values()) <= WORDS | {"derived"}
+    assert size.pin_diameter < size.bore_diameter < size.bushing_diameter <= size.roller_diameter
+    assert size.roller_diameter < size.pitch
+    assert size.tooth_width < size.inner_width
+    assert max(size.inner_plate_height, size.outer_plate_height) < size.pitch
+    assert size.has_rollers == (name not in ("ANSI 25", "ANSI 35"))
+
+
+@pytest.mark.parametrize("name", SIZES)
+def test_a_chain_weighs_what_its_maker_says_and_its_parts_nearly_do(name):
+    size, chain = SIZES[name], rc.catalogue_chain(name, links=20)
+    per_length = (chain.inner.mass + chain.outer.mass) / (2 * chain.pitch)
+    assert per_length == pytest.approx(size.mass_per_length, rel=1e-14)
+    # Bars without a waist, largest plates: the parts of steel are up to a third too heavy.
+    assert 0.7 < size.mass_scale < 1.05
+    assert sum(part.mass for part in size.parts.values()) * size.mass_scale == pytest.approx(
+        2 * size.pitch * size.mass_per_length
+    )
+
+
+def test_moments_of_inertia_are_those_of_the_shapes():
+    """Integrated over a grid of the plate's area and by parallel axes for the cylinders."""
+    size = SIZES["ISO 08B"]
+    p, h, t = size.pitch, size.inner_plate_height, size.inner_plate_thickness
+    x, y = np.meshgrid(np.linspace(-p, p, 2001), np.linspace(-h / 2, h / 2, 1001))
+    cell = (x[0, 1] - x[0, 0]) * (y[1, 0] - y[0, 0])
+    beyond = np.maximum(np.abs(x) - p / 2, 0.0)
+    inside = beyond**2 + y**2 <= (h / 2) ** 2
+    mass = 7850 * 2 * t * cell * inside.sum()
+    inertia = 7850 * 2 * t * cell * (inside * (x**2 + y**2)).sum()
+    plates = size.parts["inner plates"]
+    assert plates.mass == pytest.approx(mass, rel=3e-3)
+    assert plates.inertia == pytest.approx(inertia, rel=3e-3)
+    pins = size.parts["pins"]
+    length = size.inner_width + 2 * t + size.outer_plate_thickness
+    radius = size.pin_diameter / 2
+    assert pins.mass == pytest.approx(7850 * 2 * np.pi * radius**2 * length)
+    assert pins.inertia == pytest.approx(pins.mass * (radius**2 / 2 + (p / 2) ** 2))
+
+
+def test_numbers_of_the_standards_are_as_printed():
+    forty, eight = SIZES["ANSI 40"], SIZES["ISO 08B"]
+    assert (forty.pitch, forty.roller_diameter) == pytest.approx((INCH / 2, 5 / 16 * INCH))
+    assert forty.strength == pytest.approx(13_900, rel=1e-3)
+    assert (forty.bore_diameter - forty.pin_diameter) / 2 == pytest.approx(12.7e-6)
+    assert (eight.pitch, eight.roller_diameter, eight.inner_width) == (0.0127, 0.00851, 0.00775)
+    assert SIZES["ANSI 240"].mass_per_length == pytest.approx(25.15, abs=0.01)
+
+
+def test_a_chain_is_found_by_its_number_and_refused_with_the_nearest_name():
+    assert rc.catalogue_chain("08b", 60).name == "ISO 08B"
+    assert rc.catalogue_chain("41", 60).name == "ANSI 41"
+    with pytest.raises(rc.InvalidInput, match="did you mean 'ISO 08B'"):
+        rc.catalogue_chain("ISO08B", 60)
+
+
+def test_an_iso_chain_gets_iso_teeth():
+    drive = rc.two_sprocket_drive(chain="ISO 08B", teeth=(17, 25), links=60)
+    assert all(sprocket.profile == rc.IsoTooth() for sprocket in drive.sprockets)
+    assert drive.check().links == 60
+
+
+def test_the_command_lists_all_and_shows_one():
+    listed = CliRunner().invoke(app, ["catalogue"])
+    assert listed.exit_code == 0
+    assert all(name in listed.output for name in SIZES)
+    one = CliRunner().invoke(app, ["catalogue", "16B"])
+    assert "ISO 16B (ISO 606)" in one.output
+    assert "strength" in one.output
+    assert "makers" in one.output
+    wrong = CliRunner().invoke(app, ["catalogue", "17C"])
+    assert wrong.exit_code == 1
+    assert "not in the catalogue" in wrong.output
