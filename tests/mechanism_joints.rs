@@ -543,6 +543,11 @@ fn a_jammed_mechanism_stops_with_the_time_and_the_joints() {
         }
     };
     assert!(failure.contains("t = "), "{failure}");
+    // The joints that miss, or the one with the largest load.
+    let named = ["first foot", "crank pin", "knee", "second foot", "motor"]
+        .iter()
+        .any(|joint| failure.contains(&format!("{joint:?}")));
+    assert!(named, "{failure}");
 }
 
 #[test]

@@ -145,7 +145,7 @@ fn radii_lengths_and_gravity_in_millimetres_are_told() {
 #[test]
 fn a_body_placed_beside_its_joints_is_told_by_name() {
     let mut mechanism = four_bars(1);
-    mechanism.bodies[1].position[0] += 0.15;
+    mechanism.bodies[1].position[0] += 0.25;
     let found = warnings(&mechanism);
     let post = format!("{:?}", mechanism.bodies[1].name);
     assert!(

@@ -55,7 +55,7 @@ class IdealHingeCore:
             drive, "ideal", law, min_approach_speed, (positions, velocities)
         )
         self._drive = drive
-        if solver.method == "auto":  # Newton's matrix is dense for mechanisms
+        if solver.method == "auto":  # the one that ideal hinges were measured with
             solver = replace(solver, method="pece")
         self._core = _rustchain.MechanismCore(mechanism, solver, None)
         report = self._core.check()

@@ -26,7 +26,7 @@ pub struct Assembly {
 }
 
 /// Way, as a part of the mechanism's size, and turn \[rad\] of a body in assembly that are worth a word.
-const MOVED_FAR: f64 = 0.05;
+const MOVED_FAR: f64 = 0.1;
 const TURNED_FAR: f64 = 0.1;
 
 const MOST_ITERATIONS: usize = 100;

@@ -3,8 +3,9 @@
 use nalgebra::Matrix2;
 
 use super::body::Frame;
+use super::memory::Memory;
 use super::pair::PairForce;
-use super::touch::{CompiledContact, Memory};
+use super::touch::CompiledContact;
 
 impl CompiledContact {
     /// Shows `visit` how the force of each place that bears changes.

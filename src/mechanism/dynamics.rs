@@ -7,8 +7,8 @@ use super::constrained::Constrained;
 use super::equation::Row;
 use super::implicit::ImplicitMatrix;
 use super::loads::Loads;
+use super::memory::{Memory, Touch};
 use super::model::MechanismModel;
-use super::touch::{Memory, Touch};
 use crate::integrator::OdeSystem;
 
 /// How positions and velocities are kept on the constraints.

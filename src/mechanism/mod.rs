@@ -21,6 +21,7 @@ mod joint;
 mod joint_slopes;
 mod kkt;
 mod loads;
+mod memory;
 mod model;
 mod motion;
 mod null_space;

@@ -1,9 +1,9 @@
 //! Contacts that began or ended within a step: what each side remembers from then on.
 
 use super::body::Frame;
+use super::memory::{Memory, Touch};
 use super::outline::Place;
 use super::simulation::MechanismSimulation;
-use super::touch::{Memory, Touch};
 use crate::contact::first_crossing;
 
 /// Part of the depth at the end of a step below which a contact began from nothing within it.

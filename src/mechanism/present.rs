@@ -2,9 +2,9 @@
 
 use super::body::{Body, Frame};
 use super::dynamics::{MechanismDynamics, Stabilisation};
+use super::memory::Memory;
 use super::recording::MechanismRecording;
 use super::simulation::{ITERATIONS, MechanismSimulation};
-use super::touch::Memory;
 use crate::error::{Error, Result};
 
 impl MechanismSimulation {

@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 
 use super::assembly::Assembly;
 use super::dynamics::{MechanismDynamics, Stabilisation};
+use super::memory::Memory;
 use super::model::MechanismModel;
 use super::recording::MechanismRecording;
-use super::touch::Memory;
 use crate::error::{Error, Result};
 use crate::integrator::{Adams, Counts, OdeSystem, StepControl};
 use crate::simulate::{STANDSTILL, STEPS_OF_STANDSTILL, describe_open_balance};

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::memory::Memory;
 use super::model::MechanismModel;
 use super::simulation::MechanismSimulation;
-use super::touch::Memory;
 use crate::error::{Error, Result};
 use crate::integrator::Adams;
 

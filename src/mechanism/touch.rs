@@ -1,11 +1,10 @@
 //! A contact in a run: where its circle bears, its forces, and what each side of the profile remembers.
 
-use serde::{Deserialize, Serialize};
-
 use super::body::{End, Frame};
 use super::contact::ContactPair;
 use super::contact_law::Prepared;
 use super::loads::Loads;
+use super::memory::{Memory, Touch};
 use super::outline::{Bearing, Outline, Place, is_tight};
 use super::profile::{Curvature, Nearest, Profile, Tooth};
 use crate::contact::Contact;
@@ -27,58 +26,6 @@ pub(super) struct CompiledContact {
     /// Distance of the markers from which on they are apart; infinite for what has no outside.
     reach: f64,
     pairs: Vec<Prepared>,
-}
-
-/// What a live contact remembers of one side of its profile from its onset: written between steps only.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub(super) struct Memory {
-    /// Approach speed \[m/s\]; zero: no memory; below zero: behind an open outline, until it has come out.
-    pub(super) speed: f64,
-    /// The piece it began on, whose stiffness it keeps.
-    pub(super) piece: usize,
-    /// Whether it bears on the front of an open outline: from there it may sink in however deep.
-    pub(super) in_front: bool,
-}
-
-/// A contact with one side of its profile at one state; out of reach, its penetration is -∞.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Touch {
-    /// Where it is deepest.
-    pub(super) contact: Contact,
-    pub(super) piece: usize,
-    pub(super) place: Place,
-    /// Where among teeth, when it is near them.
-    pub(super) tooth: Option<Tooth>,
-    /// Normal force \[N\].
-    pub(super) force: f64,
-    /// Force on the circle \[N\].
-    pub(super) push: Vec2,
-}
-
-impl Default for Touch {
-    fn default() -> Self {
-        Self {
-            contact: Contact {
-                normal: Vec2::zeros(),
-                penetration: f64::NEG_INFINITY,
-                penetration_rate: 0.0,
-            },
-            piece: 0,
-            place: Place::Front,
-            tooth: None,
-            force: 0.0,
-            push: Vec2::zeros(),
-        }
-    }
-}
-
-impl Memory {
-    /// Of a circle behind an open outline, which it did not come through.
-    pub(super) const BEHIND: Self = Self {
-        speed: -1.0,
-        piece: 0,
-        in_front: false,
-    };
 }
 
 impl CompiledContact {
