@@ -14,7 +14,7 @@ use crate::model::{ContactLaw, Model};
 const MAGIC: &[u8; 16] = b"rustchain state\n";
 
 /// Version of the bytes; another one for every change of what they hold.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// All that decides how a run goes on, the integrator's history and the contacts' memory included; which model it is of.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -130,6 +130,7 @@ impl Simulation {
         (self.dynamics, self.adams, self.now) = (dynamics, adams, snapshot.now);
         let counts = self.adams.counts();
         self.watched = (counts.steps + counts.rejected, self.adams.time());
+        self.kink = f64::NEG_INFINITY;
         Ok(())
     }
 }
