@@ -48,7 +48,7 @@ fn main() {
             let mut residual: Vec<f64> = (0..dynamics.coordinates())
                 .map(|i| (i * 37 % 17) as f64 - 8.0)
                 .collect();
-            dynamics.derivative_with_slopes(t, &y, &mut dydt);
+            dynamics.accelerations_with_slopes(t, &y, &mut dydt);
             assert!(dynamics.factorise(&y, gamma));
             let (mut plain, mut sloped, mut factorised) =
                 (dynamics.clone(), dynamics.clone(), dynamics.clone());
@@ -60,7 +60,7 @@ fn main() {
                 &mut [
                     Box::new(|| plain.derivative(black_box(t), black_box(&y), &mut first)),
                     Box::new(|| {
-                        sloped.derivative_with_slopes(black_box(t), black_box(&y), &mut second);
+                        sloped.accelerations_with_slopes(black_box(t), black_box(&y), &mut second);
                     }),
                     Box::new(|| {
                         black_box(factorised.factorise(black_box(&y), gamma));

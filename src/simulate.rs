@@ -30,13 +30,33 @@ pub struct Simulation {
     balance_note: Option<String>,
     /// Steps and time from which on the run is watched for standing still.
     watched: (u64, f64),
+    /// Next kink of a speed or torque \[s\], once it is known.
+    kink: f64,
 }
 
+/// Wall time spent in runs. Steps are too short to read the clock in each: some are timed, and all are taken to be like them.
 #[derive(Debug, Clone, Copy, Default)]
 struct Wall {
-    stepping: Duration,
-    onsets: Duration,
+    /// In all.
+    runs: Duration,
     reports: Duration,
+    /// In the steps that were timed, and in finding their onsets.
+    timed_stepping: Duration,
+    timed_onsets: Duration,
+}
+
+impl Wall {
+    /// Time in steps and in finding onsets \[s\].
+    fn steps(&self) -> [f64; 2] {
+        let all = self.runs.saturating_sub(self.reports).as_secs_f64();
+        let [stepping, onsets] = [self.timed_stepping, self.timed_onsets].map(|d| d.as_secs_f64());
+        let timed = stepping + onsets;
+        if timed > 0.0 {
+            [all * stepping / timed, all * onsets / timed]
+        } else {
+            [all, 0.0]
+        }
+    }
 }
 
 /// What a run has cost so far.
@@ -52,9 +72,9 @@ pub struct Statistics {
     pub onsets_at_floor: u64,
     /// Contacts that closed and opened again inside a step, within the accuracy, and were let pass.
     pub unseen_touches: u64,
-    /// Wall time in steps \[s\].
+    /// Wall time in steps \[s\]; its share is that in the steps that were timed, one of 16.
     pub wall_stepping: f64,
-    /// Wall time in finding onsets \[s\].
+    /// Wall time in finding onsets and metering energy, likewise \[s\].
     pub wall_onsets: f64,
     /// Wall time in reports \[s\].
     pub wall_reports: f64,
@@ -62,6 +82,9 @@ pub struct Statistics {
 
 /// How often the wall clock is looked at, in steps.
 const STEPS_BETWEEN_CLOCK_READINGS: u32 = 64;
+
+/// A step in so many is timed.
+const STEPS_FOR_ONE_TIMED: u32 = 16;
 
 /// A run that takes this many steps, rejected ones included, for [`STANDSTILL`] does not go on.
 pub(crate) const STEPS_OF_STANDSTILL: u64 = 100_000;
@@ -111,8 +134,7 @@ impl Simulation {
         }
         let mut adams = Adams::new(dimension, control);
         adams.restart(0.0, &y);
-        adams.limit_step(longest_step(&dynamics, 0.0));
-        Ok(Self {
+        let mut simulation = Self {
             dynamics,
             adams,
             start: start.clone(),
@@ -122,7 +144,10 @@ impl Simulation {
             wall: Wall::default(),
             balance_note: None,
             watched: (0, 0.0),
-        })
+            kink: f64::NEG_INFINITY,
+        };
+        simulation.limit_step();
+        Ok(simulation)
     }
 
     /// The model.
@@ -176,14 +201,15 @@ impl Simulation {
     #[must_use]
     pub fn statistics(&self) -> Statistics {
         let onsets = self.dynamics.memory.counts();
+        let [wall_stepping, wall_onsets] = self.wall.steps();
         Statistics {
             counts: self.adams.counts(),
             meter_evaluations: self.dynamics.meter_evaluations(),
             onsets: onsets.onsets,
             onsets_at_floor: onsets.at_floor,
             unseen_touches: self.dynamics.unseen_touches(),
-            wall_stepping: self.wall.stepping.as_secs_f64(),
-            wall_onsets: self.wall.onsets.as_secs_f64(),
+            wall_stepping,
+            wall_onsets,
             wall_reports: self.wall.reports.as_secs_f64(),
         }
     }
@@ -280,6 +306,12 @@ impl Simulation {
             self.dynamics.keep_energy(false);
         }
         let begin = Instant::now();
+        let ended = self.advance_from(begin, target, budget);
+        self.wall.runs += begin.elapsed();
+        ended
+    }
+
+    fn advance_from(&mut self, begin: Instant, target: f64, budget: Duration) -> Result<bool> {
         let mut steps = 0u32;
         loop {
             if !self.report(begin, budget) {
@@ -296,13 +328,13 @@ impl Simulation {
                 self.now = self.adams.time();
                 return Ok(false);
             }
-            self.step()?;
+            self.step(steps.is_multiple_of(STEPS_FOR_ONE_TIMED))?;
             steps += 1;
         }
     }
 
-    fn step(&mut self) -> Result<()> {
-        let begin = Instant::now();
+    fn step(&mut self, timed: bool) -> Result<()> {
+        let begin = timed.then(Instant::now);
         self.dynamics.begin_step();
         let step = self.adams.step_second_order(&mut self.dynamics);
         let step = match step {
@@ -312,17 +344,29 @@ impl Simulation {
                 return Err(self.explain(failure));
             }
         };
-        let stepped = Instant::now();
+        let stepped = timed.then(Instant::now);
         self.dynamics.finish_step(&self.adams, &step);
-        let longest = longest_step(&self.dynamics, self.adams.time());
-        self.adams.limit_step(longest);
+        self.limit_step();
         if let Some(recorder) = &mut self.recorder {
             recorder.keep_step_forces(&self.dynamics);
         }
         self.dynamics.meter_step(&self.adams, &step);
-        self.wall.stepping += stepped - begin;
-        self.wall.onsets += stepped.elapsed();
+        if let (Some(begin), Some(stepped)) = (begin, stepped) {
+            self.wall.timed_stepping += stepped - begin;
+            self.wall.timed_onsets += stepped.elapsed();
+        }
         self.watch_progress()
+    }
+
+    /// How long the next step may be: bodies that are fast, and the next kink of a speed or torque, where steps end.
+    fn limit_step(&mut self) {
+        let t = self.adams.time();
+        // A kink that was met but for rounding is behind.
+        if self.kink <= t + SHORTEST_TO_KINK {
+            self.kink = self.model().next_kink(t + SHORTEST_TO_KINK);
+        }
+        let longest = self.dynamics.longest_step().min(self.kink - t);
+        self.adams.limit_step(longest);
     }
 
     /// Makes the reports that lie inside the last step; false when the budget ended before all were made.
@@ -400,13 +444,6 @@ impl Simulation {
             contact.unwrap_or_else(|| "not in contact".to_string())
         )
     }
-}
-
-/// How long the step from `t` may be \[s\]: bodies that are fast, and the next kink of a speed or torque, where steps end.
-fn longest_step(dynamics: &Dynamics, t: f64) -> f64 {
-    // A kink that was met but for rounding is behind.
-    let kink = dynamics.model().next_kink(t + SHORTEST_TO_KINK);
-    dynamics.longest_step().min(kink - t)
 }
 
 /// A recording of `duration` \[s\] with rows `report_step` \[s\] apart.

@@ -112,7 +112,7 @@ fn the_kernels_matrix_is_the_exact_one_but_for_angles_turned_in_a_step() {
             let mut slope = vec![0.0; y.len()];
             let mut found = Vec::new();
             for gamma in [1e-5, 1e-6, 1e-8] {
-                dynamics.derivative_with_slopes(t, &y, &mut slope);
+                dynamics.accelerations_with_slopes(t, &y, &mut slope);
                 assert!(dynamics.factorise(&y, gamma));
                 for residual in residuals(dynamics.coordinates()) {
                     let (mut x, mut exact) = (residual.clone(), residual);

@@ -166,7 +166,11 @@ def _links(record):
 
 
 def _orders(record):
-    """How the error falls with the tolerance, and over how many decades."""
+    """How the error falls with the tolerance, and over how many decades of both.
+
+    Of a formula of order k it falls as tolerance^(k/(k+1)): 0.67 for Newton's method at order 2,
+    up to 0.92 for PECE, less where contacts hold its order down.
+    """
     said = []
     for scene in ("0 N, 5 ms", "0 N, 6 ms", "25 N, 20 ms", "100 N, 20 ms"):
         for method in ("rustchain Newton", "rustchain PECE", "rustchain PECE, rtol"):
@@ -180,10 +184,10 @@ def _orders(record):
             if len(points) > 2:
                 tolerances, errors = np.array(points).T
                 slope = -order_of_convergence(tolerances, errors)
-                span = np.log10(errors.max() / errors.min())
+                span, wide = (np.log10(of.max() / of.min()) for of in (errors, tolerances))
                 said.append(
                     f"{scene}, {SHORT[method]}: error falls as tolerance^{slope:.2f}, "
-                    f"over {span:.1f} decades"
+                    f"over {span:.1f} decades, {wide:.1f} of the tolerance"
                 )
     return said
 

@@ -120,9 +120,13 @@ def points_of(start, end, plan):
 
 
 def take_turns(points, plan, spread=0.0):
-    """Make all runs, a turn of every point after the other: a busy while slows all alike."""
+    """Make all runs, a turn of every point after the other: a busy while slows all alike.
+
+    Every turn begins with another point: what runs after a rival finds cold caches.
+    """
     for turn in range(max(plan.repeats, plan.runs, plan.rival_runs)):
-        for point in points:
+        first = turn % len(points)
+        for point in points[first:] + points[:first]:
             point.go_on(turn, plan.repeats, spread)
 
 

@@ -6,7 +6,7 @@ use super::jacobian::{FAR, Lever, PointForce, Pressed, link_levers, sprocket_lev
 use crate::contact::bushing_on_sprocket;
 use crate::force_law::{ElasticLaw, Regions, with_law};
 use crate::geometry::{Curve, Vec2, turned_left};
-use crate::integrator::{OdeSystem, SecondOrderSystem};
+use crate::integrator::SecondOrderSystem;
 
 /// Force \[N\] and its slopes with penetration \[N/m\] and rate \[N s/m\].
 fn slopes<L: ElasticLaw>(
@@ -193,11 +193,19 @@ impl SecondOrderSystem for Dynamics {
         self.model.coordinates
     }
 
-    fn derivative_with_slopes(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+    fn accelerations(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+        self.accelerate(t, y, &mut dydt[self.model.coordinates..]);
+    }
+
+    fn accelerations_with_slopes(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
         self.make_room_for_newton();
         self.kernels.write_slopes(true);
-        self.derivative(t, y, dydt);
+        self.accelerations(t, y, dydt);
         self.kernels.write_slopes(false);
+    }
+
+    fn has_kinked(&self) -> bool {
+        self.kernels.changed()
     }
 
     fn factorise(&mut self, _y: &[f64], gamma: f64) -> bool {

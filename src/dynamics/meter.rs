@@ -2,10 +2,14 @@
 //!
 //! The path is the cubic through values and slopes at both ends of the step, whatever the integrator's order.
 
+#![allow(clippy::inline_always)] // what is not inlined into a kernel does not run with its instructions
+
+use pulp::{Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
 use super::{Dynamics, Powers};
-use crate::integrator::{Adams, OdeSystem, Step};
+use crate::integrator::{Adams, Step};
+use crate::vector::{Lanes, Numbers, load, padded_zeros, vectors, vectors_mut};
 
 /// Inner points of the Gauss-Lobatto formula of four points, as parts of a panel; the others are its ends.
 const INNER: [f64; 2] = [0.276_393_202_250_021, 0.723_606_797_749_979];
@@ -143,37 +147,79 @@ fn whole(powers: &[Powers]) -> Powers {
     sum
 }
 
-/// Where a step began: with its end, what the path inside it is interpolated from.
+/// Values and slopes at both ends of a step: what the path inside it is interpolated from.
 #[derive(Debug, Clone)]
-pub(super) struct StepStart {
-    y: Vec<f64>,
-    slope: Vec<f64>,
+pub(super) struct StepEnds {
+    y: Numbers,
+    slope: Numbers,
+    end: Numbers,
+    end_slope: Numbers,
 }
 
-impl StepStart {
+impl StepEnds {
     pub(super) fn new(dimension: usize) -> Self {
+        let zeros = || padded_zeros(dimension);
         Self {
-            y: vec![0.0; dimension],
-            slope: vec![0.0; dimension],
+            y: zeros(),
+            slope: zeros(),
+            end: zeros(),
+            end_slope: zeros(),
         }
     }
 
     /// Takes `y` and its `slope` as the start of the next step.
-    pub(super) fn keep(&mut self, y: &[f64], slope: &[f64]) {
-        self.y.copy_from_slice(y);
-        self.slope.copy_from_slice(slope);
+    pub(super) fn begin(&mut self, y: &[f64], slope: &[f64]) {
+        self.y[..y.len()].copy_from_slice(y);
+        self.slope[..slope.len()].copy_from_slice(slope);
     }
 
-    /// Writes the cubic through values and slopes at both ends of the step, at a `part` of its `length`.
-    fn write_path(&self, part: f64, length: f64, end: &Adams, y: &mut [f64]) {
-        let rest = 1.0 - part;
-        let from = (1.0 + 2.0 * part) * rest * rest;
-        let from_slope = length * part * rest * rest;
-        let to_slope = -length * part * part * rest;
-        let ends = self.y.iter().zip(end.y());
-        let slopes = self.slope.iter().zip(end.slope());
-        for ((y, (y0, y1)), (s0, s1)) in y.iter_mut().zip(ends).zip(slopes) {
-            *y = from * y0 + (1.0 - from) * y1 + (from_slope * s0 + to_slope * s1);
+    /// Takes where `adams` is as the end of the step.
+    fn end(&mut self, adams: &Adams) {
+        let y = adams.y();
+        self.end[..y.len()].copy_from_slice(y);
+        adams.write_slope(&mut self.end_slope[..y.len()]);
+    }
+
+    /// The end of this step is the start of the next one.
+    fn advance(&mut self) {
+        std::mem::swap(&mut self.y, &mut self.end);
+        std::mem::swap(&mut self.slope, &mut self.end_slope);
+    }
+}
+
+/// The cubic through values and slopes at both ends of a step, at a `part` of its `length` \[s\].
+struct Between<'a> {
+    ends: &'a StepEnds,
+    part: f64,
+    length: f64,
+    y: &'a mut [f64],
+}
+
+impl WithSimd for Between<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (part, rest) = (self.part, 1.0 - self.part);
+        let splat = |value| Lanes::splat(simd, value);
+        let from = splat((1.0 + 2.0 * part) * rest * rest);
+        let from_slope = splat(self.length * part * rest * rest);
+        let to_slope = splat(-self.length * part * part * rest);
+        let blocks = self.y.len() / S::F64_LANES;
+        let StepEnds {
+            y,
+            slope,
+            end,
+            end_slope,
+        } = self.ends;
+        let ends = [y, end].map(|y| vectors::<S>(y, blocks));
+        let slopes = [slope, end_slope].map(|slope| vectors::<S>(slope, blocks));
+        let y = vectors_mut::<S>(self.y, blocks);
+        for b in 0..blocks {
+            let [start, end] = ends.map(|y| load(simd, &y[b]));
+            let [rise, fall] = slopes.map(|slope| load(simd, &slope[b]));
+            let bend = rise.mul_add(from_slope, fall * to_slope);
+            y[b] = (from.mul_add(start - end, end) + bend).values();
         }
     }
 }
@@ -191,11 +237,12 @@ impl Dynamics {
     pub(crate) fn resume_metering(&mut self, adams: &Adams) {
         if !self.keeps_energy {
         } else if adams.counts().steps > 0 {
-            self.begin.keep(adams.y(), adams.slope());
+            self.ends.end(adams);
+            self.ends.advance();
         } else {
             // The integrator has no slope before its first step.
             self.differentiate(adams.time(), adams.y());
-            self.begin.keep(adams.y(), &self.slope);
+            self.ends.begin(adams.y(), &self.slope);
         }
     }
 
@@ -208,10 +255,16 @@ impl Dynamics {
         let mut meter = std::mem::take(&mut self.meter);
         let mut y = std::mem::take(&mut self.inside);
         let mut slope = std::mem::take(&mut self.slope);
-        let at_end = self.powers;
+        self.ends.end(adams);
         let length = step.end - step.start;
         // Where a contact begins or ends, power has a kink.
         let panels = meter.fineness * (1 + usize::from(self.kernels.changed()));
+        if adams.was_evaluated_beside() {
+            let coordinates = self.model.coordinates;
+            self.accelerate(step.end, adams.y(), &mut slope[coordinates..]);
+            meter.evaluations += 1;
+        }
+        let at_end = self.powers;
         meter.lay_out(panels, meter.last_power());
         for (i, powers) in meter.powers[1..].iter_mut().enumerate() {
             let (panel, point) = (i / POINTS, i % POINTS);
@@ -220,13 +273,20 @@ impl Dynamics {
                 at_end
             } else {
                 let part = place / panels as f64;
-                self.begin.write_path(part, length, adams, &mut y);
-                self.derivative(step.start + part * length, &y, &mut slope);
+                self.kernels.instructions().run(Between {
+                    ends: &self.ends,
+                    part,
+                    length,
+                    y: &mut y,
+                });
+                let t = step.start + part * length;
+                let coordinates = self.model.coordinates;
+                self.accelerate(t, &y[..slope.len()], &mut slope[coordinates..]);
                 meter.evaluations += 1;
                 self.powers
             };
         }
-        self.begin.keep(adams.y(), adams.slope());
+        self.ends.advance();
         let width = length / panels as f64;
         meter.at_start = meter.at_end;
         (meter.start, meter.end) = (step.start, step.end);

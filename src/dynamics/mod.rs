@@ -22,7 +22,7 @@ pub(crate) use carried::Carried;
 pub use energy::Energy;
 pub use loads::SprocketLoad;
 pub(crate) use loads::{Moves, outside_powers, sprocket_acceleration};
-use meter::{EnergyMeter, StepStart};
+use meter::{EnergyMeter, StepEnds};
 pub(crate) use needs::{Needs, Want};
 
 use crate::contact::{
@@ -34,7 +34,7 @@ use crate::integrator::{Adams, OdeSystem, Step};
 use crate::kernels::Kernels;
 use crate::model::Model;
 use crate::state::Motion;
-use crate::vector::InstructionSet;
+use crate::vector::{InstructionSet, padded};
 use loads::Accelerations;
 
 /// A drive in motion: the right-hand side that the integrator calls, and the memory of its contacts.
@@ -58,8 +58,8 @@ pub struct Dynamics {
     /// Powers at the last derivative, while energy is kept.
     powers: Powers,
     meter: EnergyMeter,
-    /// Where the next step to be metered begins, or the present one began.
-    begin: StepStart,
+    /// Both ends of the step that is metered, or where the next one begins.
+    ends: StepEnds,
     /// Pairs that came apart in the last step; they keep their memory until the next one begins, for reports inside it.
     parted: Vec<Pair>,
     /// Whether some contact may have turned round inside the step just made.
@@ -72,7 +72,7 @@ pub struct Dynamics {
     begun: Vec<(usize, usize)>,
     /// Scratch: a derivative that nobody asked for.
     slope: Vec<f64>,
-    /// Scratch: the state inside a step.
+    /// Scratch: the state inside a step, padded.
     inside: Vec<f64>,
     /// The first hinge that went past the end of its law, in words.
     hinge_past_range: Option<String>,
@@ -102,13 +102,13 @@ impl Dynamics {
             keeps_energy: false,
             powers: Powers::default(),
             meter: EnergyMeter::new(),
-            begin: StepStart::new(2 * model.coordinates),
+            ends: StepEnds::new(2 * model.coordinates),
             parted: Vec::with_capacity(links * (1 + sprockets)),
             turned: false,
             fastest: 0.0,
             unseen_touches: 0,
             slope: vec![0.0; 2 * model.coordinates],
-            inside: vec![0.0; 2 * model.coordinates],
+            inside: vec![0.0; padded(2 * model.coordinates)],
             begun: Vec::with_capacity(links * sprockets),
             hinge_past_range: None,
             tooth_past_range: None,
@@ -443,6 +443,16 @@ impl Dynamics {
         depths.map(|(k, &depth)| (depth, self.kernels.hinge_force(k)))
     }
 
+    /// Writes the accelerations at (`t`, `y`), coordinate by coordinate.
+    fn accelerate(&mut self, t: f64, y: &[f64], accelerations: &mut [f64]) {
+        let (kernels, model, memory) = (&mut self.kernels, &self.model, &self.memory);
+        if self.keeps_energy {
+            self.powers = kernels.accelerations::<true>(model, memory, t, y, accelerations);
+        } else {
+            kernels.accelerations::<false>(model, memory, t, y, accelerations);
+        }
+    }
+
     /// Evaluates the right-hand side at (`t`, `y`) for what it leaves behind: depths and forces of contacts, and the powers when
     /// energy is kept.
     pub(crate) fn differentiate(&mut self, t: f64, y: &[f64]) {
@@ -526,11 +536,6 @@ impl OdeSystem for Dynamics {
         let nq = self.model.coordinates;
         let (rates, accelerations) = dydt.split_at_mut(nq);
         rates.copy_from_slice(&y[nq..2 * nq]);
-        let (kernels, model, memory) = (&mut self.kernels, &self.model, &self.memory);
-        if self.keeps_energy {
-            self.powers = kernels.accelerations::<true>(model, memory, t, y, accelerations);
-        } else {
-            kernels.accelerations::<false>(model, memory, t, y, accelerations);
-        }
+        self.accelerate(t, y, accelerations);
     }
 }

@@ -2,13 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::auto::Choice;
+use super::auto::{Choice, STEPS_A_LOOK};
 use super::coefficients::Coefficients;
 use super::dense_output::DenseOutput;
 use super::differences::Differences;
 use super::order_control::{ErrorEstimate, choose_order, choose_step, gamma_star};
 use super::stability::FastestRate;
-use super::table::Errors;
+use super::table::{Correction, Errors};
 use super::{Corrector, MAX_ORDER, OdeSystem, SecondOrderSystem, StepControl};
 use crate::vector::{InstructionSet, Numbers, padded_zeros};
 
@@ -106,6 +106,11 @@ pub struct Adams {
     pub(super) share: f64,
     /// The fastest rate of the system met lately.
     pub(super) fastest: FastestRate,
+    /// Size of the second correction of Newton's method over the square of the first one, both in units of the tolerance, when it
+    /// was last measured; more since; infinite when nothing is known of it.
+    pub(super) bend: f64,
+    /// Whether the last step of Newton's method ended with its first correction, unmeasured.
+    pub(super) unmeasured: bool,
     /// Which corrector, where both are allowed.
     pub(super) choice: Choice,
     #[serde(skip)]
@@ -139,6 +144,8 @@ impl Adams {
             residual: padded_zeros(dimension),
             share: 1.0,
             fastest: FastestRate::default(),
+            bend: f64::INFINITY,
+            unmeasured: false,
             choice: Choice::new(),
             instructions: InstructionSet::detect(),
         }
@@ -198,10 +205,16 @@ impl Adams {
         &self.y[..self.dimension]
     }
 
-    /// Slope at [`Self::time`].
+    /// Writes the slope at [`Self::time`], once a step has been made.
+    pub fn write_slope(&self, slope: &mut [f64]) {
+        self.differences.write_slope(slope);
+    }
+
+    /// Whether the last evaluation was farther from [`Self::y`] than a small part of the tolerance: at a prediction that was then
+    /// corrected, about by the tolerance.
     #[must_use]
-    pub fn slope(&self) -> &[f64] {
-        &self.slope[..self.dimension]
+    pub fn was_evaluated_beside(&self) -> bool {
+        self.unmeasured
     }
 
     /// Work done so far.
@@ -264,7 +277,8 @@ impl Adams {
     ) -> Result<Step, StepFailure> {
         self.weigh_by_scale(system, false);
         let step = self.step_weighed(system)?;
-        if self.control.corrector == Corrector::Auto {
+        let looks = self.counts.steps.is_multiple_of(u64::from(STEPS_A_LOOK));
+        if looks && self.control.corrector == Corrector::Auto {
             self.consider_implicit(system);
         }
         Ok(step)
@@ -272,7 +286,10 @@ impl Adams {
 
     fn step_weighed(&mut self, system: &mut impl OdeSystem) -> Result<Step, StepFailure> {
         let controlled = system.controlled();
-        self.check_tolerances(controlled)?;
+        // What grows towards rounding does so in many steps.
+        if self.starting || self.counts.steps.is_multiple_of(16) {
+            self.check_tolerances(controlled)?;
+        }
         if self.starting {
             self.start(system);
         }
@@ -281,7 +298,7 @@ impl Adams {
         let estimate = loop {
             self.predict();
             self.evaluate_prediction(system);
-            let estimate = self.estimate_error();
+            let estimate = self.estimate_and_correct();
             if estimate.accepts() {
                 if system.stands(self.step_size, self.allowed()) {
                     break estimate;
@@ -291,8 +308,8 @@ impl Adams {
             }
             self.retreat(&estimate, failures, controlled)?;
         };
-        self.correct_and_evaluate(system);
-        self.choose_order_and_step(&estimate);
+        let above = self.correct_and_evaluate(system);
+        self.choose_order_and_step(&estimate, above);
         Ok(Step {
             start: begin,
             end: self.time,
@@ -352,17 +369,13 @@ impl Adams {
         self.starting = false;
         self.growing = true;
         self.fastest = FastestRate::default();
+        self.bend = f64::INFINITY;
         self.choice = Choice::new();
     }
 
     /// Coefficients of a step of the present size and order, and the prediction.
     pub(super) fn predict(&mut self) {
-        self.coefficients.update(
-            self.step_size,
-            self.order,
-            self.last_step_size,
-            self.last_order,
-        );
+        self.update_coefficients();
         self.differences.predict(
             self.instructions,
             &self.coefficients,
@@ -370,6 +383,15 @@ impl Adams {
             self.step_size,
             &self.y,
             &mut self.predicted,
+        );
+    }
+
+    pub(super) fn update_coefficients(&mut self) {
+        self.coefficients.update(
+            self.step_size,
+            self.order,
+            self.last_step_size,
+            self.last_order,
         );
     }
 
@@ -384,14 +406,34 @@ impl Adams {
 
     /// Errors of this step and, had steps been equal, of the two orders below.
     pub(super) fn estimate_error(&self) -> ErrorEstimate {
-        let (k, h) = (self.order, self.step_size);
-        let [at, one, two] = self.instructions.run(Errors {
+        let rows = self.differences.rows_of_errors(self.order);
+        self.estimate_from(self.instructions.run(Errors {
             slope: &self.slope,
-            first: self.differences.row(0),
-            one_below: self.differences.row(k - 1),
-            two_below: self.differences.row(k.saturating_sub(2)),
+            rows,
             inverse_weight: &self.inverse_weight,
+            correction: None,
+        }))
+    }
+
+    /// The same, and the corrected solution as what is tried.
+    fn estimate_and_correct(&mut self) -> ErrorEstimate {
+        let rows = self.differences.rows_of_errors(self.order);
+        let sums = self.instructions.run(Errors {
+            slope: &self.slope,
+            rows,
+            inverse_weight: &self.inverse_weight,
+            correction: Some(Correction {
+                weight: self.step_size * self.coefficients.g[self.order],
+                predicted: &self.predicted,
+                corrected: &mut self.trial,
+            }),
         });
+        self.estimate_from(sums)
+    }
+
+    /// The same from sums of squares at the order and, where they are asked for, below.
+    pub(super) fn estimate_from(&self, [at, one, two]: [f64; 3]) -> ErrorEstimate {
+        let (k, h) = (self.order, self.step_size);
         let mean = |sum: f64| h * self.norm_of(sum);
         let c = &self.coefficients;
         let at = mean(at);
@@ -421,35 +463,39 @@ impl Adams {
         self.counts.rejected += 1;
         self.growing = false;
         let failed = self.step_size;
-        let component = self.worst_component(controlled);
-        self.differences
-            .retreat(self.instructions, &self.coefficients, self.order);
-        self.coefficients.retreat(self.order, failed);
         let mut shrink = 0.5;
         if failures > 3 && 0.5 < 0.25 * estimate.at_order && estimate.at_order.is_finite() {
             shrink = (0.5 / estimate.at_order).sqrt();
         }
+        self.check_size(shrink * failed, controlled)?;
+        self.take_back();
         if failures >= 3 {
             self.order = 1;
         } else if estimate.prefers_lower(self.order) {
             self.order -= 1;
         }
-        self.try_smaller(shrink * failed, component, estimate.local.is_finite())
+        self.step_size = shrink * failed;
+        Ok(())
     }
 
-    /// Takes `step_size` for the next try, unless it is lost in rounding; `finite`: whether the failed one gave numbers.
-    pub(super) fn try_smaller(
-        &mut self,
-        step_size: f64,
-        component: usize,
-        finite: bool,
-    ) -> Result<(), StepFailure> {
+    /// Takes the present prediction back.
+    pub(super) fn take_back(&mut self) {
+        self.differences
+            .retreat(self.instructions, &self.coefficients, self.order);
+        self.coefficients.retreat(self.order, self.step_size);
+    }
+
+    /// An error when the next try would be lost in rounding, at `next` \[s\].
+    pub(super) fn check_size(&mut self, next: f64, controlled: usize) -> Result<(), StepFailure> {
         let (time, failed) = (self.time, self.step_size);
-        self.step_size = step_size;
         self.smallest_step = self.smallest_step.max(4.0 * f64::EPSILON * time.abs());
-        if step_size >= self.smallest_step {
+        if next >= self.smallest_step {
             return Ok(());
         }
+        let component = self.worst_component(controlled);
+        let finite = self.slope.iter().all(|slope| slope.is_finite());
+        self.take_back();
+        self.step_size = next;
         Err(if finite {
             StepFailure::TooSmall {
                 time,
@@ -476,18 +522,19 @@ impl Adams {
             .unwrap_or(0)
     }
 
-    fn correct_and_evaluate(&mut self, system: &mut impl OdeSystem) {
+    /// Takes the corrected solution and evaluates there; the norm of φ_{k+2}, where the order may be raised.
+    fn correct_and_evaluate(&mut self, system: &mut impl OdeSystem) -> f64 {
         let (k, h) = (self.order, self.step_size);
         self.last_order = k;
         self.last_step_size = h;
         self.time += h;
-        self.differences.correct(
-            self.instructions,
-            h * self.coefficients.g[k],
-            &self.predicted,
-            &self.slope,
-            &mut self.y,
-        );
+        self.unmeasured = false;
+        if self.differences.carries() {
+            let weight = h * self.coefficients.g[k];
+            self.differences
+                .correct(weight, &self.predicted, &self.slope, &mut self.trial);
+        }
+        std::mem::swap(&mut self.y, &mut self.trial);
         // The slope at the prediction is kept for what the change from it tells.
         std::mem::swap(&mut self.slope, &mut self.residual);
         system.derivative(
@@ -495,12 +542,24 @@ impl Adams {
             &self.y[..self.dimension],
             &mut self.slope[..self.dimension],
         );
-        self.differences.update(self.instructions, k, &self.slope);
+        let above = self.differences.update(
+            self.instructions,
+            k,
+            &self.slope,
+            &self.inverse_weight,
+            self.may_raise(),
+        );
         self.counts.evaluations += 1;
         self.counts.steps += 1;
+        self.norm_of(above)
     }
 
-    fn choose_order_and_step(&mut self, estimate: &ErrorEstimate) {
+    /// Whether steps have been equal for long enough to raise the order of the last one.
+    pub(super) fn may_raise(&self) -> bool {
+        self.last_order < self.coefficients.equal_steps && self.last_order < self.control.max_order
+    }
+
+    fn choose_order_and_step(&mut self, estimate: &ErrorEstimate, above: f64) {
         let (k, h) = (self.order, self.step_size);
         if estimate.prefers_lower(k) || k >= self.control.max_order {
             self.growing = false;
@@ -510,13 +569,12 @@ impl Adams {
             self.step_size = (2.0 * h).min(self.control.max_step);
             return;
         }
-        let enough_equal_steps = k < self.coefficients.equal_steps;
         let choice = choose_order(
             k,
             self.control.max_order,
             estimate,
-            enough_equal_steps,
-            || h * gamma_star(k + 1) * self.norm(self.differences.row(k + 1)),
+            self.may_raise(),
+            || h * gamma_star(k + 1) * above,
         );
         self.order = choice.order;
         self.step_size = choose_step(h, choice.order, choice.error)

@@ -36,6 +36,9 @@ const LONGEST_PATIENCE: u32 = 1280;
 /// A stay of fewer steps than so many times the patience did not pay.
 const SHORT_STAY: u32 = 5;
 
+/// Explicit steps are looked at one in so many: a look at all components is a tenth of the integrator's own work.
+pub(super) const STEPS_A_LOOK: u32 = 4;
+
 /// The corrector in use and what speaks for the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Choice {
@@ -57,13 +60,13 @@ impl Choice {
         }
     }
 
-    /// Counts a step that speaks for a change or against it; true when it is time.
-    fn vote(&mut self, change: bool) -> bool {
-        self.stay = self.stay.saturating_add(1);
+    /// Counts `steps` that speak for a change or against it; true when it is time.
+    fn vote(&mut self, change: bool, steps: u32) -> bool {
+        self.stay = self.stay.saturating_add(steps);
         self.votes = if change {
-            self.votes.saturating_add(1)
+            self.votes.saturating_add(steps)
         } else {
-            self.votes.saturating_sub(1)
+            self.votes.saturating_sub(steps)
         };
         let (own, other) = (usize::from(self.implicit), usize::from(!self.implicit));
         if self.votes < self.patience[own] {
@@ -107,25 +110,23 @@ impl Adams {
         }
     }
 
-    /// After an explicit step: whether stability held it although Newton's method at order two could make a longer one.
+    /// After one of [`STEPS_A_LOOK`] explicit steps: whether stability held it although Newton's method at order two could make a longer one.
     pub(super) fn consider_implicit(&mut self, system: &impl SecondOrderSystem) {
         let rate = self.rate_from_slopes(system.coordinates());
-        self.fastest.meet(rate);
+        self.fastest.meet_after(STEPS_A_LOOK, rate);
         let (k, h) = (self.last_order, self.last_step_size);
         let held = h * self.fastest.value() > NEAR_LIMIT * explicit_limit(k);
-        let at_order_two = || h * gamma_star(2) * self.norm(self.differences.row(2));
+        let at_order_two = || h * gamma_star(2) * self.norm_of_difference(2);
         let pays = held && (k < 2 || at_order_two() <= LONGER);
-        self.choice.vote(pays);
+        self.choice.vote(pays, STEPS_A_LOOK);
     }
 
     /// After a step of Newton's method: whether explicit ones would be long enough to be cheaper.
     pub(super) fn consider_explicit(&mut self) {
         let h = self.step_size;
         let explicit = h.min(EXPLICIT_REACH / self.fastest.value());
-        if self
-            .choice
-            .vote(explicit / EXPLICIT_COST > GAIN * h / IMPLICIT_COST)
-        {
+        let pays = explicit / EXPLICIT_COST > GAIN * h / IMPLICIT_COST;
+        if self.choice.vote(pays, 1) {
             self.step_size = explicit;
         }
     }

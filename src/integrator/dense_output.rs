@@ -53,7 +53,10 @@ impl<'a> DenseOutput<'a> {
     pub fn value(&self, component: usize) -> f64 {
         let sum: f64 = (0..self.terms)
             .rev()
-            .map(|i| self.weights[i] * self.differences.row(i)[component])
+            .map(|i| {
+                let (row, newest) = self.differences.parts_of_row(i);
+                self.weights[i] * (row[component] + newest.map_or(0.0, |newest| newest[component]))
+            })
             .sum();
         self.y[component] + self.distance * sum
     }
@@ -63,8 +66,17 @@ impl<'a> DenseOutput<'a> {
         y.fill(0.0);
         for i in (0..self.terms).rev() {
             let weight = self.weights[i];
-            for (y, phi) in y.iter_mut().zip(self.differences.row(i)) {
-                *y += weight * phi;
+            match self.differences.parts_of_row(i) {
+                (row, None) => {
+                    for (y, phi) in y.iter_mut().zip(row) {
+                        *y += weight * phi;
+                    }
+                }
+                (row, Some(newest)) => {
+                    for ((y, phi), newest) in y.iter_mut().zip(row).zip(newest) {
+                        *y += weight * (phi + newest);
+                    }
+                }
             }
         }
         for (y, end) in y.iter_mut().zip(self.y) {
@@ -106,8 +118,15 @@ impl Adams {
     /// The path of the sums that `read` makes of a solution's components; it must be linear.
     pub(crate) fn path<const N: usize>(&self, read: impl Fn(&[f64]) -> [f64; N]) -> Path<'_, N> {
         let mut rows = [[0.0; N]; MAX_ORDER + 1];
-        for (i, row) in rows.iter_mut().enumerate().take(self.last_order + 1) {
-            *row = read(self.differences.row(i));
+        let newest = self.differences.parts_of_row(0).1.map(&read);
+        for (i, sums) in rows.iter_mut().enumerate().take(self.last_order + 1) {
+            let (row, unfinished) = self.differences.parts_of_row(i);
+            *sums = read(row);
+            if let (Some(_), Some(newest)) = (unfinished, newest) {
+                for (sum, newest) in sums.iter_mut().zip(newest) {
+                    *sum += newest;
+                }
+            }
         }
         Path {
             adams: self,

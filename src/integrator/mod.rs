@@ -53,12 +53,23 @@ pub trait SecondOrderSystem: OdeSystem {
     /// Number of coordinates.
     fn coordinates(&self) -> usize;
 
-    /// The derivative, and whatever [`Self::factorise`] needs of it.
-    fn derivative_with_slopes(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+    /// The derivative of the velocities; that of the coordinates, which are the velocities themselves, need not be written.
+    fn accelerations(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
         self.derivative(t, y, dydt);
     }
 
-    /// Prepares [`Self::correct`] at `y`, where [`Self::derivative_with_slopes`] was just evaluated: factors of 1 - γ da/dv - γ² da/dq
+    /// The same, and whatever [`Self::factorise`] needs of it.
+    fn accelerations_with_slopes(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+        self.accelerations(t, y, dydt);
+    }
+
+    /// Whether something began or ended between the start of the step and the last evaluation, so that corrections may converge
+    /// otherwise than in the steps before; true for systems that cannot tell.
+    fn has_kinked(&self) -> bool {
+        true
+    }
+
+    /// Prepares [`Self::correct`] at `y`, where [`Self::accelerations_with_slopes`] was just evaluated: factors of 1 - γ da/dv - γ² da/dq
     /// for accelerations a. False when there are none.
     fn factorise(&mut self, y: &[f64], gamma: f64) -> bool;
 

@@ -5,7 +5,7 @@
 //! `v - p_v - γ (a(q, v) - φ*_v) = 0`.
 
 use super::adams::{Adams, Step, StepFailure};
-use super::newton_table::{Apply, Begin, Residual, Slopes};
+use super::newton_table::{Applied, Apply, Begin, FirstResidual, Residual, Slopes};
 use super::order_control::{ErrorEstimate, choose_order, choose_step, gamma_star};
 use super::stability::implicit_order;
 use super::{Corrector, SecondOrderSystem};
@@ -16,8 +16,23 @@ const MAX_ITERATIONS: u32 = 6;
 /// What is left to correct, in units of the tolerance, when the iteration ends.
 const REMAINDER: f64 = 0.1;
 
+/// The same where it is not measured but known from earlier steps: as a length \[m\], and where there is none to say. It is a
+/// fixed length because remainders have a sign, and so feed or drain energy, while errors of the trapezoid hardly do: the looser
+/// the tolerance, the more of the balance would be theirs.
+const UNMEASURED_LENGTH: f64 = 5e-12;
+const UNMEASURED: f64 = 0.01;
+
+/// Slower convergence is always measured.
+const SLOWEST_UNMEASURED: f64 = 0.3;
+
+/// What was measured is taken to be so many times worse after each step that did not measure it.
+const DISTRUST: f64 = 1.5;
+
 /// Share of the step that the error would allow which is taken: rejected steps cost a matrix each.
 const SAFETY: f64 = 0.8;
+
+/// Error after the first correction, in units of the tolerance, from which on no other one will make the step acceptable.
+const HOPELESS: f64 = 2.0;
 
 /// Longest first step \[s\].
 const FIRST_STEP: f64 = 1e-7;
@@ -34,7 +49,6 @@ impl Adams {
         &mut self,
         system: &mut impl SecondOrderSystem,
     ) -> Result<Step, StepFailure> {
-        let controlled = system.controlled();
         self.weigh_by_scale(system, true);
         if self.starting {
             self.start(system);
@@ -44,7 +58,7 @@ impl Adams {
         let begin = self.time;
         let mut failures = 0;
         let estimate = loop {
-            self.predict();
+            self.foretell(system.coordinates());
             if let Some(estimate) = self.solve_corrector(system) {
                 let shrink = if !estimate.accepts() {
                     failures += 1;
@@ -55,14 +69,14 @@ impl Adams {
                 } else {
                     0.5
                 };
-                self.shrink(shrink, failures, controlled)?;
+                self.shrink(shrink, failures, system.coordinates())?;
             } else {
                 failures += 1;
-                self.shrink(0.25, failures, controlled)?;
+                self.shrink(0.25, failures, system.coordinates())?;
             }
         };
-        self.accept_newton();
-        self.choose_implicit_order_and_step(&estimate);
+        let above = self.accept_newton(system.coordinates());
+        self.choose_implicit_order_and_step(&estimate, above);
         if self.control.corrector == Corrector::Auto {
             self.consider_explicit();
         }
@@ -73,27 +87,31 @@ impl Adams {
         })
     }
 
-    /// Orders above two only where the fastest rate allows them; sizes by the error at the order taken.
-    fn choose_implicit_order_and_step(&mut self, estimate: &ErrorEstimate) {
+    /// Orders above two only where the fastest rate allows them; sizes by the error at the order taken. `above`: norm of φ_{k+2}.
+    fn choose_implicit_order_and_step(&mut self, estimate: &ErrorEstimate, above: f64) {
         let (k, h) = (self.last_order, self.last_step_size);
-        let stable = implicit_order(k, h * self.fastest.value());
-        let max_order = stable.min(self.control.max_order);
-        let error_at =
-            |order: usize| h * gamma_star(order) * self.norm(self.differences.row(order));
+        let max_order = self.highest_order(k, h);
+        let scale = |order: usize| h * gamma_star(order);
         let (order, error) = if k > max_order {
-            (max_order, error_at(max_order))
+            let error = scale(max_order) * self.norm_of_difference(max_order);
+            (max_order, error)
         } else if k < 2 || max_order <= 2 {
             ((k + 1).min(max_order), estimate.local)
         } else {
-            let equal = k < self.coefficients.equal_steps;
-            let choice = choose_order(k, max_order, estimate, equal, || error_at(k + 1));
+            let one_above = || scale(k + 1) * above;
+            let choice = choose_order(k, max_order, estimate, self.may_raise(), one_above);
             (choice.order, choice.error)
         };
         // The trapezoid is stable: nothing is gained below it.
         self.order = order.max(max_order.min(2));
         let next = if order <= 2 {
-            let exponent = -1.0 / (order + 1) as f64;
-            let grow = (SAFETY * error.max(1e-6).powf(exponent)).clamp(0.3, LARGEST_GROWTH);
+            let error = error.max(1e-6);
+            let root = if order == 1 {
+                error.sqrt()
+            } else {
+                error.cbrt()
+            };
+            let grow = (SAFETY / root).clamp(0.3, LARGEST_GROWTH);
             // A step that is kept lets coefficients be kept.
             let keep = (0.9..1.15).contains(&grow);
             if keep { h } else { h * grow }
@@ -104,20 +122,24 @@ impl Adams {
         self.step_size = next.max(least).min(self.control.max_step);
     }
 
+    /// Highest order after a step of size `h` at `order`.
+    fn highest_order(&self, order: usize, h: f64) -> usize {
+        implicit_order(order, h * self.fastest.value()).min(self.control.max_order)
+    }
+
     /// Solves the corrector from the prediction; the error of the step, or `None` when the iteration does not end.
     fn solve_corrector(&mut self, system: &mut impl SecondOrderSystem) -> Option<ErrorEstimate> {
-        let (nq, k, h) = (system.coordinates(), self.order, self.step_size);
-        let gamma = h * self.coefficients.g[k - 1];
+        let (nq, h) = (system.coordinates(), self.step_size);
+        let gamma = self.gamma();
         let end = self.time + h;
-        self.begin(nq, gamma);
         let mut last = f64::INFINITY;
         for iteration in 0..MAX_ITERATIONS {
             let trial = &self.trial[..self.dimension];
             let slope = &mut self.slope[..self.dimension];
             if iteration == 0 {
-                system.derivative_with_slopes(end, trial, slope);
+                system.accelerations_with_slopes(end, trial, slope);
             } else {
-                system.derivative(end, trial, slope);
+                system.accelerations(end, trial, slope);
             }
             self.counts.evaluations += 1;
             if iteration == 0 {
@@ -126,22 +148,32 @@ impl Adams {
                     return None;
                 }
             }
-            let (size, stiffness) = self.correct(system, nq, gamma);
+            let wrong = self.find_residual(nq, gamma, iteration == 0);
+            system.correct(&mut self.residual[..nq]);
+            let applied = self.apply_correction(nq, gamma);
             if iteration == 0 {
-                let rate = stiffness.sqrt().max(stiffness) / gamma;
-                self.fastest.meet(rate);
+                self.meet_rate(wrong, applied.speeds, gamma);
             }
+            let size = self.norm_of(applied.lengths + applied.speeds);
             if !size.is_finite() {
                 return None;
             }
             let rate = size / last;
             let left = if iteration == 0 {
+                let estimate = self.estimate_from([applied.error, 0.0, 0.0]);
+                if estimate.local > HOPELESS {
+                    return Some(estimate);
+                }
+                if self.may_end_unmeasured(size, system.has_kinked()) {
+                    return Some(self.finish_corrector(nq, gamma, applied.error));
+                }
                 size
             } else {
+                self.bend = size / (last * last);
                 size * rate / (1.0 - rate).max(0.1)
             };
             if left <= REMAINDER {
-                return Some(self.finish_corrector(nq, gamma));
+                return Some(self.finish_corrector(nq, gamma, applied.error));
             }
             if iteration > 1 && rate > 0.9 {
                 return None;
@@ -151,7 +183,48 @@ impl Adams {
         None
     }
 
-    fn begin(&mut self, nq: usize, gamma: f64) {
+    /// Whether the first correction, of `size`, is the last one by what earlier steps showed of the second: it is `bend` times the
+    /// square of the first. `kinked`: contacts have opened or closed, and it is not known.
+    fn may_end_unmeasured(&mut self, size: f64, kinked: bool) -> bool {
+        if kinked {
+            self.bend = f64::INFINITY;
+        }
+        let allowed = if self.control.is_by_component() {
+            UNMEASURED
+        } else {
+            (UNMEASURED_LENGTH / self.control.accuracy).min(REMAINDER)
+        };
+        let rate = self.bend * size;
+        let ends = rate < SLOWEST_UNMEASURED && rate * size <= allowed;
+        if ends {
+            self.bend *= DISTRUST;
+        }
+        self.unmeasured = ends;
+        ends
+    }
+
+    /// γ of the present step.
+    fn gamma(&self) -> f64 {
+        self.step_size * self.coefficients.g[self.order - 1]
+    }
+
+    /// The prediction and, with its velocities, where the iteration begins.
+    fn foretell(&mut self, nq: usize) {
+        if self.differences.can_foretell(self.order) && self.dimension == 2 * nq {
+            self.update_coefficients();
+            let parameters = (self.order, self.step_size, self.gamma());
+            self.differences.foretell(
+                self.instructions,
+                &self.coefficients,
+                parameters,
+                self.y[..2 * nq].split_at(nq),
+                &mut self.predicted[nq..2 * nq],
+                self.trial[..2 * nq].split_at_mut(nq),
+            );
+            return;
+        }
+        self.predict();
+        let gamma = self.gamma();
         let (q, v) = self.predicted[..2 * nq].split_at(nq);
         self.trial[2 * nq..].copy_from_slice(&self.predicted[2 * nq..]);
         let (trial_q, trial_v) = self.trial[..2 * nq].split_at_mut(nq);
@@ -163,42 +236,68 @@ impl Adams {
         });
     }
 
-    /// One correction; its size in units of the tolerance, and how much larger it would be without the matrix, less one.
-    fn correct(
-        &mut self,
-        system: &mut impl SecondOrderSystem,
-        nq: usize,
-        gamma: f64,
-    ) -> (f64, f64) {
+    /// Whether nothing is asked of the step but its error and its newest differences.
+    fn is_plain(&self, nq: usize) -> bool {
+        let k = self.order;
+        let alone = k < 2 || (k == 2 && self.highest_order(k, self.step_size) <= 2);
+        alone && self.dimension == 2 * nq
+    }
+
+    /// What is wrong with the velocities; the sum of its squares over their weights at the prediction.
+    fn find_residual(&mut self, nq: usize, gamma: f64, at_prediction: bool) -> f64 {
         let velocities = nq..2 * nq;
-        let (weights_q, weights_v) = self.inverse_weight[..2 * nq].split_at(nq);
-        let wrong = self.instructions.run(Residual {
-            inverse_weight: weights_v,
+        let slope = &self.slope[velocities.clone()];
+        let first = &self.differences.row(0)[velocities.clone()];
+        let wrong = &mut self.residual[..nq];
+        if at_prediction {
+            return self.instructions.run(FirstResidual {
+                gamma,
+                slope,
+                first,
+                inverse_weight: &self.inverse_weight[velocities],
+                wrong,
+            });
+        }
+        self.instructions.run(Residual {
             gamma,
             predicted: &self.predicted[velocities.clone()],
-            trial: &self.trial[velocities.clone()],
-            slope: &self.slope[velocities.clone()],
-            first: &self.differences.row(0)[velocities],
-            wrong: &mut self.residual[..nq],
+            trial: &self.trial[velocities],
+            slope,
+            first,
+            wrong,
         });
-        system.correct(&mut self.residual[..nq]);
+        0.0
+    }
+
+    fn apply_correction(&mut self, nq: usize, gamma: f64) -> Applied {
+        let (weights_q, weights_v) = self.inverse_weight[..2 * nq].split_at(nq);
         let (q, v) = self.trial[..2 * nq].split_at_mut(nq);
-        let [lengths, speeds] = self.instructions.run(Apply {
+        self.instructions.run(Apply {
             gamma,
             correction: &self.residual[..nq],
             inverse_weight: (weights_q, weights_v),
+            predicted: &self.predicted[nq..2 * nq],
+            first: &self.differences.row(0)[..nq],
             trial: (q, v),
-        });
-        let without = if speeds > 0.0 {
-            (wrong / speeds).sqrt()
-        } else {
-            1.0
-        };
-        (self.norm_of(lengths + speeds), (without - 1.0).max(0.0))
+        })
     }
 
-    /// The slopes that the solution stands for, the sums, and the error.
-    fn finish_corrector(&mut self, nq: usize, gamma: f64) -> ErrorEstimate {
+    /// Takes in how much larger the first correction would be without the matrix, from sums of squares of both.
+    fn meet_rate(&mut self, wrong: f64, corrected: f64, gamma: f64) {
+        if corrected > 0.0 {
+            let stiffness = ((wrong / corrected).sqrt() - 1.0).max(0.0);
+            self.fastest.meet(stiffness.sqrt().max(stiffness) / gamma);
+        } else {
+            self.fastest.meet(0.0);
+        }
+    }
+
+    /// The slopes that the solution stands for, the sums, and the error; `error`: sum of squares of how far the slopes are from
+    /// those foretold.
+    fn finish_corrector(&mut self, nq: usize, gamma: f64, error: f64) -> ErrorEstimate {
+        if self.is_plain(nq) {
+            return self.estimate_from([error, 0.0, 0.0]);
+        }
         let (k, h) = (self.order, self.step_size);
         let velocities = nq..2 * nq;
         let (rates, accelerations) = self.slope[..2 * nq].split_at_mut(nq);
@@ -221,28 +320,45 @@ impl Adams {
         self.estimate_error()
     }
 
-    fn accept_newton(&mut self) {
-        self.last_order = self.order;
-        self.last_step_size = self.step_size;
-        self.time += self.step_size;
+    /// Takes the solution; the norm of φ_{k+2}, where the order may be raised.
+    fn accept_newton(&mut self, nq: usize) -> f64 {
+        let (k, h) = (self.order, self.step_size);
+        let mut above = 0.0;
+        if self.is_plain(nq) {
+            let velocities = nq..2 * nq;
+            let inverse_gamma = 1.0 / self.gamma();
+            let ends = [&self.predicted[velocities.clone()], &self.trial[velocities]];
+            self.differences
+                .take_in(self.instructions, k, inverse_gamma, ends);
+        } else {
+            let raises = k < self.coefficients.equal_steps && self.highest_order(k, h) > k;
+            above = self.differences.update(
+                self.instructions,
+                k,
+                &self.slope,
+                &self.inverse_weight,
+                raises,
+            );
+        }
         std::mem::swap(&mut self.y, &mut self.trial);
-        self.differences
-            .update(self.instructions, self.order, &self.slope);
+        (self.last_order, self.last_step_size) = (k, h);
+        self.time += h;
         self.counts.steps += 1;
+        self.norm_of(above)
     }
 
     /// Takes a step back and makes it smaller.
-    fn shrink(&mut self, factor: f64, failures: u32, controlled: usize) -> Result<(), StepFailure> {
+    fn shrink(&mut self, factor: f64, failures: u32, nq: usize) -> Result<(), StepFailure> {
         self.counts.rejected += 1;
-        let failed = self.step_size;
-        let component = self.worst_component(controlled);
-        self.differences
-            .retreat(self.instructions, &self.coefficients, self.order);
-        self.coefficients.retreat(self.order, failed);
+        // Evaluations left them out; should the step be the last one, its worst component is named.
+        self.slope[..nq].copy_from_slice(&self.trial[nq..2 * nq]);
+        let next = factor * self.step_size;
+        self.check_size(next, 2 * nq)?;
+        self.take_back();
         if failures >= 3 {
             self.order = 1;
         }
-        let finite = self.slope.iter().all(|slope| slope.is_finite());
-        self.try_smaller(factor * failed, component, finite)
+        self.step_size = next;
+        Ok(())
     }
 }

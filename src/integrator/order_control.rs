@@ -89,12 +89,12 @@ pub(super) fn choose_order(
 
 /// The next step size: doubled, kept, or reduced, so that the error at `order` stays at half the tolerance.
 pub(super) fn choose_step(h: f64, order: usize, error: f64) -> f64 {
-    let exponent = order as f64 + 1.0;
-    if 0.5 >= error * exponent.exp2() {
+    if 0.5 >= error * f64::from(2u32 << order) {
         return 2.0 * h;
     }
     if 0.5 >= error {
         return h;
     }
+    let exponent = order as f64 + 1.0;
     h * (0.5 / error).powf(1.0 / exponent).clamp(0.5, 0.9)
 }

@@ -53,7 +53,12 @@ pub(super) struct FastestRate(f64);
 impl FastestRate {
     /// Takes in the rate of one more step; those met before count less and less.
     pub(super) fn meet(&mut self, rate: f64) {
-        let faded = FADING * self.0;
+        self.meet_after(1, rate);
+    }
+
+    /// The same of the last of `steps`.
+    pub(super) fn meet_after(&mut self, steps: u32, rate: f64) {
+        let faded = FADING.powi(steps.cast_signed()) * self.0;
         self.0 = if rate.is_finite() {
             faded.max(rate)
         } else {

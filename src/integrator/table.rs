@@ -3,9 +3,9 @@
 use pulp::{Simd, WithSimd};
 
 use super::coefficients::Coefficients;
-use super::column::Column;
+use super::column::{Column, each_register, registers};
 use super::{MAX_ORDER, StepControl};
-use crate::vector::{Lanes, Squares, WIDTH, load, vectors, vectors_mut};
+use crate::vector::{Lanes, Squares, load, vectors, vectors_mut};
 
 /// Rows of a table of differences, one after the other; each is as long as the arrays beside it.
 struct Rows<'a, S: Simd> {
@@ -37,13 +37,20 @@ impl<'a, S: Simd> Rows<'a, S> {
     }
 }
 
-/// Turns φ into φ* and sums h Σ g φ*: what the predictor adds to y.
+/// Adds the newest difference to those of lower orders, turns φ into φ* and writes y + h Σ g φ*, the prediction, or what it
+/// adds to y alone.
+///
+/// φ_{k+1} stays as it was: [`TakeIn`] needs it.
 pub(super) struct Predict<'a> {
     pub(super) coefficients: &'a Coefficients,
     pub(super) order: usize,
+    /// The row that the rows before it have not had added yet; zero when there is none.
+    pub(super) newest: usize,
     pub(super) step: f64,
     pub(super) table: &'a mut [f64],
-    pub(super) increment: &'a mut [f64],
+    /// Left out where the sum with y is made elsewhere.
+    pub(super) y: Option<&'a [f64]>,
+    pub(super) predicted: &'a mut [f64],
 }
 
 impl WithSimd for Predict<'_> {
@@ -53,24 +60,38 @@ impl WithSimd for Predict<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let mut beta = self.coefficients.beta;
         beta[..self.coefficients.equal_steps.min(MAX_ORDER)].fill(1.0);
-        let (g, order) = (&self.coefficients.g, self.order);
+        let (g, order, newest) = (&self.coefficients.g, self.order, self.newest);
         let step = Lanes::splat(simd, self.step);
         let zero = Lanes::splat(simd, 0.0);
-        let mut rows = Rows::<S>::new(simd, self.table, self.increment.len());
+        let mut rows = Rows::<S>::new(simd, self.table, self.predicted.len());
         let blocks = rows.blocks;
-        let increment = vectors_mut::<S>(self.increment, blocks);
-        for (b, increment) in increment.iter_mut().enumerate() {
-            // φ_{k+2} keeps the old φ_{k+1} for the error estimate one order up.
-            rows.set(order + 1, b, rows.get(order, b));
-            rows.set(order, b, zero);
+        let y = self.y.map(|y| vectors::<S>(y, blocks));
+        let predicted = vectors_mut::<S>(self.predicted, blocks);
+        for (b, predicted) in predicted.iter_mut().enumerate() {
+            let latest = if newest > 0 {
+                rows.get(newest, b)
+            } else {
+                zero
+            };
+            for i in order..newest {
+                rows.set(i, b, rows.get(i, b) + latest);
+            }
             let (mut sum, mut above) = (zero, zero);
-            for i in (0..order).rev() {
+            for i in (newest.min(order)..order).rev() {
                 let phi = rows.get(i, b) * zero.constant(beta[i]);
                 sum = phi.mul_add(zero.constant(g[i]), sum);
                 above = above + phi;
                 rows.set(i, b, above);
             }
-            *increment = (step * sum).values();
+            for i in (0..newest.min(order)).rev() {
+                let phi = (rows.get(i, b) + latest) * zero.constant(beta[i]);
+                sum = phi.mul_add(zero.constant(g[i]), sum);
+                above = above + phi;
+                rows.set(i, b, above);
+            }
+            let increment = step * sum;
+            let whole = y.map_or(increment, |y| increment + load(simd, &y[b]));
+            *predicted = whole.values();
         }
     }
 }
@@ -91,47 +112,76 @@ impl WithSimd for Retreat<'_> {
         let inverse = self.coefficients.beta.map(|beta| 1.0 / beta);
         let mut rows = Rows::<S>::new(simd, self.table, self.dimension);
         for b in 0..rows.blocks {
+            let mut here = rows.get(0, b);
             for (i, &inverse) in inverse.iter().enumerate().take(self.order) {
-                let phi = rows.get(i, b) - rows.get(i + 1, b);
-                rows.set(i, b, phi * phi.constant(inverse));
+                let below = if i + 1 < self.order {
+                    rows.get(i + 1, b)
+                } else {
+                    here.constant(0.0)
+                };
+                rows.set(i, b, (here - below) * here.constant(inverse));
+                here = below;
             }
         }
     }
 }
 
-/// Takes in the slope at the corrected solution.
-pub(super) struct Update<'a> {
+/// Takes in the slope at the corrected solution: writes the newest difference, φ_{k+1}, which [`Predict`] adds to the rows before
+/// it, and φ_{k+2} with the sum of its squares over the weights, where the error one order up is asked for.
+pub(super) struct TakeIn<'a> {
     pub(super) order: usize,
     pub(super) slope: &'a [f64],
     pub(super) table: &'a mut [f64],
+    pub(super) inverse_weight: &'a [f64],
+    pub(super) above: bool,
 }
 
-impl WithSimd for Update<'_> {
-    type Output = ();
+impl WithSimd for TakeIn<'_> {
+    type Output = f64;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let order = self.order;
         let mut rows = Rows::<S>::new(simd, self.table, self.slope.len());
-        let slope = vectors::<S>(self.slope, rows.blocks);
-        for (b, slope) in slope.iter().enumerate() {
-            let newest = load(simd, slope) - rows.get(0, b);
-            rows.set(order, b, newest);
-            rows.set(order + 1, b, newest - rows.get(order + 1, b));
-            for i in 0..order {
-                rows.set(i, b, rows.get(i, b) + newest);
+        let blocks = rows.blocks;
+        let slope = vectors::<S>(self.slope, blocks);
+        let inverse_weight = vectors::<S>(self.inverse_weight, blocks);
+        let parts = Squares::<S>::PARTS;
+        let mut sum = Squares::new(simd);
+        for group in (0..blocks).step_by(parts) {
+            for part in 0..parts {
+                let b = group + part;
+                if b >= blocks {
+                    break;
+                }
+                let newest = load(simd, &slope[b]) - rows.get(0, b);
+                if self.above {
+                    let above = newest - rows.get(order, b);
+                    rows.set(order + 1, b, above);
+                    sum.add(part, above * load(simd, &inverse_weight[b]));
+                }
+                rows.set(order, b, newest);
             }
         }
+        if self.above { sum.total() } else { 0.0 }
     }
 }
 
 /// Sums of squared weighted differences: of the slope from the predicted one, and had the orders been one and two lower.
 pub(super) struct Errors<'a> {
     pub(super) slope: &'a [f64],
-    pub(super) first: &'a [f64],
-    pub(super) one_below: &'a [f64],
-    pub(super) two_below: &'a [f64],
+    /// φ*_1, and those of one and two orders below.
+    pub(super) rows: [&'a [f64]; 3],
     pub(super) inverse_weight: &'a [f64],
+    /// The corrected solution, where it is wanted: y = p + weight (f(p) - φ*_1).
+    pub(super) correction: Option<Correction<'a>>,
+}
+
+/// What [`Errors`] corrects in the same pass.
+pub(super) struct Correction<'a> {
+    pub(super) weight: f64,
+    pub(super) predicted: &'a [f64],
+    pub(super) corrected: &'a mut [f64],
 }
 
 impl WithSimd for Errors<'_> {
@@ -141,21 +191,33 @@ impl WithSimd for Errors<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> [f64; 3] {
         let blocks = self.slope.len() / S::F64_LANES;
         let slope = vectors::<S>(self.slope, blocks);
-        let first = vectors::<S>(self.first, blocks);
-        let one_below = vectors::<S>(self.one_below, blocks);
-        let two_below = vectors::<S>(self.two_below, blocks);
+        let [first, one_below, two_below] = self.rows.map(|row| vectors::<S>(row, blocks));
         let inverse_weight = vectors::<S>(self.inverse_weight, blocks);
-        let parts = WIDTH / S::F64_LANES;
+        let parts = Squares::<S>::PARTS;
         let (mut at, mut one, mut two) =
             (Squares::new(simd), Squares::new(simd), Squares::new(simd));
-        for group in 0..blocks / parts {
+        let mut correction = self.correction.map(|correction| {
+            (
+                Lanes::splat(simd, correction.weight),
+                vectors::<S>(correction.predicted, blocks),
+                vectors_mut::<S>(correction.corrected, blocks),
+            )
+        });
+        for group in (0..blocks).step_by(parts) {
             for part in 0..parts {
-                let b = group * parts + part;
+                let b = group + part;
+                if b >= blocks {
+                    break;
+                }
                 let weight = load(simd, &inverse_weight[b]);
                 let change = load(simd, &slope[b]) - load(simd, &first[b]);
                 at.add(part, change * weight);
                 one.add(part, (load(simd, &one_below[b]) + change) * weight);
                 two.add(part, (load(simd, &two_below[b]) + change) * weight);
+                if let Some((weight, predicted, corrected)) = &mut correction {
+                    let predicted = load(simd, &predicted[b]);
+                    corrected[b] = change.mul_add(*weight, predicted).values();
+                }
             }
         }
         [at.total(), one.total(), two.total()]
@@ -165,6 +227,8 @@ impl WithSimd for Errors<'_> {
 /// Sum of squared weighted values.
 pub(super) struct WeightedSquares<'a> {
     pub(super) values: &'a [f64],
+    /// What is to be added to them first.
+    pub(super) more: Option<&'a [f64]>,
     pub(super) inverse_weight: &'a [f64],
 }
 
@@ -175,16 +239,19 @@ impl WithSimd for WeightedSquares<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let blocks = self.values.len() / S::F64_LANES;
         let values = vectors::<S>(self.values, blocks);
+        let more = self.more.map(|more| vectors::<S>(more, blocks));
         let inverse_weight = vectors::<S>(self.inverse_weight, blocks);
-        let parts = WIDTH / S::F64_LANES;
+        let parts = Squares::<S>::PARTS;
         let mut sum = Squares::new(simd);
-        for group in 0..blocks / parts {
+        for group in (0..blocks).step_by(parts) {
             for part in 0..parts {
-                let b = group * parts + part;
-                sum.add(
-                    part,
-                    load(simd, &values[b]) * load(simd, &inverse_weight[b]),
-                );
+                let b = group + part;
+                if b >= blocks {
+                    break;
+                }
+                let own = load(simd, &values[b]);
+                let value = more.map_or(own, |more| own + load(simd, &more[b]));
+                sum.add(part, value * load(simd, &inverse_weight[b]));
             }
         }
         sum.total()
@@ -217,33 +284,6 @@ impl WithSimd for Weigh<'_> {
     }
 }
 
-/// y = p + weight (f(p) - φ*_1).
-pub(super) struct Correct<'a> {
-    pub(super) weight: f64,
-    pub(super) predicted: &'a [f64],
-    pub(super) slope: &'a [f64],
-    pub(super) first: &'a [f64],
-    pub(super) y: &'a mut [f64],
-}
-
-impl WithSimd for Correct<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let blocks = self.y.len() / S::F64_LANES;
-        let weight = Lanes::splat(simd, self.weight);
-        let predicted = vectors::<S>(self.predicted, blocks);
-        let slope = vectors::<S>(self.slope, blocks);
-        let first = vectors::<S>(self.first, blocks);
-        let y = vectors_mut::<S>(self.y, blocks);
-        for b in 0..blocks {
-            let change = load(simd, &slope[b]) - load(simd, &first[b]);
-            y[b] = change.mul_add(weight, load(simd, &predicted[b])).values();
-        }
-    }
-}
-
 /// Sums of squared weighted changes, of slopes and of the solution, between the two evaluations of a step.
 pub(super) struct SlopeChange<'a> {
     pub(super) slope: &'a [f64],
@@ -258,19 +298,27 @@ impl WithSimd for SlopeChange<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> [f64; 2] {
-        let blocks = self.slope.len().div_ceil(S::F64_LANES);
-        let slope = Column::<S>::new(simd, self.slope);
-        let at_prediction = Column::<S>::new(simd, self.at_prediction);
-        let prediction = Column::<S>::new(simd, self.ends.0);
-        let solution = Column::<S>::new(simd, self.ends.1);
-        let inverse_weight = Column::<S>::new(simd, self.inverse_weight);
-        let parts = WIDTH / S::F64_LANES;
+        let n = self.slope.len();
+        let slope = Column::<S>::new(simd, self.slope, n);
+        let at_prediction = Column::<S>::new(simd, self.at_prediction, n);
+        let prediction = Column::<S>::new(simd, self.ends.0, n);
+        let solution = Column::<S>::new(simd, self.ends.1, n);
+        let inverse_weight = Column::<S>::new(simd, self.inverse_weight, n);
         let (mut slopes, mut steps) = (Squares::new(simd), Squares::new(simd));
-        for b in 0..blocks {
-            let weight = inverse_weight.get(b);
-            slopes.add(b % parts, (slope.get(b) - at_prediction.get(b)) * weight);
-            steps.add(b % parts, (solution.get(b) - prediction.get(b)) * weight);
-        }
+        each_register!(
+            S,
+            n,
+            |part, b| {
+                let weight = inverse_weight.get(b);
+                slopes.add(part, (slope.get(b) - at_prediction.get(b)) * weight);
+                steps.add(part, (solution.get(b) - prediction.get(b)) * weight);
+            },
+            {
+                let weight = inverse_weight.rest();
+                slopes.add(part, (slope.rest() - at_prediction.rest()) * weight);
+                steps.add(part, (solution.rest() - prediction.rest()) * weight);
+            }
+        );
         [slopes.total(), steps.total()]
     }
 }

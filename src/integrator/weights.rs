@@ -54,8 +54,19 @@ impl Adams {
 
     /// Norm of `values` over their weights.
     pub(super) fn norm(&self, values: &[f64]) -> f64 {
+        self.norm_of_sum(values, None)
+    }
+
+    /// The same of φ_{i+1} after a step.
+    pub(super) fn norm_of_difference(&self, i: usize) -> f64 {
+        let (row, newest) = self.differences.parts_of_row(i);
+        self.norm_of_sum(row, newest)
+    }
+
+    fn norm_of_sum(&self, values: &[f64], more: Option<&[f64]>) -> f64 {
         let sum = self.instructions.run(WeightedSquares {
             values,
+            more,
             inverse_weight: &self.inverse_weight,
         });
         self.norm_of(sum)

@@ -130,6 +130,7 @@ impl Simulation {
         (self.dynamics, self.adams, self.now) = (dynamics, adams, snapshot.now);
         let counts = self.adams.counts();
         self.watched = (counts.steps + counts.rejected, self.adams.time());
+        self.kink = f64::NEG_INFINITY;
         Ok(())
     }
 }

@@ -24,16 +24,22 @@ impl PartialSums {
     }
 }
 
+/// Partial sums of [`Squares`]: two registers of the widest kind, so that one sum need not wait for the other.
+const SQUARES: usize = 2 * WIDTH;
+
 /// A sum of squares in registers, for loops that add in every round.
-pub(crate) struct Squares<S: Simd>([Lanes<S>; WIDTH]);
+pub(crate) struct Squares<S: Simd>([Lanes<S>; SQUARES]);
 
 impl<S: Simd> Squares<S> {
+    /// Registers that are added to in turns: register `b` of an array belongs to part `b` modulo this.
+    pub(crate) const PARTS: usize = SQUARES / S::F64_LANES;
+
     #[inline(always)]
     pub(crate) fn new(simd: S) -> Self {
-        Self([Lanes::splat(simd, 0.0); WIDTH])
+        Self([Lanes::splat(simd, 0.0); SQUARES])
     }
 
-    /// Adds the squares of the numbers in register `part` of a group of [`WIDTH`].
+    /// Adds the squares of the numbers of a register that belongs to `part`.
     #[inline(always)]
     pub(crate) fn add(&mut self, part: usize, values: Lanes<S>) {
         self.0[part] = values.mul_add(values, self.0[part]);
@@ -43,8 +49,9 @@ impl<S: Simd> Squares<S> {
     #[inline(always)]
     pub(crate) fn total(&self) -> f64 {
         let mut sums = PartialSums::default();
-        for (part, &values) in self.0.iter().enumerate().take(WIDTH / S::F64_LANES) {
-            sums.add(part, values);
+        let half = Self::PARTS / 2;
+        for (part, &values) in self.0.iter().enumerate().take(half) {
+            sums.add(part, values + self.0[half + part]);
         }
         sums.total()
     }
