@@ -213,7 +213,7 @@ fn the_surface_found_is_the_nearest_one_damaged_teeth_too() {
                 let place = distance * unit(PI * noise.sign());
                 let seen = depth_by_points(&outline, place, radius);
                 let (depth, normal, _) = depth_on(&profile, place, radius);
-                if depth < -1e-3 || depth > 0.5e-3 {
+                if !(-1e-3..=0.5e-3).contains(&depth) {
                     // Deep inside a tooth, or far from all: which surface is named there is of no consequence.
                     assert_eq!(depth > 0.0, seen > 0.0);
                     continue;
