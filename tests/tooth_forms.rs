@@ -207,16 +207,29 @@ fn the_surface_found_is_the_nearest_one_damaged_teeth_too() {
                 .tooth_profile(&chain)
                 .unwrap();
             let points = 60;
-            let outline = profile.outline(points);
+            let corners = profile.outline(points);
+            let next = corners.iter().cycle().skip(1);
+            let outline: Vec<Vec2> = corners
+                .iter()
+                .zip(next)
+                .flat_map(|(a, b)| {
+                    // Straight lines have their two ends only.
+                    let parts = ((b - a).norm() / 1e-4).ceil().max(1.0);
+                    (0..100)
+                        .map(f64::from)
+                        .take_while(move |&i| i < parts)
+                        .map(move |i| a + i / parts * (b - a))
+                })
+                .collect();
             let mut touching = 0;
-            for _ in 0..500 {
+            for _ in 0..250 {
                 let bottom = profile.pitch_radius - 0.2e-3;
                 let reach = profile.reach(radius);
                 let distance = bottom + (reach - bottom) * noise.share();
                 let place = distance * unit(PI * noise.sign());
                 let seen = depth_by_points(&outline, place, radius);
                 let (depth, normal, _) = depth_on(&profile, place, radius);
-                if depth < -1e-3 || depth > 0.5e-3 {
+                if !(-1e-3..=0.5e-3).contains(&depth) {
                     // Deep inside a tooth, or far from all: which surface is named there is of no consequence.
                     assert_eq!(depth > 0.0, seen > 0.0);
                     continue;
@@ -230,7 +243,7 @@ fn the_surface_found_is_the_nearest_one_damaged_teeth_too() {
                 let off = outline.iter().map(|p| (p - foot).norm());
                 assert!(off.fold(f64::INFINITY, f64::min) < 1e-4);
             }
-            assert!(touching > 40, "{touching}");
+            assert!(touching > 20, "{touching}");
         }
     }
 }
@@ -383,7 +396,7 @@ fn a_tooth_drawn_piece_by_piece_is_the_one_by_name() {
         let named = profile(iso(0.0, Seat::BottomDiameter), teeth);
         assert_eq!(drawn.whole().len(), named.whole().len());
         let mut noise = Noise(9);
-        for _ in 0..500 {
+        for _ in 0..250 {
             let place = Vec2::new(6e-3 * noise.sign(), 4e-3 * noise.sign());
             let [a, b] = [&drawn, &named].map(|p| p.contact(place, chain.bushing_radius));
             assert_eq!(a.region, b.region);

@@ -136,7 +136,7 @@ fn cross(a: Vec2, b: Vec2) -> f64 {
 #[test]
 fn seating_and_working_curve_meet_at_x_in_line_with_both_centres() {
     for gap in every_profile() {
-        let (p, close) = (&gap.profile, ROUNDING * gap.roller);
+        let close = ROUNDING * gap.roller;
         let x = gap.point(Surface::SEATING, gap.seat_end, 0.0);
         assert!(
             ((x - gap.curves().working.center).norm() - gap.curves().working.radius).abs() <= close
@@ -158,7 +158,7 @@ fn seating_and_working_curve_meet_at_x_in_line_with_both_centres() {
 #[test]
 fn working_curve_flat_and_topping_curve_meet_at_y_and_z_with_one_normal() {
     for gap in every_profile() {
-        let (p, close) = (&gap.profile, ROUNDING * gap.roller);
+        let close = ROUNDING * gap.roller;
         let (y, z) = (gap.curves().flat.start, gap.curves().flat.end());
         assert!(
             ((y - gap.curves().working.center).norm() - gap.curves().working.radius).abs() <= close
@@ -204,7 +204,6 @@ fn the_standard_s_length_of_the_flat_is_the_distance_of_y_and_z() {
 fn a_maker_s_sheet_has_the_same_numbers() {
     // One-inch pitch, 5/8 in rollers, 28 teeth; printed to four places, so half a unit of the fourth and a little.
     let gap = Gap::new(1.0, 0.625, 28);
-    let p = &gap.profile;
     let x = gap.point(Surface::SEATING, gap.seat_end, 0.0);
     for (name, metres, inches) in [
         ("R", gap.curves().seating.radius, 0.3156),
