@@ -50,6 +50,7 @@ fn row(laws: &ForceLaws, clearance: f64, gap: f64) -> Scene {
     let mut scene = Scene::laid(&paper_drive(), laws);
     let model = Arc::get_mut(&mut scene.model).unwrap();
     model.half_pitch = 1.0 / 128.0;
+    model.arms.fill(1.0 / 128.0);
     model.clearance = clearance;
     for i in 0..model.links {
         scene.motion.x[i] = 10.0 + i as f64 / 64.0;

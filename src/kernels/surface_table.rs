@@ -522,7 +522,12 @@ mod tests {
                     assert!(!near || depth >= -1e-18, "{what}: {depth:e}");
                 }
             }
-            let missing: Vec<usize> = (0..seen.len()).filter(|&i| seen[i] < 3).collect();
+            // Gap 0 has none of the whole surfaces where both of its flanks are damaged.
+            let first = profile
+                .damaged()
+                .next()
+                .map_or(0, |_| profile.whole().len());
+            let missing: Vec<usize> = (first..seen.len()).filter(|&i| seen[i] < 3).collect();
             assert!(missing.is_empty(), "{missing:?} of {} teeth", profile.teeth);
         }
     }
