@@ -95,7 +95,7 @@ impl VectorLaw for Logarithmic {
 
         let tau = ln_of_quotient(end, penetration.max(number(LEAST)));
         let s = (tau + tau).sqrt();
-        let ([a, b], c) = (START.0.map(number), number(START.1));
+        let (a, b, c) = (number(START.0[0]), number(START.0[1]), number(START.1));
         // 1 + x is above/below and x is over/below; below stays a factor until the end, which saves its division.
         let below = c.mul_add(s, one);
         let above = b.mul_add(s, a).mul_add(s, one).mul_add(s, below);

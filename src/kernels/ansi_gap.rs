@@ -248,11 +248,25 @@ impl<S: Simd> Gap<S> for AnsiRegisters<'_, S> {
 
     #[inline(always)]
     fn law_constants(&self, surface: &NearestOfFour<S>) -> [Lanes<S>; 2] {
-        self.constants.law.map(|[seat, work, flat, top]| {
-            let rest = surface.topping.select(self.splat(top), self.splat(flat));
-            let rest = surface.working.select(self.splat(work), rest);
-            surface.seating.select(self.splat(seat), rest)
-        })
+        let [first, second] = &self.constants.law;
+        [
+            self.of_surface(first, surface),
+            self.of_surface(second, surface),
+        ]
+    }
+}
+
+impl<S: Simd> AnsiRegisters<'_, S> {
+    /// The number of the surface: seating, working, flat, topping.
+    #[inline(always)]
+    fn of_surface(
+        &self,
+        &[seat, work, flat, top]: &[f64; 4],
+        surface: &NearestOfFour<S>,
+    ) -> Lanes<S> {
+        let rest = surface.topping.select(self.splat(top), self.splat(flat));
+        let rest = surface.working.select(self.splat(work), rest);
+        surface.seating.select(self.splat(seat), rest)
     }
 }
 

@@ -6,7 +6,7 @@ use super::gap::{Gap, GapConstants, InGap};
 use crate::contact::surface_constants;
 use crate::geometry::{Curve, Piece, Surface, ToothProfile, Vec2};
 use crate::model::Model;
-use crate::vector::{Lanes, Mask};
+use crate::vector::{Lanes, Mask, splat_two};
 
 /// Depth on a flank that is not there \[m\].
 const NOWHERE: f64 = -1.0;
@@ -156,7 +156,7 @@ impl<S: Simd> Found<S> {
         let splat = |value| Lanes::splat(simd, value);
         Self {
             number: splat(number as f64),
-            center: row.center.map(splat),
+            center: splat_two(simd, row.center),
             touch: splat(row.touch),
             side: splat(row.side),
         }
@@ -166,7 +166,7 @@ impl<S: Simd> Found<S> {
     fn replaced(self, where_true: Mask<S>, by: &Self) -> Self {
         Self {
             number: where_true.select(by.number, self.number),
-            center: [0, 1].map(|i| where_true.select(by.center[i], self.center[i])),
+            center: where_true.select_two(by.center, self.center),
             touch: where_true.select(by.touch, self.touch),
             side: where_true.select(by.side, self.side),
         }
@@ -202,10 +202,13 @@ impl<S: Simd> TableRegisters<'_, S> {
         let mut found = Found::of(self.simd, first, &rows[first]);
         let mut past: Option<Mask<S>> = None;
         for (number, row) in rows.iter().enumerate().take(last + 1).skip(first + 1) {
-            let [tangent_u, tangent_v] = row.tangent.map(|value| self.splat(value));
+            let [tangent_u, tangent_v] = splat_two(self.simd, row.tangent);
             let along = right.mul_add(tangent_u, v * tangent_v);
             let within = along.less(self.splat(row.from));
-            let here = past.map_or(within.not(), |before| before.and(within.not()));
+            let here = match past {
+                Some(before) => before.and(within.not()),
+                None => within.not(),
+            };
             found = found.replaced(here, &Found::of(self.simd, number, row));
             past = Some(here);
         }
@@ -215,7 +218,7 @@ impl<S: Simd> TableRegisters<'_, S> {
     /// Bushings in a gap, by its direction in the sprocket's own frame.
     #[inline(always)]
     fn within(&self, place: &InGap<S>, gap: [f64; 2]) -> Mask<S> {
-        let [cos, sin] = gap.map(|value| self.splat(value));
+        let [cos, sin] = splat_two(self.simd, gap);
         let [gap_cos, gap_sin] = place.gap;
         let half = self.splat(self.table.half_gap[0]);
         gap_cos.mul_add(cos, gap_sin * sin).greater(half)
@@ -274,7 +277,7 @@ impl<S: Simd> TableRegisters<'_, S> {
                 if row.side == 0.0 {
                     let own = (found.number - self.splat(number as f64)).abs();
                     let own = own.less(self.splat(0.5));
-                    normal = [0, 1].map(|i| own.select(self.splat(row.normal[i]), normal[i]));
+                    normal = own.select_two(splat_two(self.simd, row.normal), normal);
                 }
             }
             let depth = offset[0].mul_add(normal[0], offset[1] * normal[1]) + found.touch;
@@ -307,7 +310,7 @@ impl<S: Simd> Gap<S> for TableRegisters<'_, S> {
         [cos, sin]: [Lanes<S>; 2],
         gap: [Lanes<S>; 2],
     ) -> InGap<S> {
-        let [x, y] = self.table.offset.map(|value| self.splat(value));
+        let [x, y] = splat_two(self.simd, self.table.offset);
         let from_teeth = [
             arm_x - cos.mul_add(x, -(sin * y)),
             arm_y - sin.mul_add(x, cos * y),
@@ -363,10 +366,10 @@ impl<S: Simd> Gap<S> for TableRegisters<'_, S> {
         let apart = distance.exceeds(zero);
         let mut curvature = apart.select(side / distance, zero);
         let depth = surface.depth();
-        let mut normal = surface.offset.map(|offset| offset * curvature);
+        let mut normal = [surface.offset[0] * curvature, surface.offset[1] * curvature];
         if let Some((lines, _, line_normal)) = surface.line {
             curvature = lines.select(zero, curvature);
-            normal = [0, 1].map(|i| lines.select(line_normal[i], normal[i]));
+            normal = lines.select_two(line_normal, normal);
         }
         (depth, place.to_scene(surface.left, normal), curvature)
     }
@@ -395,13 +398,13 @@ impl<S: Simd> Gap<S> for TableRegisters<'_, S> {
     #[inline(always)]
     fn law_constants(&self, surface: &NearestOfTable<S>) -> [Lanes<S>; 2] {
         let rows = &self.table.rows;
-        let mut law = rows[0].law.map(|value| self.splat(value));
+        let mut law = splat_two(self.simd, rows[0].law);
         for (number, row) in rows.iter().enumerate().skip(1) {
             let from_here = surface
                 .found
                 .number
                 .greater(self.splat(number as f64 - 0.5));
-            law = [0, 1].map(|i| from_here.select(self.splat(row.law[i]), law[i]));
+            law = from_here.select_two(splat_two(self.simd, row.law), law);
         }
         law
     }

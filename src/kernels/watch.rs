@@ -12,7 +12,8 @@ use super::teeth::SprocketPose;
 use crate::contact::{Candidates, Run, SprocketCandidates};
 use crate::model::Model;
 use crate::vector::{
-    Lanes, Mask, Numbers, WIDTH, both, both_mut, lane_numbers, load, padded_zeros, vectors,
+    Lanes, Mask, Numbers, WIDTH, both, both_mut, lane_numbers, load, padded_zeros, splat_two,
+    vectors,
 };
 
 /// Where the slopes' part of a cubic is largest: 4/27 of the slope at one end.
@@ -220,9 +221,9 @@ impl WithSimd for WatchHinges<'_> {
             let at = |array: &[S::f64s]| load(simd, &array[i]);
             let gap = at(distance_squared).mul_add(scale, -half_clearance);
             let rate = at(along) * (scale + scale);
-            turned |= may_have_turned(length, start.map(at), [gap, rate]).any();
+            turned |= may_have_turned(length, two(simd, start, i), [gap, rate]).any();
             (end[0][i], end[1][i]) = (gap.values(), rate.values());
-            let [vx, vy] = velocity.map(at);
+            let [vx, vy] = two(simd, velocity, i);
             let left = splat((self.links - i * S::F64_LANES) as f64);
             let own = lane_numbers(simd).less(left);
             let squared = own.select(vx.mul_add(vx, vy * vy), splat(0.0));
@@ -233,6 +234,12 @@ impl WithSimd for WatchHinges<'_> {
             speed: speed_squared.greatest().sqrt(),
         }
     }
+}
+
+/// Register `i` of two arrays.
+#[inline(always)]
+fn two<S: Simd>(simd: S, arrays: [&[S::f64s]; 2], i: usize) -> [Lanes<S>; 2] {
+    [load(simd, &arrays[0][i]), load(simd, &arrays[1][i])]
 }
 
 /// The candidates of one sprocket, likewise; true when one of them may have turned round.
@@ -251,11 +258,13 @@ impl<C: GapConstants> WithSimd for WatchTeeth<'_, C> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
         let splat = |value| Lanes::splat(simd, value);
-        let pair = |values: [f64; 2]| values.map(splat);
         let length = splat(self.length);
         let gaps = self.constants.gap(simd);
-        let (center, own) = (pair(self.pose.center), pair(self.pose.velocity));
-        let (direction, spin) = (pair(self.pose.direction), splat(self.pose.spin));
+        let (center, own) = (
+            splat_two(simd, self.pose.center),
+            splat_two(simd, self.pose.velocity),
+        );
+        let (direction, spin) = (splat_two(simd, self.pose.direction), splat(self.pose.spin));
         let mut named = false;
         for run in &self.candidates.runs {
             let blocks = run.length.div_ceil(S::F64_LANES);
@@ -269,13 +278,15 @@ impl<C: GapConstants> WithSimd for WatchTeeth<'_, C> {
                 let at = |array: &[S::f64s]| load(simd, &array[b]);
                 let left = splat((run.length - b * S::F64_LANES) as f64);
                 let valid = lane_numbers(simd).less(left);
-                let [x, y] = [0, 1].map(|i| at(bushing[i]) - center[i]);
-                let [vx, vy] = [0, 1].map(|i| at(velocity[i]) - own[i]);
+                let [x, y] = two(simd, bushing, b);
+                let [x, y] = [x - center[0], y - center[1]];
+                let [vx, vy] = two(simd, velocity, b);
+                let [vx, vy] = [vx - own[0], vy - own[1]];
                 let relative = [spin.mul_add(y, vx), spin.negate_mul_add(x, vy)];
                 let place = gaps.place([x, y], direction, [at(gap_cos), at(gap_sin)]);
                 let surface = gaps.nearest(&place);
                 let found = gaps.gap_and_rate(&surface, &place, relative);
-                let before = start.map(at);
+                let before = two(simd, start, b);
                 named |= may_have_turned(length, before, found).and(valid).any();
                 (end[0][b], end[1][b]) = (found[0].values(), found[1].values());
             }

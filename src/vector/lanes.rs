@@ -245,6 +245,12 @@ impl<S: Simd> Mask<S> {
         yes.with(self.simd.select_f64s(self.values, yes.values, no.values))
     }
 
+    /// The same for two.
+    #[inline(always)]
+    pub(crate) fn select_two(self, yes: [Lanes<S>; 2], no: [Lanes<S>; 2]) -> [Lanes<S>; 2] {
+        [self.select(yes[0], no[0]), self.select(yes[1], no[1])]
+    }
+
     /// Whether any is true.
     #[inline(always)]
     pub(crate) fn any(self) -> bool {
