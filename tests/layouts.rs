@@ -5,19 +5,15 @@
 
 mod common;
 
-use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
-
 use common::layouts::{PITCH, drive_of, sprocket, three_shafts};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use rustchain::drive::{
-    AnsiTooth, Bearing, BeltLine, Drive, Motion, Sprocket, Tensioner, TimeTable,
-};
+use rustchain::drive::{AnsiTooth, BeltLine, Drive, Motion, Sprocket, TimeTable};
 use rustchain::geometry::belt::Side;
 use rustchain::geometry::{Seat, Vec2, turned_left, unit};
 use rustchain::state::{Start, closing_move, links_around};
-use rustchain::{Equilibrium, Error, ForceLaws, Groups, Model, Simulation};
+use rustchain::{Error, ForceLaws, Simulation};
+use std::f64::consts::{PI, TAU};
 
 /// Inside sprockets on an ellipse about the origin, and perhaps a reverse idler on one of the strands.
 #[derive(Debug, Clone)]

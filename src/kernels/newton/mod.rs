@@ -208,7 +208,7 @@ impl<S: Simd> RightHand<S> for Column<'_> {
 struct Residual<'a> {
     links: usize,
     /// x, y and θ of all links.
-    residual: &'a [f64],
+    accelerations: &'a [f64],
     columns: &'a [Border],
     /// What the border does; nothing where it is not swept.
     alone: &'a [f64],
@@ -220,7 +220,7 @@ impl<S: Simd> RightHand<S> for Residual<'_> {
         let (n, from) = (self.links, i * S::F64_LANES);
         let mut right = mass;
         for (axis, right) in right.iter_mut().enumerate() {
-            let rest = &self.residual[axis * n + from.min(n)..(axis + 1) * n];
+            let rest = &self.accelerations[axis * n + from.min(n)..(axis + 1) * n];
             let residual = if rest.len() >= S::F64_LANES {
                 Lanes::new(simd, vectors::<S>(rest, 1)[0])
             } else {
@@ -327,7 +327,7 @@ impl WithSimd for Correct<'_> {
         }
         let right = Residual {
             links: n,
-            residual: links,
+            accelerations: links,
             columns: &matrix.columns,
             alone: if swept { &matrix.alone } else { &[] },
         };

@@ -165,14 +165,10 @@ impl Ring {
 
     /// Solves the ring of the eight that are left; false when a block has no inverse.
     #[inline(always)]
-    fn reduce<S: Simd>(&mut self, simd: S, left: Left<S>) -> bool {
-        let Left {
-            mut own,
-            edge: mut coupling,
-            to_last,
-            mut irregular,
-        } = left;
-        let taken = from_right(simd, to_last, 1);
+    fn reduce<S: Simd>(&mut self, simd: S, left: &Left<S>) -> bool {
+        let (mut own, mut coupling) = (left.own, left.edge);
+        let mut irregular = left.irregular;
+        let taken = from_right(simd, left.to_last, 1);
         for part in parts::<S>() {
             own[part].subtract(&taken[part]);
         }
@@ -223,7 +219,7 @@ impl Ring {
         }
         self.take_in(groups);
         let left = self.eliminate(simd);
-        self.reduce(simd, left)
+        self.reduce(simd, &left)
     }
 
     /// Solves in place: x and y of the unknowns of all hinges.

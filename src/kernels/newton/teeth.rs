@@ -55,15 +55,13 @@ impl ToothTerms {
             column,
             touched,
         } = self;
-        let clear = |array: &mut Numbers, group: usize| {
-            let first = BASE + group * WIDTH;
-            array[first..first + WIDTH].fill(0.0);
-        };
         for (group, touched) in touched.iter_mut().enumerate() {
-            if std::mem::take(touched) {
-                held.iter_mut().for_each(|array| clear(array, group));
-                let columns = column.iter_mut().flatten();
-                columns.for_each(|array| clear(array, group));
+            if !std::mem::take(touched) {
+                continue;
+            }
+            let entries = BASE + group * WIDTH..BASE + (group + 1) * WIDTH;
+            for array in held.iter_mut().chain(column.iter_mut().flatten()) {
+                array[entries.clone()].fill(0.0);
             }
         }
         for array in held.iter_mut().chain(column.iter_mut().flatten()) {
@@ -165,7 +163,7 @@ impl WithSimd for AddTeeth<'_> {
                 };
                 let group = first + b * S::F64_LANES / WIDTH * WIDTH;
                 touched[group / WIDTH] = true;
-                touched[(group + WIDTH - 1) / WIDTH] = true;
+                touched[group.div_ceil(WIDTH)] = true;
                 let [nx, ny] = tooth.normal;
                 let stiff = [
                     alpha.mul_add(nx * nx, eta * (ny * ny)),
