@@ -604,3 +604,18 @@ fn a_ball_bounces_on_every_profile_as_high_as_it_fell() {
         assert!(worst < 1e-5, "{name} {worst}");
     }
 }
+
+#[test]
+fn a_wheel_beside_its_bearing_is_brought_to_it() {
+    for beside in [1e-12, 1e-3, 0.5] {
+        let bearing = Joint::new(
+            "bearing",
+            ground(0.0, 0.0),
+            Marker::new("wheel", 0.0, 0.0),
+            JointKind::Revolute,
+        );
+        let wheel = Body::new("wheel", 1.0, 0.1).at(beside, 0.0, 0.0);
+        let machine = without_gravity(vec![wheel], vec![bearing], vec![]);
+        assert_eq!(refusal(&machine), "", "{beside}");
+    }
+}

@@ -32,12 +32,17 @@ const TURNED_FAR: f64 = 0.1;
 const MOST_ITERATIONS: usize = 100;
 
 impl MechanismDynamics {
-    /// Size of the mechanism: its farthest point \[m\].
+    /// Size of the mechanism: its farthest point \[m\], and no less than the smallest radius of gyration, where all points come to
+    /// lie in one place.
     pub(super) fn size(&self) -> f64 {
         let far = self.frames.iter().map(|f| f.origin.amax());
         let ends = self.model.equations.iter();
         let arms = ends.map(|e| e.a.point.amax().max(e.b.point.amax()));
-        let size = far.chain(arms).fold(0.0, f64::max);
+        let gyration = self.model.mass.chunks_exact(3);
+        let gyration = gyration.map(|body| (body[2] / body[0]).sqrt());
+        let least = gyration.filter(|&radius| radius > 0.0).reduce(f64::min);
+        let least = least.filter(|radius| radius.is_finite());
+        let size = far.chain(arms).chain(least).fold(0.0, f64::max);
         if size > 0.0 { size } else { 1.0 }
     }
 
