@@ -34,7 +34,7 @@ fn metered(pretension: f64, variation: f64, fineness: usize) -> (f64, f64, u64, 
 #[test]
 fn the_meter_has_a_small_part_of_the_residual() {
     for pretension in [0.0, 25.0, 100.0] {
-        let runs = 8;
+        let runs = 16;
         let (mut residuals, mut differences) = (0.0, [0.0; 2]);
         for i in 0..runs {
             let variation = 1.0 + 1e-3 * f64::from(i);
@@ -47,9 +47,9 @@ fn the_meter_has_a_small_part_of_the_residual() {
             differences[1] += (two.0 - many.0).powi(2);
         }
         let share = differences.map(|difference: f64| (difference / residuals).sqrt());
-        // Measured over 24 runs: 0.10, 0.16, 0.005 of residuals of 1.4e-5, 0.9e-5, 6.6e-5 J; half of that at fineness two. Eight
-        // runs scatter by a third on either side of the quotient.
-        assert!(share[0] < 0.4, "{pretension} N: {share:?}");
+        // Measured over 24 runs: 0.10, 0.16, 0.005 of residuals of 1.4e-5, 0.9e-5, 6.6e-5 J; half of that at fineness two. Sixteen
+        // runs scatter by a fifth on either side of the quotient.
+        assert!(share[0] < 0.2, "{pretension} N: {share:?}");
         assert!(share[1] < share[0], "{pretension} N: {share:?}");
     }
 }
