@@ -147,7 +147,8 @@ impl<S: Simd> Lanes<S> {
     /// Absolute value.
     #[inline(always)]
     pub(crate) fn abs(self) -> Self {
-        self.with(self.simd.abs_f64s(self.values))
+        let magnitude = self.simd.splat_f64s(f64::from_bits(!(1 << 63)));
+        self.with(self.simd.and_f64s(magnitude, self.values))
     }
 
     /// The number where it is not negative, zero where it is; not a number stays so.
@@ -335,6 +336,7 @@ impl<S: Simd> Neg for Lanes<S> {
 
     #[inline(always)]
     fn neg(self) -> Self {
-        self.with(self.simd.neg_f64s(self.values))
+        // Written out: pulp's own is not always inlined into a kernel, and then it runs without its instructions.
+        self.with(self.simd.xor_f64s(self.values, self.simd.splat_f64s(-0.0)))
     }
 }
