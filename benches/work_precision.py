@@ -56,8 +56,8 @@ def decades(first, last, per_decade=1):
 def path_plan():
     """Many tolerances: the runs are short. Those of "pece" span what rounding leaves of them."""
     methods = {
-        "auto": [*ACCURACIES, 1e-12],
-        "newton": [3e-8, *ACCURACIES, 1e-12, 1e-13],
+        "auto": [*ACCURACIES, 1e-12, 1e-13, 1e-14],
+        "newton": [3e-8, *ACCURACIES, 1e-12, 1e-13, 1e-14],
         "pece": [3e-8, *ACCURACIES, 1e-12, 1e-13, 1e-14],
         "pece, rtol": [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-11],
     }
@@ -87,8 +87,12 @@ def loaded_path_plan():
 
 def energy_plan(pretension):
     """Few: each point is several runs. Under 100 N an explicit one takes seconds."""
-    methods = {method: list(ACCURACIES) for method in ("auto", "newton", "pece")}
-    methods["pece, rtol"] = [1e-5, 1e-6]
+    methods = {
+        "auto": [1e-8, 6e-9, *ACCURACIES, 1e-12],
+        "newton": [1e-8, 6e-9, *ACCURACIES, 1e-12],
+        "pece": list(ACCURACIES),
+        "pece, rtol": [1e-5, 1e-6],
+    }
     compiled = {
         "RK4": [2e-6, 5e-7],
         "Dormand-Prince 5(4)": [1e-9, 1e-10, 1e-11],

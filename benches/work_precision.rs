@@ -29,7 +29,7 @@ const SPAN: f64 = 8e-3;
 
 fn main() {
     let tolerances = [
-        1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12,
+        1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 3e-14,
     ];
     let repeats = if only_tried() { 1 } else { REPEATS };
     for tolerance in tolerances {
