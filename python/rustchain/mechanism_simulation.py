@@ -37,7 +37,8 @@ class MechanismEvaluation:
     contact_force_vector : ndarray, (contacts, 2)
         Force on the circle [N].
     contact_gap, contact_region : ndarray of int, (contacts,)
-        Of circles near teeth the gap, from 0 (-1: none), and the region, 1 to 7 (0: none).
+        Of circles near teeth the gap, from 0 (-1: none), and its region, counted from 1 along its
+        outline (0: none; an ANSI gap has seven).
     """
 
     accelerations: Array
