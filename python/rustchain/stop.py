@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
@@ -10,7 +12,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from rustchain import _rustchain
-from rustchain._description import Description
+from rustchain._description import Description, plain
 from rustchain._names import known_keywords, suggest
 from rustchain.errors import InvalidInput
 
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class StopCondition(Description):
+class StopCondition(Description, ABC):
     """What every stop condition has; choose one of its subclasses.
 
     A condition is looked at when a row has been recorded, and the run stops there: forces are the
@@ -34,36 +36,48 @@ class StopCondition(Description):
     group: ClassVar[str | None] = None  # that a run has to record
 
     def __post_init__(self) -> None:
-        """Refuse numbers that mean nothing."""
-        for name, value in vars(self).items():
-            if isinstance(value, float | int) and (isinstance(value, bool) or math.isnan(value)):
-                raise self._refusal(name, value, "must be a number")
+        """Turn what NumPy has into Python's, then check every field."""
+        for field in dataclasses.fields(self):
+            object.__setattr__(self, field.name, plain(getattr(self, field.name)))
+        self._check()
 
+    @abstractmethod
+    def _check(self) -> None:
+        """Refuse what means nothing."""
+
+    @abstractmethod
     def look_at(self, simulation: Simulation) -> Look:
         """Return what looks at each report of `simulation`."""
-        raise NotImplementedError
 
     def _refusal(self, field: str, value: object, expected: str) -> InvalidInput:
         return InvalidInput(f"{type(self).__name__}.{field} = {value!r}: {expected}")
 
-    def _positive(self, field: str, unit: str) -> None:
+    def _check_number(self, field: str, unit: str, least: str = "a positive number") -> None:
+        """Refuse what is no finite number, or below `least`: zero may be among them, or not."""
         value = getattr(self, field)
-        if not isinstance(value, float | int) or not 0.0 < value < math.inf:
-            raise self._refusal(field, value, f"must be a positive number in {unit}")
+        if isinstance(value, bool) or not isinstance(value, float | int):
+            raise self._refusal(field, value, f"must be a number in {unit}")
+        if not 0.0 <= value < math.inf or (value == 0 and least == "a positive number"):
+            raise self._refusal(field, value, f"must be {least} in {unit}")
+
+    def _check_count(self, field: str) -> None:
+        number = getattr(self, field)
+        whole = isinstance(number, int) and not isinstance(number, bool)
+        if number is not None and not (whole and number >= 1):
+            raise self._refusal(field, number, "must be a whole number from 1 on, or None")
 
     def _one_of(self, field: str, count: int) -> slice:
         """Return where a row has the contact that the field names from 1, or all of them."""
         number = getattr(self, field)
         if number is None:
             return slice(0, count)
-        if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= count:
+        if number > count:
             raise self._refusal(field, number, f"must be a number from 1 to {count}, or None")
         return slice(number - 1, number)
 
-    def _force(self, simulation: Simulation, channel: str, field: str, name: str) -> Look:
-        """Return what looks for a force above the limit in a channel of largest forces."""
-        which = self._one_of(field, simulation.drive.chain.links)
-        limit = getattr(self, "force")  # noqa: B009  # of the two subclasses that call this
+    def _force(self, simulation: Simulation, contact: str, limit: float, channel: str) -> Look:
+        """Return what looks for a force above `limit` in a channel of largest forces."""
+        which = self._one_of(contact, simulation.drive.chain.links)
 
         def look() -> str | None:
             row = simulation._core.last_row(channel)[which]
@@ -71,7 +85,7 @@ class StopCondition(Description):
             if row[worst] <= limit:
                 return None
             number = which.start + worst + 1
-            return f"{name} {number} was pressed by {row[worst]:.4g} N, above {limit:g} N"
+            return f"{contact} {number} was pressed by {row[worst]:.4g} N, above {limit:g} N"
 
         return look
 
@@ -94,14 +108,13 @@ class HingeForceAbove(StopCondition):
     force: float
     hinge: int | None = None
 
-    def __post_init__(self) -> None:
-        """Refuse numbers that mean nothing."""
-        super().__post_init__()
-        self._positive("force", "N")
+    def _check(self) -> None:
+        self._check_number("force", "N")
+        self._check_count("hinge")
 
     def look_at(self, simulation: Simulation) -> Look:
         """Return what looks at each report of `simulation`."""
-        return self._force(simulation, "peak_hinge_force", "hinge", "hinge")
+        return self._force(simulation, "hinge", self.force, "peak_hinge_force")
 
 
 @known_keywords
@@ -122,14 +135,13 @@ class ToothForceAbove(StopCondition):
     force: float
     bushing: int | None = None
 
-    def __post_init__(self) -> None:
-        """Refuse numbers that mean nothing."""
-        super().__post_init__()
-        self._positive("force", "N")
+    def _check(self) -> None:
+        self._check_number("force", "N")
+        self._check_count("bushing")
 
     def look_at(self, simulation: Simulation) -> Look:
         """Return what looks at each report of `simulation`."""
-        return self._force(simulation, "peak_tooth_force", "bushing", "bushing")
+        return self._force(simulation, "bushing", self.force, "peak_tooth_force")
 
 
 @known_keywords
@@ -154,13 +166,11 @@ class StrandSlack(StopCondition):
     strand: str | None = None
     lasting: float = 0.0
 
-    def __post_init__(self) -> None:
-        """Refuse numbers that mean nothing."""
-        super().__post_init__()
-        for field, unit in (("tension", "N"), ("lasting", "s")):
-            value = getattr(self, field)
-            if not isinstance(value, float | int) or not 0.0 <= value < math.inf:
-                raise self._refusal(field, value, f"must be a number in {unit}, not negative")
+    def _check(self) -> None:
+        self._check_number("tension", "N", "zero or a positive number")
+        self._check_number("lasting", "s", "zero or a positive number")
+        if not isinstance(self.strand, str | None):
+            raise self._refusal("strand", self.strand, "must be text, or None")
 
     def look_at(self, simulation: Simulation) -> Look:
         """Return what looks at each report of `simulation`."""
@@ -199,10 +209,8 @@ class TimeReached(StopCondition):
 
     time: float
 
-    def __post_init__(self) -> None:
-        """Refuse numbers that mean nothing."""
-        super().__post_init__()
-        self._positive("time", "s")
+    def _check(self) -> None:
+        self._check_number("time", "s")
 
     def look_at(self, simulation: Simulation) -> Look:
         """Return what looks at each report of `simulation`."""
