@@ -18,7 +18,7 @@ from rustchain.drive import AppliedTorque, ChainDrive, PrescribedSpeed
 from rustchain.errors import InvalidInput
 from rustchain.force_law import ForceLaw
 from rustchain.result import Array
-from rustchain.simulation import Solver
+from rustchain.solver import Solver
 
 _FAR = 0.01  # of a pitch: way that hinges may move a link without a word
 _ENERGY = ("kinetic", "gravity", "elastic", "dissipated", "worked_in", "residual")

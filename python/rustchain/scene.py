@@ -12,7 +12,8 @@ from rustchain._names import known_keywords
 from rustchain.drive import ChainDrive
 from rustchain.errors import InvalidInput
 from rustchain.result import Result
-from rustchain.simulation import Simulation, Solver
+from rustchain.simulation import Simulation
+from rustchain.solver import Solver
 
 if TYPE_CHECKING:
     from rustchain._file_source import Source

@@ -2,117 +2,37 @@
 
 from __future__ import annotations
 
-import reprlib
-import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NoReturn, get_args
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from rustchain import _rustchain, _state_file
-from rustchain._description import Description, plain
-from rustchain._names import known_keywords, suggest
+from rustchain._description import plain
+from rustchain._names import known_keywords
+from rustchain._present import SCENE, Present, core_for
+from rustchain._run import WALL_BUDGET, Group, known_groups, seconds_bar
+from rustchain._start import Start, started
 from rustchain.drive import ChainDrive, TimeTable
-from rustchain.errors import EnergyWarning, InvalidInput, RangeWarning, SimulationError
+from rustchain.errors import InvalidInput, SimulationError
+from rustchain.evaluation import Evaluation as Evaluation
 from rustchain.force_law import ForceLaw, LankaraniNikravesh
 from rustchain.mechanism import Mechanism
 from rustchain.result import Array, Result, Status
+from rustchain.solver import Method as Method
+from rustchain.solver import Solver as Solver
 from rustchain.stop import StopCondition, looks_of
 
 if TYPE_CHECKING:
-    from typing import TypeAlias
-
-    from tqdm import tqdm
-
-    from rustchain._ideal_hinges import IdealHingeCore
     from rustchain.stop import Look
-
-    Core: TypeAlias = _rustchain.Core | IdealHingeCore
-
-Method = Literal["auto", "pece", "newton"]
-Start = Literal["laid", "static"]
-Group = Literal["hinges", "teeth", "sprockets", "bodies", "energy"]
-
-_WALL_BUDGET = 0.05  # [s] between looks at the keyboard and the progress bar
-
-
-@known_keywords
-@dataclass(frozen=True)
-class Solver(Description):
-    """How the equations of motion are integrated: Adams' formulas of variable step and order.
-
-    Attributes
-    ----------
-    method : {"auto", "pece", "newton"}
-        How the corrector's equation is solved. "pece": predict, evaluate, correct, evaluate
-        (Adams-Bashforth-Moulton, Shampine and Gordon 1975); held to small steps by stiff contacts.
-        "newton": Newton's method with the exact derivatives of all contacts; at order 2, the
-        trapezoid, while contacts vibrate stiffly, higher where the motion is smooth. "auto": the
-        cheaper of the two, changed over while running.
-    rtol, atol : float, optional
-        Relative and absolute tolerance of every component, in its own unit, as in SciPy; they rule
-        in place of `accuracy` when one of them is given (the other is then 1e-5). One may be 0.
-    max_step : float
-        Largest step [s].
-    max_order : int
-        Highest order, 1 to 12.
-    accuracy : float
-        Error that a step is allowed: in lengths `accuracy` [m], in speeds `accuracy` times 1e5/s,
-        in angles what moves as much at half the pitch (of a sprocket, at its pitch radius). To
-        compare it with: clearances of 25e-6 m, penetrations of about 1e-6 m, impacts at 1e-3 to
-        1 m/s. Every tenth of it divides the energy residual by about three with "newton".
-    """
-
-    method: Method = "auto"
-    rtol: float | None = None
-    atol: float | None = None
-    max_step: float = 1e-4
-    max_order: int = 12
-    accuracy: float = 1e-10
-
-
-@dataclass(frozen=True, eq=False)
-class Evaluation:
-    """Accelerations and contacts of one state.
-
-    Attributes
-    ----------
-    accelerations : ndarray, (bodies, 3)
-        Accelerations [m/s^2, m/s^2, rad/s^2].
-    hinge_force, hinge_penetration : ndarray, (hinges,)
-        Force [N] and penetration [m] of each hinge; penetration is negative when apart.
-    hinge_force_vector : ndarray, (hinges, 2)
-        Force on the pin [N].
-    tooth_force, tooth_penetration : ndarray, (bushings, sprockets)
-        Force [N] and penetration [m] of each bushing; penetration is -inf when not even near.
-    tooth_force_vector : ndarray, (bushings, sprockets, 2)
-        Force on the bushing [N].
-    tooth_region, tooth_index : ndarray of int, (bushings, sprockets)
-        Region of the gap in contact, counted from 1 along its outline (0: none; an ANSI gap has
-        seven, the fourth is the seat), and the gap, from 0 (-1: none).
-    """
-
-    accelerations: Array
-    hinge_force: Array
-    hinge_penetration: Array
-    hinge_force_vector: Array
-    tooth_force: Array
-    tooth_penetration: Array
-    tooth_force_vector: Array
-    tooth_region: npt.NDArray[np.int32]
-    tooth_index: npt.NDArray[np.int32]
 
 
 _LAW = LankaraniNikravesh()
 _SOLVER = Solver()
-_SCENE = ("drive", "force_law", "hinge_law", "tooth_law", "min_approach_speed", "solver")
 
 
 @known_keywords
-class Simulation:
+class Simulation(Present):
     """A chain drive in motion; a mechanism makes a `MechanismSimulation`, with its keywords.
 
     Parameters
@@ -185,152 +105,9 @@ class Simulation:
         }
         scene |= started(scene | {"start": start, "positions": positions, "velocities": velocities})
         self.rest = scene.pop("rest")
-        self._core: Core = _core_for(scene["drive"])(**scene)
-        self._describe(**{name: scene[name] for name in _SCENE})
+        self._core = core_for(scene["drive"])(**scene)
+        self._describe(**{name: scene[name] for name in SCENE})
         self._warn()
-
-    def __repr__(self) -> str:
-        """Return what moves, and the time."""
-        return f"<Simulation of {self.drive.name or 'a chain drive'} at t = {self.time:.6g} s>"
-
-    @property
-    def body_names(self) -> list[str]:
-        """Names of the bodies, in the order of every (bodies, 3) array."""
-        return self._core.body_names
-
-    @property
-    def time(self) -> float:
-        """Present time [s]."""
-        return self._core.time
-
-    @property
-    def positions(self) -> Array:
-        """Present positions [m, m, rad], (bodies, 3)."""
-        return self._core.positions
-
-    @property
-    def velocities(self) -> Array:
-        """Present velocities [m/s, m/s, rad/s], (bodies, 3)."""
-        return self._core.velocities
-
-    def state(self) -> dict[str, Any]:
-        """Return all that decides how the run goes on, for `set_state`.
-
-        Not in it are wall times. The copy is the caller's own: `copy` and `pickle` take it.
-
-        Returns
-        -------
-        dict
-            To look at:
-
-            - ``time`` [s]; ``positions`` and ``velocities``, (bodies, 3) [m, m, rad], [m/s, m/s,
-              rad/s];
-            - ``hinge_onset_speed``, (hinges,), and ``tooth_onset_speed``, (bushings, sprockets):
-              approach speed at which each live contact began [m/s], 0 without contact;
-            - ``tooth_onset_surface``, (bushings, sprockets): where it began, 0 seating curve, 1
-              working curve, 2 flat, 3 topping curve;
-            - ``parted_hinges`` and ``parted_tooth_pairs`` (sprocket · bushings + bushing): what
-              came apart in the last step.
-
-            And ``snapshot``: bytes that hold all of it and all else, to the last bit.
-        """
-        return self._core.state()
-
-    @known_keywords
-    def set_state(self, state: Mapping[str, Any]) -> None:
-        """Go on from `state`, to the same bits as the simulation that gave it.
-
-        Counts (steps, evaluations, onsets) go on from those of the state, wall times from those of
-        this simulation. The bits are the same where `rustchain.instruction_set` is, or is one of
-        "avx2" and "avx512".
-
-        Parameters
-        ----------
-        state : dict
-            What `state` gave, of this simulation or of one with the same drive, laws, solver and
-            start.
-
-        Raises
-        ------
-        InvalidInput
-            The state is of another drive, other laws or another solver, or was changed or damaged.
-            The simulation is then what it was.
-        """
-        self._core = _state_file.restored(self._core, state)
-        self._warn()
-
-    @known_keywords
-    def save_state(self, path: str | Path) -> None:
-        """Write the state and what it is of (drive, laws, solver, start) to a file.
-
-        The file is a NumPy archive (.npz); one that is there already is replaced when the new one
-        is complete.
-        """
-        positions, velocities = self._core.start()
-        _state_file.write(
-            path,
-            {
-                "drive": self.drive,
-                "hinge_law": self.hinge_law,
-                "tooth_law": self.tooth_law,
-                "solver": self.solver,
-                "min_approach_speed": self.min_approach_speed,
-                "positions": positions,
-                "velocities": velocities,
-            },
-            self.state(),
-        )
-
-    @classmethod
-    @known_keywords
-    def load_state(cls, path: str | Path) -> Simulation:
-        """Return a simulation that goes on from the state in a file, to the same bits.
-
-        Parameters
-        ----------
-        path : str or Path
-            A file that `save_state` wrote.
-
-        Raises
-        ------
-        InvalidInput
-            The file holds no state, or is damaged.
-
-        Warns
-        -----
-        RangeWarning
-            A contact had left the range of its law.
-        """
-        scene, state = _state_file.read(path)
-        scene |= {"force_law": scene["hinge_law"]}
-        simulation = cls._around(_core_for(scene["drive"])(**scene), scene)
-        simulation._core = _state_file.restored(simulation._core, state)
-        simulation._warn()
-        return simulation
-
-    @known_keywords
-    def evaluate(
-        self,
-        positions: npt.ArrayLike | None = None,
-        velocities: npt.ArrayLike | None = None,
-        time: float | None = None,
-    ) -> Evaluation:
-        """Return accelerations and contacts of a state, without touching the simulation.
-
-        Parameters
-        ----------
-        positions, velocities : array_like, (bodies, 3), optional
-            By default the present ones. With positions given, no contact has a memory.
-        time : float, optional
-            By default the present one [s].
-        """
-        return Evaluation(
-            **self._core.evaluate(
-                _rows("positions", positions, len(self.body_names)),
-                _rows("velocities", velocities, len(self.body_names)),
-                time,
-            )
-        )
 
     @known_keywords
     def step_to(self, t: float) -> None:
@@ -340,7 +117,7 @@ class Simulation:
         """
         self._check_idle("step_to")
         try:
-            while not self._core.step_to(t, _WALL_BUDGET):
+            while not self._core.step_to(t, WALL_BUDGET):
                 pass
         finally:
             self._warn()
@@ -466,30 +243,6 @@ class Simulation:
             self._core.take_recording()  # whatever else ended the run
             self._warn()
 
-    @classmethod
-    def _around(cls, core: Core, scene: Mapping[str, Any]) -> Simulation:
-        """Return the simulation of `scene` that `core` is in the middle of."""
-        simulation = cls.__new__(cls)
-        simulation._core = core
-        simulation._describe(**{name: scene[name] for name in _SCENE})
-        return simulation
-
-    def _describe(
-        self,
-        drive: ChainDrive,
-        force_law: ForceLaw,
-        hinge_law: ForceLaw | None,
-        tooth_law: ForceLaw | None,
-        min_approach_speed: float,
-        solver: Solver,
-    ) -> None:
-        """Remember what is simulated, and how."""
-        self.drive = drive
-        self.hinge_law = force_law if hinge_law is None else hinge_law
-        self.tooth_law = force_law if tooth_law is None else tooth_law
-        self.min_approach_speed = min_approach_speed
-        self.solver = solver
-
     def _result(
         self,
         status: Status,
@@ -532,7 +285,7 @@ class Simulation:
         with seconds_bar(duration, progress) as bar:
             finished = False
             while not finished:
-                finished = self._core.advance(_WALL_BUDGET)
+                finished = self._core.advance(WALL_BUDGET)
                 bar.update(self.time - start - bar.n)
 
     def _advance_until(self, duration: float, progress: bool, looks: Sequence[Look]) -> str | None:
@@ -542,7 +295,7 @@ class Simulation:
         with seconds_bar(duration, progress) as bar:
             finished = False
             while not finished:
-                finished = self._core.advance(_WALL_BUDGET)
+                finished = self._core.advance(WALL_BUDGET)
                 bar.update(self.time - start - bar.n)
                 if self._core.rows == rows:
                     continue
@@ -562,50 +315,6 @@ class Simulation:
             )
             raise InvalidInput(msg)
 
-    def _warn(self) -> None:
-        """Pass the core's warnings on, as if from the line that called the public method."""
-        range_notes, balance_notes = self._core.take_warnings()
-        for message in range_notes:
-            warnings.warn(message, RangeWarning, stacklevel=4)
-        for message in balance_notes:
-            warnings.warn(message, EnergyWarning, stacklevel=4)
-
-
-def _core_for(drive: object) -> type[Core]:
-    """Return what runs this drive."""
-    if isinstance(drive, ChainDrive) and drive.hinges == "ideal":
-        from rustchain._ideal_hinges import IdealHingeCore
-
-        return IdealHingeCore
-    return _rustchain.Core
-
-
-def started(scene: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what the start of a scene makes of it: drive, positions, velocities, and its rest."""
-    drive, start = scene["drive"], scene["start"]
-    given = {name: scene[name] for name in ("positions", "velocities")}
-    if start not in get_args(Start):
-        msg = f"start = {start!r}: must be 'laid' or 'static'"
-        raise InvalidInput(msg)
-    if not isinstance(drive, ChainDrive):  # which the core refuses
-        return {"drive": drive, "rest": None} | given
-    if start == "laid":
-        bodies = drive.chain.links + len(drive.sprockets)
-        rows = {name: _rows(name, value, bodies) for name, value in given.items()}
-        return {"drive": drive, "rest": None} | rows
-    if any(value is not None for value in given.values()):
-        msg = "start = 'static': there is no room for positions and velocities of one's own"
-        raise InvalidInput(msg)
-    if drive.hinges == "ideal":
-        msg = "start = 'static': only for drives with clearance in their hinges"
-        raise InvalidInput(msg)
-    if drive.tensioner is not None:  # at full pull from the beginning
-        drive = replace(drive, tensioner=replace(drive.tensioner, ramp_time=0.0))
-    laws = (scene[name] for name in ("force_law", "hinge_law", "tooth_law", "min_approach_speed"))
-    found = _rustchain.static_start(drive, *laws)
-    place = {name: found.pop(name) for name in ("positions", "velocities")}
-    return {"drive": drive, "rest": found} | place
-
 
 def _sprocket_number(sprocket: object) -> int:
     """Return the number, from 1, in a name such as "sprocket_2"; a number is one already."""
@@ -617,46 +326,3 @@ def _sprocket_number(sprocket: object) -> int:
         msg = f"sprocket = {sprocket!r}: must be such as 'sprocket_2', or 2"
         raise InvalidInput(msg)
     return number
-
-
-def _rows(name: str, values: npt.ArrayLike | None, bodies: int | str) -> Array | None:
-    """Return `values` as the compiled module wants them: (bodies, 3) real numbers."""
-    if values is None:
-        return None
-    try:
-        given = np.asarray(values)
-        array = np.ascontiguousarray(given, dtype=float) if given.dtype.kind in "iuf" else None
-    except ValueError:  # ragged
-        given, array = np.empty(0, dtype=object), None
-    if array is None or array.ndim != 2:
-        shown = reprlib.repr(values) if array is None else f"an array of shape {given.shape}"
-        msg = f"{name} = {shown}, {given.dtype}: must be numbers of shape ({bodies}, 3)"
-        raise InvalidInput(msg)
-    return array
-
-
-def known_groups(record: Sequence[str], energy: bool) -> tuple[list[str], bool]:
-    """Return the groups to record, each of which must exist, and whether to keep the energy."""
-    if not isinstance(record, Iterable):
-        msg = f"record = {record!r}: must be a sequence of groups: {', '.join(get_args(Group))}"
-        raise InvalidInput(msg)
-    groups = [record] if isinstance(record, str) else list(record)
-    for group in groups:
-        if group not in get_args(Group):
-            msg = f"record: {group!r} is no group; {suggest(group, get_args(Group))}"
-            raise InvalidInput(msg)
-    return groups, True if "energy" in groups else energy
-
-
-def seconds_bar(total: float, progress: bool, description: str | None = None) -> tqdm[NoReturn]:
-    """Return a bar of simulated seconds [s]."""
-    from tqdm import tqdm
-
-    form = "{l_bar}{bar}| {n:.4f}/{total:.4f} s [{elapsed}<{remaining}, {rate_noinv_fmt}]"
-    return tqdm(
-        desc=description,
-        total=total,
-        unit=" s",
-        bar_format=form,
-        disable=None if progress else True,
-    )

@@ -12,23 +12,15 @@ import numpy.typing as npt
 from rustchain import _rustchain
 from rustchain._axes import Drive, Parameters, axes_of, cases_of, check_names, scene_of
 from rustchain._names import known_keywords
+from rustchain._present import SCENE
+from rustchain._run import WALL_BUDGET, Group, known_groups, seconds_bar
+from rustchain._start import Start, started
 from rustchain.drive import ChainDrive
 from rustchain.errors import EnergyWarning, InvalidInput, RangeWarning, SimulationError
 from rustchain.force_law import ForceLaw
 from rustchain.result import Array, Result
-from rustchain.simulation import (
-    _LAW,
-    _SCENE,
-    _SOLVER,
-    _WALL_BUDGET,
-    Group,
-    Simulation,
-    Solver,
-    Start,
-    known_groups,
-    seconds_bar,
-    started,
-)
+from rustchain.simulation import _LAW, _SOLVER, Simulation
+from rustchain.solver import Solver
 from rustchain.sweep_result import SweepResult
 
 
@@ -159,7 +151,7 @@ def _ready(scene: Parameters) -> _rustchain.Case:
         )
         raise InvalidInput(msg)
     scene |= started(scene)
-    names = (*_SCENE, "duration", "report_step", "positions", "velocities")
+    names = (*SCENE, "duration", "report_step", "positions", "velocities")
     given = {name: scene[name] for name in names}
     return _rustchain.Case(**given, groups=groups, energy=energy)
 
@@ -180,7 +172,7 @@ def _run_all(
         with seconds_bar(total, progress, f"0 of {len(numbers)} cases") as bar:
             left = len(numbers)
             while left:
-                fetched = ensemble.fetch(_WALL_BUDGET)
+                fetched = ensemble.fetch(WALL_BUDGET)
                 bar.update(ensemble.simulated - bar.n)
                 if fetched is None:
                     continue
