@@ -1,4 +1,4 @@
-"""A drive, its force laws and a solver: the present state, single evaluations and runs."""
+"""A drive, its force laws and a solver: how it starts, steps and runs."""
 
 from __future__ import annotations
 
