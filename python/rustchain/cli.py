@@ -123,14 +123,15 @@ def run(
     """
     with _clear_errors():
         scene = _scene(drive, pretension)
-        simulation = {} if law is None else {"force_law": law.value_of()}
-        solver = {
-            "method": method,
-            "rtol": rtol,
-            "atol": atol,
-            "max_step": max_step,
-            "accuracy": accuracy,
-        }
+        # Of every contact, whatever laws a file has for some.
+        laws = ("force_law", "hinge_law", "tooth_law")
+        simulation = (
+            {} if law is None else dict(zip(laws, (law.value_of(), None, None), strict=True))
+        )
+        solver = _given({"method": method, "max_step": max_step, "accuracy": accuracy})
+        if any(tolerance is not None for tolerance in (accuracy, rtol, atol)):
+            # One kind of tolerance takes the place of the other.
+            solver |= {"rtol": rtol, "atol": atol}
         groups = None if record is None else [group.strip() for group in record.split(",")]
         reports = {
             "duration": scene.run.get("duration", 2.0) if duration is None else duration,
@@ -138,7 +139,7 @@ def run(
             "record": groups,
             "energy": energy,
         }
-        scene = scene.changed(simulation, _given(solver), _given(reports))
+        scene = scene.changed(simulation, solver, _given(reports))
         path = out or scene.out or Path("run.nc")
         path.parent.mkdir(parents=True, exist_ok=True)
         try:

@@ -76,6 +76,30 @@ def test_the_example_runs_from_the_command_line_and_from_python(tmp_path):
     np.testing.assert_array_equal(same.final_positions, result.final_positions)
 
 
+def test_options_take_the_place_of_what_the_file_says(tmp_path):
+    text = """
+[drive]
+type = "paper_drive"
+[simulation]
+hinge_law = { type = "Johnson" }
+solver = { rtol = 1e-6, max_step = 5e-5 }
+"""
+    path, out = written(tmp_path, text), tmp_path / "run.nc"
+    for options, law, tolerances in [
+        ((), rc.Johnson(), (1e-6, None, 1e-10)),
+        (("--law", "hertz"), rc.Hertz(), (1e-6, None, 1e-10)),
+        (("--accuracy", 1e-9), rc.Johnson(), (None, None, 1e-9)),
+        (("--atol", 1e-5), rc.Johnson(), (None, 1e-5, 1e-10)),
+    ]:
+        done = rustchain("run", path, "--duration", 2e-4, "--out", out, *options)
+        assert done.exit_code == 0, done.output
+        result = rc.load_result(out)
+        assert result.hinge_law == law
+        solver = result.solver
+        assert (solver.rtol, solver.atol, solver.accuracy) == tolerances
+        assert solver.max_step == 5e-5
+
+
 def test_a_result_goes_where_the_file_says_relative_to_the_file(tmp_path):
     text = '[drive]\ntype = "paper_drive"\n[run]\nduration = 1e-3\nout = "results/run.nc"\n'
     done = rustchain("run", written(tmp_path, text), "--no-energy", "--record", "teeth")
