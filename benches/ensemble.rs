@@ -51,6 +51,7 @@ fn prepare(threads: usize) -> Ensemble {
         Case {
             drive,
             laws: ForceLaws::default(),
+            start: None,
             control: StepControl::default(),
             duration: DURATION,
             report_step: 1e-4,

@@ -28,6 +28,8 @@ pub struct Case {
     pub drive: Drive,
     /// The force laws.
     pub laws: ForceLaws,
+    /// Where it begins; `None`: as the generator lays the chain.
+    pub start: Option<Start>,
     /// How it is integrated.
     pub control: StepControl,
     /// Simulated time \[s\].
@@ -162,7 +164,10 @@ impl Case {
     /// Lays the chain, compiles the model and begins the recording.
     fn begin(&self) -> Result<Run> {
         check_reports(self.duration, self.report_step)?;
-        let (start, _) = Start::generate(&self.drive)?;
+        let start = match &self.start {
+            Some(start) => start.clone(),
+            None => Start::generate(&self.drive)?.0,
+        };
         let model = Model::compile(&self.drive, &self.laws, &start)?;
         let mut simulation = Simulation::new(Arc::new(model), &start, self.control)?;
         simulation.start_recording(self.duration, self.report_step, self.groups);

@@ -1,22 +1,29 @@
 //! The run: steps, onsets, reports.
 
+mod balance;
+mod inputs;
 mod snapshot;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+pub(crate) use balance::describe_open_balance;
 pub use snapshot::Snapshot;
 
 use crate::dynamics::Dynamics;
 use crate::error::{Error, Result, check};
 use crate::integrator::{Adams, Corrector, Counts, OdeSystem, StepControl, StepFailure};
-use crate::model::{Model, Rotation, Support};
+use crate::model::{Input, Model, Rotation, Support};
 use crate::recorder::{Groups, Recorder, Recording};
 use crate::state::{Motion, Start};
 
 /// A drive being run.
 #[derive(Debug, Clone)]
 pub struct Simulation {
+    /// The model as it was compiled.
+    compiled: Arc<Model>,
+    /// Speeds and torques that were set since, one a sprocket.
+    inputs: Vec<Input>,
     dynamics: Dynamics,
     adams: Adams,
     start: Start,
@@ -95,23 +102,6 @@ pub(crate) const STANDSTILL: f64 = 1e-7;
 /// A kink nearer than this is not stepped to \[s\].
 const SHORTEST_TO_KINK: f64 = 1e-10;
 
-/// An energy balance that does not close, in words: what is missing, dissipated and exchanged \[J\].
-pub(crate) fn describe_open_balance(
-    control: &StepControl,
-    t: f64,
-    [missing, dissipated, exchanged]: [f64; 3],
-) -> String {
-    let remedy = if control.is_by_component() {
-        format!("rtol and atol below {:e}", control.rtol.max(control.atol))
-    } else {
-        format!("accuracy below {:e}", control.accuracy)
-    };
-    format!(
-        "the energy balance is off by {missing:.1e} J at t = {t:.6} s, with {dissipated:.1e} J dissipated and \
-         {exchanged:.1e} J exchanged: take {remedy}"
-    )
-}
-
 impl Simulation {
     /// A run of `model` from `start` at time zero.
     ///
@@ -120,6 +110,7 @@ impl Simulation {
     pub fn new(model: Arc<Model>, start: &Start, control: StepControl) -> Result<Self> {
         control.validate()?;
         check_start(&model, start)?;
+        let compiled = Arc::clone(&model);
         let mut dynamics = Dynamics::new(model);
         let dimension = dynamics.dimension();
         let mut y = vec![0.0; dimension];
@@ -135,6 +126,8 @@ impl Simulation {
         let mut adams = Adams::new(dimension, control);
         adams.restart(0.0, &y);
         let mut simulation = Self {
+            compiled,
+            inputs: Vec::new(),
             dynamics,
             adams,
             start: start.clone(),
@@ -150,7 +143,7 @@ impl Simulation {
         Ok(simulation)
     }
 
-    /// The model.
+    /// The model, with the speeds and torques that hold now.
     #[must_use]
     pub fn model(&self) -> &Arc<Model> {
         self.dynamics.model()
@@ -223,8 +216,8 @@ impl Simulation {
 
     /// When more energy was first missing than may be, how much, and what helps.
     ///
-    /// What may be missing at a report: a twentieth of the energy dissipated and a hundredth of that exchanged (dissipated,
-    /// worked in, moved in and out of kinetic and elastic energy). Watched while energy is recorded.
+    /// What may be missing at a report: a twentieth of the energy dissipated, a hundredth of that exchanged (dissipated,
+    /// worked in, moved in and out of kinetic and elastic energy) and a hundred-thousandth of that stored. Watched while energy is recorded.
     #[must_use]
     pub fn balance_note(&self) -> Option<&str> {
         self.balance_note.as_deref()
@@ -369,12 +362,27 @@ impl Simulation {
         self.adams.limit_step(longest);
     }
 
-    /// Makes the reports that lie inside the last step; false when the budget ended before all were made.
+    /// Makes the recording pause after each report, so that its caller can look at the state there: [`record`](Self::record) then
+    /// returns, and goes on when it is called again.
+    pub fn pause_at_reports(&mut self) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.pauses = true;
+        }
+    }
+
+    /// The recording under way, if any.
+    #[must_use]
+    pub fn recording(&self) -> Option<&Recording> {
+        self.recorder.as_ref().map(Recorder::recording)
+    }
+
+    /// Makes the reports that lie inside the last step; false when the budget ended before all were made, or at a pause.
     fn report(&mut self, start: Instant, budget: Duration) -> bool {
         let Some(mut recorder) = self.recorder.take() else {
             return true;
         };
         let end = self.adams.time();
+        let mut paused = false;
         if recorder.next_report().is_some_and(|t| t <= end) {
             let begin = Instant::now();
             let needs = recorder.needs(self.model());
@@ -389,13 +397,14 @@ impl Simulation {
                     self.balance_note = Some(describe_open_balance(&self.adams.control(), t, open));
                 }
                 self.now = t;
-                if start.elapsed() >= budget {
+                paused = recorder.pauses;
+                if paused || start.elapsed() >= budget {
                     break;
                 }
             }
             self.wall.reports += begin.elapsed();
         }
-        let complete = recorder.next_report().is_none_or(|t| t > end);
+        let complete = !paused && recorder.next_report().is_none_or(|t| t > end);
         if complete {
             recorder.take_step_forces(end);
         }

@@ -28,6 +28,7 @@ fn case(pretension: f64) -> Case {
     Case {
         drive,
         laws: ForceLaws::default(),
+        start: None,
         control: control(1e-6),
         duration: DURATION,
         report_step: 1e-5,

@@ -65,7 +65,15 @@ from rustchain.mechanism_result import MechanismResult
 from rustchain.mechanism_simulation import MechanismEvaluation, MechanismSimulation
 from rustchain.report import DriveReport
 from rustchain.result import Result, load_result
+from rustchain.scene import Scene, load_scene
 from rustchain.simulation import Evaluation, Simulation, Solver
+from rustchain.stop import (
+    HingeForceAbove,
+    StopCondition,
+    StrandSlack,
+    TimeReached,
+    ToothForceAbove,
+)
 from rustchain.sweep import sweep
 from rustchain.sweep_result import SweepResult
 
@@ -88,6 +96,7 @@ __all__ = [
     "Free",
     "Hertz",
     "HertzCylinder",
+    "HingeForceAbove",
     "HuntCrossley",
     "InvalidInput",
     "IsoTooth",
@@ -108,6 +117,7 @@ __all__ = [
     "Radzimovsky",
     "RangeWarning",
     "Result",
+    "Scene",
     "Simulation",
     "SimulationError",
     "Sines",
@@ -115,18 +125,23 @@ __all__ = [
     "Solver",
     "Spline",
     "Sprocket",
+    "StopCondition",
     "StraightTooth",
+    "StrandSlack",
     "SurfaceContact",
     "SweepResult",
     "Table",
     "Tensioner",
+    "TimeReached",
     "ToothArc",
+    "ToothForceAbove",
     "ToothLine",
     "catalogue",
     "catalogue_chain",
     "chain_drive",
     "instruction_set",
     "load_result",
+    "load_scene",
     "paper_drive",
     "restitution_obtained",
     "sweep",

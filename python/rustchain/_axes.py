@@ -15,7 +15,7 @@ from rustchain._description import Description, plain
 from rustchain._names import suggest
 from rustchain.drive import ChainDrive, PrescribedSpeed, Sprocket, Tensioner
 from rustchain.errors import InvalidInput
-from rustchain.simulation import Solver
+from rustchain.solver import Solver
 
 Drive: TypeAlias = ChainDrive | Callable[..., ChainDrive]
 Parameters: TypeAlias = dict[str, Any]

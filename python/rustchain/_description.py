@@ -5,11 +5,13 @@ from __future__ import annotations
 import dataclasses
 import json
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
 from rustchain import _rustchain
+
+Point: TypeAlias = tuple[float, float]
 
 
 @dataclass(frozen=True)

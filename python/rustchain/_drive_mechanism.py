@@ -106,7 +106,7 @@ def _add_sprocket(
         x, y = _direction_of_pull(drive, k)
         x, y = x / math.hypot(x, y), y / math.hypot(x, y)
         pull = drive.check().tension_force
-        ramp = [Table([(0.0, 0.0), (tensioner.ramp_time, pull * part)]) for part in (x, y)]
+        ramp = [_grown(pull * part, tensioner.ramp_time) for part in (x, y)]
         mechanism.add_point_on_line(f"slide_{k + 1}", GROUND, name, (x, y), point_a=center)
         mechanism.add_force(f"tensioner_{k + 1}", name, ramp)
         # A damper along the slide, from a point behind it.
@@ -132,8 +132,12 @@ def _add_sprocket(
 def _direction_of_pull(drive: ChainDrive, k: int) -> tuple[float, float]:
     """Return the direction of the tensioner's pull on sprocket `k`, of any length."""
     tensioner = drive.tensioner
-    if tensioner is None or any(
-        (tensioner.pivot, tensioner.stiffness, tensioner.travel, tensioner.damping_back)
+    if (
+        tensioner is None
+        or tensioner.pivot is not None
+        or tensioner.travel is not None
+        or tensioner.stiffness != 0.0
+        or tensioner.damping_back not in (None, tensioner.damping)
     ):
         msg = (
             "Tensioner: a pivot, a stiffness, stops or a leak do not go into a mechanism; leave "
@@ -147,6 +151,11 @@ def _direction_of_pull(drive: ChainDrive, k: int) -> tuple[float, float]:
         raise InvalidInput(msg)
     (x, y), (other_x, other_y) = drive.sprockets[k].center, drive.sprockets[1 - k].center
     return x - other_x, y - other_y
+
+
+def _grown(value: float, time: float) -> TimeFunction:
+    """Return what grows to `value` within `time` [s]; within none, it is there from the start."""
+    return Table([(0.0, 0.0), (time, value)]) if time > 0.0 else value
 
 
 def _function(value: object) -> TimeFunction:

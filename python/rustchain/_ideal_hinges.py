@@ -18,7 +18,7 @@ from rustchain.drive import AppliedTorque, ChainDrive, PrescribedSpeed
 from rustchain.errors import InvalidInput
 from rustchain.force_law import ForceLaw
 from rustchain.result import Array
-from rustchain.simulation import Solver
+from rustchain.solver import Solver
 
 _FAR = 0.01  # of a pitch: way that hinges may move a link without a word
 _ENERGY = ("kinetic", "gravity", "elastic", "dissipated", "worked_in", "residual")
@@ -149,6 +149,37 @@ class IdealHingeCore:
     def step_to(self, t: float, wall_budget: float) -> bool:
         """Go on towards exactly `t` [s]; return whether it is reached."""
         return self._core.step_to(t, wall_budget)
+
+    def pause_at_reports(self) -> None:
+        """Make `advance` return after each report."""
+        self._core.pause_at_reports()
+
+    @property
+    def rows(self) -> int:
+        """Number of rows recorded so far."""
+        return self._core.rows
+
+    def last_row(self, name: str) -> Array:
+        """Return the last row of a channel that a stop condition looks at."""
+        joints, contacts = self._core.last_peaks()
+        if name == "peak_hinge_force":
+            return joints[self._hinges]
+        if name == "peak_tooth_force":
+            found: Array = contacts.reshape(self._drive.chain.links, -1).max(axis=-1)
+            return found
+        reaction = self._core.evaluate(None, None, None)["joint_reaction"]
+        forces = reaction[None, self._hinges, :2]
+        tension: Array = self._strand_tension(self.positions[None], forces)[0]
+        return tension
+
+    def set_input(self, sprocket: int, quantity: str, value: object) -> None:
+        """Refuse: a mechanism's drivers stay as they were described."""
+        del value
+        msg = (
+            f"sprocket = {sprocket}: its {quantity} cannot be set while a drive with ideal hinges "
+            "runs; take hinges='clearance', or describe it with a table of time"
+        )
+        raise InvalidInput(msg)
 
     def stats(self) -> dict[str, float]:
         """Return the counts of the run."""

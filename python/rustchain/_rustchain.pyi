@@ -184,6 +184,15 @@ class Core:
         """Begin a recording that ends `duration` [s] from now."""
     def advance(self, wall_budget: float) -> bool:
         """Go on for about `wall_budget` seconds of wall time; return whether the end is reached."""
+    def pause_at_reports(self) -> None:
+        """Make `advance` return after each report."""
+    @property
+    def rows(self) -> int:
+        """Number of rows recorded so far."""
+    def last_row(self, name: str) -> _Array:
+        """Return the last row of a channel, flat."""
+    def set_input(self, sprocket: int, quantity: str, value: object) -> None:
+        """Let a sprocket, from 1, have another "speed" or "torque" from now on."""
     def take_recording(self) -> dict[str, npt.NDArray[Any]]:
         """Return the rows recorded up to now."""
     def step_to(self, t: float, wall_budget: float) -> bool:
@@ -209,6 +218,8 @@ class Case:
         report_step: float,
         groups: list[str],
         energy: bool,
+        positions: npt.NDArray[np.float64] | None,
+        velocities: npt.NDArray[np.float64] | None,
     ) -> Case: ...
 
 @final
@@ -271,6 +282,13 @@ class MechanismCore:
         """Go on for about `wall_budget` seconds of wall time; return whether the end is reached."""
     def take_warnings(self) -> str | None:
         """Return where the energy balance did not close, when that was not returned yet."""
+    def pause_at_reports(self) -> None:
+        """Make `advance` return after each report."""
+    @property
+    def rows(self) -> int:
+        """Number of rows recorded so far."""
+    def last_peaks(self) -> list[_Array]:
+        """Return the last row of the largest forces, of joints and of contacts [N]."""
     def take_recording(self) -> dict[str, _Array]:
         """Return the rows recorded up to now."""
     def step_to(self, t: float, wall_budget: float) -> bool:

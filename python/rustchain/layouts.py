@@ -37,7 +37,8 @@ def chain_drive(
     sprockets : sequence of Sprocket
         In the order in which the chain meets them, one way round or the other.
     links : int, optional
-        Number of links, even; by default the smallest that closes round the centres as they are.
+        Number of links, even or odd (the last one is then an offset link); by default the smallest
+        even one that closes round the centres as they are.
     adjust : int, optional
         Number of the sprocket whose centre moves until the chain is taut; by default none does, and
         what is left over hangs in one strand. Without `links`, their number is counted before.
@@ -55,22 +56,45 @@ def chain_drive(
         No chain can be laid round the sprockets, or no place of the moved one suits the links.
     """
     sprockets = tuple(sprockets)
+    adjust = None if adjust is None else _number(adjust, len(sprockets))
     known = _ANY_LINKS if links is None else links
-    found = catalogue_chain(chain, known) if isinstance(chain, str) else replace(chain, links=known)
-    drive = ChainDrive(found, sprockets, tensioner, gravity, name, hinges)
+    if isinstance(chain, str):
+        chain = catalogue_chain(chain, known)
+    # Elongations of each link are for the links that are counted below.
+    drive = ChainDrive(
+        replace(_alike(chain) if links is None else chain, links=known),
+        sprockets,
+        tensioner,
+        gravity,
+        name,
+        hinges,
+    )
     if links is None:
-        drive = replace(drive, chain=replace(found, links=_rustchain.links_around(drive)))
+        drive = replace(drive, chain=replace(chain, links=_rustchain.links_around(drive)))
     if adjust is None:
         if direction is not None or reach is not None:
             msg = f"direction = {direction}, reach = {reach}: there is no sprocket to adjust"
             raise InvalidInput(msg)
         return drive
-    if not 1 <= adjust <= len(sprockets):
-        msg = f"adjust = {adjust}: must be the number of a sprocket, 1 to {len(sprockets)}"
-        raise InvalidInput(msg)
     x, y = _rustchain.bisector(drive, adjust) if direction is None else direction
-    far = 1000.0 * found.pitch if reach is None else reach
+    far = 1000.0 * drive.chain.pitch if reach is None else reach
     move = _rustchain.closing_move(drive, adjust, (x, y), far) / math.hypot(x, y)
     center = sprockets[adjust - 1].center
     moved = replace(sprockets[adjust - 1], center=(center[0] + move * x, center[1] + move * y))
     return replace(drive, sprockets=(*sprockets[: adjust - 1], moved, *sprockets[adjust:]))
+
+
+def _number(adjust: object, sprockets: int) -> int:
+    """Return the number of the sprocket to adjust, which must be one of so many."""
+    if isinstance(adjust, int) and not isinstance(adjust, bool) and 1 <= adjust <= sprockets:
+        return adjust
+    msg = f"adjust = {adjust!r}: must be the number of a sprocket, 1 to {sprockets}"
+    raise InvalidInput(msg)
+
+
+def _alike(chain: Chain) -> Chain:
+    """Return the chain with the mean elongation of its links in each of them."""
+    if isinstance(chain.elongation, tuple) and chain.elongation:
+        mean = sum(chain.elongation) / len(chain.elongation)
+        return replace(chain, elongation=mean)
+    return chain

@@ -111,7 +111,8 @@ class ContactHistory:
     time, force, penetration : ndarray, (times,)
         Report times [s], normal force [N], penetration [m], negative when apart.
     gap, region : ndarray of int, (times,)
-        Near teeth, their gap, from 0 (-1: none), and region, 1 to 7 (0: none).
+        Near teeth, their gap, from 0 (-1: none), and its region, counted from 1 along its outline
+        (0: none; an ANSI gap has seven).
     peak_force, impulse : ndarray, (times,)
         Largest force [N] and impulse [N s] since the row before.
     """

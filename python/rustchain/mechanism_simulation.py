@@ -12,12 +12,14 @@ import numpy.typing as npt
 
 from rustchain import _rustchain, _state_file
 from rustchain._names import known_keywords
+from rustchain._run import WALL_BUDGET, seconds_bar
+from rustchain._start import rows_of
 from rustchain.errors import EnergyWarning, InvalidInput, SimulationError
 from rustchain.mechanism import Mechanism
 from rustchain.mechanism_report import MechanismReport
 from rustchain.mechanism_result import MechanismResult
 from rustchain.result import Array, Status
-from rustchain.simulation import _WALL_BUDGET, Solver, _rows, seconds_bar
+from rustchain.solver import Solver
 
 _SOLVER = Solver(method="pece", rtol=1e-9, atol=1e-9, max_step=0.01)
 
@@ -37,7 +39,8 @@ class MechanismEvaluation:
     contact_force_vector : ndarray, (contacts, 2)
         Force on the circle [N].
     contact_gap, contact_region : ndarray of int, (contacts,)
-        Of circles near teeth the gap, from 0 (-1: none), and the region, 1 to 7 (0: none).
+        Of circles near teeth the gap, from 0 (-1: none), and its region, counted from 1 along its
+        outline (0: none; an ANSI gap has seven).
     """
 
     accelerations: Array
@@ -169,13 +172,13 @@ class MechanismSimulation:
             By default the present one [s].
         """
         bodies = len(self.body_names)
-        rows = _rows("positions", positions, bodies), _rows("velocities", velocities, bodies)
+        rows = rows_of("positions", positions, bodies), rows_of("velocities", velocities, bodies)
         return MechanismEvaluation(**self._core.evaluate(*rows, time))
 
     @known_keywords
     def step_to(self, t: float) -> None:
         """Go on to exactly `t` [s]; after an error, to where the last step ended that was made."""
-        while not self._core.step_to(t, _WALL_BUDGET):
+        while not self._core.step_to(t, WALL_BUDGET):
             pass
 
     @known_keywords
@@ -216,7 +219,7 @@ class MechanismSimulation:
             with seconds_bar(duration, progress) as bar:
                 finished = False
                 while not finished:
-                    finished = self._core.advance(_WALL_BUDGET)
+                    finished = self._core.advance(WALL_BUDGET)
                     bar.update(self.time - start - bar.n)
             return self._result("finished", before)
         except KeyboardInterrupt:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 Array: TypeAlias = npt.NDArray[np.float64]
 IntArray: TypeAlias = npt.NDArray[np.int32]
-Status = Literal["finished", "interrupted", "failed"]
+Status = Literal["finished", "stopped", "interrupted", "failed"]
 
 
 class _Variable(NamedTuple):
@@ -241,7 +241,7 @@ class Result:
         Names of the bodies.
     initial_positions, initial_velocities, final_positions, final_velocities : ndarray, (bodies, 3)
         State at both ends [m, m, rad] and [m/s, m/s, rad/s].
-    status : {"finished", "interrupted", "failed"}
+    status : {"finished", "stopped", "interrupted", "failed"}
         How the run ended.
     message : str
         The same in words.
@@ -272,8 +272,8 @@ class Result:
 
     @property
     def success(self) -> bool:
-        """Whether the run reached its end."""
-        return self.status == "finished"
+        """Whether the run reached its end, or a stop condition."""
+        return self.status in ("finished", "stopped")
 
     @property
     def groups(self) -> tuple[str, ...]:

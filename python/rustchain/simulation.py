@@ -1,114 +1,38 @@
-"""A drive, its force laws and a solver: the present state, single evaluations and runs."""
+"""A drive, its force laws and a solver: how it starts, steps and runs."""
 
 from __future__ import annotations
 
-import reprlib
-import warnings
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NoReturn, get_args
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from rustchain import _rustchain, _state_file
-from rustchain._description import Description
-from rustchain._names import known_keywords, suggest
-from rustchain.drive import ChainDrive
-from rustchain.errors import EnergyWarning, InvalidInput, RangeWarning, SimulationError
+from rustchain._description import plain
+from rustchain._names import known_keywords
+from rustchain._present import SCENE, Present, core_for
+from rustchain._run import WALL_BUDGET, Group, known_groups, seconds_bar
+from rustchain._start import Start, started
+from rustchain.drive import ChainDrive, TimeTable
+from rustchain.errors import InvalidInput, SimulationError
+from rustchain.evaluation import Evaluation as Evaluation
 from rustchain.force_law import ForceLaw, LankaraniNikravesh
 from rustchain.mechanism import Mechanism
 from rustchain.result import Array, Result, Status
+from rustchain.solver import Method as Method
+from rustchain.solver import Solver as Solver
+from rustchain.stop import StopCondition, looks_of
 
 if TYPE_CHECKING:
-    from typing import TypeAlias
-
-    from tqdm import tqdm
-
-    from rustchain._ideal_hinges import IdealHingeCore
-
-    Core: TypeAlias = _rustchain.Core | IdealHingeCore
-
-Method = Literal["auto", "pece", "newton"]
-Group = Literal["hinges", "teeth", "sprockets", "bodies", "energy"]
-
-_WALL_BUDGET = 0.05  # [s] between looks at the keyboard and the progress bar
-
-
-@known_keywords
-@dataclass(frozen=True)
-class Solver(Description):
-    """How the equations of motion are integrated: Adams' formulas of variable step and order.
-
-    Attributes
-    ----------
-    method : {"auto", "pece", "newton"}
-        How the corrector's equation is solved. "pece": predict, evaluate, correct, evaluate
-        (Adams-Bashforth-Moulton, Shampine and Gordon 1975); held to small steps by stiff contacts.
-        "newton": Newton's method with the exact derivatives of all contacts; at order 2, the
-        trapezoid, while contacts vibrate stiffly, higher where the motion is smooth. "auto": the
-        cheaper of the two, changed over while running.
-    rtol, atol : float, optional
-        Relative and absolute tolerance of every component, in its own unit, as in SciPy; they rule
-        in place of `accuracy` when one of them is given (the other is then 1e-5). One may be 0.
-    max_step : float
-        Largest step [s].
-    max_order : int
-        Highest order, 1 to 12.
-    accuracy : float
-        Error that a step is allowed: in lengths `accuracy` [m], in speeds `accuracy` times 1e5/s,
-        in angles what moves as much at half the pitch (of a sprocket, at its pitch radius). To
-        compare it with: clearances of 25e-6 m, penetrations of about 1e-6 m, impacts at 1e-3 to
-        1 m/s. Every tenth of it divides the energy residual by about three with "newton".
-    """
-
-    method: Method = "auto"
-    rtol: float | None = None
-    atol: float | None = None
-    max_step: float = 1e-4
-    max_order: int = 12
-    accuracy: float = 1e-10
-
-
-@dataclass(frozen=True, eq=False)
-class Evaluation:
-    """Accelerations and contacts of one state.
-
-    Attributes
-    ----------
-    accelerations : ndarray, (bodies, 3)
-        Accelerations [m/s^2, m/s^2, rad/s^2].
-    hinge_force, hinge_penetration : ndarray, (hinges,)
-        Force [N] and penetration [m] of each hinge; penetration is negative when apart.
-    hinge_force_vector : ndarray, (hinges, 2)
-        Force on the pin [N].
-    tooth_force, tooth_penetration : ndarray, (bushings, sprockets)
-        Force [N] and penetration [m] of each bushing; penetration is -inf when not even near.
-    tooth_force_vector : ndarray, (bushings, sprockets, 2)
-        Force on the bushing [N].
-    tooth_region, tooth_index : ndarray of int, (bushings, sprockets)
-        Region of the tooth, 1 to 7 (0: none), and its gap, from 0 (-1: none).
-    """
-
-    accelerations: Array
-    hinge_force: Array
-    hinge_penetration: Array
-    hinge_force_vector: Array
-    tooth_force: Array
-    tooth_penetration: Array
-    tooth_force_vector: Array
-    tooth_region: npt.NDArray[np.int32]
-    tooth_index: npt.NDArray[np.int32]
+    from rustchain.stop import Look
 
 
 _LAW = LankaraniNikravesh()
 _SOLVER = Solver()
-_SCENE = ("drive", "force_law", "hinge_law", "tooth_law", "min_approach_speed", "solver")
 
 
 @known_keywords
-class Simulation:
+class Simulation(Present):
     """A chain drive in motion; a mechanism makes a `MechanismSimulation`, with its keywords.
 
     Parameters
@@ -149,6 +73,7 @@ class Simulation:
     """
 
     rest: dict[str, float] | None = None
+    _running = False
 
     def __new__(cls, drive: object = None, *_: object, **keywords: Any) -> Simulation:  # noqa: ANN401
         """Return the simulation that suits what is given."""
@@ -168,184 +93,76 @@ class Simulation:
         positions: npt.ArrayLike | None = None,
         velocities: npt.ArrayLike | None = None,
         solver: Solver = _SOLVER,
-        start: Literal["laid", "static"] = "laid",
+        start: Start = "laid",
     ) -> None:
-        if start == "static":
-            if positions is not None or velocities is not None:
-                msg = "start = 'static': there is no room for positions and velocities of one's own"
-                raise InvalidInput(msg)
-            drive, found = _at_rest(drive, force_law, hinge_law, tooth_law, min_approach_speed)
-            positions, velocities = found.pop("positions"), found.pop("velocities")
-            self.rest = found
-        elif start != "laid":
-            msg = f"start = {start!r}: must be 'laid' or 'static'"
-            raise InvalidInput(msg)
-        self._describe(drive, force_law, hinge_law, tooth_law, min_approach_speed, solver)
-        known = isinstance(drive, ChainDrive)  # the core refuses anything else
-        bodies = drive.chain.links + len(drive.sprockets) if known else "bodies"
-        self._core: Core = _core_for(drive)(
-            drive,
-            force_law,
-            hinge_law,
-            tooth_law,
-            min_approach_speed,
-            solver,
-            _rows("positions", positions, bodies),
-            _rows("velocities", velocities, bodies),
-        )
+        scene: dict[str, Any] = {
+            "drive": drive,
+            "force_law": force_law,
+            "hinge_law": hinge_law,
+            "tooth_law": tooth_law,
+            "min_approach_speed": min_approach_speed,
+            "solver": solver,
+        }
+        scene |= started(scene | {"start": start, "positions": positions, "velocities": velocities})
+        self.rest = scene.pop("rest")
+        self._core = core_for(scene["drive"])(**scene)
+        self._describe(**{name: scene[name] for name in SCENE})
         self._warn()
-
-    def __repr__(self) -> str:
-        """Return what moves, and the time."""
-        return f"<Simulation of {self.drive.name or 'a chain drive'} at t = {self.time:.6g} s>"
-
-    @property
-    def body_names(self) -> list[str]:
-        """Names of the bodies, in the order of every (bodies, 3) array."""
-        return self._core.body_names
-
-    @property
-    def time(self) -> float:
-        """Present time [s]."""
-        return self._core.time
-
-    @property
-    def positions(self) -> Array:
-        """Present positions [m, m, rad], (bodies, 3)."""
-        return self._core.positions
-
-    @property
-    def velocities(self) -> Array:
-        """Present velocities [m/s, m/s, rad/s], (bodies, 3)."""
-        return self._core.velocities
-
-    def state(self) -> dict[str, Any]:
-        """Return all that decides how the run goes on, for `set_state`.
-
-        Not in it are wall times. The copy is the caller's own: `copy` and `pickle` take it.
-
-        Returns
-        -------
-        dict
-            To look at:
-
-            - ``time`` [s]; ``positions`` and ``velocities``, (bodies, 3) [m, m, rad], [m/s, m/s,
-              rad/s];
-            - ``hinge_onset_speed``, (hinges,), and ``tooth_onset_speed``, (bushings, sprockets):
-              approach speed at which each live contact began [m/s], 0 without contact;
-            - ``tooth_onset_surface``, (bushings, sprockets): where it began, 0 seating curve, 1
-              working curve, 2 flat, 3 topping curve;
-            - ``parted_hinges`` and ``parted_tooth_pairs`` (sprocket · bushings + bushing): what
-              came apart in the last step.
-
-            And ``snapshot``: bytes that hold all of it and all else, to the last bit.
-        """
-        return self._core.state()
-
-    @known_keywords
-    def set_state(self, state: Mapping[str, Any]) -> None:
-        """Go on from `state`, to the same bits as the simulation that gave it.
-
-        Counts (steps, evaluations, onsets) go on from those of the state, wall times from those of
-        this simulation. The bits are the same where `rustchain.instruction_set` is, or is one of
-        "avx2" and "avx512".
-
-        Parameters
-        ----------
-        state : dict
-            What `state` gave, of this simulation or of one with the same drive, laws, solver and
-            start.
-
-        Raises
-        ------
-        InvalidInput
-            The state is of another drive, other laws or another solver, or was changed or damaged.
-            The simulation is then what it was.
-        """
-        self._core = _state_file.restored(self._core, state)
-        self._warn()
-
-    @known_keywords
-    def save_state(self, path: str | Path) -> None:
-        """Write the state and what it is of (drive, laws, solver, start) to a file.
-
-        The file is a NumPy archive (.npz); one that is there already is replaced when the new one
-        is complete.
-        """
-        positions, velocities = self._core.start()
-        _state_file.write(
-            path,
-            {
-                "drive": self.drive,
-                "hinge_law": self.hinge_law,
-                "tooth_law": self.tooth_law,
-                "solver": self.solver,
-                "min_approach_speed": self.min_approach_speed,
-                "positions": positions,
-                "velocities": velocities,
-            },
-            self.state(),
-        )
-
-    @classmethod
-    @known_keywords
-    def load_state(cls, path: str | Path) -> Simulation:
-        """Return a simulation that goes on from the state in a file, to the same bits.
-
-        Parameters
-        ----------
-        path : str or Path
-            A file that `save_state` wrote.
-
-        Raises
-        ------
-        InvalidInput
-            The file holds no state, or is damaged.
-
-        Warns
-        -----
-        RangeWarning
-            A contact had left the range of its law.
-        """
-        scene, state = _state_file.read(path)
-        scene |= {"force_law": scene["hinge_law"]}
-        simulation = cls._around(_core_for(scene["drive"])(**scene), scene)
-        simulation._core = _state_file.restored(simulation._core, state)
-        simulation._warn()
-        return simulation
-
-    @known_keywords
-    def evaluate(
-        self,
-        positions: npt.ArrayLike | None = None,
-        velocities: npt.ArrayLike | None = None,
-        time: float | None = None,
-    ) -> Evaluation:
-        """Return accelerations and contacts of a state, without touching the simulation.
-
-        Parameters
-        ----------
-        positions, velocities : array_like, (bodies, 3), optional
-            By default the present ones. With positions given, no contact has a memory.
-        time : float, optional
-            By default the present one [s].
-        """
-        return Evaluation(
-            **self._core.evaluate(
-                _rows("positions", positions, len(self.body_names)),
-                _rows("velocities", velocities, len(self.body_names)),
-                time,
-            )
-        )
 
     @known_keywords
     def step_to(self, t: float) -> None:
-        """Go on to exactly `t` [s]."""
+        """Go on to exactly `t` [s].
+
+        No energy is metered on the way, which is what makes it the cheapest way to go on.
+        """
+        self._check_idle("step_to")
         try:
-            while not self._core.step_to(t, _WALL_BUDGET):
+            while not self._core.step_to(t, WALL_BUDGET):
                 pass
         finally:
             self._warn()
+
+    @known_keywords
+    def set_speed(self, sprocket: str | int, speed: TimeTable) -> None:
+        """Let a sprocket turn at another speed from now on; its angle does not jump.
+
+        For co-simulation, between calls of `step_to`, or in a run's `callback`. The integrator goes
+        back to the present time and starts anew there. Contacts keep their memory, the energy
+        balance goes on, and `state` has the change in it; `drive` stays as it was described.
+
+        Parameters
+        ----------
+        sprocket : str or int
+            Such as "sprocket_1", or its number from 1. Its motion must be a `PrescribedSpeed`.
+        speed : float or table of (time, speed)
+            [rad/s], against the simulation's time. A number is a jump: what touches the teeth
+            meets them at another speed. Rows that begin at the present time and speed make a ramp.
+
+        Raises
+        ------
+        InvalidInput
+            There is no such sprocket, it is not driven by a speed, or the table does not hold.
+        """
+        self._core.set_input(_sprocket_number(sprocket), "speed", plain(speed))
+
+    @known_keywords
+    def set_torque(self, sprocket: str | int, torque: TimeTable) -> None:
+        """Let a sprocket be turned by another torque from now on; see `set_speed`.
+
+        Parameters
+        ----------
+        sprocket : str or int
+            Such as "sprocket_2", or its number from 1. Its motion must be an `AppliedTorque`, whose
+            curve over speed goes on to be added, or `Free`.
+        torque : float or table of (time, torque)
+            [N m], against the simulation's time.
+
+        Raises
+        ------
+        InvalidInput
+            There is no such sprocket, its speed is prescribed, or the table does not hold.
+        """
+        self._core.set_input(_sprocket_number(sprocket), "torque", plain(torque))
 
     @known_keywords
     def run(
@@ -355,6 +172,8 @@ class Simulation:
         record: Sequence[Group] = ("hinges", "teeth", "sprockets"),
         energy: bool = True,
         progress: bool = True,
+        stop: StopCondition | Sequence[StopCondition] = (),
+        callback: Callable[[Simulation], object] | None = None,
     ) -> Result:
         """Go on for a while and record.
 
@@ -367,9 +186,19 @@ class Simulation:
         record : sequence of {"hinges", "teeth", "sprockets", "bodies", "energy"}
             What to record.
         energy : bool
-            Whether to keep the energy balance, whatever `record` says.
+            Whether to keep the energy balance. It is metered along every step, three evaluations
+            more: a run takes 1.4 to 1.7 times as long as without. False leaves it out, and with it
+            the `EnergyWarning`; the path is the same to the last bit. With "energy" in `record` it
+            is kept in any case.
         progress : bool
             Whether to show a progress bar, where a terminal is there to show it.
+        stop : StopCondition or sequence of them
+            Ends the run, with status "stopped", at the first row at which one holds:
+            `HingeForceAbove`, `ToothForceAbove`, `StrandSlack`, `TimeReached`.
+        callback : function of the simulation, optional
+            Called when a row has been recorded, with the simulation at that time. When it returns
+            True, the run stops there. It may look at everything and set speeds and torques; it must
+            not move the simulation. It does not change the steps.
 
         Returns
         -------
@@ -379,67 +208,54 @@ class Simulation:
         Raises
         ------
         SimulationError
-            The run cannot go on; ``error.result`` holds the rows until then.
+            The run cannot go on; ``error.result`` holds the rows until then. The same holds of what
+            a callback raises.
 
         Warns
         -----
         EnergyWarning
             With the energy balance kept: at some report more energy was missing than a twentieth of
-            that dissipated and a hundredth of that exchanged (dissipated, worked in, moved in and
-            out of kinetic and elastic energy). ``result.stats["largest_residual"]`` has the largest
-            of all reports [J].
+            that dissipated, a hundredth of that exchanged (dissipated, worked in, moved in and out
+            of kinetic and elastic energy) and a hundred-thousandth of that stored.
+            ``result.stats["largest_residual"]`` has the largest of all reports [J].
         """
+        self._check_idle("run")
+        groups, energy = known_groups(record, energy)
+        looks = looks_of(self, stop, callback, groups)
         start = (self.positions, self.velocities)
         before = self._core.stats()
-        self._core.start_recording(duration, report_step, *known_groups(record, energy))
+        self._core.start_recording(duration, report_step, groups, energy)
+        self._running = True
         try:
-            self._advance(duration, progress)
+            if not looks:
+                self._advance(duration, progress)
+            elif (reason := self._advance_until(duration, progress, looks)) is not None:
+                return self._result("stopped", start, before, reason)
             return self._result("finished", start, before)
         except KeyboardInterrupt:
             return self._result("interrupted", start, before)
-        except SimulationError as error:
-            error.result = self._result("failed", start, before, str(error))
+        except Exception as error:  # what a callback raised, too
+            told = str(error) if isinstance(error, SimulationError) else repr(error)
+            error.result = self._result("failed", start, before, told)  # type: ignore[attr-defined]
             raise
         finally:
+            self._running = False
             self._core.take_recording()  # whatever else ended the run
             self._warn()
-
-    @classmethod
-    def _around(cls, core: Core, scene: Mapping[str, Any]) -> Simulation:
-        """Return the simulation of `scene` that `core` is in the middle of."""
-        simulation = cls.__new__(cls)
-        simulation._core = core
-        simulation._describe(**{name: scene[name] for name in _SCENE})
-        return simulation
-
-    def _describe(
-        self,
-        drive: ChainDrive,
-        force_law: ForceLaw,
-        hinge_law: ForceLaw | None,
-        tooth_law: ForceLaw | None,
-        min_approach_speed: float,
-        solver: Solver,
-    ) -> None:
-        """Remember what is simulated, and how."""
-        self.drive = drive
-        self.hinge_law = force_law if hinge_law is None else hinge_law
-        self.tooth_law = force_law if tooth_law is None else tooth_law
-        self.min_approach_speed = min_approach_speed
-        self.solver = solver
 
     def _result(
         self,
         status: Status,
         start: tuple[Array, Array],
         before: Mapping[str, float],
-        failure: str = "",
+        reason: str = "",
     ) -> Result:
         """Take the recording, which began at `start` when the statistics stood at `before`."""
         messages = {
             "finished": f"reached t = {self.time:.6g} s",
             "interrupted": f"interrupted at t = {self.time:.6g} s",
-            "failed": failure,
+            "stopped": f"stopped at t = {self.time:.6g} s: {reason}",
+            "failed": reason,
         }
         arrays = self._core.take_recording()
         stats = {name: n - before.get(name, 0) for name, n in self._core.stats().items()}
@@ -469,82 +285,44 @@ class Simulation:
         with seconds_bar(duration, progress) as bar:
             finished = False
             while not finished:
-                finished = self._core.advance(_WALL_BUDGET)
+                finished = self._core.advance(WALL_BUDGET)
                 bar.update(self.time - start - bar.n)
 
-    def _warn(self) -> None:
-        """Pass the core's warnings on, as if from the line that called the public method."""
-        range_notes, balance_notes = self._core.take_warnings()
-        for message in range_notes:
-            warnings.warn(message, RangeWarning, stacklevel=4)
-        for message in balance_notes:
-            warnings.warn(message, EnergyWarning, stacklevel=4)
-
-
-def _core_for(drive: object) -> type[Core]:
-    """Return what runs this drive."""
-    if isinstance(drive, ChainDrive) and drive.hinges == "ideal":
-        from rustchain._ideal_hinges import IdealHingeCore
-
-        return IdealHingeCore
-    return _rustchain.Core
-
-
-def _at_rest(
-    drive: ChainDrive,
-    force_law: ForceLaw,
-    hinge_law: ForceLaw | None,
-    tooth_law: ForceLaw | None,
-    min_approach_speed: float,
-) -> tuple[ChainDrive, dict[str, Any]]:
-    """Return the drive with its tensioner at full pull from the beginning, and its static start."""
-    if drive.hinges == "ideal":
-        msg = "start = 'static': only for drives with clearance in their hinges"
-        raise InvalidInput(msg)
-    if drive.tensioner is not None:
-        drive = replace(drive, tensioner=replace(drive.tensioner, ramp_time=0.0))
-    found = _rustchain.static_start(drive, force_law, hinge_law, tooth_law, min_approach_speed)
-    return drive, found
-
-
-def _rows(name: str, values: npt.ArrayLike | None, bodies: int | str) -> Array | None:
-    """Return `values` as the compiled module wants them: (bodies, 3) real numbers."""
-    if values is None:
+    def _advance_until(self, duration: float, progress: bool, looks: Sequence[Look]) -> str | None:
+        """Advance from report to report, and return why to stop at one before the end."""
+        start, rows = self.time, 0
+        self._core.pause_at_reports()
+        with seconds_bar(duration, progress) as bar:
+            finished = False
+            while not finished:
+                finished = self._core.advance(WALL_BUDGET)
+                bar.update(self.time - start - bar.n)
+                if self._core.rows == rows:
+                    continue
+                rows = self._core.rows
+                # All of them look: those that wait for something to last must not miss a row.
+                reasons = [reason for look in looks if (reason := look()) is not None]
+                if reasons:
+                    return "; ".join(reasons)
         return None
-    try:
-        given = np.asarray(values)
-        array = np.ascontiguousarray(given, dtype=float) if given.dtype.kind in "iuf" else None
-    except ValueError:  # ragged
-        given, array = np.empty(0, dtype=object), None
-    if array is None or array.ndim != 2:
-        shown = reprlib.repr(values) if array is None else f"an array of shape {given.shape}"
-        msg = f"{name} = {shown}, {given.dtype}: must be numbers of shape ({bodies}, 3)"
-        raise InvalidInput(msg)
-    return array
 
-
-def known_groups(record: Sequence[str], energy: bool) -> tuple[list[str], bool]:
-    """Return the groups to record, each of which must exist, and whether to keep the energy."""
-    if not isinstance(record, Iterable):
-        msg = f"record = {record!r}: must be a sequence of groups: {', '.join(get_args(Group))}"
-        raise InvalidInput(msg)
-    groups = [record] if isinstance(record, str) else list(record)
-    for group in groups:
-        if group not in get_args(Group):
-            msg = f"record: {group!r} is no group; {suggest(group, get_args(Group))}"
+    def _check_idle(self, wanted: str) -> None:
+        """Raise where a callback wants to move the simulation that has called it."""
+        if self._running:
+            msg = (
+                f"{wanted}: a run is under way; a callback may look at the simulation and set its "
+                "speeds and torques, but not move it"
+            )
             raise InvalidInput(msg)
-    return groups, True if "energy" in groups else energy
 
 
-def seconds_bar(total: float, progress: bool, description: str | None = None) -> tqdm[NoReturn]:
-    """Return a bar of simulated seconds [s]."""
-    from tqdm import tqdm
-
-    form = "{l_bar}{bar}| {n:.4f}/{total:.4f} s [{elapsed}<{remaining}, {rate_noinv_fmt}]"
-    return tqdm(
-        desc=description,
-        total=total,
-        unit=" s",
-        bar_format=form,
-        disable=None if progress else True,
-    )
+def _sprocket_number(sprocket: object) -> int:
+    """Return the number, from 1, in a name such as "sprocket_2"; a number is one already."""
+    number = sprocket
+    if isinstance(sprocket, str) and sprocket.startswith("sprocket_"):
+        digits = sprocket.removeprefix("sprocket_")
+        number = int(digits) if digits.isdecimal() else None
+    if isinstance(number, bool) or not isinstance(number, int) or number < 1:
+        msg = f"sprocket = {sprocket!r}: must be such as 'sprocket_2', or 2"
+        raise InvalidInput(msg)
+    return number

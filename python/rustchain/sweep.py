@@ -7,24 +7,20 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import product
 from typing import Any
 
+import numpy.typing as npt
+
 from rustchain import _rustchain
 from rustchain._axes import Drive, Parameters, axes_of, cases_of, check_names, scene_of
 from rustchain._names import known_keywords
+from rustchain._present import SCENE
+from rustchain._run import WALL_BUDGET, Group, known_groups, seconds_bar
+from rustchain._start import Start, started
 from rustchain.drive import ChainDrive
 from rustchain.errors import EnergyWarning, InvalidInput, RangeWarning, SimulationError
 from rustchain.force_law import ForceLaw
 from rustchain.result import Array, Result
-from rustchain.simulation import (
-    _LAW,
-    _SCENE,
-    _SOLVER,
-    _WALL_BUDGET,
-    Group,
-    Simulation,
-    Solver,
-    known_groups,
-    seconds_bar,
-)
+from rustchain.simulation import _LAW, _SOLVER, Simulation
+from rustchain.solver import Solver
 from rustchain.sweep_result import SweepResult
 
 
@@ -42,6 +38,9 @@ def sweep(
     tooth_law: ForceLaw | None = None,
     min_approach_speed: float = 1e-3,
     solver: Solver = _SOLVER,
+    start: Start = "laid",
+    positions: npt.ArrayLike | None = None,
+    velocities: npt.ArrayLike | None = None,
     threads: int | None = None,
     progress: bool = True,
 ) -> SweepResult:
@@ -55,8 +54,8 @@ def sweep(
     - an argument of `drive`, where that is a function: it goes there, before all else;
     - "pretension" [N]: makes, changes or (0 N) removes the tensioner; "speed" [rad/s]: that of the
       driver;
-    - a keyword below, from `duration` to `solver`, which it takes the place of, or a field of the
-      solver, such as "rtol";
+    - a keyword below, from `duration` to `velocities`, which it takes the place of, or a field of
+      the solver, such as "rtol";
     - a field of the drive, dotted: "chain.material.restitution", "sprockets.1.teeth" (as
       ``drive.sprockets[1].teeth``: the first sprocket is 0). No other field follows: with other
       teeth, centre distance or links may have to change as well, which a function does best.
@@ -75,7 +74,7 @@ def sweep(
         Simulated time [s].
     report_step, record, energy
         As in `Simulation.run`.
-    force_law, hinge_law, tooth_law, min_approach_speed, solver
+    force_law, hinge_law, tooth_law, min_approach_speed, solver, start, positions, velocities
         As in `Simulation`.
     threads : int, optional
         How many cases run at once; by default as many as there are cores.
@@ -111,6 +110,9 @@ def sweep(
         "tooth_law": tooth_law,
         "min_approach_speed": min_approach_speed,
         "solver": solver,
+        "start": start,
+        "positions": positions,
+        "velocities": velocities,
     }
     grid = axes_of(axes) if isinstance(axes, Mapping) else None
     if grid is None:
@@ -148,7 +150,8 @@ def _ready(scene: Parameters) -> _rustchain.Case:
             "run a Simulation of each drive"
         )
         raise InvalidInput(msg)
-    names = (*_SCENE, "duration", "report_step")
+    scene |= started(scene)
+    names = (*SCENE, "duration", "report_step", "positions", "velocities")
     given = {name: scene[name] for name in names}
     return _rustchain.Case(**given, groups=groups, energy=energy)
 
@@ -169,7 +172,7 @@ def _run_all(
         with seconds_bar(total, progress, f"0 of {len(numbers)} cases") as bar:
             left = len(numbers)
             while left:
-                fetched = ensemble.fetch(_WALL_BUDGET)
+                fetched = ensemble.fetch(WALL_BUDGET)
                 bar.update(ensemble.simulated - bar.n)
                 if fetched is None:
                     continue

@@ -91,6 +91,14 @@ impl ImpactMemory {
         self.tooth_speed[pair] = 0.0;
     }
 
+    /// The onset at `speed` is not to have been \[m/s\].
+    pub(crate) fn take_back(&mut self, speed: f64) {
+        self.counts.onsets -= 1;
+        if speed <= self.floor {
+            self.counts.at_floor -= 1;
+        }
+    }
+
     fn count(&mut self, rate: f64) -> f64 {
         self.counts.onsets += 1;
         if rate < self.floor {

@@ -1,9 +1,11 @@
 //! A number that may depend on time, or on a speed: constant, or piecewise linear between rows.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{Error, Result, check};
 
 /// Value against time (or against a speed); held constant before the first and after the last row.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TimeTable {
     times: Vec<f64>,
     values: Vec<f64>,

@@ -32,7 +32,8 @@ impl Variation {
         check::within("Chain.pitch_spread", self.pitch_spread, 0.0, 0.01)
     }
 
-    fn is_none(&self) -> bool {
+    /// Whether all links are as long as the pitch.
+    pub(crate) fn is_none(&self) -> bool {
         self.elongation.iter().all(|&elongation| elongation == 0.0) && self.pitch_spread == 0.0
     }
 }

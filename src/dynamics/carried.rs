@@ -1,5 +1,7 @@
 //! What the dynamics carry from step to step: all that an evaluation does not find anew.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use super::meter::EnergyMeter;
@@ -7,6 +9,7 @@ use super::{Dynamics, Pair};
 use crate::contact::{CarriedCandidates, ImpactMemory};
 use crate::geometry::Surface;
 use crate::kernels::Watch;
+use crate::model::Model;
 
 /// All that decides, with the integrator's state, how the dynamics go on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -38,9 +41,10 @@ impl Dynamics {
         }
     }
 
-    /// Dynamics of the same model, with the same instructions, that carry `carried`; `None` when it is of no such model.
-    pub(crate) fn carrying(&self, carried: &Carried) -> Option<Self> {
-        let mut dynamics = Self::new(self.model.clone());
+    /// Dynamics of `model`, which differs in its speeds and torques at most, with the same instructions, that carry `carried`; `None`
+    /// when it is of no such model.
+    pub(crate) fn carrying(&self, model: Arc<Model>, carried: &Carried) -> Option<Self> {
+        let mut dynamics = Self::new(model);
         dynamics.use_instructions(self.instructions());
         dynamics.refine_meter(self.meter.fineness());
         let there = |pair: &Pair| match *pair {

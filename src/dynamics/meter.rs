@@ -62,6 +62,12 @@ impl EnergyMeter {
         self.lay_out(self.fineness, powers);
     }
 
+    /// Forgets what came after `t` inside the last step.
+    pub(super) fn cut(&mut self, t: f64) {
+        self.at_end = self.energies(t);
+        self.end = t;
+    }
+
     /// Makes room for the powers of a step of `panels`, the first one that of its start.
     fn lay_out(&mut self, panels: usize, at_start: Powers) {
         self.panels = panels;
@@ -236,11 +242,11 @@ impl Dynamics {
     /// Takes the present state of `adams` as the start of the next step, when energy is kept.
     pub(crate) fn resume_metering(&mut self, adams: &Adams) {
         if !self.keeps_energy {
-        } else if adams.counts().steps > 0 {
+        } else if !adams.is_starting() {
             self.ends.end(adams);
             self.ends.advance();
         } else {
-            // The integrator has no slope before its first step.
+            // The integrator has no slope before its first step from a start.
             self.differentiate(adams.time(), adams.y());
             self.ends.begin(adams.y(), &self.slope);
         }

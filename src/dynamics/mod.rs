@@ -13,6 +13,7 @@ mod jacobian;
 mod loads;
 mod meter;
 mod needs;
+mod turned_back;
 
 use std::sync::Arc;
 

@@ -187,10 +187,22 @@ impl Adams {
 
     /// Begins anew at (`t`, `y`) and forgets the history.
     pub fn restart(&mut self, t: f64, y: &[f64]) {
+        self.restart_alike(t, y);
+        self.choice = Choice::new();
+    }
+
+    /// The same, of a system that is as stiff as it was: with the corrector in use.
+    pub fn restart_alike(&mut self, t: f64, y: &[f64]) {
         self.time = t;
         self.y[..self.dimension].copy_from_slice(y);
         self.last_order = 0;
         self.starting = true;
+    }
+
+    /// Whether no step was made since the start, or since the last restart.
+    #[must_use]
+    pub fn is_starting(&self) -> bool {
+        self.starting
     }
 
     /// Time reached \[s\].
@@ -370,7 +382,6 @@ impl Adams {
         self.growing = true;
         self.fastest = FastestRate::default();
         self.bend = f64::INFINITY;
-        self.choice = Choice::new();
     }
 
     /// Coefficients of a step of the present size and order, and the prediction.

@@ -3,7 +3,7 @@
 use super::dynamics::MechanismDynamics;
 use super::peaks::Peaks;
 use crate::dynamics::Energy;
-use crate::recorder::{Balance, Passed};
+use crate::recorder::{Balance, OpenBalance, Passed};
 
 /// The rows of a run, one array a channel, time first.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -139,14 +139,12 @@ impl MechanismRecording {
             worked_in,
             residual,
         };
-        self.balance.watch(energy, passed);
-        if residual.abs() <= SMALL * (kinetic + gravity.abs() + elastic) {
-            self.balance.open = None;
-        }
+        let small = SMALL * (kinetic + gravity.abs() + elastic);
+        self.balance.watch(energy, passed, small);
     }
 
-    /// Energy missing, dissipated and exchanged \[J\] at the last row, where more is missing than should be.
-    pub(super) fn open_balance(&self) -> Option<[f64; 3]> {
+    /// The energy balance at the last row, where more is missing than should be.
+    pub(super) fn open_balance(&self) -> Option<OpenBalance> {
         self.balance.open
     }
 }

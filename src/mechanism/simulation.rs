@@ -51,6 +51,8 @@ pub(super) struct Reports {
     step: f64,
     made: usize,
     count: usize,
+    /// Whether the run pauses after each report.
+    pauses: bool,
 }
 
 impl Reports {
@@ -157,7 +159,22 @@ impl MechanismSimulation {
             step: report_step,
             made: 0,
             count,
+            pauses: false,
         });
+    }
+
+    /// Makes the recording pause after each report, so that its caller can look at the state there: [`record`](Self::record) then
+    /// returns, and goes on when it is called again.
+    pub fn pause_at_reports(&mut self) {
+        if let Some(reports) = &mut self.reports {
+            reports.pauses = true;
+        }
+    }
+
+    /// The recording under way, or the last one.
+    #[must_use]
+    pub fn recording(&self) -> &MechanismRecording {
+        &self.recording
     }
 
     /// Ends the recording and hands it over, with all rows made so far.
@@ -183,7 +200,9 @@ impl MechanismSimulation {
         let begin = Instant::now();
         let mut steps = 0u32;
         loop {
-            self.report();
+            if !self.report() {
+                return Ok(false);
+            }
             if target <= self.adams.time() {
                 self.now = target.max(self.now);
                 return Ok(true);
@@ -303,7 +322,8 @@ impl MechanismSimulation {
         Ok(())
     }
 
-    fn report(&mut self) {
+    /// Makes the reports that lie inside the last step; false at a pause.
+    fn report(&mut self) -> bool {
         let end = self.adams.time();
         while let Some(t) = self.reports.and_then(|r| r.next()).filter(|&t| t <= end) {
             self.look_at(t);
@@ -319,10 +339,14 @@ impl MechanismSimulation {
             self.now = t;
             if let Some(reports) = &mut self.reports {
                 reports.made += 1;
+                if reports.pauses {
+                    return false;
+                }
             }
         }
         if self.reports.is_some() {
             self.recording.take_arrived(end);
         }
+        true
     }
 }

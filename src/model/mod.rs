@@ -2,9 +2,11 @@
 
 mod compile;
 mod guide;
+mod input;
 
 pub use compile::{ForceLaws, strands};
 pub use guide::Guide;
+pub use input::{Input, Quantity};
 
 use crate::drive::TimeTable;
 use crate::force_law::{Elastic, PairTable, Regions};

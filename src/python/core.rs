@@ -3,15 +3,16 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 use super::describe;
 use super::errors::to_python;
+use crate::drive::Drive;
 use crate::dynamics::Dynamics;
 use crate::error::Error;
-use crate::model::Model;
+use crate::model::{Model, Quantity};
 use crate::recorder::Values;
 use crate::simulate::{Simulation, Snapshot, check_rows};
 use crate::state::Start;
@@ -44,26 +45,10 @@ impl Core {
         let description = describe::drive(drive)?;
         let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_approach_speed)?;
         let control = describe::solver(solver)?;
-        let positions = rows(py, "positions", positions.as_ref())?;
-        let velocities = rows(py, "velocities", velocities.as_ref())?;
-        let start = match (positions, velocities) {
-            (Some(positions), Some(velocities)) => Start {
-                positions,
-                velocities,
-            },
-            (None, velocities) => {
-                let (generated, _) = describe::checked(py, Start::generate(&description))?;
-                Start {
-                    positions: generated.positions,
-                    velocities: velocities.unwrap_or(generated.velocities),
-                }
-            }
-            (Some(_), None) => {
-                return Err(to_python(
-                    py,
-                    &Error::invalid("velocities", "None", "must be given when positions are"),
-                ));
-            }
+        let own = own_start(py, &description, positions.as_ref(), velocities.as_ref())?;
+        let start = match own {
+            Some(start) => start,
+            None => describe::checked(py, Start::generate(&description))?.0,
         };
         let model = describe::checked(py, Model::compile(&description, &laws, &start))?;
         let simulation = describe::checked(py, Simulation::new(Arc::new(model), &start, control))?;
@@ -183,6 +168,49 @@ impl Core {
         describe::checked(py, outcome)
     }
 
+    /// Makes `advance` return after each report.
+    fn pause_at_reports(&mut self) {
+        self.simulation.pause_at_reports();
+    }
+
+    /// Number of rows recorded so far.
+    #[getter]
+    fn rows(&self) -> usize {
+        let recording = self.simulation.recording();
+        recording.map_or(0, |recording| recording.time.len())
+    }
+
+    /// The last row of a channel, flat.
+    fn last_row<'py>(&self, py: Python<'py>, name: &str) -> Option<Bound<'py, PyArray1<f64>>> {
+        let recording = self.simulation.recording()?;
+        let channel = recording.channels.iter().find(|c| c.name == name)?;
+        let Values::Real(values) = &channel.values else {
+            return None;
+        };
+        let length: usize = channel.row_shape.iter().product();
+        let row = values.len().checked_sub(length)?;
+        Some(PyArray1::from_slice(py, &values[row..]))
+    }
+
+    /// Lets a sprocket, by its number from 1, have another speed ("speed") or torque ("torque") from now on.
+    fn set_input(
+        &mut self,
+        sprocket: usize,
+        quantity: &str,
+        value: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let (quantity, unit) = match quantity {
+            "speed" => (Quantity::Speed, "rad/s"),
+            _ => (Quantity::Torque, "N m"),
+        };
+        let name = if unit == "N m" { "torque" } else { "speed" };
+        let table = describe::table(value, name, ("time", "s"), unit)?;
+        let outcome = self
+            .simulation
+            .set_input(sprocket.wrapping_sub(1), quantity, table);
+        describe::checked(value.py(), outcome)
+    }
+
     fn take_recording<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let recording = self.simulation.take_recording();
         let rows = recording.time.len();
@@ -263,6 +291,35 @@ impl From<Simulation> for Core {
             simulation,
             warned: Vec::new(),
         }
+    }
+}
+
+/// A start of the caller's own; of velocities alone, with the generated positions. `None` where nothing is given.
+pub(super) fn own_start(
+    py: Python<'_>,
+    drive: &Drive,
+    positions: Option<&PyReadonlyArray2<'_, f64>>,
+    velocities: Option<&PyReadonlyArray2<'_, f64>>,
+) -> PyResult<Option<Start>> {
+    let positions = rows(py, "positions", positions)?;
+    let velocities = rows(py, "velocities", velocities)?;
+    match (positions, velocities) {
+        (None, None) => Ok(None),
+        (Some(positions), Some(velocities)) => Ok(Some(Start {
+            positions,
+            velocities,
+        })),
+        (None, Some(velocities)) => {
+            let (generated, _) = describe::checked(py, Start::generate(drive))?;
+            Ok(Some(Start {
+                positions: generated.positions,
+                velocities,
+            }))
+        }
+        (Some(_), None) => Err(to_python(
+            py,
+            &Error::invalid("velocities", "None", "must be given when positions are"),
+        )),
     }
 }
 

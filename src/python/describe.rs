@@ -151,31 +151,39 @@ impl<'a, 'py> Reader<'a, 'py> {
 
     /// A constant, or rows of (axis, value).
     fn table_against(&self, field: &str, axis: (&str, &str), unit: &str) -> PyResult<TimeTable> {
-        let expected = format!("each row must be ({}, value)", axis.0);
-        let value = self.get(field)?;
-        let name = self.name(field);
-        let Ok(rows) = value.cast::<PyTuple>() else {
-            let constant = number(&value, &name, unit)?;
-            return checked(
-                value.py(),
-                crate::error::check::finite(&name, constant, unit).map(|()| constant.into()),
-            );
-        };
-        let mut pairs = Vec::new();
-        for row in rows {
-            let Ok(pair) = row.cast::<PyTuple>() else {
-                return Err(refuse(row.py(), &name, &row, &expected));
-            };
-            if pair.len() != 2 {
-                return Err(refuse(row.py(), &name, &row, &expected));
-            }
-            pairs.push((
-                number(&pair.get_item(0)?, &format!("{name} ({})", axis.0), axis.1)?,
-                number(&pair.get_item(1)?, &format!("{name} (value)"), unit)?,
-            ));
-        }
-        checked(value.py(), TimeTable::against(&name, axis, unit, &pairs))
+        table(&self.get(field)?, &self.name(field), axis, unit)
     }
+}
+
+/// A constant, or a tuple of rows (axis, value).
+pub(super) fn table(
+    value: &Bound<'_, PyAny>,
+    name: &str,
+    axis: (&str, &str),
+    unit: &str,
+) -> PyResult<TimeTable> {
+    let expected = format!("each row must be ({}, value)", axis.0);
+    let Ok(rows) = value.cast::<PyTuple>() else {
+        let constant = number(value, name, unit)?;
+        return checked(
+            value.py(),
+            crate::error::check::finite(name, constant, unit).map(|()| constant.into()),
+        );
+    };
+    let mut pairs = Vec::new();
+    for row in rows {
+        let Ok(pair) = row.cast::<PyTuple>() else {
+            return Err(refuse(row.py(), name, &row, &expected));
+        };
+        if pair.len() != 2 {
+            return Err(refuse(row.py(), name, &row, &expected));
+        }
+        pairs.push((
+            number(&pair.get_item(0)?, &format!("{name} ({})", axis.0), axis.1)?,
+            number(&pair.get_item(1)?, &format!("{name} (value)"), unit)?,
+        ));
+    }
+    checked(value.py(), TimeTable::against(name, axis, unit, &pairs))
 }
 
 fn kind_of(object: &Bound<'_, PyAny>) -> String {

@@ -5,11 +5,11 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 
-use numpy::PyArray2;
+use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-use super::core::{Core, budget, table};
+use super::core::{Core, budget, own_start, table};
 use super::describe;
 use super::errors::to_python;
 use crate::ensemble::{self, Failure, Outcome, Run};
@@ -34,15 +34,24 @@ impl Case {
         report_step: &Bound<'_, PyAny>,
         groups: Vec<String>,
         energy: &Bound<'_, PyAny>,
+        positions: Option<PyReadonlyArray2<'_, f64>>,
+        velocities: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<Self> {
         let description = describe::drive(drive)?;
         let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_approach_speed)?;
         let control = describe::solver(solver)?;
         let (duration, report_step, groups) =
             describe::reports(duration, report_step, &groups, energy)?;
+        let own = own_start(
+            drive.py(),
+            &description,
+            positions.as_ref(),
+            velocities.as_ref(),
+        )?;
         Ok(Self(ensemble::Case {
             drive: description,
             laws,
+            start: own,
             control,
             duration,
             report_step,

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use numpy::{IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
@@ -206,6 +206,29 @@ impl MechanismCore {
         let simulation = &mut self.simulation;
         let outcome = py.detach(|| simulation.advance(t, budget(wall_budget)));
         self.outcome(py, outcome)
+    }
+
+    /// Makes `advance` return after each report.
+    fn pause_at_reports(&mut self) {
+        self.simulation.pause_at_reports();
+    }
+
+    /// Number of rows recorded so far.
+    #[getter]
+    fn rows(&self) -> usize {
+        self.simulation.recording().time.len()
+    }
+
+    /// The last row of the largest forces since the row before, of joints and contacts.
+    fn last_peaks<'py>(&self, py: Python<'py>) -> [Bound<'py, PyArray1<f64>>; 2] {
+        let (model, recording) = (self.simulation.model(), self.simulation.recording());
+        let row = |values: &[f64], length: usize| {
+            PyArray1::from_slice(py, &values[values.len().saturating_sub(length)..])
+        };
+        [
+            row(&recording.peak_joint_force, model.joint_names().len()),
+            row(&recording.peak_contact_force, model.contact_names().len()),
+        ]
     }
 
     fn take_recording<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {

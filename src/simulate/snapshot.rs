@@ -1,6 +1,7 @@
 //! The complete state of a run, as a value and as bytes: set in another process, the run goes on to the same bits.
 
 use std::fmt::Write;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -8,19 +9,20 @@ use super::Simulation;
 use crate::dynamics::Carried;
 use crate::error::{Error, Result};
 use crate::integrator::{Adams, StepControl};
-use crate::model::{ContactLaw, Model};
+use crate::model::{ContactLaw, Input, Model};
 
 /// What the bytes begin with.
 const MAGIC: &[u8; 16] = b"rustchain state\n";
 
 /// Version of the bytes; another one for every change of what they hold.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// All that decides how a run goes on, the integrator's history and the contacts' memory included; which model it is of.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Snapshot {
     scene: Scene,
     now: f64,
+    inputs: Vec<Input>,
     integrator: Adams,
     dynamics: Carried,
 }
@@ -93,8 +95,9 @@ impl Simulation {
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
         Snapshot {
-            scene: Scene::of(self.model()),
+            scene: Scene::of(&self.compiled),
             now: self.now,
+            inputs: self.inputs.clone(),
             integrator: self.adams.clone(),
             dynamics: self.dynamics.carried(),
         }
@@ -111,11 +114,12 @@ impl Simulation {
                 "state: a recording is under way: take it before a state is set".to_string(),
             ));
         }
-        snapshot.scene.check(&Scene::of(self.model()))?;
+        snapshot.scene.check(&Scene::of(&self.compiled))?;
         check_control(&snapshot.integrator.control(), &self.adams.control())?;
         let mut adams = snapshot.integrator.clone();
         adams.use_instructions(self.adams.instructions());
-        let dynamics = self.dynamics.carrying(&snapshot.dynamics);
+        let model = self.compiled.with_inputs(&snapshot.inputs).map(Arc::new);
+        let dynamics = model.and_then(|model| self.dynamics.carrying(model, &snapshot.dynamics));
         let dynamics = dynamics.filter(|_| {
             adams.is_like(&self.adams) && snapshot.now.is_finite() && snapshot.now <= adams.time()
         });
@@ -128,6 +132,7 @@ impl Simulation {
         };
         dynamics.resume_metering(&adams);
         (self.dynamics, self.adams, self.now) = (dynamics, adams, snapshot.now);
+        self.inputs.clone_from(&snapshot.inputs);
         let counts = self.adams.counts();
         self.watched = (counts.steps + counts.rejected, self.adams.time());
         self.kink = f64::NEG_INFINITY;

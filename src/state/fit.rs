@@ -21,6 +21,18 @@ pub(super) fn fit_links(chain: &Chain, hinges: &mut [Vec2]) -> bool {
     fit(hinges, &lengths)
 }
 
+/// What helps where a chain cannot be laid round centres that take `fewest` links.
+pub(super) fn remedy(chain: &Chain, fewest: u32) -> String {
+    if fewest != chain.links {
+        format!("take {fewest} links")
+    } else if chain.variation.is_none() {
+        "take these links, but other centres".to_string()
+    } else {
+        "take as many links, but not of these lengths: of a smaller pitch_spread or elongation, or of another seed"
+            .to_string()
+    }
+}
+
 /// Moves `hinges` of a closed chain, link i from hinge i - 1 to hinge i, until link i is `lengths[i]` \[m\] long; false when they
 /// cannot be.
 ///

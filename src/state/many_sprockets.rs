@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::fit::fit_links;
+use super::fit::{fit_links, remedy};
 use super::layout::{
     LARGEST_STRETCH, Layout, Lie, START_GAPS, even_links, given_speed, phase, strand_name,
     tension_force, wheel,
@@ -173,10 +173,10 @@ impl<'a> Around<'a> {
     fn refuse<T>(&self, why: &str) -> Result<T> {
         let chain = &self.drive.chain;
         Err(Error::Impossible(format!(
-            "the chain cannot be laid: {} links, where a taut chain has {:.3} pitches: {why}; these centres take {} links",
+            "the chain cannot be laid: {} links, where a taut chain has {:.3} pitches: {why}; these centres {}",
             chain.links,
             self.line.pitches(self.drive),
-            self.links_that_close()
+            remedy(chain, self.links_that_close())
         )))
     }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::fit::fit_links;
+use super::fit::{fit_links, remedy};
 use super::layout::{
     LARGEST_STRETCH, Layout, Lie, START_GAPS, closing_center_distance, given_speed, links_for,
     phase, tension_force, wheel,
@@ -115,7 +115,12 @@ impl<'a> Place<'a> {
         let apart = self.profiles[0].outside_radius + self.profiles[1].outside_radius;
         let distance = self.center_distance.max(1.02 * apart);
         let fewest = links_for(pitch, teeth, distance);
-        format!("; {taut}; a centre distance of {distance:.6} m takes {fewest} links")
+        let enough = if fewest == links {
+            remedy(&self.drive.chain, fewest)
+        } else {
+            format!("a centre distance of {distance:.6} m takes {fewest} links")
+        };
+        format!("; {taut}; {enough}")
     }
 
     pub(super) fn find_path(&self) -> Result<Path> {

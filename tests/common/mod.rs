@@ -165,12 +165,16 @@ pub fn energies(simulation: &mut Simulation, duration: f64, report_step: f64) ->
         energy: true,
         ..Groups::default()
     };
-    let recording = record(simulation, duration, report_step, groups);
+    energies_of(&record(simulation, duration, report_step, groups))
+}
+
+/// The energy balance of a recording.
+pub fn energies_of(recording: &Recording) -> Energies {
     Energies {
-        kinetic: channel(&recording, "energy_kinetic"),
-        elastic: channel(&recording, "energy_elastic"),
-        dissipated: channel(&recording, "energy_dissipated"),
-        worked_in: channel(&recording, "energy_worked_in"),
-        residual: channel(&recording, "energy_residual"),
+        kinetic: channel(recording, "energy_kinetic"),
+        elastic: channel(recording, "energy_elastic"),
+        dissipated: channel(recording, "energy_dissipated"),
+        worked_in: channel(recording, "energy_worked_in"),
+        residual: channel(recording, "energy_residual"),
     }
 }

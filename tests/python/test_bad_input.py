@@ -51,6 +51,10 @@ GOOD = {
         rc.LiuConformal(),
         rc.Linear(stiffness=1e8),
         rc.Solver(),
+        rc.HingeForceAbove(1.0),
+        rc.ToothForceAbove(1.0),
+        rc.StrandSlack(),
+        rc.TimeReached(1.0),
     )
 }
 
@@ -134,6 +138,10 @@ DAMPING = word(
     "zhiying-qishao",
     None,
 )
+NUMBER_OR_NONE = [
+    (value, "must be a whole number from 1 on, or None")
+    for value in ("17", True, 17.0, NAN, -1, 0, (17,))
+]
 REGIONS = word("kept", "sharp")
 LAW = {"damping": DAMPING, "regions": REGIONS}
 
@@ -290,6 +298,14 @@ FIELDS = {
         "max_order": count(1, 12, 0, 13),
         "accuracy": positive("m"),
     },
+    "HingeForceAbove": {"force": positive("N"), "hinge": NUMBER_OR_NONE},
+    "ToothForceAbove": {"force": positive("N"), "bushing": NUMBER_OR_NONE},
+    "StrandSlack": {
+        "tension": not_negative("N"),
+        "strand": [(value, "must be text, or None") for value in NO_TEXT if value is not None],
+        "lasting": not_negative("s"),
+    },
+    "TimeReached": {"time": positive("s")},
 }
 
 
@@ -338,7 +354,7 @@ def test_the_table_has_every_field_of_every_description():
         return {cls} | {each for child in cls.__subclasses__() for each in below(child)}
 
     public = {cls for cls in below(rc.Material.__mro__[1]) if getattr(rc, cls.__name__, 0) is cls}
-    public -= {rc.ForceLaw}  # only its subclasses can be made
+    public -= {rc.ForceLaw, rc.StopCondition}  # only their subclasses can be made
     public -= below(rc.Table.__mro__[1])  # parts of mechanisms, checked when these are put together
     assert {cls.__name__ for cls in public} == set(FIELDS) == set(GOOD)
     for cls in public:

@@ -130,6 +130,28 @@ def test_a_static_start_rests_under_its_loads_and_has_the_tension_it_is_asked_fo
         rc.Simulation(drive, start="rest")
 
 
+def test_elongations_of_each_link_count_for_the_links_that_are_there():
+    links = four_sprockets().chain.links
+    chain = rc.catalogue_chain("ANSI 40", links)
+    sprockets = four_sprockets().sprockets
+    worn = [0.001 * (k % 3) for k in range(links)]
+    drive = rc.chain_drive(replace(chain, elongation=worn), sprockets)
+    assert drive.chain.links == links
+    assert drive.chain.elongation == tuple(worn)
+    few = replace(chain, links=60, elongation=worn[:60])
+    with pytest.raises(rc.InvalidInput, match=f"60 numbers: .* each of the {links} links"):
+        rc.chain_drive(few, sprockets)
+
+
+def test_a_chain_whose_links_press_into_teeth_is_not_told_to_take_as_many():
+    links = four_sprockets().chain.links
+    chain = replace(rc.catalogue_chain("ANSI 40", links), pitch_spread=5e-3)
+    drive = rc.chain_drive(chain, four_sprockets().sprockets)
+    with pytest.raises(rc.InvalidInput, match="smaller pitch_spread or elongation") as caught:
+        drive.check()
+    assert f"take {drive.chain.links} links" not in str(caught.value)
+
+
 BAD = {
     "side": (lambda: rc.Sprocket(17, side="out"), "side"),
     "all but one outside": (
@@ -156,6 +178,8 @@ BAD = {
         "must tighten",
     ),
     "adjust": (lambda: four_sprockets(adjust=7), "adjust = 7"),
+    "adjust as text": (lambda: four_sprockets(adjust="2"), "adjust = '2': must be the number"),
+    "adjust as a float": (lambda: four_sprockets(adjust=2.0), "adjust = 2.0: must be the number"),
     "direction alone": (lambda: four_sprockets(direction=(1.0, 0.0)), "no sprocket to adjust"),
     "too short": (lambda: four_sprockets(links=96).check(), "mm too short"),
     "wrong order": (

@@ -1,5 +1,7 @@
 """Drives as mechanisms: with clearance they move as the drive, with ideal hinges chains close."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -56,3 +58,27 @@ def test_a_drive_can_be_extended():
 def test_other_hinges_are_refused():
     with pytest.raises(rc.InvalidInput, match="'clearance' or 'ideal'"):
         rc.paper_drive().to_mechanism(hinges="rigid")
+
+
+@pytest.mark.parametrize("back", [0.0, 100.0])
+def test_a_leak_does_not_go_into_a_mechanism_even_a_leak_of_none(back):
+    tensioner = rc.Tensioner(25.0, damping_back=back)
+    drive = dataclasses.replace(rc.paper_drive(), tensioner=tensioner)
+    with pytest.raises(rc.InvalidInput, match="a leak do not go into a mechanism"):
+        drive.to_mechanism()
+    with pytest.raises(rc.InvalidInput, match="a leak do not go into a mechanism"):
+        rc.Simulation(dataclasses.replace(drive, hinges="ideal"))
+    alike = dataclasses.replace(tensioner, damping_back=tensioner.damping)
+    dataclasses.replace(drive, tensioner=alike).to_mechanism()
+
+
+@pytest.mark.parametrize("hinges", ["clearance", "ideal"])
+def test_a_pull_without_a_ramp_is_there_from_the_start(hinges):
+    tensioner = rc.Tensioner(100.0, ramp_time=0.0)
+    drive = dataclasses.replace(rc.paper_drive(), tensioner=tensioner, hinges=hinges)
+    simulation = rc.Simulation(drive)
+    acceleration = simulation.evaluate().accelerations[-1, 0]
+    if hinges == "clearance":  # nothing holds the sprocket back yet
+        pull = drive.check().tension_force
+        assert acceleration == pytest.approx(pull / drive.sprockets[1].mass)
+    assert acceleration > 0.0

@@ -131,7 +131,7 @@ def drop(tolerance):
 
 def test_an_energy_balance_that_does_not_close_is_told_once():
     simulation = drop(0.5)
-    with pytest.warns(rc.EnergyWarning, match="take rtol and atol below 5e-1") as caught:
+    with pytest.warns(rc.EnergyWarning, match="take rtol and atol of 1e-[1-3] or less") as caught:
         result = simulation.run(duration=1.5, report_step=0.01, progress=False)
     assert len(caught) == 1
     assert caught[0].filename == __file__

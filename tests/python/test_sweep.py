@@ -238,7 +238,7 @@ def test_a_function_gets_the_parameters_that_are_its_arguments():
         ("chain.material.restitutoin", "did you mean 'chain.material.restitution'"),
         ("sprocket.1.teeth", "did you mean 'sprockets.1.teeth'"),
         ("sprockets.20.teeth", "did you mean 'sprockets.\\d+.teeth'"),
-        ("positions", "is no parameter"),
+        ("place", "is no parameter"),
         ("threads", "is no parameter"),
         ("zzz", "known: .*'pretension', 'speed', 'duration'"),
     ],
@@ -507,3 +507,36 @@ def test_progress_is_shown_in_cases_and_simulated_seconds(monkeypatch):
     assert shown.said == ["1 of 2 cases", "2 of 2 cases"]
     assert shown.keywords["disable"] is None  # where there is no terminal
     assert hidden.keywords["disable"] is True
+
+
+def test_the_start_is_a_parameter_and_cases_begin_there():
+    drive = rc.paper_drive(pretension=100.0)
+    found = rc.sweep(drive, {"start": ["laid", "static"]}, duration=5e-4, progress=False)
+    for start, result in zip(["laid", "static"], found.values, strict=True):
+        alone = rc.Simulation(drive, start=start).run(5e-4, progress=False)
+        assert result.drive == alone.drive
+        for name, values in alone.arrays.items():
+            np.testing.assert_array_equal(result.arrays[name], values, err_msg=name)
+    tension = [result.strand("upper").tension[0] for result in found.values]
+    assert tension[0] == 0.0
+    assert tension[1] > 50.0
+
+
+def test_positions_and_velocities_of_ones_own_are_keywords_and_parameters():
+    calm = rc.Simulation(PAPER)
+    pushed = calm.velocities
+    pushed[:38, 0] += 0.1
+    found = rc.sweep(
+        PAPER, {"velocities": [calm.velocities, pushed]}, duration=2e-4, progress=False
+    )
+    alone = rc.Simulation(PAPER, velocities=pushed).run(2e-4, progress=False)
+    for name, values in alone.arrays.items():
+        np.testing.assert_array_equal(found.values[1].arrays[name], values, err_msg=name)
+    both = {"positions": calm.positions, "velocities": pushed}
+    same = rc.sweep(PAPER, [{}], duration=2e-4, progress=False, **both)
+    np.testing.assert_array_equal(same.values[0].final_positions, alone.final_positions)
+
+
+def test_a_start_that_is_none_is_refused():
+    with pytest.raises(rc.InvalidInput, match="start = 'rest': must be 'laid' or 'static'"):
+        rc.sweep(PAPER, {"start": ["rest"]}, progress=False)

@@ -1,0 +1,97 @@
+"""Write the tables of keys in docs/files.md anew, from the descriptions and their docstrings."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import rustchain as rc
+from rustchain._file_models import makers_of
+
+PAGE = Path(__file__).with_name("files.md")
+MARK = "## Every key\n"
+BESIDE = "Any key of `Chain` but `pitch` may stand beside these, in place of the catalogue's."
+GROUPS: dict[str, list[Callable[..., Any]]] = {
+    "drive": [rc.chain_drive, rc.two_sprocket_drive, rc.paper_drive, rc.ChainDrive],
+    "drive.chain": [rc.catalogue_chain, rc.Chain, rc.Link, rc.ClearanceHinge, rc.Material],
+    "drive.sprockets": [rc.Sprocket, rc.PrescribedSpeed, rc.AppliedTorque, rc.Free],
+    "drive.sprockets.profile": [
+        rc.AnsiTooth,
+        rc.IsoTooth,
+        rc.StraightTooth,
+        rc.CustomTooth,
+        rc.ToothLine,
+        rc.ToothArc,
+    ],
+    "drive.tensioner": [rc.Tensioner],
+    "simulation": [rc.Simulation, rc.Solver],
+    "simulation.force_law": [*makers_of(rc.ForceLaw).values()],
+    "run": [rc.Simulation.run],
+    "run.stop": [*makers_of(rc.StopCondition).values()],
+}
+LEFT_OUT = {rc.Simulation: {"drive"}, rc.Simulation.run: {"self", "progress", "callback"}}
+
+
+def described(target: Callable[..., Any]) -> dict[str, str]:
+    """Return what the docstrings say of each parameter, those of base classes included."""
+    found: dict[str, str] = {}
+    for each in reversed(getattr(target, "__mro__", (target,))):
+        text = inspect.cleandoc(each.__doc__ or "")
+        section = re.search(r"(?:Attributes|Parameters)\n-+\n(.*?)(?:\n\n\w+\n-+|\Z)", text, re.S)
+        entries = re.split(r"\n(?=\S)", section.group(1)) if section else []
+        for entry in entries:
+            names, *lines = entry.split("\n")
+            for name in names.split(" : ")[0].split(", "):
+                found[name] = " ".join(line.strip() for line in lines)
+    return found
+
+
+def rows(target: Callable[..., Any]) -> Iterator[str]:
+    """Yield a row of the table for each key."""
+    texts = described(target)
+    for name, parameter in inspect.signature(target).parameters.items():
+        if name in LEFT_OUT.get(target, ()):
+            continue
+        needed = parameter.default is parameter.empty
+        default = parameter.default
+        if needed:
+            shown = "needed"
+        elif default is None or default == ():
+            shown = ""
+        elif isinstance(default, int | float | str | tuple):
+            shown = f"`{json.dumps(default)}`"
+        else:
+            shown = f"`{type(default).__name__}`"
+        yield f"| `{name}` | {shown} | {texts.get(name, '').replace('|', '/')} |"
+
+
+def tables() -> str:
+    """Return all tables."""
+    parts = [MARK]
+    for key, targets in GROUPS.items():
+        parts.append(f"\n### {key}\n")
+        for target in targets:
+            is_table = target not in LEFT_OUT
+            lines = list(rows(target))
+            first = inspect.cleandoc(target.__doc__ or "").split("\n")[0]
+            name = target.__name__
+            parts.append(f"\n`{name}`: {first}\n" if is_table else "\n")
+            if target is rc.catalogue_chain:
+                parts.append(f"{BESIDE}\n")
+            if lines:
+                parts.append("\n| key | default | |\n|---|---|---|\n" + "\n".join(lines) + "\n")
+    return "".join(parts)
+
+
+def main() -> None:
+    """Write the page."""
+    kept = PAGE.read_text(encoding="utf-8").split(MARK)[0]
+    PAGE.write_text(kept + tables(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

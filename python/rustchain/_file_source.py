@@ -1,0 +1,110 @@
+"""The text of a drive file: where each key stands in it, so that errors can say so."""
+
+from __future__ import annotations
+
+import re
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from rustchain.errors import InvalidInput
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+Key: TypeAlias = tuple[str | int, ...]
+
+_HEADER = re.compile(r"\s*(\[\[?)\s*([^\]]+?)\s*\]\]?\s*(#.*)?$")
+_ENTRY = re.compile(r"\s*([A-Za-z0-9_.\"'-]+)\s*=")
+_FIELD = re.compile(r"(?:\w+\.)?(\w+)")  # what a refusal begins with: Sprocket.teeth = ...
+
+
+@dataclass(frozen=True)
+class Source:
+    """A drive file.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    content : dict
+        What is in it.
+    lines : dict
+        Line of each key that begins one, from 1.
+    """
+
+    path: Path
+    content: dict[str, Any]
+    lines: dict[Key, int] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, path: Path) -> Source:
+        """Read a file."""
+        try:
+            text = path.read_text(encoding="utf-8")
+            content = tomllib.loads(text)
+        except OSError as error:
+            msg = f"{path}: cannot be read ({error.strerror}): give the path of a drive file"
+            raise InvalidInput(msg) from error
+        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+            msg = f"{path}: is no TOML: {error}"
+            raise InvalidInput(msg) from error
+        return cls(path, content, _lines_of(text))
+
+    def refusal(self, key: Key, message: str) -> InvalidInput:
+        """Return the error that says where `key` stands, and what is wrong with it or below it."""
+        named = _FIELD.match(message)
+        # What is refused is mostly a field of the table: its own line is nearer.
+        below = (*key, named.group(1)) if named else key
+        return InvalidInput(f"{self._place(below)}: {name_of(key)}: {message}")
+
+    def refusal_at(self, key: Key, message: str) -> InvalidInput:
+        """Return the error that names `key` and says where it stands."""
+        return InvalidInput(f"{self._place(key)}: {name_of(key)}: {message}")
+
+    def _place(self, key: Key) -> str:
+        """Return the file, and the line of a key or of the nearest one above it."""
+        while key and key not in self.lines:
+            key = key[:-1]
+        return f"{self.path}, line {self.lines[key]}" if key else str(self.path)
+
+
+def name_of(key: Key) -> str:
+    """Return a key as it is written in a path: drive.sprockets[1].teeth."""
+    parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in key)
+    return "".join(parts).removeprefix(".") or "the file"
+
+
+def _lines_of(text: str) -> dict[Key, int]:
+    """Return the line of each header and of each key that begins a line."""
+    lines: dict[Key, int] = {}
+    counts: dict[Key, int] = {}
+    table: Key = ()
+    for number, line in enumerate(text.splitlines(), 1):
+        if header := _HEADER.match(line):
+            table = _resolved(_parts(header.group(2)), counts)
+            if header.group(1) == "[[":
+                counts[table] = counts.get(table, -1) + 1
+                lines.setdefault(table, number)
+                table = (*table, counts[table])
+            lines.setdefault(table, number)
+        elif entry := _ENTRY.match(line):
+            lines.setdefault((*table, *_parts(entry.group(1))), number)
+    return lines
+
+
+def _parts(dotted: str) -> list[str]:
+    return [part.strip().strip("\"'") for part in dotted.split(".")]
+
+
+def _resolved(parts: list[str], counts: dict[Key, int]) -> Key:
+    """Return the key of a header; within an array of tables it is of the last one."""
+    key: Key = ()
+    for place, part in enumerate(parts):
+        key = (*key, part)
+        if key in counts and place + 1 < len(parts):
+            key = (*key, counts[key])
+    return key

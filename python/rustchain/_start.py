@@ -1,0 +1,61 @@
+"""Where a simulation begins: positions and velocities given, laid or at rest."""
+
+from __future__ import annotations
+
+import reprlib
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain import _rustchain
+from rustchain.drive import ChainDrive
+from rustchain.errors import InvalidInput
+from rustchain.result import Array
+
+Start = Literal["laid", "static"]
+
+
+def started(scene: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what the start of a scene makes of it: drive, positions, velocities, and its rest."""
+    drive, start = scene["drive"], scene["start"]
+    given = {name: scene[name] for name in ("positions", "velocities")}
+    if start not in get_args(Start):
+        msg = f"start = {start!r}: must be 'laid' or 'static'"
+        raise InvalidInput(msg)
+    if not isinstance(drive, ChainDrive):  # which the core refuses
+        return {"drive": drive, "rest": None} | given
+    if start == "laid":
+        bodies = drive.chain.links + len(drive.sprockets)
+        rows = {name: rows_of(name, value, bodies) for name, value in given.items()}
+        return {"drive": drive, "rest": None} | rows
+    if any(value is not None for value in given.values()):
+        msg = "start = 'static': there is no room for positions and velocities of one's own"
+        raise InvalidInput(msg)
+    if drive.hinges == "ideal":
+        msg = "start = 'static': only for drives with clearance in their hinges"
+        raise InvalidInput(msg)
+    if drive.tensioner is not None:  # at full pull from the beginning
+        drive = replace(drive, tensioner=replace(drive.tensioner, ramp_time=0.0))
+    laws = (scene[name] for name in ("force_law", "hinge_law", "tooth_law", "min_approach_speed"))
+    found = _rustchain.static_start(drive, *laws)
+    place = {name: found.pop(name) for name in ("positions", "velocities")}
+    return {"drive": drive, "rest": found} | place
+
+
+def rows_of(name: str, values: npt.ArrayLike | None, bodies: int | str) -> Array | None:
+    """Return `values` as the compiled module wants them: (bodies, 3) real numbers."""
+    if values is None:
+        return None
+    try:
+        given = np.asarray(values)
+        array = np.ascontiguousarray(given, dtype=float) if given.dtype.kind in "iuf" else None
+    except ValueError:  # ragged
+        given, array = np.empty(0, dtype=object), None
+    if array is None or array.ndim != 2:
+        shown = reprlib.repr(values) if array is None else f"an array of shape {given.shape}"
+        msg = f"{name} = {shown}, {given.dtype}: must be numbers of shape ({bodies}, 3)"
+        raise InvalidInput(msg)
+    return array

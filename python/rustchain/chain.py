@@ -1,0 +1,139 @@
+"""A chain: its links, hinges and material."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain import _rustchain
+from rustchain._description import Description
+from rustchain._names import known_keywords
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Material(Description):
+    """An elastic material; the default is the steel of the published drive.
+
+    Attributes
+    ----------
+    elastic_modulus : float
+        Young's modulus [Pa].
+    poisson_ratio : float
+        Poisson's ratio.
+    restitution : float
+        Coefficient of restitution of an impact.
+    """
+
+    elastic_modulus: float = 2.07e11
+    poisson_ratio: float = 0.3
+    restitution: float = 0.71
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Link(Description):
+    """A link with all that is fixed to it: plates and bushings (inner), plates and pins (outer).
+
+    Attributes
+    ----------
+    mass : float
+        Mass [kg].
+    inertia : float
+        Moment of inertia about the middle of its two hinges [kg m^2].
+    """
+
+    mass: float
+    inertia: float
+
+
+@known_keywords
+@dataclass(frozen=True)
+class ClearanceHinge(Description):
+    """A pin that is loose in the bore of a bushing.
+
+    Attributes
+    ----------
+    pin_radius, bore_radius : float
+        Radii of pin and bore [m]; their difference is the radial clearance.
+    length : float
+        Length of contact along the pin [m].
+    """
+
+    pin_radius: float
+    bore_radius: float
+    length: float
+
+    @property
+    def clearance(self) -> float:
+        """Radial clearance [m]."""
+        return self.bore_radius - self.pin_radius
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Chain(Description):
+    """A closed bushing chain of alternating inner and outer links; link 1 is an inner one.
+
+    In a chain of an odd number of links the last one is an offset link: a bushing at its rear, a
+    pin at its front.
+
+    Attributes
+    ----------
+    pitch : float
+        Nominal distance between the hinges of a link [m].
+    links : int
+        Number of links.
+    inner, outer : Link
+        The inner link (two bushings) and the outer link (two pins).
+    hinge : ClearanceHinge
+        Pin and bore of every hinge.
+    bushing_radius : float
+        Outside radius of a bushing, where it meets the teeth [m].
+    tooth_contact_length : float
+        Length of contact of bushing and tooth, along the bushing [m].
+    material : Material
+        Material of chain and sprockets.
+    name : str
+        For people to read.
+    offset : Link, optional
+        The offset link of an odd number; by default the mean of an inner and an outer one.
+    strands : int
+        Parallel strands on common pins. Masses, inertias and lengths of contact are those of one
+        strand; all are multiplied.
+    elongation : float or sequence of float
+        Share of the pitch by which all links, or each, are longer: wear, seen as length.
+    pitch_spread : float
+        Standard deviation of the lengths of links by manufacture, as a share of the pitch.
+    seed : int
+        Which links the spread makes longer and which shorter.
+    """
+
+    pitch: float
+    links: int
+    inner: Link
+    outer: Link
+    hinge: ClearanceHinge
+    bushing_radius: float
+    tooth_contact_length: float
+    material: Material = Material()
+    name: str = ""
+    offset: Link | None = None
+    strands: int = 1
+    elongation: float | Sequence[float] = 0.0
+    pitch_spread: float = 0.0
+    seed: int = 0
+
+    @property
+    def link_pitches(self) -> npt.NDArray[np.float64]:
+        """Distance between the hinges of each link [m], wear and spread included, (links,)."""
+        return _rustchain.chain_links(self)[:, 0]
+
+    @property
+    def mean_pitch(self) -> float:
+        """Mean of `link_pitches` [m]."""
+        pitches = self.link_pitches
+        return float(pitches[0] if (pitches == pitches[0]).all() else pitches.mean())

@@ -1,0 +1,42 @@
+"""Accelerations and contacts of one state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain.result import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """Accelerations and contacts of one state.
+
+    Attributes
+    ----------
+    accelerations : ndarray, (bodies, 3)
+        Accelerations [m/s^2, m/s^2, rad/s^2].
+    hinge_force, hinge_penetration : ndarray, (hinges,)
+        Force [N] and penetration [m] of each hinge; penetration is negative when apart.
+    hinge_force_vector : ndarray, (hinges, 2)
+        Force on the pin [N].
+    tooth_force, tooth_penetration : ndarray, (bushings, sprockets)
+        Force [N] and penetration [m] of each bushing; penetration is -inf when not even near.
+    tooth_force_vector : ndarray, (bushings, sprockets, 2)
+        Force on the bushing [N].
+    tooth_region, tooth_index : ndarray of int, (bushings, sprockets)
+        Region of the gap in contact, counted from 1 along its outline (0: none; an ANSI gap has
+        seven, the fourth is the seat), and the gap, from 0 (-1: none).
+    """
+
+    accelerations: Array
+    hinge_force: Array
+    hinge_penetration: Array
+    hinge_force_vector: Array
+    tooth_force: Array
+    tooth_penetration: Array
+    tooth_force_vector: Array
+    tooth_region: npt.NDArray[np.int32]
+    tooth_index: npt.NDArray[np.int32]

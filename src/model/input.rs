@@ -1,0 +1,109 @@
+//! Speeds and torques that are set while a drive runs, in place of those that it was described with.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Model, Rotation};
+use crate::drive::TimeTable;
+use crate::error::{Error, Result};
+
+/// What of a sprocket is set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Quantity {
+    /// The prescribed speed \[rad/s\].
+    Speed,
+    /// The torque against time \[N m\]; a curve over the speed stays as it is.
+    Torque,
+}
+
+/// What holds for one sprocket from some time on.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Input {
+    sprocket: usize,
+    quantity: Quantity,
+    table: TimeTable,
+    /// Angle that the sprocket would have had at time zero \[rad\], where its speed is prescribed.
+    phase: f64,
+}
+
+impl Input {
+    /// Number of the sprocket, from 0.
+    #[must_use]
+    pub fn sprocket(&self) -> usize {
+        self.sprocket
+    }
+}
+
+impl Model {
+    /// What gives sprocket `sprocket` (from 0) another speed or torque from `t` on \[s\]; its angle does not jump. `None`: it has this
+    /// already.
+    ///
+    /// # Errors
+    /// When there is no such sprocket, or its motion has no such quantity.
+    pub fn input(
+        &self,
+        sprocket: usize,
+        quantity: Quantity,
+        table: TimeTable,
+        t: f64,
+    ) -> Result<Option<Input>> {
+        let name = format!("sprocket_{}", sprocket + 1);
+        let Some(found) = self.sprockets.get(sprocket) else {
+            let last = self.sprockets.len();
+            let expected =
+                format!("is no sprocket of this drive: take sprocket_1 to sprocket_{last}");
+            return Err(Error::invalid("sprocket", name, expected));
+        };
+        let phase = match (&found.rotation, quantity) {
+            (Rotation::Prescribed(speed), Quantity::Speed) => {
+                if *speed == table {
+                    return Ok(None);
+                }
+                found.phase + speed.integral(t) - table.integral(t)
+            }
+            (Rotation::Free { torque, .. }, Quantity::Torque) => {
+                let same = match torque {
+                    Some(torque) => *torque == table,
+                    None => table.is_zero(),
+                };
+                if same {
+                    return Ok(None);
+                }
+                found.phase
+            }
+            (Rotation::Prescribed(_), Quantity::Torque) => {
+                let expected = "turns at a prescribed speed: describe it with AppliedTorque or Free to set its torque";
+                return Err(Error::invalid("sprocket", name, expected));
+            }
+            (Rotation::Free { .. }, Quantity::Speed) => {
+                let expected = "turns as torque and chain make it: describe it with PrescribedSpeed to set its speed";
+                return Err(Error::invalid("sprocket", name, expected));
+            }
+        };
+        Ok(Some(Input {
+            sprocket,
+            quantity,
+            table,
+            phase,
+        }))
+    }
+
+    /// The model with `inputs` in place of what it was compiled with; `None` when they are of another model.
+    #[must_use]
+    pub fn with_inputs(&self, inputs: &[Input]) -> Option<Self> {
+        let mut model = self.clone();
+        for input in inputs {
+            let sprocket = model.sprockets.get_mut(input.sprocket)?;
+            match (&mut sprocket.rotation, input.quantity) {
+                (Rotation::Prescribed(speed), Quantity::Speed) => {
+                    speed.clone_from(&input.table);
+                    sprocket.phase = input.phase;
+                }
+                (Rotation::Free { torque, .. }, Quantity::Torque) => {
+                    *torque = (!input.table.is_zero()).then(|| input.table.clone());
+                }
+                _ => return None,
+            }
+        }
+        Some(model)
+    }
+}

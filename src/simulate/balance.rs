@@ -1,0 +1,65 @@
+//! Words for an energy balance that does not close: how far it is open, and what closes it.
+
+use crate::integrator::StepControl;
+use crate::recorder::OpenBalance;
+
+/// Finest accuracy \[m\] and tolerance that are advised: below, steps are near rounding.
+const FINEST: f64 = 1e-13;
+
+/// An energy balance that does not close, in words.
+pub(crate) fn describe_open_balance(control: &StepControl, t: f64, open: OpenBalance) -> String {
+    let OpenBalance {
+        missing,
+        dissipated,
+        exchanged,
+        allowed,
+    } = open;
+    let ratio = allowed / missing.abs();
+    let remedy = if control.is_by_component() {
+        let finer = power_of_ten_below(control.rtol.max(control.atol) * ratio);
+        format!("rtol and atol of {finer:e} or less")
+    } else {
+        // The residual goes with the root of the accuracy: a third for a tenth of it.
+        let finer = power_of_ten_below(control.accuracy * ratio * ratio);
+        format!("accuracy = {finer:e} or less")
+    };
+    format!(
+        "the energy balance is off by {missing:.1e} J at t = {t:.6} s, where {allowed:.1e} J may be missing: {dissipated:.1e} J \
+         were dissipated and {exchanged:.1e} J exchanged; take {remedy}"
+    )
+}
+
+/// The power of ten at or below `value`, not below the finest.
+fn power_of_ten_below(value: f64) -> f64 {
+    let exponent = value.log10().floor().max(FINEST.log10().round());
+    // Through text: a power of ten is then the number nearest to it.
+    format!("1e{exponent:.0}").parse().unwrap_or(FINEST)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(control: &StepControl, missing: f64) -> String {
+        let open = OpenBalance {
+            missing,
+            dissipated: 1e-3,
+            exchanged: 2e-3,
+            allowed: 7e-5,
+        };
+        describe_open_balance(control, 0.5, open)
+    }
+
+    #[test]
+    fn the_advice_is_finer_by_as_much_as_the_residual_asks() {
+        let default = StepControl::default();
+        assert!(told(&default, 1e-4).ends_with("take accuracy = 1e-11 or less"));
+        assert!(told(&default, -1e-3).ends_with("take accuracy = 1e-13 or less"));
+        let by_component = StepControl {
+            rtol: 1e-5,
+            atol: 1e-6,
+            ..default
+        };
+        assert!(told(&by_component, 1e-3).ends_with("take rtol and atol of 1e-7 or less"));
+    }
+}

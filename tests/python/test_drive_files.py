@@ -1,0 +1,277 @@
+"""Drive files: all that a script can describe, and errors that say file, line, key and remedy."""
+
+import dataclasses
+import inspect
+import re
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import rustchain as rc
+from rustchain._description import Description
+from rustchain.cli import app
+
+ROOT = Path(__file__).parents[2]
+EXAMPLE = ROOT / "examples" / "three_shafts.toml"
+PAGE = (ROOT / "docs" / "files.md").read_text(encoding="utf-8")
+
+
+def rustchain(*arguments):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def written(tmp_path, text):
+    path = tmp_path / "drive.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def changed(tmp_path, old, new):
+    """Return the example with a change, beside its table."""
+    text = EXAMPLE.read_text(encoding="utf-8")
+    assert text.count(old) == 1
+    (tmp_path / "machine.csv").write_text((EXAMPLE.parent / "machine.csv").read_text())
+    return written(tmp_path, text.replace(old, new))
+
+
+def test_the_example_is_the_drive_of_the_script_that_says_the_same():
+    chain = dataclasses.replace(rc.catalogue_chain("ANSI 40", 78), elongation=0.002)
+    curve = [(0.0, 0.0), (5.0, -1.0), (10.0, -3.0)]
+    drive = rc.chain_drive(
+        chain,
+        [
+            rc.Sprocket(17, motion=rc.PrescribedSpeed([(0.0, 10.0), (0.02, 12.566)])),
+            rc.Sprocket(25, (0.35, -0.05), rc.AppliedTorque(0.0, curve=curve), load_inertia=2e-3),
+            rc.Sprocket(13, (0.18, -0.005), side="outside"),
+        ],
+        name="three shafts",
+        adjust=3,
+    )
+    scene = rc.load_scene(EXAMPLE)
+    assert scene.drive == drive
+    assert scene.simulation == {
+        "force_law": rc.Hertz(damping="flores"),
+        "solver": rc.Solver(accuracy=1e-9),
+    }
+    assert scene.run == {
+        "duration": 0.02,
+        "report_step": 1e-4,
+        "stop": [rc.ToothForceAbove(5000.0)],
+    }
+    assert scene.out == EXAMPLE.parent / "three_shafts.nc"
+
+
+def test_the_example_runs_from_the_command_line_and_from_python(tmp_path):
+    done = rustchain("run", EXAMPLE, "--duration", 2e-3, "--out", tmp_path / "run.nc")
+    assert done.exit_code == 0, done.output
+    result = rc.load_result(tmp_path / "run.nc")
+    scene = rc.load_scene(EXAMPLE)
+    assert (result.drive, result.solver) == (scene.drive, scene.simulation["solver"])
+    assert len(result.time) == 21
+    again = scene.changed({}, {}, {"duration": 2e-3, "progress": False})
+    same = again.run_simulation(again.simulate())
+    np.testing.assert_array_equal(same.final_positions, result.final_positions)
+
+
+def test_options_take_the_place_of_what_the_file_says(tmp_path):
+    text = """
+[drive]
+type = "paper_drive"
+[simulation]
+hinge_law = { type = "Johnson" }
+solver = { rtol = 1e-6, max_step = 5e-5 }
+"""
+    path, out = written(tmp_path, text), tmp_path / "run.nc"
+    for options, law, tolerances in [
+        ((), rc.Johnson(), (1e-6, None, 1e-10)),
+        (("--law", "hertz"), rc.Hertz(), (1e-6, None, 1e-10)),
+        (("--accuracy", 1e-9), rc.Johnson(), (None, None, 1e-9)),
+        (("--atol", 1e-5), rc.Johnson(), (None, 1e-5, 1e-10)),
+    ]:
+        done = rustchain("run", path, "--duration", 2e-4, "--out", out, *options)
+        assert done.exit_code == 0, done.output
+        result = rc.load_result(out)
+        assert result.hinge_law == law
+        solver = result.solver
+        assert (solver.rtol, solver.atol, solver.accuracy) == tolerances
+        assert solver.max_step == 5e-5
+
+
+def test_a_result_goes_where_the_file_says_relative_to_the_file(tmp_path):
+    text = '[drive]\ntype = "paper_drive"\n[run]\nduration = 1e-3\nout = "results/run.nc"\n'
+    done = rustchain("run", written(tmp_path, text), "--no-energy", "--record", "teeth")
+    assert done.exit_code == 0, done.output
+    assert rc.load_result(tmp_path / "results" / "run.nc").groups == ("teeth",)
+
+
+def test_a_stop_condition_ends_a_run_well(tmp_path):
+    path = changed(tmp_path, "force = 5000.0", "force = 1.0")
+    done = rustchain("run", path)
+    assert done.exit_code == 0, done.output
+    assert "stopped at t = " in done.output
+    assert rc.load_result(tmp_path / "three_shafts.nc").status == "stopped"
+
+
+def test_check_shows_the_layout_and_refuses_what_would_not_run(tmp_path):
+    done = rustchain("check", EXAMPLE)
+    assert done.exit_code == 0, done.output
+    assert "78 links of 12.7000 mm" in done.output
+    assert "ready to run: 81 bodies, 0.02 s" in done.output
+    path = changed(tmp_path, "[simulation]", "[simulation]\nmin_approach_speed = -1.0")
+    done = rustchain("check", path)
+    assert done.exit_code == 1
+    assert "drive.toml, line 33: simulation: min_approach_speed = -1" in done.output
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "text"),
+    [
+        ("teeth = 25", "teeth = 3", 22, "drive.sprockets[1]: Sprocket.teeth = 3: must be between"),
+        ("teeth = 25", "teth = 25", 22, "drive.sprockets[1].teth: means nothing here; did you "),
+        ("teeth = 25", "teeth = '25'", 22, "drive.sprockets[1].teeth: '25': must be a valid int"),
+        ("teeth = 25", "", 21, "drive.sprockets[1]: 'teeth' is missing"),
+        ('"outside"', '"outsde"', 30, "sprockets[2].side: 'outsde': must be 'inside' or 'outside'"),
+        ("[0.35, -0.05]", "[0.35]", 23, "Sprocket.center = (0.35,): must be two numbers"),
+        ('"chain_drive"', '"chain_drve"', 7, "drive.type: 'chain_drve' is not known; did you mean"),
+        ('"ANSI 40"', '"ANSI 41x"', 11, "'ANSI 41x' is not in the catalogue; did you mean"),
+        ("elongation = 0.002", "elongation = 0.5", 15, "Chain.elongation = 0.5: must be between"),
+        ('"machine.csv"', '"mashine.csv"', 24, "motion.curve.file: 'mashine.csv': "),
+        ("torque = 0.0", "torqe = 0.0", 24, "drive.sprockets[1].motion.torqe: means nothing"),
+        ("[0.02, 12.566]", "[0.0, 12.566]", 19, "PrescribedSpeed.speed = 0 s after 0 s"),
+        ("[simulation]", "[simulaton]", 32, "simulaton: means nothing here; did you mean"),
+        ("accuracy = 1e-9", "accuracy = -1", 34, "Solver.accuracy = -1: must be a positive"),
+        ('"flores"', '"flors"', 33, "simulation.force_law.damping: 'flors': must be"),
+        ("report_step", "report_stp", 38, "run.report_stp: means nothing here; did you mean"),
+        ("duration = 0.02", "duration = -1.0", 37, "run: duration = -1: must be a positive"),
+        ('type = "ToothForceAbove"\n', "", 41, "its keys do not tell what it is"),
+        ("force = 5000.0", "force = -1.0", 43, "ToothForceAbove.force = -1.0: must be a positive"),
+        ("adjust = 3", "adjust = 7", 9, "drive: adjust = 7: must be the number of a sprocket"),
+        ("[simulation]", "[simulation", 32, "is no TOML"),
+    ],
+)
+def test_an_error_names_file_line_key_and_what_is_allowed(tmp_path, old, new, line, text):
+    done = rustchain("run", changed(tmp_path, old, new), "--out", tmp_path / "run.nc")
+    assert done.exit_code == 1
+    assert "Traceback" not in done.output
+    assert text in done.output
+    assert re.search(rf"drive\.toml.*line {line}\b", done.output), done.output
+
+
+def test_files_and_options_that_are_none_are_refused(tmp_path):
+    for command in ("run", "check"):
+        done = rustchain(command, tmp_path / "no.toml")
+        assert done.exit_code == 1
+        assert "is no file" in done.output
+    done = rustchain("run", EXAMPLE, "--pretension", 3)
+    assert "is for the paper's drive" in done.output
+    with pytest.raises(rc.InvalidInput, match=r"no\.toml: cannot be read"):
+        rc.load_scene(tmp_path / "no.toml")
+
+
+TABLES = {
+    "ToothLine": "{ start = [0.0, 0.0], end = [1e-3, 0.0] }",
+    "ToothArc": "{ start = [0.0, 0.0], end = [1e-3, 1e-3], center = [0.0, 1e-3] }",
+}
+PIECES = f"pieces = [{TABLES['ToothLine']}, {TABLES['ToothArc']}]"
+FORMS = {
+    "AnsiTooth": 'tip = "cut"',
+    "IsoTooth": 'gap = "maximum"',
+    "StraightTooth": "flank_angle = 0.3",
+    "CustomTooth": PIECES,
+}
+MOTIONS = {"PrescribedSpeed": "speed = 1.0", "AppliedTorque": "torque = 1.0", "Free": ""}
+STOPS = {
+    "HingeForceAbove": "force = 1.0",
+    "ToothForceAbove": "force = 1.0",
+    "StrandSlack": "",
+    "TimeReached": "time = 1.0",
+}
+LAWS = {law.__name__: "" for law in rc.ForceLaw.__subclasses__()} | {"Linear": "stiffness = 1e8"}
+PLAIN = """
+[drive]
+type = "ChainDrive"
+sprockets = [
+  {{ teeth = 17, motion = {motion}, profile = {form} }},
+  {{ teeth = 17, center = [0.1334, 0.0] }},
+]
+tensioner = {{ pretension = 25.0 }}
+
+[drive.chain]
+type = "Chain"
+pitch = 0.0127
+links = 38
+inner = {{ mass = 6e-3, inertia = 2e-7 }}
+outer = {{ mass = 8e-3, inertia = 1e-7 }}
+hinge = {{ pin_radius = 2.22e-3, bore_radius = 2.245e-3, length = 0.011 }}
+bushing_radius = 3.96875e-3
+tooth_contact_length = 0.007
+material = {{ restitution = 0.7 }}
+
+[simulation]
+hinge_law = {law}
+solver = {{ accuracy = 1e-9 }}
+
+[run]
+stop = [{stop}]
+"""
+
+
+def filled(**chosen):
+    chosen = {"motion": "Free", "form": "AnsiTooth", "law": "Hertz", "stop": "StrandSlack"} | chosen
+    of = MOTIONS | FORMS | LAWS | STOPS
+    tables = {
+        place: ", ".join(filter(None, [f'{{ type = "{kind}"', of[kind]])) + " }"
+        for place, kind in chosen.items()
+    }
+    return PLAIN.format(**tables)
+
+
+@pytest.mark.parametrize(
+    ("place", "kind"),
+    [
+        *(("motion", kind) for kind in MOTIONS),
+        *(("form", kind) for kind in FORMS),
+        *(("law", kind) for kind in LAWS),
+        *(("stop", kind) for kind in STOPS),
+    ],
+)
+def test_every_class_of_description_can_be_written(tmp_path, place, kind):
+    path = written(tmp_path, filled(**{place: kind}))
+    if kind == "CustomTooth":  # its pieces are read, and make no tooth
+        with pytest.raises(rc.InvalidInput, match=r"CustomTooth\.pieces"):
+            rc.load_scene(path)
+        return
+    scene = rc.load_scene(path)
+    first = scene.drive.sprockets[0]
+    found = {
+        "motion": first.motion,
+        "form": first.profile,
+        "law": scene.simulation["hinge_law"],
+        "stop": scene.run["stop"][0],
+    }
+    assert type(found[place]) is getattr(rc, kind)
+    assert isinstance(scene.drive.chain.material, rc.Material)
+    assert isinstance(scene.drive.tensioner, rc.Tensioner)
+
+
+def test_the_page_has_every_class_and_every_field():
+    classes = [kind for name, kind in Description._types.items() if hasattr(rc, name)]
+    parts = {"LinearContact", "SurfaceContact", "HuntCrossley", "Sines", "SmoothStep", "Spline",
+             "Table", "ForceLaw", "StopCondition"}  # fmt: skip
+    for kind in classes:
+        if kind.__name__ in parts:
+            continue
+        assert f"`{kind.__name__}`" in PAGE, kind
+        for field in dataclasses.fields(kind):
+            assert f"`{field.name}`" in PAGE, (kind, field.name)
+    for function in (rc.chain_drive, rc.two_sprocket_drive, rc.paper_drive, rc.catalogue_chain):
+        for name in inspect.signature(function).parameters:
+            assert f"`{name}`" in PAGE, (function, name)
+
+
+def test_the_tables_of_the_page_are_those_that_its_script_writes():
+    script = runpy.run_path(str(ROOT / "docs" / "files_page.py"))
+    assert PAGE.endswith(script["tables"]()), "run docs/files_page.py"

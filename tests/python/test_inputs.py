@@ -1,0 +1,104 @@
+"""Speeds and torques that are set while a drive runs: co-simulation and controllers."""
+
+import numpy as np
+import pytest
+
+import rustchain as rc
+
+SPEED = 4.0 * np.pi
+
+
+@pytest.fixture
+def simulation():
+    return rc.Simulation(rc.paper_drive(pretension=25.0))
+
+
+def sprocket(simulation, number):
+    row = simulation.body_names.index(f"sprocket_{number}")
+    return simulation.positions[row, 2], simulation.velocities[row, 2]
+
+
+@pytest.mark.parametrize("name", ["sprocket_1", 1])
+def test_a_sprocket_turns_on_from_its_angle_at_the_speed_that_is_set(simulation, name):
+    simulation.step_to(1.2345e-3)
+    angle, _ = sprocket(simulation, 1)
+    simulation.set_speed(name, 10.0)
+    assert sprocket(simulation, 1) == pytest.approx((angle, 10.0), abs=1e-14)
+    simulation.step_to(2.2345e-3)
+    assert sprocket(simulation, 1) == pytest.approx((angle + 0.01, 10.0), abs=1e-13)
+
+
+def test_rows_from_the_present_speed_on_make_a_ramp(simulation):
+    simulation.step_to(1e-3)
+    simulation.set_speed("sprocket_1", [(1e-3, SPEED), (2e-3, SPEED + 1.0)])
+    for t, speed in [(1e-3, SPEED), (1.5e-3, SPEED + 0.5), (3e-3, SPEED + 1.0)]:
+        simulation.step_to(t)
+        assert sprocket(simulation, 1)[1] == pytest.approx(speed, abs=1e-12)
+
+
+def test_a_torque_set_at_once_is_that_of_the_drive_described_with_it():
+    drive = rc.paper_drive()
+    driver, driven = drive.sprockets
+    loaded = rc.ChainDrive(
+        drive.chain, (driver, rc.Sprocket(**vars(driven) | {"motion": rc.AppliedTorque(-0.5)}))
+    )
+    described, told = rc.Simulation(loaded), rc.Simulation(drive)
+    told.set_torque("sprocket_2", -0.5)
+    for simulation in (described, told):
+        simulation.step_to(3e-3)
+    np.testing.assert_array_equal(told.positions, described.positions)
+
+
+def test_the_balance_counts_the_work_of_what_is_set_by_a_callback(simulation):
+    def brake(simulation):
+        simulation.set_torque(2, -40.0 * simulation.time)
+
+    result = simulation.run(0.02, 1e-4, progress=False, callback=brake)
+    torque = result.sprocket(2).torque
+    # A row shows what held when it was reached.
+    np.testing.assert_allclose(torque[1:], -40.0 * result.time[:-1], atol=1e-12)
+    energy = result.energy
+    work = np.abs(energy.worked_in).max()
+    assert work > 1e-3
+    assert np.abs(energy.residual).max() < 0.01 * work
+
+
+def test_a_state_has_what_was_set_in_it(simulation, tmp_path):
+    simulation.step_to(5.000_001e-3)
+    simulation.set_speed(1, 13.0)
+    simulation.set_torque(2, [(0.0, 0.0), (0.01, -1.0)])
+    simulation.save_state(tmp_path / "set.npz")
+    other = rc.Simulation.load_state(tmp_path / "set.npz")
+    assert other.drive == simulation.drive
+    rows = [each.run(2e-3, 1e-5, progress=False).arrays for each in (simulation, other)]
+    for name, values in rows[0].items():
+        np.testing.assert_array_equal(rows[1][name], values, err_msg=name)
+    assert rows[0]["sprocket_speed"][-1, 0] == 13.0
+    assert simulation.state()["snapshot"] == other.state()["snapshot"]
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (lambda s: s.set_speed("sprocket_3", 1.0), "sprocket_3: is no sprocket of this drive"),
+        (lambda s: s.set_speed("wheel", 1.0), "'wheel': must be such as 'sprocket_2'"),
+        (lambda s: s.set_speed(True, 1.0), "True: must be such as"),
+        (lambda s: s.set_speed("sprocket_2", 1.0), "describe it with PrescribedSpeed"),
+        (lambda s: s.set_torque("sprocket_1", 1.0), "describe it with AppliedTorque or Free"),
+        (lambda s: s.set_torque(2, "much"), "'much': must be a number in N m"),
+        (lambda s: s.set_torque(2, np.inf), "torque = inf"),
+        (lambda s: s.set_torque(2, [(1.0, 0.0), (0.0, 1.0)]), "times must increase"),
+    ],
+)
+def test_what_cannot_be_set_is_refused_and_nothing_is_changed(simulation, call, text):
+    simulation.step_to(1e-3)
+    before = simulation.state()["snapshot"]
+    with pytest.raises(rc.InvalidInput, match=text):
+        call(simulation)
+    assert simulation.state()["snapshot"] == before
+
+
+def test_ideal_hinges_refuse_with_the_remedy():
+    simulation = rc.Simulation(rc.paper_drive(hinges="ideal"))
+    with pytest.raises(rc.InvalidInput, match="take hinges='clearance'"):
+        simulation.set_speed("sprocket_1", 1.0)

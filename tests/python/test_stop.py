@@ -1,0 +1,167 @@
+"""Runs that end before their time: stop conditions, and callbacks at the rows."""
+
+import numpy as np
+import pytest
+
+import rustchain as rc
+
+DURATION = 0.01  # [s]
+
+
+def start():
+    return rc.Simulation(rc.paper_drive(pretension=25.0))
+
+
+@pytest.fixture(scope="module")
+def whole():
+    """The run that the others end before its end."""
+    return start().run(DURATION, progress=False)
+
+
+def stopped(stop, **keywords):
+    return start().run(DURATION, progress=False, stop=stop, **keywords)
+
+
+def assert_begins_like(result, whole):
+    for name, values in result.arrays.items():
+        np.testing.assert_array_equal(values, whole.arrays[name][: len(values)], err_msg=name)
+
+
+@pytest.mark.parametrize(
+    ("condition", "channel"),
+    [(rc.ToothForceAbove, "tooth_force"), (rc.HingeForceAbove, "hinge_force")],
+)
+def test_a_run_stops_at_the_first_row_after_a_force_above_the_limit(whole, condition, channel):
+    forces = getattr(whole.peaks, channel)
+    limit = 0.5 * forces.max()
+    first = int((forces > limit).any(axis=1).argmax())
+    assert 0 < first < len(whole.time) - 1
+    result = stopped(condition(limit))
+    assert (result.status, result.success) == ("stopped", True)
+    assert len(result.time) == first + 1
+    number = int(forces[first].argmax()) + 1
+    assert f"{number} was pressed by {forces[first].max():.4g} N" in result.message
+    assert_begins_like(result, whole)
+
+
+def test_one_hinge_can_be_watched_alone(whole):
+    forces = whole.peaks.hinge_force
+    quiet = int(forces.max(axis=0).argmin())
+    limit = forces[:, quiet].max() * 1.001
+    assert (forces > limit).any()
+    assert stopped(rc.HingeForceAbove(limit, hinge=quiet + 1)).status == "finished"
+    assert stopped(rc.HingeForceAbove(0.5 * limit, hinge=quiet + 1)).status == "stopped"
+
+
+def test_a_slack_strand_stops_where_it_has_been_slack_for_as_long_as_asked(whole):
+    # Before the tensioner has pulled, nothing is in contact: both are slack from the first row on.
+    assert len(stopped(rc.StrandSlack()).time) == 1
+    lasting = stopped(rc.StrandSlack(strand="lower", lasting=1e-3))
+    assert lasting.time[-1] == pytest.approx(1e-3)
+    assert "strand 'lower' is slack for 0.001 s" in lasting.message
+    most = whole.strand("upper").tension.max()
+    assert stopped(rc.StrandSlack(tension=2 * most, strand="upper", lasting=5e-3)).time[-1] == (
+        pytest.approx(5e-3)
+    )
+
+
+def test_a_time_is_that_of_the_simulation_and_the_first_of_several_conditions_counts():
+    simulation = start()
+    simulation.step_to(2e-3)
+    conditions = [rc.TimeReached(5e-3), rc.TimeReached(4e-3), rc.ToothForceAbove(1e9)]
+    result = simulation.run(DURATION, progress=False, stop=conditions)
+    assert result.time[-1] == pytest.approx(4e-3)
+    assert result.message == "stopped at t = 0.004 s: reached 0.004 s"
+
+
+def test_a_stopped_simulation_goes_on_as_if_it_had_never_stopped(whole):
+    simulation = start()
+    simulation.run(DURATION, progress=False, stop=rc.TimeReached(5.1e-3))
+    rest = simulation.run(DURATION - simulation.time, progress=False)
+    np.testing.assert_array_equal(rest.final_positions, whole.final_positions)
+
+
+def test_a_callback_sees_every_row_at_its_time_and_leaves_the_path_alone(whole):
+    seen = []
+    result = start().run(
+        DURATION,
+        progress=False,
+        callback=lambda simulation: seen.append((simulation.time, simulation.positions[-1, 2])),
+    )
+    assert_begins_like(result, whole)
+    assert result.stats["steps"] == whole.stats["steps"]
+    times, angles = np.transpose(seen)
+    np.testing.assert_array_equal(times, whole.time)
+    np.testing.assert_array_equal(angles, whole.sprocket(2).angle)
+
+
+def test_a_callback_that_returns_true_stops_the_run():
+    result = start().run(DURATION, progress=False, callback=lambda s: s.time > 3.05e-3)
+    assert result.message == "stopped at t = 0.0031 s: the callback asked for it"
+
+
+@pytest.mark.parametrize("truth", [np.True_, True])
+def test_truth_values_of_numpy_stop_too(truth):
+    assert len(start().run(DURATION, progress=False, callback=lambda _: truth).time) == 1
+
+
+def test_what_a_callback_raises_keeps_the_rows_and_the_simulation():
+    simulation = start()
+
+    def fails(simulation):
+        if simulation.time > 3.05e-3:
+            raise ZeroDivisionError("no more")
+
+    with pytest.raises(ZeroDivisionError, match="no more") as caught:
+        simulation.run(DURATION, progress=False, callback=fails)
+    assert caught.value.result.status == "failed"
+    assert len(caught.value.result.time) == 32
+    assert simulation.time == pytest.approx(3.1e-3)
+    assert simulation.run(1e-3, progress=False).success
+
+
+@pytest.mark.parametrize(
+    "move", [lambda s: s.step_to(1.0), lambda s: s.run(1.0), lambda s: s.set_state(s.state())]
+)
+def test_a_callback_cannot_move_the_simulation(move):
+    with pytest.raises(rc.InvalidInput, match="under way"):
+        start().run(DURATION, progress=False, callback=move)
+
+
+def test_ctrl_c_in_a_callback_keeps_the_rows():
+    def interrupts(simulation):
+        if simulation.time > 2.05e-3:
+            raise KeyboardInterrupt
+
+    assert len(start().run(DURATION, progress=False, callback=interrupts).time) == 22
+
+
+def test_ideal_hinges_stop_likewise():
+    def ideal(**keywords):
+        simulation = rc.Simulation(rc.paper_drive(hinges="ideal"))
+        return simulation.run(3e-3, 1e-4, progress=False, **keywords)
+
+    whole = ideal()
+    limit = 0.5 * whole.peaks.hinge_force.max()
+    first = int((whole.peaks.hinge_force > limit).any(axis=1).argmax())
+    result = ideal(stop=[rc.HingeForceAbove(limit), rc.ToothForceAbove(1e9)])
+    assert len(result.time) == first + 1
+    most = whole.strand("upper").tension.max()
+    slack = ideal(stop=rc.StrandSlack(tension=1.01 * most, strand="upper", lasting=1e-3))
+    assert slack.time[-1] == pytest.approx(1e-3)
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (lambda: stopped(rc.HingeForceAbove(1.0, hinge=39)), "number from 1 to 38"),
+        (lambda: stopped(rc.StrandSlack(strand="uper")), "did you mean 'upper'"),
+        (lambda: stopped(3), "stop = 3: must be a stop condition"),
+        (lambda: stopped([lambda s: True]), "goes into callback="),
+        (lambda: stopped(rc.ToothForceAbove(1.0), record=["hinges"]), "add 'teeth' to record"),
+        (lambda: stopped((), callback=3), "callback = 3"),
+    ],
+)
+def test_what_means_nothing_is_refused_before_any_step(call, text):
+    with pytest.raises(rc.InvalidInput, match=text):
+        call()
