@@ -1,6 +1,7 @@
 //! What a chain of ideal hinges costs: an evaluation of 38 to 10,000 links, beside faer's sparse factors of the same system.
 //!
-//! Prints a table; `--quick` and `--test` leave out the long chains.
+//! Prints the two tables of docs/mechanisms.md as they stand there; `--quick` and `--test` leave out the long chains and simulate
+//! 0.1 s in place of 1 s.
 
 #![allow(clippy::print_stdout)] // a table is what it is for
 
@@ -100,44 +101,65 @@ fn main() {
     } else {
         &[38, 100, 300, 1000, 3000, 10_000]
     };
+    let span = if short { 0.1 } else { 1.0 };
     println!(
-        "links  evaluation [us]  per link [ns]  faer LU [us]  ratio  difference [m/s^2]  steps/s simulated  wall s per s"
+        "| links | evaluation \\[µs\\] | per link \\[ns\\] | faer, factors and solution \\[µs\\] | largest difference \\[m/s²\\] |"
     );
+    println!("|---|---|---|---|---|");
     for &links in lengths {
-        let calls = (200_000 / links).clamp(10, 1000);
-        let model = Arc::new(MechanismModel::compile(&hung(links)).expect("a sound chain"));
-        let mut dynamics = MechanismDynamics::new(Arc::clone(&model), Stabilisation::Projection);
-        let mut y = dynamics
-            .assemble()
-            .expect("a chain that goes together")
-            .state;
-        y.extend([0.0; 2]);
-        let mut slope = vec![0.0; y.len()];
-        let own = least(calls, || dynamics.derivative(0.0, &y, &mut slope));
-        let (faer, apart) = by_faer(&dynamics, (calls / 10).max(5));
-        let control = StepControl {
-            rtol: 1e-6,
-            atol: 1e-6,
-            max_step: 0.01,
-            ..StepControl::default()
-        };
-        let mut run = MechanismSimulation::new(model, control, Stabilisation::Projection)
-            .expect("a chain that goes together");
-        // The same for all: a run begins with some twenty steps of growing size.
-        let span = 0.1;
-        let begin = Instant::now();
-        while !run
-            .advance(span, Duration::MAX)
-            .expect("a chain that holds")
-        {}
-        let wall = begin.elapsed().as_secs_f64() / span;
-        let rate = run.counts().steps as f64 / span;
-        println!(
-            "{links:5}  {:15.1}  {:13.0}  {:12.1}  {:5.1}  {apart:18.1e}  {rate:17.0}  {wall:12.2}",
-            1e6 * own,
-            1e9 * own / links as f64,
-            1e6 * faer,
-            faer / own
-        );
+        evaluation(links);
     }
+    println!();
+    println!(
+        "| links | steps, first 0.1 s | wall \\[s\\] | steps, {span} s | wall \\[s\\] | per step and link \\[ns\\] |"
+    );
+    println!("|---|---|---|---|---|---|");
+    for &links in lengths {
+        run(links, span);
+    }
+}
+
+/// Prints what one evaluation costs, of ours and of faer's.
+fn evaluation(links: usize) {
+    let calls = (200_000 / links).clamp(10, 1000);
+    let model = Arc::new(MechanismModel::compile(&hung(links)).expect("a sound chain"));
+    let mut dynamics = MechanismDynamics::new(Arc::clone(&model), Stabilisation::Projection);
+    let mut y = dynamics
+        .assemble()
+        .expect("a chain that goes together")
+        .state;
+    y.extend([0.0; 2]);
+    let mut slope = vec![0.0; y.len()];
+    let own = least(calls, || dynamics.derivative(0.0, &y, &mut slope));
+    let (faer, apart) = by_faer(&dynamics, (calls / 10).max(5));
+    println!(
+        "| {links} | {:.1} | {:.0} | {:.1} | {apart:.1e} |",
+        1e6 * own,
+        1e9 * own / links as f64,
+        1e6 * faer
+    );
+}
+
+/// Prints what a run from rest costs, its first tenth of a second and its whole span \[s\].
+fn run(links: usize, span: f64) {
+    let model = Arc::new(MechanismModel::compile(&hung(links)).expect("a sound chain"));
+    let control = StepControl {
+        rtol: 1e-6,
+        atol: 1e-6,
+        max_step: 0.01,
+        ..StepControl::default()
+    };
+    let mut run = MechanismSimulation::new(model, control, Stabilisation::Projection)
+        .expect("a chain that goes together");
+    let begin = Instant::now();
+    let mut to = |t: f64| {
+        while !run.advance(t, Duration::MAX).expect("a chain that holds") {}
+        (run.counts().steps, begin.elapsed().as_secs_f64())
+    };
+    let (first, early) = to(0.1);
+    let (steps, wall) = to(span);
+    println!(
+        "| {links} | {first} | {early:.2} | {steps} | {wall:.2} | {:.0} |",
+        1e9 * wall / (steps as f64 * links as f64)
+    );
 }

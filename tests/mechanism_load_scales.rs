@@ -223,4 +223,9 @@ fn contact_lengths_off_by_a_thousand_are_told() {
         &with_play(1.5e-5),
         &[name, "1.5000e-5 m", "1000 times too small"],
     );
+    // Of radii in millimetres, these are told and not the length beside them.
+    let mut wide = with_play(0.015);
+    wide.contacts[0].profile = Profile::Bore { radius: 10.0 };
+    wide.contacts[0].radius = 9.9;
+    told(&wide, &["radius of contact \"wrist pin\"", "9.9000e0 m"]);
 }

@@ -30,8 +30,13 @@ const WAY: f64 = 100.0;
 /// Length of a contact over the radius of its circle.
 const LENGTH: [f64; 2] = [3e-3, 300.0];
 
-/// All loads and lengths that seem to be in another unit than the rest; `size` is that of the mechanism \[m\].
-pub(super) fn odd_loads(model: &MechanismModel, size: f64) -> Vec<String> {
+/// All loads and lengths that seem to be in another unit than the rest; `size` is that of the mechanism \[m\], `sound` tells of
+/// which contacts the radii are none of it.
+pub(super) fn odd_loads(
+    model: &MechanismModel,
+    size: f64,
+    sound: impl Fn(usize) -> bool,
+) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     let places = model.start_frames();
     for (force, name) in model.forces.iter().zip(&model.force_names) {
@@ -50,10 +55,12 @@ pub(super) fn odd_loads(model: &MechanismModel, size: f64) -> Vec<String> {
     for joint in &model.joints {
         found.extend(odd_driver(model, joint, size));
     }
-    found.extend(model.contact_lengths.iter().filter_map(|contact| {
-        let (name, length, radius) = contact;
-        let ratio = length / radius;
-        outside(ratio, LENGTH).then(|| {
+    let lengths = model.contact_lengths.iter().enumerate();
+    found.extend(lengths.filter_map(|(k, &length)| {
+        let (name, radius) = (&model.contact_names[k], model.contacts[k].radius);
+        let ratio = length? / radius;
+        (outside(ratio, LENGTH) && sound(k)).then(|| {
+            let length = ratio * radius;
             format!(
                 "length of contact {name:?} is {length:.4e} m along a circle of radius {radius:.4e} m: {}",
                 factor(ratio)
@@ -276,14 +283,11 @@ fn arm(model: &MechanismModel, name: &str) -> f64 {
     far.max(if gyration.is_finite() { gyration } else { 0.0 })
 }
 
-/// Length and radius of the contacts that have one, by name.
-pub(super) fn contact_lengths(mechanism: &super::Mechanism) -> Vec<(String, f64, f64)> {
-    let contacts = mechanism.contacts.iter();
-    let with_length = contacts.filter_map(|contact| match &contact.law {
-        ContactLaw::Surfaces { length, .. } => {
-            Some((contact.name.clone(), *length, contact.radius))
-        }
+/// Length of each contact whose law has one.
+pub(super) fn contact_lengths(mechanism: &super::Mechanism) -> Vec<Option<f64>> {
+    let length = |contact: &super::ContactPair| match contact.law {
+        ContactLaw::Surfaces { length, .. } => Some(length),
         _ => None,
-    });
-    with_length.collect()
+    };
+    mechanism.contacts.iter().map(length).collect()
 }

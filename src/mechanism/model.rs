@@ -29,8 +29,8 @@ pub struct MechanismModel {
     pub(super) contacts: Vec<CompiledContact>,
     pub(super) contact_names: Vec<String>,
     pub(super) force_names: Vec<String>,
-    /// Name, length and radius of the circle of contacts whose law has a length.
-    pub(super) contact_lengths: Vec<(String, f64, f64)>,
+    /// Length of each contact whose law has one \[m\].
+    pub(super) contact_lengths: Vec<Option<f64>>,
     /// The sides of all contacts that may bear at once, one after another: contact and number of the side.
     pub(super) sides: Vec<(usize, usize)>,
     /// The sides of each contact.

@@ -37,7 +37,9 @@ pub(super) fn odd_scales(model: &MechanismModel) -> Vec<String> {
         .into_iter()
         .chain(of_bodies)
         .chain(of_contacts)
-        .chain(odd_loads(model, scales.size))
+        .chain(odd_loads(model, scales.size, |k| {
+            scales.odd_radii(model, k).is_none()
+        }))
         .collect()
 }
 
