@@ -209,17 +209,21 @@ class WithJoints:
             at = numbers(f"at of joint {name!r}", at, 2, "(x, y) [m]")
             point_a, point_b = (self._local(name, body, at) for body in (body_a, body_b))
         direction = numbers(f"direction of joint {name!r}", direction, 2, "(x, y)")
-        places: list[Point] = [(0.0, 0.0), (0.0, 0.0)]
-        for k, (end, point) in enumerate((("a", point_a), ("b", point_b))):
-            if point is not None:
-                places[k] = numbers(f"point_{end} of joint {name!r}", point, 2, "(x, y) [m]")
+        points = (("a", point_a), ("b", point_b))
+        place_a, place_b = (
+            (0.0, 0.0)
+            if point is None
+            else numbers(f"point_{end} of joint {name!r}", point, 2, "(x, y) [m]")
+            for end, point in points
+        )
         self.joints.append(
             Joint(
                 kind,
                 name,
                 body_a,
                 body_b,
-                *places,
+                place_a,
+                place_b,
                 direction,
                 value,
                 carrier,
