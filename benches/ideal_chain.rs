@@ -1,6 +1,7 @@
 //! What a chain of ideal hinges costs: an evaluation of 38 to 10,000 links, beside faer's sparse factors of the same system.
 //!
-//! Prints a table; `--quick` and `--test` leave out the long chains.
+//! Prints the two tables of docs/mechanisms.md as they stand there; `--quick` and `--test` leave out the long chains and a
+//! run of 1 s, which above 300 links would take long.
 
 #![allow(clippy::print_stdout)] // a table is what it is for
 
@@ -101,43 +102,71 @@ fn main() {
         &[38, 100, 300, 1000, 3000, 10_000]
     };
     println!(
-        "links  evaluation [us]  per link [ns]  faer LU [us]  ratio  difference [m/s^2]  steps/s simulated  wall s per s"
+        "| links | evaluation \\[µs\\] | per link \\[ns\\] | faer, factors and solution \\[µs\\] | largest difference \\[m/s²\\] |"
     );
+    println!("|---|---|---|---|---|");
     for &links in lengths {
-        let calls = (200_000 / links).clamp(10, 1000);
-        let model = Arc::new(MechanismModel::compile(&hung(links)).expect("a sound chain"));
-        let mut dynamics = MechanismDynamics::new(Arc::clone(&model), Stabilisation::Projection);
-        let mut y = dynamics
-            .assemble()
-            .expect("a chain that goes together")
-            .state;
-        y.extend([0.0; 2]);
-        let mut slope = vec![0.0; y.len()];
-        let own = least(calls, || dynamics.derivative(0.0, &y, &mut slope));
-        let (faer, apart) = by_faer(&dynamics, (calls / 10).max(5));
-        let control = StepControl {
-            rtol: 1e-6,
-            atol: 1e-6,
-            max_step: 0.01,
-            ..StepControl::default()
-        };
-        let mut run = MechanismSimulation::new(model, control, Stabilisation::Projection)
-            .expect("a chain that goes together");
-        // The same for all: a run begins with some twenty steps of growing size.
-        let span = 0.1;
-        let begin = Instant::now();
-        while !run
-            .advance(span, Duration::MAX)
-            .expect("a chain that holds")
-        {}
-        let wall = begin.elapsed().as_secs_f64() / span;
-        let rate = run.counts().steps as f64 / span;
-        println!(
-            "{links:5}  {:15.1}  {:13.0}  {:12.1}  {:5.1}  {apart:18.1e}  {rate:17.0}  {wall:12.2}",
-            1e6 * own,
-            1e9 * own / links as f64,
-            1e6 * faer,
-            faer / own
-        );
+        evaluation(links);
     }
+    println!();
+    println!(
+        "| links | steps, first 0.1 s | wall \\[s\\] | steps, 1 s | wall \\[s\\] | per step and link \\[ns\\] |"
+    );
+    println!("|---|---|---|---|---|---|");
+    for &links in lengths {
+        run(links, !short && links <= LONGEST_OF_A_SECOND);
+    }
+}
+
+/// Prints what one evaluation costs, of ours and of faer's.
+fn evaluation(links: usize) {
+    let calls = (200_000 / links).clamp(10, 1000);
+    let model = Arc::new(MechanismModel::compile(&hung(links)).expect("a sound chain"));
+    let mut dynamics = MechanismDynamics::new(Arc::clone(&model), Stabilisation::Projection);
+    let mut y = dynamics
+        .assemble()
+        .expect("a chain that goes together")
+        .state;
+    y.extend([0.0; 2]);
+    let mut slope = vec![0.0; y.len()];
+    let own = least(calls, || dynamics.derivative(0.0, &y, &mut slope));
+    let (faer, apart) = by_faer(&dynamics, (calls / 10).max(5));
+    println!(
+        "| {links} | {:.1} | {:.0} | {:.1} | {apart:.1e} |",
+        1e6 * own,
+        1e9 * own / links as f64,
+        1e6 * faer
+    );
+}
+
+/// The longest chain that is run for a whole second.
+const LONGEST_OF_A_SECOND: usize = 300;
+
+/// Prints what a run from rest costs: its first tenth of a second and, where asked for, the whole one.
+fn run(links: usize, whole: bool) {
+    let model = Arc::new(MechanismModel::compile(&hung(links)).expect("a sound chain"));
+    let control = StepControl {
+        rtol: 1e-6,
+        atol: 1e-6,
+        max_step: 0.01,
+        ..StepControl::default()
+    };
+    let mut run = MechanismSimulation::new(model, control, Stabilisation::Projection)
+        .expect("a chain that goes together");
+    let begin = Instant::now();
+    let mut to = |t: f64| {
+        while !run.advance(t, Duration::MAX).expect("a chain that holds") {}
+        (run.counts().steps, begin.elapsed().as_secs_f64())
+    };
+    let (first, early) = to(0.1);
+    let (steps, wall) = if whole { to(1.0) } else { (first, early) };
+    let of_second = if whole {
+        format!("{steps} | {wall:.2}")
+    } else {
+        "| ".to_string()
+    };
+    println!(
+        "| {links} | {first} | {early:.2} | {of_second} | {:.0} |",
+        1e9 * wall / (steps as f64 * links as f64)
+    );
 }

@@ -72,6 +72,12 @@ fn a_mass_or_inertia_off_by_a_thousand_is_told_with_body_value_expectation_and_f
                         && text.contains("1000 times")
                 });
                 assert!(told, "{field} of {} by {factor}: {found:?}", body.name);
+                // Nothing else is blamed: a change of one number is one warning, of the field that was changed.
+                let blamed = format!("{field} of body {:?}", body.name);
+                assert!(
+                    found.len() == 1 && found[0].starts_with(&blamed),
+                    "{blamed} by {factor}: {found:?}"
+                );
             }
         }
     }

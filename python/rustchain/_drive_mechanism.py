@@ -109,11 +109,12 @@ def _add_sprocket(
         ramp = [_grown(pull * part, tensioner.ramp_time) for part in (x, y)]
         mechanism.add_point_on_line(f"slide_{k + 1}", GROUND, name, (x, y), point_a=center)
         mechanism.add_force(f"tensioner_{k + 1}", name, ramp)
-        # A damper along the slide, from a point behind it.
-        behind = (center[0] - x, center[1] - y)
-        mechanism.add_spring(
-            f"damper_{k + 1}", GROUND, name, damping=tensioner.damping, point_a=behind
-        )
+        if tensioner.damping > 0.0:
+            # A damper along the slide, from a point behind it.
+            behind = (center[0] - x, center[1] - y)
+            mechanism.add_spring(
+                f"damper_{k + 1}", GROUND, name, damping=tensioner.damping, point_a=behind
+            )
     elif sprocket.bearing == "fixed":
         mechanism.add_revolute(f"bearing_{k + 1}", GROUND, name, at=center)
     if isinstance(sprocket.motion, PrescribedSpeed):

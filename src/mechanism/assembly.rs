@@ -2,7 +2,8 @@
 
 use super::constrained::Constrained;
 use super::dynamics::MechanismDynamics;
-use super::equation::{Equation, Row};
+use super::equation::Row;
+use super::moves::Changes;
 use super::plausibility::loose_parts;
 use super::scales::odd_scales;
 use super::singular::nearness;
@@ -17,6 +18,10 @@ pub struct Assembly {
     pub moved: f64,
     /// Farthest that a body had to be turned \[rad\].
     pub turned: f64,
+    /// Largest change of a body's velocity \[m/s\].
+    pub velocity_change: f64,
+    /// Largest change of its rate of turning \[rad/s\].
+    pub spin_change: f64,
     /// Motions that the constraints leave, drivers counted among these.
     pub degrees_of_freedom: usize,
     /// Constraints that the others imply at the start, by joint.
@@ -24,10 +29,6 @@ pub struct Assembly {
     /// What is worth a second look.
     pub warnings: Vec<String>,
 }
-
-/// Way, as a part of the mechanism's size, and turn \[rad\] of a body in assembly that are worth a word.
-const MOVED_FAR: f64 = 0.1;
-const TURNED_FAR: f64 = 0.1;
 
 const MOST_ITERATIONS: usize = 100;
 
@@ -62,14 +63,6 @@ impl MechanismDynamics {
         )
     }
 
-    /// What the joints miss where they cannot all hold: positions, or else velocities.
-    pub(super) fn what_misses(&self) -> String {
-        if self.worst() <= 1e-9 {
-            return self.rates();
-        }
-        self.misses()
-    }
-
     /// Speeds that the constraints compare; of a mechanism at rest a slow one.
     pub(super) fn speed(&self) -> f64 {
         let speeds = self
@@ -88,38 +81,6 @@ impl MechanismDynamics {
             .map(|f| f.angle.abs())
             .fold(1.0, f64::max);
         2.0 * f64::EPSILON * angle
-    }
-
-    fn misses(&self) -> String {
-        self.residuals(Equation::residual, ["m", "rad"])
-    }
-
-    fn rates(&self) -> String {
-        let rate = |equation: &Equation, row: &Row| equation.residual_rate(row, &self.frames);
-        self.residuals(rate, ["m/s", "rad/s"])
-    }
-
-    /// Largest residuals by joint, in words.
-    fn residuals(&self, of: impl Fn(&Equation, &Row) -> f64, unit: [&str; 2]) -> String {
-        let mut found: Vec<(f64, String)> = Vec::new();
-        for (j, joint) in self.model.joints.iter().enumerate() {
-            let rows = self.model.equations.iter().zip(&self.rows);
-            let worst = rows
-                .filter(|(equation, _)| equation.joint == j)
-                .map(|(equation, row)| {
-                    (
-                        of(equation, row).abs(),
-                        unit[usize::from(equation.is_angle())],
-                    )
-                })
-                .max_by(|a, b| a.0.total_cmp(&b.0));
-            if let Some((value, unit)) = worst {
-                found.push((value, format!("{:?} by {value:.3e} {unit}", joint.name)));
-            }
-        }
-        found.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let worst: Vec<String> = found.into_iter().take(5).map(|(_, text)| text).collect();
-        worst.join(", ")
     }
 
     /// Brings the mechanism together from where it is placed.
@@ -142,16 +103,14 @@ impl MechanismDynamics {
         self.evaluate(0.0, &state);
         self.check_masses()?;
         self.check_starts()?;
-        let moved = |turning: bool| {
-            let change = state[..n].iter().zip(&placed).enumerate();
-            let kind = change.filter(|(i, _)| (i % 3 == 2) == turning);
-            kind.map(|(_, (a, b))| (a - b).abs()).fold(0.0, f64::max)
-        };
+        let changes = Changes::between(&placed, &state);
         let rank = self.kkt.as_ref().map_or(0, Constrained::rank);
         self.near_singular = (self.kkt.as_ref()).map_or(0.0, |kkt| nearness(kkt.independence()));
         let mut assembly = Assembly {
-            moved: moved(false),
-            turned: moved(true),
+            moved: changes.moved,
+            turned: changes.turned,
+            velocity_change: changes.velocity,
+            spin_change: changes.spin,
             degrees_of_freedom: n - rank,
             redundant: self.redundant(),
             warnings: Vec::new(),
@@ -159,21 +118,6 @@ impl MechanismDynamics {
         };
         assembly.warnings = self.warnings(&assembly);
         Ok(assembly)
-    }
-
-    fn refuse(&self) -> Error {
-        if self.worst() <= 1e-9 {
-            return Error::Impossible(format!(
-                "no velocities satisfy all joints and drivers at the start; the nearest miss {}: two drivers may ask \
-                 for different speeds, or a driver may move what the joints hold",
-                self.rates()
-            ));
-        }
-        Error::Impossible(format!(
-            "the mechanism does not go together; the nearest positions miss {}: check lengths, points and units of \
-             these joints (SI: metres, radians)",
-            self.misses()
-        ))
     }
 
     /// Every motion that the joints leave must move some mass.
@@ -264,33 +208,9 @@ impl MechanismDynamics {
         found
     }
 
-    /// The body that assembly moved or turned most, beside what is worth a word.
-    fn farthest_moved(&self) -> &str {
-        let size = self.size();
-        let bodies = self.model.bodies.iter().zip(&self.frames);
-        let moves = bodies.map(|(body, frame)| {
-            let [x, y, angle] = body.position;
-            let way = (frame.origin.x - x).hypot(frame.origin.y - y) / (MOVED_FAR * size);
-            (
-                way.max((frame.angle - angle).abs() / TURNED_FAR),
-                &body.name,
-            )
-        });
-        let farthest = moves.max_by(|a, b| a.0.total_cmp(&b.0));
-        farthest.map_or("", |(_, name)| name)
-    }
-
     fn warnings(&self, assembly: &Assembly) -> Vec<String> {
         let mut warnings = Vec::new();
-        if assembly.moved > MOVED_FAR * self.size() || assembly.turned > TURNED_FAR {
-            warnings.push(format!(
-                "bodies had to be moved by up to {:.3e} m and turned by up to {:.3e} rad to assemble, body {:?} the \
-                 farthest: are lengths and positions in the same unit, and is it placed as it should be?",
-                assembly.moved,
-                assembly.turned,
-                self.farthest_moved()
-            ));
-        }
+        warnings.extend(self.far_moves(&assembly.state));
         for name in &assembly.redundant {
             warnings.push(format!(
                 "joint {name:?} holds something that others hold already; its reaction is shared in the least way"

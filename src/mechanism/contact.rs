@@ -44,6 +44,17 @@ impl ContactPair {
         }
         check::positive(&format!("radius of {field}"), self.radius, "m")?;
         self.profile.validate(&field)?;
+        if let Profile::Bore { radius } = self.profile
+            && self.radius >= radius
+        {
+            return Err(Error::invalid(
+                format!("pin radius of {field}"),
+                format!("{} m", self.radius),
+                format!(
+                    "must be below the bore's radius, {radius} m: the difference is the clearance"
+                ),
+            ));
+        }
         self.law.validate(&field)
     }
 }

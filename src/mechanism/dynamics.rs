@@ -39,6 +39,8 @@ pub struct MechanismDynamics {
     /// What happens on each side of each contact, and what it remembers.
     pub(super) touches: Vec<Touch>,
     pub(super) memory: Vec<Memory>,
+    /// Whether each contact is near enough to bear: what is not leaves its sides alone.
+    pub(super) near: Vec<bool>,
     pub(super) shift: Vec<f64>,
     pub(super) stabilisation: Stabilisation,
     /// Below this, the constraints count as near a singular position.
@@ -69,6 +71,7 @@ impl MechanismDynamics {
             multipliers: vec![0.0; m],
             touches: vec![Touch::default(); model.sides.len()],
             memory: vec![Memory::default(); model.sides.len()],
+            near: vec![true; model.contacts.len()],
             shift: vec![0.0; 2 * n],
             stabilisation,
             near_singular: 0.0,
@@ -124,12 +127,16 @@ impl MechanismDynamics {
         for force in &model.forces {
             force.add(t, &self.frames, &mut self.loads);
         }
-        for (contact, sides) in model.contacts.iter().zip(&model.sides_of_contact) {
-            let (memory, touches) = (
-                &self.memory[sides.clone()],
-                &mut self.touches[sides.clone()],
-            );
-            contact.add(&self.frames, memory, &mut self.loads, touches);
+        let contacts = model.contacts.iter().zip(&model.sides_of_contact);
+        for ((contact, sides), near) in contacts.zip(&mut self.near) {
+            let touches = &mut self.touches[sides.clone()];
+            let was_near = std::mem::replace(near, contact.is_near(&self.frames));
+            if *near {
+                let memory = &self.memory[sides.clone()];
+                contact.add(&self.frames, memory, &mut self.loads, touches);
+            } else if was_near {
+                touches.fill(Touch::default());
+            }
         }
     }
 

@@ -3,8 +3,9 @@
 use nalgebra::Matrix2;
 
 use super::body::Frame;
-use super::force_element::{CustomForce, Force, ForceKind, SpringLaw};
+use super::force_element::{CustomForce, Force, ForceKind};
 use super::pair::{Block, Pair, PairForce};
+use super::spring_law::SpringLaw;
 use crate::geometry::{Vec2, turned_left};
 
 /// Change of a coordinate and of a velocity that differences of a callable are taken over.

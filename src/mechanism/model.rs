@@ -8,6 +8,7 @@ use super::contact_law::ContactLaw;
 use super::equation::{Equation, Quantity};
 use super::force_element::{Force, ForceKind};
 use super::joint::{Joint, JointKind};
+use super::load_scales::contact_lengths;
 use super::touch::CompiledContact;
 use super::{GROUND, Mechanism};
 use crate::error::{Error, Result};
@@ -27,6 +28,9 @@ pub struct MechanismModel {
     pub(super) forces: Vec<Force>,
     pub(super) contacts: Vec<CompiledContact>,
     pub(super) contact_names: Vec<String>,
+    pub(super) force_names: Vec<String>,
+    /// Length of each contact whose law has one \[m\].
+    pub(super) contact_lengths: Vec<Option<f64>>,
     /// The sides of all contacts that may bear at once, one after another: contact and number of the side.
     pub(super) sides: Vec<(usize, usize)>,
     /// The sides of each contact.
@@ -45,6 +49,7 @@ impl MechanismModel {
     /// # Errors
     /// Names the part, the field and what is allowed.
     pub fn compile(mechanism: &Mechanism) -> Result<Self> {
+        mechanism.validate()?;
         let mut bodies = vec![Body::new(GROUND, 0.0, 0.0).fixed()];
         let mut numbers = HashMap::from([(GROUND.to_string(), 0)]);
         for body in &mechanism.bodies {
@@ -58,9 +63,6 @@ impl MechanismModel {
             }
             bodies.push(body.clone());
         }
-        check_names("joint", mechanism.joints.iter().map(|j| &j.name))?;
-        check_names("force", mechanism.forces.iter().map(|f| &f.name))?;
-        check_names("contact", mechanism.contacts.iter().map(|c| &c.name))?;
         let mut first = Vec::with_capacity(bodies.len());
         let mut mass = Vec::new();
         for body in &bodies {
@@ -83,6 +85,8 @@ impl MechanismModel {
             numbers,
             equations_of_joint: Vec::new(),
             contact_names: mechanism.contacts.iter().map(|c| c.name.clone()).collect(),
+            force_names: mechanism.forces.iter().map(|f| f.name.clone()).collect(),
+            contact_lengths: contact_lengths(mechanism),
             sides: Vec::new(),
             sides_of_contact: Vec::new(),
         };
@@ -271,18 +275,4 @@ fn driven(mut equation: Equation, motion: &super::motion::Motion, frames: &[Fram
     }
     equation.motion = Some(motion.clone());
     equation
-}
-
-fn check_names<'a>(kind: &str, names: impl Iterator<Item = &'a String>) -> Result<()> {
-    let mut seen = std::collections::HashSet::new();
-    for name in names {
-        if !seen.insert(name) {
-            return Err(Error::invalid(
-                format!("name of a {kind}"),
-                format!("{name:?}"),
-                "is taken already: names must be unique",
-            ));
-        }
-    }
-    Ok(())
 }

@@ -24,6 +24,14 @@ impl Motion {
         }
     }
 
+    /// Whether it prescribes more than to stand still.
+    pub(super) fn moves(&self) -> bool {
+        match self {
+            Self::Position(function) => !matches!(function, TimeFunction::Constant(_)),
+            Self::Speed(function) => !matches!(function, TimeFunction::Constant(0.0)),
+        }
+    }
+
     /// The longest step from `t` that passes over nothing unseen \[s\].
     pub(super) fn longest_step(&self, t: f64) -> f64 {
         let (Self::Position(function) | Self::Speed(function)) = self;

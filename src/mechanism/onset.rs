@@ -26,16 +26,26 @@ impl MechanismSimulation {
 
     /// Writes the memory of contacts that began or ended within the step; the root of the dense output says when.
     pub(super) fn find_onsets(&mut self, start: f64, end: f64) {
-        for k in 0..self.dynamics.memory.len() {
-            let touch = self.dynamics.touches[k];
-            if touch.contact.penetration > 0.0 {
-                if self.dynamics.memory[k].speed <= 0.0 {
-                    self.find_onset(k, touch.contact.penetration, start, end);
-                }
-                self.note_place(k, touch.place);
+        for contact in 0..self.dynamics.near.len() {
+            let sides = self.dynamics.model.sides_of_contact[contact].clone();
+            if self.dynamics.near[contact] {
+                sides.for_each(|k| self.find_onset_of_side(k, start, end));
             } else {
-                self.dynamics.memory[k] = self.dynamics.apart(k);
+                // Out of reach, where no outline has a back.
+                self.dynamics.memory[sides].fill(Memory::default());
             }
+        }
+    }
+
+    fn find_onset_of_side(&mut self, k: usize, start: f64, end: f64) {
+        let touch = self.dynamics.touches[k];
+        if touch.contact.penetration > 0.0 {
+            if self.dynamics.memory[k].speed <= 0.0 {
+                self.find_onset(k, touch.contact.penetration, start, end);
+            }
+            self.note_place(k, touch.place);
+        } else {
+            self.dynamics.memory[k] = self.dynamics.apart(k);
         }
     }
 

@@ -1,4 +1,4 @@
-//! What an outline must be: one way without gaps that does not cross itself.
+//! What an outline must be: one way without gaps that does not cross itself, turn back on itself or enclose nothing.
 
 use super::piece::Piece;
 use crate::error::{Error, Result};
@@ -25,6 +25,7 @@ pub(super) fn check_way(field: &str, pieces: &[Piece], closed: bool) -> Result<(
         }
     }
     let chords = chords(pieces);
+    check_turns(field, &chords, closed)?;
     for (i, (first, [a, b])) in chords.iter().enumerate() {
         for (j, (second, [c, d])) in chords.iter().enumerate().skip(i + 2) {
             let neighbours = closed && i == 0 && j == chords.len() - 1;
@@ -36,6 +37,46 @@ pub(super) fn check_way(field: &str, pieces: &[Piece], closed: bool) -> Result<(
                 ));
             }
         }
+    }
+    check_area(field, &chords, closed)
+}
+
+/// Angle \[rad\] between two chords below which they run along each other.
+const ALONG: f64 = 1e-9;
+
+/// No way goes back the way that it came: what lies between would have no width.
+fn check_turns(field: &str, chords: &[(usize, [Vec2; 2])], closed: bool) -> Result<()> {
+    let next = chords.iter().cycle().skip(1);
+    let pairs = chords.len() - usize::from(!closed);
+    for ((first, [a, b]), (second, [_, c])) in chords.iter().zip(next).take(pairs) {
+        let (on, back) = (b - a, c - b);
+        if on.dot(&back) < 0.0 && on.perp(&back).abs() <= ALONG * on.norm() * back.norm() {
+            return Err(Error::invalid(
+                format!("pieces of {field}"),
+                format!("{} and {}", first + 1, second + 1),
+                format!(
+                    "go to ({}, {}) and back the same way, a spike of no width: leave the point out, or give the \
+                     spike two sides",
+                    b.x, b.y
+                ),
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// A closed way has something inside.
+fn check_area(field: &str, chords: &[(usize, [Vec2; 2])], closed: bool) -> Result<()> {
+    let start = chords[0].1[0];
+    let twice = |[a, b]: &[Vec2; 2]| (a - start).perp(&(b - start));
+    let area = 0.5 * chords.iter().map(|(_, chord)| twice(chord)).sum::<f64>();
+    let length: f64 = chords.iter().map(|(_, [a, b])| (b - a).norm()).sum();
+    if closed && area.abs() <= ALONG * length * length {
+        return Err(Error::invalid(
+            format!("points of {field}"),
+            format!("an area of {area:.3e} m^2 within a way of {length:.3e} m"),
+            "enclose nothing: a closed outline needs points on three sides of its material; closed=False makes a line",
+        ));
     }
     Ok(())
 }
@@ -94,6 +135,45 @@ mod tests {
             error.contains("piece 3 of square") && error.contains("1.000e-1 m away"),
             "{error}"
         );
+    }
+
+    fn told(points: &[(f64, f64)], closed: bool) -> String {
+        let points: Vec<Vec2> = points.iter().map(|&(x, y)| Vec2::new(x, y)).collect();
+        let made = Profile::polyline("cam", &points, closed);
+        made.map_or_else(|error| error.to_string(), |_| String::new())
+    }
+
+    #[test]
+    fn a_spike_of_no_width_is_refused_with_its_point() {
+        let spike = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (2.0, 1.0), (1.0, 1.0)];
+        let error = told(&[&spike[..], &[(0.0, 1.0)]].concat(), true);
+        assert!(
+            error.contains("pieces of cam = 3 and 4") && error.contains("(2, 1)"),
+            "{error}"
+        );
+        let error = told(&[(0.0, 0.0), (1.0, 0.0), (0.5, 0.0)], false);
+        assert!(
+            error.contains("1 and 2") && error.contains("spike"),
+            "{error}"
+        );
+        // The last piece of a closed way runs back along the first.
+        let error = told(&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (2.0, 0.0)], true);
+        assert!(error.contains("4 and 1"), "{error}");
+        // A sharp point is none, nor is a straight line in two parts.
+        let sharp = [(0.0, 0.0), (1.0, 1e-4), (0.0, 2e-4), (0.0, 1e-4)];
+        assert_eq!(told(&sharp, true), "");
+    }
+
+    #[test]
+    fn points_in_one_line_are_said_to_enclose_nothing() {
+        let error = told(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)], true);
+        assert!(
+            error.contains("spike") && !error.contains("clockwise"),
+            "{error}"
+        );
+        let thin = [(0.0, 0.0), (1.0, 0.0), (1.0, 1e-12), (0.0, 1e-12)];
+        let error = told(&thin, true);
+        assert!(error.contains("enclose nothing"), "{error}");
     }
 
     #[test]

@@ -24,7 +24,11 @@ impl Piece {
             check::finite(name, value, "m")?;
         }
         if self.from == self.to {
-            return Err(Error::invalid(name, "no length", "must have two ends"));
+            return Err(Error::invalid(
+                name,
+                format!("from ({}, {}) to the same point", self.from.x, self.from.y),
+                "has no length: leave one of the points out (a closed outline goes back to its first point by itself)",
+            ));
         }
         if let Some(center) = self.center {
             let (first, last) = ((self.from - center).norm(), (self.to - center).norm());

@@ -72,7 +72,11 @@ impl Profile {
             return Err(Error::invalid(
                 field,
                 format!("{} points", points.len()),
-                format!("needs at least {fewest}"),
+                if closed {
+                    "needs at least 3 where it is closed; closed=False makes a line of 2"
+                } else {
+                    "needs at least 2"
+                },
             ));
         }
         let ends = points

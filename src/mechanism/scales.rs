@@ -4,6 +4,7 @@
 //! A body whose points are r from its centre of mass has about m r²/3, as a bar; what is off by a factor that only a unit
 //! explains is told with the body, the value, what would be expected, and the factor.
 
+use super::load_scales::odd_loads;
 use super::model::MechanismModel;
 use super::profile::Profile;
 
@@ -36,6 +37,9 @@ pub(super) fn odd_scales(model: &MechanismModel) -> Vec<String> {
         .into_iter()
         .chain(of_bodies)
         .chain(of_contacts)
+        .chain(odd_loads(model, scales.size, |k| {
+            scales.odd_radii(model, k).is_none()
+        }))
         .collect()
 }
 
@@ -106,12 +110,19 @@ impl Scales {
     /// A body whose inertia does not belong to its mass and its points.
     fn odd_inertia(&self, model: &MechanismModel, i: usize) -> Option<String> {
         let (body, reach, ratio) = (&model.bodies[i], self.reach[i], self.compactness[i]);
-        let typical = median(model, i, |k| self.compactness[k]);
+        let typical = median(model, i, ratio, |k| self.compactness[k]);
         let gyration = (body.inertia / body.mass).sqrt();
         let wide =
             ratio > WIDE && (gyration > OF_SIZE * self.size || ratio > BESIDE_INERTIA * typical);
         let compact = ratio < COMPACT && (typical.is_nan() || ratio < typical / BESIDE_INERTIA);
-        (wide || compact).then(|| {
+        // Beside the other bodies it may show that it is the mass, which is told instead.
+        let by_mass = self.mass_ratio(model, i);
+        let is_mass = if wide {
+            by_mass < 1.0 / BESIDE_MASS
+        } else {
+            by_mass > BESIDE_MASS
+        };
+        (!is_mass && (wide || compact)).then(|| {
             let expected = body.mass * reach * reach / 3.0;
             let mass = if wide { "small" } else { "large" };
             format!(
@@ -126,13 +137,13 @@ impl Scales {
         })
     }
 
-    /// Mass over the square of the size \[kg/m²\], the size by the points or else by the radius of gyration.
+    /// Mass over the square of the size \[kg/m²\]; NaN for a body whose points are all at its centre of mass.
     fn density(&self, model: &MechanismModel, i: usize) -> f64 {
         let (body, reach) = (&model.bodies[i], self.reach[i]);
         let density = if reach > 0.0 {
             body.mass / (reach * reach)
         } else {
-            body.mass * body.mass / body.inertia
+            f64::NAN
         };
         if density > 0.0 && density.is_finite() {
             density
@@ -141,16 +152,24 @@ impl Scales {
         }
     }
 
+    /// Mass over what other bodies of its size have; NaN where there are none. Where its size, or that of all but one of the
+    /// others, is not to be told from points, it is held against the masses of the others as they are.
+    fn mass_ratio(&self, model: &MechanismModel, i: usize) -> f64 {
+        let density = self.density(model, i);
+        let sized = (1..model.bodies.len())
+            .filter(|&k| k != i && self.density(model, k) > 0.0 && !model.bodies[k].fixed);
+        if density > 0.0 && sized.count() > 1 {
+            return density / median(model, i, density, |k| self.density(model, k));
+        }
+        let mass = model.bodies[i].mass;
+        mass / median(model, i, mass, |k| model.bodies[k].mass)
+    }
+
     /// A body that is lighter or heavier for its size than others.
     fn odd_mass(&self, model: &MechanismModel, i: usize) -> Option<String> {
-        let (body, reach) = (&model.bodies[i], self.reach[i]);
-        let typical = median(model, i, |k| self.density(model, k));
-        let expected = if reach > 0.0 {
-            typical * reach * reach
-        } else {
-            (typical * body.inertia).sqrt()
-        };
-        let ratio = body.mass / expected;
+        let body = &model.bodies[i];
+        let ratio = self.mass_ratio(model, i);
+        let expected = body.mass / ratio;
         (ratio > BESIDE_MASS || ratio < 1.0 / BESIDE_MASS && ratio > 0.0).then(|| {
             format!(
                 "mass of body {:?} is {:.4e} kg, beside the other bodies about {expected:.1e} kg would be expected for \
@@ -165,7 +184,7 @@ impl Scales {
     /// A body whose points are much farther or nearer than those of others.
     fn odd_points(&self, model: &MechanismModel, i: usize) -> Option<String> {
         let reach = self.reach[i];
-        let typical = median(model, i, |k| {
+        let typical = median(model, i, reach, |k| {
             if self.reach[k] > 0.0 {
                 self.reach[k]
             } else {
@@ -219,22 +238,32 @@ impl Scales {
     }
 }
 
-/// Median over the other bodies that can move of what is a number; NaN without any.
-fn median(model: &MechanismModel, i: usize, value: impl Fn(usize) -> f64) -> f64 {
+/// Median over the other bodies that can move of what is a number above zero; NaN without any. Of two in the middle it is the one
+/// nearer to the body's own, so that what is odd of three is told of the odd one alone.
+fn median(model: &MechanismModel, i: usize, own: f64, value: impl Fn(usize) -> f64) -> f64 {
     let others = (1..model.bodies.len()).filter(|&k| k != i && !model.bodies[k].fixed);
-    let mut values: Vec<f64> = others.map(value).filter(|v| v.is_finite()).collect();
+    let mut values: Vec<f64> = others
+        .map(value)
+        .filter(|v| v.is_finite() && *v > 0.0)
+        .collect();
     values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+    let apart = |v: &f64| (v / own).ln().abs();
+    match (values.len(), values.len() / 2) {
+        (0, _) => f64::NAN,
+        (count, half) if count % 2 == 1 => values[half],
+        (_, half) if apart(&values[half]) < apart(&values[half - 1]) => values[half],
+        (_, half) => values[half - 1],
+    }
 }
 
 /// The power of 1000 that a ratio is nearest to, in words.
-fn times(ratio: f64) -> String {
+pub(super) fn times(ratio: f64) -> String {
     let thousands = (ratio.log10() / 3.0).round();
     let direction = if ratio > 1.0 { "large" } else { "small" };
     let times = 1000f64.powf(thousands.abs().max(1.0));
     format!("{times:.0} times too {direction}")
 }
 
-fn factor(ratio: f64) -> String {
+pub(super) fn factor(ratio: f64) -> String {
     format!("is it {}, in another unit?", times(ratio))
 }

@@ -154,6 +154,13 @@ impl CompiledContact {
         depths.fold(f64::NEG_INFINITY, f64::max)
     }
 
+    /// Whether the circle may touch the profile where the bodies are.
+    pub(super) fn is_near(&self, frames: &[Frame]) -> bool {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let apart = fb.place(self.b.point) - fa.place(self.a.point);
+        apart.norm_squared() <= self.reach * self.reach
+    }
+
     /// Adds the loads of the contact, its stored energy and what it loses; writes what happens on each side.
     pub(super) fn add(
         &self,
@@ -164,10 +171,6 @@ impl CompiledContact {
     ) {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         touches.fill(Touch::default());
-        let apart = fb.place(self.b.point) - fa.place(self.a.point);
-        if apart.norm_squared() > self.reach * self.reach {
-            return;
-        }
         let approach = self.approach(fa, fb);
         self.bearings(self.local(fa, fb), |bearing, tooth| {
             let (touch, memory) = (&mut touches[bearing.side], memory[bearing.side]);
@@ -190,7 +193,10 @@ impl CompiledContact {
             loads.dissipated += bearing.weight * (force.total - force.elastic) * rate;
         });
         let center = fb.place(self.b.point);
-        for touch in touches {
+        for touch in touches
+            .iter_mut()
+            .filter(|touch| touch.push != Vec2::zeros())
+        {
             touch.force = touch.push.norm();
             loads.push(self.b.body, fb, center, touch.push);
             loads.push(self.a.body, fa, center, -touch.push);

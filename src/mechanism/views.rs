@@ -83,7 +83,7 @@ impl MechanismDynamics {
         load
     }
 
-    /// The joint and the contact that carry most, in words for the end of an error's sentence; empty without either.
+    /// The joint and the contact that carry most and what drivers ask, in words for the end of an error's sentence; empty without either.
     pub(super) fn hardest_pressed(&self) -> String {
         let joints = (0..self.model.joints.len()).map(|joint| {
             let [x, y, torque] = self.reaction(joint);
@@ -104,6 +104,6 @@ impl MechanismDynamics {
             let name = &self.model.contact_names[contact];
             format!(", contact {name:?} with {force:.1e} N")
         });
-        joint + &contact
+        joint + &contact + &self.asked()
     }
 }

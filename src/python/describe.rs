@@ -105,7 +105,10 @@ impl<'a, 'py> Reader<'a, 'py> {
             value.py(),
             &self.name(field),
             &value,
-            &format!("must be two numbers (x, y) in {unit}"),
+            &match unit {
+                "1" => "must be two numbers (x, y)".to_string(),
+                unit => format!("must be two numbers (x, y) in {unit}"),
+            },
         ))
     }
 

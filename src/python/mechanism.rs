@@ -1,21 +1,17 @@
 //! Python's description of a mechanism -> the one of this crate, part by part.
 
-use std::sync::{Arc, Mutex};
-
 use pyo3::prelude::*;
 
 use super::describe::{
     Reader, chain, checked, force_law, material, number, refuse, sprocket, truth,
 };
 use super::errors::InvalidInput;
+use super::mechanism_callable::{Raised, custom};
 use crate::geometry::Vec2;
 use crate::mechanism::{
-    Body, ContactLaw, ContactPair, Curve, CustomForce, ForceElement, ForceKind, Joint, JointKind,
-    Marker, Mechanism, Motion, Piece, Profile, Spline, SpringLaw, TimeFunction,
+    Body, ContactLaw, ContactPair, Curve, ForceElement, ForceKind, Joint, JointKind, Marker,
+    Mechanism, Motion, Piece, Profile, Spline, SpringLaw, TimeFunction,
 };
-
-/// The first exception that a callable raised.
-pub(super) type Raised = Arc<Mutex<Option<PyErr>>>;
 
 /// Reads a `Mechanism`; callables leave what they raise in `raised`.
 pub(super) fn mechanism(object: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<Mechanism> {
@@ -270,7 +266,7 @@ fn force(object: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<ForceElement> {
             law: spring_law(&read)?,
             rest: optional(&read.get("rest")?, "rest_angle", "rad")?,
         },
-        "custom" => custom(&read.get("function")?, raised)?,
+        "custom" => custom(&name, &read.get("function")?, raised)?,
         _ => {
             return Err(refuse(
                 object.py(),
@@ -281,44 +277,6 @@ fn force(object: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<ForceElement> {
         }
     };
     Ok(ForceElement { name, a, b, kind })
-}
-
-/// A callable; what it raises ends the run, which sees a load that is not a number.
-fn custom(function: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<ForceKind> {
-    if !function.is_callable() {
-        return Err(refuse(
-            function.py(),
-            "function",
-            function,
-            "must be callable: f(time, position, velocity) that returns (force x, force y, torque)",
-        ));
-    }
-    let (function, raised) = (function.clone().unbind(), Arc::clone(raised));
-    let load = move |t: f64, position: [f64; 3], velocity: [f64; 3]| {
-        let Ok(mut failure) = raised.lock() else {
-            return [f64::NAN; 3];
-        };
-        if failure.is_some() {
-            return [f64::NAN; 3];
-        }
-        let found = Python::attach(|py| {
-            let load = function.call1(py, (t, position.to_vec(), velocity.to_vec()))?;
-            load.extract::<[f64; 3]>(py).map_err(|_| {
-                let shown = load.bind(py);
-                refuse(
-                    py,
-                    "load of a callable",
-                    shown,
-                    "must be three numbers (force x, force y, torque)",
-                )
-            })
-        });
-        found.unwrap_or_else(|error| {
-            *failure = Some(error);
-            [f64::NAN; 3]
-        })
-    };
-    Ok(ForceKind::Custom(CustomForce(Arc::new(load))))
 }
 
 fn points(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<Vec2>> {

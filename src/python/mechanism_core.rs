@@ -9,7 +9,8 @@ use pyo3::types::{PyBytes, PyDict};
 use super::core::{budget, rows, table};
 use super::describe;
 use super::errors::to_python;
-use super::mechanism::{Raised, mechanism};
+use super::mechanism::mechanism;
+use super::mechanism_callable::Raised;
 use crate::error::{Error, Result};
 use crate::mechanism::{MechanismModel, MechanismSimulation, MechanismSnapshot, Stabilisation};
 use crate::simulate::check_reports;
@@ -95,6 +96,8 @@ impl MechanismCore {
         found.set_item("redundant", &assembly.redundant)?;
         found.set_item("moved", assembly.moved)?;
         found.set_item("turned", assembly.turned)?;
+        found.set_item("velocity_change", assembly.velocity_change)?;
+        found.set_item("spin_change", assembly.spin_change)?;
         found.set_item("warnings", &assembly.warnings)?;
         Ok(found)
     }

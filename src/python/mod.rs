@@ -6,6 +6,7 @@ mod ensemble;
 mod errors;
 mod functions;
 mod mechanism;
+mod mechanism_callable;
 mod mechanism_core;
 
 use pyo3::prelude::*;

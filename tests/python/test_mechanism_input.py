@@ -68,7 +68,7 @@ def outline(mechanism, points=SQUARE, name="floor", **keywords):
         ),
         (
             lambda m: m.add_revolute("pin", "ground", "bar", point_b=3.0),
-            "joint 'pin': .*point_b = 3.0",
+            "point_b of joint 'pin' = 3.0: must be two finite numbers",
         ),
         (lambda m: m.add_gear("pair", "ground", "bar", "x"), "joint 'pair': ratio = 'x'"),
         (

@@ -21,6 +21,14 @@ def test_contacts_press_and_answers_converge():
     assert np.abs(fallen).max() > 1e-5
 
 
+def test_no_roller_comes_to_a_tip_where_the_codes_are_different_models():
+    simulation = scene.simulated(1e-4)
+    for t in np.linspace(0.0, scene.SPAN, 11):
+        simulation.step_to(t)
+        places = simulation.positions
+        assert scene.near_tips(places[: scene.LINKS], places[scene.LINKS :]) > 1.1
+
+
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")  # names that older versions need
 def test_exudyn_comes_to_the_same_answer_as_its_steps_grow_smaller():
     """Its method is of order two, so that a third of the step leaves a ninth of the error."""

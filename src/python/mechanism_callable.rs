@@ -1,0 +1,88 @@
+//! A callable of Python as a force of a mechanism: what it raises or returns amiss ends the run with its name and the time.
+
+use std::sync::{Arc, Mutex};
+
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+
+use super::describe::refuse;
+use super::errors::InvalidInput;
+use crate::mechanism::{CustomForce, ForceKind};
+
+/// The first exception that a callable raised.
+pub(super) type Raised = Arc<Mutex<Option<PyErr>>>;
+
+/// A callable; what it raises ends the run, which sees a load that is not a number.
+pub(super) fn custom(
+    name: &str,
+    function: &Bound<'_, PyAny>,
+    raised: &Raised,
+) -> PyResult<ForceKind> {
+    if !function.is_callable() {
+        return Err(refuse(
+            function.py(),
+            "function",
+            function,
+            "must be callable: f(time, position, velocity) that returns (force x, force y, torque)",
+        ));
+    }
+    let (name, function, raised) = (
+        name.to_string(),
+        function.clone().unbind(),
+        Arc::clone(raised),
+    );
+    let load = move |t: f64, position: [f64; 3], velocity: [f64; 3]| {
+        let Ok(mut failure) = raised.lock() else {
+            return [f64::NAN; 3];
+        };
+        if failure.is_some() {
+            return [f64::NAN; 3];
+        }
+        let found = Python::attach(|py| call(py, &name, &function, t, position, velocity));
+        found.unwrap_or_else(|error| {
+            *failure = Some(error);
+            [f64::NAN; 3]
+        })
+    };
+    Ok(ForceKind::Custom(CustomForce(Arc::new(load))))
+}
+
+fn call(
+    py: Python<'_>,
+    name: &str,
+    function: &Py<PyAny>,
+    t: f64,
+    position: [f64; 3],
+    velocity: [f64; 3],
+) -> PyResult<[f64; 3]> {
+    let load = function
+        .call1(py, (t, position.to_vec(), velocity.to_vec()))
+        .map_err(|error| explained(py, name, error))?;
+    let found = load.extract::<[f64; 3]>(py).ok();
+    found
+        .filter(|load| load.iter().all(|part| part.is_finite()))
+        .ok_or_else(|| {
+            refuse(
+                py,
+                &format!("load of force {name:?} at t = {t} s"),
+                load.bind(py),
+                "must be three finite numbers (force x, force y, torque)",
+            )
+        })
+}
+
+/// What a callable raises that uses the simulation in whose step it is called says what of this is not allowed.
+fn explained(py: Python<'_>, name: &str, error: PyErr) -> PyErr {
+    let borrowed = error.get_type(py).is(py.get_type::<PyRuntimeError>())
+        && error.value(py).to_string().starts_with("Already ");
+    if !borrowed {
+        return error;
+    }
+    let told = InvalidInput::new_err(format!(
+        "function of force {name:?}: uses the simulation that is calling it, which is within a step: a callable has \
+         its arguments (time, position and velocity of its body) to go by; put what else it needs into it before the \
+         run"
+    ));
+    told.set_cause(py, Some(error));
+    told
+}

@@ -1,0 +1,156 @@
+"""What a user of mechanisms is told of idle parts, of assembly, of callables and of drivers."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rustchain as rc
+
+
+def pendulum(**keywords):
+    mechanism = rc.Mechanism(**keywords)
+    mechanism.add_body("bar", 1.0, 0.1, position=(0.5, 0.0, 0.0))
+    mechanism.add_revolute("pin", "ground", "bar", at=(0.0, 0.0))
+    return mechanism
+
+
+def blank(kind):
+    mechanism = pendulum()
+    if kind == "body":
+        mechanism.add_body("", 1.0, 0.1)
+    elif kind == "joint":
+        mechanism.add_revolute(" ", "ground", "bar")
+    else:
+        mechanism.add_force("", "bar", (1.0, 0.0))
+    return mechanism
+
+
+def with_spring(**keywords):
+    mechanism = pendulum()
+    mechanism.add_spring("strut", "ground", "bar", point_a=(0.0, 1.0), **keywords)
+    return mechanism
+
+
+def with_pin(law, pin_radius=0.02):
+    mechanism = pendulum()
+    mechanism.add_clearance_joint("pivot", "ground", "bar", 0.02, pin_radius, law, (0.5, 0.0))
+    return mechanism
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda: rc.Mechanism(gravity=(math.nan, 0.0)), r"gravity = \(NaN, 0\): .*finite"),
+        (lambda: pendulum(gravity=(0.0, math.inf)), r"gravity = \(0, inf\): .*finite"),
+        (rc.Mechanism, "at least one body"),
+        (lambda: blank("body"), 'name of a body = "": must not be blank'),
+        (lambda: blank("joint"), 'name of a joint = " "'),
+        (lambda: blank("force"), 'name of a force = ""'),
+        (with_spring, 'stiffness of force "strut" = 0: .*does nothing'),
+        (
+            lambda: with_pin(rc.LinearContact(1e6)),
+            'pin radius of contact "pivot" = 0.02 m: must be below the bore\'s radius, 0.02 m',
+        ),
+        (
+            lambda: with_pin(rc.SurfaceContact(), 0.021),
+            'pin radius of contact "pivot" = 0.021 m: must be below the bore\'s radius, 0.02 m',
+        ),
+    ],
+)
+def test_what_cannot_be_or_does_nothing_is_refused(make, says):
+    with pytest.raises(rc.InvalidInput, match=says):
+        make().check()
+
+
+def test_a_direction_that_is_none_is_told_as_it_was_given():
+    mechanism = pendulum()
+    with pytest.raises(rc.InvalidInput, match=r"direction of joint 'guide' = 7: must be two"):
+        mechanism.add_prismatic("guide", "ground", "bar", direction=7)
+    with pytest.raises(rc.InvalidInput, match=r"point_b of joint 'end' = \(1, 2, 3\): must be two"):
+        mechanism.add_revolute("end", "ground", "bar", point_b=(1, 2, 3))
+
+
+def test_what_was_not_moved_is_not_said_to_be():
+    mechanism = pendulum()
+    mechanism.add_driver("motor", "ground", "bar", angle=0.3)
+    report = mechanism.check()
+    assert "positions            changed by up to" in str(report)
+    (text,) = report.warnings
+    assert 'body "bar" had to be moved by' in text
+    assert "turned by 3.000e-1 rad" in text
+    assert "0.000e0" not in text
+    assert "positions            as given" in str(pendulum().check())
+    turned = rc.Mechanism()
+    turned.add_body("wheel", 1.0, 0.1)
+    turned.add_revolute("axle", "ground", "wheel")
+    turned.add_driver("motor", "ground", "wheel", angle=0.3)
+    (text,) = turned.check().warnings
+    assert text.startswith('body "wheel" had to be turned by 3.000e-1 rad to assemble')
+
+
+def test_velocities_that_assembly_changed_are_told_by_body():
+    mechanism = rc.Mechanism()
+    mechanism.add_body("bar", 1.0, 0.1, (0.5, 0.0, 0.0), velocity=(3.0, 0.0, 0.0))
+    mechanism.add_revolute("pin", "ground", "bar", at=(0.0, 0.0))
+    report = mechanism.check()
+    assert report.velocity_change == pytest.approx(3.0, rel=1e-6)
+    (text,) = report.warnings
+    assert 'velocity of body "bar" had to be changed by 3.000e0 m/s' in text
+    # What is left out is found, and is nothing to warn of.
+    driven = pendulum()
+    driven.add_driver("motor", "ground", "bar", speed=4.0)
+    report = driven.check()
+    assert report.warnings == []
+    assert (report.velocity_change, report.spin_change) == pytest.approx((2.0, 4.0))
+    assert "velocities           changed by up to 2 m/s, 4 rad/s" in str(report)
+
+
+def test_a_load_that_is_no_number_is_told_with_force_and_time():
+    def load(t, position, velocity):
+        return (math.nan if t > 0.1 else 0.0, 0.0, 0.0)
+
+    mechanism = pendulum()
+    mechanism.add_callable("own", "bar", load)
+    simulation = rc.Simulation(mechanism)
+    says = r'load of force "own" at t = 0\.1\d* s = \(nan, 0.0, 0.0\): must be three finite'
+    with pytest.raises(rc.InvalidInput, match=says) as caught:
+        simulation.run(duration=0.5, progress=False)
+    assert caught.value.result.time[-1] <= 0.11
+
+
+def test_a_callable_that_uses_its_simulation_is_told_what_is_not_allowed():
+    seen = []
+
+    def load(t, position, velocity):
+        if seen:
+            return (0.1 * float(np.sum(seen[0].positions)), 0.0, 0.0)
+        return (0.0, 0.0, 0.0)
+
+    mechanism = pendulum()
+    mechanism.add_callable("own", "bar", load)
+    simulation = rc.Simulation(mechanism)
+    seen.append(simulation)
+    says = 'function of force "own": uses the simulation that is calling it'
+    with pytest.raises(rc.InvalidInput, match=says):
+        simulation.run(duration=0.1, progress=False)
+    seen.clear()
+    simulation.run(duration=0.1, progress=False)
+
+
+def test_a_driver_past_its_reach_is_named_with_what_it_asks():
+    mechanism = rc.Mechanism(gravity=(0.0, 0.0))
+    mechanism.add_body("rod", 1.0, 0.1, (0.3, 0.4, math.atan2(0.8, 0.6)))
+    mechanism.add_revolute("pin", "ground", "rod", at=(0.0, 0.0))
+    mechanism.add_position_driver(
+        "lift",
+        "ground",
+        "rod",
+        (0.0, 1.0),
+        position=rc.SmoothStep(0.0, 1.0, 0.8, 1.2),
+        point_b=(0.5, 0.0),
+    )
+    simulation = rc.Simulation(mechanism)
+    with pytest.raises(rc.SimulationError, match=r'driver "lift" asks for 1\.\d+e0 m, changing at'):
+        simulation.run(duration=1.0, progress=False)
+    assert 0.4 < simulation.time < 0.6
