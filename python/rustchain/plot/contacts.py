@@ -159,9 +159,8 @@ class ContactFigures(Figures):
             depth = np.linspace(0.0, penetration.max(), 200)
             radii = hinge.pin_radius, hinge.bore_radius
             law = self.result.hinge_law
-            elastic = _rustchain.law_force(
-                law, "internal", *radii, hinge.length, chain.material, depth
-            )
+            length = chain.strands * hinge.length
+            elastic = _rustchain.law_force(law, "internal", *radii, length, chain.material, depth)
             axes.plot(
                 1e6 * depth, elastic, color=RED, linewidth=1.0, label=f"{law.elastic}, elastic part"
             )

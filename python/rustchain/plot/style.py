@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import matplotlib.pyplot as plt
-import numpy as np
 from matplotlib import style
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rustchain.errors import InvalidInput
+from rustchain.outputs.window import rows_between
 
 if TYPE_CHECKING:
     from rustchain.result import Result
@@ -48,14 +47,7 @@ class Figures:
 
     def rows(self, start: float | None, end: float | None) -> slice:
         """Return the rows from `start` to `end`."""
-        time = self.result.time
-        first = 0 if start is None else int(np.searchsorted(time, start, "left"))
-        last = len(time) if end is None else int(np.searchsorted(time, end, "right"))
-        if first >= last:
-            span = f"{time[0]:g} to {time[-1]:g} s"
-            msg = f"start={start}, end={end}: no rows there; the result has {span}"
-            raise InvalidInput(msg)
-        return slice(first, last)
+        return rows_between(self.result, start, end)
 
 
 def panels(
