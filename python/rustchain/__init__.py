@@ -50,6 +50,7 @@ from rustchain.force_law import (
     restitution_obtained,
 )
 from rustchain.layouts import chain_drive
+from rustchain.loss_map import loss_map
 from rustchain.mechanism import Mechanism
 from rustchain.mechanism_parts import (
     HuntCrossley,
@@ -66,6 +67,7 @@ from rustchain.mechanism_simulation import MechanismEvaluation, MechanismSimulat
 from rustchain.report import DriveReport
 from rustchain.result import Result, load_result
 from rustchain.simulation import Evaluation, Simulation, Solver
+from rustchain.study import StudyResult, study
 from rustchain.sweep import sweep
 from rustchain.sweep_result import SweepResult
 
@@ -116,6 +118,7 @@ __all__ = [
     "Spline",
     "Sprocket",
     "StraightTooth",
+    "StudyResult",
     "SurfaceContact",
     "SweepResult",
     "Table",
@@ -127,8 +130,10 @@ __all__ = [
     "chain_drive",
     "instruction_set",
     "load_result",
+    "loss_map",
     "paper_drive",
     "restitution_obtained",
+    "study",
     "sweep",
     "two_sprocket_drive",
 ]
