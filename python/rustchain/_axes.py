@@ -134,8 +134,8 @@ def _disturbed(drive: ChainDrive, seed: object) -> ChainDrive:
     free = [not isinstance(sprocket.motion, PrescribedSpeed) for sprocket in drive.sprockets]
     if not any(free):
         msg = (
-            f"disturbance = {seed}: every sprocket has a PrescribedSpeed, so that nothing can start "
-            "a little faster or slower; leave it out, or vary another parameter"
+            f"disturbance = {seed}: every sprocket has a PrescribedSpeed, so that none can start a "
+            "little faster or slower; leave it out, or vary another parameter"
         )
         raise InvalidInput(msg)
     factors = 1.0 + _DISTURBANCE * np.random.default_rng(seed).uniform(-1.0, 1.0, len(free))

@@ -1,4 +1,4 @@
-"""A study: one drive run several times from slightly different starts, with confidence intervals."""
+"""A study: a drive run several times from slightly different starts, and what is sure."""
 
 from __future__ import annotations
 
@@ -60,21 +60,18 @@ class StudyResult:
         the runs that have a value. The interval is Student's: of runs that are independent, which
         chaos makes of different starts within some milliseconds.
         """
+        import pandas as pd
         import xarray as xr
         from scipy import stats
 
         samples = self.samples
         count = samples.count("run")
         mean, spread = samples.mean("run"), samples.std("run", ddof=1)
-        half = {
-            name: stats.t.ppf(0.5 + 0.5 * self.confidence, np.maximum(count[name] - 1, 1))
-            * spread[name]
-            / np.sqrt(count[name])
-            for name in samples.data_vars
-        }
-        low, high = (mean.map(lambda v, s=sign: v + s * half[v.name]) for sign in (-1.0, 1.0))
-        statistic = xr.IndexVariable("statistic", list(_STATISTICS))
-        found = xr.concat([mean, spread, low, high, count], statistic)
+        factor = stats.t.ppf(0.5 + 0.5 * self.confidence, np.maximum(count.to_array() - 1, 1))
+        factors = count.to_array().copy(data=factor).to_dataset("variable")
+        half = factors * spread / np.sqrt(count)
+        statistic = pd.Index(_STATISTICS, name="statistic")
+        found = xr.concat([mean, spread, mean - half, mean + half, count], statistic)
         return found.transpose(..., "statistic").assign_attrs(
             confidence=self.confidence, burn_in=self.burn_in
         )

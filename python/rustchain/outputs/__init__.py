@@ -379,5 +379,5 @@ class Outputs:
 
     @property
     def _result(self) -> Result:
-        """This, by the type that it has."""
+        """The result itself, by its own type."""
         return cast("Result", self)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from rustchain.errors import InvalidInput
 if TYPE_CHECKING:
     from rustchain.drive import ChainDrive
     from rustchain.result import Array, Result
+
+_Listed = TypeVar("_Listed")
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,8 @@ class Circuit:
         count = len(report.order)
         pitches = _in_order_of_the_way(report.strand_pitches)
         names = _in_order_of_the_way(report.strands)
-        sections, seat = [], 0.0
+        sections: list[tuple[str, int | None, float, float]] = []
+        seat = 0.0
         for place, number in enumerate(report.order):
             k = number - 1
             per_radian = drive.sprockets[k].teeth / (2 * math.pi)
@@ -77,7 +80,7 @@ class Circuit:
             sections.append((f"sprocket {number}", number, seat + enter, seat + leave))
             seat += report.wrap_pitches[k]
             sections.append((f"strand {names[place]}", None, seat, seat))
-            seat += pitches[place]
+            seat += float(pitches[place])
         ends = [*(begin for _, _, begin, _ in sections[2::2]), sections[0][2] + drive.chain.links]
         for place, end in enumerate(ends):
             begin = sections[2 * place][3]
@@ -177,7 +180,7 @@ class Belt:
         return begin[:, place], end[:, place]
 
 
-def _in_order_of_the_way(values: tuple[object, ...]) -> tuple[object, ...]:
+def _in_order_of_the_way(values: tuple[_Listed, ...]) -> tuple[_Listed, ...]:
     """Return what is listed by strand in the order of the way: two are listed upper, lower."""
     return values[::-1] if len(values) == 2 else values
 

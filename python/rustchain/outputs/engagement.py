@@ -61,9 +61,9 @@ def engagements(
                     passed[last] - passed[first],
                 )
             )
-    names = ("time", "bushing", "sprocket", "tooth", "region")
-    names += ("force", "impulse", "largest_force", "pitches")
-    return pd.DataFrame(found, columns=list(names)).sort_values("time", ignore_index=True)
+    names = ["time", "bushing", "sprocket", "tooth", "region"]
+    names += ["force", "impulse", "largest_force", "pitches"]
+    return pd.DataFrame(found, columns=names).sort_values("time", ignore_index=True)
 
 
 def _row_at(passed: np.ndarray[tuple[int], np.dtype[np.float64]], first: int, within: float) -> int:

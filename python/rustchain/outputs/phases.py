@@ -1,4 +1,4 @@
-"""Statistics of what repeats with a position: mean, percentiles and extremes in each of many bins."""
+"""Statistics of what repeats with a position: mean, percentiles and extremes of many bins."""
 
 from __future__ import annotations
 

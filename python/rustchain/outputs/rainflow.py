@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +19,9 @@ def reversals(history: Array, gate: float = 0.0) -> Array:
     slopes = np.diff(history)
     values = history[np.concatenate([[True], slopes != 0.0])]
     turns = np.flatnonzero(np.diff(values)[1:] * np.diff(values)[:-1] < 0.0) + 1
-    points = values[np.concatenate([[0], turns, [len(values) - 1]])] if len(values) > 1 else values
+    points: Array = values
+    if len(values) > 1:
+        points = values[np.concatenate([[0], turns, [len(values) - 1]])]
     if gate <= 0.0 or len(points) < 3:
         return points
     kept = [float(points[0])]
@@ -49,6 +52,6 @@ def count(history: Array, gate: float = 0.0) -> tuple[Array, Array]:
             else:
                 cycles.append(1.0)
                 del stack[-3:-1]
-    ranges.extend(abs(after - here) for here, after in zip(stack, stack[1:], strict=False))
+    ranges.extend(abs(after - here) for here, after in pairwise(stack))
     cycles.extend([0.5] * max(len(stack) - 1, 0))
     return np.array(ranges), np.array(cycles)

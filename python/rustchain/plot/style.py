@@ -51,16 +51,16 @@ class Figures:
 
 
 def panels(
-    count: int, x: str, y: str, size: tuple[float, float] = (4.2, 2.9)
+    count: int, x: str, y: str, size: tuple[float, float] = (4.2, 2.9), share: bool = True
 ) -> tuple[Figure, list[Axes]]:
-    """Return a figure of panels side by side, at most three in a row, with shared axes."""
+    """Return a figure of panels side by side, at most three in a row, by default of one scale."""
     columns = min(count, 3)
     rows = -(-count // columns)
     figure, grid = plt.subplots(
         rows,
         columns,
-        sharex=True,
-        sharey=True,
+        sharex=share,
+        sharey=share,
         squeeze=False,
         figsize=(size[0] * columns, size[1] * rows),
     )
