@@ -1,5 +1,7 @@
 """What a run hands back: views, errors with a remedy, files, figures."""
 
+from dataclasses import replace
+
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
@@ -257,7 +259,7 @@ def test_the_elastic_line_of_a_hinge_belongs_to_all_its_strands(strands):
     drive = rc.paper_drive()
     drive = replace(drive, chain=replace(drive.chain, strands=strands))
     law = rc.Johnson()  # elastic, and in proportion to the length
-    result = rc.Simulation(drive, law).run(8e-3, report_step=1e-5, progress=False)
+    result = rc.Simulation(drive, law).run(12e-3, report_step=1e-5, progress=False)
     figure = result.plot.force_penetration(6, contact="hinge")
     dots, line = figure.axes[0].get_lines()
     assert dots.get_xdata().size > 5

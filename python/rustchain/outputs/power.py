@@ -63,7 +63,7 @@ def _losses(result: Result, rate: Callable[[str], float]) -> dict[str, float]:
     known = {f"energy_{name}" for name in (*_STORED, *_SUMS)}
     named = [name for name in result.arrays if name.startswith("energy_") and name not in known]
     parts = {name.removeprefix("energy_"): rate(name.removeprefix("energy_")) for name in named}
-    dashpot = "" if result.drive.tensioner is None else " and the tensioner's dashpot"
+    dashpot = "" if result.drive.tensioner is None else " and dashpot"
     return {f"contacts{dashpot}": rate("dissipated") - sum(parts.values()), **parts}
 
 

@@ -153,7 +153,7 @@ def tooth_curvature(result: Result) -> Array:
     An edge, or a surface that whole teeth do not have, counts as the outermost surface.
     """
     wheel, region = result.array("tooth_sprocket"), result.array("tooth_region")
-    curvature = np.zeros(wheel.shape)
+    curvature = np.full(wheel.shape, surface_curvature(result.drive, 1)[0])  # never in contact
     for k in range(len(result.drive.sprockets)):
         of = surface_curvature(result.drive, k + 1)
         there = wheel == k + 1

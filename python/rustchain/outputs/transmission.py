@@ -95,7 +95,8 @@ def speed_ripple(
 def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
     """Return orders, per revolution, and the amplitude of `values` at each, over an angle [rad].
 
-    Hann's window takes what is left of the last revolution; a line stands on three orders.
+    A drift is taken off first, and Hann's window takes what is left of the last revolution; a line
+    stands on three orders.
     """
     from scipy import signal
 
@@ -112,7 +113,7 @@ def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
     resampled = np.interp(even, onward, values)
     rate = (len(even) - 1) * 2 * np.pi / onward[-1]
     order, power = signal.periodogram(
-        resampled, rate, window="hann", detrend="constant", scaling="spectrum"
+        resampled, rate, window="hann", detrend="linear", scaling="spectrum"
     )
     return order, np.sqrt(2.0 * power)
 

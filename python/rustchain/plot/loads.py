@@ -96,8 +96,9 @@ class LoadFigures(Figures):
             )
             for place in (0.0, found.attrs["wrap"]):
                 axes.axvline(place, color=GREY, linewidth=0.7)
-            axes.set_title(f"sprocket {number}", pad=22.0)
-            legend_above(axes)
+            axes.set_title(f"sprocket {number}")
+        handles, labels = cells[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper left", ncols=len(labels))
         cells[0].set_ylim(0.0, None)
         return figure
 
@@ -118,7 +119,7 @@ class LoadFigures(Figures):
         pressure = 1e-6 * found["peak_pressure"]
         time = found["time"]
         left.plot(time, pressure.max(part), color=RED, linewidth=0.5, label="hardest pressed")
-        left.plot(time, pressure.median(part), color=BLUE, linewidth=0.6, label="median")
+        left.plot(time, pressure.mean(part), color=BLUE, linewidth=0.6, label="mean of all")
         left.set(xlabel="time [s]", ylabel=f"pressure, all {part}s [MPa]", ylim=(0.0, None))
         legend_above(left)
         classes = 1e-6 * cycles["range"].to_numpy()

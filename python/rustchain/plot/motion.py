@@ -81,7 +81,7 @@ class MotionFigures(Figures):
                 motion["time"],
                 1e3 * motion[:, k],
                 color=CYCLE[k],
-                label=f"{station:g} of its length",
+                label=f"at {station:g}",
             )
             right.plot(found["frequency"], found["density"][k], color=CYCLE[k])
         left.set(xlabel="time [s]", ylabel=f"strand {motion.attrs['strand']}, outward [mm]")
@@ -137,7 +137,7 @@ class MotionFigures(Figures):
                 fontsize=8.0,
             )
         axes.invert_yaxis()
-        axes.margins(x=0.18)
+        axes.margins(x=0.25)
         axes.axvline(0.0, color=GREY, linewidth=0.7)
         axes.set(xlabel="power into the drive [W]")
         efficiency = float(found["efficiency"])
