@@ -24,7 +24,7 @@ Parameters: TypeAlias = dict[str, Any]
 Path: TypeAlias = tuple[str, ...]
 
 _SOLVER_FIELDS = tuple(field.name for field in dataclasses.fields(Solver))
-_SHORTHANDS = ("pretension", "speed", "disturbance")
+_SHORTHANDS = ("disturbance", "pretension", "speed")
 _DISTURBANCE = 1e-4  # of a speed at the start
 
 

@@ -67,8 +67,8 @@ class StudyResult:
         samples = self.samples
         count = samples.count("run")
         mean, spread = samples.mean("run"), samples.std("run", ddof=1)
-        factor = stats.t.ppf(0.5 + 0.5 * self.confidence, np.maximum(count.to_array() - 1, 1))
-        factors = count.to_array().copy(data=factor).to_dataset("variable")
+        level = 0.5 + 0.5 * self.confidence
+        factors = count.map(lambda n: n.copy(data=stats.t.ppf(level, np.maximum(n - 1, 1))))
         half = factors * spread / np.sqrt(count)
         statistic = pd.Index(_STATISTICS, name="statistic")
         found = xr.concat([mean, spread, mean - half, mean + half, count], statistic)
