@@ -10,7 +10,7 @@ import numpy as np
 
 from rustchain._axes import Drive
 from rustchain._names import known_keywords
-from rustchain.errors import InvalidInput
+from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.force_law import ForceLaw
 from rustchain.result import Result
 from rustchain.simulation import _LAW, _SOLVER, Group, Solver
@@ -50,6 +50,10 @@ class StudyResult:
     @property
     def samples(self) -> xr.Dataset:
         """What was measured of every run: the axes, then "run", then the dimensions of an array."""
+        if self.sweep.errors and all(value is None for value in self.sweep.values):
+            number, error = next(iter(self.sweep.errors.items()))
+            msg = f"no run has a value; the first error, of run {number}: {error!r}"
+            raise NotRecorded(msg)
         return self.sweep.to_xarray().rename(disturbance="run")
 
     @property

@@ -169,3 +169,10 @@ def test_figures_of_a_study(study, measures):
     plt.close(figure)
     with pytest.raises(rc.InvalidInput, match="did you mean 'upper'"):
         study.plot("uper")
+
+
+def test_a_study_without_a_single_value_tells_the_first_error():
+    with pytest.warns(RuntimeWarning, match="2 of 2 cases failed"):
+        found = rc.study(PAPER, lambda r: r.nothing, runs=2, **SHORT)
+    with pytest.raises(rc.NotRecorded, match="nothing"):
+        found.to_pandas()

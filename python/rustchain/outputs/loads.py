@@ -81,9 +81,9 @@ def wrap_loads(
     check_sprocket(result, sprocket)
     circuit = Circuit.of(result.drive)
     section = circuit.section(sprocket)
-    # Half a pitch more on both sides: the first and last teeth are met outside the belt line.
-    bins = round(bins_per_pitch * (np.ceil(section.end - section.begin) + 1.0))
-    begin = -0.5
+    # Teeth are met and left outside the belt line; half pitches put seats in the middle of a bin.
+    begin = -1.5
+    bins = round(bins_per_pitch * (np.ceil(section.end - section.begin) - 2.0 * begin))
     here = midway(circuit.moved(result))[rows, None] + np.arange(circuit.links)
     along = np.mod(here - section.begin - begin, circuit.links) + begin
     place = bins_of(along, begin, 1.0 / bins_per_pitch, bins)

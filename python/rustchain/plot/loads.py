@@ -87,6 +87,7 @@ class LoadFigures(Figures):
         """Draw how the load is distributed along the wrap of sprockets."""
         numbers = (sprocket, *more)
         figure, cells = panels(len(numbers), "place in the wrap [pitches]", "force [N]")
+        longest = 0.0
         for axes, number in zip(cells, numbers, strict=True):
             found = self.result.wrap_loads(number, quantiles=_QUANTILES, start=start, end=end)
             position = found["position"].to_numpy()
@@ -97,9 +98,10 @@ class LoadFigures(Figures):
             for place in (0.0, found.attrs["wrap"]):
                 axes.axvline(place, color=GREY, linewidth=0.7)
             axes.set_title(f"sprocket {number}")
+            longest = max(longest, found.attrs["wrap"])
         handles, labels = cells[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper left", ncols=len(labels))
-        cells[0].set_ylim(0.0, None)
+        cells[0].set(xlim=(-1.0, longest + 1.0), ylim=(0.0, None))
         return figure
 
     @known_keywords
