@@ -90,7 +90,8 @@ def test_means_over_the_way_add_up_to_all_impulses(run):
     assert float(loads["hinge_mean"].sum()) == pytest.approx(total, rel=1e-12)
     # Every place of the way sees one hinge a pitch; bins empty as yet have no mean.
     teeth = sum(float(run.tooth_loads(k)["tooth_mean"].sum()) for k in (1, 2))
-    assert teeth == pytest.approx(run.peaks.tooth_impulse.sum() / np.ptp(run.time), rel=1e-9)
+    # A bushing that was hit between two reports, and found in contact at none, belongs to no gap.
+    assert teeth == pytest.approx(run.peaks.tooth_impulse.sum() / np.ptp(run.time), rel=5e-3)
 
 
 def test_a_load_that_follows_the_place_is_found_at_its_place(run):
@@ -371,3 +372,33 @@ def test_figures_show_what_was_found(run, draw, panels):
     assert len(figure.axes) == panels
     assert all(axes.has_data() for axes in figure.axes)
     plt.close(figure)
+
+
+@pytest.mark.parametrize("frequency", [40.0, 333.0])
+def test_a_spectrum_has_a_line_at_its_frequency_and_the_power_of_the_signal(run, frequency):
+    wave = 3.0 * np.sin(2 * np.pi * frequency * run.time)
+    tension = np.stack([wave, 2.0 * wave], axis=-1) + 7.0
+    found = replace(run, arrays=run.arrays | {"strand_tension": tension}).spectrum("strand_tension")
+    assert found.dims == ("strand", "frequency")
+    hertz = found["frequency"].to_numpy()
+    upper = found.sel(strand="upper").to_numpy()
+    assert hertz[upper.argmax()] == pytest.approx(frequency, abs=1.1 * hertz[1])
+    # Parseval: the density's integral is the mean square, 3^2 / 2; a cut-off wave leaves a little.
+    assert trapezoid(upper, hertz) == pytest.approx(4.5, rel=0.05)
+    np.testing.assert_allclose(found.sel(strand="lower"), 4.0 * upper, rtol=1e-6, atol=1e-12)
+
+
+def test_spectra_of_parts_are_drawn(run):
+    mpl.use("Agg")
+    for draw, lines in (
+        (lambda: run.plot.spectrum("strand_tension"), 2),
+        (lambda: run.plot.spectrum("hinge_force", hinge=6), 1),
+        (lambda: run.plot.spectrum("hinge_force"), 1),
+    ):
+        figure = draw()
+        assert len(figure.axes[0].get_lines()) == lines
+        plt.close(figure)
+    with pytest.raises(rc.InvalidInput, match="did you mean 'strand'"):
+        run.plot.spectrum("strand_tension", stran="upper")
+    with pytest.raises(rc.InvalidInput, match="no finite numbers"):
+        run.spectrum("tooth_penetration")

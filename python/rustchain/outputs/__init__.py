@@ -341,6 +341,32 @@ class Outputs:
         return strand_spectrum(self._result, strand, stations, modes, segment, start, end)
 
     @known_keywords
+    def spectrum(
+        self,
+        name: str,
+        *,
+        segment: float | None = None,
+        start: float | None = None,
+        end: float | None = None,
+    ) -> xr.DataArray:
+        """Return the power spectral density of a recorded array, (..., frequency [Hz]).
+
+        `scipy.signal.welch`: Hann's window, straight lines taken off. Of two rows 1e-4 s apart,
+        what vibrates faster than 5 kHz, as contacts do, is folded down.
+
+        Parameters
+        ----------
+        name : str
+            Name in `arrays`, such as "strand_tension" or "sprocket_speed".
+        segment : float, optional
+            Length of the segments [s] that are averaged; by default one segment, the finest
+            resolution.
+        """
+        from rustchain.outputs.spectrum import spectrum
+
+        return spectrum(self._result, name, segment, start, end)
+
+    @known_keywords
     def engagements(
         self,
         sprocket: int | None = None,

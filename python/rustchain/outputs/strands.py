@@ -10,6 +10,7 @@ import numpy as np
 from rustchain import _rustchain
 from rustchain.errors import InvalidInput
 from rustchain.outputs.circuit import Belt, Circuit
+from rustchain.outputs.spectrum import welch
 from rustchain.outputs.window import rows_between
 
 if TYPE_CHECKING:
@@ -101,19 +102,10 @@ def strand_spectrum(
 ) -> xr.Dataset:
     """Return what `Outputs.strand_spectrum` promises."""
     import xarray as xr
-    from scipy import signal
 
     motion = strand_motion(result, strand, stations, start, end)
     time = motion["time"].to_numpy()
-    steps = np.diff(time)
-    if len(time) < 16:
-        msg = f"{len(time)} rows: too few for a spectrum; take a longer part"
-        raise InvalidInput(msg)
-    even = time[0] + np.median(steps) * np.arange(int((time[-1] - time[0]) / np.median(steps)) + 1)
-    values = np.stack([np.interp(even, time, one) for one in motion.to_numpy().T])
-    rate = 1.0 / float(np.median(steps))
-    points = len(even) if segment is None else min(max(round(segment * rate), 16), len(even))
-    frequency, density = signal.welch(values, rate, nperseg=points, detrend="linear")
+    frequency, density = welch(time, motion.to_numpy().T, segment)
     rows = rows_between(result, start, end)
     name = str(motion.attrs["strand"])
     tension = float(result.strand(name).tension[rows].mean())

@@ -9,7 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rustchain._names import known_keywords
+from rustchain._names import known_keywords, suggest
+from rustchain.errors import InvalidInput
 from rustchain.plot.style import (
     BLUE,
     CYCLE,
@@ -99,6 +100,44 @@ class MotionFigures(Figures):
         right.set(yscale="log", xlim=(0.0, highest))
         right.set_ylim(max(1e-7 * float(shown.max()), 1e-30), 3.0 * float(shown.max()))
         right.set(xlabel="frequency [Hz]", ylabel="density [m²/Hz]")
+        return figure
+
+    @styled
+    def spectrum(
+        self,
+        name: str,
+        *,
+        segment: float | None = None,
+        start: float | None = None,
+        end: float | None = None,
+        **of: object,
+    ) -> Figure:
+        """Draw the spectrum of a recorded array; ``strand="upper"`` or ``hinge=6`` selects from it.
+
+        Without a selection, a line for each part, or the mean of more than eight.
+        """
+        found = self.result.spectrum(name, segment=segment, start=start, end=end)
+        for dim in of:
+            if dim not in found.dims:
+                known = [str(each) for each in found.dims if each != "frequency"]
+                msg = f"{dim}: {name!r} has no such parts; {suggest(dim, known)}"
+                raise InvalidInput(msg)
+        chosen = found.sel(of)
+        others = [dim for dim in chosen.dims if dim != "frequency"]
+        figure, axes = plt.subplots(figsize=(7.0, 2.9))
+        lines = chosen.stack(part=others) if others else chosen.expand_dims("part")
+        if lines.sizes["part"] > len(CYCLE):
+            axes.plot(lines["frequency"], lines.mean("part"), color=BLUE, label="mean of all")
+        else:
+            for k in range(lines.sizes["part"]):
+                label = (
+                    ", ".join(map(str, np.atleast_1d(lines["part"].values[k]))) if others else ""
+                )
+                axes.plot(lines["frequency"], lines.isel(part=k), color=CYCLE[k], label=label)
+        axes.set(yscale="log", xlabel="frequency [Hz]", xlim=(0.0, None))
+        axes.set_ylabel(f"{name.replace('_', ' ')} [{found.attrs['units'].replace('^2', '²')}]")
+        if others:
+            legend_above(axes)
         return figure
 
     @known_keywords
