@@ -167,6 +167,9 @@ def test_powers_balance_and_named_channels_are_taken_as_they_come(run):
     named = replace(run, arrays=arrays).power_balance()["loss"]
     assert list(named["channel"].to_numpy()) == ["contacts and dashpot", "hinge_friction"]
     np.testing.assert_allclose(named, [0.75 * lost, 0.25 * lost])
+    arrays |= {"energy_tooth_contact": 0.5 * dissipated}
+    named = replace(run, arrays=arrays).power_balance()["loss"]
+    assert float(named.sel(channel="other")) == pytest.approx(0.25 * lost)
 
 
 def test_power_of_the_only_motor_is_that_of_its_sampled_torque_on_average():

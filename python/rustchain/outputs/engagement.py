@@ -33,9 +33,9 @@ def engagements(
     time = result.time[rows]
     moved = Circuit.of(result.drive).moved(result)[rows]
     passed = np.maximum.accumulate(np.abs(moved - moved[0]))
-    found = []
+    count, found = len(result.drive.sprockets), []
     for k in range(wheel.shape[1]):
-        touching = np.flatnonzero(wheel[:, k])
+        touching = np.flatnonzero((wheel[:, k] > 0) & (wheel[:, k] <= count))
         if touching.size == 0:
             continue
         where = np.stack([wheel[touching, k], gap[touching, k]])

@@ -63,8 +63,10 @@ def _losses(result: Result, rate: Callable[[str], float]) -> dict[str, float]:
     known = {f"energy_{name}" for name in (*_STORED, *_SUMS)}
     named = [name for name in result.arrays if name.startswith("energy_") and name not in known]
     parts = {name.removeprefix("energy_"): rate(name.removeprefix("energy_")) for name in named}
-    dashpot = "" if result.drive.tensioner is None else " and dashpot"
-    return {f"contacts{dashpot}": rate("dissipated") - sum(parts.values()), **parts}
+    rest = "contacts" if result.drive.tensioner is None else "contacts and dashpot"
+    if any(name.endswith("_contact") for name in parts):
+        rest = "other"  # the contacts have channels of their own
+    return {rest: rate("dissipated") - sum(parts.values()), **parts}
 
 
 def _shafts(result: Result, rows: slice, worked_in: float) -> Array:
@@ -77,7 +79,8 @@ def _shafts(result: Result, rows: slice, worked_in: float) -> Array:
     from scipy.integrate import trapezoid
 
     time = result.time[rows]
-    torque, speed = (result.array(f"sprocket_{name}")[rows] for name in ("torque", "speed"))
+    count = len(result.drive.sprockets)
+    torque, speed = (result.array(f"sprocket_{name}")[rows, :count] for name in ("torque", "speed"))
     power: Array = trapezoid(torque * speed, time, axis=0) / (time[-1] - time[0])
     motions = [sprocket.motion for sprocket in result.drive.sprockets]
     power[[isinstance(motion, Free) for motion in motions]] = 0.0

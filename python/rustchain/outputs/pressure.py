@@ -154,7 +154,9 @@ def tooth_curvature(result: Result) -> Array:
     """
     wheel, region = result.array("tooth_sprocket"), result.array("tooth_region")
     curvature = np.full(wheel.shape, surface_curvature(result.drive, 1)[0])  # never in contact
-    for k in range(len(result.drive.sprockets)):
+    sprockets = len(result.drive.sprockets)
+    curvature[wheel > sprockets] = 1.0 / result.drive.chain.bushing_radius  # on something flat
+    for k in range(sprockets):
         of = surface_curvature(result.drive, k + 1)
         there = wheel == k + 1
         curvature[there] = of[np.minimum(np.abs(region[there] - len(of)), len(of) - 1)]
