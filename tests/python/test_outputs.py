@@ -405,3 +405,24 @@ def test_spectra_of_parts_are_drawn(run):
         run.plot.spectrum("strand_tension", stran="upper")
     with pytest.raises(rc.InvalidInput, match="no finite numbers"):
         run.spectrum("tooth_penetration")
+
+
+@pytest.mark.parametrize("hinges", ["clearance", "ideal"])
+@pytest.mark.parametrize("duration", [1e-3, 6e-3])
+def test_runs_before_and_after_the_first_contact_have_all_outputs(hinges, duration):
+    """Nothing touches before 4 ms: outputs are zero or empty there, and figures are drawn."""
+    mpl.use("Agg")
+    result = rc.Simulation(rc.paper_drive(hinges=hinges)).run(
+        duration, record=GROUPS, progress=False
+    )
+    found = result.summary()
+    assert all(np.isfinite(value) for value in found.values())
+    assert (found["tooth_force_largest"] > 0.0) == (duration > 4e-3)
+    assert len(result.engagements()) == (result.array("tooth_sprocket")[1:] > 0).any(0).sum()
+    names = ("hinge_loads", "tooth_loads", "wrap_loads", "power_balance", "engagements")
+    for figure in (
+        *(getattr(result.plot, name)() for name in names),
+        result.plot.contact_pressure("hinge"),
+        result.plot.contact_pressure("tooth"),
+    ):
+        plt.close(figure)

@@ -54,8 +54,8 @@ class LoadOutputs(Itself):
             Over ``position``, how far a hinge has gone round [pitches] from the first seat of
             sprocket 1 at the start, counterclockwise (``section`` names sprocket or strand):
             ``mean`` [N], from the impulses; ``quantiles`` [N] of the force at the reports;
-            ``largest`` [N], peaks between reports included. Over ``hinge``: ``hinge_mean``,
-            ``hinge_quantiles``, ``hinge_largest`` [N].
+            ``largest`` [N], peaks between reports included; NaN where no hinge has been. Over
+            ``hinge``: ``hinge_mean``, ``hinge_quantiles``, ``hinge_largest`` [N].
         """
         from rustchain.outputs.loads import hinge_loads
 

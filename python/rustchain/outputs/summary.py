@@ -26,8 +26,9 @@ def summary(result: Result, start: float | None, end: float | None) -> dict[str,
         ):
             found[f"tension_{name}"] = float(tension.mean())
             found[f"tension_{name}_std"] = float(tension.std())
-        depth = result.array("hinge_penetration")[rows]
-        found["hinge_contact_share"] = float((depth > 0.0).mean())
+        if result.drive.hinges == "clearance":
+            depth = result.array("hinge_penetration")[rows]
+            found["hinge_contact_share"] = float((depth > 0.0).mean())
     for part, group in (("hinge", "hinges"), ("tooth", "teeth")):
         if group in result.groups:
             peak = result.array(f"peak_{part}_force")[rows]

@@ -128,7 +128,9 @@ class LoadFigures(Figures):
         mean = cycles["cycles"].mean(part).to_numpy()
         # What is there at least as often: cycles of this range or a larger one.
         right.step(classes, np.cumsum(mean[::-1])[::-1], where="mid", color=ORANGE)
-        right.set(yscale="log", xlabel="range of the pressure [MPa] or more", xlim=(0.0, None))
+        right.set(xlabel="range of the pressure [MPa] or more", xlim=(0.0, None))
+        if mean.any():
+            right.set_yscale("log")
         right.set_ylabel(f"cycles of a {part} per round")
         return figure
 
