@@ -50,6 +50,7 @@ from rustchain.force_law import (
     restitution_obtained,
 )
 from rustchain.layouts import chain_drive
+from rustchain.loss_map import loss_map
 from rustchain.mechanism import Mechanism
 from rustchain.mechanism_parts import (
     HuntCrossley,
@@ -67,6 +68,7 @@ from rustchain.report import DriveReport
 from rustchain.result import Result, load_result
 from rustchain.scene import Scene, load_scene
 from rustchain.simulation import Evaluation, Simulation, Solver
+from rustchain.study import StudyResult, study
 from rustchain.stop import (
     HingeForceAbove,
     StopCondition,
@@ -127,6 +129,7 @@ __all__ = [
     "Sprocket",
     "StopCondition",
     "StraightTooth",
+    "StudyResult",
     "StrandSlack",
     "SurfaceContact",
     "SweepResult",
@@ -141,9 +144,11 @@ __all__ = [
     "chain_drive",
     "instruction_set",
     "load_result",
+    "loss_map",
     "load_scene",
     "paper_drive",
     "restitution_obtained",
+    "study",
     "sweep",
     "two_sprocket_drive",
 ]

@@ -11,6 +11,8 @@ from dataclasses import replace
 from types import UnionType
 from typing import Any, TypeAlias, Union, get_args, get_origin, get_type_hints
 
+import numpy as np
+
 from rustchain._description import Description, plain
 from rustchain._names import suggest
 from rustchain.drive import ChainDrive, PrescribedSpeed, Sprocket, Tensioner
@@ -22,6 +24,8 @@ Parameters: TypeAlias = dict[str, Any]
 Path: TypeAlias = tuple[str, ...]
 
 _SOLVER_FIELDS = tuple(field.name for field in dataclasses.fields(Solver))
+_SHORTHANDS = ("disturbance", "pretension", "speed")
+_DISTURBANCE = 1e-4  # of a speed at the start
 
 
 def axes_of(axes: Mapping[str, Iterable[Any]]) -> dict[str, tuple[Any, ...]]:
@@ -56,7 +60,7 @@ def check_names(drive: Drive, scene: Parameters, cases: Sequence[Parameters]) ->
         msg = f"drive = {drive!r}: must be a ChainDrive, or a function that returns one"
         raise InvalidInput(msg)
     own, needed, takes_all = _arguments(drive)
-    known = [*own, "pretension", "speed", *scene, *_SOLVER_FIELDS, *_drive_fields()]
+    known = [*own, *_SHORTHANDS, *scene, *_SOLVER_FIELDS, *_drive_fields()]
     for name in dict.fromkeys(name for case in cases for name in case):
         if not takes_all and _dotted(name) not in known:
             ends = [path for path in known if path.endswith(f".{name}")]
@@ -78,7 +82,7 @@ def check_names(drive: Drive, scene: Parameters, cases: Sequence[Parameters]) ->
 def scene_of(drive: Drive, scene: Parameters, parameters: Parameters) -> Parameters:
     """Return `scene` with its drive, changed by the parameters of one case."""
     own, _, takes_all = _arguments(drive)
-    known = {"pretension", "speed", *scene, *_SOLVER_FIELDS, *_drive_fields()}
+    known = {*_SHORTHANDS, *scene, *_SOLVER_FIELDS, *_drive_fields()}
     to_function = {
         name: value
         for name, value in parameters.items()
@@ -99,6 +103,8 @@ def _with_fields(drive: ChainDrive, changes: Parameters) -> ChainDrive:
     if not isinstance(drive, ChainDrive):
         msg = f"drive = {drive!r}: the function must return a ChainDrive"
         raise InvalidInput(msg)
+    seed = changes.get("disturbance", 0)
+    changes = {name: value for name, value in changes.items() if name != "disturbance"}
     fields = {tuple(_target(name).split(".")): value for name, value in changes.items()}
     if "pretension" in changes and fields.get(("tensioner",), drive.tensioner) is None:
         fields["tensioner",] = Tensioner(pretension=changes["pretension"])
@@ -115,7 +121,32 @@ def _with_fields(drive: ChainDrive, changes: Parameters) -> ChainDrive:
     changed: ChainDrive = _replaced(drive, fields, "drive")
     # At 0 N the centres are fixed, as in the generators.
     none = changes.get("pretension") == 0 and changed.tensioner is not None
-    return replace(changed, tensioner=None) if none else changed
+    return _disturbed(replace(changed, tensioner=None) if none else changed, seed)
+
+
+def _disturbed(drive: ChainDrive, seed: object) -> ChainDrive:
+    """Return `drive` with slightly other speeds at the start of what no motor holds."""
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        msg = f"disturbance = {seed!r}: must be a whole number from 0, the seed of the disturbance"
+        raise InvalidInput(msg)
+    if seed == 0:
+        return drive
+    free = [not isinstance(sprocket.motion, PrescribedSpeed) for sprocket in drive.sprockets]
+    if not any(free):
+        msg = (
+            f"disturbance = {seed}: every sprocket has a PrescribedSpeed, so that none can start a "
+            "little faster or slower; leave it out, or vary another parameter"
+        )
+        raise InvalidInput(msg)
+    factors = 1.0 + _DISTURBANCE * np.random.default_rng(seed).uniform(-1.0, 1.0, len(free))
+    speeds = drive.check().initial_speed
+    sprockets = tuple(
+        replace(sprocket, initial_speed=float(speed * factor)) if moves else sprocket
+        for sprocket, moves, speed, factor in zip(
+            drive.sprockets, free, speeds, factors, strict=True
+        )
+    )
+    return replace(drive, sprockets=sprockets)
 
 
 def _replaced(part: Any, changes: Mapping[Path, Any], name: str) -> Any:  # noqa: ANN401

@@ -35,6 +35,7 @@ __all__ = [
     "strand_names",
     "tooth_contacts",
     "tooth_outline",
+    "tooth_radii",
     "tooth_surfaces",
     "validate",
 ]
@@ -108,6 +109,9 @@ def tooth_contacts(
 
 def tooth_surfaces(sprocket: Sprocket, chain: Chain) -> list[str]:
     """Return names of the surfaces of whole teeth, from the seat outward."""
+
+def tooth_radii(sprocket: Sprocket, chain: Chain) -> list[float]:
+    """Return radii of the surfaces of whole teeth [m]: hollow > 0, round < 0, straight inf."""
 
 def chain_links(chain: Chain) -> _Array:
     """Return length [m], mass [kg], inertia [kg m^2], 1 for a bushing in front, of each link."""

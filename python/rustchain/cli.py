@@ -196,13 +196,21 @@ def plot(
                 first, *more, contact="tooth"
             ),
             "orbit": lambda: draw.orbit(first, *more),
+            "hinge_loads": draw.hinge_loads,
+            "tooth_loads": draw.tooth_loads,
+            "wrap_loads": draw.wrap_loads,
+            "transmission_error": draw.transmission_error,
+            "speed_ripple": draw.speed_ripple,
+            "power_balance": draw.power_balance,
+            "contact_pressure": draw.contact_pressure,
+            "engagements": draw.engagements,
         }
         out.mkdir(parents=True, exist_ok=True)
         for name, figure_of in figures.items():
             path = out / f"{name}.{form}"
             try:
                 figure = figure_of()
-            except rc.NotRecorded as error:
+            except (rc.NotRecorded, rc.InvalidInput) as error:
                 typer.echo(f"{path}: left out, {error}")
                 continue
             figure.savefig(path)

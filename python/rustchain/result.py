@@ -19,6 +19,7 @@ from rustchain._names import known_keywords, suggest
 from rustchain.drive import ChainDrive
 from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.force_law import ForceLaw
+from rustchain.outputs import Outputs
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -226,10 +227,11 @@ class Peaks:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Result:
+class Result(Outputs):
     """What a run recorded, and of what.
 
-    Hinges, bushings and sprockets are numbered from 1 in calls, from 0 in arrays.
+    Hinges, bushings and sprockets are numbered from 1 in calls, from 0 in arrays. What engineers
+    read are the methods from `link_tension` to `engagements`.
 
     Attributes
     ----------

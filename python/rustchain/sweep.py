@@ -54,6 +54,8 @@ def sweep(
     - an argument of `drive`, where that is a function: it goes there, before all else;
     - "pretension" [N]: makes, changes or (0 N) removes the tensioner; "speed" [rad/s]: that of the
       driver;
+    - "disturbance": a seed; every sprocket without a prescribed speed starts at random up to 1e-4
+      of its speed faster or slower; 0: none does;
     - a keyword below, from `duration` to `velocities`, which it takes the place of, or a field of
       the solver, such as "rtol";
     - a field of the drive, dotted: "chain.material.restitution", "sprockets.1.teeth" (as

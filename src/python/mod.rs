@@ -8,6 +8,7 @@ mod functions;
 mod mechanism;
 mod mechanism_callable;
 mod mechanism_core;
+mod surfaces;
 
 use pyo3::prelude::*;
 
@@ -37,6 +38,7 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(functions::tooth_outline, module)?)?;
     module.add_function(wrap_pyfunction!(functions::tooth_contacts, module)?)?;
     module.add_function(wrap_pyfunction!(functions::tooth_surfaces, module)?)?;
+    module.add_function(wrap_pyfunction!(surfaces::tooth_radii, module)?)?;
     module.add_function(wrap_pyfunction!(functions::chain_links, module)?)?;
     module.add_function(wrap_pyfunction!(functions::law_force, module)?)?;
     module.add_function(wrap_pyfunction!(functions::restitution_obtained, module)?)?;

@@ -1,5 +1,7 @@
 """What a run hands back: views, errors with a remedy, files, figures."""
 
+from dataclasses import replace
+
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
@@ -249,3 +251,18 @@ def test_a_loaded_result_draws_itself(result, tmp_path):
     mpl.use("Agg")
     result.save(tmp_path / "run.nc")
     plt.close(rc.load_result(tmp_path / "run.nc").plot.drive(time=3e-3))
+
+
+@pytest.mark.parametrize("strands", [1, 3])
+def test_the_elastic_line_of_a_hinge_belongs_to_all_its_strands(strands):
+    """Undamped, points lie on the line of their law, whose length counts every strand."""
+    drive = rc.paper_drive()
+    drive = replace(drive, chain=replace(drive.chain, strands=strands))
+    law = rc.Johnson()  # elastic, and in proportion to the length
+    result = rc.Simulation(drive, law).run(12e-3, report_step=1e-5, progress=False)
+    figure = result.plot.force_penetration(6, contact="hinge")
+    dots, line = figure.axes[0].get_lines()
+    assert dots.get_xdata().size > 5
+    expected = np.interp(dots.get_xdata(), *line.get_data())
+    np.testing.assert_allclose(dots.get_ydata(), expected, rtol=0.01, atol=0.02)
+    plt.close(figure)

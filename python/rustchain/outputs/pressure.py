@@ -1,0 +1,189 @@
+"""Contact pressure of pins, bushings and teeth by Hertz's line contact, and its cycles."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from rustchain import _rustchain
+from rustchain._names import suggest
+from rustchain.errors import InvalidInput
+from rustchain.outputs import rainflow
+from rustchain.outputs.circuit import Circuit
+from rustchain.outputs.loads import check_sprocket, nearest_contact
+from rustchain.outputs.window import rows_between
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rustchain.drive import Chain, ChainDrive
+    from rustchain.result import Array, Result
+
+Contact = Literal["hinge", "tooth"]
+_SMALLEST = 0.01  # of the largest pressure: swings below that are not counted
+
+
+def line_pressure(force: Array, curvature: Array | float, length: float, modulus: float) -> Array:
+    """Return the largest pressure of a line contact [Pa] (Johnson, Contact Mechanics, Eq. 4.45).
+
+    `curvature` [1/m] is the sum of both surfaces', `modulus` [Pa] that of the contact.
+    """
+    pressure: Array = np.sqrt(np.maximum(force, 0.0) * modulus * curvature / (np.pi * length))
+    return pressure
+
+
+def half_width(force: Array, curvature: Array | float, length: float, modulus: float) -> Array:
+    """Return half the width of a line contact [m] (Johnson, Contact Mechanics, Eq. 4.43)."""
+    width: Array = np.sqrt(4.0 * np.maximum(force, 0.0) / (np.pi * length * modulus * curvature))
+    return width
+
+
+def contact_pressure(
+    result: Result, contact: Contact, start: float | None, end: float | None
+) -> xr.Dataset:
+    """Return what `Outputs.contact_pressure` promises."""
+    import xarray as xr
+
+    rows = rows_between(result, start, end)
+    check_contact(contact)
+    chain = result.drive.chain
+    curvature = hinge_curvature(chain) if contact == "hinge" else tooth_curvature(result)[rows]
+    length = chain.strands * (
+        chain.hinge.length if contact == "hinge" else chain.tooth_contact_length
+    )
+    modulus = contact_modulus(chain)
+    force, peak = (result.array(f"{name}_force")[rows] for name in (contact, f"peak_{contact}"))
+    part = "hinge" if contact == "hinge" else "bushing"
+    pascal, meter = {"units": "Pa"}, {"units": "m"}
+    return xr.Dataset(
+        {
+            "pressure": (("time", part), line_pressure(force, curvature, length, modulus), pascal),
+            "peak_pressure": (
+                ("time", part),
+                line_pressure(np.maximum(peak, force), curvature, length, modulus),
+                pascal,
+            ),
+            "half_width": (("time", part), half_width(force, curvature, length, modulus), meter),
+        },
+        {
+            "time": ("time", result.time[rows], {"units": "s"}),
+            part: np.arange(1, chain.links + 1),
+        },
+        {"contact": contact, "contact_modulus": modulus, "length": length},
+    )
+
+
+def pressure_cycles(
+    result: Result,
+    contact: Contact,
+    sprocket: int | None,
+    bins: int,
+    start: float | None,
+    end: float | None,
+) -> xr.Dataset:
+    """Return what `Outputs.pressure_cycles` promises."""
+    import xarray as xr
+
+    rows = rows_between(result, start, end)
+    found = contact_pressure(result, contact, start, end)
+    now, most = found["pressure"].to_numpy(), found["peak_pressure"].to_numpy()
+    if sprocket is None:
+        part, labels = ("hinge" if contact == "hinge" else "bushing"), found.coords
+        numbers = labels[part].to_numpy()
+        moved = Circuit.of(result.drive).moved(result)[rows]
+        turns = float(abs(moved[-1] - moved[0])) / result.drive.chain.links
+    else:
+        if contact != "tooth":
+            msg = f"sprocket = {sprocket}: only teeth belong to one; leave it out for hinges"
+            raise InvalidInput(msg)
+        check_sprocket(result, sprocket)
+        now, most = _of_gaps(result, sprocket, rows, now, most)
+        part, numbers = "tooth", np.arange(now.shape[1])
+        angle = result.array("sprocket_angle")[rows, sprocket - 1]
+        turns = float(abs(angle[-1] - angle[0])) / (2 * np.pi)
+    if turns == 0.0:
+        msg = "nothing has turned: there are no cycles of a revolution; take a longer part"
+        raise InvalidInput(msg)
+    # Each interval's peak comes before the value of the row that ends it.
+    history = np.stack([most, now], axis=1).reshape(-1, now.shape[1])
+    largest = max(float(history.max()), np.finfo(float).tiny)
+    edges = np.linspace(0.0, largest, bins + 1)
+    cycles = np.zeros((now.shape[1], bins))
+    for k, one in enumerate(history.T):
+        ranges, counts = rainflow.count(one, _SMALLEST * largest)
+        cycles[k] = np.histogram(ranges, edges, weights=counts)[0]
+    return xr.Dataset(
+        {
+            "cycles": ((part, "range"), cycles / turns, {"units": "1"}),
+            "largest": (part, history.max(0), {"units": "Pa"}),
+        },
+        {
+            part: numbers,
+            "range": ("range", 0.5 * (edges[1:] + edges[:-1]), {"units": "Pa"}),
+        },
+        {"contact": contact, "revolutions": turns},
+    )
+
+
+def contact_modulus(chain: Chain) -> float:
+    """Return the modulus of the contact of two bodies of the chain's material [Pa]."""
+    material = chain.material
+    return 0.5 * material.elastic_modulus / (1.0 - material.poisson_ratio**2)
+
+
+def hinge_curvature(chain: Chain) -> float:
+    """Return the curvature of the pin less that of its bore [1/m]."""
+    return 1.0 / chain.hinge.pin_radius - 1.0 / chain.hinge.bore_radius
+
+
+def surface_curvature(drive: ChainDrive, sprocket: int) -> Array:
+    """Return the curvature of a bushing and each surface of a tooth, from the seat outward [1/m].
+
+    A hollow surface takes its own from the bushing's, a round one adds it.
+    """
+    radii = np.array(_rustchain.tooth_radii(drive.sprockets[sprocket - 1], drive.chain))
+    curvature: Array = 1.0 / drive.chain.bushing_radius - 1.0 / radii
+    return curvature
+
+
+def tooth_curvature(result: Result) -> Array:
+    """Return the curvature of each bushing's contact, or of its last one [1/m], (times, bushings).
+
+    An edge, or a surface that whole teeth do not have, counts as the outermost surface.
+    """
+    wheel, region = result.array("tooth_sprocket"), result.array("tooth_region")
+    curvature = np.full(wheel.shape, surface_curvature(result.drive, 1)[0])  # never in contact
+    sprockets = len(result.drive.sprockets)
+    curvature[wheel > sprockets] = 1.0 / result.drive.chain.bushing_radius  # on something flat
+    for k in range(sprockets):
+        of = surface_curvature(result.drive, k + 1)
+        there = wheel == k + 1
+        curvature[there] = of[np.minimum(np.abs(region[there] - len(of)), len(of) - 1)]
+    filled: Array = np.take_along_axis(curvature, nearest_contact(result), 0)
+    return filled
+
+
+def check_contact(contact: str) -> None:
+    """Raise where there is no such contact."""
+    if contact not in ("hinge", "tooth"):
+        msg = f"contact: {contact!r} is no contact; {suggest(contact, ('hinge', 'tooth'))}"
+        raise InvalidInput(msg)
+
+
+def _of_gaps(
+    result: Result, sprocket: int, rows: slice, now: Array, most: Array
+) -> tuple[Array, Array]:
+    """Return the pressures in each gap of a sprocket, (times, gaps)."""
+    nearest = nearest_contact(result)[rows]
+    wheel, gap = (
+        np.take_along_axis(result.array(f"tooth_{name}"), nearest, 0)
+        for name in ("sprocket", "index")
+    )
+    row, bushing = np.nonzero((wheel == sprocket) & (most > 0.0))
+    gaps = gap[row, bushing]
+    shape = (len(now), result.drive.sprockets[sprocket - 1].teeth)
+    of_gaps = np.zeros(shape), np.zeros(shape)
+    for found, of in zip(of_gaps, (now, most), strict=True):
+        np.maximum.at(found, (row, gaps), of[row, bushing])
+    return of_gaps

@@ -1,0 +1,65 @@
+"""Key figures of a run in one dictionary."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rustchain.drive import Free
+from rustchain.outputs.window import rows_between
+
+if TYPE_CHECKING:
+    from rustchain.result import Result
+
+
+def summary(result: Result, start: float | None, end: float | None) -> dict[str, float]:
+    """Return what `Outputs.summary` promises.
+
+    Forces in N, powers in W, lengths in m; ripples and shares are ratios.
+    """
+    rows = rows_between(result, start, end)
+    found: dict[str, float] = {}
+    if "hinges" in result.groups:
+        for name, tension in zip(
+            result.strand_names, result.array("strand_tension")[rows].T, strict=True
+        ):
+            found[f"tension_{name}"] = float(tension.mean())
+            found[f"tension_{name}_std"] = float(tension.std())
+        if result.drive.hinges == "clearance":
+            depth = result.array("hinge_penetration")[rows]
+            found["hinge_contact_share"] = float((depth > 0.0).mean())
+    for part, group in (("hinge", "hinges"), ("tooth", "teeth")):
+        if group in result.groups:
+            peak = result.array(f"peak_{part}_force")[rows]
+            found[f"{part}_force_p99"] = float(np.quantile(peak, 0.99))
+            found[f"{part}_force_largest"] = float(peak.max())
+    if {"sprockets", "teeth"} <= set(result.groups):
+        impacts = result.engagements(start=start, end=end)["force"]
+        if len(impacts):
+            found["engagement_force_mean"] = float(impacts.mean())
+            found["engagement_force_p95"] = float(impacts.quantile(0.95))
+    if "sprockets" in result.groups:
+        found |= _transmission(result, start, end)
+    if {"sprockets", "energy"} <= set(result.groups) and rows.stop - rows.start > 1:
+        power = result.power_balance(start=start, end=end)
+        found["loss"] = float(power["loss"].sum())
+        motions = [sprocket.motion for sprocket in result.drive.sprockets]
+        if len(motions) > 1 and not all(isinstance(motion, Free) for motion in motions[1:]):
+            found["efficiency"] = float(power["efficiency"])
+    return found
+
+
+def _transmission(result: Result, start: float | None, end: float | None) -> dict[str, float]:
+    """Return transmission error and ripple of each sprocket but the first."""
+    found: dict[str, float] = {}
+    angle = result.array("sprocket_angle")[rows_between(result, start, end)]
+    if len(angle) < 8 or not np.ptp(angle[:, 0]) > 0.0:
+        return found
+    for number in range(2, len(result.drive.sprockets) + 1):
+        error = result.transmission_error(number, 1, start=start, end=end)
+        found[f"transmission_error_{number}"] = error.attrs["peak_to_peak_length"]
+        if np.ptp(angle[:, number - 1]) > 0.0:
+            ripple = result.speed_ripple(number, start=start, end=end)
+            found[f"ripple_{number}"] = ripple.attrs["rms"]
+    return found

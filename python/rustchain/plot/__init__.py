@@ -1,0 +1,20 @@
+"""Figures from a result, in the form of the published ones; of studies and loss maps."""
+
+from __future__ import annotations
+
+from rustchain.plot.contacts import ContactFigures
+from rustchain.plot.histories import HistoryFigures
+from rustchain.plot.loads import LoadFigures
+from rustchain.plot.motion import MotionFigures
+from rustchain.plot.picture import DrivePicture
+from rustchain.plot.studies import draw_loss_map
+
+__all__ = ["Plots", "draw_loss_map"]
+
+
+class Plots(ContactFigures, LoadFigures, MotionFigures, HistoryFigures, DrivePicture):
+    """The figures of a result; every method returns a matplotlib figure.
+
+    `start` and `end` [s] choose a part of the time, by default all of it. Several hinges or
+    bushings stand side by side.
+    """

@@ -1,0 +1,179 @@
+"""Figures of single contacts: forces over time, force against penetration, orbits of pins."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Literal
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+
+from rustchain import _rustchain
+from rustchain._names import known_keywords, suggest
+from rustchain.errors import InvalidInput
+from rustchain.plot.style import (
+    BLUE,
+    CYCLE,
+    GREEN,
+    GREY,
+    ORANGE,
+    RED,
+    Figures,
+    legend_of_distinct,
+    panels,
+    styled,
+)
+from rustchain.result import Bushing
+
+_SURFACES = (BLUE, ORANGE, GREEN, RED)  # of the tooth, from the seat outward
+
+
+class ContactFigures(Figures):
+    """The figures of single hinges and bushings."""
+
+    @known_keywords
+    @styled
+    def hinge_force(
+        self, hinge: int, *more: int, start: float | None = None, end: float | None = None
+    ) -> Figure:
+        """Draw the contact force of hinges over time."""
+        numbers = (hinge, *more)
+        rows = self.rows(start, end)
+        figure, cells = panels(len(numbers), "time [s]", "pin / bushing force [N]")
+        for axes, number in zip(cells, numbers, strict=True):
+            view = self.result.hinge(number)
+            axes.plot(view.time[rows], view.force[rows], color=BLUE)
+            axes.set_title(f"hinge {number}")
+        return figure
+
+    @known_keywords
+    @styled
+    def tooth_force(
+        self, bushing: int, *more: int, start: float | None = None, end: float | None = None
+    ) -> Figure:
+        """Draw the tooth force of bushings over time, each stay with its sprocket and gap."""
+        numbers = (bushing, *more)
+        window = self.rows(start, end)
+        figure, cells = panels(len(numbers), "time [s]", "bushing / tooth force [N]")
+        for axes, number in zip(cells, numbers, strict=True):
+            view = self.result.bushing(number)
+            axes.plot(
+                view.time[window], np.zeros_like(view.time[window]), color=GREY, linewidth=0.5
+            )
+            for rows, sprocket, tooth in _visits(view, window):
+                time, force = view.time[rows], view.tooth_force[rows]
+                color = CYCLE[(sprocket - 1) % len(CYCLE)]
+                axes.plot(time, force, color=color, label=f"sprocket {sprocket}")
+                axes.annotate(
+                    f"tooth {tooth}",
+                    (time.mean(), force.max()),
+                    xytext=(0, 2),
+                    textcoords="offset points",
+                    horizontalalignment="center",
+                    fontsize=7.5,
+                    color=color,
+                )
+            axes.set_title(f"bushing {number}")
+            axes.margins(y=0.12)
+            legend_of_distinct(axes)
+        return figure
+
+    @known_keywords
+    @styled
+    def force_penetration(
+        self,
+        number: int,
+        *more: int,
+        contact: Literal["tooth", "hinge"] = "tooth",
+        start: float | None = None,
+        end: float | None = None,
+    ) -> Figure:
+        """Draw force against penetration of bushings on teeth, or of pins in bushings.
+
+        Tooth contacts are coloured by the region of the tooth that the bushing is on; with regions
+        "kept" its stiffness is that of the region where the contact began, so that points of one
+        colour may lie on two lines. Hinges are shown with the elastic part of their law.
+        """
+        if contact not in ("tooth", "hinge"):
+            msg = f"contact: {contact!r} is no contact; {suggest(contact, ('tooth', 'hinge'))}"
+            raise InvalidInput(msg)
+        numbers = (number, *more)
+        rows = self.rows(start, end)
+        draw = self._tooth_loops if contact == "tooth" else self._hinge_loops
+        label = "bushing / tooth" if contact == "tooth" else "pin / bushing"
+        figure, cells = panels(len(numbers), "penetration [µm]", f"{label} force [N]")
+        for axes, one in zip(cells, numbers, strict=True):
+            draw(axes, one, rows)
+            legend_of_distinct(axes)
+        cells[0].set(xlim=(0.0, None), ylim=(0.0, None))  # of all panels
+        return figure
+
+    @known_keywords
+    @styled
+    def orbit(
+        self, hinge: int, *more: int, start: float | None = None, end: float | None = None
+    ) -> Figure:
+        """Draw the path of a pin's centre in its bushing, with the circle where contact begins."""
+        numbers = (hinge, *more)
+        rows = self.rows(start, end)
+        clearance = 1e6 * self.result.drive.chain.hinge.clearance
+        figure, cells = panels(len(numbers), "x [µm]", "y [µm]", size=(3.5, 3.4))
+        for axes, number in zip(cells, numbers, strict=True):
+            path = 1e6 * self.result.hinge(number).eccentricity[rows]
+            axes.plot(*path.T, color=BLUE, linewidth=0.4, alpha=0.8)
+            axes.add_patch(Circle((0.0, 0.0), clearance, fill=False, color=RED, zorder=3))
+            axes.set_aspect("equal")
+            axes.set_xlim(-1.2 * clearance, 1.2 * clearance)
+            axes.set_ylim(-1.2 * clearance, 1.2 * clearance)
+            axes.set_title(f"pin {number} in its bushing")
+        return figure
+
+    def _tooth_loops(self, axes: Axes, number: int, rows: slice) -> None:
+        """Draw force against penetration of a bushing, coloured by region."""
+        view = self.result.bushing(number)
+        force, region = view.tooth_force[rows], view.region[rows]
+        touching = force > 0.0
+        penetration = 1e6 * view.tooth_penetration[rows]
+        drive = self.result.drive
+        for wheel, sprocket in enumerate(drive.sprockets, 1):
+            names = _rustchain.tooth_surfaces(sprocket, drive.chain)
+            for step, name in enumerate(names):
+                there = touching & (view.sprocket[rows] == wheel)
+                there &= np.abs(region - len(names)) == step
+                if there.any():
+                    (dots,) = axes.plot(penetration[there], force[there], "o", markersize=2.2)
+                    dots.set_color(_SURFACES[step % len(_SURFACES)])
+                    dots.set_label(name.removesuffix(" curve"))
+        axes.set_title(f"bushing {number}")
+
+    def _hinge_loops(self, axes: Axes, number: int, rows: slice) -> None:
+        """Draw force against penetration of a hinge, over the elastic part of its law."""
+        view, chain = self.result.hinge(number), self.result.drive.chain
+        hinge = chain.hinge
+        touching = view.force[rows] > 0.0
+        penetration, force = view.penetration[rows][touching], view.force[rows][touching]
+        axes.plot(1e6 * penetration, force, "o", markersize=1.8, color=BLUE)
+        if touching.any():
+            depth = np.linspace(0.0, penetration.max(), 200)
+            radii = hinge.pin_radius, hinge.bore_radius
+            law = self.result.hinge_law
+            length = chain.strands * hinge.length
+            elastic = _rustchain.law_force(law, "internal", *radii, length, chain.material, depth)
+            axes.plot(
+                1e6 * depth, elastic, color=RED, linewidth=1.0, label=f"{law.elastic}, elastic part"
+            )
+        axes.set_title(f"hinge {number}")
+
+
+def _visits(bushing: Bushing, window: slice) -> Iterator[tuple[slice, int, int]]:
+    """Yield each stay in one tooth gap, flights between impacts included: rows, sprocket, gap."""
+    rows = np.flatnonzero(bushing.sprocket[window]) + window.start
+    if rows.size == 0:
+        return
+    where = np.stack([bushing.sprocket[rows], bushing.tooth[rows]])
+    changes = np.flatnonzero((np.diff(where) != 0).any(axis=0)) + 1
+    for stay in np.split(rows, changes):
+        rows_of_stay = slice(max(stay[0] - 1, window.start), min(stay[-1] + 2, window.stop))
+        yield rows_of_stay, int(bushing.sprocket[stay[0]]), int(bushing.tooth[stay[0]])

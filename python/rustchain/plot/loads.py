@@ -1,0 +1,168 @@
+"""Figures of loads over a revolution: hinges along the way, teeth, wrap, pressure, impacts."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rustchain._names import known_keywords
+from rustchain.outputs.circuit import Circuit
+from rustchain.plot.style import (
+    BLUE,
+    CYCLE,
+    GREY,
+    ORANGE,
+    RED,
+    Figures,
+    legend_above,
+    panels,
+    styled,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_QUANTILES = (0.05, 0.95)
+
+
+class LoadFigures(Figures):
+    """The figures of loads over a revolution."""
+
+    @known_keywords
+    @styled
+    def hinge_loads(self, *, start: float | None = None, end: float | None = None) -> Figure:
+        """Draw the hinge force along the chain's way: mean, nine tenths of the reports, largest."""
+        found = self.result.hinge_loads(quantiles=_QUANTILES, start=start, end=end)
+        figure, axes = plt.subplots(figsize=(7.0, 3.2))
+        _band(axes, found["position"].to_numpy(), found)
+        circuit = Circuit.of(self.result.drive)
+        for section in circuit.sections:
+            if section.sprocket is None:
+                continue
+            for shift in (0, circuit.links):
+                axes.axvspan(section.begin + shift, section.end + shift, color=GREY, alpha=0.12)
+        for section in circuit.sections:
+            middle = 0.5 * (section.begin + section.end) % circuit.links
+            axes.text(
+                middle, 0.99, section.name, ha="center", va="top", fontsize=7.5, color=GREY,
+                transform=axes.get_xaxis_transform(),
+            )  # fmt: skip
+        axes.set(xlim=(0.0, circuit.links), ylim=(0.0, None))
+        axes.set(xlabel="position on the chain's way [pitches]", ylabel="hinge force [N]")
+        legend_above(axes)
+        return figure
+
+    @known_keywords
+    @styled
+    def tooth_loads(
+        self, sprocket: int = 1, *, start: float | None = None, end: float | None = None
+    ) -> Figure:
+        """Draw the tooth force over a sprocket's revolution, and the load of each tooth."""
+        found = self.result.tooth_loads(sprocket, quantiles=_QUANTILES, start=start, end=end)
+        figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.2), width_ratios=(1.7, 1.0))
+        _band(left, np.degrees(found["angle"].to_numpy()), found)
+        left.set(xlim=(0.0, 360.0), ylim=(0.0, None), xticks=range(0, 361, 60))
+        left.set(xlabel="direction of the gap [°]", ylabel="tooth force [N]")
+        legend_above(left)
+        tooth = found["tooth"].to_numpy()
+        right.bar(tooth, found["tooth_largest"], color=BLUE, alpha=0.25, label="largest")
+        right.bar(tooth, found["tooth_mean"], color=BLUE, label="mean")
+        right.set(xlabel=f"gap of sprocket {sprocket}", ylabel="force over a revolution [N]")
+        legend_above(right)
+        return figure
+
+    @known_keywords
+    @styled
+    def wrap_loads(
+        self,
+        sprocket: int = 1,
+        *more: int,
+        start: float | None = None,
+        end: float | None = None,
+    ) -> Figure:
+        """Draw how the load is distributed along the wrap of sprockets."""
+        numbers = (sprocket, *more)
+        figure, cells = panels(len(numbers), "place in the wrap [pitches]", "force [N]")
+        longest = 0.0
+        for axes, number in zip(cells, numbers, strict=True):
+            found = self.result.wrap_loads(number, quantiles=_QUANTILES, start=start, end=end)
+            position = found["position"].to_numpy()
+            _band(axes, position, found, "tooth, ")
+            axes.plot(
+                position, found["hinge_mean"], color=GREY, linestyle="--", label="hinge, mean"
+            )
+            for place in (0.0, found.attrs["wrap"]):
+                axes.axvline(place, color=GREY, linewidth=0.7)
+            axes.set_title(f"sprocket {number}")
+            longest = max(longest, found.attrs["wrap"])
+        handles, labels = cells[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper left", ncols=len(labels))
+        cells[0].set(xlim=(-1.0, longest + 1.0), ylim=(0.0, None))
+        return figure
+
+    @known_keywords
+    @styled
+    def contact_pressure(
+        self,
+        contact: Literal["hinge", "tooth"] = "hinge",
+        *,
+        start: float | None = None,
+        end: float | None = None,
+    ) -> Figure:
+        """Draw the largest contact pressure over time, and its cycles per revolution."""
+        found = self.result.contact_pressure(contact, start=start, end=end)
+        cycles = self.result.pressure_cycles(contact, start=start, end=end)
+        part = "hinge" if contact == "hinge" else "bushing"
+        figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.0), width_ratios=(1.4, 1.0))
+        pressure = 1e-6 * found["peak_pressure"]
+        time = found["time"]
+        left.plot(time, pressure.max(part), color=RED, linewidth=0.5, label="hardest pressed")
+        left.plot(time, pressure.mean(part), color=BLUE, linewidth=0.6, label="mean of all")
+        left.set(xlabel="time [s]", ylabel=f"pressure, all {part}s [MPa]", ylim=(0.0, None))
+        legend_above(left)
+        classes = 1e-6 * cycles["range"].to_numpy()
+        mean = cycles["cycles"].mean(part).to_numpy()
+        # What is there at least as often: cycles of this range or a larger one.
+        right.step(classes, np.cumsum(mean[::-1])[::-1], where="mid", color=ORANGE)
+        right.set(xlabel="range of the pressure [MPa] or more", xlim=(0.0, None))
+        if mean.any():
+            right.set_yscale("log")
+        right.set_ylabel(f"cycles of a {part} per round")
+        return figure
+
+    @known_keywords
+    @styled
+    def engagements(
+        self,
+        sprocket: int | None = None,
+        *,
+        start: float | None = None,
+        end: float | None = None,
+    ) -> Figure:
+        """Draw force and impulse of every engagement impact over time."""
+        found = self.result.engagements(sprocket, start=start, end=end)
+        figure, axes = plt.subplots(2, 1, sharex=True, figsize=(7.0, 3.8))
+        for number in found["sprocket"].unique().tolist():
+            rows = found[found["sprocket"] == number]
+            color = CYCLE[(number - 1) % len(CYCLE)]
+            for cell, values in zip(axes, (rows["force"], 1e3 * rows["impulse"]), strict=True):
+                cell.plot(rows["time"], values, "o", markersize=2.5, color=color)
+            axes[0].plot([], [], "o", markersize=4.0, color=color, label=f"sprocket {number}")
+        axes[0].set(ylabel="impact force [N]", ylim=(0.0, None))
+        axes[1].set(ylabel="impulse [N ms]", xlabel="time [s]", ylim=(0.0, None))
+        figure.align_ylabels()
+        if len(found):
+            legend_above(axes[0])
+        return figure
+
+
+def _band(axes: Axes, x: object, found: xr.Dataset, of: str = "") -> None:
+    """Draw mean, the band between two quantiles, and the largest value."""
+    low, high = (found["quantiles"].isel(quantile=k) for k in (0, -1))
+    axes.fill_between(x, low, high, color=BLUE, alpha=0.2, linewidth=0.0, label=f"{of}5 to 95 %")  # type: ignore[arg-type]
+    axes.plot(x, found["mean"], color=BLUE, label=f"{of}mean")  # type: ignore[arg-type]
+    axes.plot(x, found["largest"], color=RED, linewidth=0.6, label=f"{of}largest")  # type: ignore[arg-type]

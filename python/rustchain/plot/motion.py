@@ -1,0 +1,197 @@
+"""Figures of motion and power: transmission error, ripple, strands across, power balance."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rustchain._names import known_keywords, suggest
+from rustchain.errors import InvalidInput
+from rustchain.plot.style import (
+    BLUE,
+    CYCLE,
+    GREEN,
+    GREY,
+    RED,
+    Figures,
+    legend_above,
+    styled,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+class MotionFigures(Figures):
+    """The figures of motion and power."""
+
+    @known_keywords
+    @styled
+    def transmission_error(
+        self,
+        driven: int = 2,
+        driver: int = 1,
+        *,
+        start: float | None = None,
+        end: float | None = None,
+    ) -> Figure:
+        """Draw the transmission error over the driver's angle, and its spectrum by order."""
+        found = self.result.transmission_error(driven, driver, start=start, end=end)
+        figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 2.9))
+        left.plot(found["driver_angle"] / (2 * np.pi), 1e6 * found["error_length"], color=BLUE)
+        left.set(xlabel=f"revolutions of sprocket {driver}")
+        left.set(ylabel=f"error of sprocket {driven} [µm]")
+        radius = found.attrs["peak_to_peak_length"] / found.attrs["peak_to_peak"]
+        _orders(right, found, 1e6 * radius, "amplitude [µm]", driver)
+        return figure
+
+    @known_keywords
+    @styled
+    def speed_ripple(
+        self, sprocket: int = 2, *, start: float | None = None, end: float | None = None
+    ) -> Figure:
+        """Draw the speed of a sprocket over time, and the spectrum of its ripple by order."""
+        found = self.result.speed_ripple(sprocket, start=start, end=end)
+        figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 2.9))
+        left.plot(found["time"], found["speed"], color=BLUE)
+        left.axhline(found.attrs["mean"], color=GREY, linestyle="--")
+        left.set(xlabel="time [s]", ylabel=f"speed of sprocket {sprocket} [rad/s]")
+        _orders(right, found, 100.0, "amplitude of the ripple [%]", sprocket)
+        return figure
+
+    @known_keywords
+    @styled
+    def strand_spectrum(
+        self,
+        strand: str | int,
+        *,
+        segment: float | None = None,
+        start: float | None = None,
+        end: float | None = None,
+    ) -> Figure:
+        """Draw a strand's transverse motion, its spectrum, and its natural frequencies."""
+        motion = self.result.strand_motion(strand, start=start, end=end)
+        found = self.result.strand_spectrum(strand, segment=segment, modes=5, start=start, end=end)
+        figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 2.9))
+        for k, station in enumerate(motion["station"].to_numpy()):
+            left.plot(
+                motion["time"],
+                1e3 * motion[:, k],
+                color=CYCLE[k],
+                label=f"at {station:g}",
+            )
+            right.plot(found["frequency"], found["density"][k], color=CYCLE[k])
+        left.set(xlabel="time [s]", ylabel=f"strand {motion.attrs['strand']}, outward [mm]")
+        legend_above(left)
+        natural = found["natural_frequency"].to_numpy()
+        known = natural[np.isfinite(natural)]
+        for number, frequency in enumerate(known, 1):
+            right.axvline(frequency, color=GREY, linestyle="--", linewidth=0.7)
+            right.text(
+                frequency, 1.0, f"{number}", ha="center", va="bottom", fontsize=7.5, color=GREY,
+                transform=right.get_xaxis_transform(),
+            )  # fmt: skip
+        highest = 1.5 * known.max() if known.size else float(found["frequency"].max())
+        shown = found["density"].where(found["frequency"] <= highest)
+        right.set(yscale="log", xlim=(0.0, highest))
+        right.set_ylim(max(1e-7 * float(shown.max()), 1e-30), 3.0 * float(shown.max()))
+        right.set(xlabel="frequency [Hz]", ylabel="density [m²/Hz]")
+        return figure
+
+    @styled
+    def spectrum(
+        self,
+        name: str,
+        *,
+        segment: float | None = None,
+        start: float | None = None,
+        end: float | None = None,
+        **of: object,
+    ) -> Figure:
+        """Draw the spectrum of a recorded array; ``strand="upper"`` or ``hinge=6`` selects from it.
+
+        Without a selection, a line for each part, or the mean of more than eight.
+        """
+        found = self.result.spectrum(name, segment=segment, start=start, end=end)
+        for dim in of:
+            if dim not in found.dims:
+                known = [str(each) for each in found.dims if each != "frequency"]
+                msg = f"{dim}: {name!r} has no such parts; {suggest(dim, known)}"
+                raise InvalidInput(msg)
+        chosen = found.sel(of)
+        others = [dim for dim in chosen.dims if dim != "frequency"]
+        figure, axes = plt.subplots(figsize=(7.0, 2.9))
+        lines = chosen.stack(part=others) if others else chosen.expand_dims("part")
+        if lines.sizes["part"] > len(CYCLE):
+            axes.plot(lines["frequency"], lines.mean("part"), color=BLUE, label="mean of all")
+        else:
+            for k in range(lines.sizes["part"]):
+                label = (
+                    ", ".join(map(str, np.atleast_1d(lines["part"].values[k]))) if others else ""
+                )
+                axes.plot(lines["frequency"], lines.isel(part=k), color=CYCLE[k], label=label)
+        axes.set(yscale="log", xlabel="frequency [Hz]", xlim=(0.0, None))
+        axes.set_ylabel(f"{name.replace('_', ' ')} [{found.attrs['units'].replace('^2', '²')}]")
+        if others:
+            legend_above(axes)
+        return figure
+
+    @known_keywords
+    @styled
+    def power_balance(self, *, start: float | None = None, end: float | None = None) -> Figure:
+        """Draw mean powers: shafts, losses by channel, stored energy, residual."""
+        found = self.result.power_balance(start=start, end=end)
+        bars = [
+            *(
+                (f"sprocket {number}", float(power), BLUE)
+                for number, power in zip(
+                    found["sprocket"].to_numpy(), found["shaft_power"].to_numpy(), strict=True
+                )
+            ),
+            *(
+                (f"lost: {name}".replace("_", " "), -float(power), RED)
+                for name, power in zip(
+                    found["channel"].to_numpy(), found["loss"].to_numpy(), strict=True
+                )
+            ),
+            ("stored", -float(found["stored"].sum()), GREEN),
+            ("residual", float(found["residual"]), GREY),
+        ]
+        figure, axes = plt.subplots(figsize=(7.0, 0.9 + 0.32 * len(bars)))
+        names, powers, colors = zip(*bars, strict=True)
+        axes.barh(names, powers, color=colors, height=0.6)
+        for place, power in enumerate(powers):
+            left = power >= 0.0
+            axes.annotate(
+                f"{power:.4g} W",
+                (power, place),
+                xytext=(4 if left else -4, 0),
+                textcoords="offset points",
+                ha="left" if left else "right",
+                va="center",
+                fontsize=8.0,
+            )
+        axes.invert_yaxis()
+        axes.margins(x=0.25)
+        axes.axvline(0.0, color=GREY, linewidth=0.7)
+        axes.set(xlabel="power into the drive [W]")
+        efficiency = float(found["efficiency"])
+        if np.isfinite(efficiency):
+            axes.set_title(f"efficiency {efficiency:.4f}")
+        return figure
+
+
+def _orders(axes: Axes, found: xr.Dataset, scale: float, label: str, number: int) -> None:
+    """Draw amplitudes by order, the teeth's orders marked."""
+    tooth = found.attrs["tooth_order"]
+    order, amplitude = found["order"].to_numpy(), scale * found["amplitude"].to_numpy()
+    shown = (order > 0.0) & (order <= 4.5 * tooth)
+    axes.plot(order[shown], amplitude[shown], color=BLUE)
+    for multiple in range(1, 5):
+        axes.axvline(multiple * tooth, color=GREY, linestyle="--", linewidth=0.7)
+    axes.set(xlabel=f"order, per revolution of sprocket {number}", ylabel=label)
+    axes.set(xlim=(0.0, 4.5 * tooth), ylim=(0.0, None))

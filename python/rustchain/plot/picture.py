@@ -1,0 +1,134 @@
+"""The picture of a drive at one instant: sprockets, links, pins and numbers."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import to_rgba
+from matplotlib.figure import Figure
+
+from rustchain import _rustchain
+from rustchain._names import known_keywords
+from rustchain.plot.style import GREY, Figures, styled
+from rustchain.result import Array
+
+if TYPE_CHECKING:
+    from matplotlib.typing import ColorType
+
+_INNER, _OUTER, _STEEL, _INK = "#5b8fb9", "#f0b35a", "#d5dae0", "#3b4048"
+
+
+class DrivePicture(Figures):
+    """The drive as it stands at one instant."""
+
+    @known_keywords
+    @styled
+    def drive(self, time: float | None = None) -> Figure:
+        """Draw the drive at the row nearest to `time` [s], by default at the start.
+
+        Without bodies recorded, the start or the end is drawn, whichever is nearer, with a warning
+        where that is not what was asked for.
+        """
+        time, positions = self._snapshot(time)
+        drive, chain = self.result.drive, self.result.drive.chain
+        links, wheels = positions[: chain.links], positions[-len(drive.sprockets) :]
+        hinges = _placed(links, np.array([[0.5 * chain.pitch, 0.0]]))[:, 0]
+        low = hinges.min(axis=0) - 1.6 * chain.pitch
+        high = hinges.max(axis=0) + 1.6 * chain.pitch
+        width, height = 8.0 * (high - low) / (high - low)[0]
+        figure, axes = plt.subplots(figsize=(width, height + 0.6))
+
+        for sprocket, pose in zip(drive.sprockets, wheels[:, None], strict=True):
+            outline = _rustchain.tooth_outline(sprocket, chain, 12)
+            _add_polygons(axes, _placed(pose, outline), _STEEL, GREY)
+            _add_polygons(axes, _placed(pose, _circle(0.5 * chain.pitch)), "white", GREY)
+            mark = chain.pitch * np.array([[0.5, 0.0], [1.1, 0.0]])  # points to gap 0
+            axes.plot(*_placed(pose, mark)[0].T, color=GREY, linewidth=1.2)
+        # First link, height of the drawn plate over the pitch, colour.
+        for first, share, color in ((0, 0.8, _INNER), (1, 0.7, _OUTER)):
+            plate = _plate_outline(chain.pitch, share * chain.pitch)
+            _add_polygons(axes, _placed(links[first::2], plate), to_rgba(color, 0.55), color)
+        for radius, face in ((chain.bushing_radius, "none"), (chain.hinge.pin_radius, "white")):
+            _add_polygons(axes, hinges[:, None] + _circle(radius), face, _INK)
+        for number in (1, *range(6, chain.links + 1, 5)):
+            here = hinges[number - 1]
+            if len(wheels) == 2:
+                x, y = _outside(here, wheels[:, :2], chain.pitch)
+            else:  # to the right of the chain, which runs counterclockwise
+                along = hinges[number % chain.links] - hinges[number - 2]
+                x, y = here + chain.pitch * np.array([along[1], -along[0]]) / np.hypot(*along)
+            axes.text(x, y, str(number), fontsize=7.5, ha="center", va="center")
+
+        axes.set(aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+        axes.set(xlabel="x [mm]", ylabel="y [mm]", title=f"t = {time:.4g} s")
+        axes.grid(visible=False)
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_formatter(lambda value, _: f"{1e3 * value:g}".replace("-", "−"))
+        return figure
+
+    def _snapshot(self, time: float | None) -> tuple[float, Array]:
+        """Return the recorded time nearest to `time` and the positions then."""
+        result = self.result
+        row = 0 if time is None else int(np.abs(result.time - time).argmin())
+        found = float(result.time[row])
+        if "positions" in result.arrays:
+            return found, result.arrays["positions"][row]
+        last = len(result.time) - 1
+        if row not in (0, last):
+            row = last if 2 * row > last else 0
+            found = float(result.time[row])
+            msg = (
+                f"drawn at t = {found:g} s: bodies were not recorded between start and end; "
+                "pass record=(..., 'bodies') to run"
+            )
+            warnings.warn(msg, UserWarning, stacklevel=3)
+        return found, result.final_positions if row == last else result.initial_positions
+
+
+def _add_polygons(axes: Axes, outlines: Array, face: ColorType, edge: ColorType) -> None:
+    """Add closed polygons, (polygons, points, 2)."""
+    axes.add_collection(
+        PolyCollection(list(outlines), facecolor=face, edgecolor=edge, linewidth=0.7)
+    )
+
+
+def _placed(poses: Array, points: Array) -> Array:
+    """Return `points`, (points, 2), of a body at each of its `poses`: (poses, points, 2)."""
+    cosine, sine = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    turn = np.array([[cosine, -sine], [sine, cosine]])
+    placed: Array = np.einsum("ijk,pj->kpi", turn, points) + poses[:, None, :2]
+    return placed
+
+
+def _circle(radius: float) -> Array:
+    """Return a circle about the origin as a polygon, (points, 2)."""
+    angle = np.linspace(0.0, 2 * np.pi, 48, endpoint=False)
+    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def _plate_outline(pitch: float, height: float) -> Array:
+    """Return the outline of a waisted link plate in its own frame, (points, 2)."""
+    end, waist = 0.5 * height, 0.36 * height
+    rise = ((0.5 * pitch) ** 2 - (end - waist) ** 2) / (2 * (end - waist))
+    # The arc of the waist, about (0, rise), touches the round ends, about (+-pitch/2, 0).
+    lean = np.arctan2(rise, 0.5 * pitch)
+    round_end = np.linspace(lean - np.pi, np.pi - lean, 40)
+    right = end * np.stack([np.cos(round_end), np.sin(round_end)], axis=-1) + [0.5 * pitch, 0.0]
+    fall = np.linspace(-lean, lean - np.pi, 20)[1:-1]
+    upper = (rise - waist) * np.stack([np.cos(fall), np.sin(fall)], axis=-1) + [0.0, rise]
+    half = np.concatenate([right, upper])
+    return np.concatenate([half, -half])
+
+
+def _outside(point: Array, centers: Array, distance: float) -> Array:
+    """Return the point moved by `distance` away from the line that joins `centers`."""
+    along = centers[-1] - centers[0]
+    share = np.clip((point - centers[0]) @ along / (along @ along), 0.0, 1.0)
+    away = point - centers[0] - share * along
+    moved: Array = point + distance * away / np.linalg.norm(away)
+    return moved

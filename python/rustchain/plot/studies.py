@@ -1,0 +1,90 @@
+"""Figures of many runs: a study's measures with their intervals, a map of losses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.figure import Figure
+
+from rustchain._names import suggest
+from rustchain.errors import InvalidInput
+from rustchain.plot.style import BLUE, GREY, RED, panels, styled
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rustchain.study import StudyResult
+
+
+@styled
+def draw_study(study: StudyResult, measures: Sequence[str]) -> Figure:
+    """Draw what `StudyResult.plot` promises."""
+    samples, statistics = study.samples, study.statistics
+    numbers = [str(name) for name, values in samples.items() if not _own(values, study)]
+    for name in measures:
+        if name not in numbers:
+            msg = f"measures: {name!r} is no measured number; {suggest(name, numbers)}"
+            raise InvalidInput(msg)
+    chosen = list(measures or numbers)
+    axes_of_study = [name for name in study.sweep.axes or {} if name != "disturbance"]
+    over = axes_of_study[0] if axes_of_study else "run"
+    figure, cells = panels(len(chosen), over, "", size=(3.4, 2.6), share=False)
+    for axes, name in zip(cells, chosen, strict=True):
+        values, found = samples[name], statistics[name]
+        if over == "run":
+            axes.plot(values["run"], values, "o", color=GREY, markersize=3.0)
+            for end, style in (("mean", "-"), ("low", "--"), ("high", "--")):
+                axes.axhline(float(found.sel(statistic=end)), color=BLUE, linestyle=style)
+        else:
+            _over_axis(axes, values, found, over)
+        axes.set_title(name)
+    return figure
+
+
+def _own(values: xr.DataArray, study: StudyResult) -> bool:
+    """Return whether a measure is more than a number."""
+    return bool(set(values.dims) - {*(study.sweep.axes or {}), "run"})
+
+
+def _over_axis(axes: Any, values: xr.DataArray, found: xr.DataArray, over: str) -> None:  # noqa: ANN401
+    """Draw runs and intervals over the values of an axis, one line for each of the others."""
+    label = found[over].to_numpy()
+    numeric = np.issubdtype(label.dtype, np.number)
+    x = label.astype(float) if numeric else np.arange(len(label), dtype=float)
+    others = [dim for dim in found.dims if dim not in (over, "statistic")]
+    rows = found.stack(other=others) if others else found.expand_dims(other=[""])
+    every = values.stack(other=others) if others else values.expand_dims(other=[""])
+    for k in range(rows.sizes["other"]):
+        line = rows.isel(other=k).transpose(over, "statistic")
+        mean, low, high = (line.sel(statistic=end).to_numpy() for end in ("mean", "low", "high"))
+        dots = every.isel(other=k).transpose(over, "run").to_numpy()
+        axes.plot(np.repeat(x, dots.shape[1]), dots.ravel(), "o", color=GREY, markersize=2.0)
+        name = ", ".join(map(str, np.atleast_1d(rows["other"].to_numpy()[k]))) if others else None
+        axes.errorbar(x, mean, (mean - low, high - mean), capsize=3.0, marker="o", label=name)
+    if not numeric:
+        axes.set_xticks(x, label)
+    if others:
+        axes.legend()
+
+
+@styled
+def draw_loss_map(losses: xr.Dataset) -> Figure:
+    """Draw efficiency and power lost over speed and load, from what `rustchain.loss_map` found."""
+    figure, cells = plt.subplots(1, 2, figsize=(8.0, 3.2), sharey=True)
+    speed, torque = losses["speed"].to_numpy(), losses["torque"].to_numpy()
+    for axes, name, scale, label in (
+        (cells[0], "efficiency", 100.0, "efficiency [%]"),
+        (cells[1], "lost", 1.0, "power lost [W]"),
+    ):
+        values = scale * losses[name].transpose("torque", "speed").to_numpy()
+        if min(values.shape) > 1:
+            filled = axes.contourf(speed, np.abs(torque), values, levels=12, cmap="viridis")
+            figure.colorbar(filled, ax=axes)
+        axes.plot(*np.meshgrid(speed, np.abs(torque)), ".", color=RED, markersize=2.5)
+        axes.set(xlabel="speed of the driver [rad/s]", title=label)
+        axes.grid(visible=False)
+    cells[0].set_ylabel("load [N m]")
+    return figure

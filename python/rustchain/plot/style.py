@@ -1,0 +1,95 @@
+"""What all figures share: colours, style, panels, legends, and the rows of a part of the time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import matplotlib.pyplot as plt
+from matplotlib import style
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rustchain.outputs.window import rows_between
+
+if TYPE_CHECKING:
+    from rustchain.result import Result
+
+BLUE, ORANGE, GREEN, RED, GREY = "#0b64a0", "#d9730d", "#2a8f5b", "#b8323a", "#7a7f87"
+CYCLE = (BLUE, ORANGE, GREEN, RED, "#7d5ba6", "#8c6d1f", "#1d9a9a", "#c2608f")
+_STYLE: dict[str, Any] = {
+    "font.size": 9.0,
+    "axes.titlesize": 9.5,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": GREY,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#e4e7eb",
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 0.9,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "figure.constrained_layout.use": True,
+    "figure.dpi": 150,
+}
+
+styled = style.context(_STYLE)
+
+
+@dataclass(frozen=True)
+class Figures:
+    """A result to be drawn."""
+
+    result: Result
+
+    def rows(self, start: float | None, end: float | None) -> slice:
+        """Return the rows from `start` to `end`."""
+        return rows_between(self.result, start, end)
+
+
+def panels(
+    count: int, x: str, y: str, size: tuple[float, float] = (4.2, 2.9), share: bool = True
+) -> tuple[Figure, list[Axes]]:
+    """Return a figure of panels side by side, at most three in a row, by default of one scale."""
+    columns = min(count, 3)
+    rows = -(-count // columns)
+    figure, grid = plt.subplots(
+        rows,
+        columns,
+        sharex=share,
+        sharey=share,
+        squeeze=False,
+        figsize=(size[0] * columns, size[1] * rows),
+    )
+    cells: list[Axes] = list(grid.flat)
+    for axes in cells[count:]:
+        axes.remove()
+    for axes in cells[:count]:
+        axes.set_xlabel(x)
+        axes.tick_params(labelbottom=True)
+    for axes in grid[:, 0]:
+        axes.set_ylabel(y)
+    return figure, cells[:count]
+
+
+def legend_above(axes: Axes) -> None:
+    """Put the legend in one row above the axes, where no curve runs."""
+    columns = len(axes.get_legend_handles_labels()[1])
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, borderaxespad=0.2)
+
+
+def legend_of_distinct(axes: Axes) -> None:
+    """Name every label once, beside the title."""
+    handles, labels = axes.get_legend_handles_labels()
+    once = dict(zip(labels, handles, strict=True))
+    axes.legend(
+        once.values(),
+        once,
+        loc="lower right",
+        bbox_to_anchor=(1.0, 1.0),
+        ncols=len(once),
+        borderaxespad=0.2,
+    )

@@ -1,0 +1,193 @@
+"""A study: a drive run several times from slightly different starts, and what is sure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rustchain._axes import Drive
+from rustchain._names import known_keywords
+from rustchain.errors import InvalidInput, NotRecorded
+from rustchain.force_law import ForceLaw
+from rustchain.result import Result
+from rustchain.simulation import _LAW, _SOLVER, Group, Solver
+from rustchain.sweep import sweep
+from rustchain.sweep_result import SweepResult
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+_STATISTICS = ("mean", "std", "low", "high", "count")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StudyResult:
+    """What several runs of each case came to.
+
+    Attributes
+    ----------
+    sweep : SweepResult
+        The runs, with their errors and notes.
+    confidence : float
+        That the interval of a mean holds the true one.
+    burn_in : float
+        Simulated time that was not measured [s].
+    """
+
+    sweep: SweepResult
+    confidence: float
+    burn_in: float
+
+    def __repr__(self) -> str:
+        """Return how the runs ended."""
+        return f"<StudyResult: {self.sweep.message}>"
+
+    @property
+    def samples(self) -> xr.Dataset:
+        """What was measured of every run: the axes, then "run", then the dimensions of an array."""
+        if self.sweep.errors and all(value is None for value in self.sweep.values):
+            number, error = next(iter(self.sweep.errors.items()))
+            msg = f"no run has a value; the first error, of run {number}: {error!r}"
+            raise NotRecorded(msg)
+        return self.sweep.to_xarray().rename(disturbance="run")
+
+    @property
+    def statistics(self) -> xr.Dataset:
+        """Statistics over the runs, along "statistic".
+
+        "mean", "std" of a run, "low" and "high" ends of the mean's confidence interval, "count" of
+        the runs that have a value. The interval is Student's: of runs that are independent, which
+        chaos makes of different starts within some milliseconds.
+        """
+        import pandas as pd
+        import xarray as xr
+        from scipy import stats
+
+        samples = self.samples
+        count = samples.count("run")
+        mean, spread = samples.mean("run"), samples.std("run", ddof=1)
+        level = 0.5 + 0.5 * self.confidence
+        factors = count.map(lambda n: n.copy(data=stats.t.ppf(level, np.maximum(n - 1, 1))))
+        half = factors * spread / np.sqrt(count)
+        statistic = pd.Index(_STATISTICS, name="statistic")
+        found = xr.concat([mean, spread, mean - half, mean + half, count], statistic)
+        return found.transpose(..., "statistic").assign_attrs(
+            confidence=self.confidence, burn_in=self.burn_in
+        )
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a row for each case and measure, and a column for each statistic."""
+        statistics = self.statistics
+        frame = statistics.to_array("measure").to_dataframe("value")["value"]
+        return frame.unstack("statistic")[list(_STATISTICS)]
+
+    @known_keywords
+    def plot(self, *measures: str) -> Figure:
+        """Draw measures with their confidence intervals and all runs, over the first axis."""
+        from rustchain.plot.studies import draw_study
+
+        return draw_study(self, measures)
+
+
+@known_keywords
+def study(
+    drive: Drive,
+    measure: Callable[[Result], Any] | None = None,
+    runs: int = 8,
+    duration: float = 0.5,
+    burn_in: float = 0.1,
+    confidence: float = 0.95,
+    axes: Mapping[str, Iterable[Any]] | None = None,
+    report_step: float = 1e-4,
+    record: Sequence[Group] = ("hinges", "teeth", "sprockets"),
+    energy: bool = True,
+    force_law: ForceLaw = _LAW,
+    hinge_law: ForceLaw | None = None,
+    tooth_law: ForceLaw | None = None,
+    min_approach_speed: float = 1e-3,
+    solver: Solver = _SOLVER,
+    threads: int | None = None,
+    progress: bool = True,
+) -> StudyResult:
+    """Run a drive several times from slightly different starts, and tell what is sure about it.
+
+    A slack chain is chaotic: two runs whose starts differ by rounding take different paths after
+    some milliseconds, and one run is one sample. The first run is the drive as it is; in the others
+    every sprocket without a prescribed speed starts up to 1e-4 of its speed faster or slower, by
+    the number of the run: a study gives the same numbers when it is made again.
+
+    Parameters
+    ----------
+    drive : ChainDrive, or function that returns one
+        What moves.
+    measure : function of a Result, optional
+        Returns what to know of a run: a number, an array, or a dict of them; the result that it is
+        given begins after `burn_in`. By default `Result.summary`.
+    runs : int
+        How many runs, at least 2.
+    duration : float
+        Simulated time of each [s].
+    burn_in : float
+        Simulated time at the beginning that is not measured [s]: a tensioner's ramp, and the decay
+        of what the start stirred up.
+    confidence : float
+        Of the interval of each mean, between 0 and 1.
+    axes : mapping of str to sequence, optional
+        Parameters as in `sweep`, all of which are combined; each combination is run `runs` times.
+    report_step, record, energy
+        As in `Simulation.run`.
+    force_law, hinge_law, tooth_law, min_approach_speed, solver
+        As in `Simulation`.
+    threads, progress
+        As in `sweep`.
+
+    Returns
+    -------
+    StudyResult
+        Its ``statistics`` hold mean, confidence interval and spread of every measure.
+
+    Raises
+    ------
+    InvalidInput
+        A number is out of its range, or a parameter is not known.
+    """
+    axes = {} if axes is None else axes
+    if isinstance(runs, bool) or not isinstance(runs, int) or runs < 2:
+        msg = f"runs = {runs!r}: must be a whole number of at least 2, for there to be a spread"
+        raise InvalidInput(msg)
+    if not 0.0 < confidence < 1.0:
+        msg = f"confidence = {confidence!r}: must lie between 0 and 1"
+        raise InvalidInput(msg)
+    if not isinstance(axes, Mapping):
+        msg = f"axes = {axes!r}: must map names to sequences of values"
+        raise InvalidInput(msg)
+    if "disturbance" in axes:
+        msg = "axes: 'disturbance' is what makes the runs of a study; say how many by runs=..."
+        raise InvalidInput(msg)
+    shortest = min([duration, *axes.get("duration", ())])
+    if not 0.0 <= burn_in < shortest:
+        msg = f"burn_in = {burn_in!r}: must be from 0 to less than the duration, {shortest:g} s"
+        raise InvalidInput(msg)
+    of = Result.summary if measure is None else measure
+    found = sweep(
+        drive,
+        {**axes, "disturbance": range(runs)},
+        lambda result: of(result.between(start=burn_in)),
+        duration=duration,
+        report_step=report_step,
+        record=record,
+        energy=energy,
+        force_law=force_law,
+        hinge_law=hinge_law,
+        tooth_law=tooth_law,
+        min_approach_speed=min_approach_speed,
+        solver=solver,
+        threads=threads,
+        progress=progress,
+    )
+    return StudyResult(found, confidence, burn_in)

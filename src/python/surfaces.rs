@@ -1,0 +1,25 @@
+//! What tooth surfaces are made of, for Python: their radii.
+
+use pyo3::prelude::*;
+
+use super::describe;
+use crate::geometry::Curve;
+
+/// Radii of the surfaces of whole teeth \[m\], from the seat outward: positive where hollow, negative where round, infinite where
+/// straight.
+#[pyfunction]
+pub(super) fn tooth_radii(
+    sprocket: &Bound<'_, PyAny>,
+    chain: &Bound<'_, PyAny>,
+) -> PyResult<Vec<f64>> {
+    let described = describe::sprocket(sprocket, "sprocket")?;
+    let chain = describe::chain(chain, "chain")?;
+    let profile = describe::checked(sprocket.py(), described.tooth_profile(&chain))?;
+    let radius = |curve: &Curve| match curve {
+        Curve::Concave(arc) => arc.radius,
+        Curve::Convex(arc) => -arc.radius,
+        Curve::Straight(_) => f64::INFINITY,
+    };
+    let whole = profile.whole();
+    Ok(whole.iter().map(|piece| radius(&piece.curve)).collect())
+}

@@ -1,0 +1,178 @@
+"""Studies and loss maps: intervals that cover, starts that differ, runs that repeat."""
+
+from dataclasses import replace
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from scipy import stats
+
+import rustchain as rc
+from rustchain.plot import draw_loss_map
+from rustchain.study import StudyResult
+from rustchain.sweep_result import SweepResult
+
+PAPER = rc.paper_drive()
+SHORT = {"duration": 8e-3, "burn_in": 4e-3, "progress": False}
+
+
+def strand_mean(result):
+    return {
+        "upper": result.strand("upper").tension.mean(),
+        "both": result.array("strand_tension").mean(0),
+    }
+
+
+@pytest.fixture(scope="module")
+def study():
+    return rc.study(PAPER, strand_mean, runs=4, axes={"pretension": [0.0, 50.0]}, **SHORT)
+
+
+def made_study(values, confidence):
+    """A study of one measure whose runs had these values."""
+    sweep = SweepResult(
+        [{"disturbance": k} for k in range(len(values))],
+        {"disturbance": tuple(range(len(values)))},
+        list(values),
+    )
+    return StudyResult(sweep, confidence, 0.0)
+
+
+def test_intervals_cover_the_true_mean_as_often_as_they_say():
+    """400 studies of 6 normal runs at 80 %: the count of those that cover is binomial."""
+    rng = np.random.default_rng(7)
+    covered = 0
+    for _ in range(400):
+        found = made_study(rng.normal(3.0, 0.5, 6), 0.8).statistics["value"]
+        covered += float(found.sel(statistic="low")) < 3.0 < float(found.sel(statistic="high"))
+    low, high = stats.binom.ppf([1e-4, 1 - 1e-4], 400, 0.8)
+    assert low <= covered <= high
+
+
+def test_statistics_are_those_of_the_runs_that_there_are():
+    found = made_study([1.0, 2.0, None, 6.0], 0.9).statistics["value"]
+    mean, std, low, high, count = found.to_numpy()
+    assert (mean, count) == (3.0, 3)
+    assert std == pytest.approx(np.std([1.0, 2.0, 6.0], ddof=1))
+    expected = stats.t.interval(0.9, 2, 3.0, std / np.sqrt(3))
+    assert (low, high) == pytest.approx(expected)
+
+
+def test_the_first_run_is_the_drive_as_it_is_and_begins_after_the_burn_in(study):
+    alone = rc.Simulation(PAPER).run(8e-3, progress=False)
+    upper = alone.strand("upper").tension[alone.time >= 4e-3 - 1e-12].mean()
+    assert float(study.samples["upper"].sel(pretension=0.0, run=0)) == upper
+
+
+def test_starts_differ_a_little_and_paths_part(study):
+    """Speeds at the start differ by less than 1e-4; forces soon differ by much more."""
+    seen = rc.sweep(
+        PAPER,
+        {"disturbance": [0, 1, 2, 3]},
+        lambda r: r.initial_velocities[-1, 2],
+        duration=1e-4,
+        progress=False,
+    )
+    speeds = np.array(seen.values)
+    assert speeds[0] == pytest.approx(4 * np.pi, rel=1e-12)
+    assert len(set(speeds)) == 4
+    np.testing.assert_allclose(speeds, speeds[0], rtol=1e-4)
+    samples = study.samples["upper"].sel(pretension=0.0)
+    assert float(samples.std("run") / samples.mean("run")) > 1e-3
+
+
+def test_a_study_made_again_has_the_same_numbers(study):
+    again = rc.study(PAPER, strand_mean, runs=4, axes={"pretension": [0.0, 50.0]}, **SHORT)
+    assert again.samples.equals(study.samples)
+
+
+def test_arrays_are_measured_too_and_tables_have_a_row_for_each_number(study):
+    assert study.statistics["both"].dims == ("pretension", "both_0", "statistic")
+    numbers = rc.study(PAPER, lambda r: r.time[0], runs=2, **SHORT)
+    table = numbers.to_pandas()
+    assert list(table.columns) == ["mean", "std", "low", "high", "count"]
+    assert table["mean"].iloc[0] == pytest.approx(4e-3)
+
+
+def test_the_default_measures_are_the_summary():
+    found = rc.study(PAPER, runs=2, **SHORT)
+    expected = rc.Simulation(PAPER).run(8e-3, progress=False).summary(start=4e-3)
+    for name, value in expected.items():
+        assert float(found.samples[name].sel(run=0)) == pytest.approx(value), name
+
+
+@pytest.mark.parametrize(
+    ("keywords", "words"),
+    [
+        ({"runs": 1}, "runs = 1"),
+        ({"runs": 2.5}, "runs = 2.5"),
+        ({"confidence": 95}, "between 0 and 1"),
+        ({"burn_in": 0.01}, "less than the duration"),
+        ({"axes": {"duration": [1e-3]}, "runs": 2}, "less than the duration, 0.001"),
+        ({"axes": {"disturbance": [1]}}, "runs="),
+        ({"axes": [{"pretension": 1}]}, "sequences of values"),
+        ({"axes": {"pretensoin": [1]}}, "did you mean 'pretension'"),
+    ],
+)
+def test_what_makes_no_study_is_refused(keywords, words):
+    with pytest.raises(rc.InvalidInput, match=words):
+        rc.study(PAPER, **(SHORT | keywords))
+
+
+@pytest.mark.parametrize("seed", [-1, 0.5, True, "one"])
+def test_a_disturbance_is_a_seed(seed):
+    with pytest.raises(rc.InvalidInput, match="disturbance = "):
+        rc.sweep(PAPER, {"disturbance": [seed]}, duration=1e-4, progress=False)
+
+
+def test_a_drive_whose_sprockets_are_all_prescribed_has_no_other_start():
+    both = tuple(replace(s, motion=rc.PrescribedSpeed(4 * np.pi)) for s in PAPER.sprockets)
+    drive = replace(PAPER, sprockets=both)
+    with (
+        pytest.warns(RuntimeWarning, match="1 of 2 cases failed"),
+    ):
+        found = rc.study(drive, lambda r: r.time[-1], runs=2, **SHORT)
+    assert "PrescribedSpeed" in str(found.sweep.errors[1])
+
+
+def test_a_loss_map_holds_the_balances_of_single_runs():
+    drive = rc.two_sprocket_drive(teeth=(17, 17), links=40, pretension=50.0)
+    speeds, torques = [6.0, 12.0], [-1.0, -2.0, -3.0]
+    losses = rc.loss_map(drive, speeds, torques, duration=0.15, burn_in=0.1, progress=False)
+    assert losses["efficiency"].shape == (2, 3)
+    assert ((losses["efficiency"] > 0.8) & (losses["efficiency"] < 1.0)).all()
+    np.testing.assert_allclose(losses["loss"].sum("channel"), losses["lost"])
+    # What the load takes is its torque times its speed, which follows the driver's on average.
+    asked = np.outer(speeds, np.abs(torques))
+    np.testing.assert_allclose(losses["delivered"], asked, rtol=0.15)
+    one = rc.two_sprocket_drive(teeth=(17, 17), links=40, pretension=50.0, speed=12.0, torque=-2.0)
+    power = (
+        rc.Simulation(one).run(0.15, record=("sprockets",), progress=False).power_balance(start=0.1)
+    )
+    found = losses.sel(speed=12.0, torque=-2.0)
+    assert float(found["efficiency"]) == pytest.approx(float(power["efficiency"]), rel=1e-12)
+    mpl.use("Agg")
+    figure = draw_loss_map(losses)
+    assert len(figure.axes) == 4  # two maps, two scales
+    plt.close(figure)
+    with pytest.raises(rc.InvalidInput, match="1 to 2"):
+        rc.loss_map(drive, speeds, torques, loaded=3)
+
+
+@pytest.mark.parametrize("measures", [("upper",), ()])
+def test_figures_of_a_study(study, measures):
+    mpl.use("Agg")
+    figure = study.plot(*measures)
+    assert len(figure.axes) == 1
+    assert len(figure.axes[0].get_lines()) > 1
+    plt.close(figure)
+    with pytest.raises(rc.InvalidInput, match="did you mean 'upper'"):
+        study.plot("uper")
+
+
+def test_a_study_without_a_single_value_tells_the_first_error():
+    with pytest.warns(RuntimeWarning, match="2 of 2 cases failed"):
+        found = rc.study(PAPER, lambda r: r.nothing, runs=2, **SHORT)
+    with pytest.raises(rc.NotRecorded, match="nothing"):
+        found.to_pandas()
