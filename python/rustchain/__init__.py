@@ -68,7 +68,6 @@ from rustchain.report import DriveReport
 from rustchain.result import Result, load_result
 from rustchain.scene import Scene, load_scene
 from rustchain.simulation import Evaluation, Simulation, Solver
-from rustchain.study import StudyResult, study
 from rustchain.stop import (
     HingeForceAbove,
     StopCondition,
@@ -76,6 +75,7 @@ from rustchain.stop import (
     TimeReached,
     ToothForceAbove,
 )
+from rustchain.study import StudyResult, study
 from rustchain.sweep import sweep
 from rustchain.sweep_result import SweepResult
 
@@ -129,8 +129,8 @@ __all__ = [
     "Sprocket",
     "StopCondition",
     "StraightTooth",
-    "StudyResult",
     "StrandSlack",
+    "StudyResult",
     "SurfaceContact",
     "SweepResult",
     "Table",
@@ -144,8 +144,8 @@ __all__ = [
     "chain_drive",
     "instruction_set",
     "load_result",
-    "loss_map",
     "load_scene",
+    "loss_map",
     "paper_drive",
     "restitution_obtained",
     "study",

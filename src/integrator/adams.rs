@@ -250,6 +250,11 @@ impl Adams {
         }
     }
 
+    /// Whether a step of size `h` is half of what is allowed at all, or more.
+    pub(super) fn is_near_longest(&self, h: f64) -> bool {
+        h >= 0.5 * self.control.max_step.min(self.longest_step)
+    }
+
     /// Order of the next step.
     #[must_use]
     pub fn order(&self) -> usize {
@@ -372,7 +377,9 @@ impl Adams {
         if 16.0 * slope * h * h > 1.0 {
             h = 0.25 / slope.sqrt();
         }
-        self.smallest_step = 4.0 * f64::EPSILON * self.time.abs().max(1e-3 * h);
+        // A slope beyond all numbers asks for a step of nothing, which no failure would make smaller.
+        let rounding = 4.0 * f64::EPSILON * self.time.abs().max(1e-3 * h);
+        self.smallest_step = rounding.max(f64::MIN_POSITIVE);
         self.step_size = h.max(self.smallest_step);
         self.order = 1;
         self.last_step_size = 0.0;
@@ -660,6 +667,29 @@ mod tests {
             | StepFailure::ToleranceTooSmall { time, .. } => {
                 assert!((time - 1.0).abs() < 1e-3);
             }
+        }
+    }
+
+    #[test]
+    fn a_slope_beyond_all_numbers_ends_in_a_failure() {
+        struct Steep(f64);
+        impl OdeSystem for Steep {
+            fn dimension(&self) -> usize {
+                1
+            }
+            fn derivative(&mut self, _t: f64, _y: &[f64], dydt: &mut [f64]) {
+                dydt[0] = self.0;
+            }
+        }
+        for slope in [f64::INFINITY, f64::NAN] {
+            let mut adams = Adams::new(1, control(1e-8));
+            adams.restart(0.0, &[0.0]);
+            let failure = adams.step(&mut Steep(slope)).unwrap_err();
+            let names = matches!(
+                failure,
+                StepFailure::TooSmall { time: 0.0, .. } | StepFailure::NotFinite { time: 0.0, .. }
+            );
+            assert!(names && adams.counts().rejected < 2000, "{failure:?}");
         }
     }
 

@@ -115,7 +115,9 @@ impl Adams {
         let rate = self.rate_from_slopes(system.coordinates());
         self.fastest.meet_after(STEPS_A_LOOK, rate);
         let (k, h) = (self.last_order, self.last_step_size);
-        let held = h * self.fastest.value() > NEAR_LIMIT * explicit_limit(k);
+        // A step near the longest allowed is not held by stability: Newton's method could not make it longer.
+        let longest = self.is_near_longest(h);
+        let held = !longest && h * self.fastest.value() > NEAR_LIMIT * explicit_limit(k);
         let at_order_two = || h * gamma_star(2) * self.norm_of_difference(2);
         let pays = held && (k < 2 || at_order_two() <= LONGER);
         self.choice.vote(pays, STEPS_A_LOOK);

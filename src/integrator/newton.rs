@@ -54,7 +54,6 @@ impl Adams {
             self.start(system);
             self.step_size = self.step_size.min(FIRST_STEP);
         }
-        self.growing = false;
         let begin = self.time;
         let mut failures = 0;
         let estimate = loop {
@@ -91,6 +90,13 @@ impl Adams {
     fn choose_implicit_order_and_step(&mut self, estimate: &ErrorEstimate, above: f64) {
         let (k, h) = (self.last_order, self.last_step_size);
         let max_order = self.highest_order(k, h);
+        self.growing &= k < max_order && !estimate.prefers_lower(k);
+        if self.growing {
+            // Steps at order two would leave their error in the energy of vibrations that later ones follow exactly.
+            self.order = k + 1;
+            self.step_size = (2.0 * h).min(self.control.max_step);
+            return;
+        }
         let scale = |order: usize| h * gamma_star(order);
         let (order, error) = if k > max_order {
             let error = scale(max_order) * self.norm_of_difference(max_order);
@@ -350,6 +356,7 @@ impl Adams {
     /// Takes a step back and makes it smaller.
     fn shrink(&mut self, factor: f64, failures: u32, nq: usize) -> Result<(), StepFailure> {
         self.counts.rejected += 1;
+        self.growing = false;
         // Evaluations left them out; should the step be the last one, its worst component is named.
         self.slope[..nq].copy_from_slice(&self.trial[nq..2 * nq]);
         let next = factor * self.step_size;

@@ -1,4 +1,4 @@
-//! A mechanism being run: steps, projection, onsets of contacts, reports.
+//! A mechanism being run: steps, projection, what to go back to.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -8,9 +8,10 @@ use super::dynamics::{MechanismDynamics, Stabilisation};
 use super::memory::Memory;
 use super::model::MechanismModel;
 use super::recording::MechanismRecording;
+use super::reports::Reports;
 use crate::error::{Error, Result};
 use crate::integrator::{Adams, Counts, OdeSystem, StepControl};
-use crate::simulate::{STANDSTILL, STEPS_OF_STANDSTILL, describe_open_balance};
+use crate::simulate::{STANDSTILL, STEPS_OF_STANDSTILL};
 
 /// A mechanism in motion.
 #[derive(Debug, Clone)]
@@ -22,12 +23,12 @@ pub struct MechanismSimulation {
     /// What projections had added when the last step began, and when that was.
     pub(super) shift_before: Vec<f64>,
     pub(super) step_start: f64,
-    recording: MechanismRecording,
+    pub(super) recording: MechanismRecording,
     /// Next report, time between two, last one; none when nothing is recorded.
     pub(super) reports: Option<Reports>,
     pub(super) onsets: u64,
     /// Where the energy balance first did not close, in words.
-    balance_note: Option<String>,
+    pub(super) balance_note: Option<String>,
     /// Steps and time from which on the run is watched for standing still.
     watched: (u64, f64),
     /// What to go back to when a step fails.
@@ -45,34 +46,8 @@ struct Accepted {
     onsets: u64,
 }
 
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Reports {
-    start: f64,
-    step: f64,
-    made: usize,
-    count: usize,
-    /// Whether the run pauses after each report.
-    pauses: bool,
-}
-
-impl Reports {
-    fn time(&self, number: usize) -> f64 {
-        self.start + self.step * number as f64
-    }
-
-    fn next(&self) -> Option<f64> {
-        (self.made < self.count).then(|| self.time(self.made))
-    }
-
-    fn end(&self) -> f64 {
-        self.time(self.count - 1)
-    }
-}
-
 /// Iterations that a projection may take in a run, where it begins near.
 pub(super) const ITERATIONS: usize = 12;
-/// How often the wall clock is looked at, in steps.
-const STEPS_BETWEEN_CLOCK_READINGS: u32 = 64;
 
 impl MechanismSimulation {
     /// A run from where the mechanism is placed, assembled.
@@ -148,41 +123,6 @@ impl MechanismSimulation {
         self.dynamics.model()
     }
 
-    /// Begins a recording at the present time.
-    pub fn start_recording(&mut self, duration: f64, report_step: f64) {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        // checked to be at most 1e9
-        let count = (duration / report_step * (1.0 + 1e-12)).floor() as usize + 1;
-        self.recording = MechanismRecording::default();
-        self.reports = Some(Reports {
-            start: self.now,
-            step: report_step,
-            made: 0,
-            count,
-            pauses: false,
-        });
-    }
-
-    /// Makes the recording pause after each report, so that its caller can look at the state there: [`record`](Self::record) then
-    /// returns, and goes on when it is called again.
-    pub fn pause_at_reports(&mut self) {
-        if let Some(reports) = &mut self.reports {
-            reports.pauses = true;
-        }
-    }
-
-    /// The recording under way, or the last one.
-    #[must_use]
-    pub fn recording(&self) -> &MechanismRecording {
-        &self.recording
-    }
-
-    /// Ends the recording and hands it over, with all rows made so far.
-    pub fn take_recording(&mut self) -> MechanismRecording {
-        self.reports = None;
-        std::mem::take(&mut self.recording)
-    }
-
     /// Goes on with the recording for as long as `budget` of wall time allows; true when its end is reached.
     ///
     /// # Errors
@@ -198,7 +138,7 @@ impl MechanismSimulation {
     /// When the integrator or the joints cannot go on: time, step size and the body or joint.
     pub fn advance(&mut self, target: f64, budget: Duration) -> Result<bool> {
         let begin = Instant::now();
-        let mut steps = 0u32;
+        let mut first = true;
         loop {
             if !self.report() {
                 return Ok(false);
@@ -207,8 +147,8 @@ impl MechanismSimulation {
                 self.now = target.max(self.now);
                 return Ok(true);
             }
-            let look = steps.is_multiple_of(STEPS_BETWEEN_CLOCK_READINGS) && steps > 0;
-            if look && begin.elapsed() >= budget {
+            // A step of a large mechanism takes a good part of a second.
+            if !first && begin.elapsed() >= budget {
                 self.now = self.adams.time();
                 return Ok(false);
             }
@@ -217,7 +157,7 @@ impl MechanismSimulation {
                 self.go_back();
                 return Err(error);
             }
-            steps += 1;
+            first = false;
         }
     }
 
@@ -320,33 +260,5 @@ impl MechanismSimulation {
             *shift = *x - y;
         }
         Ok(())
-    }
-
-    /// Makes the reports that lie inside the last step; false at a pause.
-    fn report(&mut self) -> bool {
-        let end = self.adams.time();
-        while let Some(t) = self.reports.and_then(|r| r.next()).filter(|&t| t <= end) {
-            self.look_at(t);
-            let sums = 2 * self.dynamics.model.coordinates();
-            let sums = [self.inside[sums], self.inside[sums + 1]];
-            self.recording.report(t, &self.dynamics, sums);
-            if self.balance_note.is_none()
-                && let Some(open) = self.recording.open_balance()
-            {
-                let control = self.adams.control();
-                self.balance_note = Some(describe_open_balance(&control, t, open));
-            }
-            self.now = t;
-            if let Some(reports) = &mut self.reports {
-                reports.made += 1;
-                if reports.pauses {
-                    return false;
-                }
-            }
-        }
-        if self.reports.is_some() {
-            self.recording.take_arrived(end);
-        }
-        true
     }
 }

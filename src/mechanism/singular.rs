@@ -15,6 +15,9 @@ const WEIGHTS: [f64; 3] = [0.75, -0.3, 0.05];
 const NEAR: f64 = 1e-2;
 const NEAR_OF_START: f64 = 0.05;
 
+/// Iterations that bringing a place onto the constraints may take.
+const ITERATIONS: usize = 20;
+
 /// What counts as near for a mechanism whose constraints are as independent as this at the start.
 pub(super) fn nearness(at_start: f64) -> f64 {
     NEAR.min(NEAR_OF_START * at_start)
@@ -23,45 +26,16 @@ pub(super) fn nearness(at_start: f64) -> f64 {
 impl MechanismDynamics {
     /// Accelerations and multipliers from both sides; false when nothing moves or a place cannot be reached.
     pub(super) fn accelerate_across(&mut self, t: f64) -> bool {
-        let n = self.model.coordinates();
-        let spin = self.frames.iter().map(|f| f.spin.abs()).fold(0.0, f64::max);
         let here = self.frames.clone();
-        let mut start = vec![0.0; 2 * n];
-        for (frame, first) in here.iter().zip(&self.model.first) {
-            if let Some(i) = *first {
-                start[i..i + 3].copy_from_slice(&[frame.origin.x, frame.origin.y, frame.angle]);
-                let velocity = [frame.velocity.x, frame.velocity.y, frame.spin];
-                start[n + i..n + i + 3].copy_from_slice(&velocity);
-            }
-        }
-        let mut accelerations = vec![0.0; n];
+        let start = self.read_state();
+        let mut accelerations = vec![0.0; start.len() / 2];
         let mut multipliers = vec![0.0; self.rows.len()];
-        let near = std::mem::replace(&mut self.near_singular, 0.0);
-        let mut reached = spin > 0.0;
-        'places: for (k, weight) in WEIGHTS.iter().enumerate() {
-            for side in [-1.0, 1.0] {
-                let delay = side * SPACING * (k + 1) as f64 / spin;
-                let mut state = start.clone();
-                for i in 0..n {
-                    state[i] += delay * start[n + i];
-                }
-                reached = reached && self.accelerate_at(t + delay, &mut state);
-                if !reached {
-                    break 'places;
-                }
-                let found = self.accelerations.iter();
-                accelerations
-                    .iter_mut()
-                    .zip(found)
-                    .for_each(|(sum, a)| *sum += weight * a);
-                let found = self.multipliers.iter();
-                multipliers
-                    .iter_mut()
-                    .zip(found)
-                    .for_each(|(sum, l)| *sum += weight * l);
-            }
-        }
-        self.near_singular = near;
+        let reached = self.on_both_sides(t, &start, |dynamics, t, _, weight| {
+            let reached = dynamics.accelerate_here(t);
+            add(&mut accelerations, weight, &dynamics.accelerations);
+            add(&mut multipliers, weight, &dynamics.multipliers);
+            reached
+        });
         self.frames = here;
         self.find_rows(t);
         if let Some(kkt) = &mut self.kkt {
@@ -74,11 +48,66 @@ impl MechanismDynamics {
         reached
     }
 
-    /// Accelerations by the loads at hand at another place, which is brought onto the constraints.
-    fn accelerate_at(&mut self, t: f64, state: &mut [f64]) -> bool {
-        if !self.project(t, state, 20) {
+    /// Moves `state` to where both sides say that it is; false, and nothing moved, when they do not say.
+    pub(super) fn project_across(&mut self, t: f64, state: &mut [f64]) -> bool {
+        let mut sum = vec![0.0; state.len()];
+        let reached = self.on_both_sides(t, state, |_, _, place, weight| {
+            add(&mut sum, weight, place);
+            true
+        });
+        if reached {
+            state.copy_from_slice(&sum);
+        }
+        self.place(state);
+        self.find_rows(t);
+        reached
+    }
+
+    /// Shows `visit` the places on both sides of `state`, with their times and weights, each brought onto the constraints; false
+    /// when nothing moves, a place cannot be reached or a visit ends it.
+    fn on_both_sides(
+        &mut self,
+        t: f64,
+        state: &[f64],
+        mut visit: impl FnMut(&mut Self, f64, &[f64], f64) -> bool,
+    ) -> bool {
+        let n = state.len() / 2;
+        self.place(state);
+        let spin = self.frames.iter().map(|f| f.spin.abs()).fold(0.0, f64::max);
+        if !(spin > 0.0 && spin.is_finite()) {
             return false;
         }
+        // Places on the sides are taken as they are: none of them may ask for its own sides.
+        let near = std::mem::replace(&mut self.near_singular, 0.0);
+        let mut place = vec![0.0; 2 * n];
+        let mut places = (1..=WEIGHTS.len()).flat_map(|k| [(k, -1.0), (k, 1.0)]);
+        let reached = places.all(|(k, side)| {
+            let delay = side * SPACING * k as f64 / spin;
+            place.copy_from_slice(state);
+            add(&mut place[..n], delay, &state[n..]);
+            self.project(t + delay, &mut place, ITERATIONS)
+                && visit(self, t + delay, &place, WEIGHTS[k - 1])
+        });
+        self.near_singular = near;
+        reached
+    }
+
+    /// Positions and velocities of the bodies that are not held.
+    fn read_state(&self) -> Vec<f64> {
+        let n = self.model.coordinates();
+        let mut state = vec![0.0; 2 * n];
+        for (frame, first) in self.frames.iter().zip(&self.model.first) {
+            if let Some(i) = *first {
+                state[i..i + 3].copy_from_slice(&[frame.origin.x, frame.origin.y, frame.angle]);
+                let velocity = [frame.velocity.x, frame.velocity.y, frame.spin];
+                state[n + i..n + i + 3].copy_from_slice(&velocity);
+            }
+        }
+        state
+    }
+
+    /// Accelerations by the loads at hand where the bodies were just brought onto the constraints.
+    fn accelerate_here(&mut self, t: f64) -> bool {
         // With the velocities just projected, the right-hand sides are those of this place.
         self.find_rows(t);
         let Some(kkt) = &mut self.kkt else {
@@ -91,5 +120,12 @@ impl MechanismDynamics {
             &mut self.accelerations,
             &mut self.multipliers,
         )
+    }
+}
+
+/// Adds `weight` times `values` to sums.
+fn add(sums: &mut [f64], weight: f64, values: &[f64]) {
+    for (sum, value) in sums.iter_mut().zip(values) {
+        *sum += weight * value;
     }
 }

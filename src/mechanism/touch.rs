@@ -9,10 +9,7 @@ use super::outline::{Bearing, Outline, Place, is_tight};
 use super::profile::{Curvature, Nearest, Profile, Tooth};
 use crate::contact::Contact;
 use crate::error::Result;
-use crate::geometry::{Vec2, turned_left};
-
-/// Part of its radius that a circle near a profile may move by in one step: none passes through another unseen.
-const FARTHEST: f64 = 0.25;
+use crate::geometry::Vec2;
 
 /// A contact whose bodies are numbers, with the constants of each piece of its profile.
 #[derive(Debug, Clone)]
@@ -24,7 +21,7 @@ pub(super) struct CompiledContact {
     pub(super) outline: Option<Outline>,
     pub(super) radius: f64,
     /// Distance of the markers from which on they are apart; infinite for what has no outside.
-    reach: f64,
+    pub(super) reach: f64,
     pairs: Vec<Prepared>,
 }
 
@@ -212,39 +209,6 @@ impl CompiledContact {
         }]
     }
 
-    /// How far the circle may move along the profile \[m\] before its distance has to be looked at again: its gap, and
-    /// where that is small a part of its radius.
-    pub(super) fn free_way(&self, frames: &[Frame]) -> f64 {
-        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
-        let apart = (fb.place(self.b.point) - fa.place(self.a.point)).norm();
-        let mut gap = f64::INFINITY;
-        if apart > self.reach {
-            gap = apart - self.reach;
-        } else {
-            self.bearings(self.local(fa, fb), |bearing, _| {
-                if bearing.place == Place::Deep && self.is_open() {
-                    gap = gap.min(-bearing.distance - self.radius);
-                } else if bearing.weight > 0.0 && bearing.place != Place::DeepAtEnd {
-                    gap = gap.min(bearing.distance - self.radius);
-                }
-            });
-        }
-        gap.max(FARTHEST * self.radius)
-    }
-
-    /// Speed \[m/s\] and acceleration \[m/s²\] of the circle's centre as seen from the profile, of bodies that accelerate so.
-    pub(super) fn relative_motion(&self, frames: &[Frame], rates: [[f64; 3]; 2]) -> (f64, f64) {
-        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
-        let center = fb.place(self.b.point);
-        let speed = (fb.velocity_at(center) - fa.velocity_at(center)).norm();
-        let accelerated = |frame: &Frame, [x, y, spin]: [f64; 3]| {
-            let arm = center - frame.origin;
-            Vec2::new(x, y) + spin * turned_left(arm) - frame.spin * frame.spin * arm
-        };
-        let acceleration = accelerated(fb, rates[1]) - accelerated(fa, rates[0]);
-        (speed, acceleration.norm())
-    }
-
     /// What a side without a force remembers: that the circle is behind it, in the material of an open outline or beyond,
     /// without having come through the surface; or nothing.
     pub(super) fn apart(&self, fa: &Frame, fb: &Frame, side: usize, memory: Memory) -> Memory {
@@ -293,7 +257,7 @@ impl CompiledContact {
         &self.profile
     }
 
-    fn is_open(&self) -> bool {
+    pub(super) fn is_open(&self) -> bool {
         self.outline.as_ref().is_some_and(Outline::is_open)
     }
 

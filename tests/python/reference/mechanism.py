@@ -7,6 +7,8 @@ Loads of springs and contacts are generalised forces: force times slope of lengt
 
 import numpy as np
 
+from reference.outline import Outline
+
 CIRCLE = np.exp(2j * np.pi * np.arange(32) / 32)
 RADIUS = 0.05  # of Cauchy's circle [s]: far from any singularity
 
@@ -166,25 +168,64 @@ class Reference:
         outward = turned(rows[a, 2], (along[1], -along[0]))
         return outward @ d - np.array([along[1], -along[0]]) @ start
 
-    def contacts(self, q, v):
-        """Force of each contact and the generalised forces of all."""
-        forces, f = [], np.zeros(len(q))
+    def center(self, contact, rows):
+        """The circle's centre in the frame of the outline."""
+        a, b = self.ends(contact)
+        d = place(rows[b], contact.point_b) - place(rows[a], contact.point_a)
+        return turned(-rows[a, 2], d)
+
+    def is_in_front(self, q):
+        """Whether every circle is in front of its outline, and of its ends where these are near."""
         for contact in self.m.contacts:
-            value, slope = self.slope(lambda r, p=contact: self.distance(p, r), q)
-            depth, rate, law = contact.radius - value, -slope @ v, contact.law
-            force = 0.0
-            if depth > 0.0 and hasattr(law, "exponent"):
-                factor = max(1.0 + law.damping * rate, 0.0)
-                force = law.stiffness * depth**law.exponent * factor
-            elif depth > 0.0:
-                force = max(law.stiffness * depth + law.damping * rate, 0.0)
-            forces.append(force)
-            f += force * slope
-        return np.array(forces), f
+            if contact.kind in ("polyline", "arcs"):
+                point = self.center(contact, self.all(q))
+                found, behind_end = Outline(contact).places(point)
+                if found is None or behind_end <= contact.radius:
+                    return False
+        return True
+
+    def distances(self, contact, q):
+        """Signs and distances, functions of all rows, of all places where the circle may bear."""
+        segment = contact.kind == "polyline" and len(contact.points) == 2
+        if segment or contact.kind not in ("polyline", "arcs"):
+            return [(1.0, lambda rows: self.distance(contact, rows))]
+        found, _ = Outline(contact).places(self.center(contact, self.all(q)))
+        return [
+            (sign, lambda rows, of=distance: of(self.center(contact, rows)))
+            for sign, distance in found
+        ]
+
+    def contacts(self, q, v):
+        """Force of each contact, the generalised forces of all, and the forces' round-off.
+
+        Distances are known to some digits of the size, and forces by their slope times that.
+        """
+        forces, f, rounding = [], np.zeros(len(q)), 0.0
+        size = 1.0 + np.abs(q).max()
+        for contact in self.m.contacts:
+            law, total = contact.law, np.zeros(len(q))
+            for sign, distance in self.distances(contact, q):
+                value, slope = self.slope(distance, q)
+                depth, rate = contact.radius - value, -slope @ v
+                if depth <= 0.0:
+                    continue
+                exponent = getattr(law, "exponent", 1.0)
+                elastic = law.stiffness * depth**exponent
+                if hasattr(law, "exponent"):
+                    force = elastic * max(1.0 + law.damping * rate, 0.0)
+                else:
+                    force = max(elastic + law.damping * rate, 0.0)
+                total += sign * force * slope
+                stiffness = exponent * elastic / depth + law.damping * (elastic + 1.0)
+                rounding += 4e-16 * size * stiffness * (1.0 + abs(rate))
+            f += total
+            i = 3 * self.free.index(self.number[contact.body_b])
+            forces.append(np.hypot(*total[i : i + 2]))
+        return np.array(forces), f, rounding
 
     def solve(self, q, v, t):
-        """Accelerations, load of each joint on its body b about its point b, forces, condition."""
-        forces, pushes = self.contacts(q, v)
+        """Accelerations, loads of joints on bodies b at points b, forces, condition, round-off."""
+        forces, pushes, rounding = self.contacts(q, v)
         f = self.loads(q, v, t) + pushes
         g, gamma = self.jacobian(q, t), self.gamma(q, v, t)
         n, m = len(q), len(gamma)
@@ -201,4 +242,4 @@ class Reference:
             arm = turned(rows[b, 2], joint.point_b)
             load[2] -= arm[0] * load[1] - arm[1] * load[0]
             reactions.append(load)
-        return solution[:n], np.array(reactions), forces, np.linalg.cond(system)
+        return solution[:n], np.array(reactions), forces, np.linalg.cond(system), rounding
