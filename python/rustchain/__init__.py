@@ -21,7 +21,6 @@ from rustchain.drive import (
     Free,
     IsoTooth,
     Link,
-    Material,
     PrescribedSpeed,
     Sprocket,
     StraightTooth,
@@ -49,7 +48,9 @@ from rustchain.force_law import (
     Radzimovsky,
     restitution_obtained,
 )
+from rustchain.guides import GuideArm, GuideRail, SmoothIdler
 from rustchain.layouts import chain_drive
+from rustchain.material import Material
 from rustchain.mechanism import Mechanism
 from rustchain.mechanism_parts import (
     HuntCrossley,
@@ -86,6 +87,8 @@ __all__ = [
     "Evaluation",
     "ForceLaw",
     "Free",
+    "GuideArm",
+    "GuideRail",
     "Hertz",
     "HertzCylinder",
     "HuntCrossley",
@@ -111,6 +114,7 @@ __all__ = [
     "Simulation",
     "SimulationError",
     "Sines",
+    "SmoothIdler",
     "SmoothStep",
     "Solver",
     "Spline",

@@ -12,6 +12,8 @@ import numpy.typing as npt
 from rustchain import _rustchain
 from rustchain._description import Description
 from rustchain._names import known_keywords
+from rustchain.guides import GuideRail, SmoothIdler
+from rustchain.material import Material
 from rustchain.report import DriveReport
 
 if TYPE_CHECKING:
@@ -24,26 +26,6 @@ Hinges = Literal["clearance", "ideal"]
 Side = Literal["inside", "outside"]
 TimeTable: TypeAlias = float | Sequence[Sequence[float]]
 """A constant, or rows (time [s], value): linear between the rows, constant outside them."""
-
-
-@known_keywords
-@dataclass(frozen=True)
-class Material(Description):
-    """An elastic material; the default is the steel of the published drive.
-
-    Attributes
-    ----------
-    elastic_modulus : float
-        Young's modulus [Pa].
-    poisson_ratio : float
-        Poisson's ratio.
-    restitution : float
-        Coefficient of restitution of an impact.
-    """
-
-    elastic_modulus: float = 2.07e11
-    poisson_ratio: float = 0.3
-    restitution: float = 0.71
 
 
 @known_keywords
@@ -464,6 +446,9 @@ class ChainDrive(Description):
     hinges : {"clearance", "ideal"}
         Pins with play in their bushings, or ideal joints: then the drive runs as the mechanism of
         `to_mechanism`, with the same channels; hinge forces are the joints' reactions.
+    guides : sequence of GuideRail and SmoothIdler
+        What the chain slides along besides. They take no part in how it is laid: they begin beside
+        it, blades swung back on their arms.
     """
 
     chain: Chain
@@ -472,6 +457,7 @@ class ChainDrive(Description):
     gravity: Point = (0.0, -9.81)
     name: str = ""
     hinges: Hinges = "clearance"
+    guides: Sequence[GuideRail | SmoothIdler] = ()
 
     def check(self) -> DriveReport:
         """Lay the chain out and return what was chosen; print the report to read it as a table."""

@@ -19,6 +19,7 @@ from matplotlib.patches import Circle
 from rustchain import _rustchain
 from rustchain._names import known_keywords, suggest
 from rustchain.errors import InvalidInput
+from rustchain.guides import GuideRail, SmoothIdler
 from rustchain.result import Array, Bushing, Result
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 BLUE, ORANGE, GREEN, RED, GREY = "#0b64a0", "#d9730d", "#2a8f5b", "#b8323a", "#7a7f87"
 _CYCLE = (BLUE, ORANGE, GREEN, RED, "#7d5ba6", "#8c6d1f", "#1d9a9a", "#c2608f")
 _INNER, _OUTER, _STEEL, _INK = "#5b8fb9", "#f0b35a", "#d5dae0", "#3b4048"
+_RAIL = "#cfe3d0"
 _STYLE: dict[str, Any] = {
     "font.size": 9.0,
     "axes.titlesize": 9.5,
@@ -208,12 +210,14 @@ class Plots:
         """
         time, positions = self._snapshot(time)
         drive, chain = self.result.drive, self.result.drive.chain
-        links, wheels = positions[: chain.links], positions[-len(drive.sprockets) :]
+        links, wheels = positions[: chain.links], positions[chain.links :]
+        guides = wheels[len(drive.sprockets) :]
+        wheels = wheels[: len(drive.sprockets)]
         hinges = _placed(links, np.array([[0.5 * chain.pitch, 0.0]]))[:, 0]
         low = hinges.min(axis=0) - 1.6 * chain.pitch
         high = hinges.max(axis=0) + 1.6 * chain.pitch
-        width, height = 8.0 * (high - low) / (high - low)[0]
-        figure, axes = plt.subplots(figsize=(width, height + 0.6))
+        width, height = (high - low) * min(8.0 / (high - low)[0], 10.0 / (high - low)[1])
+        figure, axes = plt.subplots(figsize=(max(width, 3.0), max(height, 0.5) + 0.6))
 
         for sprocket, pose in zip(drive.sprockets, wheels[:, None], strict=True):
             outline = _rustchain.tooth_outline(sprocket, chain, 12)
@@ -221,13 +225,16 @@ class Plots:
             _add_polygons(axes, _placed(pose, _circle(0.5 * chain.pitch)), "white", GREY)
             mark = chain.pitch * np.array([[0.5, 0.0], [1.1, 0.0]])  # points to gap 0
             axes.plot(*_placed(pose, mark)[0].T, color=GREY, linewidth=1.2)
+        for guide, pose in zip(drive.guides, guides[:, None], strict=True):
+            outline = guide.outline() + _from_bearing(guide)
+            _add_polygons(axes, _placed(pose, outline), _RAIL, GREY)
         # First link, height of the drawn plate over the pitch, colour.
         for first, share, color in ((0, 0.8, _INNER), (1, 0.7, _OUTER)):
             plate = _plate_outline(chain.pitch, share * chain.pitch)
             _add_polygons(axes, _placed(links[first::2], plate), to_rgba(color, 0.55), color)
         for radius, face in ((chain.bushing_radius, "none"), (chain.hinge.pin_radius, "white")):
             _add_polygons(axes, hinges[:, None] + _circle(radius), face, _INK)
-        for number in (1, *range(6, chain.links + 1, 5)):
+        for number in (1, *range(6, chain.links + 1, 5 * max(1, chain.links // 200))):
             here = hinges[number - 1]
             if len(wheels) == 2:
                 x, y = _outside(here, wheels[:, :2], chain.pitch)
@@ -308,6 +315,15 @@ class Plots:
                 1e6 * depth, elastic, color=RED, linewidth=1.0, label=f"{law.elastic}, elastic part"
             )
         axes.set_title(f"hinge {number}")
+
+
+def _from_bearing(guide: GuideRail | SmoothIdler) -> Array:
+    """Return a guide's middle in a frame at its bearing that turns with it [m]."""
+    if isinstance(guide, SmoothIdler) or guide.arm is None:
+        return np.zeros(2)
+    out = np.array(guide.direction) / np.hypot(*guide.direction)
+    arm = np.array(guide.center) - np.array(guide.arm.pivot)
+    return np.array([arm @ out, out[0] * arm[1] - out[1] * arm[0]])
 
 
 def _panels(

@@ -182,7 +182,7 @@ class Simulation:
             raise InvalidInput(msg)
         self._describe(drive, force_law, hinge_law, tooth_law, min_approach_speed, solver)
         known = isinstance(drive, ChainDrive)  # the core refuses anything else
-        bodies = drive.chain.links + len(drive.sprockets) if known else "bodies"
+        bodies = drive.chain.links + len(drive.sprockets) + len(drive.guides) if known else "bodies"
         self._core: Core = _core_for(drive)(
             drive,
             force_law,
