@@ -6,10 +6,10 @@
 
 use std::sync::Arc;
 
-use crate::drive::{Drive, Motion, TimeTable};
+use crate::drive::{Drive, Motion, Mount, Tensioner, TimeTable};
 use crate::dynamics::Dynamics;
 use crate::error::{Error, Result};
-use crate::geometry::{Vec2, turned_left, unit};
+use crate::geometry::{Vec2, turned_left, unit, way};
 use crate::integrator::OdeSystem;
 use crate::model::{ForceLaws, Model, Rotation, SprocketModel};
 use crate::state::{Layout, Motion as Places, Start};
@@ -29,6 +29,14 @@ const HINGE_SHARE: f64 = 0.2;
 const LARGEST_MOVE: f64 = 0.02;
 /// Unbalanced force that is let stand, over the largest force of a contact or from outside.
 const TOLERANCE: f64 = 1e-7;
+/// γ over which velocities are made to follow the contacts \[s\]: links do so in less, shafts in more.
+const TRAVEL_GAMMA: f64 = 1e-3;
+/// In so many rounds.
+const TRAVEL_ROUNDS: u32 = 10;
+/// How far bodies are moved for the forces' change along their velocities \[m\].
+const SMALL_MOVE: f64 = 1e-10;
+/// How far back from the place where the chain is taut the tensioner is put for one more try to lay it, in pitches.
+const STEP_BACK: f64 = 0.05;
 /// A drive that takes more does not come to rest.
 const MOST_ITERATIONS: u32 = 40_000;
 
@@ -62,7 +70,35 @@ fn held(drive: &Drive, layout: &Layout) -> Drive {
     if let Some(tensioner) = &mut held.tensioner {
         tensioner.ramp_time = 0.0;
     }
+    for guide in &mut held.guides {
+        if let Mount::Arm(arm) = &mut guide.mount {
+            arm.ramp_time = 0.0;
+        }
+    }
     held
+}
+
+/// Lays the chain with the tensioner where it has taken up the slack, or as near to that as it can be laid: a wheel that has far to
+/// go pulls the chain round all others, tooth by tooth.
+fn lay_taut(drive: &Drive) -> Result<(Start, Layout)> {
+    let taut = |tensioner: &Tensioner| -> Option<(Start, Layout)> {
+        let line = tensioner.line(drive).ok()?;
+        let [_, forth] = tensioner.travel;
+        let farthest = line.taut_at?.min(forth);
+        let step = STEP_BACK * drive.chain.pitch;
+        let mut places = (0..).map(|i| farthest - f64::from(i) * step);
+        places.by_ref().take_while(|&s| s > 0.0).find_map(|s| {
+            let mut there = drive.clone();
+            there.tensioner = None;
+            there.sprockets[tensioner.sprocket - 1].center +=
+                way::along(line.direction, line.curvature, s).0;
+            Start::generate(&there).ok()
+        })
+    };
+    match drive.tensioner.as_ref().and_then(taut) {
+        Some(laid) => Ok(laid),
+        None => Start::generate(drive),
+    }
 }
 
 impl Equilibrium {
@@ -71,7 +107,7 @@ impl Equilibrium {
     /// # Errors
     /// When the chain cannot be laid, or there is no rest: a torque that nothing holds, with the force that is left.
     pub fn find(drive: &Drive, laws: &ForceLaws) -> Result<Self> {
-        let (laid, layout) = Start::generate(drive)?;
+        let (laid, layout) = lay_taut(drive)?;
         let at_rest = Start {
             positions: laid.positions.clone(),
             velocities: vec![[0.0; 3]; laid.velocities.len()],
@@ -79,11 +115,14 @@ impl Equilibrium {
         let model = Arc::new(Model::compile(&held(drive, &layout), laws, &at_rest)?);
         let mut settling = Settling::new(model, &at_rest);
         let residual = settling.settle()?;
+        let largest_force = settling.largest_force();
         let positions = settling.places.positions();
+        let mut start = laid.moved_to(positions, &layout, &drive.chain.link_pitches());
+        settling.move_along_contacts(&mut start);
         Ok(Self {
-            start: laid.moved_to(positions, &layout, &drive.chain.link_pitches()),
+            start,
             residual,
-            largest_force: settling.largest_force(),
+            largest_force,
             iterations: settling.iterations,
         })
     }
@@ -172,7 +211,9 @@ impl Settling {
             if self.iterations == MOST_ITERATIONS || !residual.is_finite() {
                 return Err(Error::Impossible(format!(
                     "the drive does not come to rest: {residual:.3e} N are left unbalanced after {} iterations, beside contacts \
-                     of {:.3e} N; a torque that no sprocket of prescribed speed holds, or a tensioner that nothing stops?",
+                     of {:.3e} N; a torque that no sprocket of prescribed speed holds, a tensioner that nothing stops, or one with so much slack \
+                     to take up that the chain skips teeth? Then begin nearer to rest: fewer links, or the tensioner's sprocket \
+                     where it will stand",
                     self.iterations,
                     self.largest_force()
                 )));
@@ -206,6 +247,76 @@ impl Settling {
                 gamma
             };
         }
+    }
+
+    /// Changes the velocities of a start at these places until no loaded contact is approached and no link stretched.
+    ///
+    /// With the forces' slope K, of all places and of the motors' angles, a change of -(M + γ² K)⁻¹ γ² K v takes out of v what the
+    /// contacts would within γ; dashpots, which the matrix has too, make it take some rounds. Masses that are slower than that,
+    /// such as a load's, keep their speed.
+    fn move_along_contacts(&mut self, start: &mut Start) {
+        for _ in 0..TRAVEL_ROUNDS {
+            let fastest = start.velocities.iter().flat_map(|[x, y, _]| [x, y]);
+            let fastest = fastest.fold(0.0, |most: f64, v| most.max(v.abs()));
+            if fastest == 0.0 || !self.take_out_approaches(start, SMALL_MOVE / fastest) {
+                return;
+            }
+        }
+    }
+
+    /// One round of that, with places after a `moment` \[s\]; false where the matrix is singular.
+    fn take_out_approaches(&mut self, start: &mut Start, moment: f64) -> bool {
+        let model = Arc::clone(self.dynamics.model());
+        let (n, coordinates) = (model.links, model.coordinates);
+        let moved: Vec<[f64; 3]> = (start.positions.iter().zip(&start.velocities))
+            .map(|(q, v)| [0, 1, 2].map(|i| q[i] + moment * v[i]))
+            .collect();
+        let mut rates = self.accelerations_at(&moved);
+        let here = self.accelerations_at(&start.positions);
+        for (rate, here) in rates.iter_mut().zip(here) {
+            *rate = (*rate - here) * TRAVEL_GAMMA * TRAVEL_GAMMA / moment;
+        }
+        // The matrix is made from the last evaluation.
+        self.unbalanced();
+        if !self
+            .dynamics
+            .correct_exactly(&self.y, TRAVEL_GAMMA, &mut rates)
+        {
+            return false;
+        }
+        self.places.set(&start.positions, &start.velocities);
+        let mut y = self.y.clone();
+        self.places.write(&model, &mut y);
+        for (v, change) in y[coordinates..].iter_mut().zip(&rates) {
+            *v += change;
+        }
+        self.places.read(&model, 0.0, &y);
+        let before = std::mem::replace(&mut start.velocities, self.places.velocities());
+        for (s, sprocket) in model.sprockets.iter().enumerate() {
+            if matches!(sprocket.rotation, Rotation::Prescribed(_)) {
+                start.velocities[n + s][2] = before[n + s][2];
+            }
+        }
+        true
+    }
+
+    /// Accelerations of all coordinates at these places, at rest.
+    fn accelerations_at(&mut self, positions: &[[f64; 3]]) -> Vec<f64> {
+        let model = Arc::clone(self.dynamics.model());
+        let (n, coordinates) = (model.links, model.coordinates);
+        let still = vec![[0.0; 3]; positions.len()];
+        self.dynamics.motion.set(positions, &still);
+        self.dynamics.evaluate_motion(0.0);
+        let found = &self.dynamics.accelerations;
+        let mut bodies = Places::new(model.bodies());
+        let rates: Vec<[f64; 3]> = (0..n + model.sprockets.len())
+            .map(|i| [found.x[i], found.y[i], found.angle[i]])
+            .collect();
+        // As velocities of the bodies they become those of the coordinates.
+        bodies.set(positions, &rates);
+        let mut y = vec![0.0; 2 * coordinates];
+        bodies.write(&model, &mut y);
+        y.split_off(coordinates)
     }
 
     /// How many times further a step goes than it may.

@@ -105,7 +105,7 @@ impl Recorder {
             add("hinge_force_vector", &[n, 2], false);
             add("hinge_penetration", &[n], false);
             add("hinge_eccentricity", &[n, 2], false);
-            add("strand_tension", &[s], false);
+            add("strand_tension", &[model.strands.len()], false);
             add("peak_hinge_force", &[n], false);
             add("peak_hinge_impulse", &[n], false);
         }
@@ -317,7 +317,7 @@ fn write_hinges(row: &mut Row, dynamics: &Dynamics) {
     row.real((0..n).flat_map(|k| <[f64; 2]>::from(hinges.force_on_pin(k))));
     row.real(hinges.penetration.iter().copied());
     row.real((0..n).flat_map(|k| <[f64; 2]>::from(hinges.eccentricity(k))));
-    if dynamics.model().sprockets.len() == 2 {
+    if dynamics.model().strands.len() == 2 {
         row.real(two_strand_tensions(dynamics));
     } else {
         row.real(strands::tensions(dynamics));

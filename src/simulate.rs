@@ -12,6 +12,7 @@ pub use snapshot::Snapshot;
 
 use crate::dynamics::Dynamics;
 use crate::error::{Error, Result, check};
+use crate::geometry::Vec2;
 use crate::integrator::{Adams, Corrector, Counts, OdeSystem, StepControl, StepFailure};
 use crate::model::{Input, Model, Rotation, Support};
 use crate::recorder::{Groups, Recorder, Recording};
@@ -523,9 +524,10 @@ fn check_start(model: &Model, start: &Start) -> Result<()> {
     check_rows(model, "velocities", &start.velocities)?;
     for (s, sprocket) in model.sprockets.iter().enumerate() {
         let [vx, vy, spin] = start.velocities[model.links + s];
+        let [x, y, _] = start.positions[model.links + s];
         let refuse = |value: String, expected: String| {
             Err(Error::invalid(
-                format!("velocities of sprocket_{}", s + 1),
+                format!("velocities of {}", model.body_names()[model.links + s]),
                 value,
                 expected,
             ))
@@ -537,13 +539,18 @@ fn check_start(model: &Model, start: &Start) -> Result<()> {
                     "its bearing is fixed: must be (0, 0)".to_string(),
                 );
             }
-            Support::Slide { direction, .. } => {
-                let across = direction.x * vy - direction.y * vx;
+            Support::Slide { .. } => {
+                // An arm turns its way: what counts is where the centre begins, not where it is described.
+                let way = sprocket.slide_at(Vec2::new(x, y));
+                let tangent = way.map_or(Vec2::zeros(), |(_, tangent)| tangent);
+                let across = tangent.x * vy - tangent.y * vx;
                 if across.abs() > 1e-9 * vx.hypot(vy) {
-                    let (x, y) = (direction.x, direction.y);
                     return refuse(
                         format!("({vx}, {vy})"),
-                        format!("its tensioner lets it slide along ({x}, {y}) only"),
+                        format!(
+                            "its tensioner lets it slide along ({}, {}) only, where it begins",
+                            tangent.x, tangent.y
+                        ),
                     );
                 }
             }

@@ -134,6 +134,7 @@ impl Choice {
             chain,
             tensioner: None,
             gravity: 9.81 * unit(self.down),
+            guides: Vec::new(),
         }
     }
 }

@@ -21,7 +21,6 @@ from rustchain.drive import (
     Free,
     IsoTooth,
     Link,
-    Material,
     PrescribedSpeed,
     Sprocket,
     StraightTooth,
@@ -49,8 +48,10 @@ from rustchain.force_law import (
     Radzimovsky,
     restitution_obtained,
 )
+from rustchain.guides import GuideArm, GuideRail, SmoothIdler
 from rustchain.layouts import chain_drive
 from rustchain.loss_map import loss_map
+from rustchain.material import Material
 from rustchain.mechanism import Mechanism
 from rustchain.mechanism_parts import (
     HuntCrossley,
@@ -96,6 +97,8 @@ __all__ = [
     "Evaluation",
     "ForceLaw",
     "Free",
+    "GuideArm",
+    "GuideRail",
     "Hertz",
     "HertzCylinder",
     "HingeForceAbove",
@@ -123,6 +126,7 @@ __all__ = [
     "Simulation",
     "SimulationError",
     "Sines",
+    "SmoothIdler",
     "SmoothStep",
     "Solver",
     "Spline",

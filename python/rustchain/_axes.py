@@ -17,6 +17,7 @@ from rustchain._description import Description, plain
 from rustchain._names import suggest
 from rustchain.drive import ChainDrive, PrescribedSpeed, Sprocket, Tensioner
 from rustchain.errors import InvalidInput
+from rustchain.guides import GuideRail, SmoothIdler
 from rustchain.solver import Solver
 
 Drive: TypeAlias = ChainDrive | Callable[..., ChainDrive]
@@ -218,15 +219,19 @@ def _paths(description: type[Description]) -> Iterator[str]:
         yield from (f"{field.name}.{path}" for path in inside)
 
 
-_MOST_SPROCKETS = 16  # whose fields have names
+_MOST_SPROCKETS = 16  # or guides, whose fields have names
+_LISTED = ((Sprocket,), (GuideRail | SmoothIdler,))
 
 
 def _inside(hint: Any) -> Iterator[str]:  # noqa: ANN401
     """Yield the dotted names of what lies within a value of this type; a table is taken whole."""
     if isinstance(hint, type) and issubclass(hint, Description):
         yield from _paths(hint)
-    elif get_origin(hint) is tuple or get_args(hint) == (Sprocket,):
+    elif get_origin(hint) is tuple or get_args(hint) in _LISTED:
         count = 2 if get_origin(hint) is tuple else _MOST_SPROCKETS  # of coordinates, of sprockets
+        of_one = get_args(hint)[0]
+        members = get_args(of_one) or (of_one,)
+        inside = dict.fromkeys(path for member in members for path in _inside(member))
         for place in map(str, range(count)):
             yield place
-            yield from (f"{place}.{path}" for path in _inside(get_args(hint)[0]))
+            yield from (f"{place}.{path}" for path in inside)

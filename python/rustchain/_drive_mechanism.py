@@ -37,6 +37,9 @@ def drive_mechanism(
         generated.positions if placed[0] is None else placed[0],
         generated.velocities if placed[1] is None else placed[1],
     )
+    if drive.guides:
+        msg = f"ChainDrive.guides: {len(drive.guides)} of them; a mechanism takes none, leave them"
+        raise InvalidInput(msg)
     mechanism = Mechanism(drive.gravity, drive.name)
     for number, sprocket in enumerate(drive.sprockets):
         if sprocket.eccentricity:

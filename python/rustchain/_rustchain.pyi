@@ -7,8 +7,10 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain._description import Description
-from rustchain.drive import Chain, ChainDrive, Material, Sprocket
+from rustchain.drive import Chain, ChainDrive, Sprocket
 from rustchain.force_law import ForceLaw
+from rustchain.guides import GuideRail, SmoothIdler
+from rustchain.material import Material
 from rustchain.mechanism import Mechanism
 from rustchain.result import Result
 from rustchain.simulation import Solver
@@ -24,6 +26,7 @@ __all__ = [
     "chain_links",
     "closing_center_distance",
     "closing_move",
+    "guide_outline",
     "instruction_set",
     "integrate",
     "law_force",
@@ -97,6 +100,9 @@ def links_for(pitch: float, teeth: tuple[int, int], center_distance: float) -> i
 
 def tooth_outline(sprocket: Sprocket, chain: Chain, points: int) -> _Array:
     """Return the sprocket's closed outline [m], (points_total, 2), in its own frame."""
+
+def guide_outline(guide: GuideRail | SmoothIdler, points: int) -> _Array:
+    """Return a guide's closed outline [m], (points_total, 2), x out of its face."""
 
 def tooth_contacts(
     sprocket: Sprocket, chain: Chain, points: _Array, radius: float

@@ -18,7 +18,6 @@ from rustchain.drive import (
     Hinges,
     IsoTooth,
     Link,
-    Material,
     Point,
     PrescribedSpeed,
     Seat,
@@ -28,6 +27,7 @@ from rustchain.drive import (
     ToothForm,
 )
 from rustchain.errors import InvalidInput
+from rustchain.material import Material
 
 PAPER_CHAIN = Chain(
     name="ASA 40 of Pereira, Ambrosio and Ramalho (2010)",

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Literal
 
 from rustchain._description import Description, Point
 from rustchain._names import known_keywords
-from rustchain.chain import Chain, ClearanceHinge, Link, Material
+from rustchain.chain import Chain, ClearanceHinge, Link
+from rustchain.guides import GuideRail, SmoothIdler
+from rustchain.material import Material
 from rustchain.report import DriveReport
 from rustchain.sprocket import AppliedTorque, Free, PrescribedSpeed, Side, Sprocket, TimeTable
 from rustchain.teeth import (
@@ -77,6 +79,9 @@ class ChainDrive(Description):
     hinges : {"clearance", "ideal"}
         Pins with play in their bushings, or ideal joints: then the drive runs as the mechanism of
         `to_mechanism`, with the same channels; hinge forces are the joints' reactions.
+    guides : sequence of GuideRail and SmoothIdler
+        What the chain slides along besides. They take no part in how it is laid: they begin beside
+        it, blades swung back on their arms.
     """
 
     chain: Chain
@@ -85,6 +90,7 @@ class ChainDrive(Description):
     gravity: Point = (0.0, -9.81)
     name: str = ""
     hinges: Hinges = "clearance"
+    guides: Sequence[GuideRail | SmoothIdler] = ()
 
     def check(self) -> DriveReport:
         """Lay the chain out and return what was chosen; print the report to read it as a table."""

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from rustchain import _rustchain
 from rustchain._description import Description
 from rustchain._names import known_keywords
-from rustchain.drive import Material
+from rustchain.material import Material
 
 Damping = Literal[
     "lankarani-nikravesh",

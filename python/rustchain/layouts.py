@@ -11,6 +11,7 @@ from rustchain._names import known_keywords
 from rustchain.catalogue import catalogue_chain
 from rustchain.drive import Chain, ChainDrive, Hinges, Point, Sprocket, Tensioner
 from rustchain.errors import InvalidInput
+from rustchain.guides import GuideRail, SmoothIdler
 
 _ANY_LINKS = 100  # of a chain whose links are still to be counted
 
@@ -27,6 +28,7 @@ def chain_drive(
     gravity: Point = (0.0, -9.81),
     name: str = "",
     hinges: Hinges = "clearance",
+    guides: Sequence[GuideRail | SmoothIdler] = (),
 ) -> ChainDrive:
     """Return a drive of a chain round sprockets: links counted, or a centre moved to fit them.
 
@@ -47,7 +49,7 @@ def chain_drive(
         both strands beside it alike.
     reach : float, optional
         How far it may move [m]; by default as far as there is a belt line within 1000 pitches.
-    tensioner, gravity, name, hinges
+    tensioner, gravity, name, hinges, guides
         See `ChainDrive`.
 
     Raises
@@ -68,6 +70,7 @@ def chain_drive(
         gravity,
         name,
         hinges,
+        guides,
     )
     if links is None:
         drive = replace(drive, chain=replace(chain, links=_rustchain.links_around(drive)))

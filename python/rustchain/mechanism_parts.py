@@ -9,8 +9,9 @@ from typing import TypeAlias
 
 from rustchain._description import Description, plain
 from rustchain._names import known_keywords
-from rustchain.drive import Chain, Material, Sprocket
+from rustchain.drive import Chain, Sprocket
 from rustchain.force_law import ForceLaw, LankaraniNikravesh
+from rustchain.material import Material
 
 Point: TypeAlias = Sequence[float]
 Rows: TypeAlias = Sequence[Sequence[float]]

@@ -342,6 +342,15 @@ class Result(Outputs):
         names = ("angle", "speed", "torque", "center")
         return SprocketMotion(self.time, *(self.array(f"sprocket_{name}")[:, k] for name in names))
 
+    def guide(self, number: int) -> SprocketMotion:
+        """Return guide `number`: angle and place of its bearing, torque on it.
+
+        In arrays the guides follow the sprockets; a bushing's `sprocket` counts them on.
+        """
+        k = _position("guide", number, len(self.drive.guides)) + len(self.drive.sprockets)
+        names = ("angle", "speed", "torque", "center")
+        return SprocketMotion(self.time, *(self.array(f"sprocket_{name}")[:, k] for name in names))
+
     @property
     def energy(self) -> Energy:
         """The energy balance."""
@@ -368,7 +377,7 @@ class Result(Outputs):
             "time": xr.Variable("time", self.time, {"units": "s", "long_name": "time"}),
             "hinge": np.arange(1, self.drive.chain.links + 1),
             "bushing": np.arange(1, self.drive.chain.links + 1),
-            "sprocket": np.arange(1, len(self.drive.sprockets) + 1),
+            "sprocket": np.arange(1, len(self.drive.sprockets) + len(self.drive.guides) + 1),
             "strand": list(self.strand_names),
             "axis": ["x", "y"],
             "body": list(self.body_names),

@@ -31,6 +31,16 @@ impl Material {
         self.elastic_modulus / (2.0 * (1.0 - self.poisson_ratio * self.poisson_ratio))
     }
 
+    /// E* \[Pa\] of a body of this material and one of the `other`: 1/E* is the sum of (1 - ν²)/E.
+    #[must_use]
+    pub fn contact_modulus_with(&self, other: &Self) -> f64 {
+        if self == other {
+            return self.contact_modulus();
+        }
+        let compliance = |m: &Self| (1.0 - m.poisson_ratio * m.poisson_ratio) / m.elastic_modulus;
+        1.0 / (compliance(self) + compliance(other))
+    }
+
     /// Checks every field.
     ///
     /// # Errors

@@ -4,6 +4,7 @@ mod belt_line;
 mod chain;
 mod material;
 mod profile;
+mod rail;
 mod sprocket;
 mod tensioner;
 mod time_table;
@@ -13,6 +14,7 @@ pub use belt_line::BeltLine;
 pub use chain::{Chain, ClearanceHinge, Link, check_links};
 pub use material::Material;
 pub use profile::{AnsiTooth, CustomTooth, IsoTooth, StraightTooth, Tip, ToothForm};
+pub use rail::{Arm, Mount, Rail, RailShape};
 pub use sprocket::{Bearing, Faults, Motion, Sprocket};
 pub use tensioner::{Tensioner, TensionerLine};
 pub use time_table::TimeTable;
@@ -33,9 +35,17 @@ pub struct Drive {
     pub tensioner: Option<Tensioner>,
     /// Gravity \[m/s²\].
     pub gravity: Vec2,
+    /// Rails, blades and smooth idlers that the chain bears on besides.
+    pub guides: Vec<Rail>,
 }
 
 impl Drive {
+    /// Number of bodies: links, sprockets, guides.
+    #[must_use]
+    pub fn bodies(&self) -> usize {
+        self.chain.links as usize + self.sprockets.len() + self.guides.len()
+    }
+
     /// Checks every part and that the parts fit together.
     ///
     /// # Errors
@@ -63,6 +73,9 @@ impl Drive {
         }
         for (name, value) in [("x", self.gravity.x), ("y", self.gravity.y)] {
             check::finite(&format!("ChainDrive.gravity ({name})"), value, "m/s^2")?;
+        }
+        for guide in &self.guides {
+            guide.validate()?;
         }
         if let Some(tensioner) = &self.tensioner {
             tensioner.validate()?;

@@ -52,6 +52,9 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
             arms += 0.5 * guide.extra_mass * (vx * vx + vy * vy);
             springs += guide.energy(place);
         }
+        if let Some(swing) = sprocket.swing {
+            springs += swing.energy(motion.angle[model.links + s] - sprocket.phase);
+        }
         let inertia = if matches!(sprocket.rotation, Rotation::Prescribed(_)) {
             0.0
         } else {

@@ -211,6 +211,13 @@ impl ChainMatrix {
                 let j = index - first;
                 self.corner[j * m + j] += gamma * gamma * guide.stiffness_at(y[index]);
             }
+            if let (Some(swing), Rotation::Free { index, .. }) =
+                (sprocket.swing, &sprocket.rotation)
+            {
+                let j = index - first;
+                let stiffness = swing.stiffness_at(y[*index] - sprocket.phase);
+                self.corner[j * m + j] += gamma * gamma * stiffness;
+            }
         }
     }
 
@@ -243,7 +250,11 @@ impl ChainMatrix {
                 }
             }
             if let Rotation::Free { index, .. } = sprocket.rotation {
-                add(index, sprocket.inertia);
+                let dashpot = sprocket.swing.map_or(0.0, |swing| {
+                    let [back, forth] = swing.dashpots;
+                    back.max(forth)
+                });
+                add(index, sprocket.inertia + gamma * dashpot);
             }
         }
     }

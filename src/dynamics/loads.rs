@@ -122,11 +122,12 @@ impl Accelerations {
     }
 }
 
-/// Where a sprocket's centre is \[m\], its velocity \[m/s\], and the sprocket's angular speed \[rad/s\].
+/// Where a sprocket's centre is \[m\], its velocity \[m/s\], the sprocket's angle \[rad\] and its rate \[rad/s\].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Moves {
     pub(crate) center: Vec2,
     pub(crate) velocity: Vec2,
+    pub(crate) angle: f64,
     pub(crate) spin: f64,
 }
 
@@ -135,6 +136,7 @@ impl Moves {
         Self {
             center: Vec2::new(motion.x[body], motion.y[body]),
             velocity: Vec2::new(motion.vx[body], motion.vy[body]),
+            angle: motion.angle[body],
             spin: motion.spin[body],
         }
     }
@@ -165,7 +167,10 @@ pub(crate) fn sprocket_acceleration(
     let angle = match &sprocket.rotation {
         Rotation::Prescribed(speed) => speed.slope(t),
         Rotation::Free { .. } => {
-            (chain.moment + sprocket.applied_torque(t, moves.spin)) / sprocket.inertia
+            let held = sprocket.swing.map_or(0.0, |swing| {
+                swing.force(moves.angle - sprocket.phase) - swing.dashpot(moves.spin) * moves.spin
+            });
+            (chain.moment + sprocket.applied_torque(t, moves.spin) + held) / sprocket.inertia
         }
     };
     (center, angle)
@@ -189,6 +194,9 @@ pub(crate) fn outside_powers(
             Rotation::Free { .. } => sprocket.applied_torque(t, spin) * spin,
         },
     };
+    if let Some(swing) = sprocket.swing {
+        powers.dissipated += swing.dashpot(spin) * spin * spin;
+    }
     if let Support::Slide { guide, .. } = sprocket.support {
         let (_, tangent) = sprocket.slide_at(moves.center).unwrap_or_default();
         let speed = moves.velocity.dot(&tangent);

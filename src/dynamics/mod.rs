@@ -363,7 +363,7 @@ impl Dynamics {
             let number = model.tooth_pair(s, self.stiffness_surface(pair));
             let end =
                 with_law!(&model.tooth_law.pairs, Law, pairs => range_end::<Law>(&pairs[number]));
-            let name = || format!("bushing {} on sprocket {}", k + 1, s + 1);
+            let name = || format!("bushing {} on {}", k + 1, model.wheel_name(s));
             (depth > end).then(|| past_range(model.tooth_law.elastic, &name(), depth, end))
         })
     }
@@ -401,7 +401,7 @@ impl Dynamics {
             .filter(|&(s, k, ..)| model.link_of_bushing(k) == body || n + s == body)
             .map(|(s, k, _, force)| {
                 let gap = self.kernels.candidates.gap(model, s, k).unwrap_or(0);
-                let name = format!("bushing {} on sprocket {}, gap {gap}", k + 1, s + 1);
+                let name = format!("bushing {} on {}, gap {gap}", k + 1, model.wheel_name(s));
                 (force, name)
             });
         hinges

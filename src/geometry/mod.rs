@@ -7,6 +7,7 @@ mod custom_tooth;
 mod flank;
 mod iso_tooth;
 pub mod polygon;
+mod rail;
 mod segment;
 mod tooth_profile;
 pub mod way;

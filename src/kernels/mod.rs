@@ -275,6 +275,7 @@ impl Kernels {
             *pose = SprocketPose {
                 center: center.into(),
                 velocity: velocity.into(),
+                angle,
                 spin,
                 direction: [1.0, 0.0],
             };

@@ -24,7 +24,9 @@ pub(super) struct SprocketPose {
     pub(super) center: [f64; 2],
     /// Its velocity \[m/s\].
     pub(super) velocity: [f64; 2],
-    /// Angular speed \[rad/s\].
+    /// Angle \[rad\].
+    pub(super) angle: f64,
+    /// Its rate \[rad/s\].
     pub(super) spin: f64,
     /// Cosine and sine of the angle.
     pub(super) direction: [f64; 2],
@@ -36,6 +38,7 @@ impl SprocketPose {
         Moves {
             center: self.center.into(),
             velocity: self.velocity.into(),
+            angle: self.angle,
             spin: self.spin,
         }
     }

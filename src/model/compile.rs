@@ -1,5 +1,7 @@
 //! Drive and start -> `Model`: inertias, coordinates, pair constants.
 
+use super::guide::STOP_STIFFNESS;
+use super::rail::place_rail;
 use super::{ContactLaw, Guide, Model, Rotation, SprocketModel, Support};
 use crate::drive::{Bearing, BeltLine, Drive, Motion, Sprocket};
 use crate::error::{Error, Result, check};
@@ -56,27 +58,15 @@ impl Model {
         laws.check(drive.chain.material.restitution)?;
         let chain = &drive.chain;
         let links = chain.links as usize;
-        if start.positions.len() != links + drive.sprockets.len() {
+        if start.positions.len() != drive.bodies() {
             return Err(Error::invalid(
                 "positions",
                 format!("{} rows", start.positions.len()),
-                format!(
-                    "needs one row for each of the {} bodies",
-                    links + drive.sprockets.len()
-                ),
+                format!("needs one row for each of the {} bodies", drive.bodies()),
             ));
         }
         let mut coordinates = Coordinates(3 * links);
-        let mut sprockets = Vec::new();
-        for (number, sprocket) in drive.sprockets.iter().enumerate() {
-            let first_pair = sprockets.last().map_or(0, |last: &SprocketModel| {
-                last.first_pair + last.profile.surfaces().len()
-            });
-            sprockets.push(SprocketModel {
-                first_pair,
-                ..place_sprocket(drive, number, sprocket, start, &mut coordinates)?
-            });
-        }
+        let sprockets = place_wheels(drive, start, &mut coordinates)?;
 
         let modulus = chain.material.contact_modulus();
         let hinge = &chain.hinge;
@@ -86,17 +76,7 @@ impl Model {
             chain.hinge_contact_length(),
             modulus,
         )];
-        let tooth_pairs: Vec<SurfacePair> = sprockets
-            .iter()
-            .flat_map(|s: &SprocketModel| {
-                tooth_surfaces(
-                    &s.profile,
-                    chain.bushing_radius,
-                    chain.teeth_contact_length(),
-                    modulus,
-                )
-            })
-            .collect();
+        let tooth_pairs = tooth_pairs(drive, &sprockets);
         let mut range_notes = Vec::new();
         for (law, pairs, name) in [
             (laws.hinge, &hinge_pairs[..], "pin and bushing"),
@@ -115,7 +95,10 @@ impl Model {
                         ..
                     } = &sprockets[number];
                     let name = profile.surfaces()[i - first_pair].name;
-                    format!(" {name} of sprocket {}", number + 1)
+                    match number.checked_sub(drive.sprockets.len()) {
+                        None => format!(" {name} of sprocket {}", number + 1),
+                        Some(guide) => format!(" {name} of guide {}", guide + 1),
+                    }
                 } else {
                     String::new()
                 };
@@ -149,10 +132,59 @@ impl Model {
             min_approach_speed: laws.min_approach_speed,
             gravity: drive.gravity,
             strands: strands(drive),
+            guides: drive.guides.len(),
             sprockets,
             range_notes,
         })
     }
+}
+
+/// Sprockets, then guides.
+fn place_wheels(
+    drive: &Drive,
+    start: &Start,
+    coordinates: &mut Coordinates,
+) -> Result<Vec<SprocketModel>> {
+    let mut wheels: Vec<SprocketModel> = Vec::new();
+    let mut add = |wheel: SprocketModel| {
+        let first_pair = wheels
+            .last()
+            .map_or(0, |last| last.first_pair + last.profile.surfaces().len());
+        wheels.push(SprocketModel {
+            first_pair,
+            ..wheel
+        });
+    };
+    for (number, sprocket) in drive.sprockets.iter().enumerate() {
+        add(place_sprocket(drive, number, sprocket, start, coordinates)?);
+    }
+    let first = drive.chain.links as usize + drive.sprockets.len();
+    for (guide, [_, _, angle]) in drive.guides.iter().zip(&start.positions[first..]) {
+        add(place_rail(guide, &drive.chain, *angle, || {
+            coordinates.take()
+        })?);
+    }
+    Ok(wheels)
+}
+
+/// Bushings against every surface of all sprockets and guides.
+fn tooth_pairs(drive: &Drive, wheels: &[SprocketModel]) -> Vec<SurfacePair> {
+    let chain = &drive.chain;
+    let of_teeth = (drive.sprockets.iter()).map(|_| chain.material.contact_modulus());
+    let of_guides = drive.guides.iter().map(|guide| {
+        let other = guide.material.as_ref().unwrap_or(&chain.material);
+        chain.material.contact_modulus_with(other)
+    });
+    let of_wheel = |(wheel, modulus): (&SprocketModel, f64)| {
+        tooth_surfaces(
+            &wheel.profile,
+            chain.bushing_radius,
+            chain.teeth_contact_length(),
+            modulus,
+        )
+    };
+    let moduli = of_teeth.chain(of_guides);
+    wheels.iter().zip(moduli).flat_map(of_wheel).collect()
 }
 
 fn place_sprocket(
@@ -186,6 +218,7 @@ fn place_sprocket(
                     curvature: line.curvature,
                     stiffness: tensioner.stiffness,
                     stops: [-back, forth],
+                    stop_stiffness: STOP_STIFFNESS,
                     extra_mass: tensioner.arm_inertia * line.curvature * line.curvature,
                     dashpots: [
                         tensioner.damping_back.unwrap_or(tensioner.damping),
@@ -241,6 +274,7 @@ fn place_sprocket(
         phase: angle,
         support,
         rotation,
+        swing: None,
     })
 }
 

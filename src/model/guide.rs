@@ -3,7 +3,7 @@
 use crate::geometry::{Vec2, way};
 
 /// Stiffness of a stop \[N/m\]: 0.1 mm under 1 kN.
-const STOP_STIFFNESS: f64 = 1e7;
+pub(super) const STOP_STIFFNESS: f64 = 1e7;
 
 /// The way of a centre, by its distance s along it \[m\] from the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,6 +14,8 @@ pub struct Guide {
     pub stiffness: f64,
     /// Where the stops are: least and greatest s \[m\].
     pub stops: [f64; 2],
+    /// Stiffness of the stops \[N/m\].
+    pub stop_stiffness: f64,
     /// Dashpots against a centre that moves back and forth \[N s/m\].
     pub dashpots: [f64; 2],
     /// Mass that moves along besides the sprocket's own \[kg\].
@@ -42,7 +44,7 @@ impl Guide {
     /// Force of spring and stops along the way \[N\].
     #[must_use]
     pub fn force(&self, s: f64) -> f64 {
-        -self.stiffness * s - STOP_STIFFNESS * self.past_stop(s)
+        -self.stiffness * s - self.stop_stiffness * self.past_stop(s)
     }
 
     /// How it falls with s \[N/m\].
@@ -51,7 +53,7 @@ impl Guide {
         let stopped = if self.past_stop(s) == 0.0 {
             0.0
         } else {
-            STOP_STIFFNESS
+            self.stop_stiffness
         };
         self.stiffness + stopped
     }
@@ -65,7 +67,7 @@ impl Guide {
     /// Energy in spring and stops \[J\].
     #[must_use]
     pub fn energy(&self, s: f64) -> f64 {
-        0.5 * self.stiffness * s * s + 0.5 * STOP_STIFFNESS * self.past_stop(s).powi(2)
+        0.5 * self.stiffness * s * s + 0.5 * self.stop_stiffness * self.past_stop(s).powi(2)
     }
 
     fn past_stop(&self, s: f64) -> f64 {
@@ -84,6 +86,7 @@ mod tests {
             curvature: 0.0,
             stiffness: 800.0,
             stops: [-0.002, 0.005],
+            stop_stiffness: STOP_STIFFNESS,
             extra_mass: 0.0,
             dashpots: [0.0; 2],
         };

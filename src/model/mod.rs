@@ -3,6 +3,7 @@
 mod compile;
 mod guide;
 mod input;
+mod rail;
 
 pub use compile::{ForceLaws, strands};
 pub use guide::Guide;
@@ -39,8 +40,10 @@ pub struct Model {
     pub clearance: f64,
     /// Outside radius of the bushings \[m\].
     pub bushing_radius: f64,
-    /// The sprockets.
+    /// The sprockets, and behind them the guides: to the chain, wheels without teeth.
     pub sprockets: Vec<SprocketModel>,
+    /// How many of them are guides.
+    pub guides: usize,
     /// From which to which sprocket each strand leads. Two sprockets: the upper strand, the lower one.
     pub strands: Vec<[usize; 2]>,
     /// Law of the hinges: one pair for all.
@@ -95,6 +98,8 @@ pub struct SprocketModel {
     pub rotation: Rotation,
     /// On which side of the chain it stands.
     pub side: Side,
+    /// What holds back the arm of a guide, by the angle that it has turned by \[rad\]: N m in the place of N.
+    pub swing: Option<Guide>,
 }
 
 /// What holds a sprocket's centre; indices point into q.
@@ -161,7 +166,22 @@ impl Model {
         rows.fold(f64::INFINITY, f64::min)
     }
 
-    /// Number of bodies: links and sprockets.
+    /// Number of sprockets that have teeth.
+    #[must_use]
+    pub fn toothed(&self) -> usize {
+        self.sprockets.len() - self.guides
+    }
+
+    /// What sprocket or guide `s` is called.
+    #[must_use]
+    pub fn wheel_name(&self, s: usize) -> String {
+        match s.checked_sub(self.toothed()) {
+            None => format!("sprocket {}", s + 1),
+            Some(guide) => format!("guide {}", guide + 1),
+        }
+    }
+
+    /// Number of bodies: links, sprockets and guides.
     #[must_use]
     pub fn bodies(&self) -> usize {
         self.links + self.sprockets.len()
@@ -172,7 +192,7 @@ impl Model {
     pub fn body_names(&self) -> Vec<String> {
         (1..=self.links)
             .map(|i| format!("link_{i}"))
-            .chain((1..=self.sprockets.len()).map(|i| format!("sprocket_{i}")))
+            .chain((0..self.sprockets.len()).map(|s| self.wheel_name(s).replace(' ', "_")))
             .collect()
     }
 

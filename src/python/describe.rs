@@ -5,8 +5,9 @@ use pyo3::types::{PyBool, PyString, PyTuple};
 
 use super::errors::{InvalidInput, to_python};
 use crate::drive::{
-    AnsiTooth, Bearing, Chain, ClearanceHinge, CustomTooth, Drive, Faults, IsoTooth, Link,
-    Material, Motion, Sprocket, StraightTooth, Tensioner, TimeTable, Tip, ToothForm, Variation,
+    AnsiTooth, Arm, Bearing, Chain, ClearanceHinge, CustomTooth, Drive, Faults, IsoTooth, Link,
+    Material, Motion, Mount, Rail, RailShape, Sprocket, StraightTooth, Tensioner, TimeTable, Tip,
+    ToothForm, Variation,
 };
 use crate::error::{Error, Result, check};
 use crate::force_law::{Damping, Elastic, ForceLaw, Regions};
@@ -494,6 +495,64 @@ fn tensioner(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Tensioner> {
     })
 }
 
+fn arm(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Arm> {
+    let read = Reader::new(object, field, &["GuideArm"])?;
+    Ok(Arm {
+        pivot: read.vector("pivot", "m")?,
+        force: read.number("force", "N")?,
+        ramp_time: read.number("ramp_time", "s")?,
+        stiffness: read.number("stiffness", "N/m")?,
+        damping: read.number("damping", "N s/m")?,
+        damping_back: read.optional_number("damping_back", "N s/m")?,
+        travel: if read.get("travel")?.is_none() {
+            [f64::INFINITY; 2]
+        } else {
+            read.vector("travel", "m")?.into()
+        },
+        inertia: read.number("inertia", "kg m^2")?,
+    })
+}
+
+pub(super) fn rail(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Rail> {
+    let read = Reader::new(object, field, &["GuideRail", "SmoothIdler"])?;
+    let own = read.get("material")?;
+    let of = if own.is_none() {
+        None
+    } else {
+        Some(material(&own, &read.name("material"))?)
+    };
+    let center = read.vector("center", "m")?;
+    if read.kind == "SmoothIdler" {
+        return Ok(Rail {
+            shape: RailShape::Wheel {
+                radius: read.number("radius", "m")?,
+            },
+            center,
+            direction: Vec2::x(),
+            mount: read
+                .optional_number("inertia", "kg m^2")?
+                .map_or(Mount::Fixed, |inertia| Mount::Turning { inertia }),
+            material: of,
+        });
+    }
+    let swung = read.get("arm")?;
+    Ok(Rail {
+        shape: RailShape::Bar {
+            length: read.number("length", "m")?,
+            radius: read.optional_number("radius", "m")?,
+            end_radius: read.number("end_radius", "m")?,
+        },
+        center,
+        direction: read.vector("direction", "1")?,
+        mount: if swung.is_none() {
+            Mount::Fixed
+        } else {
+            Mount::Arm(arm(&swung, "GuideRail.arm")?)
+        },
+        material: of,
+    })
+}
+
 /// Reads a `ChainDrive`, unchecked.
 pub(super) fn drive(object: &Bound<'_, PyAny>) -> PyResult<Drive> {
     let read = Reader::new(object, "drive", &["ChainDrive"])?;
@@ -505,6 +564,15 @@ pub(super) fn drive(object: &Bound<'_, PyAny>) -> PyResult<Drive> {
             "ChainDrive.sprockets",
             &sprockets,
             "must be a sequence of Sprocket",
+        ));
+    };
+    let guides = read.get("guides")?;
+    let Ok(guides) = guides.cast::<PyTuple>() else {
+        return Err(refuse(
+            object.py(),
+            "ChainDrive.guides",
+            &guides,
+            "must be a sequence of GuideRail and SmoothIdler",
         ));
     };
     let tight = read.get("tensioner")?;
@@ -523,6 +591,11 @@ pub(super) fn drive(object: &Bound<'_, PyAny>) -> PyResult<Drive> {
             Some(tensioner(&tight, "ChainDrive.tensioner")?)
         },
         gravity: read.vector("gravity", "m/s^2")?,
+        guides: guides
+            .iter()
+            .enumerate()
+            .map(|(i, guide)| rail(&guide, &format!("ChainDrive.guides[{i}]")))
+            .collect::<PyResult<_>>()?,
     })
 }
 
@@ -667,6 +740,8 @@ pub(super) fn validate(description: &Bound<'_, PyAny>) -> PyResult<()> {
         "PrescribedSpeed" | "AppliedTorque" | "Free" => motion(object, "").map(|_| Ok(()))?,
         "Sprocket" => sprocket(object, "")?.validate(),
         "Tensioner" => tensioner(object, "")?.validate(),
+        "GuideArm" => arm(object, "")?.validate(),
+        "GuideRail" | "SmoothIdler" => rail(object, "guide")?.validate(),
         "ChainDrive" => drive(object)?.validate(),
         "Solver" => solver(object).map(|_| Ok(()))?,
         kind if LAWS.contains(&kind) => force_law(object, "").map(|_| Ok(()))?,

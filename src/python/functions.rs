@@ -249,6 +249,21 @@ pub(super) fn tooth_outline<'py>(
     flat.into_pyarray(sprocket.py()).reshape([rows, 2])
 }
 
+/// Closed outline of a guide about its middle, in a frame whose x axis points out of its face \[m\].
+#[pyfunction]
+pub(super) fn guide_outline<'py>(
+    guide: &Bound<'py, PyAny>,
+    points: usize,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let described = describe::rail(guide, "guide")?;
+    describe::checked(guide.py(), described.validate())?;
+    let profile = describe::checked(guide.py(), described.profile())?;
+    let outline = profile.outline(points);
+    let rows = outline.len();
+    let flat: Vec<f64> = outline.into_iter().flat_map(|p| [p.x, p.y]).collect();
+    flat.into_pyarray(guide.py()).reshape([rows, 2])
+}
+
 /// Names of the surfaces of whole teeth, from the seat outward.
 #[pyfunction]
 pub(super) fn tooth_surfaces(

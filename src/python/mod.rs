@@ -36,6 +36,7 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(functions::bisector, module)?)?;
     module.add_function(wrap_pyfunction!(functions::closing_move, module)?)?;
     module.add_function(wrap_pyfunction!(functions::tooth_outline, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::guide_outline, module)?)?;
     module.add_function(wrap_pyfunction!(functions::tooth_contacts, module)?)?;
     module.add_function(wrap_pyfunction!(functions::tooth_surfaces, module)?)?;
     module.add_function(wrap_pyfunction!(surfaces::tooth_radii, module)?)?;

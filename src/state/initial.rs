@@ -1,5 +1,7 @@
 //! The start of a run: where every body lies and how it moves, with nothing in contact.
 
+use std::f64::consts::TAU;
+
 use super::layout::Layout;
 use super::many_sprockets::Around;
 use super::strand_motion;
@@ -12,6 +14,8 @@ use crate::geometry::{Vec2, turned_left, unit};
 
 /// How often a chain is laid anew round eccentric teeth.
 const MOST_ROUNDS: usize = 30;
+/// By how many gaps the wheels are turned on where the places of eccentric teeth do not settle.
+const MOST_TURNS: u32 = 12;
 /// Share of the pitch by which they may move in the last round.
 const SETTLED: f64 = 1e-10;
 
@@ -25,19 +29,59 @@ pub struct Start {
 }
 
 impl Start {
-    /// Lays the chain of `drive` round its sprockets.
+    /// Lays the chain of `drive` round its sprockets, and brings its guides beside it.
     ///
     /// # Errors
     /// When no such start exists: the numbers that show why, and the nearest that works.
     pub fn generate(drive: &Drive) -> Result<(Self, Layout)> {
         drive.validate()?;
+        let (start, mut layout) = Self::lay_round(drive)?;
+        let (start, gap) = start.with_guides(drive)?;
+        layout.start_gap = layout.start_gap.min(gap);
+        Ok((start, layout))
+    }
+
+    fn lay_round(drive: &Drive) -> Result<(Self, Layout)> {
         if (drive.sprockets.iter()).all(|sprocket| sprocket.faults.eccentricity == 0.0) {
             return Self::lay(drive);
         }
-        // Where eccentric teeth are follows from the angles that the chain is laid at, which hardly depend on it.
+        // Where eccentric teeth are follows from the angles that the chain is laid at, which jump where another way to lay it is
+        // the better one. Turned on by a gap the wheels meet that jump elsewhere.
+        let gaps = drive.sprockets.iter().map(|s| s.teeth).min().unwrap_or(1);
+        let mut why = None;
+        for turned in (0..gaps.min(MOST_TURNS)).map(f64::from) {
+            match Self::lay_eccentric(drive, turned) {
+                Ok(Some(laid)) => return Ok(laid),
+                Ok(None) => {}
+                Err(error) => {
+                    why.get_or_insert(error);
+                }
+            }
+        }
+        Err(why.unwrap_or_else(|| {
+            Error::Impossible(format!(
+                "the chain cannot be laid: the places of eccentric teeth, of eccentricities {:?} m, do not settle; take smaller \
+                 ones or other angles",
+                (drive.sprockets.iter())
+                    .map(|sprocket| sprocket.faults.eccentricity)
+                    .collect::<Vec<f64>>()
+            ))
+        }))
+    }
+
+    /// Lays the chain of `drive` round eccentric teeth, all wheels turned on by so many gaps; nothing where their places do not settle.
+    fn lay_eccentric(drive: &Drive, turned: f64) -> Result<Option<(Self, Layout)>> {
+        let gap = |i: usize| TAU / f64::from(drive.sprockets[i].teeth);
         let mut centered = drive.clone();
+        let mut before: Option<Vec<f64>> = None;
         for _ in 0..MOST_ROUNDS {
-            let (mut start, layout) = Self::lay(&centered)?;
+            let (mut start, mut layout) = Self::lay(&centered)?;
+            for (i, phase) in layout.phase.iter_mut().enumerate() {
+                // The same gap in every round.
+                let near = before.as_ref().map_or(turned * gap(i), |phase| phase[i]);
+                *phase += ((near - *phase) / gap(i)).round() * gap(i);
+                start.positions[drive.chain.links as usize + i][2] = *phase;
+            }
             let mut moved: f64 = 0.0;
             for (i, sprocket) in drive.sprockets.iter().enumerate() {
                 let offset = sprocket.faults.offset();
@@ -49,16 +93,11 @@ impl Start {
                 [start.positions[body][0], start.positions[body][1]] = sprocket.center.into();
             }
             if moved <= SETTLED * drive.chain.pitch {
-                return Ok((start, layout));
+                return Ok(Some((start, layout)));
             }
+            before = Some(layout.phase);
         }
-        Err(Error::Impossible(format!(
-            "the chain cannot be laid: the places of eccentric teeth, of eccentricities {:?} m, do not settle; take smaller \
-             ones or other angles",
-            (drive.sprockets.iter())
-                .map(|sprocket| sprocket.faults.eccentricity)
-                .collect::<Vec<f64>>()
-        )))
+        Ok(None)
     }
 
     fn lay(drive: &Drive) -> Result<(Self, Layout)> {

@@ -2,6 +2,7 @@
 
 mod closing;
 mod fit;
+mod guides;
 mod initial;
 mod layout;
 mod many_sprockets;

@@ -1,6 +1,9 @@
 //! Layouts of many sprockets that several tests use.
 
-use rustchain::drive::{AnsiTooth, Bearing, Drive, Faults, Motion, Sprocket, Tip};
+use rustchain::drive::{
+    AnsiTooth, Arm, Bearing, Drive, Faults, Motion, Mount, Rail, RailShape, Sprocket, Tensioner,
+    Tip,
+};
 use rustchain::geometry::belt::Side;
 use rustchain::geometry::{Seat, Vec2};
 use rustchain::state::links_around;
@@ -37,6 +40,7 @@ pub fn drive_of(sprockets: Vec<Sprocket>, links: u32) -> Drive {
         sprockets,
         tensioner: None,
         gravity: Vec2::new(0.0, -9.81),
+        guides: Vec::new(),
     }
 }
 
@@ -58,5 +62,54 @@ pub fn three_shafts() -> Drive {
         100,
     );
     drive.chain.links = links_around(&drive).unwrap();
+    drive
+}
+
+/// The same with an arm that pulls the idler and loads on both shafts, a fixed rail beside the strand between the shafts, and a blade
+/// on an arm that presses on the lowest strand.
+pub fn guided_shafts() -> Drive {
+    let mut drive = three_shafts();
+    drive.sprockets[0].motion = Motion::PrescribedSpeed(40.0.into());
+    for shaft in [1, 2] {
+        drive.sprockets[shaft].motion = Motion::AppliedTorque((-2.0).into());
+        drive.sprockets[shaft].load_inertia = 5e-3;
+    }
+    drive.tensioner = Some(Tensioner {
+        sprocket: 4,
+        pivot: Some(Vec2::new(0.0, 0.05)),
+        ..super::tensioner(60.0, 0.01)
+    });
+    let rail = Rail {
+        shape: RailShape::Bar {
+            length: 0.12,
+            radius: None,
+            end_radius: 0.005,
+        },
+        center: Vec2::new(0.3517, 0.1058),
+        direction: Vec2::new(-0.928, -0.372),
+        mount: Mount::Fixed,
+        material: None,
+    };
+    let blade = Rail {
+        shape: RailShape::Bar {
+            length: 0.16,
+            radius: Some(0.4),
+            end_radius: 0.006,
+        },
+        center: Vec2::new(0.163, -0.083),
+        direction: Vec2::new(0.186, 0.983),
+        mount: Mount::Arm(Arm {
+            pivot: Vec2::new(0.07, -0.08),
+            force: 30.0,
+            ramp_time: 0.01,
+            stiffness: 0.0,
+            damping: 50.0,
+            damping_back: Some(1000.0),
+            travel: [0.05, 0.05],
+            inertia: 5e-4,
+        }),
+        material: None,
+    };
+    drive.guides = vec![rail, blade];
     drive
 }

@@ -74,6 +74,7 @@ pub fn paper_drive() -> Drive {
         chain,
         tensioner: None,
         gravity: Vec2::new(0.0, -9.81),
+        guides: Vec::new(),
     }
 }
 

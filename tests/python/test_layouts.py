@@ -199,6 +199,22 @@ def test_what_does_not_hold_is_refused_by_name(case):
         build()
 
 
+@pytest.mark.parametrize("turn", range(20, 30))
+def test_eccentric_teeth_between_two_ways_to_lie_are_laid(turn):
+    drive = four_sprockets()
+    third = replace(drive.sprockets[2], eccentricity=3e-4, eccentricity_angle=0.0523 * turn)
+    drive = replace(drive, sprockets=(*drive.sprockets[:2], third, drive.sprockets[3]))
+    simulation = rc.Simulation(drive)
+    assert np.max(simulation.evaluate().tooth_penetration) < 0.0
+    # What was laid round are the teeth where the start has them.
+    angle = simulation.positions[-2, 2] + third.eccentricity_angle
+    teeth = np.array(third.center) + 3e-4 * np.array([math.cos(angle), math.sin(angle)])
+    q = simulation.positions[: drive.chain.links]
+    front = q[:, :2] + 0.5 * PITCH * np.stack([np.cos(q[:, 2]), np.sin(q[:, 2])], axis=1)
+    radii = np.sort(np.hypot(*(front - teeth).T))[:4]
+    assert np.ptp(radii) < 2e-6
+
+
 @st.composite
 def layouts(draw):
     """Return sprockets on a circle, far enough apart, turned anyhow."""

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 
 from rustchain import _rustchain
 from rustchain._names import known_keywords
+from rustchain.guides import GuideRail, SmoothIdler
 from rustchain.plot.style import GREY, Figures, styled
 from rustchain.result import Array
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.typing import ColorType
 
 _INNER, _OUTER, _STEEL, _INK = "#5b8fb9", "#f0b35a", "#d5dae0", "#3b4048"
+_RAIL = "#cfe3d0"
 
 
 class DrivePicture(Figures):
@@ -36,12 +38,14 @@ class DrivePicture(Figures):
         """
         time, positions = self._snapshot(time)
         drive, chain = self.result.drive, self.result.drive.chain
-        links, wheels = positions[: chain.links], positions[-len(drive.sprockets) :]
+        links, wheels = positions[: chain.links], positions[chain.links :]
+        guides = wheels[len(drive.sprockets) :]
+        wheels = wheels[: len(drive.sprockets)]
         hinges = _placed(links, np.array([[0.5 * chain.pitch, 0.0]]))[:, 0]
         low = hinges.min(axis=0) - 1.6 * chain.pitch
         high = hinges.max(axis=0) + 1.6 * chain.pitch
-        width, height = 8.0 * (high - low) / (high - low)[0]
-        figure, axes = plt.subplots(figsize=(width, height + 0.6))
+        width, height = (high - low) * min(8.0 / (high - low)[0], 10.0 / (high - low)[1])
+        figure, axes = plt.subplots(figsize=(max(width, 3.0), max(height, 0.5) + 0.6))
 
         for sprocket, pose in zip(drive.sprockets, wheels[:, None], strict=True):
             outline = _rustchain.tooth_outline(sprocket, chain, 12)
@@ -49,13 +53,16 @@ class DrivePicture(Figures):
             _add_polygons(axes, _placed(pose, _circle(0.5 * chain.pitch)), "white", GREY)
             mark = chain.pitch * np.array([[0.5, 0.0], [1.1, 0.0]])  # points to gap 0
             axes.plot(*_placed(pose, mark)[0].T, color=GREY, linewidth=1.2)
+        for guide, pose in zip(drive.guides, guides[:, None], strict=True):
+            outline = guide.outline() + _from_bearing(guide)
+            _add_polygons(axes, _placed(pose, outline), _RAIL, GREY)
         # First link, height of the drawn plate over the pitch, colour.
         for first, share, color in ((0, 0.8, _INNER), (1, 0.7, _OUTER)):
             plate = _plate_outline(chain.pitch, share * chain.pitch)
             _add_polygons(axes, _placed(links[first::2], plate), to_rgba(color, 0.55), color)
         for radius, face in ((chain.bushing_radius, "none"), (chain.hinge.pin_radius, "white")):
             _add_polygons(axes, hinges[:, None] + _circle(radius), face, _INK)
-        for number in (1, *range(6, chain.links + 1, 5)):
+        for number in (1, *range(6, chain.links + 1, 5 * max(1, chain.links // 200))):
             here = hinges[number - 1]
             if len(wheels) == 2:
                 x, y = _outside(here, wheels[:, :2], chain.pitch)
@@ -88,6 +95,15 @@ class DrivePicture(Figures):
             )
             warnings.warn(msg, UserWarning, stacklevel=3)
         return found, result.final_positions if row == last else result.initial_positions
+
+
+def _from_bearing(guide: GuideRail | SmoothIdler) -> Array:
+    """Return a guide's middle in a frame at its bearing that turns with it [m]."""
+    if isinstance(guide, SmoothIdler) or guide.arm is None:
+        return np.zeros(2)
+    out = np.array(guide.direction) / np.hypot(*guide.direction)
+    arm = np.array(guide.center) - np.array(guide.arm.pivot)
+    return np.array([arm @ out, out[0] * arm[1] - out[1] * arm[0]])
 
 
 def _add_polygons(axes: Axes, outlines: Array, face: ColorType, edge: ColorType) -> None:

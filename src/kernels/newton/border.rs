@@ -77,6 +77,13 @@ impl Corner {
             if let Support::Slide { index, damping, .. } = sprocket.support {
                 self.add(index - start, index - start, gamma * damping);
             }
+            if let (Some(swing), Rotation::Free { index, .. }) =
+                (sprocket.swing, &sprocket.rotation)
+            {
+                // The harder dashpot, whichever acts; of the stops' stiffness nothing, which is small times the step's square.
+                let [back, forth] = swing.dashpots;
+                self.add(index - start, index - start, gamma * back.max(forth));
+            }
         }
         for (own, entry) in self.own.iter_mut().zip(self.matrix.diagonal()) {
             *own = entry;

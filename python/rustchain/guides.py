@@ -1,0 +1,120 @@
+"""What a chain slides along besides its sprockets: rails, blades on arms, idlers without teeth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain import _rustchain
+from rustchain._description import Description
+from rustchain._names import known_keywords
+from rustchain.material import Material
+
+_Point = tuple[float, float]
+
+
+@known_keywords
+@dataclass(frozen=True)
+class GuideArm(Description):
+    """An arm that carries a rail, swung by a plunger that presses on the rail's middle.
+
+    Force, spring, dashpot and stops act along the plunger's way, which is the rail's direction.
+
+    Attributes
+    ----------
+    pivot : (float, float)
+        Where the arm turns [m].
+    force : float
+        Full force of the plunger where the rail is described [N].
+    ramp_time : float
+        Time over which it grows from zero [s].
+    stiffness : float
+        What the force loses as the plunger moves out [N/m].
+    damping : float
+        Dashpot of the plunger [N s/m].
+    damping_back : float, optional
+        Dashpot while the arm gives way to the chain [N s/m], by default the same: a hydraulic
+        tensioner follows the chain through its check valve and gives way by its leak.
+    travel : (float, float), optional
+        How far the plunger can go back and out from where the rail is described [m], where stops of
+        1e7 N/m are; by default there are none.
+    inertia : float
+        Moment of inertia of arm and rail about the pivot [kg m^2].
+    """
+
+    pivot: _Point
+    force: float
+    ramp_time: float = 0.1
+    stiffness: float = 0.0
+    damping: float = 100.0
+    damping_back: float | None = None
+    travel: _Point | None = None
+    inertia: float = 2e-4
+
+
+@known_keywords
+@dataclass(frozen=True)
+class GuideRail(Description):
+    """A bar with round ends that the chain's bushings bear on: a rail, or with an arm a blade.
+
+    Attributes
+    ----------
+    center : (float, float)
+        Its middle, half-way between its two faces [m].
+    direction : (float, float)
+        Out of the face on which the chain runs.
+    length : float
+        Length over its round ends [m].
+    radius : float, optional
+        Radius of its arched faces [m]; by default they are straight.
+    end_radius : float
+        Radius of its ends [m]: half the thickness of a straight bar.
+    arm : GuideArm, optional
+        What swings it; by default it is fixed.
+    material : Material, optional
+        Its own elastic constants; by default those of the chain. The restitution is the chain's.
+    """
+
+    center: _Point
+    direction: _Point
+    length: float
+    radius: float | None = None
+    end_radius: float = 0.005
+    arm: GuideArm | None = None
+    material: Material | None = None
+
+    def outline(self, points: int = 24) -> npt.NDArray[np.float64]:
+        """Return the closed outline [m], shape (points in all, 2), counterclockwise.
+
+        About the middle; the x axis points out of the face.
+        """
+        return _rustchain.guide_outline(self, points)
+
+
+@known_keywords
+@dataclass(frozen=True)
+class SmoothIdler(Description):
+    """A wheel without teeth that the chain's bushings bear on.
+
+    Attributes
+    ----------
+    radius : float
+        Radius [m].
+    center : (float, float)
+        Centre [m].
+    inertia : float, optional
+        Moment of inertia [kg m^2] of a wheel that can turn; by default it cannot.
+    material : Material, optional
+        Its own elastic constants; by default those of the chain. The restitution is the chain's.
+    """
+
+    radius: float
+    center: _Point
+    inertia: float | None = None
+    material: Material | None = None
+
+    def outline(self, points: int = 24) -> npt.NDArray[np.float64]:
+        """Return the closed outline [m], shape (points in all, 2), counterclockwise."""
+        return _rustchain.guide_outline(self, points)

@@ -1,0 +1,117 @@
+"""Guides from Python: descriptions, names, drawings, and what they do to a drive."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import rustchain as rc
+
+
+def guided(**changes):
+    """Two sprockets and a blade that presses the slack lower strand upward."""
+    drive = rc.two_sprocket_drive(
+        chain="ANSI 40", teeth=(17, 17), links=60, center_distance=0.2715, speed=10.0, torque=-1.0
+    )
+    arm = rc.GuideArm(pivot=(0.055, -0.075), force=40.0, ramp_time=2e-3)
+    blade = rc.GuideRail(
+        center=(0.136, -0.07), direction=(0.0, 1.0), length=0.12, radius=0.25, arm=arm
+    )
+    rail = rc.GuideRail(center=(0.136, 0.0445), direction=(0.0, -1.0), length=0.1)
+    return replace(drive, gravity=(0.0, -9.81), guides=[blade, rail], **changes)
+
+
+def test_guides_are_bodies_with_names_and_channels():
+    drive = guided()
+    simulation = rc.Simulation(drive)
+    assert simulation.body_names[-2:] == ["guide_1", "guide_2"]
+    result = simulation.run(0.02, record=["hinges", "teeth", "sprockets"])
+    swung = result.guide(1)
+    assert np.ptp(swung.angle) > 1e-3
+    assert not np.any(result.guide(2).speed)
+    with pytest.raises(IndexError, match="guides are numbered 1 to 2"):
+        result.guide(3)
+    # Bushings on the blade name it as sprocket 3.
+    assert np.any(result.array("tooth_sprocket") == 3)
+    assert result.to_xarray().sizes["sprocket"] == 4
+    assert result.strand("lower").tension.shape == result.time.shape
+
+
+def test_at_rest_a_blade_tightens_both_strands():
+    loose = replace(guided(), guides=())
+    tight = guided()
+
+    def lower(drive):
+        still = replace(drive.sprockets[0], motion=rc.PrescribedSpeed(0.0))
+        drive = replace(drive, sprockets=(still, drive.sprockets[1]))
+        run = rc.Simulation(drive, start="static").run(1e-5, report_step=1e-5, record=["hinges"])
+        return run.strand("lower").tension[-1]
+
+    assert lower(tight) > lower(loose) + 10.0
+
+
+def test_a_drive_with_guides_goes_to_a_file_and_back(tmp_path):
+    drive = guided(name="guided")
+    assert rc.ChainDrive.from_json(drive.to_json()) == drive
+    assert json.loads(drive.to_json())["guides"][0]["arm"]["force"] == 40.0
+    simulation = rc.Simulation(drive)
+    simulation.step_to(1e-3)
+    simulation.save_state(tmp_path / "state.npz")
+    again = rc.Simulation.load_state(tmp_path / "state.npz")
+    simulation.step_to(2e-3)
+    again.step_to(2e-3)
+    assert np.array_equal(simulation.positions, again.positions)
+    result = simulation.run(1e-3, record=["bodies"])
+    result.save(tmp_path / "run.nc")
+    assert rc.load_result(tmp_path / "run.nc").drive == drive
+    figure = result.plot.drive()
+    assert figure.axes
+
+
+def test_an_outline_is_that_of_the_bar():
+    straight = rc.GuideRail((0.0, 0.0), (1.0, 0.0), length=0.1, end_radius=0.004).outline(200)
+    after = np.roll(straight, -1, axis=0)
+    area = 0.5 * np.sum(straight[:, 0] * after[:, 1] - straight[:, 1] * after[:, 0])
+    assert area == pytest.approx(0.092 * 0.008 + math.pi * 0.004**2, rel=1e-4)
+    wheel = rc.SmoothIdler(0.02, (0.1, 0.0)).outline()
+    assert np.hypot(*wheel.T) == pytest.approx(0.02)
+
+
+REFUSED = {
+    "GuideRail.direction": {"direction": (0.0, 0.0)},
+    "GuideRail.length": {"length": 0.0},
+    "GuideRail.end_radius": {"end_radius": 0.2},
+    "GuideArm.pivot": {"arm": rc.GuideArm((0.136, -0.2), 10.0)},
+}
+
+
+@pytest.mark.parametrize("field", REFUSED)
+def test_a_guide_that_cannot_be_is_refused_by_name(field):
+    rail = guided().guides[0]
+    with pytest.raises(ValueError, match=field):
+        replace(rail, **REFUSED[field])
+
+
+def test_a_rail_in_the_chain_is_refused_with_how_far():
+    rail = rc.GuideRail(center=(0.136, 0.04), direction=(0.0, -1.0), length=0.1)
+    with pytest.raises(ValueError, match=r"guide 1 stands in the laid chain by \d"):
+        replace(guided(), guides=[rail]).check()
+
+
+def test_mechanisms_take_no_guides():
+    with pytest.raises(ValueError, match="takes none"):
+        guided().to_mechanism()
+
+
+def test_a_sweep_changes_the_fields_of_guides():
+    sweep = rc.sweep(
+        guided(),
+        {"guides.0.arm.force": [5.0, 50.0]},
+        lambda result: {"turned": np.ptp(result.guide(1).angle)},
+        duration=2e-3,
+        record=["sprockets"],
+    )
+    soft, hard = sweep.to_pandas()["turned"]
+    assert hard > 2.0 * soft
