@@ -28,6 +28,7 @@ GROUPS: dict[str, list[Callable[..., Any]]] = {
         rc.ToothArc,
     ],
     "drive.tensioner": [rc.Tensioner],
+    "drive.guides": [rc.GuideRail, rc.GuideArm, rc.SmoothIdler],
     "simulation": [rc.Simulation, rc.Solver],
     "simulation.force_law": [*makers_of(rc.ForceLaw).values()],
     "run": [rc.Simulation.run],
