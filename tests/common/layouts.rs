@@ -69,9 +69,9 @@ pub fn three_shafts() -> Drive {
 /// on an arm that presses on the lowest strand.
 pub fn guided_shafts() -> Drive {
     let mut drive = three_shafts();
-    drive.sprockets[0].motion = Motion::PrescribedSpeed(40.0.into());
+    drive.sprockets[0].motion = Motion::PrescribedSpeed((-40.0).into());
     for shaft in [1, 2] {
-        drive.sprockets[shaft].motion = Motion::AppliedTorque((-2.0).into());
+        drive.sprockets[shaft].motion = Motion::AppliedTorque(2.0.into());
         drive.sprockets[shaft].load_inertia = 5e-3;
     }
     drive.tensioner = Some(Tensioner {
