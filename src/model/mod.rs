@@ -7,7 +7,7 @@ pub use compile::{ForceLaws, strands};
 pub use guide::Guide;
 
 use crate::drive::TimeTable;
-use crate::force_law::{Elastic, PairTable, Regions};
+use crate::force_law::{Elastic, Friction, PairTable, Regions};
 use crate::geometry::belt::Side;
 use crate::geometry::{Surface, ToothProfile, Vec2};
 
@@ -35,6 +35,8 @@ pub struct Model {
     pub inverse_inertia: Vec<f64>,
     /// Radial clearance of the hinges \[m\].
     pub clearance: f64,
+    /// Radius of the pins \[m\].
+    pub pin_radius: f64,
     /// Outside radius of the bushings \[m\].
     pub bushing_radius: f64,
     /// The sprockets.
@@ -45,6 +47,10 @@ pub struct Model {
     pub hinge_law: ContactLaw,
     /// Law of the teeth: the pairs of one sprocket after those of another, see [`Self::tooth_pair`].
     pub tooth_law: ContactLaw,
+    /// Friction in the hinges; none: absent.
+    pub hinge_friction: Option<Friction>,
+    /// Friction on the teeth.
+    pub tooth_friction: Option<Friction>,
     /// Floor of the approach speed at onset \[m/s\].
     pub min_approach_speed: f64,
     /// Gravity \[m/s²\].
@@ -199,6 +205,12 @@ impl Model {
         } else {
             -self.arms[link]
         }
+    }
+
+    /// Whether any contact has friction.
+    #[must_use]
+    pub fn has_friction(&self) -> bool {
+        self.hinge_friction.is_some() || self.tooth_friction.is_some()
     }
 
     /// The pair constants' number for a surface of a sprocket.
