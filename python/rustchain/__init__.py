@@ -49,6 +49,7 @@ from rustchain.force_law import (
     Radzimovsky,
     restitution_obtained,
 )
+from rustchain.friction import Coulomb
 from rustchain.layouts import chain_drive
 from rustchain.mechanism import Mechanism
 from rustchain.mechanism_parts import (
@@ -78,6 +79,7 @@ __all__ = [
     "ChainDrive",
     "ChainSize",
     "ClearanceHinge",
+    "Coulomb",
     "CustomTooth",
     "DriveReport",
     "EnergyWarning",

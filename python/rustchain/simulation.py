@@ -17,7 +17,8 @@ from rustchain._description import Description
 from rustchain._names import known_keywords, suggest
 from rustchain.drive import ChainDrive
 from rustchain.errors import EnergyWarning, InvalidInput, RangeWarning, SimulationError
-from rustchain.force_law import ForceLaw, LankaraniNikravesh
+from rustchain.force_law import ForceLaw, LankaraniNikravesh, with_friction
+from rustchain.friction import Coulomb
 from rustchain.mechanism import Mechanism
 from rustchain.result import Array, Result, Status
 
@@ -80,13 +81,13 @@ class Evaluation:
     accelerations : ndarray, (bodies, 3)
         Accelerations [m/s^2, m/s^2, rad/s^2].
     hinge_force, hinge_penetration : ndarray, (hinges,)
-        Force [N] and penetration [m] of each hinge; penetration is negative when apart.
+        Normal force [N] and penetration [m] of each hinge; penetration is negative when apart.
     hinge_force_vector : ndarray, (hinges, 2)
-        Force on the pin [N].
+        Force on the pin, friction and all [N].
     tooth_force, tooth_penetration : ndarray, (bushings, sprockets)
-        Force [N] and penetration [m] of each bushing; penetration is -inf when not even near.
+        Normal force [N] and penetration [m] of each bushing; penetration is -inf when not near.
     tooth_force_vector : ndarray, (bushings, sprockets, 2)
-        Force on the bushing [N].
+        Force on the bushing, friction and all [N].
     tooth_region, tooth_index : ndarray of int, (bushings, sprockets)
         Region of the tooth, 1 to 7 (0: none), and its gap, from 0 (-1: none).
     """
@@ -119,6 +120,10 @@ class Simulation:
         Law of every contact.
     hinge_law, tooth_law : ForceLaw, optional
         Law of pins in bushings, of bushings on teeth; by default `force_law`.
+    friction : Coulomb, optional
+        Friction of every contact: put into the laws, as ``ForceLaw.friction``.
+    hinge_friction, tooth_friction : Coulomb, optional
+        Friction of pins in bushings, of bushings on teeth; by default `friction`.
     min_approach_speed : float
         Least approach speed that the damping reckons with [m/s]; without it, a contact that begins
         slowly would be damped without limit.
@@ -169,7 +174,13 @@ class Simulation:
         velocities: npt.ArrayLike | None = None,
         solver: Solver = _SOLVER,
         start: Literal["laid", "static"] = "laid",
+        friction: Coulomb | None = None,
+        hinge_friction: Coulomb | None = None,
+        tooth_friction: Coulomb | None = None,
     ) -> None:
+        force_law, hinge_law, tooth_law = with_friction(
+            (force_law, hinge_law, tooth_law), friction, hinge_friction, tooth_friction
+        )
         if start == "static":
             if positions is not None or velocities is not None:
                 msg = "start = 'static': there is no room for positions and velocities of one's own"

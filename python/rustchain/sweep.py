@@ -12,7 +12,8 @@ from rustchain._axes import Drive, Parameters, axes_of, cases_of, check_names, s
 from rustchain._names import known_keywords
 from rustchain.drive import ChainDrive
 from rustchain.errors import EnergyWarning, InvalidInput, RangeWarning, SimulationError
-from rustchain.force_law import ForceLaw
+from rustchain.force_law import ForceLaw, with_friction
+from rustchain.friction import Coulomb
 from rustchain.result import Array, Result
 from rustchain.simulation import (
     _LAW,
@@ -44,6 +45,9 @@ def sweep(
     solver: Solver = _SOLVER,
     threads: int | None = None,
     progress: bool = True,
+    friction: Coulomb | None = None,
+    hinge_friction: Coulomb | None = None,
+    tooth_friction: Coulomb | None = None,
 ) -> SweepResult:
     """Run a drive with other parameters again and again, several runs at once.
 
@@ -55,8 +59,8 @@ def sweep(
     - an argument of `drive`, where that is a function: it goes there, before all else;
     - "pretension" [N]: makes, changes or (0 N) removes the tensioner; "speed" [rad/s]: that of the
       driver;
-    - a keyword below, from `duration` to `solver`, which it takes the place of, or a field of the
-      solver, such as "rtol";
+    - a keyword below, from `duration` to `solver` or a friction, which it takes the place of, or a
+      field of the solver, such as "rtol";
     - a field of the drive, dotted: "chain.material.restitution", "sprockets.1.teeth" (as
       ``drive.sprockets[1].teeth``: the first sprocket is 0). No other field follows: with other
       teeth, centre distance or links may have to change as well, which a function does best.
@@ -81,6 +85,8 @@ def sweep(
         How many cases run at once; by default as many as there are cores.
     progress : bool
         Whether to show a progress bar, where a terminal is there to show it.
+    friction, hinge_friction, tooth_friction
+        As in `Simulation`.
 
     Returns
     -------
@@ -111,6 +117,9 @@ def sweep(
         "tooth_law": tooth_law,
         "min_approach_speed": min_approach_speed,
         "solver": solver,
+        "friction": friction,
+        "hinge_friction": hinge_friction,
+        "tooth_friction": tooth_friction,
     }
     grid = axes_of(axes) if isinstance(axes, Mapping) else None
     if grid is None:
@@ -124,7 +133,7 @@ def sweep(
     ready: dict[int, _rustchain.Case] = {}
     for number, case in enumerate(cases):
         try:
-            scenes[number] = scene_of(drive, scene, case)
+            scenes[number] = _with_laws(scene_of(drive, scene, case))
             ready[number] = _ready(scenes[number])
         except Exception as error:  # a function of the user's may raise anything
             _fail(found, number, error)
@@ -136,6 +145,14 @@ def sweep(
     found.balance_notes = dict(sorted(found.balance_notes.items()))
     _warn(found)
     return found
+
+
+def _with_laws(scene: Parameters) -> Parameters:
+    """Return a scene whose laws have its friction."""
+    names = ("force_law", "hinge_law", "tooth_law")
+    given = (scene[name] for name in ("friction", "hinge_friction", "tooth_friction"))
+    laws = with_friction((scene[names[0]], scene[names[1]], scene[names[2]]), *given)
+    return scene | dict(zip(names, laws, strict=True))
 
 
 def _ready(scene: Parameters) -> _rustchain.Case:
