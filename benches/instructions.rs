@@ -16,7 +16,7 @@ use std::time::Duration;
 use aligned_vec::AVec;
 use common::{Halves, drives, laws, longer_drive, only_tried, pressed_into_seats};
 use rustchain::drive::{AnsiTooth, Bearing, Drive, Motion};
-use rustchain::force_law::{Damping, Elastic, Regions};
+use rustchain::force_law::{Damping, Elastic, Friction, Regions, Regularization};
 use rustchain::geometry::Seat;
 use rustchain::integrator::OdeSystem;
 use rustchain::{ForceLaws, Groups, Simulation};
@@ -73,7 +73,14 @@ fn recorded(ended: bool) -> Simulation {
     simulation
 }
 
-const SCENES: [Scene; 17] = [
+const COULOMB: Friction = Friction {
+    coefficient: 0.1,
+    regularization: Regularization::Tanh,
+    speed: 1e-3,
+    dead_speed: 0.0,
+};
+
+const SCENES: [Scene; 19] = [
     scene("lankarani-nikravesh", || changed(|_, _| {})),
     Scene {
         name: "energy balance kept",
@@ -138,6 +145,12 @@ const SCENES: [Scene; 17] = [
     }),
     scene("the same, 33 teeth", || {
         changed(|drive, _| *drive = longer_drive([33, 33], 138))
+    }),
+    scene("friction in hinges", || {
+        changed(|_, laws| laws.hinge_friction = Some(COULOMB))
+    }),
+    scene("friction on teeth", || {
+        changed(|_, laws| laws.tooth_friction = Some(COULOMB))
     }),
     scene("nothing touches", || {
         common::at_start(Elastic::Hertz, Damping::LankaraniNikravesh)

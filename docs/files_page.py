@@ -30,6 +30,7 @@ GROUPS: dict[str, list[Callable[..., Any]]] = {
     "drive.tensioner": [rc.Tensioner],
     "drive.guides": [rc.GuideRail, rc.GuideArm, rc.SmoothIdler],
     "simulation": [rc.Simulation, rc.Solver],
+    "simulation.friction": [rc.Coulomb],
     "simulation.force_law": [*makers_of(rc.ForceLaw).values()],
     "run": [rc.Simulation.run],
     "run.stop": [*makers_of(rc.StopCondition).values()],

@@ -112,7 +112,14 @@ impl Equilibrium {
             positions: laid.positions.clone(),
             velocities: vec![[0.0; 3]; laid.velocities.len()],
         };
-        let model = Arc::new(Model::compile(&held(drive, &layout), laws, &at_rest)?);
+        // Nothing slips at rest, and friction that does not stick then bears nothing.
+        let frictionless = ForceLaws {
+            hinge_friction: None,
+            tooth_friction: None,
+            ..*laws
+        };
+        let model = Model::compile(&held(drive, &layout), &frictionless, &at_rest)?;
+        let model = Arc::new(model);
         let mut settling = Settling::new(model, &at_rest);
         let residual = settling.settle()?;
         let largest_force = settling.largest_force();

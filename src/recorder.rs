@@ -3,7 +3,7 @@
 mod strands;
 
 use crate::contact::ToothContacts;
-use crate::dynamics::{Dynamics, Energy, Needs, Want};
+use crate::dynamics::{Dynamics, Energy, Needs, Powers, Want};
 use crate::geometry::Vec2;
 use crate::model::{Model, Rotation};
 
@@ -76,7 +76,7 @@ pub(crate) struct Recorder {
 #[derive(Debug, Clone, Copy)]
 struct EnergyAtStart {
     total: f64,
-    sums: [f64; 2],
+    sums: Powers,
 }
 
 impl Recorder {
@@ -136,6 +136,10 @@ impl Recorder {
                 "energy_dissipated",
                 "energy_worked_in",
                 "energy_residual",
+                "energy_hinge_contact",
+                "energy_tooth_contact",
+                "energy_hinge_friction",
+                "energy_tooth_friction",
             ] {
                 add(name, &[], false);
             }
@@ -230,8 +234,9 @@ impl Recorder {
         }
     }
 
-    /// Writes a row for `dynamics` as evaluated at `t` for what [`Self::needs`] says; `sums` are its energy dissipated and worked in \[J\].
-    pub(crate) fn report(&mut self, t: f64, dynamics: &Dynamics, sums: [f64; 2]) {
+    /// Writes a row for `dynamics` as evaluated at `t` for what [`Self::needs`] says; `sums` are its energies dissipated and worked
+    /// in \[J\].
+    pub(crate) fn report(&mut self, t: f64, dynamics: &Dynamics, sums: Powers) {
         let model = dynamics.model();
         let groups = self.groups;
         let energy = groups.energy.then(|| dynamics.energy());
@@ -404,14 +409,15 @@ pub(crate) struct Passed {
 fn write_energy(
     row: &mut Row,
     energy: Energy,
-    sums: [f64; 2],
+    sums: Powers,
     begin: &mut Option<EnergyAtStart>,
 ) -> Passed {
     let begin = begin.get_or_insert(EnergyAtStart {
         total: energy.total(),
         sums,
     });
-    let [dissipated, worked_in] = [0, 1].map(|i| sums[i] - begin.sums[i]);
+    let since = sums + -1.0 * begin.sums;
+    let (dissipated, worked_in) = (since.dissipated, since.worked_in);
     let residual = energy.total() - begin.total + dissipated - worked_in;
     for value in [
         energy.kinetic,
@@ -422,6 +428,9 @@ fn write_energy(
         residual,
     ] {
         row.real([value]);
+    }
+    for loss in since.losses.values() {
+        row.real([loss]);
     }
     Passed {
         dissipated,

@@ -48,6 +48,7 @@ from rustchain.force_law import (
     Radzimovsky,
     restitution_obtained,
 )
+from rustchain.friction import Coulomb
 from rustchain.guides import GuideArm, GuideRail, SmoothIdler
 from rustchain.layouts import chain_drive
 from rustchain.loss_map import loss_map
@@ -89,6 +90,7 @@ __all__ = [
     "ChainDrive",
     "ChainSize",
     "ClearanceHinge",
+    "Coulomb",
     "CustomTooth",
     "DriveReport",
     "EnergyWarning",

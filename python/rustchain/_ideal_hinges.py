@@ -43,7 +43,14 @@ class IdealHingeCore:
         positions: Array | None,
         velocities: Array | None,
     ) -> None:
-        del hinge_law  # there is no contact in the hinges
+        # There is no contact in the hinges, whose law says nothing but this.
+        friction = getattr(force_law if hinge_law is None else hinge_law, "friction", None)
+        if friction is not None:
+            msg = (
+                f"friction = {friction}: must be None with ChainDrive.hinges = 'ideal'; only chain "
+                "drives with clearance hinges have friction"
+            )
+            raise InvalidInput(msg)
         if len(drive.sprockets) > 2:
             msg = (
                 f"ChainDrive.hinges = 'ideal': {len(drive.sprockets)} sprockets; ideal hinges go "

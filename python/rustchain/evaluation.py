@@ -19,13 +19,13 @@ class Evaluation:
     accelerations : ndarray, (bodies, 3)
         Accelerations [m/s^2, m/s^2, rad/s^2].
     hinge_force, hinge_penetration : ndarray, (hinges,)
-        Force [N] and penetration [m] of each hinge; penetration is negative when apart.
+        Normal force [N] and penetration [m] of each hinge; penetration is negative when apart.
     hinge_force_vector : ndarray, (hinges, 2)
-        Force on the pin [N].
+        Force on the pin, friction and all [N].
     tooth_force, tooth_penetration : ndarray, (bushings, sprockets)
-        Force [N] and penetration [m] of each bushing; penetration is -inf when not even near.
+        Normal force [N] and penetration [m] of each bushing; penetration is -inf when not near.
     tooth_force_vector : ndarray, (bushings, sprockets, 2)
-        Force on the bushing [N].
+        Force on the bushing, friction and all [N].
     tooth_region, tooth_index : ndarray of int, (bushings, sprockets)
         Region of the gap in contact, counted from 1 along its outline (0: none; an ANSI gap has
         seven, the fourth is the seat), and the gap, from 0 (-1: none).

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy.typing as npt
 from rustchain import _rustchain
 from rustchain._description import Description
 from rustchain._names import known_keywords
+from rustchain.friction import Coulomb
 from rustchain.material import Material
 
 Damping = Literal[
@@ -44,6 +45,9 @@ class ForceLaw(Description):
         "kept": a contact keeps the stiffness of the tooth region where it began, which closes the
         energy balance. "sharp": the stiffness changes where the bushing crosses into another
         region.
+    friction : Coulomb, optional
+        Friction of the contacts that have this law, in chain drives with clearance hinges. None:
+        there is none, and it costs nothing.
     """
 
     elastic: ClassVar[
@@ -61,6 +65,7 @@ class ForceLaw(Description):
 
     damping: Damping | None = None
     regions: Regions = "kept"
+    friction: Coulomb | None = field(default=None, kw_only=True)
 
     def elastic_force(
         self,
@@ -204,6 +209,29 @@ class Linear(ForceLaw):
     elastic = "linear"
 
     stiffness: float = field(kw_only=True)
+
+
+def with_friction(
+    laws: tuple[ForceLaw, ForceLaw | None, ForceLaw | None],
+    friction: Coulomb | None,
+    hinge_friction: Coulomb | None,
+    tooth_friction: Coulomb | None,
+) -> tuple[ForceLaw, ForceLaw | None, ForceLaw | None]:
+    """Return the laws of all contacts, of hinges and of teeth, with the friction that is given.
+
+    `friction` is that of both; what is not given leaves a law as it is.
+    """
+    law, hinge_law, tooth_law = laws
+
+    def rubbing(own: ForceLaw | None, given: Coulomb | None) -> ForceLaw | None:
+        base = law if own is None else own
+        if given is None or not isinstance(base, ForceLaw):  # the core refuses what is no law
+            return own
+        return replace(base, friction=given)
+
+    hinge = rubbing(hinge_law, friction if hinge_friction is None else hinge_friction)
+    tooth = rubbing(tooth_law, friction if tooth_friction is None else tooth_friction)
+    return law, hinge, tooth
 
 
 def restitution_obtained(damping: Damping, restitution: float) -> float:

@@ -87,6 +87,10 @@ _VARIABLES = {
     "energy_dissipated": _Variable("energy", (), "J", "energy dissipated since the first row"),
     "energy_worked_in": _Variable("energy", (), "J", "work put in since the first row"),
     "energy_residual": _Variable("energy", (), "J", "residual of the energy balance"),
+    "energy_hinge_contact": _Variable("energy", (), "J", "dissipated by damping in hinges"),
+    "energy_tooth_contact": _Variable("energy", (), "J", "dissipated by damping on teeth"),
+    "energy_hinge_friction": _Variable("energy", (), "J", "dissipated by friction in hinges"),
+    "energy_tooth_friction": _Variable("energy", (), "J", "dissipated by friction on teeth"),
 }
 
 
@@ -99,9 +103,9 @@ class Hinge:
     time : ndarray, (times,)
         Report times [s].
     force, penetration : ndarray, (times,)
-        Contact force [N] and penetration [m]; penetration is negative when apart.
+        Normal force [N] and penetration [m]; penetration is negative when apart.
     force_vector : ndarray, (times, 2)
-        Force on the pin [N].
+        Force on the pin, friction and all [N].
     eccentricity : ndarray, (times, 2)
         Pin centre seen from the bushing [m].
     """
@@ -186,6 +190,10 @@ class Energy:
         since the first row [J].
     residual : ndarray, (times,)
         What the balance misses [J]: the honest error figure of a long run.
+    hinge_contact, tooth_contact, hinge_friction, tooth_friction : ndarray, (times,), optional
+        Where `dissipated` was lost [J]: to the damping of contacts and to friction, of pins in
+        bushings and of bushings on teeth; the rest went into dashpots. Only of chain drives with
+        clearance in their hinges.
     """
 
     kinetic: Array
@@ -194,6 +202,10 @@ class Energy:
     dissipated: Array
     worked_in: Array
     residual: Array
+    hinge_contact: Array | None = None
+    tooth_contact: Array | None = None
+    hinge_friction: Array | None = None
+    tooth_friction: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -355,7 +367,39 @@ class Result(Outputs):
     def energy(self) -> Energy:
         """The energy balance."""
         names = ("kinetic", "gravity", "elastic", "dissipated", "worked_in", "residual")
-        return Energy(*(self.array(f"energy_{name}") for name in names))
+        places = ("hinge_contact", "tooth_contact", "hinge_friction", "tooth_friction")
+        return Energy(
+            *(self.array(f"energy_{name}") for name in names),
+            *(self.arrays.get(f"energy_{name}") for name in places),
+        )
+
+    def efficiency(self, after: float = 0.0) -> float:
+        """Return the work that sprockets took out of the chain over the work that they put in.
+
+        Both are means over the rows from `after` on; what the drive stores meanwhile counts as
+        lost, so let the time be long enough for that to be little.
+
+        Parameters
+        ----------
+        after : float
+            Time from which on to count [s]: the drive should have settled by then.
+
+        Raises
+        ------
+        InvalidInput
+            No two rows lie after that time, or no sprocket puts work in.
+        """
+        rows = self.time >= after
+        if rows.sum() < 2:
+            msg = f"after = {after!r} s: leaves {rows.sum()} of {len(rows)} rows; must leave two"
+            raise InvalidInput(msg)
+        power = self.array("sprocket_torque")[rows] * self.array("sprocket_speed")[rows]
+        works = 0.5 * np.diff(self.time[rows]) @ (power[1:] + power[:-1])
+        worked_in = works[works > 0.0].sum()
+        if worked_in <= 0.0:
+            msg = "efficiency: no sprocket puts work in; is there one of prescribed speed?"
+            raise InvalidInput(msg)
+        return float(-works[works < 0.0].sum() / worked_in)
 
     @property
     def peaks(self) -> Peaks:

@@ -16,7 +16,8 @@ from rustchain._start import Start, started
 from rustchain.drive import ChainDrive, TimeTable
 from rustchain.errors import InvalidInput, SimulationError
 from rustchain.evaluation import Evaluation as Evaluation
-from rustchain.force_law import ForceLaw, LankaraniNikravesh
+from rustchain.force_law import ForceLaw, LankaraniNikravesh, with_friction
+from rustchain.friction import Coulomb
 from rustchain.mechanism import Mechanism
 from rustchain.result import Array, Result, Status
 from rustchain.solver import Method as Method
@@ -43,6 +44,10 @@ class Simulation(Present):
         Law of every contact.
     hinge_law, tooth_law : ForceLaw, optional
         Law of pins in bushings, of bushings on teeth; by default `force_law`.
+    friction : Coulomb, optional
+        Friction of every contact: put into the laws, as ``ForceLaw.friction``.
+    hinge_friction, tooth_friction : Coulomb, optional
+        Friction of pins in bushings, of bushings on teeth; by default `friction`.
     min_approach_speed : float
         Least approach speed that the damping reckons with [m/s]; without it, a contact that begins
         slowly would be damped without limit.
@@ -94,7 +99,13 @@ class Simulation(Present):
         velocities: npt.ArrayLike | None = None,
         solver: Solver = _SOLVER,
         start: Start = "laid",
+        friction: Coulomb | None = None,
+        hinge_friction: Coulomb | None = None,
+        tooth_friction: Coulomb | None = None,
     ) -> None:
+        force_law, hinge_law, tooth_law = with_friction(
+            (force_law, hinge_law, tooth_law), friction, hinge_friction, tooth_friction
+        )
         scene: dict[str, Any] = {
             "drive": drive,
             "force_law": force_law,

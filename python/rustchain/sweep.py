@@ -17,7 +17,8 @@ from rustchain._run import WALL_BUDGET, Group, known_groups, seconds_bar
 from rustchain._start import Start, started
 from rustchain.drive import ChainDrive
 from rustchain.errors import EnergyWarning, InvalidInput, RangeWarning, SimulationError
-from rustchain.force_law import ForceLaw
+from rustchain.force_law import ForceLaw, with_friction
+from rustchain.friction import Coulomb
 from rustchain.result import Array, Result
 from rustchain.simulation import _LAW, _SOLVER, Simulation
 from rustchain.solver import Solver
@@ -43,6 +44,9 @@ def sweep(
     velocities: npt.ArrayLike | None = None,
     threads: int | None = None,
     progress: bool = True,
+    friction: Coulomb | None = None,
+    hinge_friction: Coulomb | None = None,
+    tooth_friction: Coulomb | None = None,
 ) -> SweepResult:
     """Run a drive with other parameters again and again, several runs at once.
 
@@ -56,8 +60,8 @@ def sweep(
       driver;
     - "disturbance": a seed; every sprocket without a prescribed speed starts at random up to 1e-4
       of its speed faster or slower; 0: none does;
-    - a keyword below, from `duration` to `velocities`, which it takes the place of, or a field of
-      the solver, such as "rtol";
+    - a keyword below, from `duration` to `velocities` or a friction, which it takes the place of,
+      or a field of the solver, such as "rtol";
     - a field of the drive, dotted: "chain.material.restitution", "sprockets.1.teeth" (as
       ``drive.sprockets[1].teeth``: the first sprocket is 0). No other field follows: with other
       teeth, centre distance or links may have to change as well, which a function does best.
@@ -82,6 +86,8 @@ def sweep(
         How many cases run at once; by default as many as there are cores.
     progress : bool
         Whether to show a progress bar, where a terminal is there to show it.
+    friction, hinge_friction, tooth_friction
+        As in `Simulation`.
 
     Returns
     -------
@@ -115,6 +121,9 @@ def sweep(
         "start": start,
         "positions": positions,
         "velocities": velocities,
+        "friction": friction,
+        "hinge_friction": hinge_friction,
+        "tooth_friction": tooth_friction,
     }
     grid = axes_of(axes) if isinstance(axes, Mapping) else None
     if grid is None:
@@ -128,7 +137,7 @@ def sweep(
     ready: dict[int, _rustchain.Case] = {}
     for number, case in enumerate(cases):
         try:
-            scenes[number] = scene_of(drive, scene, case)
+            scenes[number] = _with_laws(scene_of(drive, scene, case))
             ready[number] = _ready(scenes[number])
         except Exception as error:  # a function of the user's may raise anything
             _fail(found, number, error)
@@ -140,6 +149,14 @@ def sweep(
     found.balance_notes = dict(sorted(found.balance_notes.items()))
     _warn(found)
     return found
+
+
+def _with_laws(scene: Parameters) -> Parameters:
+    """Return a scene whose laws have its friction."""
+    names = ("force_law", "hinge_law", "tooth_law")
+    given = (scene[name] for name in ("friction", "hinge_friction", "tooth_friction"))
+    laws = with_friction((scene[names[0]], scene[names[1]], scene[names[2]]), *given)
+    return scene | dict(zip(names, laws, strict=True))
 
 
 def _ready(scene: Parameters) -> _rustchain.Case:

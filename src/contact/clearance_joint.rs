@@ -1,7 +1,7 @@
 //! Pin in bushing: every hinge of the chain (paper's Eqs. 2 and 3).
 
 use super::Contact;
-use crate::geometry::Vec2;
+use crate::geometry::{Vec2, turned_left};
 use crate::model::Model;
 use crate::state::Motion;
 
@@ -34,6 +34,10 @@ pub struct HingeContacts {
     pub rate: Vec<f64>,
     /// Normal force \[N\], written by the dynamics.
     pub force: Vec<f64>,
+    /// Friction on the rear end of link k + 1, along the direction turned left \[N\]; zero without a law of friction.
+    pub friction: Vec<f64>,
+    /// Moments of friction about the front end of link k and the rear end of link k + 1 \[N m\].
+    pub moments: Vec<[f64; 2]>,
 }
 
 impl HingeContacts {
@@ -55,6 +59,8 @@ impl HingeContacts {
             penetration: zeros(),
             rate: zeros(),
             force: zeros(),
+            friction: zeros(),
+            moments: vec![[0.0; 2]; links],
         }
     }
 
@@ -142,7 +148,8 @@ impl HingeContacts {
     /// Force on the front end of link `k` at hinge `k` \[N\].
     #[must_use]
     pub fn force_on_front(&self, k: usize) -> Vec2 {
-        -self.force[k] * Vec2::new(self.direction_x[k], self.direction_y[k])
+        let normal = Vec2::new(self.direction_x[k], self.direction_y[k]);
+        -self.force[k] * normal - self.friction[k] * turned_left(normal)
     }
 }
 

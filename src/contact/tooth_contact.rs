@@ -30,6 +30,8 @@ pub struct ToothContacts {
     pub gap: Vec<u32>,
     /// Normal force \[N\], written by the dynamics.
     pub force: Vec<f64>,
+    /// Friction on the sprocket, along the normal turned left \[N\]; zero without a law of friction.
+    pub friction: Vec<f64>,
 }
 
 impl ToothContacts {
@@ -50,6 +52,7 @@ impl ToothContacts {
             region: vec![0; pairs],
             gap: vec![0; pairs],
             force: zeros(),
+            friction: zeros(),
         }
     }
 
@@ -59,6 +62,7 @@ impl ToothContacts {
         for &pair in &self.near {
             self.penetration[pair as usize] = f64::NEG_INFINITY;
             self.force[pair as usize] = 0.0;
+            self.friction[pair as usize] = 0.0;
         }
         self.near.clear();
         for (s, sprocket) in model.sprockets.iter().enumerate() {

@@ -163,7 +163,7 @@ impl Dynamics {
     /// Overwrites a residual of velocities by the correction of the exact matrix, M - γ dQ/dv - γ² dQ/dq, at `y`, where the
     /// derivative was just evaluated; false when the matrix is singular.
     ///
-    /// Written out contact by contact, in scalars: what the kernels' matrix, which leaves out two small terms, is held against.
+    /// Friction has no part in it: for drives without. Written out contact by contact, in scalars: what the kernels' matrix, which leaves out two small terms, is held against.
     pub fn correct_exactly(&self, y: &[f64], gamma: f64, residual: &mut [f64]) -> bool {
         let model = &self.model;
         let (n, coordinates) = (model.links, model.coordinates);

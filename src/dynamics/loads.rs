@@ -30,6 +30,8 @@ pub struct Accelerations {
     tooth_x: Vec<f64>,
     /// Tooth force on each bushing, y \[N\].
     tooth_y: Vec<f64>,
+    /// Moment of teeth about each bushing \[N m\].
+    tooth_moment: Vec<f64>,
 }
 
 impl Accelerations {
@@ -42,6 +44,7 @@ impl Accelerations {
             chain: vec![SprocketLoad::default(); sprockets],
             tooth_x: zeros(),
             tooth_y: zeros(),
+            tooth_moment: zeros(),
         }
     }
 
@@ -62,6 +65,7 @@ impl Accelerations {
     pub(super) fn gather_teeth(&mut self, model: &Model, teeth: &ToothContacts) {
         self.tooth_x.fill(0.0);
         self.tooth_y.fill(0.0);
+        self.tooth_moment.fill(0.0);
         self.chain.fill(SprocketLoad::default());
         for &pair in &teeth.near {
             let pair = pair as usize;
@@ -70,7 +74,14 @@ impl Accelerations {
                 continue;
             }
             let (s, k) = (pair / model.links, pair % model.links);
-            let push = force * Vec2::new(teeth.normal_x[pair], teeth.normal_y[pair]);
+            let normal = Vec2::new(teeth.normal_x[pair], teeth.normal_y[pair]);
+            let mut push = force * normal;
+            if model.tooth_friction.is_some() {
+                push += teeth.friction[pair] * turned_left(normal);
+                let moment = model.bushing_radius * teeth.friction[pair];
+                self.tooth_moment[k] -= moment;
+                self.chain[s].moment += moment;
+            }
             self.tooth_x[k] -= push.x;
             self.tooth_y[k] -= push.y;
             self.chain[s].force += push;
@@ -91,8 +102,16 @@ impl Accelerations {
             if !Model::bushing_on_front(before, n) {
                 rear += Vec2::new(self.tooth_x[before], self.tooth_y[before]);
             }
-            let moment = model.arms[i]
+            let mut moment = model.arms[i]
                 * (motion.cos[i] * (front.y - rear.y) - motion.sin[i] * (front.x - rear.x));
+            if model.has_friction() {
+                moment += hinges.moments[i][0] + hinges.moments[before][1];
+                for k in [before, i] {
+                    if model.link_of_bushing(k) == i {
+                        moment += self.tooth_moment[k];
+                    }
+                }
+            }
             self.x[i] = (front.x + rear.x) * model.inverse_mass[i] + model.gravity.x;
             self.y[i] = (front.y + rear.y) * model.inverse_mass[i] + model.gravity.y;
             self.angle[i] = moment * model.inverse_inertia[i];
@@ -193,6 +212,7 @@ pub(crate) fn outside_powers(
             Rotation::Prescribed(_) => -chain.moment * spin,
             Rotation::Free { .. } => sprocket.applied_torque(t, spin) * spin,
         },
+        ..Powers::default()
     };
     if let Some(swing) = sprocket.swing {
         powers.dissipated += swing.dashpot(spin) * spin * spin;

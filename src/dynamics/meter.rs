@@ -303,11 +303,10 @@ impl Dynamics {
         self.powers = at_end;
     }
 
-    /// Energy dissipated and worked in while it was kept, at `t` inside the last step \[J\].
+    /// Energies dissipated and worked in while they were kept, at `t` inside the last step \[J\].
     #[must_use]
-    pub fn energies_passed(&self, t: f64) -> [f64; 2] {
-        let energies = self.meter.energies(t);
-        [energies.dissipated, energies.worked_in]
+    pub fn energies_passed(&self, t: f64) -> Powers {
+        self.meter.energies(t)
     }
 
     /// Divides each step into `fineness` panels for metering, one at first, and those in which contacts begin or end into twice as
@@ -339,6 +338,7 @@ mod tests {
                 meter.powers[POINTS * panel + i] = Powers {
                     dissipated: power(width * (panel as f64 + part)),
                     worked_in: 1.0,
+                    ..Powers::default()
                 };
             }
         }

@@ -7,12 +7,14 @@ mod carried;
 mod chain_solver;
 mod energy;
 mod forces;
+mod friction;
 mod implicit;
 mod inside;
 mod jacobian;
 mod loads;
 mod meter;
 mod needs;
+mod powers;
 mod turned_back;
 
 use std::sync::Arc;
@@ -25,6 +27,7 @@ pub use loads::SprocketLoad;
 pub(crate) use loads::{Moves, outside_powers, sprocket_acceleration};
 use meter::{EnergyMeter, StepEnds};
 pub(crate) use needs::{Needs, Want};
+pub use powers::{Losses, Powers};
 
 use crate::contact::{
     HingeContacts, HingePath, ImpactMemory, ToothContacts, ToothPath, first_crossing,
@@ -164,18 +167,22 @@ impl Dynamics {
     pub fn evaluate_motion(&mut self, t: f64) -> Powers {
         self.hinges.find(&self.model, &self.motion);
         self.teeth.find(&self.model, &self.motion, &self.hinges);
-        let dissipated = if self.keeps_energy {
-            self.hinge_forces::<true>() + self.tooth_forces::<true>()
+        let (hinge_contact, tooth_contact) = if self.keeps_energy {
+            (self.hinge_forces::<true>(), self.tooth_forces::<true>())
         } else {
-            self.hinge_forces::<false>() + self.tooth_forces::<false>()
+            (self.hinge_forces::<false>(), self.tooth_forces::<false>())
+        };
+        let losses = Losses {
+            hinge_contact,
+            tooth_contact,
+            hinge_friction: self.rub_hinges(),
+            tooth_friction: self.rub_teeth(),
         };
         self.accelerations
             .gather(&self.model, &self.motion, &self.hinges, &self.teeth, t);
-        let mut powers = Powers {
-            dissipated,
-            worked_in: 0.0,
-        };
+        let mut powers = Powers::default();
         if self.keeps_energy {
+            powers = Powers::of(losses);
             let motion = &self.motion;
             for (s, sprocket) in self.model.sprockets.iter().enumerate() {
                 let body = self.model.links + s;
@@ -201,12 +208,14 @@ impl Dynamics {
         }
         if needs.hinges == Want::Forces {
             self.hinge_forces::<false>();
+            self.rub_hinges();
         }
         if needs.teeth != Want::Nothing {
             self.teeth.find(&self.model, &self.motion, &self.hinges);
         }
         if needs.teeth == Want::Forces {
             self.tooth_forces::<false>();
+            self.rub_teeth();
         }
         if needs.sprocket_loads {
             self.accelerations.gather_teeth(&self.model, &self.teeth);
@@ -226,6 +235,22 @@ impl Dynamics {
         let model = &self.model;
         with_law!(&model.tooth_law.pairs, Law, pairs => {
             forces::tooth_forces::<Law, ENERGY>(pairs, model, &self.memory, &mut self.teeth)
+        })
+    }
+
+    /// Friction of all hinges; returns the power it dissipates \[W\].
+    fn rub_hinges(&mut self) -> f64 {
+        let model = &self.model;
+        model.hinge_friction.as_ref().map_or(0.0, |law| {
+            friction::rub_hinges(law, model, &self.motion, &mut self.hinges)
+        })
+    }
+
+    /// The same of all teeth.
+    fn rub_teeth(&mut self) -> f64 {
+        let model = &self.model;
+        model.tooth_friction.as_ref().map_or(0.0, |law| {
+            friction::rub_teeth(law, model, &self.motion, &self.hinges, &mut self.teeth)
         })
     }
 
@@ -484,42 +509,6 @@ fn past_range(law: Elastic, contact: &str, depth: f64, end: f64) -> String {
 
 fn range_end<L: crate::force_law::ElasticLaw>(pair: &L::Pair) -> f64 {
     L::range_end(pair)
-}
-
-/// Power dissipated in contacts and dashpots, and power put in from outside \[W\]; integrated, the energies \[J\].
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Powers {
-    /// Dissipated.
-    pub dissipated: f64,
-    /// Put in by motors, torques and the tensioner.
-    pub worked_in: f64,
-}
-
-impl std::ops::AddAssign for Powers {
-    fn add_assign(&mut self, other: Self) {
-        self.dissipated += other.dissipated;
-        self.worked_in += other.worked_in;
-    }
-}
-
-impl std::ops::Add for Powers {
-    type Output = Self;
-
-    fn add(mut self, other: Self) -> Self {
-        self += other;
-        self
-    }
-}
-
-impl std::ops::Mul<Powers> for f64 {
-    type Output = Powers;
-
-    fn mul(self, powers: Powers) -> Powers {
-        Powers {
-            dissipated: self * powers.dissipated,
-            worked_in: self * powers.worked_in,
-        }
-    }
 }
 
 impl OdeSystem for Dynamics {

@@ -1,7 +1,7 @@
-//! One contact's normal force: numbers in, newtons out; no bodies.
+//! One contact's force: numbers in, newtons out; no bodies.
 //!
 //! A law is an elastic part times a damping factor, so that any two combine:
-//! f = elastic(δ) · max(0, 1 + λ δ' / δ'₀).
+//! f = elastic(δ) · max(0, 1 + λ δ' / δ'₀). Friction is a share of μ f.
 
 // The vector forms must be inlined into the kernel that chose the instructions.
 #![allow(clippy::inline_always)]
@@ -10,6 +10,7 @@ mod conformal;
 mod dissipation;
 mod elastic;
 mod enhanced_cylinder;
+mod friction;
 mod hertz;
 mod line_contact;
 mod logarithmic;
@@ -23,6 +24,8 @@ pub use dissipation::{Damping, damping_factor, restitution_obtained};
 pub use elastic::{Elastic, ElasticPair, PairTable, elastic_forces, range_note};
 pub(crate) use elastic::{with_form, with_law};
 pub use enhanced_cylinder::EnhancedCylinder;
+pub(crate) use friction::FrictionLanes;
+pub use friction::{Friction, Regularization};
 pub use hertz::{Hertz, HertzPair};
 pub use line_contact::LineContact;
 pub use logarithmic::{Logarithmic, LogarithmicPair};

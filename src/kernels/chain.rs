@@ -5,8 +5,8 @@ use std::marker::PhantomData;
 use pulp::{Simd, WithSimd};
 
 use super::layout::{ChainArrays, FIRST, LinkConstants};
-use super::slopes::{Damped, SlopeGroup, Touch, group_of};
-use crate::force_law::VectorLaw;
+use super::slopes::{Damped, RubGroup, SlopeGroup, Touch, group_of};
+use crate::force_law::{Friction, FrictionLanes, VectorLaw};
 use crate::vector::{
     Lanes, Mask, Numbers, PartialSums, WIDTH, both, both_mut, lane_numbers, load, partial_load,
     sin_cos, splat_two, vectors, vectors_mut,
@@ -19,12 +19,21 @@ pub(super) struct ChainFound {
     pub(super) moved_squared: f64,
     /// Whether a hinge touches that has no memory, or has one and does not touch.
     pub(super) changed: bool,
-    /// Power dissipated \[W\], when asked for.
+    /// Power dissipated by damping \[W\], when asked for.
     pub(super) dissipated: f64,
+    /// Power dissipated by friction \[W\], likewise.
+    pub(super) rubbed: f64,
 }
 
-/// One law, one loop. `DAMPED`: with the damping factor; `ENERGY`: with the power that it dissipates.
-pub(super) struct JoinChain<'a, L, const DAMPED: bool, const ENERGY: bool> {
+/// Friction in hinges, where there is any.
+#[derive(Clone, Copy)]
+pub(super) struct HingeFriction<'a> {
+    pub(super) law: &'a Friction,
+    pub(super) pin_radius: f64,
+}
+
+/// One law, one loop. `DAMPED`: with the damping factor; `RUBBED`: with friction; `ENERGY`: with the power that they dissipate.
+pub(super) struct JoinChain<'a, L, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> {
     pub(super) law: PhantomData<L>,
     pub(super) law_constants: [f64; 2],
     pub(super) clearance: f64,
@@ -44,10 +53,14 @@ pub(super) struct JoinChain<'a, L, const DAMPED: bool, const ENERGY: bool> {
     pub(super) arrays: &'a mut ChainArrays,
     /// Where the slopes of the forces go when they are asked for.
     pub(super) slopes: Option<&'a mut [SlopeGroup]>,
+    /// Those of friction.
+    pub(super) rubs: Option<&'a mut [RubGroup]>,
+    /// What `RUBBED` needs.
+    pub(super) friction: Option<HingeFriction<'a>>,
 }
 
-impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
-    for JoinChain<'_, L, DAMPED, ENERGY>
+impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> WithSimd
+    for JoinChain<'_, L, DAMPED, RUBBED, ENERGY>
 {
     type Output = ChainFound;
 
@@ -60,7 +73,7 @@ impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
         let arrays = self.arrays;
         point::<S>(simd, self.places[2], &mut arrays.cos, &mut arrays.sin);
         point_sprockets::<S>(simd, arrays);
-        let mut hinges = Hinges::<S, L, DAMPED, ENERGY> {
+        let mut hinges = Hinges::<S, L, DAMPED, RUBBED, ENERGY> {
             law: PhantomData,
             law_constants: splat_two(simd, self.law_constants),
             clearance: splat(self.clearance),
@@ -73,6 +86,10 @@ impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
             force: vectors_mut::<S>(&mut arrays.force, blocks),
             distance_squared: vectors_mut::<S>(&mut arrays.distance_squared, blocks),
             along: vectors_mut::<S>(&mut arrays.along, blocks),
+            moments: [
+                vectors_mut::<S>(&mut arrays.front_moment, blocks),
+                vectors_mut::<S>(&mut arrays.rear_moment[FIRST + 1..], blocks),
+            ],
             front_force: both_mut::<S>(&mut arrays.front_force, 0, blocks),
             rear_force: both_mut::<S>(&mut arrays.rear_force, FIRST + 1, blocks),
             bushing: both_mut::<S>(&mut arrays.bushing, 0, blocks),
@@ -80,8 +97,17 @@ impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
             moved_squared: splat(0.0),
             changed: false,
             power: PartialSums::default(),
+            rubbed: PartialSums::default(),
             slopes: self.slopes,
+            rubs: self.rubs,
+            rubbing: None,
         };
+        if RUBBED && let Some(friction) = &self.friction {
+            hinges.rubbing = Some((
+                FrictionLanes::new(simd, friction.law),
+                splat(friction.pin_radius),
+            ));
+        }
         let [x, y, _] = self.places;
         let [vx, vy, spin] = self.speeds;
         let links = [x, y, vx, vy, spin];
@@ -129,6 +155,11 @@ impl<L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
             moved_squared: hinges.moved_squared.greatest(),
             changed: hinges.changed,
             dissipated: hinges.power.total(),
+            rubbed: if RUBBED && ENERGY {
+                hinges.rubbed.total()
+            } else {
+                0.0
+            },
         };
         RepeatBushings {
             links: n,
@@ -263,6 +294,8 @@ struct End<S: Simd> {
     y: Lanes<S>,
     vx: Lanes<S>,
     vy: Lanes<S>,
+    /// Angular speed of the link.
+    spin: Lanes<S>,
 }
 
 impl<S: Simd> End<S> {
@@ -274,6 +307,7 @@ impl<S: Simd> End<S> {
         moved.y = here.y.moved_on(next.y, last_lane);
         moved.vx = here.vx.moved_on(next.vx, last_lane);
         moved.vy = here.vy.moved_on(next.vy, last_lane);
+        moved.spin = here.spin.moved_on(next.spin, last_lane);
         moved
     }
 
@@ -285,12 +319,13 @@ impl<S: Simd> End<S> {
             y: arm.mul_add(sin, y),
             vx: turn.negate_mul_add(sin, vx),
             vy: turn.mul_add(cos, vy),
+            spin,
         }
     }
 }
 
 /// The hinges as registers.
-struct Hinges<'a, S: Simd, L, const DAMPED: bool, const ENERGY: bool> {
+struct Hinges<'a, S: Simd, L, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> {
     law: PhantomData<L>,
     law_constants: [Lanes<S>; 2],
     clearance: Lanes<S>,
@@ -310,11 +345,18 @@ struct Hinges<'a, S: Simd, L, const DAMPED: bool, const ENERGY: bool> {
     moved_squared: Lanes<S>,
     changed: bool,
     power: PartialSums,
+    /// Power dissipated by friction.
+    rubbed: PartialSums,
     slopes: Option<&'a mut [SlopeGroup]>,
+    rubs: Option<&'a mut [RubGroup]>,
+    /// Friction and the pins' radius; some where `RUBBED`.
+    rubbing: Option<(FrictionLanes<S>, Lanes<S>)>,
+    /// On fronts and rears.
+    moments: [&'a mut [S::f64s]; 2],
 }
 
-impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
-    Hinges<'_, S, L, DAMPED, ENERGY>
+impl<S: Simd, L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool>
+    Hinges<'_, S, L, DAMPED, RUBBED, ENERGY>
 {
     /// One register of hinges.
     #[inline(always)]
@@ -333,8 +375,12 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
         if !near.any() {
             self.put(i, [zero; 4]);
             if let Some(slopes) = &mut self.slopes {
-                let (group, part) = group_of::<S>(slopes, i);
+                let (group, part) = group_of::<S, _>(slopes, i);
                 group.put_nothing(part, zero);
+            }
+            if RUBBED && let Some(rubs) = &mut self.rubs {
+                let (group, part) = group_of::<S, _>(rubs, i);
+                group.slope.put(part, zero);
             }
             self.changed |= remembered.any();
             return;
@@ -375,14 +421,57 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
                     remembered,
                     floor: self.floor,
                 };
-                let (group, part) = group_of::<S>(slopes, i);
+                let (group, part) = group_of::<S, _>(slopes, i);
                 group.put_touch::<S, L>(part, self.law_constants, &touch, Some(&damped));
             }
         } else if let Some(slopes) = &mut self.slopes {
-            let (group, part) = group_of::<S>(slopes, i);
+            let (group, part) = group_of::<S, _>(slopes, i);
             group.put_touch::<S, L>(part, self.law_constants, &touch, None);
         }
-        self.put(i, [depth, force, force * nx, force * ny]);
+        let mut pull = [force * nx, force * ny];
+        if RUBBED {
+            pull = self.rub(i, [front, rear], &touch, velocity, force);
+        }
+        self.put(i, [depth, force, pull[0], pull[1]]);
+    }
+
+    /// The force on the rear ends with friction, of which the moments are written.
+    #[inline(always)]
+    fn rub(
+        &mut self,
+        i: usize,
+        [front, rear]: [&End<S>; 2],
+        touch: &Touch<S>,
+        velocity: [Lanes<S>; 2],
+        force: Lanes<S>,
+    ) -> [Lanes<S>; 2] {
+        let simd = force.simd();
+        let zero = force.constant(0.0);
+        let [nx, ny] = touch.normal;
+        let Some((friction, pin_radius)) = self.rubbing else {
+            return [force * nx, force * ny];
+        };
+        // The contact is the pin's outermost point: beyond the pin as the bushing sees it, whichever link has the pin.
+        let on_front = load(simd, &self.on_front[i]).greater(zero);
+        let distance = touch.depth + self.clearance;
+        let from_front = on_front.select(-(pin_radius + distance), pin_radius);
+        let from_rear = from_front + distance;
+        let across = nx.mul_add(velocity[1], -(ny * velocity[0]));
+        let turning = from_front.mul_add(front.spin, -(from_rear * rear.spin));
+        let slip = across + turning;
+        let [rub, slope] = friction.force(force, slip);
+        if ENERGY {
+            self.rubbed.add(i, rub * slip);
+        }
+        self.moments[0][i] = (-(from_front * rub)).values();
+        self.moments[1][i] = (from_rear * rub).values();
+        if let Some(rubs) = &mut self.rubs {
+            let (group, part) = group_of::<S, _>(rubs, i);
+            group.slope.put(part, slope);
+            group.places[0].put(part, from_front);
+            group.places[1].put(part, from_rear);
+        }
+        [force.mul_add(nx, -(rub * ny)), force.mul_add(ny, rub * nx)]
     }
 
     /// Depth, force, and its direction as it acts on the rear ends.

@@ -66,6 +66,12 @@ pub(super) struct ChainArrays {
     pub(super) front_force: [Numbers; 2],
     /// Force on the rear of link k, x and y \[N\], k from [`FIRST`] on; from link n on what belongs to the first ones.
     pub(super) rear_force: [Numbers; 2],
+    /// Moment on the front of every link about its hinge \[N m\], as the forces; zero without friction.
+    pub(super) front_moment: Numbers,
+    /// The same on the rear of link k, k from [`FIRST`] on.
+    pub(super) rear_moment: Numbers,
+    /// Angular speeds of the bushings \[rad/s\], written where teeth have friction.
+    pub(super) bushing_spin: Numbers,
     /// Centres of the bushings, x and y \[m\]. Runs of candidates that go past the last one find the first ones again behind it.
     pub(super) bushing: [Numbers; 2],
     /// Their velocities, x and y \[m/s\].
@@ -75,7 +81,8 @@ pub(super) struct ChainArrays {
 impl ChainArrays {
     pub(super) fn new(model: &Model) -> Self {
         let n = model.links;
-        let twice = || [0, 1].map(|_| padded_zeros(2 * n + 3 * WIDTH));
+        let once = || padded_zeros(2 * n + 3 * WIDTH);
+        let twice = || [0, 1].map(|_| once());
         let sprockets = || padded_zeros(model.sprockets.len());
         Self {
             sprocket_angle: sprockets(),
@@ -89,8 +96,31 @@ impl ChainArrays {
             along: padded_zeros(n),
             front_force: twice(),
             rear_force: twice(),
+            front_moment: once(),
+            rear_moment: once(),
+            bushing_spin: once(),
             bushing: twice(),
             bushing_velocity: twice(),
+        }
+    }
+
+    /// No moments yet.
+    pub(super) fn clear_moments(&mut self) {
+        self.front_moment.fill(0.0);
+        self.rear_moment.fill(0.0);
+    }
+
+    /// Writes the angular speeds of the bushings, those of links; the first `overhang` ones again behind the last.
+    pub(super) fn spin_bushings(
+        &mut self,
+        constants: &LinkConstants,
+        spin: &[f64],
+        overhang: usize,
+    ) {
+        let n = spin.len();
+        for k in 0..n + overhang {
+            let on_front = constants.bushing_on_front[k] > 0.0;
+            self.bushing_spin[k] = spin[(if on_front { k } else { k + 1 }) % n];
         }
     }
 

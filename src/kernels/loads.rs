@@ -5,8 +5,8 @@ use pulp::{Simd, WithSimd};
 use super::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::vector::{Lanes, both, load, splat_two, vectors, vectors_mut};
 
-/// Accelerations of all links.
-pub(super) struct AccelerateLinks<'a> {
+/// Accelerations of all links. `RUBBED`: with moments of friction about the hinges.
+pub(super) struct AccelerateLinks<'a, const RUBBED: bool> {
     pub(super) constants: &'a LinkConstants,
     pub(super) arrays: &'a mut ChainArrays,
     /// How many tooth forces there are behind entry n.
@@ -16,7 +16,7 @@ pub(super) struct AccelerateLinks<'a> {
     pub(super) accelerations: [&'a mut [f64]; 3],
 }
 
-impl WithSimd for AccelerateLinks<'_> {
+impl<const RUBBED: bool> WithSimd for AccelerateLinks<'_, RUBBED> {
     type Output = ();
 
     #[inline(always)]
@@ -34,6 +34,8 @@ impl WithSimd for AccelerateLinks<'_> {
             sin,
             front_force,
             rear_force,
+            front_moment,
+            rear_moment,
             ..
         } = arrays;
         for force in &mut *front_force {
@@ -43,11 +45,16 @@ impl WithSimd for AccelerateLinks<'_> {
             take_back::<S>(simd, force, FIRST + 1, n, overhang);
             force[FIRST] = force[FIRST + n];
         }
+        if RUBBED {
+            take_back::<S>(simd, front_moment, 0, n, overhang);
+            take_back::<S>(simd, rear_moment, FIRST + 1, n, overhang);
+            rear_moment[FIRST] = rear_moment[FIRST + n];
+        }
         let [(x, x_rest), (y, y_rest), (angle, angle_rest)] =
             accelerations.map(|array| S::as_mut_simd_f64s(array));
         let whole = x.len();
         let blocks = whole + usize::from(!x_rest.is_empty());
-        let loads = Loads::<S> {
+        let loads = Loads::<S, RUBBED> {
             simd,
             // With no sign on a zero: that of a force of none depends on what shares its register.
             gravity: splat_two(simd, [gravity[0] + 0.0, gravity[1] + 0.0]),
@@ -58,6 +65,10 @@ impl WithSimd for AccelerateLinks<'_> {
             inverse_inertia: vectors::<S>(&constants.inverse_inertia, blocks),
             front: both::<S>(front_force, 0, blocks),
             rear: both::<S>(rear_force, FIRST, blocks),
+            moments: [
+                vectors::<S>(front_moment, blocks),
+                vectors::<S>(&rear_moment[FIRST..], blocks),
+            ],
         };
         let (y, angle) = (&mut y[..whole], &mut angle[..whole]);
         for i in 0..whole {
@@ -83,7 +94,7 @@ fn take_back<S: Simd>(simd: S, force: &mut [f64], first: usize, n: usize, overha
 }
 
 /// All loads as registers.
-struct Loads<'a, S: Simd> {
+struct Loads<'a, S: Simd, const RUBBED: bool> {
     simd: S,
     gravity: [Lanes<S>; 2],
     cos: &'a [S::f64s],
@@ -93,9 +104,11 @@ struct Loads<'a, S: Simd> {
     inverse_inertia: &'a [S::f64s],
     front: [&'a [S::f64s]; 2],
     rear: [&'a [S::f64s]; 2],
+    /// On fronts and rears.
+    moments: [&'a [S::f64s]; 2],
 }
 
-impl<S: Simd> Loads<'_, S> {
+impl<S: Simd, const RUBBED: bool> Loads<'_, S, RUBBED> {
     /// Accelerations of one register of links: x, y, angle.
     #[inline(always)]
     fn accelerations(&self, i: usize) -> [S::f64s; 3] {
@@ -108,7 +121,11 @@ impl<S: Simd> Loads<'_, S> {
         let turn = at(self.cos).mul_add(front_y - rear_y, -(at(self.sin) * (front_x - rear_x)));
         // Nothing added takes the sign off a zero; see gravity.
         let nothing = Lanes::splat(self.simd, 0.0);
-        let angle = (at(self.arm) * turn).mul_add(at(self.inverse_inertia), nothing);
+        let mut moment = at(self.arm) * turn;
+        if RUBBED {
+            moment = moment + (at(self.moments[0]) + at(self.moments[1]));
+        }
+        let angle = moment.mul_add(at(self.inverse_inertia), nothing);
         [x.values(), y.values(), angle.values()]
     }
 }

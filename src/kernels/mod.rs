@@ -4,7 +4,7 @@
 //! chain (directions, ends, hinges, bushings) -> candidates -> teeth -> loads -> accelerations
 //!
 //! Each kernel is one law in one loop over arrays of one quantity. What a scene does not need has its own instance of the loop,
-//! without it: damping, the power dissipated where no energy balance is kept.
+//! without it: damping, friction, the power dissipated where no energy balance is kept.
 
 #![allow(clippy::inline_always)] // what is not inlined into a kernel does not run with its instructions
 
@@ -21,17 +21,17 @@ mod watch;
 
 use std::marker::PhantomData;
 
-use chain::{ChainFound, JoinChain, RepeatBushings};
+use chain::{ChainFound, HingeFriction, JoinChain, RepeatBushings};
 use gap::{Form, ToothConstants};
 use layout::{ChainArrays, LinkConstants};
 use loads::AccelerateLinks;
 use newton::{Evaluated, NewtonMatrix};
-use teeth::{SprocketPose, TeethFound, TouchTeeth};
+use teeth::{SprocketPose, TeethFound, ToothFriction, TouchTeeth};
 pub(crate) use watch::{Watch, Watched};
 use watch::{WatchHinges, WatchTeeth};
 
 use crate::contact::{Candidates, ImpactMemory, SprocketFrame};
-use crate::dynamics::{Powers, SprocketLoad, outside_powers, sprocket_acceleration};
+use crate::dynamics::{Losses, Powers, SprocketLoad, outside_powers, sprocket_acceleration};
 use crate::force_law::{VectorLaw, with_law};
 use crate::geometry::Vec2;
 use crate::model::{Model, Rotation, Support};
@@ -226,6 +226,9 @@ impl Kernels {
         rates: &mut [f64],
     ) -> Powers {
         self.place_sprockets(model, t, y);
+        if model.has_friction() {
+            self.chain.clear_moments();
+        }
         let chain = with_law!(&model.hinge_law.pairs, Law, pairs => {
             self.join_chain::<Law, ENERGY>(model, memory, Law::constants(&pairs[0]), y)
         });
@@ -234,13 +237,23 @@ impl Kernels {
         }
         self.choose_candidates(model, memory, chain.moved_squared);
         self.changed = chain.changed;
-        let mut dissipated = chain.dissipated;
+        let mut losses = Losses {
+            hinge_contact: chain.dissipated,
+            hinge_friction: chain.rubbed,
+            ..Losses::default()
+        };
+        if model.tooth_friction.is_some() {
+            let spins = &y[model.coordinates + 2 * model.links..][..model.links];
+            let overhang = self.candidates.overhang;
+            self.chain.spin_bushings(&self.links, spins, overhang);
+        }
         for s in 0..model.sprockets.len() {
             let teeth = with_law!(&model.tooth_law.pairs, Law, _pairs => {
                 self.touch_teeth::<Law, ENERGY>(model, s)
             });
             self.changed |= teeth.changed;
-            dissipated += teeth.dissipated;
+            losses.tooth_contact += teeth.dissipated;
+            losses.tooth_friction += teeth.rubbed;
             self.loads[s] = SprocketLoad {
                 force: Vec2::new(teeth.force[0], teeth.force[1]),
                 moment: teeth.moment,
@@ -248,10 +261,7 @@ impl Kernels {
         }
         self.accelerate_links(model, rates);
         self.accelerate_sprockets(model, t, rates);
-        let mut powers = Powers {
-            dissipated,
-            worked_in: 0.0,
-        };
+        let mut powers = Powers::of(losses);
         if ENERGY {
             for ((sprocket, pose), load) in model.sprockets.iter().zip(&self.poses).zip(&self.loads)
             {
@@ -294,30 +304,47 @@ impl Kernels {
         let n = model.links;
         let (q, v) = y.split_at(model.coordinates);
         let newton = self.newton.as_mut().filter(|_| self.writes_slopes);
-        let slopes = newton.map(|newton| &mut newton.hinge_slopes[..]);
+        let (slopes, rubs) = newton.map_or((None, None), |newton| {
+            let NewtonMatrix {
+                hinge_slopes,
+                hinge_rubs,
+                ..
+            } = &mut **newton;
+            (Some(&mut hinge_slopes[..]), Some(&mut hinge_rubs[..]))
+        });
+        let friction = model.hinge_friction.as_ref().map(|law| HingeFriction {
+            law,
+            pin_radius: model.pin_radius,
+        });
         macro_rules! join {
-            ($damped:literal, $energy:expr) => {
-                self.instructions.run(JoinChain::<L, $damped, { $energy }> {
-                    law: PhantomData,
-                    law_constants,
-                    clearance: model.clearance,
-                    lambda: law.lambda,
-                    floor: model.min_approach_speed,
-                    places: [&q[..n], &q[n..2 * n], &q[2 * n..3 * n]],
-                    speeds: [&v[..n], &v[n..2 * n], &v[2 * n..3 * n]],
-                    inverse_onset: memory.hinge_inverse(),
-                    reference: &self.candidates.reference,
-                    overhang: self.candidates.overhang,
-                    constants: &self.links,
-                    arrays: &mut self.chain,
-                    slopes,
-                })
+            ($damped:literal, $rubbed:literal, $energy:expr) => {
+                self.instructions
+                    .run(JoinChain::<L, $damped, $rubbed, { $energy }> {
+                        law: PhantomData,
+                        law_constants,
+                        clearance: model.clearance,
+                        lambda: law.lambda,
+                        floor: model.min_approach_speed,
+                        places: [&q[..n], &q[n..2 * n], &q[2 * n..3 * n]],
+                        speeds: [&v[..n], &v[n..2 * n], &v[2 * n..3 * n]],
+                        inverse_onset: memory.hinge_inverse(),
+                        reference: &self.candidates.reference,
+                        overhang: self.candidates.overhang,
+                        constants: &self.links,
+                        arrays: &mut self.chain,
+                        slopes,
+                        rubs,
+                        friction,
+                    })
             };
         }
-        if law.lambda > 0.0 {
-            join!(true, ENERGY)
+        // Friction comes with its power whether it is asked for or not: that costs less than one more instance of each loop.
+        if friction.is_some() {
+            join!(true, true, true)
+        } else if law.lambda > 0.0 {
+            join!(true, false, ENERGY)
         } else {
-            join!(false, false)
+            join!(false, false, false)
         }
     }
 
@@ -347,16 +374,27 @@ impl Kernels {
     ) -> TeethFound {
         let law = &model.tooth_law;
         let newton = self.newton.as_mut().filter(|_| self.writes_slopes);
-        let slopes = newton.map(|newton| &mut newton.tooth_slopes[s][..]);
+        let (slopes, rubs) = newton.map_or((None, None), |newton| {
+            let NewtonMatrix {
+                tooth_slopes,
+                tooth_rubs,
+                ..
+            } = &mut **newton;
+            (Some(&mut tooth_slopes[s][..]), Some(&mut tooth_rubs[s][..]))
+        });
+        let friction = model.tooth_friction.as_ref().map(|law| ToothFriction {
+            law,
+            bushing_radius: model.bushing_radius,
+        });
         let ToothConstants {
             form,
             keeps_stiffness,
         } = &self.teeth[self.kind[s]];
         let keeps_stiffness = *keeps_stiffness;
         macro_rules! touch {
-            ($constants:expr, $damped:literal, $energy:expr) => {
+            ($constants:expr, $damped:literal, $rubbed:literal, $energy:expr) => {
                 self.instructions
-                    .run(TouchTeeth::<_, L, $damped, { $energy }> {
+                    .run(TouchTeeth::<_, L, $damped, $rubbed, { $energy }> {
                         law: PhantomData,
                         sprocket: &model.sprockets[s],
                         constants: $constants,
@@ -368,14 +406,18 @@ impl Kernels {
                         arrays: &mut self.chain,
                         candidates: &mut self.candidates.sprockets[s],
                         slopes,
+                        rubs,
+                        friction,
                     })
             };
         }
         match form {
-            Form::Ansi(gap) if law.lambda > 0.0 => touch!(gap, true, ENERGY),
-            Form::Ansi(gap) => touch!(gap, false, false),
-            Form::Table(gap) if law.lambda > 0.0 => touch!(gap, true, ENERGY),
-            Form::Table(gap) => touch!(gap, false, false),
+            Form::Ansi(gap) if friction.is_some() => touch!(gap, true, true, true),
+            Form::Ansi(gap) if law.lambda > 0.0 => touch!(gap, true, false, ENERGY),
+            Form::Ansi(gap) => touch!(gap, false, false, false),
+            Form::Table(gap) if friction.is_some() => touch!(gap, true, true, true),
+            Form::Table(gap) if law.lambda > 0.0 => touch!(gap, true, false, ENERGY),
+            Form::Table(gap) => touch!(gap, false, false, false),
         }
     }
 
@@ -383,13 +425,23 @@ impl Kernels {
         let n = model.links;
         let (x, rest) = rates.split_at_mut(n);
         let (y, rest) = rest.split_at_mut(n);
-        self.instructions.run(AccelerateLinks {
-            constants: &self.links,
-            arrays: &mut self.chain,
-            overhang: self.candidates.overhang,
-            gravity: model.gravity.into(),
-            accelerations: [x, y, &mut rest[..n]],
-        });
+        let accelerations = [x, y, &mut rest[..n]];
+        macro_rules! accelerate {
+            ($rubbed:literal) => {
+                self.instructions.run(AccelerateLinks::<$rubbed> {
+                    constants: &self.links,
+                    arrays: &mut self.chain,
+                    overhang: self.candidates.overhang,
+                    gravity: model.gravity.into(),
+                    accelerations,
+                })
+            };
+        }
+        if model.has_friction() {
+            accelerate!(true);
+        } else {
+            accelerate!(false);
+        }
     }
 
     fn accelerate_sprockets(&self, model: &Model, t: f64, rates: &mut [f64]) {

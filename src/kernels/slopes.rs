@@ -28,9 +28,18 @@ pub(super) fn slope_groups(contacts: usize) -> Vec<SlopeGroup> {
     vec![SlopeGroup::default(); contacts.div_ceil(WIDTH)]
 }
 
+/// How friction of eight contacts changes with their slip, and where it acts.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct RubGroup {
+    /// Slope of the friction with the slip \[N s/m\].
+    pub(super) slope: Octet,
+    /// Where a hinge's contact lies along the normal, seen from the centres of its front and rear ends \[m\].
+    pub(super) places: [Octet; 2],
+}
+
 /// The group that register `i` of contacts is in, and its number there.
 #[inline(always)]
-pub(super) fn group_of<S: Simd>(groups: &mut [SlopeGroup], i: usize) -> (&mut SlopeGroup, usize) {
+pub(super) fn group_of<S: Simd, T>(groups: &mut [T], i: usize) -> (&mut T, usize) {
     let parts = WIDTH / S::F64_LANES;
     (&mut groups[i / parts], i % parts)
 }

@@ -6,10 +6,10 @@ use pulp::{Simd, WithSimd};
 
 use super::gap::{Gap, GapConstants, InGap};
 use super::layout::{ChainArrays, FIRST, LinkConstants};
-use super::slopes::{Damped, SlopeGroup, Touch, group_of};
+use super::slopes::{Damped, RubGroup, SlopeGroup, Touch, group_of};
 use crate::contact::{Run, SprocketCandidates, gap_direction};
 use crate::dynamics::Moves;
-use crate::force_law::VectorLaw;
+use crate::force_law::{Friction, FrictionLanes, VectorLaw};
 use crate::geometry::Vec2;
 use crate::model::SprocketModel;
 use crate::vector::{
@@ -53,12 +53,21 @@ pub(super) struct TeethFound {
     pub(super) moment: f64,
     /// Whether a candidate touches that has no memory, or has one and does not touch.
     pub(super) changed: bool,
-    /// Power dissipated \[W\], when asked for.
+    /// Power dissipated by damping \[W\], when asked for.
     pub(super) dissipated: f64,
+    /// Power dissipated by friction \[W\], likewise.
+    pub(super) rubbed: f64,
+}
+
+/// Friction on teeth, where there is any.
+#[derive(Clone, Copy)]
+pub(super) struct ToothFriction<'a> {
+    pub(super) law: &'a Friction,
+    pub(super) bushing_radius: f64,
 }
 
 /// One law, one loop; see the hinges.
-pub(super) struct TouchTeeth<'a, C, L, const DAMPED: bool, const ENERGY: bool> {
+pub(super) struct TouchTeeth<'a, C, L, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> {
     pub(super) law: PhantomData<L>,
     pub(super) sprocket: &'a SprocketModel,
     pub(super) constants: &'a C,
@@ -72,17 +81,21 @@ pub(super) struct TouchTeeth<'a, C, L, const DAMPED: bool, const ENERGY: bool> {
     pub(super) candidates: &'a mut SprocketCandidates,
     /// Where the slopes of the forces go when they are asked for, slot by slot.
     pub(super) slopes: Option<&'a mut [SlopeGroup]>,
+    /// Those of friction.
+    pub(super) rubs: Option<&'a mut [RubGroup]>,
+    /// What `RUBBED` needs.
+    pub(super) friction: Option<ToothFriction<'a>>,
 }
 
-impl<C: GapConstants, L: VectorLaw, const DAMPED: bool, const ENERGY: bool> WithSimd
-    for TouchTeeth<'_, C, L, DAMPED, ENERGY>
+impl<C: GapConstants, L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool>
+    WithSimd for TouchTeeth<'_, C, L, DAMPED, RUBBED, ENERGY>
 {
     type Output = TeethFound;
 
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) -> TeethFound {
         let splat = |value| Lanes::splat(simd, value);
-        let mut teeth = Teeth::<S, C::Of<'_, S>, L, DAMPED, ENERGY> {
+        let mut teeth = Teeth::<S, C::Of<'_, S>, L, DAMPED, RUBBED, ENERGY> {
             law: PhantomData,
             gap: self.constants.gap(simd),
             center: splat_two(simd, self.pose.center),
@@ -94,7 +107,15 @@ impl<C: GapConstants, L: VectorLaw, const DAMPED: bool, const ENERGY: bool> With
             keeps_stiffness: self.keeps_stiffness,
             changed: false,
             sums: [PartialSums::default(); 4],
+            rubbed: PartialSums::default(),
+            rubbing: None,
         };
+        if RUBBED && let Some(friction) = &self.friction {
+            teeth.rubbing = Some((
+                FrictionLanes::new(simd, friction.law),
+                splat(friction.bushing_radius),
+            ));
+        }
         let SprocketCandidates {
             runs,
             gap_cos,
@@ -105,11 +126,15 @@ impl<C: GapConstants, L: VectorLaw, const DAMPED: bool, const ENERGY: bool> With
             force,
         } = self.candidates;
         let slopes = &mut self.slopes;
+        let mut rubs = if RUBBED { self.rubs } else { None };
         let ChainArrays {
             front_force,
             rear_force,
             bushing,
             bushing_velocity,
+            front_moment,
+            rear_moment,
+            bushing_spin,
             ..
         } = self.arrays;
         for &Run {
@@ -130,6 +155,14 @@ impl<C: GapConstants, L: VectorLaw, const DAMPED: bool, const ENERGY: bool> With
                 front_force: both_mut::<S>(front_force, first, blocks),
                 rear_force: both_mut::<S>(rear_force, FIRST + 1 + first, blocks),
                 slopes: slopes.as_mut().map(|slopes| &mut slopes[slot / WIDTH..]),
+                rubbed: RubbedRun {
+                    spin: vectors::<S>(&bushing_spin[first..], blocks),
+                    moments: [
+                        vectors_mut::<S>(&mut front_moment[first..], blocks),
+                        vectors_mut::<S>(&mut rear_moment[FIRST + 1 + first..], blocks),
+                    ],
+                    slopes: rubs.as_mut().map(|rubs| &mut rubs[slot / WIDTH..]),
+                },
             };
             let (gap_cos, gap_sin) = (&mut gap_cos[slot..], &mut gap_sin[slot..]);
             for b in 0..blocks {
@@ -155,6 +188,11 @@ impl<C: GapConstants, L: VectorLaw, const DAMPED: bool, const ENERGY: bool> With
             moment: moment.total(),
             changed: teeth.changed,
             dissipated: dissipated.total(),
+            rubbed: if RUBBED && ENERGY {
+                teeth.rubbed.total()
+            } else {
+                0.0
+            },
         }
     }
 }
@@ -171,10 +209,19 @@ struct RunOfBushings<'a, S: Simd> {
     front_force: [&'a mut [S::f64s]; 2],
     rear_force: [&'a mut [S::f64s]; 2],
     slopes: Option<&'a mut [SlopeGroup]>,
+    rubbed: RubbedRun<'a, S>,
+}
+
+/// What friction reads and writes of a run.
+struct RubbedRun<'a, S: Simd> {
+    spin: &'a [S::f64s],
+    /// On front and rear ends.
+    moments: [&'a mut [S::f64s]; 2],
+    slopes: Option<&'a mut [RubGroup]>,
 }
 
 /// A sprocket's teeth in registers, and sums over their contacts.
-struct Teeth<S: Simd, G, L, const DAMPED: bool, const ENERGY: bool> {
+struct Teeth<S: Simd, G, L, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> {
     law: PhantomData<L>,
     gap: G,
     center: [Lanes<S>; 2],
@@ -187,10 +234,14 @@ struct Teeth<S: Simd, G, L, const DAMPED: bool, const ENERGY: bool> {
     changed: bool,
     /// Force x, y \[N\], moment \[N m\], power dissipated \[W\].
     sums: [PartialSums; 4],
+    /// Power dissipated by friction \[W\].
+    rubbed: PartialSums,
+    /// Friction and the bushings' radius; some where `RUBBED`.
+    rubbing: Option<(FrictionLanes<S>, Lanes<S>)>,
 }
 
-impl<S: Simd, G: Gap<S>, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
-    Teeth<S, G, L, DAMPED, ENERGY>
+impl<S: Simd, G: Gap<S>, L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool>
+    Teeth<S, G, L, DAMPED, RUBBED, ENERGY>
 {
     /// Bushings seen from the sprocket's centre \[m\].
     #[inline(always)]
@@ -233,8 +284,12 @@ impl<S: Simd, G: Gap<S>, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
             run.depth[b] = zero.values();
             run.force[b] = zero.values();
             if let Some(slopes) = &mut run.slopes {
-                let (group, part) = group_of::<S>(slopes, b);
+                let (group, part) = group_of::<S, _>(slopes, b);
                 group.put_nothing(part, zero);
+            }
+            if RUBBED && let Some(rubs) = &mut run.rubbed.slopes {
+                let (group, part) = group_of::<S, _>(rubs, b);
+                group.slope.put(part, zero);
             }
             self.changed |= remembered.any();
             return;
@@ -257,6 +312,7 @@ impl<S: Simd, G: Gap<S>, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
             depth,
             elastic,
         };
+        let mut across = zero;
         if DAMPED {
             // Every surface is at rest in the sprocket: its velocity at the bushing's place gives the rate in every region.
             let vx = self
@@ -266,6 +322,9 @@ impl<S: Simd, G: Gap<S>, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
                 .spin
                 .negate_mul_add(arm_x, at(run.velocity[1]) - self.velocity[1]);
             let rate = nx.mul_add(vx, ny * vy);
+            if RUBBED {
+                across = nx.mul_add(vy, -(ny * vx));
+            }
             let mut inverse_onset = inverse_onset;
             if touching.and(remembered.not()).any() {
                 inverse_onset = remembered.select(inverse_onset, one / self.floor.max(rate));
@@ -286,25 +345,85 @@ impl<S: Simd, G: Gap<S>, L: VectorLaw, const DAMPED: bool, const ENERGY: bool>
                     remembered,
                     floor: self.floor,
                 };
-                let (group, part) = group_of::<S>(slopes, b);
+                let (group, part) = group_of::<S, _>(slopes, b);
                 group.put_touch::<S, L>(part, law, &touch, Some(&damped));
             }
         } else if let Some(slopes) = &mut run.slopes {
-            let (group, part) = group_of::<S>(slopes, b);
+            let (group, part) = group_of::<S, _>(slopes, b);
             group.put_touch::<S, L>(part, law, &touch, None);
         }
         run.depth[b] = depth.values();
         run.force[b] = force.values();
+        self.push(b, [arm_x, arm_y], [nx, ny], [force, across], run);
+    }
 
-        let (push_x, push_y) = (force * nx, force * ny);
+    /// What the forces of a register of bushings do to links and sprocket; `across`: how fast their centres slip.
+    #[inline(always)]
+    fn push(
+        &mut self,
+        b: usize,
+        [arm_x, arm_y]: [Lanes<S>; 2],
+        [nx, ny]: [Lanes<S>; 2],
+        [force, across]: [Lanes<S>; 2],
+        run: &mut RunOfBushings<S>,
+    ) {
+        let at = |array: &[S::f64s]| load(arm_x.simd(), &array[b]);
+        let zero = force.constant(0.0);
+        let (mut push_x, mut push_y) = (force * nx, force * ny);
+        let mut spun = zero;
+        if RUBBED {
+            let rub;
+            [rub, spun] = self.rub(b, force, across, run);
+            push_x = push_x - rub * ny;
+            push_y = rub.mul_add(nx, push_y);
+        }
         self.sums[0].add(b, push_x);
         self.sums[1].add(b, push_y);
-        self.sums[2].add(b, arm_x.mul_add(push_y, -(arm_y * push_x)));
+        let mut moment = arm_x.mul_add(push_y, -(arm_y * push_x));
+        if RUBBED {
+            moment = moment + spun;
+        }
+        self.sums[2].add(b, moment);
         let on_front = at(run.on_front).greater(zero);
         let (front_x, front_y) = (on_front.select(push_x, zero), on_front.select(push_y, zero));
         run.front_force[0][b] = (at(run.front_force[0]) - front_x).values();
         run.front_force[1][b] = (at(run.front_force[1]) - front_y).values();
         run.rear_force[0][b] = (at(run.rear_force[0]) - (push_x - front_x)).values();
         run.rear_force[1][b] = (at(run.rear_force[1]) - (push_y - front_y)).values();
+    }
+
+    /// Friction of a register of bushings that slip `across` at their centres, on the sprocket \[N\], and its moment about a
+    /// bushing \[N m\], which the bushings feel the other way round.
+    #[inline(always)]
+    fn rub(
+        &mut self,
+        b: usize,
+        force: Lanes<S>,
+        across: Lanes<S>,
+        run: &mut RunOfBushings<S>,
+    ) -> [Lanes<S>; 2] {
+        let simd = force.simd();
+        let zero = force.constant(0.0);
+        let Some((friction, radius)) = self.rubbing else {
+            return [zero; 2];
+        };
+        let at = |array: &[S::f64s]| load(simd, &array[b]);
+        // The contact is the bushing's outermost point.
+        let slip = radius.mul_add(at(run.rubbed.spin) - self.spin, across);
+        let [rub, slope] = friction.force(force, slip);
+        if ENERGY {
+            self.rubbed.add(b, rub * slip);
+        }
+        if let Some(slopes) = &mut run.rubbed.slopes {
+            let (group, part) = group_of::<S, _>(slopes, b);
+            group.slope.put(part, slope);
+        }
+        let moment = radius * rub;
+        let on_front = at(run.on_front).greater(zero);
+        let front = on_front.select(moment, zero);
+        let [fronts, rears] = &mut run.rubbed.moments;
+        fronts[b] = (load(simd, &fronts[b]) - front).values();
+        rears[b] = (load(simd, &rears[b]) - (moment - front)).values();
+        [rub, moment]
     }
 }

@@ -5,7 +5,7 @@ use super::rail::place_rail;
 use super::{ContactLaw, Guide, Model, Rotation, SprocketModel, Support};
 use crate::drive::{Bearing, BeltLine, Drive, Motion, Sprocket};
 use crate::error::{Error, Result, check};
-use crate::force_law::{ForceLaw, PairTable, SurfacePair, range_note};
+use crate::force_law::{ForceLaw, Friction, PairTable, SurfacePair, range_note};
 use crate::geometry::{Curve, ToothProfile, Vec2};
 use crate::state::Start;
 
@@ -16,6 +16,10 @@ pub struct ForceLaws {
     pub hinge: ForceLaw,
     /// Bushings on teeth.
     pub tooth: ForceLaw,
+    /// Friction of pins in bushings; none: absent.
+    pub hinge_friction: Option<Friction>,
+    /// Friction of bushings on teeth.
+    pub tooth_friction: Option<Friction>,
     /// Floor of the approach speed at onset \[m/s\].
     pub min_approach_speed: f64,
 }
@@ -23,6 +27,14 @@ pub struct ForceLaws {
 impl ForceLaws {
     fn check(&self, restitution: f64) -> Result<()> {
         check::positive("min_approach_speed", self.min_approach_speed, "m/s")?;
+        for (friction, name) in [
+            (&self.hinge_friction, "hinge_friction"),
+            (&self.tooth_friction, "tooth_friction"),
+        ] {
+            friction
+                .as_ref()
+                .map_or(Ok(()), |friction| friction.check(name))?;
+        }
         self.hinge.check("Material.restitution", restitution)?;
         self.tooth.check("Material.restitution", restitution)
     }
@@ -33,6 +45,8 @@ impl Default for ForceLaws {
         Self {
             hinge: ForceLaw::default(),
             tooth: ForceLaw::default(),
+            hinge_friction: None,
+            tooth_friction: None,
             min_approach_speed: 1e-3,
         }
     }
@@ -77,37 +91,13 @@ impl Model {
             modulus,
         )];
         let tooth_pairs = tooth_pairs(drive, &sprockets);
-        let mut range_notes = Vec::new();
-        for (law, pairs, name) in [
-            (laws.hinge, &hinge_pairs[..], "pin and bushing"),
-            (laws.tooth, &tooth_pairs[..], "bushing and"),
-        ] {
-            for (i, pair) in pairs.iter().enumerate() {
-                let Some(note) = range_note(law.elastic, pair) else {
-                    continue;
-                };
-                let surface = if pairs.len() > 1 {
-                    let owner = sprockets.iter().rposition(|s| s.first_pair <= i);
-                    let number = owner.unwrap_or_default();
-                    let SprocketModel {
-                        profile,
-                        first_pair,
-                        ..
-                    } = &sprockets[number];
-                    let name = profile.surfaces()[i - first_pair].name;
-                    match number.checked_sub(drive.sprockets.len()) {
-                        None => format!(" {name} of sprocket {}", number + 1),
-                        Some(guide) => format!(" {name} of guide {}", guide + 1),
-                    }
-                } else {
-                    String::new()
-                };
-                range_notes.push(format!(
-                    "{} law, {name}{surface}: {note}",
-                    law.elastic.name()
-                ));
-            }
-        }
+        let range_notes = range_notes(
+            laws,
+            &hinge_pairs,
+            &tooth_pairs,
+            &sprockets,
+            drive.sprockets.len(),
+        );
         let ready = |law: ForceLaw, pairs: &[SurfacePair]| ContactLaw {
             elastic: law.elastic,
             pairs: PairTable::prepare(law.elastic, pairs),
@@ -126,7 +116,10 @@ impl Model {
             mass,
             inertia,
             clearance: hinge.clearance(),
+            pin_radius: hinge.pin_radius,
             bushing_radius: chain.bushing_radius,
+            hinge_friction: laws.hinge_friction,
+            tooth_friction: laws.tooth_friction,
             hinge_law: ready(laws.hinge, &hinge_pairs),
             tooth_law: ready(laws.tooth, &tooth_pairs),
             min_approach_speed: laws.min_approach_speed,
@@ -185,6 +178,48 @@ fn tooth_pairs(drive: &Drive, wheels: &[SprocketModel]) -> Vec<SurfacePair> {
     };
     let moduli = of_teeth.chain(of_guides);
     wheels.iter().zip(moduli).flat_map(of_wheel).collect()
+}
+
+/// Why laws are outside their ranges, a line for each pair of surfaces.
+fn range_notes(
+    laws: &ForceLaws,
+    hinge_pairs: &[SurfacePair],
+    tooth_pairs: &[SurfacePair],
+    sprockets: &[SprocketModel],
+    toothed: usize,
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    for (law, pairs, name) in [
+        (laws.hinge, hinge_pairs, "pin and bushing"),
+        (laws.tooth, tooth_pairs, "bushing and"),
+    ] {
+        for (i, pair) in pairs.iter().enumerate() {
+            let Some(note) = range_note(law.elastic, pair) else {
+                continue;
+            };
+            let surface = if pairs.len() > 1 {
+                let owner = sprockets.iter().rposition(|s| s.first_pair <= i);
+                let number = owner.unwrap_or_default();
+                let SprocketModel {
+                    profile,
+                    first_pair,
+                    ..
+                } = &sprockets[number];
+                let name = profile.surfaces()[i - first_pair].name;
+                match number.checked_sub(toothed) {
+                    None => format!(" {name} of sprocket {}", number + 1),
+                    Some(guide) => format!(" {name} of guide {}", guide + 1),
+                }
+            } else {
+                String::new()
+            };
+            notes.push(format!(
+                "{} law, {name}{surface}: {note}",
+                law.elastic.name()
+            ));
+        }
+    }
+    notes
 }
 
 fn place_sprocket(

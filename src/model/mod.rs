@@ -10,7 +10,7 @@ pub use guide::Guide;
 pub use input::{Input, Quantity};
 
 use crate::drive::TimeTable;
-use crate::force_law::{Elastic, PairTable, Regions};
+use crate::force_law::{Elastic, Friction, PairTable, Regions};
 use crate::geometry::belt::Side;
 use crate::geometry::{Surface, ToothProfile, Vec2};
 
@@ -38,6 +38,8 @@ pub struct Model {
     pub inverse_inertia: Vec<f64>,
     /// Radial clearance of the hinges \[m\].
     pub clearance: f64,
+    /// Radius of the pins \[m\].
+    pub pin_radius: f64,
     /// Outside radius of the bushings \[m\].
     pub bushing_radius: f64,
     /// The sprockets, and behind them the guides: to the chain, wheels without teeth.
@@ -50,6 +52,10 @@ pub struct Model {
     pub hinge_law: ContactLaw,
     /// Law of the teeth: the pairs of one sprocket after those of another, see [`Self::tooth_pair`].
     pub tooth_law: ContactLaw,
+    /// Friction in the hinges; none: absent.
+    pub hinge_friction: Option<Friction>,
+    /// Friction on the teeth.
+    pub tooth_friction: Option<Friction>,
     /// Floor of the approach speed at onset \[m/s\].
     pub min_approach_speed: f64,
     /// Gravity \[m/s²\].
@@ -221,6 +227,12 @@ impl Model {
         } else {
             -self.arms[link]
         }
+    }
+
+    /// Whether any contact has friction.
+    #[must_use]
+    pub fn has_friction(&self) -> bool {
+        self.hinge_friction.is_some() || self.tooth_friction.is_some()
     }
 
     /// The pair constants' number for a surface of a sprocket.

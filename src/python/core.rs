@@ -405,7 +405,9 @@ fn evaluation<'py>(py: Python<'py>, dynamics: &Dynamics) -> PyResult<Bound<'py, 
     found.set_item("tooth_penetration", real(&|p| teeth.penetration[p])?)?;
     let vectors: Vec<f64> = by_bushing(model, |p| {
         let force = if near(p) { teeth.force[p] } else { 0.0 };
-        [-force * teeth.normal_x[p], -force * teeth.normal_y[p]]
+        let friction = if near(p) { teeth.friction[p] } else { 0.0 };
+        let (x, y) = (teeth.normal_x[p], teeth.normal_y[p]);
+        [friction * y - force * x, -friction * x - force * y]
     })
     .into_iter()
     .flatten()

@@ -10,7 +10,7 @@ use crate::drive::{
     ToothForm, Variation,
 };
 use crate::error::{Error, Result, check};
-use crate::force_law::{Damping, Elastic, ForceLaw, Regions};
+use crate::force_law::{Damping, Elastic, ForceLaw, Friction, Regions, Regularization};
 use crate::geometry::belt::Side;
 use crate::geometry::{Damage, OutlinePiece, Seat, Vec2};
 use crate::integrator::{Corrector, StepControl};
@@ -611,8 +611,25 @@ const LAWS: [&str; 9] = [
     "Linear",
 ];
 
-/// Reads a force law.
+/// Reads a force law of a contact that has no friction.
 pub(super) fn force_law(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ForceLaw> {
+    let (law, friction) = law_and_friction(object, field)?;
+    if friction.is_some() {
+        return Err(refuse(
+            object.py(),
+            &format!("{}.friction", kind_of(object)),
+            &object.getattr("friction")?,
+            "must be None here: only chain drives with clearance hinges have friction",
+        ));
+    }
+    Ok(law)
+}
+
+/// Reads a force law and its friction.
+pub(super) fn law_and_friction(
+    object: &Bound<'_, PyAny>,
+    field: &str,
+) -> PyResult<(ForceLaw, Option<Friction>)> {
     let read = Reader::new(object, field, &LAWS)?;
     let elastic = match read.kind.as_str() {
         "EnhancedCylinder" => read.word(
@@ -632,14 +649,34 @@ pub(super) fn force_law(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Forc
     };
     let mut dampings = Damping::ALL.map(|law| (law.name(), law)).to_vec();
     dampings.push((Damping::None.name(), Damping::None));
-    Ok(ForceLaw {
+    let law = ForceLaw {
         elastic,
         damping: read.word("damping", &dampings)?,
         regions: read.word(
             "regions",
             &[("kept", Regions::Kept), ("sharp", Regions::Sharp)],
         )?,
-    })
+    };
+    let rubs = read.get("friction")?;
+    let name = format!("{}.friction", read.kind);
+    let friction = (!rubs.is_none()).then(|| friction(&rubs, &name));
+    Ok((law, friction.transpose()?))
+}
+
+/// Reads a `Coulomb` and checks it.
+fn friction(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Friction> {
+    let read = Reader::new(object, field, &["Coulomb"])?;
+    let friction = Friction {
+        coefficient: read.number("coefficient", "newton a newton")?,
+        regularization: read.word(
+            "regularization",
+            &Regularization::ALL.map(|law| (law.name(), law)),
+        )?,
+        speed: read.number("speed", "m/s")?,
+        dead_speed: read.number("dead_speed", "m/s")?,
+    };
+    checked(object.py(), friction.check("Coulomb"))?;
+    Ok(friction)
 }
 
 /// Reads a damping by its name.
@@ -659,10 +696,17 @@ pub(super) fn force_laws(
     tooth_law: Option<&Bound<'_, PyAny>>,
     min_approach_speed: &Bound<'_, PyAny>,
 ) -> PyResult<ForceLaws> {
-    let law = self::force_law(force_law, "force_law")?;
+    let law = law_and_friction(force_law, "force_law")?;
+    let own = |own: Option<&Bound<'_, PyAny>>, field: &str| {
+        own.map_or(Ok(law), |own| law_and_friction(own, field))
+    };
+    let (hinge, hinge_friction) = own(hinge_law, "hinge_law")?;
+    let (tooth, tooth_friction) = own(tooth_law, "tooth_law")?;
     Ok(ForceLaws {
-        hinge: hinge_law.map_or(Ok(law), |own| self::force_law(own, "hinge_law"))?,
-        tooth: tooth_law.map_or(Ok(law), |own| self::force_law(own, "tooth_law"))?,
+        hinge,
+        tooth,
+        hinge_friction,
+        tooth_friction,
         min_approach_speed: number(min_approach_speed, "min_approach_speed", "m/s")?,
     })
 }
@@ -744,7 +788,8 @@ pub(super) fn validate(description: &Bound<'_, PyAny>) -> PyResult<()> {
         "GuideRail" | "SmoothIdler" => rail(object, "guide")?.validate(),
         "ChainDrive" => drive(object)?.validate(),
         "Solver" => solver(object).map(|_| Ok(()))?,
-        kind if LAWS.contains(&kind) => force_law(object, "").map(|_| Ok(()))?,
+        kind if LAWS.contains(&kind) => law_and_friction(object, "").map(|_| Ok(()))?,
+        "Coulomb" => friction(object, "").map(|_| Ok(()))?,
         kind => {
             return Err(InvalidInput::new_err(format!(
                 "{kind} is not a description that this version knows"

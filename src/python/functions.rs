@@ -373,7 +373,7 @@ pub(super) fn law_force<'py>(
             ));
         }
     };
-    let law = describe::force_law(law, "law")?;
+    let (law, _) = describe::law_and_friction(law, "law")?;
     Ok(elastic_forces(law.elastic, &pair, penetration.as_slice()?).into_pyarray(py))
 }
 

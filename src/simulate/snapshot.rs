@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::Simulation;
 use crate::dynamics::Carried;
 use crate::error::{Error, Result};
+use crate::force_law::Friction;
 use crate::integrator::{Adams, StepControl};
 use crate::model::{ContactLaw, Input, Model};
 
@@ -142,20 +143,25 @@ impl Simulation {
 
 impl Scene {
     fn of(model: &Model) -> Self {
-        let law = |law: &ContactLaw| {
+        let law = |law: &ContactLaw, friction: Option<Friction>| {
             let damping = if law.lambda > 0.0 {
                 "damped"
             } else {
                 "undamped"
             };
             let regions = format!("{:?}", law.regions).to_lowercase();
-            format!("{}, {damping}, regions {regions}", law.elastic.name())
+            let friction = friction.map_or(String::new(), |friction| {
+                let name = friction.regularization.name();
+                format!(", friction {} ({name})", friction.coefficient)
+            });
+            let elastic = law.elastic.name();
+            format!("{elastic}, {damping}, regions {regions}{friction}")
         };
         Self {
             links: model.links,
             teeth: model.sprockets.iter().map(|s| s.profile.teeth).collect(),
-            hinge_law: law(&model.hinge_law),
-            tooth_law: law(&model.tooth_law),
+            hinge_law: law(&model.hinge_law, model.hinge_friction),
+            tooth_law: law(&model.tooth_law, model.tooth_friction),
             min_approach_speed: model.min_approach_speed,
             model: fingerprint(model),
         }

@@ -24,7 +24,7 @@ pub(crate) use lanes::{
 };
 pub(crate) use logarithm::{ln_of_quotient, octaves_of_quotient};
 pub(crate) use octet::{Octet, parts, read, write};
-pub(crate) use power_of_e::{exp_of_remainder, nearest_whole};
+pub(crate) use power_of_e::{exp, exp_of_remainder, nearest_whole};
 pub(crate) use sines::sin_cos;
 pub(crate) use sums::{PartialSums, Squares};
 

@@ -5,7 +5,6 @@
 use pulp::Simd;
 
 use super::Lanes;
-#[cfg(test)]
 use super::logarithm::LN_2;
 
 /// (e^r - 1 - r)/r² in powers of r.
@@ -22,8 +21,7 @@ const SERIES: [f64; 10] = [
     2.499_999_557_077_961e-8,
 ];
 
-/// e^x of any number to 1 unit in the last place; not a number stays so. The laws use its parts; tests know the whole.
-#[cfg(test)]
+/// e^x of any number to 1 unit in the last place; not a number stays so.
 #[inline(always)]
 pub(crate) fn exp<S: Simd>(x: Lanes<S>) -> Lanes<S> {
     // Beyond these zero and infinity come out by themselves.
@@ -31,7 +29,7 @@ pub(crate) fn exp<S: Simd>(x: Lanes<S>) -> Lanes<S> {
     let x = x.less(least).select(least, x);
     let x = x.greater(greatest).select(greatest, x);
     let (k, _) = nearest_whole(x * x.constant(std::f64::consts::LOG2_E));
-    let [head, tail] = LN_2.map(|part| x.constant(part));
+    let [head, tail] = [x.constant(LN_2[0]), x.constant(LN_2[1])];
     let r = k.negate_mul_add(tail, k.negate_mul_add(head, x));
     // 2^k in two factors: it may lie outside the normal numbers where e^x does not.
     let (first, first_power) = nearest_whole(k * x.constant(0.5));

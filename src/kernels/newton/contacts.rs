@@ -6,12 +6,17 @@
 //! Two terms are left out, which keeps the matrix symmetric: a contact that slips by s across turns its rate by d κ s, and an
 //! end takes its velocity along when its body turns. Both are damping times an angle that is turned in a step, γ κ s and γ ω,
 //! which Newton's method corrects at that rate.
+//!
+//! Friction adds τ = γ times its slope with the slip, along t at the point of contact: w then is the velocity of the points
+//! there, whose arms from the ends' centres lie along n and do not change n·w. The turn of n, η, does not feel the bodies' own
+//! turning; η and τ together act as η + τ does at arms shortened to their share τ/(η + τ). Left out is how friction changes with
+//! the normal force, μ α, which is not symmetric.
 
 use pulp::Simd;
 
 use super::ring::HingeGroup;
-use crate::kernels::slopes::SlopeGroup;
-use crate::vector::{Lanes, Numbers, WIDTH, padded_zeros, parts, vectors_mut, write};
+use crate::kernels::slopes::{RubGroup, SlopeGroup};
+use crate::vector::{Lanes, Numbers, WIDTH, padded_zeros, parts, read, vectors_mut, write};
 
 /// α and η of register `part` of these contacts.
 #[inline(always)]
@@ -56,14 +61,69 @@ impl Closed {
     }
 }
 
-/// Begins the ring's blocks with the compliance of each hinge, n n^T/α + t t^T/η; one for hinges that bear nothing.
+/// Where hinges with friction have their contacts, seen from the ends' centres, along t and in their share \[m\]: hinge k at
+/// [`BASE`] + k, the last one once more before the first.
+#[derive(Debug, Clone)]
+pub(super) struct Arms {
+    /// From fronts, x and y.
+    pub(super) front: [Numbers; 2],
+    /// From rears.
+    pub(super) rear: [Numbers; 2],
+}
+
+impl Arms {
+    pub(super) fn new(hinges: usize) -> Self {
+        let zeros = || padded_zeros(BASE + hinges);
+        Self {
+            front: [zeros(), zeros()],
+            rear: [zeros(), zeros()],
+        }
+    }
+
+    /// Puts the last hinge before the first as well.
+    #[inline(always)]
+    pub(super) fn close(&mut self, hinges: usize) {
+        for array in self.front.iter_mut().chain(&mut self.rear) {
+            array[BASE - 1] = array[BASE + hinges - 1];
+        }
+    }
+
+    /// Writes those of register `i` of hinges.
+    #[inline(always)]
+    fn put<S: Simd>(
+        &mut self,
+        i: usize,
+        [nx, ny]: [Lanes<S>; 2],
+        share: Lanes<S>,
+        [front, rear]: [Lanes<S>; 2],
+    ) {
+        let from = BASE + i * S::F64_LANES;
+        let (front, rear) = (share * front, share * rear);
+        let [x, y] = &mut self.front;
+        vectors_mut::<S>(&mut x[from..], 1)[0] = (-(front * ny)).values();
+        vectors_mut::<S>(&mut y[from..], 1)[0] = (front * nx).values();
+        let [x, y] = &mut self.rear;
+        vectors_mut::<S>(&mut x[from..], 1)[0] = (-(rear * ny)).values();
+        vectors_mut::<S>(&mut y[from..], 1)[0] = (rear * nx).values();
+    }
+}
+
+/// Friction of hinges, where there is any.
+pub(super) struct Rubbing<'a> {
+    pub(super) slopes: &'a [RubGroup],
+    pub(super) arms: &'a mut Arms,
+}
+
+/// Begins the ring's blocks with the compliance of each hinge, n n^T/α + t t^T/η; one for hinges that bear nothing. `RUBBED`: with
+/// friction, η + τ in the place of η.
 #[inline(always)]
-pub(super) fn soften_hinges<S: Simd>(
+pub(super) fn soften_hinges<S: Simd, const RUBBED: bool>(
     simd: S,
     gamma: f64,
     slopes: &[SlopeGroup],
     closed: &mut Closed,
     groups: &mut [HingeGroup],
+    mut rubbing: Option<Rubbing>,
 ) {
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     let (least, least_share) = (one.constant(LEAST), one.constant(LEAST_SHARE));
@@ -73,28 +133,40 @@ pub(super) fn soften_hinges<S: Simd>(
         slopes.len() * WIDTH / S::F64_LANES,
     );
     let count = parts::<S>().len();
-    for ((slopes, group), bearing) in slopes
+    for (number, ((slopes, group), bearing)) in slopes
         .iter()
         .zip(groups)
         .zip(bearing.chunks_exact_mut(count))
+        .enumerate()
     {
         for part in parts::<S>() {
             let bears = slopes.force.at(simd, part).greater(zero);
             bearing[part] = bears.select(one, zero).values();
             if !bears.any() {
                 write(&mut group.own, part, [one, one, zero]);
+                if RUBBED && let Some(Rubbing { arms, .. }) = &mut rubbing {
+                    arms.put(number * count + part, [zero; 2], zero, [zero; 2]);
+                }
                 continue;
             }
             closed.any = true;
             let [alpha, eta] = scaled(gamma, simd, slopes, part);
             let alpha = bears.select(alpha.max(least), one);
-            let eta = bears.select(eta.max(alpha * least_share), one);
-            let over = one / (alpha * eta);
-            let (along, across) = (eta * over, alpha * over);
+            let mut eta = bears.select(eta.max(alpha * least_share), one);
             let (nx, ny) = (
                 slopes.normal[0].at(simd, part),
                 slopes.normal[1].at(simd, part),
             );
+            if RUBBED && let Some(Rubbing { slopes, arms }) = &mut rubbing {
+                let rubs = &slopes[number];
+                let tau = Lanes::splat(simd, gamma) * rubs.slope.at(simd, part);
+                let both = eta + tau;
+                let places = read(simd, &rubs.places, part);
+                arms.put(number * count + part, [nx, ny], tau / both, places);
+                eta = both;
+            }
+            let over = one / (alpha * eta);
+            let (along, across) = (eta * over, alpha * over);
             let own = [
                 bears.select(along.mul_add(nx * nx, across * (ny * ny)), one),
                 bears.select(along.mul_add(ny * ny, across * (nx * nx)), one),

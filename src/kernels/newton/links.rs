@@ -6,7 +6,7 @@
 
 use pulp::Simd;
 
-use super::contacts::{BASE, Closed};
+use super::contacts::{Arms, BASE, Closed};
 use super::ring::HingeGroup;
 use super::teeth::ToothTerms;
 use crate::model::Model;
@@ -84,7 +84,7 @@ impl LinkGroup {
 
     /// Blocks of links of which bushings touch teeth.
     #[inline(always)]
-    fn held_links<S: Simd>(
+    fn held_links<S: Simd, const RUBBED: bool>(
         &self,
         simd: S,
         teeth: &ToothTerms,
@@ -99,14 +99,24 @@ impl LinkGroup {
         let (xx, yy, xy) = (front_xx + rear_xx, front_yy + rear_yy, front_xy + rear_xy);
         let (dxx, dyy, dxy) = (front_xx - rear_xx, front_yy - rear_yy, front_xy - rear_xy);
         let turned = [u.mul_add(xx, v * xy), u.mul_add(xy, v * yy)];
-        Symmetric([
+        let mut block = [
             mass + xx,
             xy,
             u.mul_add(dxx, v * dxy),
             mass + yy,
             u.mul_add(dxy, v * dyy),
             u.mul_add(turned[0], v.mul_add(turned[1], inertia)),
-        ])
+        ];
+        if RUBBED {
+            let [front_x, rear_x] = self.of_ends(simd, &teeth.spun[0], i, part);
+            let [front_y, rear_y] = self.of_ends(simd, &teeth.spun[1], i, part);
+            let [front, rear] = self.of_ends(simd, &teeth.spun[2], i, part);
+            block[2] = block[2] + (front_x + rear_x);
+            block[4] = block[4] + (front_y + rear_y);
+            let crossed = u.mul_add(front_x - rear_x, v * (front_y - rear_y));
+            block[5] = block[5] + ((crossed + crossed) + (front + rear));
+        }
+        Symmetric(block)
     }
 }
 
@@ -121,6 +131,8 @@ fn touched(teeth: &ToothTerms, links: usize, group: usize) -> bool {
 #[derive(Debug, Clone)]
 pub(super) struct LinkTerms {
     groups: Vec<LinkGroup>,
+    /// How turning a link moves its contacts at front and rear, x and y each \[m\]; used where there is friction.
+    levers: Vec<[Octet; 4]>,
     /// `R D⁻¹ R^T`: xx, yy, xy; the first link once more behind the last.
     rear: [Numbers; 3],
     /// Scratch of a solution: velocities of rears, the first one once more behind the last.
@@ -139,6 +151,7 @@ impl LinkTerms {
                 .step_by(WIDTH)
                 .map(|first| LinkGroup::new(model, first))
                 .collect(),
+            levers: vec![[Octet::default(); 4]; n.div_ceil(WIDTH)],
             rear: [(); 3].map(|()| with_first()),
             rear_velocity: [with_first(), with_first()],
             force: [hinges(), hinges()],
@@ -199,12 +212,18 @@ pub(super) struct Linked<'a> {
     pub(super) rear_force: [&'a [f64]; 2],
     pub(super) teeth: &'a ToothTerms,
     pub(super) closed: &'a Closed,
+    pub(super) arms: &'a Arms,
 }
 
 impl LinkTerms {
     /// Eliminates all links; the ring, which holds the hinges' compliances, remains.
     #[inline(always)]
-    pub(super) fn eliminate<S: Simd>(&mut self, simd: S, of: &Linked, ring: &mut [HingeGroup]) {
+    pub(super) fn eliminate<S: Simd, const RUBBED: bool>(
+        &mut self,
+        simd: S,
+        of: &Linked,
+        ring: &mut [HingeGroup],
+    ) {
         let n = of.links;
         let count = parts::<S>().len();
         let blocks = self.groups.len() * count;
@@ -216,6 +235,11 @@ impl LinkTerms {
         let closed = vectors::<S>(&of.closed.hinges[BASE..], blocks);
         let closed_before = vectors::<S>(&of.closed.hinges[BASE - 1..], blocks);
         let gamma_squared = Lanes::splat(simd, of.gamma * of.gamma);
+        let front_arms = both::<S>(&of.arms.front, BASE, blocks);
+        let rear_arms = [
+            vectors::<S>(&of.arms.rear[0][BASE - 1..], blocks),
+            vectors::<S>(&of.arms.rear[1][BASE - 1..], blocks),
+        ];
         {
             let [xx, yy, xy] = &mut self.rear;
             let rear = [
@@ -223,7 +247,8 @@ impl LinkTerms {
                 vectors_mut::<S>(yy, blocks),
                 vectors_mut::<S>(xy, blocks),
             ];
-            for (number, (links, hinges)) in self.groups.iter_mut().zip(&mut *ring).enumerate() {
+            let groups = self.groups.iter_mut().zip(&mut self.levers);
+            for (number, ((links, levers), hinges)) in groups.zip(&mut *ring).enumerate() {
                 links.held = touched(of.teeth, n, number);
                 for part in parts::<S>() {
                     let i = number * count + part;
@@ -235,12 +260,30 @@ impl LinkTerms {
                     let stretch = cos.mul_add(pull[0], sin * pull[1]);
                     let inertia =
                         (gamma_squared * arm).mul_add(stretch, links.inertia.at(simd, part));
+                    let mut contacts = [lever; 2];
+                    if RUBBED {
+                        let [u, v] = lever;
+                        contacts = [
+                            [u + at(front_arms[0]), v + at(front_arms[1])],
+                            [at(rear_arms[0]) - u, at(rear_arms[1]) - v],
+                        ];
+                        let [[fx, fy], [rx, ry]] = contacts;
+                        write(levers, part, [fx, fy, rx, ry]);
+                    }
                     let ends = if links.held {
                         let inverse = links
-                            .held_links(simd, of.teeth, lever, inertia, (i, part))
+                            .held_links::<S, RUBBED>(simd, of.teeth, lever, inertia, (i, part))
                             .inverse();
                         write(&mut links.inverse, part, inverse.0);
-                        Ends::of_held(&inverse, lever)
+                        if RUBBED {
+                            Ends::apart(&inverse, contacts)
+                        } else {
+                            Ends::of_held(&inverse, lever)
+                        }
+                    } else if RUBBED {
+                        let turn = inertia.constant(1.0) / inertia;
+                        links.inverse[5].put(part, turn);
+                        Ends::apart_and_free(links.inverse_mass.at(simd, part), turn, contacts)
                     } else {
                         let turn = inertia.constant(1.0) / inertia;
                         links.inverse[5].put(part, turn);
@@ -285,7 +328,7 @@ impl LinkTerms {
 
     /// Links that feel `right` and no change of hinge forces, and what that does to the hinges: the ring's right-hand sides.
     #[inline(always)]
-    pub(super) fn solve_free<S: Simd, R: RightHand<S>>(
+    pub(super) fn solve_free<S: Simd, R: RightHand<S>, const RUBBED: bool>(
         &mut self,
         simd: S,
         links: usize,
@@ -297,7 +340,8 @@ impl LinkTerms {
         {
             let [x, y] = &mut self.rear_velocity;
             let rear = [vectors_mut::<S>(x, blocks), vectors_mut::<S>(y, blocks)];
-            for (number, group) in self.groups.iter_mut().enumerate() {
+            let groups = self.groups.iter_mut().zip(&self.levers);
+            for (number, (group, levers)) in groups.enumerate() {
                 for part in parts::<S>() {
                     let i = number * count + part;
                     let mass = group.mass.at(simd, part);
@@ -305,8 +349,16 @@ impl LinkTerms {
                     let right = right.at(simd, mass, group.held, i);
                     let free = group.times_inverse(simd, right, part);
                     let [x, y, turn] = free;
-                    let [u, v] = read(simd, &group.lever, part);
                     write(&mut group.free, part, free);
+                    if RUBBED {
+                        let [fx, fy, rx, ry] = read(simd, levers, part);
+                        let front = [fx.mul_add(turn, x), fy.mul_add(turn, y)];
+                        write(&mut group.front_velocity, part, front);
+                        rear[0][i] = rx.mul_add(turn, x).values();
+                        rear[1][i] = ry.mul_add(turn, y).values();
+                        continue;
+                    }
+                    let [u, v] = read(simd, &group.lever, part);
                     let front = [u.mul_add(turn, x), v.mul_add(turn, y)];
                     write(&mut group.front_velocity, part, front);
                     rear[0][i] = u.negate_mul_add(turn, x).values();
@@ -346,7 +398,7 @@ impl LinkTerms {
 
     /// Links that feel the changes of hinge forces; adds their products with the border's rows to `sums`.
     #[inline(always)]
-    pub(super) fn solve_bound<S: Simd>(
+    pub(super) fn solve_bound<S: Simd, const RUBBED: bool>(
         &self,
         simd: S,
         unknowns: &mut [[Octet; 3]],
@@ -361,13 +413,20 @@ impl LinkTerms {
             vectors::<S>(&x[BASE - 1..], blocks),
             vectors::<S>(&y[BASE - 1..], blocks),
         ];
-        for (number, (group, unknowns)) in self.groups.iter().zip(unknowns).enumerate() {
+        let groups = self.groups.iter().zip(&self.levers);
+        for (number, ((group, levers), unknowns)) in groups.zip(unknowns).enumerate() {
             for part in parts::<S>() {
                 let i = number * count + part;
                 let at = |array: &[S::f64s]| load(simd, &array[i]);
                 let (front, rear) = ([at(front[0]), at(front[1])], [at(rear[0]), at(rear[1])]);
-                let [u, v] = read(simd, &group.lever, part);
-                let turn = u.mul_add(front[0] + rear[0], v * (front[1] + rear[1]));
+                let turn = if RUBBED {
+                    let [fx, fy, rx, ry] = read(simd, levers, part);
+                    let of_front = fx.mul_add(front[0], fy * front[1]);
+                    of_front - rx.mul_add(rear[0], ry * rear[1])
+                } else {
+                    let [u, v] = read(simd, &group.lever, part);
+                    u.mul_add(front[0] + rear[0], v * (front[1] + rear[1]))
+                };
                 let taken = [front[0] - rear[0], front[1] - rear[1], turn];
                 let taken = group.times_inverse(simd, taken, part);
                 let free = read(simd, &group.free, part);
@@ -386,10 +445,10 @@ impl LinkTerms {
 
     /// What bushings leave for one coordinate on the border, link by link.
     #[inline(always)]
-    pub(super) fn gather_column<S: Simd>(
+    pub(super) fn gather_column<S: Simd, const RUBBED: bool>(
         &self,
         simd: S,
-        from: &[Numbers; 2],
+        from: &[Numbers; 3],
         column: &mut [[Octet; 3]],
     ) {
         for (number, (group, column)) in self.groups.iter().zip(column).enumerate() {
@@ -402,7 +461,11 @@ impl LinkTerms {
                 let [u, v] = read(simd, &group.lever, part);
                 let [front_x, rear_x] = group.of_ends(simd, &from[0], i, part);
                 let [front_y, rear_y] = group.of_ends(simd, &from[1], i, part);
-                let turn = u.mul_add(front_x - rear_x, v * (front_y - rear_y));
+                let mut turn = u.mul_add(front_x - rear_x, v * (front_y - rear_y));
+                if RUBBED {
+                    let [front, rear] = group.of_ends(simd, &from[2], i, part);
+                    turn = turn + (front + rear);
+                }
                 write(column, part, [front_x + rear_x, front_y + rear_y, turn]);
             }
         }
@@ -456,5 +519,42 @@ impl<S: Simd> Ends<S> {
             rear: [same_x - (x + x), same_y - (y + y), same_xy - crossed],
             between: [uu - xx, (uv - xy) + between, (uv - xy) - between, vv - yy],
         }
+    }
+
+    /// Links whose contacts lie `[front, rear]` of their centres, each at a lever of its own.
+    #[inline(always)]
+    fn apart(inverse: &Symmetric<S>, [front, rear]: [[Lanes<S>; 2]; 2]) -> Self {
+        let [xx, xy, xz, yy, yz, zz] = inverse.0;
+        let ([a, b], [c, d]) = (front, rear);
+        Self {
+            front: Self::own(inverse, front),
+            rear: Self::own(inverse, rear),
+            between: [
+                -((zz * a).mul_add(c, xx + (a + c) * xz)),
+                -((zz * a).mul_add(d, xy + a.mul_add(yz, d * xz))),
+                -((zz * b).mul_add(c, xy + b.mul_add(xz, c * yz))),
+                -((zz * b).mul_add(d, yy + (b + d) * yz)),
+            ],
+        }
+    }
+
+    /// What a contact at this lever has of its own: xx, yy, xy.
+    #[inline(always)]
+    fn own(inverse: &Symmetric<S>, [u, v]: [Lanes<S>; 2]) -> [Lanes<S>; 3] {
+        let [xx, xy, xz, yy, yz, zz] = inverse.0;
+        let (x, y) = (u * xz, v * yz);
+        [
+            (zz * u).mul_add(u, xx + (x + x)),
+            (zz * v).mul_add(v, yy + (y + y)),
+            (zz * u).mul_add(v, xy + u.mul_add(yz, v * xz)),
+        ]
+    }
+
+    /// The same where no tooth is touched.
+    #[inline(always)]
+    fn apart_and_free(light: Lanes<S>, turn: Lanes<S>, [front, rear]: [[Lanes<S>; 2]; 2]) -> Self {
+        let zero = light.constant(0.0);
+        let inverse = Symmetric([light, zero, zero, light, zero, turn]);
+        Self::apart(&inverse, [front, rear])
     }
 }

@@ -16,13 +16,13 @@ mod teeth;
 use pulp::{Simd, WithSimd};
 
 use border::{Corner, SprocketMotions};
-use contacts::{Closed, soften_hinges};
+use contacts::{Arms, Closed, Rubbing, soften_hinges};
 use links::{Border, LinkTerms, Linked, RightHand};
 use ring::{HingeGroup, Ring, hinge_groups};
-use teeth::{AddTeeth, ToothTerms};
+use teeth::{AddTeeth, RubbingTeeth, ToothTerms};
 
 use super::layout::{ChainArrays, FIRST, LinkConstants};
-use super::slopes::{SlopeGroup, slope_groups};
+use super::slopes::{RubGroup, SlopeGroup, slope_groups};
 use super::teeth::SprocketPose;
 use crate::contact::Candidates;
 use crate::model::Model;
@@ -41,7 +41,12 @@ pub(super) struct NewtonMatrix {
     pub(super) hinge_slopes: Vec<SlopeGroup>,
     /// Of each sprocket's candidates, slot by slot.
     pub(super) tooth_slopes: Vec<Vec<SlopeGroup>>,
+    /// Those of friction in hinges; empty where there is none anywhere.
+    pub(super) hinge_rubs: Vec<RubGroup>,
+    /// Likewise on teeth.
+    pub(super) tooth_rubs: Vec<Vec<RubGroup>>,
     motions: Vec<SprocketMotions>,
+    arms: Arms,
     closed: Closed,
     teeth: ToothTerms,
     links: LinkTerms,
@@ -78,6 +83,10 @@ impl NewtonMatrix {
         let border = model.coordinates - 3 * n;
         let three = || vec![[Octet::default(); 3]; n.div_ceil(WIDTH)];
         let slots = Candidates::most_slots(model);
+        let rubs = |contacts: usize| {
+            let contacts = if model.has_friction() { contacts } else { 0 };
+            vec![RubGroup::default(); contacts.div_ceil(WIDTH)]
+        };
         Self {
             hinge_slopes: slope_groups(n),
             tooth_slopes: model
@@ -85,7 +94,10 @@ impl NewtonMatrix {
                 .iter()
                 .map(|_| slope_groups(slots))
                 .collect(),
+            hinge_rubs: rubs(n),
+            tooth_rubs: model.sprockets.iter().map(|_| rubs(slots)).collect(),
             motions: SprocketMotions::of(model),
+            arms: Arms::new(n),
             closed: Closed::new(n),
             teeth: ToothTerms::new(n, border),
             links: LinkTerms::new(model),
@@ -103,12 +115,21 @@ impl NewtonMatrix {
 
     /// Makes and factorises the matrix; false when it is singular.
     pub(super) fn factorise(&mut self, model: &Model, evaluated: &Evaluated, gamma: f64) -> bool {
-        evaluated.instructions.run(Factorise {
-            matrix: self,
-            model,
-            evaluated,
-            gamma,
-        })
+        macro_rules! factorise {
+            ($rubbed:literal) => {
+                evaluated.instructions.run(Factorise::<$rubbed> {
+                    matrix: self,
+                    model,
+                    evaluated,
+                    gamma,
+                })
+            };
+        }
+        if model.has_friction() {
+            factorise!(true)
+        } else {
+            factorise!(false)
+        }
     }
 
     /// Overwrites a residual of velocities by the correction that it asks for.
@@ -118,20 +139,34 @@ impl NewtonMatrix {
         instructions: InstructionSet,
         residual: &mut [f64],
     ) {
-        instructions.run(Correct {
-            matrix: self,
-            model,
-            residual,
-        });
+        if model.has_friction() {
+            instructions.run(Correct::<true> {
+                matrix: self,
+                model,
+                residual,
+            });
+        } else {
+            instructions.run(Correct::<false> {
+                matrix: self,
+                model,
+                residual,
+            });
+        }
     }
 
     #[inline(always)]
-    fn add_teeth<S: Simd>(&mut self, simd: S, model: &Model, evaluated: &Evaluated, gamma: f64) {
-        self.teeth.clear();
+    fn add_teeth<S: Simd, const RUBBED: bool>(
+        &mut self,
+        simd: S,
+        model: &Model,
+        evaluated: &Evaluated,
+        gamma: f64,
+    ) {
+        self.teeth.clear::<RUBBED>();
         self.corner.start(model, gamma);
         for (s, candidates) in evaluated.candidates.sprockets.iter().enumerate() {
             let SprocketMotions { first, motions } = &self.motions[s];
-            let among = AddTeeth {
+            let among = AddTeeth::<RUBBED> {
                 gamma,
                 pose: &evaluated.poses[s],
                 candidates,
@@ -140,6 +175,10 @@ impl NewtonMatrix {
                 motions,
                 first: *first,
                 terms: &mut self.teeth,
+                rubbing: RubbingTeeth {
+                    slopes: &self.tooth_rubs[s],
+                    bushing_radius: model.bushing_radius,
+                },
             }
             .with_simd(simd);
             for (i, row) in among.iter().enumerate().take(motions.len()) {
@@ -152,31 +191,36 @@ impl NewtonMatrix {
             }
         }
         self.teeth
-            .take_back(model.links, evaluated.candidates.overhang);
+            .take_back::<RUBBED>(model.links, evaluated.candidates.overhang);
     }
 
     /// Brings the border's columns to the links and, unless it is only swept, eliminates it; false when singular.
     #[inline(always)]
-    fn eliminate_border<S: Simd>(&mut self, simd: S, links: usize) -> bool {
+    fn eliminate_border<S: Simd, const RUBBED: bool>(&mut self, simd: S, links: usize) -> bool {
         for (from, column) in self.teeth.column.iter().zip(&mut self.columns) {
-            self.links.gather_column(simd, from, column);
+            self.links.gather_column::<S, RUBBED>(simd, from, column);
         }
         self.swept = self.corner.bound_by_teeth() < WEAK;
         if !self.swept {
-            self.solve_columns(simd, links);
+            self.solve_columns::<S, RUBBED>(simd, links);
         }
         self.corner.factorise()
     }
 
     #[inline(always)]
-    fn solve_columns<S: Simd>(&mut self, simd: S, links: usize) {
+    fn solve_columns<S: Simd, const RUBBED: bool>(&mut self, simd: S, links: usize) {
         for j in 0..self.columns.len() {
             let column = Column(&self.columns[j]);
-            self.links.solve_free(simd, links, &self.closed, &column);
+            self.links
+                .solve_free::<S, _, RUBBED>(simd, links, &self.closed, &column);
             self.solve_hinges(simd, links);
             self.sums.fill(PartialSums::default());
-            self.links
-                .solve_bound(simd, &mut self.solved[j], &self.columns, &mut self.sums);
+            self.links.solve_bound::<S, RUBBED>(
+                simd,
+                &mut self.solved[j],
+                &self.columns,
+                &mut self.sums,
+            );
             for (i, sum) in self.sums.iter().enumerate() {
                 self.corner.add(i, j, -sum.total());
             }
@@ -247,14 +291,14 @@ fn take<S: Simd>(simd: S, from: &mut [Lanes<S>; 3], column: &[Octet; 3], factor:
     }
 }
 
-struct Factorise<'a> {
+struct Factorise<'a, const RUBBED: bool> {
     matrix: &'a mut NewtonMatrix,
     model: &'a Model,
     evaluated: &'a Evaluated<'a>,
     gamma: f64,
 }
 
-impl WithSimd for Factorise<'_> {
+impl<const RUBBED: bool> WithSimd for Factorise<'_, RUBBED> {
     type Output = bool;
 
     #[inline(always)]
@@ -266,15 +310,23 @@ impl WithSimd for Factorise<'_> {
             gamma,
         } = self;
         let n = model.links;
-        soften_hinges(
+        let rubbing = RUBBED.then_some(Rubbing {
+            slopes: &matrix.hinge_rubs,
+            arms: &mut matrix.arms,
+        });
+        soften_hinges::<S, RUBBED>(
             simd,
             gamma,
             &matrix.hinge_slopes,
             &mut matrix.closed,
             &mut matrix.hinges,
+            rubbing,
         );
         matrix.closed.close(n);
-        matrix.add_teeth(simd, model, evaluated, gamma);
+        if RUBBED {
+            matrix.arms.close(n);
+        }
+        matrix.add_teeth::<S, RUBBED>(simd, model, evaluated, gamma);
         let ChainArrays {
             cos,
             sin,
@@ -291,20 +343,23 @@ impl WithSimd for Factorise<'_> {
             rear_force: [&rear_x[FIRST..], &rear_y[FIRST..]],
             teeth: &matrix.teeth,
             closed: &matrix.closed,
+            arms: &matrix.arms,
         };
-        matrix.links.eliminate(simd, &linked, &mut matrix.hinges);
+        matrix
+            .links
+            .eliminate::<S, RUBBED>(simd, &linked, &mut matrix.hinges);
         let regular = !matrix.closed.any || matrix.ring.factorise(simd, &matrix.hinges);
-        regular && matrix.eliminate_border(simd, n)
+        regular && matrix.eliminate_border::<S, RUBBED>(simd, n)
     }
 }
 
-struct Correct<'a> {
+struct Correct<'a, const RUBBED: bool> {
     matrix: &'a mut NewtonMatrix,
     model: &'a Model,
     residual: &'a mut [f64],
 }
 
-impl WithSimd for Correct<'_> {
+impl<const RUBBED: bool> WithSimd for Correct<'_, RUBBED> {
     type Output = ();
 
     #[inline(always)]
@@ -331,10 +386,12 @@ impl WithSimd for Correct<'_> {
             columns: &matrix.columns,
             alone: if swept { &matrix.alone } else { &[] },
         };
-        matrix.links.solve_free(simd, n, &matrix.closed, &right);
+        matrix
+            .links
+            .solve_free::<S, _, RUBBED>(simd, n, &matrix.closed, &right);
         matrix.solve_hinges(simd, n);
         matrix.sums.fill(PartialSums::default());
-        matrix.links.solve_bound(
+        matrix.links.solve_bound::<S, RUBBED>(
             simd,
             &mut matrix.unknowns,
             &matrix.columns,

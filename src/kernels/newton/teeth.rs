@@ -5,7 +5,7 @@ use pulp::{Simd, WithSimd};
 
 use super::contacts::{BASE, scaled};
 use crate::contact::{Run, SprocketCandidates};
-use crate::kernels::slopes::SlopeGroup;
+use crate::kernels::slopes::{RubGroup, SlopeGroup};
 use crate::kernels::teeth::SprocketPose;
 use crate::vector::{
     Lanes, Numbers, PartialSums, WIDTH, both, load, padded, padded_zeros, read, vectors_mut,
@@ -30,8 +30,10 @@ pub(super) const MOST: usize = 3;
 pub(super) struct ToothTerms {
     /// xx, yy, xy
     pub(super) held: [Numbers; 3],
-    /// x and y of each coordinate.
-    pub(super) column: Vec<[Numbers; 2]>,
+    /// Moments about the bushings that friction adds: for a change of their velocity, x and y, and of their spin.
+    pub(super) spun: [Numbers; 3],
+    /// x and y of each coordinate, and the moment about the bushing.
+    pub(super) column: Vec<[Numbers; 3]>,
     /// Groups that are not zero.
     touched: Vec<bool>,
 }
@@ -42,16 +44,18 @@ impl ToothTerms {
         let zeros = || padded_zeros(room);
         Self {
             held: [(); 3].map(|()| zeros()),
-            column: (0..border).map(|_| [(); 2].map(|()| zeros())).collect(),
+            spun: [(); 3].map(|()| zeros()),
+            column: (0..border).map(|_| [(); 3].map(|()| zeros())).collect(),
             touched: vec![false; room / WIDTH],
         }
     }
 
     /// No teeth yet.
     #[inline(always)]
-    pub(super) fn clear(&mut self) {
+    pub(super) fn clear<const RUBBED: bool>(&mut self) {
         let Self {
             held,
+            spun,
             column,
             touched,
         } = self;
@@ -60,12 +64,22 @@ impl ToothTerms {
                 continue;
             }
             let entries = BASE + group * WIDTH..BASE + (group + 1) * WIDTH;
-            for array in held.iter_mut().chain(column.iter_mut().flatten()) {
+            for array in held.iter_mut().chain(pulls::<RUBBED>(column)) {
                 array[entries.clone()].fill(0.0);
             }
+            if RUBBED {
+                for array in &mut *spun {
+                    array[entries.clone()].fill(0.0);
+                }
+            }
         }
-        for array in held.iter_mut().chain(column.iter_mut().flatten()) {
+        for array in held.iter_mut().chain(pulls::<RUBBED>(column)) {
             array[BASE - 1] = 0.0;
+        }
+        if RUBBED {
+            for array in spun {
+                array[BASE - 1] = 0.0;
+            }
         }
     }
 
@@ -77,7 +91,7 @@ impl ToothTerms {
 
     /// Adds to the first bushings what runs that go past the last one have left behind it, and puts the last one before them.
     #[inline(always)]
-    pub(super) fn take_back(&mut self, links: usize, overhang: usize) {
+    pub(super) fn take_back<const RUBBED: bool>(&mut self, links: usize, overhang: usize) {
         let behind = links / WIDTH..(links + overhang).div_ceil(WIDTH);
         let past = overhang > 0 && self.touched[behind].contains(&true);
         if past {
@@ -86,7 +100,9 @@ impl ToothTerms {
         if !past && !self.touches(links - 1) {
             return;
         }
-        for array in self.held.iter_mut().chain(self.column.iter_mut().flatten()) {
+        let spun = if RUBBED { &mut self.spun[..] } else { &mut [] };
+        let pulls = pulls::<RUBBED>(&mut self.column);
+        for array in self.held.iter_mut().chain(pulls).chain(spun) {
             if past {
                 let (first, behind) = array[BASE..].split_at_mut(links);
                 for (entry, past) in first.iter_mut().zip(&mut behind[..overhang]) {
@@ -99,8 +115,23 @@ impl ToothTerms {
     }
 }
 
-/// Adds the candidates of one sprocket.
-pub(super) struct AddTeeth<'a> {
+/// The columns' arrays; those of moments only with friction.
+#[inline(always)]
+fn pulls<const RUBBED: bool>(column: &mut [[Numbers; 3]]) -> impl Iterator<Item = &mut Numbers> {
+    let count = if RUBBED { 3 } else { 2 };
+    column
+        .iter_mut()
+        .flat_map(move |arrays| &mut arrays[..count])
+}
+
+/// Friction of the candidates of one sprocket, where there is any.
+pub(super) struct RubbingTeeth<'a> {
+    pub(super) slopes: &'a [RubGroup],
+    pub(super) bushing_radius: f64,
+}
+
+/// Adds the candidates of one sprocket. `RUBBED`: with friction.
+pub(super) struct AddTeeth<'a, const RUBBED: bool> {
     pub(super) gamma: f64,
     pub(super) pose: &'a SprocketPose,
     pub(super) candidates: &'a SprocketCandidates,
@@ -111,9 +142,10 @@ pub(super) struct AddTeeth<'a> {
     pub(super) motions: &'a [Motion],
     pub(super) first: usize,
     pub(super) terms: &'a mut ToothTerms,
+    pub(super) rubbing: RubbingTeeth<'a>,
 }
 
-impl WithSimd for AddTeeth<'_> {
+impl<const RUBBED: bool> WithSimd for AddTeeth<'_, RUBBED> {
     /// Entries of the sprocket's coordinates among themselves, those on and above the diagonal.
     type Output = [[f64; MOST]; MOST];
 
@@ -132,6 +164,7 @@ impl WithSimd for AddTeeth<'_> {
             let bushing = both::<S>(self.bushing, first, blocks);
             let ToothTerms {
                 held: [xx, yy, xy],
+                spun,
                 column,
                 touched,
             } = &mut *self.terms;
@@ -142,6 +175,7 @@ impl WithSimd for AddTeeth<'_> {
                 vectors_mut::<S>(&mut xy[BASE + first..], blocks),
             ];
             let slopes = &self.slopes[slot / WIDTH..];
+            let rubs = &self.rubbing.slopes[if RUBBED { slot / WIDTH } else { 0 }..];
             for b in 0..blocks {
                 let (slopes, part) = (
                     &slopes[b * S::F64_LANES / WIDTH],
@@ -151,62 +185,90 @@ impl WithSimd for AddTeeth<'_> {
                 if !force.exceeds(zero).any() {
                     continue;
                 }
-                let [alpha, eta] = scaled(self.gamma, simd, slopes, part);
+                let [alpha, mut eta] = scaled(self.gamma, simd, slopes, part);
+                let arm = [
+                    load(simd, &bushing[0][b]) - splat(self.pose.center[0]),
+                    load(simd, &bushing[1][b]) - splat(self.pose.center[1]),
+                ];
                 let tooth = Tooth {
                     normal: read(simd, &slopes.normal, part),
-                    arm: [
-                        load(simd, &bushing[0][b]) - splat(self.pose.center[0]),
-                        load(simd, &bushing[1][b]) - splat(self.pose.center[1]),
-                    ],
+                    arm,
                     curvature: slopes.curvature.at(simd, part),
                     turn: gamma_squared * force,
+                    radius: splat(self.rubbing.bushing_radius),
                 };
+                let mut tau = zero;
+                if RUBBED {
+                    let slope = &rubs[b * S::F64_LANES / WIDTH].slope;
+                    tau = splat(self.gamma) * slope.at(simd, part);
+                    eta = eta + tau;
+                }
                 let group = first + b * S::F64_LANES / WIDTH * WIDTH;
                 touched[group / WIDTH] = true;
                 touched[group.div_ceil(WIDTH)] = true;
                 let [nx, ny] = tooth.normal;
-                let stiff = [
-                    alpha.mul_add(nx * nx, eta * (ny * ny)),
-                    alpha.mul_add(ny * ny, eta * (nx * nx)),
-                    (alpha - eta) * (nx * ny),
-                ];
-                for (array, entry) in held.iter_mut().zip(stiff) {
+                for (array, entry) in held.iter_mut().zip(tooth.stiff(alpha, eta)) {
                     array[b] = (load(simd, &array[b]) + entry).values();
                 }
-                let mut moved = [tooth.still(); MOST];
-                for (moved, &motion) in moved.iter_mut().zip(self.motions) {
-                    *moved = tooth.moved(motion);
+                let moment = tooth.radius * tau;
+                if RUBBED {
+                    let entries = [-(moment * ny), moment * nx, moment * tooth.radius];
+                    for (array, entry) in spun.iter_mut().zip(entries) {
+                        add(&mut array[BASE + first..], blocks, b, entry);
+                    }
                 }
+                let moved = tooth.all_moved(self.motions);
                 for (j, &motion) in self.motions.iter().enumerate() {
                     let of = moved[j];
-                    let (push, across) = (alpha * of.closes, tooth.turn * of.turns);
+                    let (push, mut across) = (alpha * of.closes, tooth.turn * of.turns);
+                    if RUBBED {
+                        across = tau.mul_add(of.rubs, across);
+                    }
                     let pull = [
                         nx.mul_add(push, -(ny * across)),
                         ny.mul_add(push, nx * across),
                     ];
-                    for (array, entry) in columns[j].iter_mut().zip(pull) {
-                        let place = &mut vectors_mut::<S>(&mut array[BASE + first..], blocks)[b];
-                        *place = (load(simd, place) + entry).values();
+                    if RUBBED {
+                        let array = &mut columns[j][2][BASE + first..];
+                        add(array, blocks, b, moment * of.rubs);
+                    }
+                    for (array, entry) in columns[j][..2].iter_mut().zip(pull) {
+                        add(&mut array[BASE + first..], blocks, b, entry);
                     }
                     for (i, by) in moved.iter().enumerate().take(j + 1) {
                         let bend = match motion {
                             Motion::Along(_) => of.across * by.turns,
                             Motion::Turn => by.across - by.turns * tooth.outward(),
                         };
-                        let entry = by.closes.mul_add(push, tooth.turn * bend);
+                        let mut entry = by.closes.mul_add(push, tooth.turn * bend);
+                        if RUBBED {
+                            entry = (tau * by.rubs).mul_add(of.rubs, entry);
+                        }
                         corner[i][j].add(b, entry);
                     }
                 }
             }
         }
-        let mut totals = [[0.0; MOST]; MOST];
-        for (row, sums) in totals.iter_mut().zip(&corner) {
-            for (total, sum) in row.iter_mut().zip(sums) {
-                *total = sum.total();
-            }
-        }
-        totals
+        totals(&corner)
     }
+}
+
+#[inline(always)]
+fn totals(corner: &[[PartialSums; MOST]; MOST]) -> [[f64; MOST]; MOST] {
+    let mut totals = [[0.0; MOST]; MOST];
+    for (row, sums) in totals.iter_mut().zip(corner) {
+        for (total, sum) in row.iter_mut().zip(sums) {
+            *total = sum.total();
+        }
+    }
+    totals
+}
+
+/// Adds to register `b` of the `blocks` of an array.
+#[inline(always)]
+fn add<S: Simd>(array: &mut [f64], blocks: usize, b: usize, entry: Lanes<S>) {
+    let place = &mut vectors_mut::<S>(array, blocks)[b];
+    *place = (load(entry.simd(), place) + entry).values();
 }
 
 /// A register of bushings on teeth.
@@ -217,6 +279,8 @@ struct Tooth<S: Simd> {
     curvature: Lanes<S>,
     /// γ² f
     turn: Lanes<S>,
+    /// Of the bushings.
+    radius: Lanes<S>,
 }
 
 /// What a coordinate of the sprocket does to a contact.
@@ -228,9 +292,32 @@ struct Moved<S: Simd> {
     across: Lanes<S>,
     /// Angle of the normal.
     turns: Lanes<S>,
+    /// The bushing's point at the contact seen from the sprocket's, along t.
+    rubs: Lanes<S>,
 }
 
 impl<S: Simd> Tooth<S> {
+    /// How stiffly it holds the bushing: xx, yy, xy.
+    #[inline(always)]
+    fn stiff(&self, alpha: Lanes<S>, eta: Lanes<S>) -> [Lanes<S>; 3] {
+        let [nx, ny] = self.normal;
+        [
+            alpha.mul_add(nx * nx, eta * (ny * ny)),
+            alpha.mul_add(ny * ny, eta * (nx * nx)),
+            (alpha - eta) * (nx * ny),
+        ]
+    }
+
+    /// What each of these coordinates does.
+    #[inline(always)]
+    fn all_moved(&self, motions: &[Motion]) -> [Moved<S>; MOST] {
+        let mut moved = [self.still(); MOST];
+        for (moved, &motion) in moved.iter_mut().zip(motions) {
+            *moved = self.moved(motion);
+        }
+        moved
+    }
+
     /// n·arm
     #[inline(always)]
     fn outward(&self) -> Lanes<S> {
@@ -244,6 +331,7 @@ impl<S: Simd> Tooth<S> {
             closes: zero,
             across: zero,
             turns: zero,
+            rubs: zero,
         }
     }
 
@@ -258,6 +346,7 @@ impl<S: Simd> Tooth<S> {
                     closes: -(nx.mul_add(x, ny * y)),
                     across,
                     turns: self.curvature * across,
+                    rubs: across,
                 }
             }
             Motion::Turn => {
@@ -267,6 +356,7 @@ impl<S: Simd> Tooth<S> {
                     closes: y.mul_add(nx, -(x * ny)),
                     across: nx.constant(0.0),
                     turns: self.curvature.negate_mul_add(self.outward(), one),
+                    rubs: -(self.outward() + self.radius),
                 }
             }
         }

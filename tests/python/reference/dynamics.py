@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from reference import force_law
 from reference.force_law import Normal, Pair
+from reference.friction import Friction, coulomb, point_velocity
 from reference.geometry import (
     Integers,
     ToothProfile,
@@ -97,7 +98,8 @@ class Evaluation:
 
     Forces are normal forces [N], shapes as in `Kinematics`; ``loads`` and ``accelerations`` are
     (bodies, 3). ``hinge`` and ``tooth`` hold the forces with their derivatives, ``energy`` the
-    elastic energy [J].
+    elastic energy [J]. Vectors have friction in them, with bounds of its own;
+    ``friction_powers`` is what it dissipates in hinges and on teeth [W].
     """
 
     kinematics: Kinematics
@@ -112,6 +114,9 @@ class Evaluation:
     hinge_force_bound: Array
     tooth_force_bound: Array
     acceleration_bound: Array
+    hinge_vector_bound: Array
+    tooth_vector_bound: Array
+    friction_powers: tuple[float, float]
 
     @property
     def hinge_force(self) -> Array:
@@ -393,11 +398,25 @@ class DriveEquations:
             leverage = np.column_stack([np.ones((n, 2)), np.hypot(arms[:, 0], arms[:, 1])])
             np.add.at(bounds, bodies, moved[:, None] * leverage)
 
+        rubbed = self._rub(positions, velocities, kin, (pin, bushing), (hinge, tooth))
         push(outer, pin, hinge_vector, hinge_bound)
         push(inner, bushing, -hinge_vector, hinge_bound)
         for s in range(len(self.profiles)):
             push(inner, bushing, tooth_vector[:, s], tooth_bound[:, s])
             push(np.full(n, n + s), bushing, -tooth_vector[:, s], tooth_bound[:, s])
+        hinge_vector_bound, tooth_vector_bound = hinge_bound.copy(), tooth_bound.copy()
+        powers = [0.0, 0.0]
+        for bodies, points, friction in rubbed:
+            push(bodies[0], points, friction.force, friction.bound)
+            push(bodies[1], points, -friction.force, friction.bound)
+            s = int(bodies[1][0]) - n  # below zero in hinges: a link
+            if s < 0:
+                hinge_vector += friction.force
+                hinge_vector_bound += friction.bound
+            else:
+                tooth_vector[:, s] += friction.force
+                tooth_vector_bound[:, s] += friction.bound
+            powers[int(s >= 0)] += float(np.sum(friction.power))
 
         self._drive_sprockets(velocities, time, loads, bounds)
         heaviness = np.stack([self.mass, self.mass, self.inertia], axis=1)
@@ -417,7 +436,56 @@ class DriveEquations:
             hinge_force_bound=hinge_bound,
             tooth_force_bound=tooth_bound,
             acceleration_bound=acceleration_bounds,
+            hinge_vector_bound=hinge_vector_bound,
+            tooth_vector_bound=tooth_vector_bound,
+            friction_powers=(powers[0], powers[1]),
         )
+
+    def _rub(
+        self,
+        positions: Array,
+        velocities: Array,
+        kin: Kinematics,
+        centers: tuple[Array, Array],
+        forces: tuple[Normal, Normal],
+    ) -> list[tuple[tuple[Integers, Integers], Array, Friction]]:
+        """Friction of hinges, then of each sprocket's teeth: bodies, points, what acts there.
+
+        A hinge's contact is the pin's outermost point, a tooth's that of the bushing.
+        """
+        n = self.links
+        k = np.arange(n)
+        following = (k + 1) % n
+        inner, outer = np.where(k % 2 == 0, k, following), np.where(k % 2 == 0, following, k)
+        pin, bushing = centers
+        delta_x = 8.0 * EPS * float(np.max(np.abs(positions[:, :2])))
+        delta_v = 8.0 * EPS * float(np.max(np.abs(velocities[:, :2])))
+        found = []
+
+        def rub(
+            law: Any, bodies: tuple[Integers, Integers], points: Array, contact: tuple[Any, ...]
+        ) -> None:
+            normals, force, bound, distance = contact
+            first, second = (point_velocity(positions, velocities, b, points) for b in bodies)
+            errors = (delta_x, delta_v, distance)
+            friction = coulomb(law, normals, first - second, (force, bound), errors)
+            found.append((bodies, points, friction))
+
+        if (law := getattr(self.hinge_law, "friction", None)) is not None:
+            bound = force_bound(forces[0], delta_x, delta_v)
+            distance = kin.hinge_penetration + self.clearance
+            points = pin + self.drive.chain.hinge.pin_radius * kin.hinge_normal
+            contact = (kin.hinge_normal, forces[0].force, bound, distance)
+            rub(law, (outer, inner), points, contact)
+        if (law := getattr(self.tooth_law, "friction", None)) is not None:
+            bounds = force_bound(forces[1], delta_x, delta_v)
+            for s in range(len(self.profiles)):
+                normals = kin.tooth_normal[:, s]
+                points = bushing + self.bushing_radius * normals
+                distance = np.full(n, 1e-4)  # of centres, in the seat
+                contact = (normals, forces[1].force[:, s], bounds[:, s], distance)
+                rub(law, (inner, np.full(n, n + s)), points, contact)
+        return found
 
     def _drive_sprockets(self, velocities: Array, time: float, loads: Array, bounds: Array) -> None:
         """Add what is applied to the sprockets: torques, and the tensioner's pull and damping."""

@@ -1,0 +1,97 @@
+//! What friction costs: the paper's drive under way with and without it, counts beside times.
+
+#![allow(clippy::unwrap_used)] // a benchmark whose scenes cannot be built has nothing to say
+#![allow(clippy::print_stdout)] // its figures
+
+mod common;
+
+use std::time::{Duration, Instant};
+
+use common::drives;
+use rustchain::ForceLaws;
+use rustchain::force_law::{Friction, Regularization};
+use rustchain::integrator::{Counts, StepControl};
+
+/// Simulated time, the same from 8 ms on for all \[s\].
+const SPAN: f64 = 0.1;
+
+/// Runs of each, one after the other; the least time counts.
+const REPEATS: usize = 5;
+
+fn run(laws: &ForceLaws, pretension: f64) -> (Duration, Counts) {
+    let mut drive = drives::paper_drive();
+    drive.tensioner = Some(drives::tensioner(pretension, 2e-3));
+    let mut simulation = drives::simulation(&drive, laws, StepControl::default());
+    let begin = Instant::now();
+    drives::advance(&mut simulation, SPAN);
+    (begin.elapsed(), simulation.statistics().counts)
+}
+
+fn main() {
+    let law = |coefficient| {
+        Some(Friction {
+            coefficient,
+            regularization: Regularization::Tanh,
+            speed: 1e-3,
+            dead_speed: 0.0,
+        })
+    };
+    println!(
+        "pretension, friction, ms a simulated second, steps, evaluations, factorisations, time over that without"
+    );
+    for pretension in [25.0, 100.0] {
+        let scenes = [
+            ("none", ForceLaws::default()),
+            (
+                "hinges 0.1",
+                ForceLaws {
+                    hinge_friction: law(0.1),
+                    ..ForceLaws::default()
+                },
+            ),
+            (
+                "teeth 0.1",
+                ForceLaws {
+                    tooth_friction: law(0.1),
+                    ..ForceLaws::default()
+                },
+            ),
+            (
+                "both 0.1",
+                ForceLaws {
+                    hinge_friction: law(0.1),
+                    tooth_friction: law(0.1),
+                    ..ForceLaws::default()
+                },
+            ),
+            (
+                "both 0.3",
+                ForceLaws {
+                    hinge_friction: law(0.3),
+                    tooth_friction: law(0.3),
+                    ..ForceLaws::default()
+                },
+            ),
+        ];
+        let mut least = [Duration::MAX; 5];
+        let mut counts = [Counts::default(); 5];
+        for _ in 0..REPEATS {
+            for ((_, laws), (least, counts)) in scenes.iter().zip(least.iter_mut().zip(&mut counts))
+            {
+                let (time, found) = run(laws, pretension);
+                *least = time.min(*least);
+                *counts = found;
+            }
+        }
+        for ((name, _), (time, counts)) in scenes.iter().zip(least.iter().zip(&counts)) {
+            println!(
+                "{pretension:5} N  {name:10}  {:7.0}  {:6}  {:6}  {:6}  {:.2}",
+                1e3 * time.as_secs_f64() / SPAN,
+                counts.steps,
+                counts.evaluations,
+                counts.jacobians,
+                time.as_secs_f64() / least[0].as_secs_f64()
+            );
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Friction of all contacts of one kind, after their normal forces.
+//!
+//! It acts along t, left of the normal n, at one point that both bodies have: the pin's outermost one in a hinge, the bushing's
+//! on a tooth. The slip is the velocity along t of the one body's material point there seen from the other's.
+
+use crate::contact::{HingeContacts, ToothContacts};
+use crate::force_law::Friction;
+use crate::geometry::{Vec2, turned_left};
+use crate::model::Model;
+use crate::state::Motion;
+
+/// Friction of all hinges; returns the power it dissipates \[W\].
+pub(super) fn rub_hinges(
+    law: &Friction,
+    model: &Model,
+    motion: &Motion,
+    hinges: &mut HingeContacts,
+) -> f64 {
+    let n = model.links;
+    let mut dissipated = 0.0;
+    for k in 0..n {
+        if hinges.penetration[k] <= 0.0 {
+            hinges.friction[k] = 0.0;
+            hinges.moments[k] = [0.0; 2];
+            continue;
+        }
+        let next = if k + 1 == n { 0 } else { k + 1 };
+        let distance = hinges.penetration[k] + model.clearance;
+        let from_front = if Model::bushing_on_front(k, n) {
+            -(model.pin_radius + distance)
+        } else {
+            model.pin_radius
+        };
+        let from_rear = from_front + distance;
+        let across = turned_left(Vec2::new(hinges.direction_x[k], hinges.direction_y[k]));
+        let velocity = Vec2::new(
+            hinges.front_vx[k] - hinges.rear_vx[next],
+            hinges.front_vy[k] - hinges.rear_vy[next],
+        );
+        let slip =
+            across.dot(&velocity) + from_front * motion.spin[k] - from_rear * motion.spin[next];
+        let friction = law.coefficient * hinges.force[k] * law.share(slip).0;
+        hinges.friction[k] = friction;
+        hinges.moments[k] = [-from_front * friction, from_rear * friction];
+        dissipated += friction * slip;
+    }
+    dissipated
+}
+
+/// Friction of all bushings near a sprocket; returns the power it dissipates \[W\].
+pub(super) fn rub_teeth(
+    law: &Friction,
+    model: &Model,
+    motion: &Motion,
+    hinges: &HingeContacts,
+    teeth: &mut ToothContacts,
+) -> f64 {
+    let n = model.links;
+    let mut dissipated = 0.0;
+    for &pair in &teeth.near {
+        let pair = pair as usize;
+        if teeth.penetration[pair] <= 0.0 {
+            teeth.friction[pair] = 0.0;
+            continue;
+        }
+        let (sprocket, k) = (n + pair / n, pair % n);
+        let (_, velocity) = hinges.bushing(k);
+        let arm = Vec2::new(teeth.arm_x[pair], teeth.arm_y[pair]);
+        let center = Vec2::new(motion.vx[sprocket], motion.vy[sprocket]);
+        let spin = motion.spin[sprocket];
+        let seen = velocity - center - spin * turned_left(arm);
+        let across = turned_left(Vec2::new(teeth.normal_x[pair], teeth.normal_y[pair]));
+        let turning = motion.spin[model.link_of_bushing(k)] - spin;
+        let slip = across.dot(&seen) + model.bushing_radius * turning;
+        let friction = law.coefficient * teeth.force[pair] * law.share(slip).0;
+        teeth.friction[pair] = friction;
+        dissipated += friction * slip;
+    }
+    dissipated
+}

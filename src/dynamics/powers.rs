@@ -1,0 +1,95 @@
+//! Powers of the energy balance: what is dissipated, where, and what is put in.
+
+use serde::{Deserialize, Serialize};
+
+/// Powers dissipated in contacts \[W\]; integrated, the energies \[J\].
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Losses {
+    /// By the damping of pins in bushings.
+    pub hinge_contact: f64,
+    /// By the damping of bushings on teeth.
+    pub tooth_contact: f64,
+    /// By friction of pins in bushings.
+    pub hinge_friction: f64,
+    /// By friction of bushings on teeth.
+    pub tooth_friction: f64,
+}
+
+impl Losses {
+    /// All of them, in the order of the fields.
+    #[must_use]
+    pub fn values(&self) -> [f64; 4] {
+        [
+            self.hinge_contact,
+            self.tooth_contact,
+            self.hinge_friction,
+            self.tooth_friction,
+        ]
+    }
+
+    fn of_values([hinge_contact, tooth_contact, hinge_friction, tooth_friction]: [f64; 4]) -> Self {
+        Self {
+            hinge_contact,
+            tooth_contact,
+            hinge_friction,
+            tooth_friction,
+        }
+    }
+}
+
+/// Power dissipated in contacts and dashpots, and power put in from outside \[W\]; integrated, the energies \[J\].
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Powers {
+    /// Dissipated, everywhere.
+    pub dissipated: f64,
+    /// Put in by motors, torques and the tensioner.
+    pub worked_in: f64,
+    /// What contacts have of it.
+    pub losses: Losses,
+}
+
+impl Powers {
+    /// Of contacts alone.
+    pub(crate) fn of(losses: Losses) -> Self {
+        Self {
+            dissipated: losses.hinge_contact
+                + losses.tooth_contact
+                + (losses.hinge_friction + losses.tooth_friction),
+            worked_in: 0.0,
+            losses,
+        }
+    }
+}
+
+impl std::ops::AddAssign for Powers {
+    fn add_assign(&mut self, other: Self) {
+        self.dissipated += other.dissipated;
+        self.worked_in += other.worked_in;
+        let (mut losses, others) = (self.losses.values(), other.losses.values());
+        for (loss, other) in losses.iter_mut().zip(others) {
+            *loss += other;
+        }
+        self.losses = Losses::of_values(losses);
+    }
+}
+
+impl std::ops::Add for Powers {
+    type Output = Self;
+
+    fn add(mut self, other: Self) -> Self {
+        self += other;
+        self
+    }
+}
+
+impl std::ops::Mul<Powers> for f64 {
+    type Output = Powers;
+
+    fn mul(self, powers: Powers) -> Powers {
+        Powers {
+            dissipated: self * powers.dissipated,
+            worked_in: self * powers.worked_in,
+            losses: Losses::of_values(powers.losses.values().map(|loss| self * loss)),
+        }
+    }
+}

@@ -1,0 +1,252 @@
+//! Coulomb's friction made a function of the slip speed: a share of μ f that grows from zero at rest to one at full slip.
+//!
+//! The three regularisations are those compared by Marques, Flores, Pimenta Claro and Lankarani, "A survey and comparison of
+//! several friction force models for dynamic analysis of multibody mechanical systems", Nonlinear Dynamics 86 (2016) 1407. None
+//! sticks: what would stick creeps, at less than the speed named here.
+
+use pulp::Simd;
+
+use crate::error::{Error, Result, check};
+use crate::vector::{Lanes, exp};
+
+/// How the share of μ f grows with the slip speed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Regularization {
+    /// tanh(v/v₁): smooth everywhere.
+    Tanh,
+    /// 1 - exp(-3 v/v₁) up to v₁ and what it is there, 0.950, above (Threlfall, Mechanism and Machine Theory 13 (1978) 475).
+    Threlfall,
+    /// Zero up to v₀, then a straight line to one at v₁ (Ambrósio, in Virtual Nonlinear Multibody Systems, 2003).
+    Ambrosio,
+}
+
+impl Regularization {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Tanh, Self::Threlfall, Self::Ambrosio];
+
+    /// The name used in messages and descriptions.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Tanh => "tanh",
+            Self::Threlfall => "threlfall",
+            Self::Ambrosio => "ambrosio",
+        }
+    }
+}
+
+/// Coulomb's friction of one kind of contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Friction {
+    /// μ.
+    pub coefficient: f64,
+    /// How the force grows with the slip speed.
+    pub regularization: Regularization,
+    /// v₁, the slip speed at which friction is (nearly) full \[m/s\].
+    pub speed: f64,
+    /// v₀ of Ambrósio's regularisation \[m/s\]; the others have none.
+    pub dead_speed: f64,
+}
+
+impl Friction {
+    /// Checks all numbers.
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn check(&self, name: &str) -> Result<()> {
+        if !(self.coefficient > 0.0 && self.coefficient.is_finite()) {
+            return Err(Error::invalid(
+                format!("{name}.coefficient"),
+                self.coefficient,
+                "must be a positive number; for no friction, leave the law out",
+            ));
+        }
+        check::positive(&format!("{name}.speed"), self.speed, "m/s")?;
+        check::not_negative(&format!("{name}.dead_speed"), self.dead_speed, "m/s")?;
+        let dead = format!("{name}.dead_speed");
+        match self.regularization {
+            Regularization::Ambrosio if self.dead_speed >= self.speed => Err(Error::invalid(
+                dead,
+                format!("{} m/s", self.dead_speed),
+                format!("must be less than speed, {} m/s", self.speed),
+            )),
+            Regularization::Tanh | Regularization::Threlfall if self.dead_speed > 0.0 => {
+                Err(Error::invalid(
+                    dead,
+                    format!("{} m/s", self.dead_speed),
+                    "belongs to regularization=\"ambrosio\": leave it at 0, or choose that",
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Share of μ f at a slip speed \[m/s\], with its sign, and the slope of that \[s/m\]; not a number stays so.
+    #[must_use]
+    pub fn share(&self, slip: f64) -> (f64, f64) {
+        let speed = slip.abs();
+        let (share, slope) = match self.regularization {
+            Regularization::Tanh => {
+                let share = (speed / self.speed).tanh();
+                (share, (1.0 - share * share) / self.speed)
+            }
+            Regularization::Threlfall => {
+                let rest = (-3.0 * (speed / self.speed).min(1.0)).exp();
+                let slope = if speed < self.speed {
+                    3.0 * rest / self.speed
+                } else {
+                    0.0
+                };
+                (1.0 - rest, slope)
+            }
+            Regularization::Ambrosio => {
+                let over = 1.0 / (self.speed - self.dead_speed);
+                let share = ((speed - self.dead_speed) * over).clamp(0.0, 1.0);
+                let inside = share > 0.0 && share < 1.0;
+                (share, if inside { over } else { 0.0 })
+            }
+        };
+        let share = if slip.is_nan() { slip } else { share };
+        (if slip < 0.0 { -share } else { share }, slope)
+    }
+}
+
+/// A friction over registers of slip speeds.
+#[derive(Clone, Copy)]
+pub(crate) struct FrictionLanes<S: Simd> {
+    regularization: Regularization,
+    coefficient: Lanes<S>,
+    dead_speed: Lanes<S>,
+    /// 1/v₁, or 1/(v₁ - v₀).
+    over: Lanes<S>,
+}
+
+impl<S: Simd> FrictionLanes<S> {
+    #[inline(always)]
+    pub(crate) fn new(simd: S, friction: &Friction) -> Self {
+        let splat = |value| Lanes::splat(simd, value);
+        Self {
+            regularization: friction.regularization,
+            coefficient: splat(friction.coefficient),
+            dead_speed: splat(friction.dead_speed),
+            over: splat(1.0 / (friction.speed - friction.dead_speed)),
+        }
+    }
+
+    /// Friction of contacts pressed by `force` that slip at `slip` \[m/s\], with its sign \[N\], and its slope with the slip
+    /// \[N s/m\].
+    #[inline(always)]
+    pub(crate) fn force(&self, force: Lanes<S>, slip: Lanes<S>) -> [Lanes<S>; 2] {
+        let (zero, one) = (slip.constant(0.0), slip.constant(1.0));
+        let speed = slip.abs();
+        let (share, slope) = match self.regularization {
+            Regularization::Tanh => {
+                let rest = exp(speed * self.over * slip.constant(-2.0));
+                let share = (one - rest) / (one + rest);
+                (share, share.negate_mul_add(share, one) * self.over)
+            }
+            Regularization::Threlfall => {
+                let part = speed * self.over;
+                let full = part.less(one).not();
+                let three = slip.constant(3.0);
+                let rest = exp(-(three * full.select(one, part)));
+                (one - rest, full.select(zero, three * rest * self.over))
+            }
+            Regularization::Ambrosio => {
+                let part = ((speed - self.dead_speed) * self.over).positive_part();
+                let full = part.less(one).not();
+                let outside = full.or(part.greater(zero).not());
+                (full.select(one, part), outside.select(zero, self.over))
+            }
+        };
+        let most = self.coefficient * force;
+        let friction = most * share;
+        [slip.less(zero).select(-friction, friction), most * slope]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vector::InstructionSet;
+    use crate::vector::testing::{LaneFunction, assert_same_bits, map};
+
+    fn friction(regularization: Regularization) -> Friction {
+        Friction {
+            coefficient: 0.5,
+            regularization,
+            speed: 1e-3,
+            dead_speed: if regularization == Regularization::Ambrosio {
+                2e-4
+            } else {
+                0.0
+            },
+        }
+    }
+
+    #[test]
+    fn friction_opposes_slip_grows_with_it_and_reaches_its_limit() {
+        for regularization in Regularization::ALL {
+            let law = friction(regularization);
+            assert_eq!(law.share(0.0).0, 0.0);
+            let mut before = 0.0;
+            for i in 1..=400 {
+                let (share, slope) = law.share(1e-5 * f64::from(i));
+                assert!(share >= before && slope >= 0.0, "{regularization:?}");
+                assert_eq!(law.share(-1e-5 * f64::from(i)), (-share, slope));
+                before = share;
+            }
+            let limit = match regularization {
+                Regularization::Threlfall => 1.0 - (-3f64).exp(),
+                _ => 1.0,
+            };
+            assert!((law.share(1.0).0 - limit).abs() < 1e-15);
+            assert!(law.share(f64::NAN).0.is_nan());
+        }
+    }
+
+    #[test]
+    fn slopes_are_those_of_differences() {
+        for regularization in Regularization::ALL {
+            let law = friction(regularization);
+            for slip in [-2.3e-3, -7e-4, 1e-4, 5e-4, 9e-4, 4e-3] {
+                let step = 1e-9;
+                let slope = (law.share(slip + step).0 - law.share(slip - step).0) / (2.0 * step);
+                assert!(
+                    (law.share(slip).1 - slope).abs() < 1e-4,
+                    "{regularization:?} {slip}"
+                );
+            }
+        }
+    }
+
+    struct AtTenNewton(Friction);
+
+    impl LaneFunction for AtTenNewton {
+        #[inline(always)]
+        fn of<S: Simd>(&self, x: Lanes<S>) -> Lanes<S> {
+            FrictionLanes::new(x.simd(), &self.0).force(x.constant(10.0), x)[0]
+        }
+    }
+
+    #[test]
+    fn registers_give_what_the_scalar_form_gives() {
+        let slips: Vec<f64> = (-60..=60).map(|i| 1e-4 * f64::from(i)).collect();
+        for regularization in Regularization::ALL {
+            let law = friction(regularization);
+            let function = AtTenNewton(law);
+            for set in InstructionSet::available() {
+                for (&slip, found) in slips.iter().zip(map(set, &function, &slips)) {
+                    let expected = 5.0 * law.share(slip).0;
+                    // Near rest 1 - exp() cancels: the error is one of units of the limit.
+                    assert!(
+                        (found - expected).abs() <= 8.0 * f64::EPSILON * 5.0,
+                        "{regularization:?}, {}, {slip}: {found} for {expected}",
+                        set.name()
+                    );
+                }
+            }
+            assert_same_bits(|set| map(set, &function, &slips));
+        }
+    }
+}
