@@ -53,6 +53,7 @@ GOOD = {
         rc.Esdu78035(),
         rc.LiuConformal(),
         rc.Linear(stiffness=1e8),
+        rc.Coulomb(0.1, "ambrosio"),
         rc.Solver(),
         rc.HingeForceAbove(1.0),
         rc.ToothForceAbove(1.0),
@@ -146,7 +147,14 @@ NUMBER_OR_NONE = [
     for value in ("17", True, 17.0, NAN, -1, 0, (17,))
 ]
 REGIONS = word("kept", "sharp")
-LAW = {"damping": DAMPING, "regions": REGIONS}
+LAW = {"damping": DAMPING, "regions": REGIONS, "friction": instance("Coulomb", rc.Hertz())}
+COEFFICIENT = [
+    *[
+        (value, "must be a positive number; for no friction, leave the law out")
+        for value in POSITIVE
+    ],
+    *[(value, "must be a number in newton a newton") for value in NO_NUMBER],
+]
 
 FIELDS = {
     "Material": {
@@ -320,6 +328,12 @@ FIELDS = {
     "Esdu78035": LAW,
     "LiuConformal": LAW,
     "Linear": {**LAW, "stiffness": positive("N/m")},
+    "Coulomb": {
+        "coefficient": COEFFICIENT,
+        "regularization": word("tanh", "threlfall", "ambrosio"),
+        "speed": positive("m/s"),
+        "dead_speed": not_negative("m/s"),
+    },
     "Solver": {
         "method": word("auto", "pece", "newton"),
         "rtol": [case for case in not_negative("relative units") if case[0] is not None],
