@@ -162,14 +162,24 @@ def test_powers_balance_and_named_channels_are_taken_as_they_come(run):
     assert -float(power["shaft_power"].sel(sprocket=2)) == pytest.approx(load)
     assert float(power["efficiency"]) == pytest.approx(load / (load + lost))
 
+    places = ["hinge_contact", "tooth_contact", "hinge_friction", "tooth_friction"]
+    assert list(power["channel"].to_numpy()) == ["dashpots", *places]
+    for place in places:
+        grown = np.ptp(run.array(f"energy_{place}"))
+        found = float(power["loss"].sel(channel=place))
+        assert found == pytest.approx(grown / np.ptp(run.time))
+    assert float(power["loss"].sel(channel=places[2:]).sum()) == 0.0  # no friction
+    assert float(power["loss"].sel(channel=places[:2]).sum()) > 0.0
+
     dissipated = run.array("energy_dissipated")
-    arrays = run.arrays | {"energy_hinge_friction": 0.25 * dissipated}
+    arrays = {name: value for name, value in run.arrays.items() if name[7:] not in places}
+    arrays |= {"energy_hinge_friction": 0.25 * dissipated}
     named = replace(run, arrays=arrays).power_balance()["loss"]
     assert list(named["channel"].to_numpy()) == ["contacts and dashpot", "hinge_friction"]
     np.testing.assert_allclose(named, [0.75 * lost, 0.25 * lost])
     arrays |= {"energy_tooth_contact": 0.5 * dissipated}
     named = replace(run, arrays=arrays).power_balance()["loss"]
-    assert float(named.sel(channel="other")) == pytest.approx(0.25 * lost)
+    assert float(named.sel(channel="dashpots")) == pytest.approx(0.25 * lost)
 
 
 def test_power_of_the_only_motor_is_that_of_its_sampled_torque_on_average():

@@ -59,13 +59,13 @@ def power_balance(result: Result, start: float | None, end: float | None) -> xr.
 
 
 def _losses(result: Result, rate: Callable[[str], float]) -> dict[str, float]:
-    """Return the power of each channel of losses; what no channel claims is of the contacts."""
+    """Return the power of each channel of losses; what no channel claims is of the rest."""
     known = {f"energy_{name}" for name in (*_STORED, *_SUMS)}
     named = [name for name in result.arrays if name.startswith("energy_") and name not in known]
     parts = {name.removeprefix("energy_"): rate(name.removeprefix("energy_")) for name in named}
     rest = "contacts" if result.drive.tensioner is None else "contacts and dashpot"
     if any(name.endswith("_contact") for name in parts):
-        rest = "other"  # the contacts have channels of their own
+        rest = "dashpots"  # the contacts have channels of their own
     return {rest: rate("dissipated") - sum(parts.values()), **parts}
 
 
