@@ -44,7 +44,7 @@ class Source:
     def of(cls, path: Path) -> Source:
         """Read a file."""
         try:
-            text = path.read_text(encoding="utf-8")
+            text = path.read_text(encoding="utf-8-sig")
             content = tomllib.loads(text)
         except OSError as error:
             msg = f"{path}: cannot be read ({error.strerror}): give the path of a drive file"

@@ -68,6 +68,15 @@ def loss_map(
     if not 0.0 <= burn_in < duration:
         msg = f"burn_in = {burn_in!r}: must be from 0 to less than the duration, {duration:g} s"
         raise InvalidInput(msg)
+    if all(sprocket.side == "inside" for sprocket in drive.sprockets):  # all turn the same way
+        helping = np.argwhere(np.multiply.outer(np.ravel(torques), np.ravel(speeds)) > 0.0)
+        if len(helping) > 0:
+            torque, speed = np.ravel(torques)[helping[0, 0]], np.ravel(speeds)[helping[0, 1]]
+            msg = (
+                f"torques = {torque:g} N m at speeds = {speed:g} rad/s: turns sprocket {loaded} "
+                f"the way it goes, so that it drives; a load has the other sign: {-torque:g} N m"
+            )
+            raise InvalidInput(msg)
     channels: list[str] = []
 
     def measure(result: Result) -> dict[str, Any]:

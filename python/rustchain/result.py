@@ -374,32 +374,24 @@ class Result(Outputs):
         )
 
     def efficiency(self, after: float = 0.0) -> float:
-        """Return the work that sprockets took out of the chain over the work that they put in.
-
-        Both are means over the rows from `after` on; what the drive stores meanwhile counts as
-        lost, so let the time be long enough for that to be little.
+        """Return the power delivered over the power delivered and lost, as `power_balance` has it.
 
         Parameters
         ----------
         after : float
             Time from which on to count [s]: the drive should have settled by then.
 
+        Returns
+        -------
+        float
+            NaN where nothing is delivered, or no shaft puts work in.
+
         Raises
         ------
         InvalidInput
-            No two rows lie after that time, or no sprocket puts work in.
+            No two rows lie after that time.
         """
-        rows = self.time >= after
-        if rows.sum() < 2:
-            msg = f"after = {after!r} s: leaves {rows.sum()} of {len(rows)} rows; must leave two"
-            raise InvalidInput(msg)
-        power = self.array("sprocket_torque")[rows] * self.array("sprocket_speed")[rows]
-        works = 0.5 * np.diff(self.time[rows]) @ (power[1:] + power[:-1])
-        worked_in = works[works > 0.0].sum()
-        if worked_in <= 0.0:
-            msg = "efficiency: no sprocket puts work in; is there one of prescribed speed?"
-            raise InvalidInput(msg)
-        return float(-works[works < 0.0].sum() / worked_in)
+        return float(self.power_balance(start=after)["efficiency"])
 
     @property
     def peaks(self) -> Peaks:

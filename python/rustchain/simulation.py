@@ -80,12 +80,12 @@ class Simulation(Present):
     rest: dict[str, float] | None = None
     _running = False
 
-    def __new__(cls, drive: object = None, *_: object, **keywords: Any) -> Simulation:  # noqa: ANN401
+    def __new__(cls, drive: object = None, *others: Any, **keywords: Any) -> Simulation:  # noqa: ANN401
         """Return the simulation that suits what is given."""
         if isinstance(drive, Mechanism):
             from rustchain.mechanism_simulation import MechanismSimulation
 
-            return MechanismSimulation(drive, **keywords)  # type: ignore[return-value]
+            return MechanismSimulation(drive, *others, **keywords)  # type: ignore[return-value]
         return super().__new__(cls)
 
     def __init__(

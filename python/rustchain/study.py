@@ -10,10 +10,12 @@ import numpy as np
 
 from rustchain._axes import Drive
 from rustchain._names import known_keywords
+from rustchain._run import Group
 from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.force_law import ForceLaw
 from rustchain.result import Result
-from rustchain.simulation import _LAW, _SOLVER, Group, Solver
+from rustchain.simulation import _LAW, _SOLVER
+from rustchain.solver import Solver
 from rustchain.sweep import sweep
 from rustchain.sweep_result import SweepResult
 

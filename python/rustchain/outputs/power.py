@@ -39,7 +39,9 @@ def power_balance(result: Result, start: float | None, end: float | None) -> xr.
     shafts = _shafts(result, rows, rate("worked_in"))
     delivered = float(-shafts[shafts < 0.0].sum())
     lost = rate("dissipated")
-    passed = delivered + lost
+    # Where no shaft puts work in, what is stored runs down: there is no efficiency to speak of.
+    works = delivered > 0.0 and bool(np.any(shafts > 0.0))
+    efficiency = delivered / (delivered + lost) if works else np.nan
     watts = {"units": "W"}
     return xr.Dataset(
         {
@@ -47,7 +49,7 @@ def power_balance(result: Result, start: float | None, end: float | None) -> xr.
             "loss": ("channel", list(losses.values()), watts),
             "stored": ("store", [rate(name) for name in _STORED], watts),
             "residual": ((), rate("residual"), watts),
-            "efficiency": ((), delivered / passed if delivered > 0.0 else np.nan, {"units": "1"}),
+            "efficiency": ((), efficiency, {"units": "1"}),
         },
         {
             "sprocket": np.arange(1, len(shafts) + 1),

@@ -18,13 +18,16 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rustchain.drive import Chain, ChainDrive
+    from rustchain.material import Material
     from rustchain.result import Array, Result
 
 Contact = Literal["hinge", "tooth"]
 _SMALLEST = 0.01  # of the largest pressure: swings below that are not counted
 
 
-def line_pressure(force: Array, curvature: Array | float, length: float, modulus: float) -> Array:
+def line_pressure(
+    force: Array, curvature: Array | float, length: float, modulus: Array | float
+) -> Array:
     """Return the largest pressure of a line contact [Pa] (Johnson, Contact Mechanics, Eq. 4.45).
 
     `curvature` [1/m] is the sum of both surfaces', `modulus` [Pa] that of the contact.
@@ -33,7 +36,9 @@ def line_pressure(force: Array, curvature: Array | float, length: float, modulus
     return pressure
 
 
-def half_width(force: Array, curvature: Array | float, length: float, modulus: float) -> Array:
+def half_width(
+    force: Array, curvature: Array | float, length: float, modulus: Array | float
+) -> Array:
     """Return half the width of a line contact [m] (Johnson, Contact Mechanics, Eq. 4.43)."""
     width: Array = np.sqrt(4.0 * np.maximum(force, 0.0) / (np.pi * length * modulus * curvature))
     return width
@@ -48,11 +53,13 @@ def contact_pressure(
     rows = rows_between(result, start, end)
     check_contact(contact)
     chain = result.drive.chain
-    curvature = hinge_curvature(chain) if contact == "hinge" else tooth_curvature(result)[rows]
+    modulus: float | Array = contact_modulus(chain)
+    curvature: float | Array = hinge_curvature(chain)
+    if contact == "tooth":
+        curvature, modulus = (array[rows] for array in tooth_contacts(result))
     length = chain.strands * (
         chain.hinge.length if contact == "hinge" else chain.tooth_contact_length
     )
-    modulus = contact_modulus(chain)
     force, peak = (result.array(f"{name}_force")[rows] for name in (contact, f"peak_{contact}"))
     part = "hinge" if contact == "hinge" else "bushing"
     pascal, meter = {"units": "Pa"}, {"units": "m"}
@@ -70,7 +77,7 @@ def contact_pressure(
             "time": ("time", result.time[rows], {"units": "s"}),
             part: np.arange(1, chain.links + 1),
         },
-        {"contact": contact, "contact_modulus": modulus, "length": length},
+        {"contact": contact, "contact_modulus": contact_modulus(chain), "length": length},
     )
 
 
@@ -126,10 +133,13 @@ def pressure_cycles(
     )
 
 
-def contact_modulus(chain: Chain) -> float:
-    """Return the modulus of the contact of two bodies of the chain's material [Pa]."""
-    material = chain.material
-    return 0.5 * material.elastic_modulus / (1.0 - material.poisson_ratio**2)
+def contact_modulus(chain: Chain, other: Material | None = None) -> float:
+    """Return the modulus of the contact of the chain with `other`, or with its own material [Pa].
+
+    1/E* is the sum of (1 - nu^2)/E of both (Johnson, Contact Mechanics, Eq. 4.21).
+    """
+    pair = (chain.material, other or chain.material)
+    return 1.0 / sum((1.0 - m.poisson_ratio**2) / m.elastic_modulus for m in pair)
 
 
 def hinge_curvature(chain: Chain) -> float:
@@ -147,21 +157,26 @@ def surface_curvature(drive: ChainDrive, sprocket: int) -> Array:
     return curvature
 
 
-def tooth_curvature(result: Result) -> Array:
-    """Return the curvature of each bushing's contact, or of its last one [1/m], (times, bushings).
+def tooth_contacts(result: Result) -> tuple[Array, Array]:
+    """Return curvature [1/m] and modulus [Pa] of contacts or last ones, (times, bushings).
 
-    An edge, or a surface that whole teeth do not have, counts as the outermost surface.
+    An edge, or a surface that whole teeth do not have, counts as the outermost surface; the round
+    ends of a rail count as its face.
     """
     wheel, region = result.array("tooth_sprocket"), result.array("tooth_region")
     curvature = np.full(wheel.shape, surface_curvature(result.drive, 1)[0])  # never in contact
-    sprockets = len(result.drive.sprockets)
-    curvature[wheel > sprockets] = 1.0 / result.drive.chain.bushing_radius  # on something flat
-    for k in range(sprockets):
+    drive, chain = result.drive, result.drive.chain
+    modulus = np.full(wheel.shape, contact_modulus(chain))
+    for k, guide in enumerate(drive.guides, len(drive.sprockets) + 1):
+        face = 0.0 if guide.radius is None else 1.0 / guide.radius
+        curvature[wheel == k] = 1.0 / chain.bushing_radius + face
+        modulus[wheel == k] = contact_modulus(chain, guide.material)
+    for k in range(len(drive.sprockets)):
         of = surface_curvature(result.drive, k + 1)
         there = wheel == k + 1
         curvature[there] = of[np.minimum(np.abs(region[there] - len(of)), len(of) - 1)]
-    filled: Array = np.take_along_axis(curvature, nearest_contact(result), 0)
-    return filled
+    nearest = nearest_contact(result)
+    return np.take_along_axis(curvature, nearest, 0), np.take_along_axis(modulus, nearest, 0)
 
 
 def check_contact(contact: str) -> None:
