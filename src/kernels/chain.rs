@@ -86,10 +86,7 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> W
             force: vectors_mut::<S>(&mut arrays.force, blocks),
             distance_squared: vectors_mut::<S>(&mut arrays.distance_squared, blocks),
             along: vectors_mut::<S>(&mut arrays.along, blocks),
-            moments: [
-                vectors_mut::<S>(&mut arrays.front_moment, blocks),
-                vectors_mut::<S>(&mut arrays.rear_moment[FIRST + 1..], blocks),
-            ],
+            moments: [&mut [], &mut []],
             front_force: both_mut::<S>(&mut arrays.front_force, 0, blocks),
             rear_force: both_mut::<S>(&mut arrays.rear_force, FIRST + 1, blocks),
             bushing: both_mut::<S>(&mut arrays.bushing, 0, blocks),
@@ -99,10 +96,15 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> W
             power: PartialSums::default(),
             rubbed: PartialSums::default(),
             slopes: self.slopes,
-            rubs: self.rubs,
+            rubs: None,
             rubbing: None,
         };
         if RUBBED && let Some(friction) = &self.friction {
+            hinges.moments = [
+                vectors_mut::<S>(&mut arrays.front_moment, blocks),
+                vectors_mut::<S>(&mut arrays.rear_moment[FIRST + 1..], blocks),
+            ];
+            hinges.rubs = self.rubs;
             hinges.rubbing = Some((
                 FrictionLanes::new(simd, friction.law),
                 splat(friction.pin_radius),
@@ -155,11 +157,7 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> W
             moved_squared: hinges.moved_squared.greatest(),
             changed: hinges.changed,
             dissipated: hinges.power.total(),
-            rubbed: if RUBBED && ENERGY {
-                hinges.rubbed.total()
-            } else {
-                0.0
-            },
+            rubbed: hinges.lost_to_friction(),
         };
         RepeatBushings {
             links: n,
@@ -358,6 +356,16 @@ struct Hinges<'a, S: Simd, L, const DAMPED: bool, const RUBBED: bool, const ENER
 impl<S: Simd, L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool>
     Hinges<'_, S, L, DAMPED, RUBBED, ENERGY>
 {
+    /// Power dissipated by friction, when asked for \[W\].
+    #[inline(always)]
+    fn lost_to_friction(&self) -> f64 {
+        if RUBBED && ENERGY {
+            self.rubbed.total()
+        } else {
+            0.0
+        }
+    }
+
     /// One register of hinges.
     #[inline(always)]
     fn join(&mut self, i: usize, front: &End<S>, rear: &End<S>) {

@@ -65,10 +65,14 @@ impl<const RUBBED: bool> WithSimd for AccelerateLinks<'_, RUBBED> {
             inverse_inertia: vectors::<S>(&constants.inverse_inertia, blocks),
             front: both::<S>(front_force, 0, blocks),
             rear: both::<S>(rear_force, FIRST, blocks),
-            moments: [
-                vectors::<S>(front_moment, blocks),
-                vectors::<S>(&rear_moment[FIRST..], blocks),
-            ],
+            moments: if RUBBED {
+                [
+                    vectors::<S>(front_moment, blocks),
+                    vectors::<S>(&rear_moment[FIRST..], blocks),
+                ]
+            } else {
+                [&[], &[]]
+            },
         };
         let (y, angle) = (&mut y[..whole], &mut angle[..whole]);
         for i in 0..whole {

@@ -155,15 +155,16 @@ impl<C: GapConstants, L: VectorLaw, const DAMPED: bool, const RUBBED: bool, cons
                 front_force: both_mut::<S>(front_force, first, blocks),
                 rear_force: both_mut::<S>(rear_force, FIRST + 1 + first, blocks),
                 slopes: slopes.as_mut().map(|slopes| &mut slopes[slot / WIDTH..]),
-                rubbed: RubbedRun {
-                    spin: vectors::<S>(&bushing_spin[first..], blocks),
-                    moments: [
-                        vectors_mut::<S>(&mut front_moment[first..], blocks),
-                        vectors_mut::<S>(&mut rear_moment[FIRST + 1 + first..], blocks),
-                    ],
-                    slopes: rubs.as_mut().map(|rubs| &mut rubs[slot / WIDTH..]),
-                },
+                rubbed: RubbedRun::none(),
             };
+            if RUBBED {
+                let moments = [
+                    &mut front_moment[first..],
+                    &mut rear_moment[FIRST + 1 + first..],
+                ];
+                let slopes = rubs.as_mut().map(|rubs| &mut rubs[slot / WIDTH..]);
+                run.rubbed = RubbedRun::of(&bushing_spin[first..], moments, slopes, blocks);
+            }
             let (gap_cos, gap_sin) = (&mut gap_cos[slot..], &mut gap_sin[slot..]);
             for b in 0..blocks {
                 let from = b * S::F64_LANES;
@@ -188,11 +189,7 @@ impl<C: GapConstants, L: VectorLaw, const DAMPED: bool, const RUBBED: bool, cons
             moment: moment.total(),
             changed: teeth.changed,
             dissipated: dissipated.total(),
-            rubbed: if RUBBED && ENERGY {
-                teeth.rubbed.total()
-            } else {
-                0.0
-            },
+            rubbed: teeth.lost_to_friction(),
         }
     }
 }
@@ -220,6 +217,36 @@ struct RubbedRun<'a, S: Simd> {
     slopes: Option<&'a mut [RubGroup]>,
 }
 
+impl<'a, S: Simd> RubbedRun<'a, S> {
+    /// From these bushings and ends on.
+    #[inline(always)]
+    fn of(
+        spin: &'a [f64],
+        [front, rear]: [&'a mut [f64]; 2],
+        slopes: Option<&'a mut [RubGroup]>,
+        blocks: usize,
+    ) -> Self {
+        Self {
+            spin: vectors::<S>(spin, blocks),
+            moments: [
+                vectors_mut::<S>(front, blocks),
+                vectors_mut::<S>(rear, blocks),
+            ],
+            slopes,
+        }
+    }
+
+    /// Where there is no friction.
+    #[inline(always)]
+    fn none() -> Self {
+        Self {
+            spin: &[],
+            moments: [&mut [], &mut []],
+            slopes: None,
+        }
+    }
+}
+
 /// A sprocket's teeth in registers, and sums over their contacts.
 struct Teeth<S: Simd, G, L, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> {
     law: PhantomData<L>,
@@ -243,6 +270,16 @@ struct Teeth<S: Simd, G, L, const DAMPED: bool, const RUBBED: bool, const ENERGY
 impl<S: Simd, G: Gap<S>, L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool>
     Teeth<S, G, L, DAMPED, RUBBED, ENERGY>
 {
+    /// Power dissipated by friction, when asked for \[W\].
+    #[inline(always)]
+    fn lost_to_friction(&self) -> f64 {
+        if RUBBED && ENERGY {
+            self.rubbed.total()
+        } else {
+            0.0
+        }
+    }
+
     /// Bushings seen from the sprocket's centre \[m\].
     #[inline(always)]
     fn arm(&self, b: usize, run: &RunOfBushings<S>) -> [Lanes<S>; 2] {
