@@ -276,3 +276,16 @@ fn a_blade_begins_clear_of_the_chain_and_a_rail_in_it_is_refused() {
         "{message}"
     );
 }
+
+#[test]
+fn three_shafts_with_rail_and_blade_rest_and_run() {
+    let drive = common::layouts::guided_shafts();
+    let laws = ForceLaws::default();
+    let rest = Equilibrium::find(&drive, &laws).unwrap();
+    let model = Arc::new(Model::compile(&drive, &laws, &rest.start).unwrap());
+    let mut simulation = Simulation::new(model, &rest.start, StepControl::default()).unwrap();
+    common::advance(&mut simulation, 2e-3);
+    let present = simulation.present();
+    let deepest = present.teeth.penetration.iter().copied();
+    assert!(deepest.fold(0.0, f64::max) < 5e-5);
+}
