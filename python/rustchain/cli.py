@@ -75,6 +75,22 @@ def rustchain(
     """Simulate chain drives with clearance and compliant contact."""
 
 
+_NETCDF = ("", ".nc", ".nc4", ".cdf", ".h5", ".hdf5")
+
+
+def _check_file(path: Path) -> None:
+    """Refuse what no result can be written to, before anything runs."""
+    if path.is_dir():
+        msg = f"out = {path}: is a folder; name a file in it, such as {path / 'run.nc'}"
+        raise rc.InvalidInput(msg)
+    if path.suffix.lower() not in _NETCDF:
+        msg = (
+            f"out = {path}: results are written as netCDF; take {path.with_suffix('.nc').name} "
+            "(load_result(...).to_pandas() makes tables of it)"
+        )
+        raise rc.InvalidInput(msg)
+
+
 Drive = Annotated[str, typer.Argument(help="A drive file, such as my_drive.toml; or paper.")]
 
 
@@ -141,6 +157,7 @@ def run(
         }
         scene = scene.changed(simulation, solver, _given(reports))
         path = out or scene.out or Path("run.nc")
+        _check_file(path)
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             result = scene.run_simulation(scene.simulate())
@@ -158,10 +175,14 @@ def check(drive: Drive) -> None:
     """Say how a drive would be laid out and what is doubtful about it; nothing is run."""
     with _clear_errors():
         scene = _scene(drive, None)
+        scene = scene.changed({}, {}, {"duration": scene.run.get("duration", 2.0)})
         typer.echo(scene.drive.check())
         simulation = scene.simulate()
+        scene.check_run(simulation)
+        if scene.out is not None:
+            _check_file(scene.out)
         bodies = len(simulation.body_names)
-        typer.echo(f"ready to run: {bodies} bodies, {scene.run.get('duration', 2.0):g} s")
+        typer.echo(f"ready to run: {bodies} bodies, {scene.run['duration']:g} s")
 
 
 @app.command()

@@ -11,8 +11,10 @@ from rustchain._names import known_keywords
 from rustchain.drive import AppliedTorque, ChainDrive
 from rustchain.errors import InvalidInput
 from rustchain.force_law import ForceLaw
+from rustchain.friction import Coulomb
 from rustchain.result import Result
-from rustchain.simulation import _LAW, _SOLVER, Solver
+from rustchain.simulation import _LAW, _SOLVER
+from rustchain.solver import Solver
 from rustchain.sweep import sweep
 
 if TYPE_CHECKING:
@@ -30,6 +32,9 @@ def loss_map(
     report_step: float = 1e-4,
     force_law: ForceLaw = _LAW,
     solver: Solver = _SOLVER,
+    friction: Coulomb | None = None,
+    hinge_friction: Coulomb | None = None,
+    tooth_friction: Coulomb | None = None,
     threads: int | None = None,
     progress: bool = True,
 ) -> xr.Dataset:
@@ -50,6 +55,8 @@ def loss_map(
     report_step
         As in `Simulation.run`.
     force_law, solver
+        As in `Simulation`.
+    friction, hinge_friction, tooth_friction
         As in `Simulation`.
     threads, progress
         As in `sweep`.
@@ -99,6 +106,9 @@ def loss_map(
         record=("sprockets",),
         force_law=force_law,
         solver=solver,
+        friction=friction,
+        hinge_friction=hinge_friction,
+        tooth_friction=tooth_friction,
         threads=threads,
         progress=progress,
     ).to_xarray()

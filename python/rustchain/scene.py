@@ -51,6 +51,12 @@ class Scene:
         with self._errors_located("run"):
             return simulation.run(**self.run)
 
+    def check_run(self, simulation: Simulation) -> None:
+        """Refuse what `run_simulation` would refuse: the run is made as far as its first row."""
+        once = {"progress": False, "callback": lambda _: True}
+        with self._errors_located("run"):
+            simulation.run(**{**self.run, **once})
+
     def changed(
         self, simulation: Mapping[str, Any], solver: Mapping[str, Any], run: Mapping[str, Any]
     ) -> Scene:

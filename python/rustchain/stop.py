@@ -147,7 +147,10 @@ class ToothForceAbove(StopCondition):
 @known_keywords
 @dataclass(frozen=True)
 class StrandSlack(StopCondition):
-    """A strand has lost its tension.
+    """A strand has no tension.
+
+    A drive that was laid begins with none in any strand: start="static", or a `lasting` that is
+    longer than the strand takes to tighten, keeps that from stopping it.
 
     Attributes
     ----------

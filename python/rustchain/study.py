@@ -11,8 +11,10 @@ import numpy as np
 from rustchain._axes import Drive
 from rustchain._names import known_keywords
 from rustchain._run import Group
+from rustchain._start import Start
 from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.force_law import ForceLaw
+from rustchain.friction import Coulomb
 from rustchain.result import Result
 from rustchain.simulation import _LAW, _SOLVER
 from rustchain.solver import Solver
@@ -113,6 +115,10 @@ def study(
     tooth_law: ForceLaw | None = None,
     min_approach_speed: float = 1e-3,
     solver: Solver = _SOLVER,
+    start: Start = "laid",
+    friction: Coulomb | None = None,
+    hinge_friction: Coulomb | None = None,
+    tooth_friction: Coulomb | None = None,
     threads: int | None = None,
     progress: bool = True,
 ) -> StudyResult:
@@ -143,7 +149,9 @@ def study(
         Parameters as in `sweep`, all of which are combined; each combination is run `runs` times.
     report_step, record, energy
         As in `Simulation.run`.
-    force_law, hinge_law, tooth_law, min_approach_speed, solver
+    force_law, hinge_law, tooth_law, min_approach_speed, solver, start
+        As in `Simulation`.
+    friction, hinge_friction, tooth_friction
         As in `Simulation`.
     threads, progress
         As in `sweep`.
@@ -161,6 +169,16 @@ def study(
     axes = {} if axes is None else axes
     if isinstance(runs, bool) or not isinstance(runs, int) or runs < 2:
         msg = f"runs = {runs!r}: must be a whole number of at least 2, for there to be a spread"
+        raise InvalidInput(msg)
+    if measure is not None and not callable(measure):
+        msg = f"measure = {measure!r}: must be a function of a Result, or None"
+        raise InvalidInput(msg)
+    for name, value in (("duration", duration), ("burn_in", burn_in), ("confidence", confidence)):
+        if isinstance(value, bool) or not isinstance(value, float | int | np.number):
+            msg = f"{name} = {value!r}: must be a number"
+            raise InvalidInput(msg)
+    if not duration > 0.0:
+        msg = f"duration = {duration!r}: must be a positive number of seconds"
         raise InvalidInput(msg)
     if not 0.0 < confidence < 1.0:
         msg = f"confidence = {confidence!r}: must lie between 0 and 1"
@@ -189,6 +207,10 @@ def study(
         tooth_law=tooth_law,
         min_approach_speed=min_approach_speed,
         solver=solver,
+        start=start,
+        friction=friction,
+        hinge_friction=hinge_friction,
+        tooth_friction=tooth_friction,
         threads=threads,
         progress=progress,
     )

@@ -275,3 +275,22 @@ def test_the_page_has_every_class_and_every_field():
 def test_the_tables_of_the_page_are_those_that_its_script_writes():
     script = runpy.run_path(str(ROOT / "docs" / "files_page.py"))
     assert PAGE.endswith(script["tables"]()), "run docs/files_page.py"
+
+
+@pytest.mark.parametrize(
+    ("run", "said"),
+    [
+        ("duration = -1.0", "duration"),
+        ("duration = 0.02\nreport_step = 0.0", "report_step"),
+        ('duration = 0.02\nrecord = ["hinges", "foo"]', "foo"),
+        ('duration = 0.02\nout = "table.csv"', "table.nc"),
+        ('duration = 0.02\nout = "."', "is a folder"),
+    ],
+)
+def test_check_refuses_what_run_refuses(tmp_path, run, said):
+    path = tmp_path / "scene.toml"
+    path.write_text("[drive]\nteeth = [17, 17]\nlinks = 60\nspeed = 10.0\n\n[run]\n" + run + "\n")
+    for command in ("check", "run"):
+        done = CliRunner().invoke(app, [command, str(path)])
+        assert done.exit_code != 0
+        assert said in done.output + str(done.stderr)

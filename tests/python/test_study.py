@@ -1,5 +1,6 @@
 """Studies and loss maps: intervals that cover, starts that differ, runs that repeat."""
 
+import re
 from dataclasses import replace
 
 import matplotlib as mpl
@@ -176,3 +177,32 @@ def test_a_study_without_a_single_value_tells_the_first_error():
         found = rc.study(PAPER, lambda r: r.nothing, runs=2, **SHORT)
     with pytest.raises(rc.NotRecorded, match="nothing"):
         found.to_pandas()
+
+
+def test_a_study_and_a_map_take_friction_and_a_start_at_rest():
+    drive = rc.two_sprocket_drive("ANSI 40", links=78, torque=-1.0, pretension=50.0)
+    lost = [
+        rc.loss_map(
+            drive, [10.0], [-1.0], duration=0.04, burn_in=0.02, friction=law, progress=False
+        )["lost"].item()
+        for law in (None, rc.Coulomb(0.2))
+    ]
+    assert lost[1] > lost[0]
+    rest = rc.study(drive, runs=2, duration=0.01, burn_in=0.0, start="static", progress=False)
+    laid = rc.study(drive, runs=2, duration=0.01, burn_in=0.0, progress=False)
+    assert not rest.statistics.equals(laid.statistics)
+
+
+@pytest.mark.parametrize(
+    ("keywords", "said"),
+    [
+        ({"measure": 3}, "measure = 3"),
+        ({"duration": "a"}, "duration = 'a'"),
+        ({"duration": -1.0}, "duration = -1.0"),
+        ({"burn_in": "a"}, "burn_in = 'a'"),
+        ({"confidence": "a"}, "confidence = 'a'"),
+    ],
+)
+def test_a_study_names_what_is_wrong(keywords, said):
+    with pytest.raises(rc.InvalidInput, match=re.escape(said)):
+        rc.study(rc.paper_drive(25.0), **keywords)

@@ -8,6 +8,7 @@ import numpy as np
 
 from rustchain.errors import InvalidInput
 from rustchain.outputs.circuit import Circuit
+from rustchain.outputs.loads import check_sprocket
 from rustchain.outputs.window import rows_between
 
 if TYPE_CHECKING:
@@ -25,6 +26,8 @@ def engagements(
     if not within > 0.0:
         msg = f"within = {within!r}: must be a positive number of pitches"
         raise InvalidInput(msg)
+    if sprocket is not None:
+        check_sprocket(result, sprocket)
     rows = rows_between(result, start, end)
     wheel, gap, region = (
         result.array(f"tooth_{name}")[rows] for name in ("sprocket", "index", "region")
