@@ -15,7 +15,7 @@ impl Start {
     /// The same with the guides of `drive` at rest, clear of its chain; and the smallest gap between them \[m\].
     ///
     /// # Errors
-    /// When a guide stands in the chain where it is described, and no arm can be swung back: by how much.
+    /// When a guide stands in the chain where it is described, and no arm can be swung back, or not so far: by how much.
     pub(super) fn with_guides(mut self, drive: &Drive) -> Result<(Self, f64)> {
         let hinges = self.hinges(drive);
         let mut smallest = f64::INFINITY;
@@ -42,6 +42,18 @@ impl Start {
                     -rail.direction.y
                 ))
             })?;
+            if let Mount::Arm(arm) = rail.mount {
+                let back = (angle - rail.angle()).abs() * rail.lever(&arm).abs();
+                if back > arm.travel[0] {
+                    return Err(Error::Impossible(format!(
+                        "guide {}: for its arm to begin clear of the laid chain, its plunger would have to go back by {:.3} mm, past \
+                         its stop at {:.3} mm (GuideArm.travel): move it back, out of its face's direction, or let it go back farther",
+                        number + 1,
+                        1e3 * back,
+                        1e3 * arm.travel[0]
+                    )));
+                }
+            }
             smallest = smallest.min(gap(angle));
             self.positions.push([bearing.x, bearing.y, angle]);
             self.velocities.push([0.0; 3]);

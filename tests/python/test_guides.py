@@ -115,3 +115,13 @@ def test_a_sweep_changes_the_fields_of_guides():
     )
     soft, hard = sweep.to_pandas()["turned"]
     assert hard > 2.0 * soft
+
+
+def test_an_arm_is_not_swung_back_past_its_stop():
+    drive = guided()
+    blade = drive.guides[0]
+    tight = replace(blade, center=(0.136, -0.062), arm=replace(blade.arm, travel=(1e-3, 0.1)))
+    with pytest.raises(rc.InvalidInput, match=r"guide 1: .* past its stop at 1\.000 mm"):
+        rc.Simulation(replace(drive, guides=[tight]))
+    loose = replace(tight, arm=replace(blade.arm, travel=(0.1, 0.1)))
+    rc.Simulation(replace(drive, guides=[loose]))
