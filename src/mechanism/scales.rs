@@ -227,8 +227,10 @@ impl Scales {
                 factor(disc / radius)
             ));
         }
+        // All that is apart may be a shaft within the play of its bearing, which says nothing of a size.
+        let play = other.map_or(0.0, |other| (other - radius).abs());
         let ratio = radius / self.size;
-        (self.size > 0.0 && !(RADII[0]..RADII[1]).contains(&ratio)).then(|| {
+        (self.size > play && !(RADII[0]..RADII[1]).contains(&ratio)).then(|| {
             format!(
                 "radius of contact {name:?} is {radius:.4e} m in a mechanism of {:.1e} m: {}",
                 self.size,

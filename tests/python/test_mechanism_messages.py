@@ -154,3 +154,11 @@ def test_a_driver_past_its_reach_is_named_with_what_it_asks():
     with pytest.raises(rc.SimulationError, match=r'driver "lift" asks for 1\.\d+e0 m, changing at'):
         simulation.run(duration=1.0, progress=False)
     assert 0.4 < simulation.time < 0.6
+
+
+def test_a_shaft_in_its_bearing_is_as_large_as_the_bearing():
+    mechanism = rc.Mechanism()
+    mechanism.add_body("shaft", 1.0, 1.2e-4, position=(0.0, -5e-5, 0.0))
+    law = rc.LinearContact(stiffness=1e7, damping=10.0)
+    mechanism.add_clearance_joint("bearing", "ground", "shaft", 0.0151, 0.015, law)
+    assert not [text for text in mechanism.check().warnings if "radius" in text]
