@@ -82,6 +82,7 @@ impl DriveSystem {
         let Powers {
             dissipated,
             worked_in,
+            ..
         } = self.passed;
         let gained = self.dynamics.energy().total() - self.energy_at_start;
         [gained + dissipated - worked_in, dissipated]
