@@ -76,8 +76,11 @@ def near_tips(links, wheels):
     return nearest
 
 
-def simulated(accuracy):
-    """Return the drive as a simulation of rustchain: links, then both wheels."""
+def simulated(accuracy, solver=None):
+    """Return the drive as a simulation of rustchain: links, then both wheels.
+
+    A `solver` takes the place of one with this accuracy.
+    """
     mechanism = rc.Mechanism(gravity=(0.0, -GRAVITY))
     for k, place in enumerate(link_places()):
         mechanism.add_body(f"link {k}", LINK_MASS, LINK_INERTIA, place)
@@ -101,13 +104,13 @@ def simulated(accuracy):
             mechanism.add_outline_contact(
                 f"{wheel} {k}", wheel, f"link {k}", outline(), ROLLER, law
             )
-    solver = rc.Solver(method="pece", accuracy=accuracy, max_step=1e-3)
+    solver = solver or rc.Solver(method="pece", accuracy=accuracy, max_step=1e-3)
     return rc.Simulation(mechanism, solver=solver)
 
 
-def by_rustchain(accuracy, span=SPAN):
+def by_rustchain(accuracy, span=SPAN, solver=None):
     """Centres of the links at the end, processor time [s] and steps."""
-    simulation = simulated(accuracy)
+    simulation = simulated(accuracy, solver)
     begin = time.process_time()
     simulation.step_to(span)
     spent = time.process_time() - begin

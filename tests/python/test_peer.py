@@ -4,13 +4,24 @@ import numpy as np
 import pytest
 
 import ideal_drive_peer as scene
+import rustchain as rc
 
 SPAN = 2e-3
 
 
+def by_tolerance(tolerance):
+    return rc.Solver(method="pece", rtol=tolerance, atol=tolerance, max_step=1e-3)
+
+
 def test_contacts_press_and_answers_converge():
     """The scene is one of contact: without forces on rollers the links would fall freely."""
-    reference, _, _ = scene.by_rustchain(1e-13, SPAN)
+    reference, _, _ = scene.by_rustchain(None, SPAN, by_tolerance(1e-11))
+    errors = []
+    for tolerance in (1e-4, 1e-6, 1e-8):
+        found, _, _ = scene.by_rustchain(None, SPAN, by_tolerance(tolerance))
+        errors.append(np.max(np.abs(found - reference)))
+    assert errors[0] > errors[1] > errors[2]
+    assert errors[2] < 1e-11
     for accuracy in (1e-4, 1e-6, 1e-8, 1e-10):
         found, _, _ = scene.by_rustchain(accuracy, SPAN)
         error = np.max(np.abs(found - reference))
