@@ -88,8 +88,8 @@ def loaded_path_plan():
 def energy_plan(pretension):
     """Few: each point is several runs. Under 100 N an explicit one takes seconds."""
     methods = {
-        "auto": [1e-8, 6e-9, *ACCURACIES, 1e-12],
-        "newton": [1e-8, 6e-9, *ACCURACIES, 1e-12],
+        "auto": [6e-9, 5e-10, *ACCURACIES, 1e-12],
+        "newton": [6e-9, 5e-10, *ACCURACIES, 1e-12],
         "pece": list(ACCURACIES),
         "pece, rtol": [1e-5, 1e-6],
     }

@@ -19,20 +19,20 @@ const REMAINDER: f64 = 0.1;
 /// The same where it is not measured but known from earlier steps: as a length \[m\], and where there is none to say. It is a
 /// fixed length because remainders have a sign, and so feed or drain energy, while errors of the trapezoid hardly do: the looser
 /// the tolerance, the more of the balance would be theirs.
-const UNMEASURED_LENGTH: f64 = 5e-12;
+const UNMEASURED_LENGTH: f64 = 6e-11;
 const UNMEASURED: f64 = 0.01;
 
 /// Slower convergence is always measured.
 const SLOWEST_UNMEASURED: f64 = 0.3;
 
 /// What was measured is taken to be so many times worse after each step that did not measure it.
-const DISTRUST: f64 = 1.5;
+const DISTRUST: f64 = 1.2;
 
 /// Share of the step that the error would allow which is taken: rejected steps cost a matrix each.
 const SAFETY: f64 = 0.8;
 
 /// Error after the first correction, in units of the tolerance, from which on no other one will make the step acceptable.
-const HOPELESS: f64 = 2.0;
+const HOPELESS: f64 = 1.2;
 
 /// Longest first step \[s\].
 const FIRST_STEP: f64 = 1e-7;
