@@ -5,6 +5,7 @@ use super::dynamics::MechanismDynamics;
 use super::equation::Row;
 use super::moves::Changes;
 use super::plausibility::loose_parts;
+use super::projection::AtHand;
 use super::scales::odd_scales;
 use super::singular::nearness;
 use crate::error::{Error, Result};
@@ -47,7 +48,9 @@ impl MechanismDynamics {
             }
         }
         let placed = state.clone();
-        if !self.approach(0.0, &mut state) || !self.project(0.0, &mut state, MOST_ITERATIONS) {
+        if !self.approach(0.0, &mut state)
+            || !self.project(0.0, &mut state, MOST_ITERATIONS, AtHand::Nothing)
+        {
             return Err(self.refuse());
         }
         self.evaluate(0.0, &state);

@@ -7,6 +7,7 @@ use super::assembly::Assembly;
 use super::dynamics::{MechanismDynamics, Stabilisation};
 use super::memory::Memory;
 use super::model::MechanismModel;
+use super::projection::AtHand;
 use super::recording::MechanismRecording;
 use super::reports::Reports;
 use crate::error::{Error, Result};
@@ -82,7 +83,7 @@ impl MechanismSimulation {
             assembly,
         };
         simulation.remember_present_contacts();
-        let longest = simulation.dynamics.longest_step(0.0);
+        let longest = simulation.dynamics.longest_step(0.0, control.max_step);
         simulation.adams.limit_step(longest);
         Ok(simulation)
     }
@@ -201,6 +202,12 @@ impl MechanismSimulation {
     }
 
     fn step(&mut self) -> Result<()> {
+        // The explicit corrector ends with an evaluation where the step does.
+        let at_hand = if self.adams.is_implicit() {
+            AtHand::Factors
+        } else {
+            AtHand::Everything
+        };
         let step = self.adams.step_second_order(&mut self.dynamics);
         let step = step.map_err(|failure| {
             let model = Arc::clone(self.dynamics.model());
@@ -216,9 +223,12 @@ impl MechanismSimulation {
         }
         self.find_onsets(step.start, step.end);
         if self.dynamics.stabilisation == Stabilisation::Projection {
-            self.project(step.end)?;
+            self.project(step.end, at_hand)?;
         }
-        self.adams.limit_step(self.dynamics.longest_step(step.end));
+        // Twice the step that would be next: whether it is near to its limit is asked for, too.
+        let within = 2.0 * self.adams.step_size();
+        self.adams
+            .limit_step(self.dynamics.longest_step(step.end, within));
         Ok(())
     }
 
@@ -242,7 +252,7 @@ impl MechanismSimulation {
     }
 
     /// Takes what the step has left on the constraints off the solution, and leaves the integrator's history as it is.
-    fn project(&mut self, t: f64) -> Result<()> {
+    fn project(&mut self, t: f64, at_hand: AtHand) -> Result<()> {
         if !self.dynamics.is_constrained() {
             return Ok(());
         }
@@ -252,7 +262,7 @@ impl MechanismSimulation {
         for ((x, y), shift) in state.iter_mut().zip(solution).zip(&self.dynamics.shift) {
             *x = y + shift;
         }
-        if !self.dynamics.project(t, state, ITERATIONS) {
+        if !self.dynamics.project(t, state, ITERATIONS, at_hand) {
             let residuals = self.dynamics.what_misses();
             return Err(Error::JointsApart { time: t, residuals });
         }
