@@ -60,9 +60,22 @@ impl MechanismSimulation {
         control: StepControl,
         stabilisation: Stabilisation,
     ) -> Result<Self> {
+        Self::new_unless(model, control, stabilisation, &|| false)
+    }
+
+    /// The same; `give_up` is asked now and then while the mechanism is assembled, and ends that with an error.
+    ///
+    /// # Errors
+    /// When a control does not fit or the mechanism does not go together.
+    pub fn new_unless(
+        model: Arc<MechanismModel>,
+        control: StepControl,
+        stabilisation: Stabilisation,
+        give_up: &dyn Fn() -> bool,
+    ) -> Result<Self> {
         control.validate()?;
         let mut dynamics = MechanismDynamics::new(model, stabilisation);
-        let assembly = dynamics.assemble()?;
+        let assembly = dynamics.assemble_unless(give_up)?;
         let mut y = assembly.state.clone();
         y.extend([0.0, 0.0]);
         let mut adams = Adams::new(dynamics.dimension(), control);

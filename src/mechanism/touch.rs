@@ -264,6 +264,20 @@ impl CompiledContact {
         depth
     }
 
+    /// Whether the circle's centre is behind an open outline, deeper than what was pressed in, and is not about to come out.
+    pub(super) fn is_behind(&self, frames: &[Frame]) -> bool {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let mut behind = false;
+        if self.is_open() {
+            self.bearings(self.local(fa, fb), |bearing, _| {
+                let comes_out = self.approach(fa, fb).dot(&fa.turned(bearing.outward)) > 0.0;
+                let deep = bearing.place == Place::Deep && -bearing.distance >= 0.5 * self.radius;
+                behind |= deep && !comes_out;
+            });
+        }
+        behind
+    }
+
     /// Whether the material of a closed outline lies outside it.
     pub(super) fn is_hole(&self) -> bool {
         self.outline.is_some() && !self.is_open() && self.reach.is_infinite()
