@@ -54,6 +54,7 @@ from rustchain.layouts import chain_drive
 from rustchain.loss_map import loss_map
 from rustchain.material import Material
 from rustchain.mechanism import Mechanism
+from rustchain.mechanism_evaluation import MechanismEvaluation
 from rustchain.mechanism_parts import (
     HuntCrossley,
     LinearContact,
@@ -65,7 +66,8 @@ from rustchain.mechanism_parts import (
 )
 from rustchain.mechanism_report import MechanismReport
 from rustchain.mechanism_result import MechanismResult
-from rustchain.mechanism_simulation import MechanismEvaluation, MechanismSimulation
+from rustchain.mechanism_simulation import MechanismSimulation
+from rustchain.mechanism_stop import ContactForceAbove, JointForceAbove
 from rustchain.report import DriveReport
 from rustchain.result import Result, load_result
 from rustchain.scene import Scene, load_scene
@@ -90,6 +92,7 @@ __all__ = [
     "ChainDrive",
     "ChainSize",
     "ClearanceHinge",
+    "ContactForceAbove",
     "Coulomb",
     "CustomTooth",
     "DriveReport",
@@ -108,6 +111,7 @@ __all__ = [
     "InvalidInput",
     "IsoTooth",
     "Johnson",
+    "JointForceAbove",
     "LankaraniNikravesh",
     "Linear",
     "LinearContact",

@@ -43,6 +43,12 @@ class IdealHingeCore:
         positions: Array | None,
         velocities: Array | None,
     ) -> None:
+        if hinge_law is not None and hinge_law != force_law:
+            msg = (
+                f"hinge_law = {hinge_law}: must be None with ChainDrive.hinges = 'ideal', whose "
+                "hinges have no contact; it is for 'clearance'"
+            )
+            raise InvalidInput(msg)
         # There is no contact in the hinges, whose law says nothing but this.
         friction = getattr(force_law if hinge_law is None else hinge_law, "friction", None)
         if friction is not None:

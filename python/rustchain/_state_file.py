@@ -33,8 +33,15 @@ _DESCRIBED = ("drive", "hinge_law", "tooth_law", "solver")
 _NUMBERS = ("min_approach_speed", "positions", "velocities")
 
 
-def restored(core: _Core, state: Mapping[str, Any]) -> _Core:
-    """Return the simulation of `core` in another state, whose arrays must be as it was taken."""
+def restored(
+    core: _Core,
+    state: Mapping[str, Any],
+    start: str = "Simulation with positions= and velocities=",
+) -> _Core:
+    """Return the simulation of `core` in another state, whose arrays must be as it was taken.
+
+    `start` says what makes a start of one's own.
+    """
     snapshot = state.get("snapshot") if isinstance(state, Mapping) else None
     if not isinstance(snapshot, bytes):
         msg = f"state: {type(state).__name__} without a snapshot: pass what Simulation.state() gave"
@@ -45,7 +52,7 @@ def restored(core: _Core, state: Mapping[str, Any]) -> _Core:
             change = "was changed" if name in state else "is missing"
             msg = (
                 f"state[{name!r}] {change}: a state is set as it was taken; for a start of your "
-                "own, make a Simulation with positions= and velocities="
+                f"own, make a {start}"
             )
             raise InvalidInput(msg)
     return found

@@ -8,6 +8,7 @@ from rustchain._mechanism_forces import WithForces
 from rustchain._mechanism_input import numbers
 from rustchain._mechanism_joints import WithJoints
 from rustchain._names import known_keywords
+from rustchain.errors import InvalidInput
 from rustchain.mechanism_parts import Body, Contact, Force, Joint, Point
 from rustchain.mechanism_report import MechanismReport
 
@@ -29,6 +30,9 @@ class Mechanism(WithJoints, WithForces, WithContacts):
     """
 
     def __init__(self, gravity: Point = (0.0, -9.81), name: str = "") -> None:
+        if not isinstance(name, str):
+            msg = f"name of the mechanism = {name!r}: must be text"
+            raise InvalidInput(msg)
         self.gravity: tuple[float, ...] = plain(gravity)
         self.name = name
         self.bodies: list[Body] = []
@@ -74,3 +78,11 @@ class Mechanism(WithJoints, WithForces, WithContacts):
         from rustchain.simulation import Solver
 
         return MechanismReport(**_rustchain.MechanismCore(self, Solver(), None).check())
+
+
+# Errors of a call, such as of a missing argument, name the method by this class.
+for _part in (WithJoints, WithForces, WithContacts):
+    for _name, _method in vars(_part).items():
+        if _name.startswith("add_"):
+            for _function in (_method, _method.__wrapped__):
+                _function.__qualname__ = f"Mechanism.{_name}"

@@ -14,11 +14,14 @@ import numpy.typing as npt
 
 from rustchain._names import suggest
 from rustchain.errors import InvalidInput
-from rustchain.result import Array, Energy, IntArray, Status, _Variable
+from rustchain.mechanism_views import BodyMotion, ContactHistory, JointHistory
+from rustchain.result import Array, Energy, Status, _Variable
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+
+    from rustchain.plot.mechanism import MechanismPlots
 
 _VARIABLES = {
     "positions": _Variable("bodies", ("body", "coordinate"), "m, m, rad", "positions"),
@@ -57,75 +60,6 @@ _VARIABLES = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class BodyMotion:
-    """One body over time.
-
-    Attributes
-    ----------
-    time : ndarray, (times,)
-        Report times [s].
-    position, velocity, acceleration : ndarray, (times, 3)
-        Of centre of mass and angle [m, m, rad], and their rates.
-    """
-
-    time: Array
-    position: Array
-    velocity: Array
-    acceleration: Array
-
-
-@dataclass(frozen=True, eq=False)
-class JointHistory:
-    """One joint over time.
-
-    Attributes
-    ----------
-    time : ndarray, (times,)
-        Report times [s].
-    force : ndarray, (times, 2)
-        Force on body b [N].
-    torque : ndarray, (times,)
-        Torque on body b about the joint's point b [N m]; of a driver, the motor's.
-    position_residual, velocity_residual : ndarray, (times,)
-        What is left of the joint's equations [m or rad] and their rates.
-    peak_force, impulse : ndarray, (times,)
-        Largest force [N] and impulse [N s] since the row before.
-    """
-
-    time: Array
-    force: Array
-    torque: Array
-    position_residual: Array
-    velocity_residual: Array
-    peak_force: Array
-    impulse: Array
-
-
-@dataclass(frozen=True, eq=False)
-class ContactHistory:
-    """One contact over time.
-
-    Attributes
-    ----------
-    time, force, penetration : ndarray, (times,)
-        Report times [s], normal force [N], penetration [m], negative when apart.
-    gap, region : ndarray of int, (times,)
-        Near teeth, their gap, from 0 (-1: none), and its region, counted from 1 along its outline
-        (0: none; an ANSI gap has seven).
-    peak_force, impulse : ndarray, (times,)
-        Largest force [N] and impulse [N s] since the row before.
-    """
-
-    time: Array
-    force: Array
-    penetration: Array
-    gap: IntArray
-    region: IntArray
-    peak_force: Array
-    impulse: Array
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class MechanismResult:
     """What a run of a mechanism recorded.
@@ -138,7 +72,7 @@ class MechanismResult:
         Of the mechanism.
     body_names, joint_names, contact_names : tuple of str
         In the order of the arrays.
-    status : {"finished", "interrupted", "failed"}
+    status : {"finished", "stopped", "interrupted", "failed"}
         How the run ended.
     message : str
         The same in words.
@@ -212,6 +146,13 @@ class MechanismResult:
         names = ("kinetic", "gravity", "elastic", "dissipated", "worked_in", "residual")
         return Energy(*(self.arrays[f"energy_{name}"] for name in names))
 
+    @property
+    def plot(self) -> MechanismPlots:
+        """Figures; see `rustchain.plot.mechanism.MechanismPlots`."""
+        from rustchain.plot.mechanism import MechanismPlots
+
+        return MechanismPlots(self)
+
     def to_xarray(self) -> xr.Dataset:
         """Return everything as a dataset with units."""
         import xarray as xr
@@ -271,7 +212,13 @@ class MechanismResult:
         """Return the result that `save` wrote to `path`."""
         import xarray as xr
 
-        data = xr.load_dataset(path, engine="h5netcdf", decode_times=False)
+        try:
+            data = xr.load_dataset(path, engine="h5netcdf", decode_times=False)
+        except FileNotFoundError:
+            raise
+        except Exception as error:  # what is no netCDF file, or is damaged, raises what it likes
+            msg = f"path = {path}: is no result of a mechanism, or is damaged ({error})"
+            raise InvalidInput(msg) from error
         if "mechanism" not in data.attrs:
             msg = f"path: {path} holds no result of a mechanism; load_result reads those of drives"
             raise InvalidInput(msg)

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 
 from rustchain import _rustchain, _state_file
@@ -16,40 +14,14 @@ from rustchain._run import WALL_BUDGET, seconds_bar
 from rustchain._start import rows_of
 from rustchain.errors import EnergyWarning, InvalidInput, SimulationError
 from rustchain.mechanism import Mechanism
+from rustchain.mechanism_evaluation import MechanismEvaluation
 from rustchain.mechanism_report import MechanismReport
 from rustchain.mechanism_result import MechanismResult
+from rustchain.mechanism_stop import Look, MechanismStop, looks_of
 from rustchain.result import Array, Status
 from rustchain.solver import Solver
 
 _SOLVER = Solver(method="pece", rtol=1e-9, atol=1e-9, max_step=0.01)
-
-
-@dataclass(frozen=True, eq=False)
-class MechanismEvaluation:
-    """Accelerations, reactions and contacts of one state.
-
-    Attributes
-    ----------
-    accelerations : ndarray, (bodies, 3)
-        [m/s^2, m/s^2, rad/s^2].
-    joint_reaction : ndarray, (joints, 3)
-        Force and torque on body b about the joint's point [N, N, N m].
-    contact_force, contact_penetration : ndarray, (contacts,)
-        [N] and [m].
-    contact_force_vector : ndarray, (contacts, 2)
-        Force on the circle [N].
-    contact_gap, contact_region : ndarray of int, (contacts,)
-        Of circles near teeth the gap, from 0 (-1: none), and its region, counted from 1 along its
-        outline (0: none; an ANSI gap has seven).
-    """
-
-    accelerations: Array
-    joint_reaction: Array
-    contact_force: Array
-    contact_penetration: Array
-    contact_force_vector: Array
-    contact_gap: npt.NDArray[np.int32]
-    contact_region: npt.NDArray[np.int32]
 
 
 @known_keywords
@@ -88,6 +60,7 @@ class MechanismSimulation:
             raise InvalidInput(msg)
         self.name = mechanism.name
         self.solver = solver
+        self._running = False
         self._core = _rustchain.MechanismCore(mechanism, solver, baumgarte)
         for text in self.check().warnings:
             warnings.warn(text, stacklevel=3)
@@ -105,6 +78,11 @@ class MechanismSimulation:
     def joint_names(self) -> list[str]:
         """Names of the joints, in the order of every (joints, 3) array."""
         return self._core.joint_names
+
+    @property
+    def contact_names(self) -> list[str]:
+        """Names of the contacts, in the order of every (contacts,) array."""
+        return self._core.contact_names
 
     @property
     def time(self) -> float:
@@ -152,7 +130,8 @@ class MechanismSimulation:
             The state is of another mechanism or solver, or was changed or damaged. The simulation
             is then what it was.
         """
-        self._core = _state_file.restored(self._core, state)
+        self._check_idle("set_state")
+        self._core = _state_file.restored(self._core, state, "Mechanism whose bodies are placed so")
 
     @known_keywords
     def evaluate(
@@ -178,12 +157,18 @@ class MechanismSimulation:
     @known_keywords
     def step_to(self, t: float) -> None:
         """Go on to exactly `t` [s]; after an error, to where the last step ended that was made."""
+        self._check_idle("step_to")
         while not self._core.step_to(t, WALL_BUDGET):
             pass
 
     @known_keywords
     def run(
-        self, duration: float, report_step: float = 1e-3, progress: bool = True
+        self,
+        duration: float,
+        report_step: float = 1e-3,
+        progress: bool = True,
+        stop: MechanismStop | Sequence[MechanismStop] = (),
+        callback: Callable[[MechanismSimulation], object] | None = None,
     ) -> MechanismResult:
         """Go on for a while and record everything.
 
@@ -195,6 +180,12 @@ class MechanismSimulation:
             Time between two rows of the result [s].
         progress : bool
             Whether to show a progress bar, where a terminal is there to show it.
+        stop : JointForceAbove, ContactForceAbove, TimeReached, or a sequence of them
+            Ends the run, with status "stopped", at the first row at which one holds.
+        callback : function of the simulation, optional
+            Called when a row has been recorded, with the simulation at that time. When it returns
+            True, the run stops there. It may look at everything; it must not move the simulation.
+            It does not change the steps.
 
         Returns
         -------
@@ -212,15 +203,14 @@ class MechanismSimulation:
         EnergyWarning
             More energy is missing at a row than the tolerances should leave: once a simulation.
         """
+        self._check_idle("run")
+        looks = looks_of(self, stop, callback)
         before = self._core.stats()
-        start = self.time
         self._core.start_recording(duration, report_step)
+        self._running = True
         try:
-            with seconds_bar(duration, progress) as bar:
-                finished = False
-                while not finished:
-                    finished = self._core.advance(WALL_BUDGET)
-                    bar.update(self.time - start - bar.n)
+            if (reason := self._advance(duration, progress, looks)) is not None:
+                return self._result("stopped", before, reason)
             return self._result("finished", before)
         except KeyboardInterrupt:
             return self._result("interrupted", before)
@@ -229,25 +219,54 @@ class MechanismSimulation:
             error.result = self._result("failed", before, message)  # type: ignore[attr-defined]
             raise
         finally:
+            self._running = False
             self._core.take_recording()  # whatever else ended the run
             if (text := self._core.take_warnings()) is not None:
                 warnings.warn(text, EnergyWarning, stacklevel=3)
 
+    def _advance(self, duration: float, progress: bool, looks: Sequence[Look]) -> str | None:
+        """Advance to the end of the recording, or to a row at which to stop: then return why."""
+        start, rows = self.time, 0
+        if looks:
+            self._core.pause_at_reports()
+        with seconds_bar(duration, progress) as bar:
+            finished = False
+            while not finished:
+                finished = self._core.advance(WALL_BUDGET)
+                bar.update(self.time - start - bar.n)
+                if not looks or self._core.rows == rows:
+                    continue
+                rows = self._core.rows
+                reasons = [reason for look in looks if (reason := look()) is not None]
+                if reasons:
+                    return "; ".join(reasons)
+        return None
+
+    def _check_idle(self, wanted: str) -> None:
+        """Raise where a callback wants to move the simulation that has called it."""
+        if self._running:
+            msg = (
+                f"{wanted}: a run is under way; a callback may look at the simulation, but not "
+                "move it"
+            )
+            raise InvalidInput(msg)
+
     def _result(
-        self, status: Status, before: Mapping[str, float], failure: str = ""
+        self, status: Status, before: Mapping[str, float], reason: str = ""
     ) -> MechanismResult:
         """Take the recording."""
         messages = {
             "finished": f"reached t = {self.time:.6g} s",
             "interrupted": f"interrupted at t = {self.time:.6g} s",
-            "failed": failure,
+            "stopped": f"stopped at t = {self.time:.6g} s: {reason}",
+            "failed": reason,
         }
         return MechanismResult(
             arrays=self._core.take_recording(),
             name=self.name,
             body_names=tuple(self.body_names),
             joint_names=tuple(self.joint_names),
-            contact_names=tuple(self._core.contact_names),
+            contact_names=tuple(self.contact_names),
             status=status,
             message=messages[status],
             stats={name: n - before.get(name, 0) for name, n in self._core.stats().items()},

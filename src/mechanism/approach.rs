@@ -20,15 +20,20 @@ const MOST_TRIALS: usize = 24;
 impl MechanismDynamics {
     /// Brings positions that are far from the constraints near to them; false where the nearest ones miss.
     ///
-    /// The rows are then those of the nearest positions, and `state` holds these.
-    pub(super) fn approach(&mut self, t: f64, state: &mut [f64]) -> bool {
+    /// The rows are then those of the nearest positions, and `state` holds these. `give_up` is asked before each iteration.
+    pub(super) fn approach(
+        &mut self,
+        t: f64,
+        state: &mut [f64],
+        give_up: &dyn Fn() -> bool,
+    ) -> bool {
         self.place(state);
         self.find_rows(t);
         if self.worst() <= FAR || self.rows.len() > MOST_ROWS {
             return true;
         }
         let placed = state.to_vec();
-        if self.descend(t, state) {
+        if self.descend(t, state, give_up) {
             return true;
         }
         let mut nudged = placed;
@@ -41,7 +46,7 @@ impl MechanismDynamics {
             *angle += if k % 2 == 0 { NUDGE } else { -NUDGE };
         }
         let missed = self.worst();
-        let arrived = self.descend(t, &mut nudged);
+        let arrived = self.descend(t, &mut nudged, give_up);
         if arrived || self.worst() < missed {
             state.copy_from_slice(&nudged);
         }
@@ -51,7 +56,7 @@ impl MechanismDynamics {
     }
 
     /// Levenberg's iterations (1944), weighed by mass, with limited turns: the sum of squares falls with each.
-    fn descend(&mut self, t: f64, state: &mut [f64]) -> bool {
+    fn descend(&mut self, t: f64, state: &mut [f64], give_up: &dyn Fn() -> bool) -> bool {
         let n = self.model.coordinates();
         self.place(state);
         self.find_rows(t);
@@ -73,6 +78,9 @@ impl MechanismDynamics {
             let before = miss.norm();
             let mut fallen = false;
             for _ in 0..MOST_TRIALS {
+                if give_up() {
+                    break;
+                }
                 let mut damped = square.clone();
                 for i in 0..damped.nrows() {
                     damped[(i, i)] += damping * scale;

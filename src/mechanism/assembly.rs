@@ -4,7 +4,8 @@ use super::constrained::Constrained;
 use super::dynamics::MechanismDynamics;
 use super::equation::Row;
 use super::moves::Changes;
-use super::plausibility::loose_parts;
+use super::plausibility::{loose_parts, softening_springs};
+use super::projection::AtHand;
 use super::scales::odd_scales;
 use super::singular::nearness;
 use crate::error::{Error, Result};
@@ -38,6 +39,11 @@ impl MechanismDynamics {
     /// # Errors
     /// When no positions or velocities satisfy all constraints: with the residuals by joint; when a motion has no mass.
     pub fn assemble(&mut self) -> Result<Assembly> {
+        self.assemble_unless(&|| false)
+    }
+
+    /// The same; `give_up` is asked now and then, and ends it with what the joints miss by then.
+    pub(super) fn assemble_unless(&mut self, give_up: &dyn Fn() -> bool) -> Result<Assembly> {
         let n = self.model.coordinates();
         let mut state = vec![0.0; 2 * n];
         for (body, first) in self.model.bodies.iter().zip(&self.model.first) {
@@ -47,7 +53,9 @@ impl MechanismDynamics {
             }
         }
         let placed = state.clone();
-        if !self.approach(0.0, &mut state) || !self.project(0.0, &mut state, MOST_ITERATIONS) {
+        if !self.approach(0.0, &mut state, give_up)
+            || !self.project(0.0, &mut state, MOST_ITERATIONS, AtHand::Nothing)
+        {
             return Err(self.refuse());
         }
         self.evaluate(0.0, &state);
@@ -66,7 +74,8 @@ impl MechanismDynamics {
             warnings: Vec::new(),
             state,
         };
-        assembly.warnings = self.warnings(&assembly);
+        let between = self.starts_between_branches(&assembly.state);
+        assembly.warnings = self.warnings(&assembly, between);
         Ok(assembly)
     }
 
@@ -158,15 +167,26 @@ impl MechanismDynamics {
         found
     }
 
-    fn warnings(&self, assembly: &Assembly) -> Vec<String> {
+    fn warnings(&self, assembly: &Assembly, between: bool) -> Vec<String> {
         let mut warnings = Vec::new();
         warnings.extend(self.far_moves(&assembly.state));
-        for name in &assembly.redundant {
+        if between {
+            warnings.push(
+                "the mechanism is placed in a singular position, such as with all bars in one line, where two ways of \
+                 moving meet: without velocities that say which is meant it begins between them; give the bodies \
+                 velocities, or place it beside"
+                    .to_string(),
+            );
+        }
+        // There, and there alone, one more seems to hold what others hold.
+        for name in assembly.redundant.iter().filter(|_| !between) {
             warnings.push(format!(
                 "joint {name:?} holds something that others hold already; its reaction is shared in the least way"
             ));
         }
         warnings.extend(self.pressed_starts());
+        warnings.extend(self.starts_behind());
+        warnings.extend(softening_springs(&self.model, self.size()));
         warnings.extend(loose_parts(&self.model));
         warnings.extend(odd_scales(&self.model));
         warnings

@@ -179,7 +179,7 @@ impl Prepared {
                 elastic: 0.0,
             };
         }
-        let elastic = self.elastic.force(penetration);
+        let elastic = self.elastic_force(penetration);
         let total = match self.damping {
             DampingPart::Linear(c) => (elastic + c * rate).max(0.0),
             DampingPart::Proportional(chi) => elastic * (1.0 + chi * rate).max(0.0),
@@ -213,9 +213,22 @@ impl Prepared {
         [total, factor * stiffness, damping]
     }
 
+    /// A straight line needs no power.
+    fn elastic_force(&self, penetration: f64) -> f64 {
+        match self.elastic {
+            ElasticPair::Power(pair) if pair.exponent == 1.0 => pair.stiffness * penetration,
+            pair => pair.force(penetration),
+        }
+    }
+
     /// Energy stored at penetration δ \[m\].
     pub(super) fn energy(&self, penetration: f64) -> f64 {
-        self.elastic.energy(penetration)
+        match self.elastic {
+            ElasticPair::Power(pair) if pair.exponent == 1.0 => {
+                0.5 * pair.stiffness * penetration * penetration.max(0.0)
+            }
+            pair => pair.energy(penetration),
+        }
     }
 
     /// The approach speed to remember of an onset at `rate`.

@@ -9,6 +9,7 @@ use super::implicit::ImplicitMatrix;
 use super::loads::Loads;
 use super::memory::{Memory, Touch};
 use super::model::MechanismModel;
+use crate::geometry::Vec2;
 use crate::integrator::OdeSystem;
 
 /// How positions and velocities are kept on the constraints.
@@ -109,6 +110,17 @@ impl MechanismDynamics {
         }
     }
 
+    /// Reads velocities alone, of bodies that are where they were.
+    pub(super) fn move_with(&mut self, state: &[f64]) {
+        let n = self.model.coordinates();
+        for (frame, first) in self.frames.iter_mut().zip(&self.model.first) {
+            if let Some(i) = *first {
+                frame.velocity = Vec2::new(state[n + i], state[n + i + 1]);
+                frame.spin = state[n + i + 2];
+            }
+        }
+    }
+
     /// Evaluates the constraint equations where the bodies are.
     pub(super) fn find_rows(&mut self, t: f64) {
         for (row, equation) in self.rows.iter_mut().zip(&self.model.equations) {
@@ -180,8 +192,9 @@ impl MechanismDynamics {
     }
 
     /// Time from `t` on \[s\] in which nothing passes unseen: no circle a profile, from where the bodies are by their speeds
-    /// and accelerations; no bend of a driver or of a force, nor a change that would be over at once.
-    pub(super) fn longest_step(&self, t: f64) -> f64 {
+    /// and accelerations; no bend of a driver or of a force, nor a change that would be over at once. What is longer than `within`
+    /// is not told from what is without limit.
+    pub(super) fn longest_step(&self, t: f64, within: f64) -> f64 {
         let motions = self
             .model
             .equations
@@ -194,12 +207,11 @@ impl MechanismDynamics {
             None => [0.0; 3],
             Some(i) => [0, 1, 2].map(|k| self.accelerations[i + k]),
         };
-        let times = self.model.contacts.iter().map(|contact| {
+        let contacts = self.model.contacts.iter().zip(&self.model.sides_of_contact);
+        let times = contacts.map(|(contact, sides)| {
             let ends = [contact.a.body, contact.b.body].map(rates);
-            let (speed, acceleration) = contact.relative_motion(&self.frames, ends);
-            let way = contact.free_way(&self.frames);
-            // The root of way = speed t + acceleration t²/2.
-            2.0 * way / (speed + (speed * speed + 2.0 * acceleration * way).sqrt())
+            let touches = &self.touches[sides.clone()];
+            contact.free_time(&self.frames, ends, touches, within)
         });
         times.fold(longest, f64::min)
     }

@@ -194,10 +194,14 @@ fn odd_force(model: &MechanismModel, name: &str, force: &Force, size: f64) -> Op
         .iter()
         .filter(|other| !std::ptr::eq(*other, force));
     let others = others.map(|other| force_of(other, size));
-    let beside = springs
-        .chain(others)
+    let least = others
         .filter(|value| value.is_finite())
         .fold(weight(model).max(inertia_force(model, size)), f64::max);
+    let most = springs
+        .filter(|value| value.is_finite())
+        .fold(least, f64::max);
+    // A force may be as small as it likes beside a stiff bush.
+    let beside = if own < FORCE[0] * most { least } else { most };
     let ratio = own / beside;
     (beside > 0.0 && ratio.is_finite() && outside(ratio, FORCE)).then(|| {
         let (kind, unit, per) = match force.kind {

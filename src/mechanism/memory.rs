@@ -50,6 +50,13 @@ impl Default for Touch {
     }
 }
 
+impl Touch {
+    /// Whether anything was found out about it.
+    pub(super) fn is_known(&self) -> bool {
+        self.contact.penetration > f64::NEG_INFINITY || self.push != Vec2::zeros()
+    }
+}
+
 impl Memory {
     /// Of a circle behind an open outline, which it did not come through.
     pub(super) const BEHIND: Self = Self {

@@ -4,6 +4,9 @@ use super::dynamics::MechanismDynamics;
 use super::equation::{Equation, Row};
 use crate::error::Error;
 
+/// Part of the largest residual below which a joint is not said to be missed.
+const MISSED: f64 = 1e-6;
+
 impl MechanismDynamics {
     /// What the joints miss where they cannot all hold: positions, or else velocities.
     pub(super) fn what_misses(&self) -> String {
@@ -43,7 +46,9 @@ impl MechanismDynamics {
             }
         }
         found.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let worst: Vec<String> = found.into_iter().take(5).map(|(_, text)| text).collect();
+        let least = found.first().map_or(0.0, |(most, _)| MISSED * most);
+        let missed = found.into_iter().filter(|(value, _)| *value > least);
+        let worst: Vec<String> = missed.take(5).map(|(_, text)| text).collect();
         worst.join(", ")
     }
 

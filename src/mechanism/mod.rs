@@ -7,6 +7,7 @@
 mod approach;
 mod assembly;
 mod body;
+mod branches;
 mod constrained;
 mod contact;
 mod contact_law;

@@ -29,7 +29,8 @@ impl MechanismSimulation {
         for contact in 0..self.dynamics.near.len() {
             let sides = self.dynamics.model.sides_of_contact[contact].clone();
             if self.dynamics.near[contact] {
-                sides.for_each(|k| self.find_onset_of_side(k, start, end));
+                let open = self.dynamics.model.contacts[contact].is_open();
+                sides.for_each(|k| self.find_onset_of_side(k, open, start, end));
             } else {
                 // Out of reach, where no outline has a back.
                 self.dynamics.memory[sides].fill(Memory::default());
@@ -37,15 +38,18 @@ impl MechanismSimulation {
         }
     }
 
-    fn find_onset_of_side(&mut self, k: usize, start: f64, end: f64) {
-        let touch = self.dynamics.touches[k];
+    fn find_onset_of_side(&mut self, k: usize, open: bool, start: f64, end: f64) {
+        let touch = &self.dynamics.touches[k];
+        let place = touch.place;
         if touch.contact.penetration > 0.0 {
             if self.dynamics.memory[k].speed <= 0.0 {
                 self.find_onset(k, touch.contact.penetration, start, end);
             }
-            self.note_place(k, touch.place);
-        } else {
+            self.note_place(k, place);
+        } else if open {
             self.dynamics.memory[k] = self.dynamics.apart(k);
+        } else {
+            self.dynamics.memory[k] = Memory::default();
         }
     }
 

@@ -16,6 +16,9 @@ use crate::geometry::{Vec2, turned_left};
 /// Turns to the right below this are rounding, not corners \[sine\].
 const SMOOTH: f64 = 1e-6;
 
+/// Radii of the circle within which places are looked for first.
+const NEAR: f64 = 2.0;
+
 /// A place where a circle may bear on a profile.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bearing {
@@ -135,12 +138,42 @@ impl Outline {
     }
 
     /// Shows `visit` every place where a circle of `radius` around `point` may bear, and those farther off that face it.
-    pub(super) fn bearings(&self, point: Vec2, radius: f64, mut visit: impl FnMut(&Bearing)) {
+    pub(super) fn bearings(&self, point: Vec2, radius: f64, visit: impl FnMut(&Bearing)) {
+        self.bearings_within(f64::INFINITY, point, radius, visit);
+    }
+
+    /// The same for forces: along a closed outline, places nearer than some radii alone, where there are any.
+    pub(super) fn bearings_near(&self, point: Vec2, radius: f64, mut visit: impl FnMut(&Bearing)) {
+        let limit = if self.closed {
+            NEAR * radius
+        } else {
+            f64::INFINITY
+        };
+        let mut none = true;
+        self.bearings_within(limit, point, radius, |bearing| {
+            none = false;
+            visit(bearing);
+        });
+        // Far from all of it, the centre may be deep in the material.
+        if none && self.closed {
+            self.bearings(point, radius, visit);
+        }
+    }
+
+    /// Places farther off than `limit`, which is not below `radius`, are left out: a greatest distance that bears lies between
+    /// least ones that are nearer still.
+    fn bearings_within(
+        &self,
+        limit: f64,
+        point: Vec2,
+        radius: f64,
+        mut visit: impl FnMut(&Bearing),
+    ) {
+        let farthest = limit * limit;
         let mut found = Found::default();
         let last = self.parts.len() - 1;
         let mut descending = if self.closed {
-            let part = &self.parts[last];
-            part.tangents[1].dot(&(point - part.piece.to)) > 0.0
+            self.parts[last].descends(point)
         } else {
             true
         };
@@ -154,16 +187,21 @@ impl Outline {
                     _ => Some(&self.parts[i - 1]),
                 };
                 if let Some(before) = before {
-                    let corner = at_corner(before, part, at_start);
-                    found.add(!starts, corner, radius, &mut visit);
+                    if at_start.norm_squared() <= farthest {
+                        let corner = at_corner(before, part, at_start);
+                        found.add(!starts, corner, radius, &mut visit);
+                    }
                 } else {
                     let away = -part.tangents[0];
                     found.at_end(part, at_start, away, turned_left(away), &mut visit);
                 }
             }
-            descending = part.tangents[1].dot(&(point - part.piece.to)) > 0.0;
+            descending = part.descends(point);
             if starts != descending {
-                found.add(starts, part.inside(point, starts), radius, &mut visit);
+                let bearing = part.inside(point, starts);
+                if bearing.distance.abs() <= limit {
+                    found.add(starts, bearing, radius, &mut visit);
+                }
             }
         }
         if !self.closed && descending {
@@ -187,6 +225,11 @@ pub(super) fn is_tight(curvature: Curvature, radius: f64) -> bool {
 }
 
 impl Part {
+    /// Whether the distance still falls at its end.
+    fn descends(&self, point: Vec2) -> bool {
+        self.tangents[1].dot(&(point - self.piece.to)) > 0.0
+    }
+
     /// The least (or greatest) distance inside the part.
     fn inside(&self, point: Vec2, least: bool) -> Bearing {
         let Some(center) = self.piece.center else {

@@ -1,12 +1,27 @@
 //! What of a mechanism is worth a second look: parts that nothing holds, contacts that begin pressed in.
 
 use super::dynamics::MechanismDynamics;
+use super::force_element::ForceKind;
 use super::model::MechanismModel;
 
 /// Part of its radius by which a circle may be pressed in at the start without a word.
 const PRESSED: f64 = 0.05;
 
 impl MechanismDynamics {
+    /// Circles that begin behind an open outline, which they then come through without a force.
+    pub(super) fn starts_behind(&self) -> Vec<String> {
+        let contacts = self.model.contacts.iter().zip(&self.model.contact_names);
+        let found = contacts.filter(|(contact, _)| contact.is_behind(&self.frames));
+        let found = found.map(|(_, name)| {
+            format!(
+                "contact {name:?}: its circle begins behind the open outline, and touches nothing until it has come out \
+                 in front: the material lies on the left of the way through the points; reverse their order if the \
+                 circle is in front"
+            )
+        });
+        found.collect()
+    }
+
     /// Contacts that begin pressed in by more than bodies do that are laid on each other.
     pub(super) fn pressed_starts(&self) -> Vec<String> {
         let contacts = self.model.contacts.iter().zip(&self.model.contact_names);
@@ -23,6 +38,27 @@ impl MechanismDynamics {
         });
         found.collect()
     }
+}
+
+/// Springs that soften until they drive away from their rest within the mechanism: of a sign that may be wrong.
+pub(super) fn softening_springs(model: &MechanismModel, size: f64) -> Vec<String> {
+    let forces = model.forces.iter().zip(&model.force_names);
+    let found = forces.filter_map(|(force, name)| {
+        let (law, size, unit, units) = match &force.kind {
+            ForceKind::Spring { law, .. } => (law, size, "m", "N/m^3"),
+            ForceKind::TorsionSpring { law, .. } => (law, 1.0, "rad", "N m/rad^3"),
+            _ => return None,
+        };
+        let zero = (law.stiffness.max(0.0) / -law.cubic).sqrt();
+        (law.cubic < 0.0 && zero < size).then(|| {
+            format!(
+                "cubic of spring {name:?} is {:.4e} {units}: from {zero:.1e} {unit} on it drives away from its rest; is \
+                 the sign right?",
+                law.cubic
+            )
+        })
+    });
+    found.collect()
 }
 
 /// Bodies that nothing ties to the rest.

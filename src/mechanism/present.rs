@@ -3,6 +3,7 @@
 use super::body::{Body, Frame};
 use super::dynamics::{MechanismDynamics, Stabilisation};
 use super::memory::Memory;
+use super::projection::AtHand;
 use super::recording::MechanismRecording;
 use super::simulation::{ITERATIONS, MechanismSimulation};
 use crate::error::{Error, Result};
@@ -105,7 +106,8 @@ impl MechanismSimulation {
         self.read(t);
         let mut inside = std::mem::take(&mut self.inside);
         if self.dynamics.stabilisation == Stabilisation::Projection {
-            self.dynamics.project(t, &mut inside, ITERATIONS);
+            self.dynamics
+                .project(t, &mut inside, ITERATIONS, AtHand::Nothing);
         }
         // What came out from behind in this step was still there before its end.
         let out = |k: usize| self.was_behind(k) && t < self.adams.time();

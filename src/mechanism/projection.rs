@@ -9,6 +9,11 @@ const LEFT: f64 = 1e-11;
 const LEFT_OF_VELOCITIES: f64 = 1e-9;
 const LEFT_ACROSS: f64 = 1e-8;
 
+/// A rate of convergence above which factors of a state beside are made anew, and the multiple of round-off down to which it
+/// tells something.
+const SLOW: f64 = 0.05;
+const TELLING: f64 = 64.0;
+
 /// How a projection ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Projected {
@@ -18,18 +23,44 @@ enum Projected {
     MissedNearSingular,
 }
 
+/// What a projection begins with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum AtHand {
+    Nothing,
+    /// Factors of a state a step's correction beside.
+    Factors,
+    /// Bodies, equations and factors of the very state.
+    Everything,
+}
+
+/// The factors a projection uses, and what is known of them.
+struct Held {
+    kkt: Constrained,
+    /// Whether they are of the state as it is.
+    fresh: bool,
+    /// Whether something has next to no hold.
+    near: bool,
+}
+
 impl MechanismDynamics {
     /// Moves `state` (q, then v) onto the constraints at time `t`: positions, then velocities.
     ///
     /// Returns whether what is left is round-off; near a singular position, what both sides leave.
-    pub(super) fn project(&mut self, t: f64, state: &mut [f64], iterations: usize) -> bool {
-        match self.project_here(t, state, iterations, LEFT) {
+    pub(super) fn project(
+        &mut self,
+        t: f64,
+        state: &mut [f64],
+        iterations: usize,
+        at_hand: AtHand,
+    ) -> bool {
+        match self.project_here(t, state, iterations, LEFT, at_hand) {
             Projected::There => true,
             Projected::Missed => false,
             // What has no hold here is held on both sides.
             Projected::MissedNearSingular => {
                 self.project_across(t, state)
-                    && self.project_here(t, state, iterations, LEFT_ACROSS) == Projected::There
+                    && self.project_here(t, state, iterations, LEFT_ACROSS, AtHand::Nothing)
+                        == Projected::There
             }
         }
     }
@@ -41,22 +72,32 @@ impl MechanismDynamics {
         state: &mut [f64],
         iterations: usize,
         left: f64,
+        at_hand: AtHand,
     ) -> Projected {
-        let Some(mut kkt) = self.kkt.take() else {
+        let Some(kkt) = self.kkt.take() else {
             return Projected::There;
+        };
+        // Factors that are cut for want of a hold are of one state only.
+        let known = at_hand != AtHand::Nothing && kkt.independence() >= self.near_singular;
+        let mut held = Held {
+            kkt,
+            fresh: known && at_hand == AtHand::Everything,
+            near: false,
         };
         let n = self.model.coordinates();
         let [mut residual, mut change] = std::mem::take(&mut self.projecting);
-        let (mut done, mut near) = (false, false);
-        let mut before = f64::INFINITY;
-        for iteration in 0..iterations {
+        if at_hand != AtHand::Everything {
             self.place(state);
             self.find_rows(t);
+        }
+        let (size, mut done) = (self.size(), false);
+        let mut before = f64::INFINITY;
+        for iteration in 0..iterations {
             for (r, row) in residual.iter_mut().zip(&self.rows) {
                 *r = row.value;
             }
-            let worst = self.worst();
-            if worst <= self.round_off() || (worst < left && worst >= 0.5 * before) {
+            let (worst, round_off) = (self.worst_beside(size), self.round_off());
+            if worst <= round_off || (worst < left && worst >= 0.5 * before) {
                 done = true;
                 break;
             }
@@ -64,68 +105,78 @@ impl MechanismDynamics {
                 break;
             }
             // While it converges fast, the factors at hand do.
-            if iteration == 0 || worst > 0.05 * before {
-                near = self.factorise_held(&mut kkt);
+            let slow = worst > SLOW * before && worst > TELLING * round_off;
+            if slow || iteration == 0 && !known {
+                self.factorise_held(&mut held);
             }
             before = worst;
             change.fill(0.0);
-            kkt.correct(&self.rows, &residual, &mut change);
+            held.kkt.correct(&self.rows, &residual, &mut change);
             state[..n]
                 .iter_mut()
                 .zip(&change)
                 .for_each(|(q, c)| *q += c);
+            held.fresh = false;
+            self.place(state);
+            self.find_rows(t);
         }
         if done {
-            near = self.factorise_held(&mut kkt);
+            if !known {
+                self.factorise_held(&mut held);
+            }
             let left = left.max(LEFT_OF_VELOCITIES);
-            done = self.project_velocities(&mut kkt, state, [&mut residual, &mut change], left);
+            done = self.project_velocities(&mut held, state, [&mut residual, &mut change], left);
         }
-        self.kkt = Some(kkt);
+        self.kkt = Some(held.kkt);
         self.projecting = [residual, change];
-        match (done, near) {
+        match (done, held.near) {
             (true, _) => Projected::There,
             (false, true) => Projected::MissedNearSingular,
             (false, false) => Projected::Missed,
         }
     }
 
-    /// Factors where the bodies are, of what has a hold; whether something has next to none.
-    fn factorise_held(&self, kkt: &mut Constrained) -> bool {
-        kkt.factorise(&self.rows);
-        let near = kkt.independence() < self.near_singular;
-        kkt.truncate(self.near_singular);
-        near
+    /// Factors where the bodies are, of what has a hold.
+    fn factorise_held(&self, held: &mut Held) {
+        held.kkt.factorise(&self.rows);
+        held.near = held.kkt.independence() < self.near_singular;
+        held.kkt.truncate(self.near_singular);
+        held.fresh = true;
     }
 
     fn project_velocities(
         &mut self,
-        kkt: &mut Constrained,
+        held: &mut Held,
         state: &mut [f64],
         [residual, change]: [&mut [f64]; 2],
         left: f64,
     ) -> bool {
         let n = self.model.coordinates();
-        let mut worst = f64::INFINITY;
-        for _ in 0..3 {
-            self.place(state);
+        let speed = self.speed();
+        let round_off = f64::EPSILON * speed;
+        let mut before = f64::INFINITY;
+        for _ in 0..4 {
             for (r, row) in residual.iter_mut().zip(&self.rows) {
                 *r = row.rate(&self.frames);
             }
-            let now = largest(residual);
-            if now <= f64::EPSILON * self.speed() || now >= worst {
+            let worst = largest(residual);
+            if worst <= round_off || worst >= before {
                 break;
             }
-            worst = now;
+            if !held.fresh && worst > SLOW * before && worst > TELLING * round_off {
+                self.factorise_held(held);
+            }
+            before = worst;
             change.fill(0.0);
-            kkt.correct(&self.rows, residual, change);
+            held.kkt.correct(&self.rows, residual, change);
             state[n..2 * n]
                 .iter_mut()
                 .zip(&*change)
                 .for_each(|(v, c)| *v += c);
+            self.move_with(state);
         }
-        self.place(state);
         let rates = self.rows.iter().map(|row| row.rate(&self.frames).abs());
-        rates.fold(0.0, f64::max) <= left * self.speed()
+        rates.fold(0.0, f64::max) <= left * speed
     }
 }
 

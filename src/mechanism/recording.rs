@@ -47,12 +47,27 @@ pub struct MechanismRecording {
     balance: Balance,
 }
 
+/// No residual is known between two reports.
+const NOTHING: Passed = Passed {
+    dissipated: 0.0,
+    worked_in: 0.0,
+    residual: 0.0,
+};
+
 /// Share of all energy there is that may be missing where little is exchanged.
 const SMALL: f64 = 1e-6;
 
 impl MechanismRecording {
-    /// Sets aside the forces at the end of a step, before reports inside it are evaluated.
+    /// Sets aside the forces at the end of a step, before reports inside it are evaluated; what is exchanged between two reports,
+    /// as in a bounce, counts.
     pub(super) fn arrive(&mut self, dynamics: &MechanismDynamics) {
+        let (kinetic, gravity) = dynamics.energy();
+        let energy = Energy {
+            kinetic,
+            gravity,
+            elastic: dynamics.loads.elastic,
+        };
+        self.balance.watch(energy, NOTHING, 0.0);
         self.joints.arrive(joint_forces(dynamics));
         self.contacts.arrive(contact_forces(dynamics));
     }

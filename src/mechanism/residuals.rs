@@ -19,7 +19,11 @@ impl MechanismDynamics {
 
     /// Largest residual of the positions: lengths in parts of the size, angles in radians.
     pub(super) fn worst(&self) -> f64 {
-        let size = self.size();
+        self.worst_beside(self.size())
+    }
+
+    /// The same, of a mechanism of this size \[m\].
+    pub(super) fn worst_beside(&self, size: f64) -> f64 {
         let equations = self.model.equations.iter().zip(&self.rows);
         let parts = equations.map(|(equation, row)| {
             let unit = if equation.is_angle() { 1.0 } else { size };

@@ -35,6 +35,7 @@ pub(super) fn odd_scales(model: &MechanismModel) -> Vec<String> {
     let of_contacts = (0..model.contacts.len()).filter_map(|k| scales.odd_radii(model, k));
     of_gravity(model)
         .into_iter()
+        .chain(scales.odd_masses(model))
         .chain(of_bodies)
         .chain(of_contacts)
         .chain(odd_loads(model, scales.size, |k| {
@@ -133,6 +134,23 @@ impl Scales {
                 body.inertia,
                 body.mass,
                 times(body.inertia / expected)
+            )
+        })
+    }
+
+    /// Masses that are all too large for inertias and points: of each body alone the others would say that it is as they are.
+    fn odd_masses(&self, model: &MechanismModel) -> Option<String> {
+        let known = (1..model.bodies.len()).filter(|&i| !model.bodies[i].fixed);
+        let ratios: Vec<f64> = known
+            .map(|i| self.compactness[i])
+            .filter(|ratio| ratio.is_finite())
+            .collect();
+        let most = ratios.iter().copied().fold(0.0, f64::max);
+        (ratios.len() > 1 && most < COMPACT).then(|| {
+            format!(
+                "inertias of all bodies are below {most:.1e} of mass times the square of their farthest points' distance \
+                 from the centre of mass, a third would be expected: are the masses 1000 times too large, in another \
+                 unit, or the inertias 1000 times too small?"
             )
         })
     }

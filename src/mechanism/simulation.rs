@@ -7,6 +7,7 @@ use super::assembly::Assembly;
 use super::dynamics::{MechanismDynamics, Stabilisation};
 use super::memory::Memory;
 use super::model::MechanismModel;
+use super::projection::AtHand;
 use super::recording::MechanismRecording;
 use super::reports::Reports;
 use crate::error::{Error, Result};
@@ -59,9 +60,22 @@ impl MechanismSimulation {
         control: StepControl,
         stabilisation: Stabilisation,
     ) -> Result<Self> {
+        Self::new_unless(model, control, stabilisation, &|| false)
+    }
+
+    /// The same; `give_up` is asked now and then while the mechanism is assembled, and ends that with an error.
+    ///
+    /// # Errors
+    /// When a control does not fit or the mechanism does not go together.
+    pub fn new_unless(
+        model: Arc<MechanismModel>,
+        control: StepControl,
+        stabilisation: Stabilisation,
+        give_up: &dyn Fn() -> bool,
+    ) -> Result<Self> {
         control.validate()?;
         let mut dynamics = MechanismDynamics::new(model, stabilisation);
-        let assembly = dynamics.assemble()?;
+        let assembly = dynamics.assemble_unless(give_up)?;
         let mut y = assembly.state.clone();
         y.extend([0.0, 0.0]);
         let mut adams = Adams::new(dynamics.dimension(), control);
@@ -82,7 +96,7 @@ impl MechanismSimulation {
             assembly,
         };
         simulation.remember_present_contacts();
-        let longest = simulation.dynamics.longest_step(0.0);
+        let longest = simulation.dynamics.longest_step(0.0, control.max_step);
         simulation.adams.limit_step(longest);
         Ok(simulation)
     }
@@ -201,6 +215,12 @@ impl MechanismSimulation {
     }
 
     fn step(&mut self) -> Result<()> {
+        // The explicit corrector ends with an evaluation where the step does.
+        let at_hand = if self.adams.is_implicit() {
+            AtHand::Factors
+        } else {
+            AtHand::Everything
+        };
         let step = self.adams.step_second_order(&mut self.dynamics);
         let step = step.map_err(|failure| {
             let model = Arc::clone(self.dynamics.model());
@@ -216,9 +236,12 @@ impl MechanismSimulation {
         }
         self.find_onsets(step.start, step.end);
         if self.dynamics.stabilisation == Stabilisation::Projection {
-            self.project(step.end)?;
+            self.project(step.end, at_hand)?;
         }
-        self.adams.limit_step(self.dynamics.longest_step(step.end));
+        // Twice the step that would be next: whether it is near to its limit is asked for, too.
+        let within = 2.0 * self.adams.step_size();
+        self.adams
+            .limit_step(self.dynamics.longest_step(step.end, within));
         Ok(())
     }
 
@@ -242,7 +265,7 @@ impl MechanismSimulation {
     }
 
     /// Takes what the step has left on the constraints off the solution, and leaves the integrator's history as it is.
-    fn project(&mut self, t: f64) -> Result<()> {
+    fn project(&mut self, t: f64, at_hand: AtHand) -> Result<()> {
         if !self.dynamics.is_constrained() {
             return Ok(());
         }
@@ -252,7 +275,7 @@ impl MechanismSimulation {
         for ((x, y), shift) in state.iter_mut().zip(solution).zip(&self.dynamics.shift) {
             *x = y + shift;
         }
-        if !self.dynamics.project(t, state, ITERATIONS) {
+        if !self.dynamics.project(t, state, ITERATIONS, at_hand) {
             let residuals = self.dynamics.what_misses();
             return Err(Error::JointsApart { time: t, residuals });
         }

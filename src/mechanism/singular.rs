@@ -6,6 +6,7 @@
 //! onto the constraints, and are taken from the even polynomial through them.
 
 use super::dynamics::MechanismDynamics;
+use super::projection::AtHand;
 
 /// Way between the places on both sides, in turns of the fastest body \[rad\].
 const SPACING: f64 = 0.03;
@@ -85,7 +86,7 @@ impl MechanismDynamics {
             let delay = side * SPACING * k as f64 / spin;
             place.copy_from_slice(state);
             add(&mut place[..n], delay, &state[n..]);
-            self.project(t + delay, &mut place, ITERATIONS)
+            self.project(t + delay, &mut place, ITERATIONS, AtHand::Nothing)
                 && visit(self, t + delay, &place, WEIGHTS[k - 1])
         });
         self.near_singular = near;

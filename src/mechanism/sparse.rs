@@ -46,6 +46,8 @@ pub(super) struct SparseKkt {
 struct Meeting {
     rows: [usize; 2],
     parts: [usize; 2],
+    /// First coordinate of the body.
+    first: usize,
     entry: usize,
 }
 
@@ -70,7 +72,8 @@ impl SparseKkt {
         }
         let (start, above) = upper_triangle(&order, &place, &neighbours);
         let mut meetings = Vec::new();
-        for rows in &on_body {
+        for (rows, first) in on_body.iter().zip(first) {
+            let Some(first) = *first else { continue };
             for &(i, part_i) in rows {
                 for &(j, part_j) in rows {
                     if place[i] <= place[j] {
@@ -79,6 +82,7 @@ impl SparseKkt {
                         meetings.push(Meeting {
                             rows: [i, j],
                             parts: [part_i, part_j],
+                            first,
                             entry: column.start + found.unwrap_or(0),
                         });
                     }
@@ -141,13 +145,11 @@ impl SparseKkt {
     pub(super) fn factorise(&mut self, rows: &[Row]) {
         self.entries.fill(0.0);
         for meeting in &self.meetings {
-            let [a, b] = [0, 1].map(|k| &rows[meeting.rows[k]].jacobian[meeting.parts[k]]);
-            let body = rows[meeting.rows[0]].bodies[meeting.parts[0]];
-            if let Some(first) = self.first[body] {
-                let sum: f64 = (0..3)
-                    .map(|k| a[k] * self.inverse_mass[first + k] * b[k])
-                    .sum();
-                self.entries[meeting.entry] += sum;
+            let ([i, j], [part_i, part_j]) = (meeting.rows, meeting.parts);
+            let [a, b] = [&rows[i].jacobian[part_i], &rows[j].jacobian[part_j]];
+            if let [wx, wy, turning] = self.inverse_mass[meeting.first..meeting.first + 3] {
+                self.entries[meeting.entry] +=
+                    a[0] * wx * b[0] + a[1] * wy * b[1] + a[2] * turning * b[2];
             }
         }
         self.eliminate_all(PIVOT_TOLERANCE);
@@ -187,16 +189,17 @@ impl SparseKkt {
 
     /// Row k of L and its pivot.
     fn eliminate(&mut self, k: usize, tolerance: f64) {
-        for at in self.start[k]..self.start[k + 1] {
-            self.work[self.above[at]] = self.entries[at];
+        let upper = self.start[k]..self.start[k + 1];
+        for (&row, &entry) in self.above[upper.clone()].iter().zip(&self.entries[upper]) {
+            self.work[row] = entry;
         }
         let diagonal = self.work[k];
         for &column in &self.pattern[self.pattern_start[k]..self.pattern_start[k + 1]] {
             let y = std::mem::take(&mut self.work[column]);
             let begin = self.column_start[column];
             let end = begin + self.filled[column];
-            for at in begin..end {
-                self.work[self.rows[at]] -= self.values[at] * y;
+            for (&row, value) in self.rows[begin..end].iter().zip(&self.values[begin..end]) {
+                self.work[row] -= value * y;
             }
             let value = y * self.inverse_pivots[column];
             self.work[k] -= value * y;
@@ -218,8 +221,9 @@ impl SparseKkt {
         let x = &mut self.right;
         for k in 0..x.len() {
             let known = x[k];
-            for at in self.column_start[k]..self.column_start[k + 1] {
-                x[self.rows[at]] -= self.values[at] * known;
+            let column = self.column_start[k]..self.column_start[k + 1];
+            for (&row, value) in self.rows[column.clone()].iter().zip(&self.values[column]) {
+                x[row] -= value * known;
             }
         }
         for (x, pivot) in x.iter_mut().zip(&self.inverse_pivots) {
@@ -227,7 +231,8 @@ impl SparseKkt {
         }
         for k in (0..x.len()).rev() {
             let column = self.column_start[k]..self.column_start[k + 1];
-            let sum: f64 = column.map(|at| self.values[at] * x[self.rows[at]]).sum();
+            let below = self.rows[column.clone()].iter().zip(&self.values[column]);
+            let sum: f64 = below.map(|(&row, value)| value * x[row]).sum();
             if self.inverse_pivots[k] > 0.0 {
                 x[k] -= sum;
             }
@@ -238,8 +243,10 @@ impl SparseKkt {
     fn along(&self, row: &Row, x: &[f64]) -> f64 {
         let mut sum = 0.0;
         for (body, part) in row.bodies.iter().zip(&row.jacobian) {
-            if let Some(first) = self.first[*body] {
-                sum += part[0] * x[first] + part[1] * x[first + 1] + part[2] * x[first + 2];
+            if let Some(first) = self.first[*body]
+                && let [x, y, angle] = x[first..first + 3]
+            {
+                sum += part[0] * x + part[1] * y + part[2] * angle;
             }
         }
         sum
@@ -251,8 +258,11 @@ impl SparseKkt {
             let lambda = sign * lambda(i);
             for (body, part) in row.bodies.iter().zip(&row.jacobian) {
                 if let Some(first) = self.first[*body] {
-                    for k in 0..3 {
-                        x[first + k] += self.inverse_mass[first + k] * part[k] * lambda;
+                    let inverse = &self.inverse_mass[first..first + 3];
+                    for ((x, inverse), part) in
+                        x[first..first + 3].iter_mut().zip(inverse).zip(part)
+                    {
+                        *x += inverse * part * lambda;
                     }
                 }
             }

@@ -68,8 +68,22 @@ impl CompiledContact {
     pub(super) fn bearings(&self, local: Vec2, mut visit: impl FnMut(&Bearing, Option<Tooth>)) {
         if let Some(outline) = &self.outline {
             outline.bearings(local, self.radius, |bearing| visit(bearing, None));
-            return;
+        } else {
+            self.only_bearing(local, visit);
         }
+    }
+
+    /// The same for forces, for which places far from the surface count only where there is no other.
+    fn bearings_near(&self, local: Vec2, mut visit: impl FnMut(&Bearing, Option<Tooth>)) {
+        if let Some(outline) = &self.outline {
+            outline.bearings_near(local, self.radius, |bearing| visit(bearing, None));
+        } else {
+            self.only_bearing(local, visit);
+        }
+    }
+
+    /// Where the circle bears on what is no outline.
+    fn only_bearing(&self, local: Vec2, mut visit: impl FnMut(&Bearing, Option<Tooth>)) {
         let Nearest {
             distance,
             outward,
@@ -167,9 +181,11 @@ impl CompiledContact {
         touches: &mut [Touch],
     ) {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
-        touches.fill(Touch::default());
+        for touch in touches.iter_mut().filter(|touch| touch.is_known()) {
+            *touch = Touch::default();
+        }
         let approach = self.approach(fa, fb);
-        self.bearings(self.local(fa, fb), |bearing, tooth| {
+        self.bearings_near(self.local(fa, fb), |bearing, tooth| {
             let (touch, memory) = (&mut touches[bearing.side], memory[bearing.side]);
             if !self.bears(bearing, memory) {
                 return;
@@ -246,6 +262,20 @@ impl CompiledContact {
             });
         }
         depth
+    }
+
+    /// Whether the circle's centre is behind an open outline, deeper than what was pressed in, and is not about to come out.
+    pub(super) fn is_behind(&self, frames: &[Frame]) -> bool {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let mut behind = false;
+        if self.is_open() {
+            self.bearings(self.local(fa, fb), |bearing, _| {
+                let comes_out = self.approach(fa, fb).dot(&fa.turned(bearing.outward)) > 0.0;
+                let deep = bearing.place == Place::Deep && -bearing.distance >= 0.5 * self.radius;
+                behind |= deep && !comes_out;
+            });
+        }
+        behind
     }
 
     /// Whether the material of a closed outline lies outside it.

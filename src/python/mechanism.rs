@@ -2,15 +2,13 @@
 
 use pyo3::prelude::*;
 
-use super::describe::{
-    Reader, chain, checked, force_law, material, number, refuse, sprocket, truth,
-};
+use super::describe::{Reader, checked, number, refuse, truth};
 use super::errors::InvalidInput;
 use super::mechanism_callable::{Raised, custom};
-use crate::geometry::Vec2;
+use super::mechanism_contact::contact;
 use crate::mechanism::{
-    Body, ContactLaw, ContactPair, Curve, ForceElement, ForceKind, Joint, JointKind, Marker,
-    Mechanism, Motion, Piece, Profile, Spline, SpringLaw, TimeFunction,
+    Body, Curve, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, Motion, Spline,
+    SpringLaw, TimeFunction,
 };
 
 /// Reads a `Mechanism`; callables leave what they raise in `raised`.
@@ -51,7 +49,7 @@ fn of_part(part: &Bound<'_, PyAny>, kind: &str, error: &PyErr) -> PyErr {
     InvalidInput::new_err(format!("{kind} {name}: {}", error.value(part.py())))
 }
 
-fn text(read: &Reader<'_, '_>, field: &str) -> PyResult<String> {
+pub(super) fn text(read: &Reader<'_, '_>, field: &str) -> PyResult<String> {
     let value = read.get(field)?;
     value
         .extract()
@@ -98,7 +96,7 @@ fn body(object: &Bound<'_, PyAny>) -> PyResult<Body> {
     })
 }
 
-fn markers(read: &Reader<'_, '_>) -> PyResult<[Marker; 2]> {
+pub(super) fn markers(read: &Reader<'_, '_>) -> PyResult<[Marker; 2]> {
     let marker = |body: &str, point: &str| {
         Ok::<_, PyErr>(Marker {
             body: text(read, body)?,
@@ -167,7 +165,7 @@ fn motion(read: &Reader<'_, '_>) -> PyResult<Motion> {
     })
 }
 
-fn pairs(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<(f64, f64)>> {
+pub(super) fn pairs(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<(f64, f64)>> {
     value
         .extract()
         .map_err(|_| refuse(value.py(), field, value, "must be rows of two numbers"))
@@ -277,95 +275,4 @@ fn force(object: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<ForceElement> {
         }
     };
     Ok(ForceElement { name, a, b, kind })
-}
-
-fn points(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<Vec2>> {
-    Ok(pairs(value, field)?
-        .into_iter()
-        .map(|(x, y)| Vec2::new(x, y))
-        .collect())
-}
-
-fn contact(object: &Bound<'_, PyAny>) -> PyResult<ContactPair> {
-    let read = Reader::new(object, "contacts", &["Contact"])?;
-    let [a, b] = markers(&read)?;
-    let name = text(&read, "name")?;
-    let field = format!("contact {name:?}");
-    let closed = || truth(&read.get("closed")?, "closed");
-    let profile = match text(&read, "kind")?.as_str() {
-        "bore" => Profile::Bore {
-            radius: number(&read.get("profile_radius")?, "bore_radius", "m")?,
-        },
-        "disc" => Profile::Disc {
-            radius: number(&read.get("profile_radius")?, "radius_a", "m")?,
-        },
-        "sprocket" => {
-            let wheel = sprocket(&read.get("sprocket")?, &field)?;
-            let chain = chain(&read.get("chain")?, &field)?;
-            Profile::Teeth(Box::new(checked(object.py(), wheel.tooth_profile(&chain))?))
-        }
-        "polyline" => {
-            let points = points(&read.get("points")?, &field)?;
-            checked(object.py(), Profile::polyline(&field, &points, closed()?))?
-        }
-        _ => Profile::Outline {
-            pieces: arcs(&read.get("points")?, &field)?,
-            closed: closed()?,
-        },
-    };
-    Ok(ContactPair {
-        a,
-        b,
-        profile,
-        radius: read.number("radius", "m")?,
-        law: contact_law(&read.get("law")?)?,
-        name,
-    })
-}
-
-/// Pieces (from x, from y, to x, to y, centre x, centre y, whether convex), the centre NaN for a straight line.
-fn arcs(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<Piece>> {
-    let rows: Vec<[f64; 7]> = value
-        .extract()
-        .map_err(|_| refuse(value.py(), field, value, "must be rows of seven numbers"))?;
-    Ok(rows
-        .into_iter()
-        .map(|[fx, fy, tx, ty, cx, cy, convex]| Piece {
-            from: Vec2::new(fx, fy),
-            to: Vec2::new(tx, ty),
-            center: (!cx.is_nan()).then_some(Vec2::new(cx, cy)),
-            convex: convex > 0.0,
-        })
-        .collect())
-}
-
-fn contact_law(object: &Bound<'_, PyAny>) -> PyResult<ContactLaw> {
-    let kinds = ["LinearContact", "HuntCrossley", "SurfaceContact"];
-    let read = Reader::new(object, "law", &kinds)?;
-    Ok(match read.kind.as_str() {
-        "LinearContact" => {
-            // Per length where a length is given.
-            let length = read.optional_number("length", "m")?.unwrap_or(1.0);
-            ContactLaw::Linear {
-                stiffness: length * read.number("stiffness", "N/m")?,
-                damping: length * read.number("damping", "N s/m")?,
-            }
-        }
-        "HuntCrossley" => ContactLaw::HuntCrossley {
-            stiffness: read.number("stiffness", "N/m^n")?,
-            exponent: read.number("exponent", "1")?,
-            damping: read.number("damping", "s/m")?,
-        },
-        _ => {
-            let material = material(&read.get("material")?, "material")?;
-            checked(object.py(), material.validate())?;
-            ContactLaw::Surfaces {
-                law: force_law(&read.get("law")?, "law")?,
-                contact_modulus: material.contact_modulus(),
-                restitution: material.restitution,
-                length: read.number("length", "m")?,
-                min_approach_speed: read.number("min_approach_speed", "m/s")?,
-            }
-        }
-    })
 }

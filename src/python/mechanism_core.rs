@@ -10,6 +10,7 @@ use super::core::{budget, rows, table};
 use super::describe;
 use super::errors::to_python;
 use super::mechanism::mechanism;
+use super::mechanism_arrays::arrays;
 use super::mechanism_callable::Raised;
 use crate::error::{Error, Result};
 use crate::mechanism::{MechanismModel, MechanismSimulation, MechanismSnapshot, Stabilisation};
@@ -47,8 +48,10 @@ impl MechanismCore {
                 Stabilisation::Baumgarte(frequency)
             }
         };
-        let made = MechanismModel::compile(&description)
-            .and_then(|model| MechanismSimulation::new(Arc::new(model), control, stabilisation));
+        let made = MechanismModel::compile(&description).and_then(|model| {
+            let give_up = || interrupted(py, &raised);
+            MechanismSimulation::new_unless(Arc::new(model), control, stabilisation, &give_up)
+        });
         let core = made.map(|simulation| Self {
             simulation,
             raised: Arc::clone(&raised),
@@ -236,70 +239,7 @@ impl MechanismCore {
 
     fn take_recording<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let recording = self.simulation.take_recording();
-        let model = self.simulation.model();
-        let (rows, joints) = (recording.time.len(), model.joint_names().len());
-        let (bodies, contacts) = (model.body_names().len(), model.contact_names().len());
-        let arrays = PyDict::new(py);
-        let set = |name: &str, values: Vec<f64>, shape: &[usize]| {
-            let shape: Vec<usize> = std::iter::once(rows).chain(shape.iter().copied()).collect();
-            arrays.set_item(name, values.into_pyarray(py).reshape(shape)?)
-        };
-        set("time", recording.time, &[])?;
-        set("positions", recording.positions, &[bodies, 3])?;
-        set("velocities", recording.velocities, &[bodies, 3])?;
-        set("accelerations", recording.accelerations, &[bodies, 3])?;
-        set("joint_reaction", recording.reactions, &[joints, 3])?;
-        set(
-            "joint_position_residual",
-            recording.position_residual,
-            &[joints],
-        )?;
-        set(
-            "joint_velocity_residual",
-            recording.velocity_residual,
-            &[joints],
-        )?;
-        set("contact_force", recording.contact_force, &[contacts])?;
-        set("contact_penetration", recording.penetration, &[contacts])?;
-        set("peak_joint_force", recording.peak_joint_force, &[joints])?;
-        set(
-            "peak_joint_impulse",
-            recording.peak_joint_impulse,
-            &[joints],
-        )?;
-        set(
-            "peak_contact_force",
-            recording.peak_contact_force,
-            &[contacts],
-        )?;
-        set(
-            "peak_contact_impulse",
-            recording.peak_contact_impulse,
-            &[contacts],
-        )?;
-        for (name, values) in [
-            ("contact_gap", recording.contact_gap),
-            ("contact_region", recording.contact_region),
-        ] {
-            arrays.set_item(name, values.into_pyarray(py).reshape([rows, contacts])?)?;
-        }
-        let parts = [
-            "kinetic",
-            "gravity",
-            "elastic",
-            "dissipated",
-            "worked_in",
-            "residual",
-        ];
-        for (i, name) in parts.iter().enumerate() {
-            let values = recording
-                .energy
-                .chunks(parts.len())
-                .map(|row| row[i])
-                .collect();
-            set(&format!("energy_{name}"), values, &[])?;
-        }
-        Ok(arrays)
+        arrays(py, recording, self.simulation.model())
     }
 
     fn stats<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -324,6 +264,17 @@ impl MechanismCore {
         take(&self.raised)?;
         describe::checked(py, outcome)
     }
+}
+
+/// Whether Ctrl-C was pressed, which is then what was raised.
+fn interrupted(py: Python<'_>, raised: &Raised) -> bool {
+    let Err(error) = py.check_signals() else {
+        return false;
+    };
+    if let Ok(mut slot) = raised.lock() {
+        *slot = Some(error);
+    }
+    true
 }
 
 fn take(raised: &Raised) -> PyResult<()> {

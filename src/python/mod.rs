@@ -6,7 +6,9 @@ mod ensemble;
 mod errors;
 mod functions;
 mod mechanism;
+mod mechanism_arrays;
 mod mechanism_callable;
+mod mechanism_contact;
 mod mechanism_core;
 mod surfaces;
 

@@ -10,10 +10,11 @@ import numpy as np
 from rustchain.errors import InvalidInput
 
 if TYPE_CHECKING:
+    from rustchain.mechanism_result import MechanismResult
     from rustchain.result import Result
 
 
-def rows_between(result: Result, start: float | None, end: float | None) -> slice:
+def rows_between(result: Result | MechanismResult, start: float | None, end: float | None) -> slice:
     """Return the rows from `start` to `end` [s]."""
     time = result.time
     first = 0 if start is None else int(np.searchsorted(time, start, "left"))

@@ -18,6 +18,7 @@ from rustchain.plot.style import (
     panels,
     styled,
 )
+from rustchain.result import Array, Energy
 
 
 class HistoryFigures(Figures):
@@ -42,24 +43,28 @@ class HistoryFigures(Figures):
     @styled
     def energy(self, *, start: float | None = None, end: float | None = None) -> Figure:
         """Draw the energy balance over time, and what it misses."""
-        rows = self.rows(start, end)
-        energy, time = self.result.energy, self.result.time[rows]
-        figure, (upper, lower) = plt.subplots(
-            2, 1, sharex=True, figsize=(7.0, 4.2), height_ratios=(2.2, 1.0)
-        )
-        curves = {
-            "dissipated": (energy.dissipated, RED),
-            "worked in": (energy.worked_in, GREEN),
-            "kinetic, change": (energy.kinetic - energy.kinetic[0], BLUE),
-            "gravity, change": (energy.gravity - energy.gravity[0], GREY),
-            "elastic": (energy.elastic, ORANGE),
-        }
-        for name, (values, color) in curves.items():
-            upper.plot(time, 1e3 * values[rows], color=color, label=name)
-        upper.set_ylabel("energy [mJ]")
-        legend_above(upper)
-        lower.plot(time, 1e3 * energy.residual[rows], color=BLUE)
-        lower.set_ylabel("residual [mJ]")
-        lower.set_xlabel("time [s]")
-        figure.align_ylabels()
-        return figure
+        return energy_figure(self.result.time, self.result.energy, self.rows(start, end), 1e3, "mJ")
+
+
+def energy_figure(time: Array, energy: Energy, rows: slice, scale: float, unit: str) -> Figure:
+    """Return a figure of the energy balance in so many units a joule, and of what it misses."""
+    time = time[rows]
+    figure, (upper, lower) = plt.subplots(
+        2, 1, sharex=True, figsize=(7.0, 4.2), height_ratios=(2.2, 1.0)
+    )
+    curves = {
+        "dissipated": (energy.dissipated, RED),
+        "worked in": (energy.worked_in, GREEN),
+        "kinetic, change": (energy.kinetic - energy.kinetic[0], BLUE),
+        "gravity, change": (energy.gravity - energy.gravity[0], GREY),
+        "elastic": (energy.elastic, ORANGE),
+    }
+    for name, (values, color) in curves.items():
+        upper.plot(time, scale * values[rows], color=color, label=name)
+    upper.set_ylabel(f"energy [{unit}]")
+    legend_above(upper)
+    lower.plot(time, scale * energy.residual[rows], color=BLUE)
+    lower.set_ylabel(f"residual [{unit}]")
+    lower.set_xlabel("time [s]")
+    figure.align_ylabels()
+    return figure

@@ -220,3 +220,48 @@ fn an_open_row_of_bends_has_a_side_for_each_and_a_convex_one_has_one() {
     assert_eq!(outline.sides(), 2);
     assert_ne!(outline.parts[2].side, outline.parts[3].side);
 }
+
+#[test]
+fn forces_ask_for_near_places_and_get_what_all_give() {
+    // A wheel with notches, a lens of two arcs, and the same points clockwise: a hole.
+    let wheel: Vec<(f64, f64)> = (0..24)
+        .map(|k| {
+            let (sin, cos) = (f64::from(k) * std::f64::consts::PI / 12.0).sin_cos();
+            let radius = if k % 2 == 0 { 0.9 } else { 1.2 };
+            (radius * cos, radius * sin)
+        })
+        .collect();
+    let hole: Vec<(f64, f64)> = wheel.iter().rev().copied().collect();
+    let arc = |from: f64, to: f64| Piece {
+        from: Vec2::new(from, 0.0),
+        to: Vec2::new(to, 0.0),
+        center: Some(Vec2::new(0.0, 0.5 * from)),
+        convex: true,
+    };
+    let outlines = [
+        polyline(&wheel, true),
+        polyline(&hole, true),
+        vec![arc(1.0, -1.0), arc(-1.0, 1.0)],
+    ];
+    let (mut bearing, mut deep) = (0, 0);
+    for pieces in outlines {
+        for radius in [0.05, 0.3, 1.5] {
+            let outline = Outline::new(&pieces, true, radius);
+            for k in 0..4000 {
+                let point =
+                    2.0 * Vec2::new((0.7 * f64::from(k)).sin(), (0.011 * f64::from(k)).cos());
+                let mut all = Vec::new();
+                outline.bearings(point, radius, |b| all.push(*b));
+                let mut near = Vec::new();
+                outline.bearings_near(point, radius, |b| near.push(*b));
+                let bears = |b: &Bearing| b.distance < radius;
+                all.retain(bears);
+                near.retain(bears);
+                assert_eq!(all, near, "{point:?}, {radius}");
+                bearing += all.len();
+                deep += usize::from(all.iter().any(|b| b.distance < -NEAR * radius));
+            }
+        }
+    }
+    assert!(bearing > 10_000 && deep > 1000, "{bearing} {deep}");
+}

@@ -1,0 +1,153 @@
+"""When a run of a mechanism ends before its time: at a force of a joint or contact, at a time."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+from rustchain._names import known_keywords, suggest
+from rustchain.errors import InvalidInput
+from rustchain.stop import TimeReached
+
+if TYPE_CHECKING:
+    from rustchain.mechanism_simulation import MechanismSimulation
+    from rustchain.result import Array
+
+Look: TypeAlias = Callable[[], "str | None"]
+"""Says why the run is to stop at the report just made, if it is."""
+
+
+@dataclass(frozen=True)
+class MechanismStopCondition(ABC):
+    """What the stop conditions of mechanisms have; choose one of its subclasses.
+
+    A condition is looked at when a row has been recorded, and the run stops there: forces are the
+    largest since the row before, so that no impact is missed.
+    """
+
+    force: float
+
+    def __post_init__(self) -> None:
+        """Check the limit."""
+        number = isinstance(self.force, float | int | np.number) and not isinstance(
+            self.force, bool
+        )
+        if not (number and 0.0 < self.force < math.inf):
+            msg = f"{type(self).__name__}.force = {self.force!r}: must be a positive number in N"
+            raise InvalidInput(msg)
+
+    @abstractmethod
+    def look_at(self, simulation: MechanismSimulation) -> Look:
+        """Return what looks at each report of `simulation`."""
+
+    def _force(
+        self, part: str, name: str | None, names: Sequence[str], row: Callable[[], Array]
+    ) -> Look:
+        """Return what looks for a force above the limit, of one part or of all."""
+        if name is not None and name not in names:
+            msg = (
+                f"{type(self).__name__}.{part} = {name!r}: is no {part} of this mechanism; "
+                f"{suggest(str(name), names)}"
+            )
+            raise InvalidInput(msg)
+        if not names:
+            msg = f"{type(self).__name__}: this mechanism has no {part}s"
+            raise InvalidInput(msg)
+        first = 0 if name is None else names.index(name)
+        which = slice(first, len(names) if name is None else first + 1)
+
+        def look() -> str | None:
+            forces = row()[which]
+            worst = int(forces.argmax())
+            if forces[worst] <= self.force:
+                return None
+            found = names[first + worst]
+            return f"{part} {found!r} bore {forces[worst]:.4g} N, above {self.force:g} N"
+
+        return look
+
+
+@known_keywords
+@dataclass(frozen=True)
+class JointForceAbove(MechanismStopCondition):
+    """An ideal joint bore more than a limit since the row before.
+
+    Attributes
+    ----------
+    force : float
+        The limit [N].
+    joint : str, optional
+        Name of the joint or driver; by default any.
+    """
+
+    joint: str | None = None
+
+    def look_at(self, simulation: MechanismSimulation) -> Look:
+        """Return what looks at each report of `simulation`."""
+        names = simulation.joint_names
+        return self._force("joint", self.joint, names, lambda: simulation._core.last_peaks()[0])
+
+
+@known_keywords
+@dataclass(frozen=True)
+class ContactForceAbove(MechanismStopCondition):
+    """A contact or clearance joint was pressed by more than a limit since the row before.
+
+    Attributes
+    ----------
+    force : float
+        The limit [N].
+    contact : str, optional
+        Name of the contact; by default any.
+    """
+
+    contact: str | None = None
+
+    def look_at(self, simulation: MechanismSimulation) -> Look:
+        """Return what looks at each report of `simulation`."""
+        names = simulation.contact_names
+        return self._force("contact", self.contact, names, lambda: simulation._core.last_peaks()[1])
+
+
+MechanismStop: TypeAlias = MechanismStopCondition | TimeReached
+
+
+def looks_of(
+    simulation: MechanismSimulation,
+    stop: MechanismStop | Sequence[MechanismStop],
+    callback: Callable[[MechanismSimulation], object] | None,
+) -> list[Look]:
+    """Return what looks at each report of a run."""
+    kinds = (MechanismStopCondition, TimeReached)
+    wanted = "JointForceAbove, ContactForceAbove or TimeReached"
+    conditions = [stop] if isinstance(stop, kinds) else stop
+    if isinstance(conditions, str) or not isinstance(conditions, Sequence):
+        msg = f"stop = {stop!r}: must be {wanted}, or a list of them"
+        raise InvalidInput(msg)
+    looks: list[Look] = []
+    for condition in conditions:
+        if not isinstance(condition, kinds):
+            msg = (
+                f"stop: {condition!r} is no stop condition of mechanisms, which are {wanted}; a "
+                "function of your own goes into callback="
+            )
+            raise InvalidInput(msg)
+        looks.append(condition.look_at(simulation))  # type: ignore[arg-type]
+    if callback is not None:
+        if not callable(callback):
+            msg = f"callback = {callback!r}: must be a function of the simulation"
+            raise InvalidInput(msg)
+
+        def called() -> str | None:
+            answer = callback(simulation)
+            # Not just anything that counts as true: a function may return what it likes.
+            asked = isinstance(answer, bool | np.bool_) and bool(answer)
+            return "the callback asked for it" if asked else None
+
+        looks.append(called)
+    return looks

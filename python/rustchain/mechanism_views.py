@@ -1,0 +1,76 @@
+"""One body, joint or contact of a mechanism over time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rustchain.result import Array, IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class BodyMotion:
+    """One body over time.
+
+    Attributes
+    ----------
+    time : ndarray, (times,)
+        Report times [s].
+    position, velocity, acceleration : ndarray, (times, 3)
+        Of centre of mass and angle [m, m, rad], and their rates.
+    """
+
+    time: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True, eq=False)
+class JointHistory:
+    """One joint over time.
+
+    Attributes
+    ----------
+    time : ndarray, (times,)
+        Report times [s].
+    force : ndarray, (times, 2)
+        Force on body b [N].
+    torque : ndarray, (times,)
+        Torque on body b about the joint's point b [N m]; of a driver, the motor's.
+    position_residual, velocity_residual : ndarray, (times,)
+        What is left of the joint's equations [m or rad] and their rates.
+    peak_force, impulse : ndarray, (times,)
+        Largest force [N] and impulse [N s] since the row before.
+    """
+
+    time: Array
+    force: Array
+    torque: Array
+    position_residual: Array
+    velocity_residual: Array
+    peak_force: Array
+    impulse: Array
+
+
+@dataclass(frozen=True, eq=False)
+class ContactHistory:
+    """One contact over time.
+
+    Attributes
+    ----------
+    time, force, penetration : ndarray, (times,)
+        Report times [s], normal force [N], penetration [m], negative when apart.
+    gap, region : ndarray of int, (times,)
+        Near teeth, their gap, from 0 (-1: none), and its region, counted from 1 along its outline
+        (0: none; an ANSI gap has seven).
+    peak_force, impulse : ndarray, (times,)
+        Largest force [N] and impulse [N s] since the row before.
+    """
+
+    time: Array
+    force: Array
+    penetration: Array
+    gap: IntArray
+    region: IntArray
+    peak_force: Array
+    impulse: Array

@@ -1,0 +1,194 @@
+"""Figures from a result of a mechanism: motion, paths, loads of joints and contacts, energy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rustchain._names import known_keywords, suggest
+from rustchain.errors import InvalidInput
+from rustchain.mechanism_result import MechanismResult
+from rustchain.outputs.window import rows_between
+from rustchain.plot.histories import energy_figure
+from rustchain.plot.style import (
+    BLUE,
+    CYCLE,
+    ORANGE,
+    RED,
+    legend_above,
+    panels,
+    styled,
+)
+
+_RATES = {
+    "position": ("m", "rad"),
+    "velocity": ("m/s", "rad/s"),
+    "acceleration": ("m/s²", "rad/s²"),
+}
+
+
+@dataclass(frozen=True)
+class MechanismPlots:
+    """The figures of a result of a mechanism; every method returns a matplotlib figure.
+
+    Bodies, joints and contacts are named; without a name, all of them are drawn. `start` and `end`
+    [s] choose a part of the time, by default all of it.
+    """
+
+    result: MechanismResult
+
+    @known_keywords
+    @styled
+    def motion(
+        self,
+        *bodies: str,
+        quantity: Literal["position", "velocity", "acceleration"] = "position",
+        start: float | None = None,
+        end: float | None = None,
+    ) -> Figure:
+        """Draw positions of bodies, or their rates, over time: x, y and the angle."""
+        if quantity not in _RATES:
+            msg = f"quantity = {quantity!r}: is none; {suggest(quantity, _RATES)}"
+            raise InvalidInput(msg)
+        names = self._names("body", bodies)
+        rows = rows_between(self.result, start, end)
+        figure, cells = plt.subplots(3, 1, sharex=True, figsize=(7.0, 5.2))
+        way, turn = _RATES[quantity]
+        labels = (f"x [{way}]", f"y [{way}]", f"angle [{turn}]")
+        for k, name in enumerate(names):
+            view = self.result.body(name)
+            values = getattr(view, quantity)[rows]
+            for axes, column in zip(cells, values.T, strict=True):
+                axes.plot(view.time[rows], column, color=_color(k), label=name)
+        for axes, label in zip(cells, labels, strict=True):
+            axes.set_ylabel(label if quantity == "position" else f"{quantity}, {label}")
+        cells[-1].set_xlabel("time [s]")
+        _legend(cells[0])
+        figure.align_ylabels()
+        return figure
+
+    @known_keywords
+    @styled
+    def paths(self, *bodies: str, start: float | None = None, end: float | None = None) -> Figure:
+        """Draw the ways of the bodies' centres of mass in the plane, with where they end."""
+        names = self._names("body", bodies)
+        rows = rows_between(self.result, start, end)
+        figure, axes = plt.subplots(figsize=(5.4, 4.6))
+        for k, name in enumerate(names):
+            way = self.result.body(name).position[rows, :2]
+            axes.plot(*way.T, color=_color(k), label=name)
+            axes.plot(*way[-1], "o", markersize=3.5, color=_color(k))
+        axes.set(xlabel="x [m]", ylabel="y [m]")
+        axes.set_aspect("equal", adjustable="datalim")
+        _legend(axes)
+        return figure
+
+    @known_keywords
+    @styled
+    def joint_loads(
+        self, *joints: str, start: float | None = None, end: float | None = None
+    ) -> Figure:
+        """Draw force and torque of joints and drivers over time."""
+        names = self._names("joint", joints)
+        rows = rows_between(self.result, start, end)
+        figure, (upper, lower) = plt.subplots(2, 1, sharex=True, figsize=(7.0, 4.2))
+        for k, name in enumerate(names):
+            view = self.result.joint(name)
+            force = np.hypot(*view.force[rows].T)
+            upper.plot(view.time[rows], force, color=_color(k), label=name)
+            lower.plot(view.time[rows], view.torque[rows], color=_color(k))
+        upper.set_ylabel("force [N]")
+        lower.set_ylabel("torque [N m]")
+        lower.set_xlabel("time [s]")
+        _legend(upper)
+        figure.align_ylabels()
+        return figure
+
+    @known_keywords
+    @styled
+    def contact_force(
+        self, *contacts: str, start: float | None = None, end: float | None = None
+    ) -> Figure:
+        """Draw the force of contacts over time, side by side, with the largest between two rows."""
+        names = self._names("contact", contacts)
+        rows = rows_between(self.result, start, end)
+        figure, cells = panels(len(names), "time [s]", "contact force [N]")
+        for axes, name in zip(cells, names, strict=True):
+            view = self.result.contact(name)
+            time = view.time[rows]
+            axes.plot(time, view.peak_force[rows], color=RED, linewidth=0.5, label="largest")
+            axes.plot(time, view.force[rows], color=BLUE, label="at the row")
+            axes.set_title(name)
+        handles, labels = cells[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper right", ncols=2)
+        return figure
+
+    @known_keywords
+    @styled
+    def force_penetration(
+        self, *contacts: str, start: float | None = None, end: float | None = None
+    ) -> Figure:
+        """Draw force against penetration of contacts, side by side."""
+        names = self._names("contact", contacts)
+        rows = rows_between(self.result, start, end)
+        figure, cells = panels(len(names), "penetration [µm]", "contact force [N]", share=False)
+        for axes, name in zip(cells, names, strict=True):
+            view = self.result.contact(name)
+            depth, force = view.penetration[rows], view.force[rows]
+            touching = force > 0.0
+            axes.plot(1e6 * depth[touching], force[touching], "o", markersize=1.8, color=BLUE)
+            axes.set(xlim=(0.0, None), ylim=(0.0, None))
+            axes.set_title(name)
+        return figure
+
+    @known_keywords
+    @styled
+    def residuals(self, *, start: float | None = None, end: float | None = None) -> Figure:
+        """Draw the largest constraint residual of all joints over time, and its rate."""
+        self._names("joint", ())
+        rows = rows_between(self.result, start, end)
+        figure, axes = plt.subplots(figsize=(7.0, 2.8))
+        for name, label, color in (
+            ("joint_position_residual", "positions [m or rad]", BLUE),
+            ("joint_velocity_residual", "velocities [m/s or rad/s]", ORANGE),
+        ):
+            worst = self.result.arrays[name][rows].max(axis=1)
+            shown = np.maximum(worst, np.finfo(float).tiny)
+            axes.semilogy(self.result.time[rows], shown, color=color, label=label)
+        axes.set(xlabel="time [s]", ylabel="largest residual")
+        axes.set_ylim(max(axes.get_ylim()[0], 1e-20), None)
+        legend_above(axes)
+        return figure
+
+    @known_keywords
+    @styled
+    def energy(self, *, start: float | None = None, end: float | None = None) -> Figure:
+        """Draw the energy balance over time, and what it misses."""
+        rows = rows_between(self.result, start, end)
+        return energy_figure(self.result.time, self.result.energy, rows, 1.0, "J")
+
+    def _names(self, part: str, given: tuple[str, ...]) -> tuple[str, ...]:
+        """Return the names that are given, which must exist, or all."""
+        names: tuple[str, ...] = getattr(self.result, f"{part}_names")
+        if not names:
+            msg = f"{part}: this mechanism has none to draw"
+            raise InvalidInput(msg)
+        for name in given:
+            if name not in names:
+                msg = f"{part}: {name!r} is no {part} of this mechanism; {suggest(name, names)}"
+                raise InvalidInput(msg)
+        return given or names
+
+
+def _color(k: int) -> str:
+    return CYCLE[k % len(CYCLE)]
+
+
+def _legend(axes: Axes) -> None:
+    """Name the curves beside the axes, where a long list has room."""
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2)

@@ -1,0 +1,101 @@
+//! Python's contacts of a mechanism, with their profiles and laws -> those of this crate.
+
+use pyo3::prelude::*;
+
+use super::describe::{
+    Reader, chain, checked, force_law, material, number, refuse, sprocket, truth,
+};
+use super::mechanism::{markers, pairs, text};
+use crate::geometry::Vec2;
+use crate::mechanism::{ContactLaw, ContactPair, Piece, Profile};
+
+fn points(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<Vec2>> {
+    Ok(pairs(value, field)?
+        .into_iter()
+        .map(|(x, y)| Vec2::new(x, y))
+        .collect())
+}
+
+pub(super) fn contact(object: &Bound<'_, PyAny>) -> PyResult<ContactPair> {
+    let read = Reader::new(object, "contacts", &["Contact"])?;
+    let [a, b] = markers(&read)?;
+    let name = text(&read, "name")?;
+    let field = format!("contact {name:?}");
+    let closed = || truth(&read.get("closed")?, "closed");
+    let profile = match text(&read, "kind")?.as_str() {
+        "bore" => Profile::Bore {
+            radius: number(&read.get("profile_radius")?, "bore_radius", "m")?,
+        },
+        "disc" => Profile::Disc {
+            radius: number(&read.get("profile_radius")?, "radius_a", "m")?,
+        },
+        "sprocket" => {
+            let wheel = sprocket(&read.get("sprocket")?, &field)?;
+            let chain = chain(&read.get("chain")?, &field)?;
+            Profile::Teeth(Box::new(checked(object.py(), wheel.tooth_profile(&chain))?))
+        }
+        "polyline" => {
+            let points = points(&read.get("points")?, &field)?;
+            checked(object.py(), Profile::polyline(&field, &points, closed()?))?
+        }
+        _ => Profile::Outline {
+            pieces: arcs(&read.get("points")?, &field)?,
+            closed: closed()?,
+        },
+    };
+    Ok(ContactPair {
+        a,
+        b,
+        profile,
+        radius: read.number("radius", "m")?,
+        law: contact_law(&read.get("law")?)?,
+        name,
+    })
+}
+
+/// Pieces (from x, from y, to x, to y, centre x, centre y, whether convex), the centre NaN for a straight line.
+fn arcs(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<Piece>> {
+    let rows: Vec<[f64; 7]> = value
+        .extract()
+        .map_err(|_| refuse(value.py(), field, value, "must be rows of seven numbers"))?;
+    Ok(rows
+        .into_iter()
+        .map(|[fx, fy, tx, ty, cx, cy, convex]| Piece {
+            from: Vec2::new(fx, fy),
+            to: Vec2::new(tx, ty),
+            center: (!cx.is_nan()).then_some(Vec2::new(cx, cy)),
+            convex: convex > 0.0,
+        })
+        .collect())
+}
+
+fn contact_law(object: &Bound<'_, PyAny>) -> PyResult<ContactLaw> {
+    let kinds = ["LinearContact", "HuntCrossley", "SurfaceContact"];
+    let read = Reader::new(object, "law", &kinds)?;
+    Ok(match read.kind.as_str() {
+        "LinearContact" => {
+            // Per length where a length is given.
+            let length = read.optional_number("length", "m")?.unwrap_or(1.0);
+            ContactLaw::Linear {
+                stiffness: length * read.number("stiffness", "N/m")?,
+                damping: length * read.number("damping", "N s/m")?,
+            }
+        }
+        "HuntCrossley" => ContactLaw::HuntCrossley {
+            stiffness: read.number("stiffness", "N/m^n")?,
+            exponent: read.number("exponent", "1")?,
+            damping: read.number("damping", "s/m")?,
+        },
+        _ => {
+            let material = material(&read.get("material")?, "material")?;
+            checked(object.py(), material.validate())?;
+            ContactLaw::Surfaces {
+                law: force_law(&read.get("law")?, "law")?,
+                contact_modulus: material.contact_modulus(),
+                restitution: material.restitution,
+                length: read.number("length", "m")?,
+                min_approach_speed: read.number("min_approach_speed", "m/s")?,
+            }
+        }
+    })
+}

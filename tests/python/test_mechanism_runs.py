@@ -1,0 +1,174 @@
+"""Runs of mechanisms that stop, look back and are drawn, and what is said of wrong use."""
+
+import signal
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+import rustchain as rc
+
+
+def ball(height=0.3):
+    """A ball of 5 cm that falls onto a floor and hangs on nothing else."""
+    m = rc.Mechanism(name="ball")
+    m.add_body("ball", mass=1.0, inertia=1e-3, position=(0.0, height, 0.0))
+    m.add_body("bar", mass=0.2, inertia=2e-4, position=(1.05, 0.0, 0.0))
+    m.add_revolute("bearing", "ground", "bar", at=(1.0, 0.0))
+    m.add_outline_contact(
+        "floor",
+        "ground",
+        "ball",
+        [(0.5, 0.0), (-0.5, 0.0)],
+        0.05,
+        rc.LinearContact(1e5, 20.0),
+        closed=False,
+    )
+    return rc.Simulation(m)
+
+
+@pytest.fixture(scope="module")
+def whole():
+    return ball().run(0.4, 1e-3, progress=False)
+
+
+@pytest.mark.parametrize(
+    ("condition", "channel"),
+    [
+        (rc.ContactForceAbove(300.0), "peak_contact_force"),
+        (rc.ContactForceAbove(force=300.0, contact="floor"), "peak_contact_force"),
+        (rc.JointForceAbove(2.5, joint="bearing"), "peak_joint_force"),
+    ],
+)
+def test_a_run_stops_at_the_first_row_after_a_force_above_the_limit(whole, condition, channel):
+    simulation = ball()
+    found = simulation.run(0.4, 1e-3, progress=False, stop=condition)
+    row = int(np.argmax(whole.arrays[channel][:, 0] > condition.force))
+    assert row > 0
+    assert (found.status, len(found.time)) == ("stopped", row + 1)
+    assert simulation.time == found.time[-1] == whole.time[row]
+    assert f"above {condition.force:g} N" in found.message
+    # It goes on as if it had never stopped.
+    simulation.step_to(0.4)
+    other = ball()
+    other.step_to(0.4)
+    np.testing.assert_array_equal(simulation.positions, other.positions)
+
+
+def test_a_time_and_a_callback_stop_and_a_callback_sees_every_row(whole):
+    seen = []
+    found = ball().run(
+        0.4,
+        1e-3,
+        progress=False,
+        stop=[rc.ContactForceAbove(1e6), rc.TimeReached(0.1)],
+        callback=lambda s: seen.append((s.time, s.positions[0, 1])),
+    )
+    assert found.message == "stopped at t = 0.1 s: reached 0.1 s"
+    np.testing.assert_array_equal(np.array(seen)[:, 0], found.time)
+    np.testing.assert_array_equal(np.array(seen)[:, 1], whole.arrays["positions"][:101, 0, 1])
+    # What a callback returns need not mean anything: True alone does, NumPy's too.
+    assert ball().run(0.01, progress=False, callback=lambda s: 1).success
+    found = ball().run(0.4, 1e-3, progress=False, callback=lambda s: s.positions[0, 1] < 0.2)
+    assert found.message.endswith("the callback asked for it")
+
+
+def test_a_callback_cannot_move_the_simulation_and_keeps_its_rows():
+    simulation = ball()
+    with pytest.raises(rc.InvalidInput, match="a run is under way") as raised:
+        simulation.run(0.4, 1e-3, progress=False, callback=lambda s: s.step_to(1.0))
+    assert len(raised.value.result.time) == 1
+    simulation.step_to(0.01)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: rc.ContactForceAbove(0.0), "must be a positive number in N"),
+        (lambda: ball().run(0.1, stop=rc.ContactForceAbove(1.0, "flor")), "did you mean 'floor'"),
+        (lambda: ball().run(0.1, stop=rc.HingeForceAbove(1.0)), "must be JointForceAbove"),
+        (lambda: ball().run(0.1, stop=[rc.StrandSlack()]), "no stop condition of mechanisms"),
+        (lambda: ball().run(0.1, callback=3), "must be a function"),
+        (lambda: rc.Mechanism(name=5), "name of the mechanism = 5: must be text"),
+    ],
+)
+def test_wrong_use_is_refused_with_what_is_right(make, words):
+    with pytest.raises(rc.InvalidInput, match=words):
+        make()
+
+
+def test_a_missing_argument_names_the_mechanism():
+    with pytest.raises(TypeError, match=r"^Mechanism\.add_outline_contact\(\) missing"):
+        rc.Mechanism().add_outline_contact("floor")
+
+
+def test_a_state_that_was_changed_is_told_how_to_start_elsewhere():
+    simulation = ball()
+    state = simulation.state()
+    state["positions"] = state["positions"] + 1.0
+    with pytest.raises(rc.InvalidInput, match="make a Mechanism whose bodies are placed so"):
+        simulation.set_state(state)
+
+
+def test_a_file_that_is_no_result_is_told(tmp_path):
+    path = tmp_path / "junk.nc"
+    path.write_bytes(b"no netCDF")
+    with pytest.raises(rc.InvalidInput, match=r"junk\.nc: is no result of a mechanism"):
+        rc.MechanismResult.load(path)
+    with pytest.raises(FileNotFoundError):
+        rc.MechanismResult.load(tmp_path / "none.nc")
+
+
+def test_ideal_hinges_refuse_a_law_of_their_own():
+    drive = rc.paper_drive(hinges="ideal")
+    with pytest.raises(rc.InvalidInput, match=r"hinge_law = .* must be None with"):
+        rc.Simulation(drive, hinge_law=rc.Hertz())
+
+
+def test_figures_show_what_the_result_holds(whole):
+    plots = whole.plot
+    figures = [
+        plots.motion("ball", quantity="velocity"),
+        plots.paths(),
+        plots.joint_loads("bearing", start=0.1),
+        plots.contact_force(),
+        plots.force_penetration("floor"),
+        plots.residuals(),
+        plots.energy(end=0.3),
+    ]
+    speed = figures[0].axes[1].lines[0]
+    np.testing.assert_array_equal(speed.get_ydata(), whole.body("ball").velocity[:, 1])
+    assert figures[2].axes[0].lines[0].get_xdata()[0] == pytest.approx(0.1)
+    assert len(figures[1].axes[0].lines) == 4  # two ways, two ends
+    force = figures[3].axes[0].lines[1]
+    np.testing.assert_array_equal(force.get_ydata(), whole.contact("floor").force)
+    for figure in figures:
+        figure.canvas.draw()
+        plt.close(figure)
+    with pytest.raises(rc.InvalidInput, match="did you mean 'ball'"):
+        plots.paths("bal")
+    with pytest.raises(rc.InvalidInput, match="did you mean 'velocity'"):
+        plots.motion(quantity="velocities")
+
+
+def test_an_assembly_hears_an_interruption():
+    """Bars that cannot go together, so that all iterations are made: minutes without the signal."""
+    m = rc.Mechanism()
+    bars = 190
+    for k in range(bars):
+        m.add_body(f"bar {k}", 1.0, 1e-3, position=(0.1 * k, 0.3 * (k % 3), 1.1 * k))
+        before, point = ("ground", (0.0, 0.0)) if k == 0 else (f"bar {k - 1}", (0.05, 0.0))
+        m.add_revolute(f"hinge {k}", before, f"bar {k}", point, (-0.05, 0.0))
+    m.add_revolute("far", "ground", f"bar {bars - 1}", (40.0, 0.0), (0.05, 0.0))
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    signal.setitimer(signal.ITIMER_REAL, 0.3)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            m.check()
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
