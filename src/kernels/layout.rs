@@ -118,10 +118,13 @@ impl ChainArrays {
         overhang: usize,
     ) {
         let n = spin.len();
-        for k in 0..n + overhang {
-            let on_front = constants.bushing_on_front[k] > 0.0;
-            self.bushing_spin[k] = spin[(if on_front { k } else { k + 1 }) % n];
+        let (own, behind) = self.bushing_spin.split_at_mut(n);
+        let next = spin.iter().skip(1).chain(&spin[..1]);
+        let ends = spin.iter().zip(next).zip(constants.bushing_on_front.iter());
+        for (bushing, ((front, rear), &on_front)) in own.iter_mut().zip(ends) {
+            *bushing = if on_front > 0.0 { *front } else { *rear };
         }
+        behind[..overhang].copy_from_slice(&own[..overhang]);
     }
 
     /// Puts zeros behind the last of `links` bushings, where longer runs may have left what is no number: registers at the end of
