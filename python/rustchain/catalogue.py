@@ -175,9 +175,7 @@ def catalogue() -> dict[str, ChainSize]:
 
 
 @known_keywords
-def catalogue_chain(
-    name: str, links: int, strands: int = 1, rollers: Rollers = "fixed"
-) -> Chain:
+def catalogue_chain(name: str, links: int, strands: int = 1, rollers: Rollers = "fixed") -> Chain:
     """Return a chain of the catalogue, such as "ANSI 40" or "ISO 08B".
 
     Where its numbers come from: `catalogue` and docs/chains.md.

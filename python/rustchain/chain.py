@@ -83,7 +83,7 @@ class Roller(Description):
 @known_keywords
 @dataclass(frozen=True)
 class Chain(Description):
-    """A closed bushing or roller chain of alternating inner and outer links; link 1 is an inner one.
+    """A closed bushing or roller chain: inner and outer links in turn; link 1 is an inner one.
 
     In a chain of an odd number of links the last one is an offset link: a bushing at its rear, a
     pin at its front.

@@ -30,7 +30,7 @@ class Evaluation:
         Region of the gap in contact, counted from 1 along its outline (0: none; an ANSI gap has
         seven, the fourth is the seat), and the gap, from 0 (-1: none).
     roller_force, roller_penetration : ndarray, (rollers,), optional
-        Normal force [N] and penetration [m] of each bushing in its roller, where rollers are bodies.
+        Normal force [N] and penetration [m] of bushings in rollers, where those are bodies.
     roller_force_vector : ndarray, (rollers, 2), optional
         Force of the bushing on the roller, friction and all [N].
     """

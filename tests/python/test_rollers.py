@@ -95,6 +95,28 @@ def test_bodies_and_channels_of_a_roller_drive():
     assert "roller_contact" in channels
 
 
+def test_the_report_and_the_picture_have_rollers():
+    drive = roller_drive()
+    report = drive.check()
+    assert report.roller_play == pytest.approx(50e-6)
+    assert "play of the rollers       50.000 um" in str(report)
+    assert "rollers" not in str(rc.paper_drive(25.0).check())
+    result = rc.Simulation(drive).run(1e-3, 1e-3, record=["bodies"], progress=False)
+    outlines = [len(artist.get_paths()) for artist in result.plot.drive().axes[0].collections]
+    assert outlines.count(38) == 4  # rollers, bores, bushings, pins
+    plain = rc.Simulation(rc.paper_drive(25.0)).run(1e-3, 1e-3, progress=False)
+    outlines = [len(artist.get_paths()) for artist in plain.plot.drive().axes[0].collections]
+    assert outlines.count(38) == 2
+
+
+def test_a_drive_file_may_ask_for_rollers(tmp_path):
+    path = tmp_path / "drive.toml"
+    path.write_text(
+        "[drive]\ntype = 'paper_drive'\npretension = 25.0\nrollers = 'bodies'\n", encoding="utf-8"
+    )
+    assert rc.load_scene(path).drive == roller_drive()
+
+
 def test_without_rollers_nothing_of_them_is_there():
     result = rc.Simulation(rc.paper_drive(25.0)).run(1e-3, 1e-3, energy=True, progress=False)
     assert not [name for name in result.arrays if "roller" in name]
@@ -182,5 +204,5 @@ def test_a_roller_off_its_bushing_is_refused():
     start = rc.Simulation(drive)
     positions = start.positions.copy()
     positions[40, 0] += 1e-3
-    with pytest.raises(rc.InvalidInput, match="roller_3.*off its bushing"):
+    with pytest.raises(rc.InvalidInput, match=r"roller_3.*off its bushing"):
         rc.Simulation(drive, positions=positions, velocities=start.velocities)

@@ -303,7 +303,9 @@ class DriveEquations:
             met, met_rate = positions[n : 2 * n, :2], velocities[n : 2 * n, :2]
         roller_offset = (bushing - met)[: self.rollers]
         roller_distance = np.hypot(roller_offset[:, 0], roller_offset[:, 1])
-        roller_normal = roller_offset / np.where(roller_distance > 0.0, roller_distance, 1.0)[:, None]
+        roller_normal = (
+            roller_offset / np.where(roller_distance > 0.0, roller_distance, 1.0)[:, None]
+        )
         seen = (bushing_rate - met_rate)[: self.rollers]
         roller_turning = _across(roller_normal, seen)
         roller_turning /= np.where(roller_distance > 0.0, roller_distance, np.inf)
@@ -314,9 +316,7 @@ class DriveEquations:
         region, gap = np.empty(shape, dtype=np.int64), np.empty(shape, dtype=np.int64)
         for s, profile in enumerate(self.profiles):
             center, spin = positions[self.wheels + s], velocities[self.wheels + s]
-            contact = circle_on_sprocket(
-                profile, center[:2], center[2], met, self.bushing_radius
-            )
+            contact = circle_on_sprocket(profile, center[:2], center[2], met, self.bushing_radius)
             arm = met - center[:2]
             carried = spin[:2] + spin[2] * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
             penetration[:, s] = contact.penetration
