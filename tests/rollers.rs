@@ -6,6 +6,7 @@ mod common;
 
 use common::scenes::Scene;
 use rustchain::drive::Chain;
+use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic, ForceLaw, Friction, Regularization};
 use rustchain::integrator::{Corrector, OdeSystem, SecondOrderSystem, StepControl};
 use rustchain::vector::InstructionSet;
@@ -50,11 +51,23 @@ fn pressed_scenes() -> Vec<(String, Simulation)> {
     ] {
         for pretension in [25.0, 100.0] {
             let mut run = simulation(&laws(elastic, damping), pretension, common::control(1e-5));
-            common::advance(&mut run, 8e-3);
+            let mut time = 8e-3;
+            common::advance(&mut run, time);
+            while !all_kinds_touch(run.dynamics()) {
+                time += 1e-4;
+                common::advance(&mut run, time);
+            }
             scenes.push((format!("{elastic:?} {damping:?} {pretension} N"), run));
         }
     }
     scenes
+}
+
+/// Whether some hinge, some bushing in its roller and some roller on a tooth touch.
+fn all_kinds_touch(dynamics: &Dynamics) -> bool {
+    dynamics.hinge_contacts().any(|(depth, _)| depth > 0.0)
+        && dynamics.roller_contacts().any(|(depth, _)| depth > 0.0)
+        && dynamics.candidates().any(|(_, _, depth, _)| depth > 0.0)
 }
 
 fn residuals(coordinates: usize) -> impl Iterator<Item = Vec<f64>> {
@@ -76,9 +89,7 @@ fn the_exact_matrix_is_that_of_finite_differences() {
         let mut slope = vec![0.0; y.len()];
         for residual in residuals(nq) {
             dynamics.derivative(t, &y, &mut slope);
-            let on_bushings = dynamics.roller_contacts().filter(|(d, _)| *d > 0.0).count();
-            let on_teeth = dynamics.candidates().filter(|c| c.2 > 0.0).count();
-            assert!(on_bushings > 0 && on_teeth > 0, "{on_bushings} {on_teeth}");
+            assert!(all_kinds_touch(&dynamics));
             let mut x = residual.clone();
             assert!(dynamics.correct_exactly(&y, gamma, &mut x));
             let size = largest(&x);
@@ -169,7 +180,8 @@ fn both_correctors_follow_one_path_before_chaos() {
                 .fold(0.0, f64::max)
         };
         let errors = [1e-9, 1e-11].map(|accuracy| off(newton(accuracy)));
-        assert!(errors[0] < 2e-6, "{errors:?}");
+        // What a bushing chain is held to, 2e-6, times the mass of a link over that of a roller, whose errors may be so much larger.
+        assert!(errors[0] < 1e-5, "{errors:?}");
         assert!(errors[1] < 0.2 * errors[0], "{errors:?}");
     }
 }
