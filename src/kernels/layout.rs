@@ -119,10 +119,10 @@ impl ChainArrays {
     ) {
         let n = spin.len();
         let (own, behind) = self.bushing_spin.split_at_mut(n);
-        let next = spin.iter().skip(1).chain(&spin[..1]);
-        let ends = spin.iter().zip(next).zip(constants.bushing_on_front.iter());
-        for (bushing, ((front, rear), &on_front)) in own.iter_mut().zip(ends) {
-            *bushing = if on_front > 0.0 { *front } else { *rear };
+        for (k, bushing) in own.iter_mut().enumerate() {
+            let on_front = constants.bushing_on_front[k] > 0.0;
+            let rear = if k + 1 == n { 0 } else { k + 1 };
+            *bushing = spin[if on_front { k } else { rear }];
         }
         behind[..overhang].copy_from_slice(&own[..overhang]);
     }
