@@ -21,7 +21,7 @@ SCENES = {
     "friction in hinges alone": (LN, rc.Coulomb(0.3, "threlfall", 5e-3), None),
     "friction on teeth alone": (LN, None, rc.Coulomb(0.15, "ambrosio", 2e-2, 1e-3)),
 }
-PLAYS = (2e-6, None)  # [m] radial; None: as it is
+PLAYS = (6e-6, None)  # [m] radial; None: as it is
 
 
 def roller_drive(play: float | None = None, pretension: float = 25.0) -> rc.ChainDrive:

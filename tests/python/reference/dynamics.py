@@ -427,9 +427,9 @@ class DriveEquations:
         delta_x = 8.0 * EPS * float(np.max(np.abs(positions[:, :2])))
         delta_v = 8.0 * EPS * float(np.max(np.abs(velocities[:, :2])))
         hinge, tooth, roller = forces
-        hinge_bound = force_bound(hinge, delta_x, delta_v)
-        roller_bound = force_bound(roller, delta_x, delta_v)
-        tooth_bound = force_bound(tooth, delta_x, delta_v)
+        hinge_bound = self._bound(hinge, kin.hinge_turning, delta_x, delta_v)
+        roller_bound = self._bound(roller, kin.roller_turning, delta_x, delta_v)
+        tooth_bound = self._bound(tooth, kin.tooth_turning, delta_x, delta_v)
 
         hinge_vector = -hinge.force[:, None] * kin.hinge_normal  # on the pin
         tooth_vector = -tooth.force[:, :, None] * kin.tooth_normal  # on the bushing or roller
@@ -514,6 +514,13 @@ class DriveEquations:
             roller_vector_bound=roller_vector_bound,
         )
 
+    def _bound(self, force: Normal, turning: Array, delta_x: float, delta_v: float) -> Array:
+        """`force_bound`; where rollers are loose, also what a turned normal does to the rate."""
+        bound = force_bound(force, delta_x, delta_v)
+        if self.rollers:
+            bound = bound + np.abs(force.by_rate) * np.abs(turning) * delta_x
+        return bound
+
     def _rub(
         self,
         positions: Array,
@@ -546,19 +553,19 @@ class DriveEquations:
             found.append((bodies, points, friction))
 
         if (law := getattr(self.hinge_law, "friction", None)) is not None:
-            bound = force_bound(forces[0], delta_x, delta_v)
+            bound = self._bound(forces[0], kin.hinge_turning, delta_x, delta_v)
             distance = kin.hinge_penetration + self.clearance
             points = pin + self.drive.chain.hinge.pin_radius * kin.hinge_normal
             contact = (kin.hinge_normal, forces[0].force, bound, distance)
             rub(law, (outer, inner), points, contact)
             if self.rollers:
-                bound = force_bound(forces[2], delta_x, delta_v)
+                bound = self._bound(forces[2], kin.roller_turning, delta_x, delta_v)
                 distance = kin.roller_penetration + self.roller_clearance
                 points = bushing + self.drive.chain.bushing_radius * kin.roller_normal
                 contact = (kin.roller_normal, forces[2].force, bound, distance)
                 rub(law, (inner, n + k), points, contact)
         if (law := getattr(self.tooth_law, "friction", None)) is not None:
-            bounds = force_bound(forces[1], delta_x, delta_v)
+            bounds = self._bound(forces[1], kin.tooth_turning, delta_x, delta_v)
             for s in range(len(self.profiles)):
                 normals = kin.tooth_normal[:, s]
                 points = kin.on_teeth + self.bushing_radius * normals
