@@ -17,7 +17,14 @@ MARK = "## Every key\n"
 BESIDE = "Any key of `Chain` but `pitch` may stand beside these, in place of the catalogue's."
 GROUPS: dict[str, list[Callable[..., Any]]] = {
     "drive": [rc.chain_drive, rc.two_sprocket_drive, rc.paper_drive, rc.ChainDrive],
-    "drive.chain": [rc.catalogue_chain, rc.Chain, rc.Link, rc.ClearanceHinge, rc.Material],
+    "drive.chain": [
+        rc.catalogue_chain,
+        rc.Chain,
+        rc.Link,
+        rc.ClearanceHinge,
+        rc.Roller,
+        rc.Material,
+    ],
     "drive.sprockets": [rc.Sprocket, rc.PrescribedSpeed, rc.AppliedTorque, rc.Free],
     "drive.sprockets.profile": [
         rc.AnsiTooth,

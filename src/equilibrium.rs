@@ -124,7 +124,12 @@ impl Equilibrium {
         let residual = settling.settle()?;
         let largest_force = settling.largest_force();
         let positions = settling.places.positions();
-        let mut start = laid.moved_to(positions, &layout, &drive.chain.link_pitches());
+        let mut start = laid.moved_to(
+            positions,
+            &layout,
+            &drive.chain.link_pitches(),
+            drive.chain.roller.is_some(),
+        );
         settling.move_along_contacts(&mut start);
         Ok(Self {
             start,
@@ -188,6 +193,12 @@ impl Settling {
                 .max(model.mass[i] * accelerations[n + i].abs())
                 .max(model.inertia[i] * accelerations[2 * n + i].abs() / model.half_pitch);
         }
+        if let Some(rollers) = &model.rollers {
+            // Without friction nothing turns them.
+            for acceleration in &accelerations[rollers.first..][..2 * n] {
+                largest = largest.max(rollers.mass * acceleration.abs());
+            }
+        }
         for sprocket in &model.sprockets {
             sprocket.for_each_inertia(|index, inertia| {
                 let force = inertia * accelerations[index].abs() / arm(sprocket, index);
@@ -199,8 +210,9 @@ impl Settling {
 
     fn largest_force(&self) -> f64 {
         let hinges = self.dynamics.hinge_contacts().map(|(_, force)| force);
+        let rollers = self.dynamics.roller_contacts().map(|(_, force)| force);
         let teeth = self.dynamics.candidates().map(|(_, _, _, force)| force);
-        hinges.chain(teeth).fold(0.0, f64::max)
+        hinges.chain(rollers).chain(teeth).fold(0.0, f64::max)
     }
 
     fn settle(&mut self) -> Result<f64> {
@@ -274,7 +286,7 @@ impl Settling {
     /// One round of that, with places after a `moment` \[s\]; false where the matrix is singular.
     fn take_out_approaches(&mut self, start: &mut Start, moment: f64) -> bool {
         let model = Arc::clone(self.dynamics.model());
-        let (n, coordinates) = (model.links, model.coordinates);
+        let coordinates = model.coordinates;
         let moved: Vec<[f64; 3]> = (start.positions.iter().zip(&start.velocities))
             .map(|(q, v)| [0, 1, 2].map(|i| q[i] + moment * v[i]))
             .collect();
@@ -301,7 +313,8 @@ impl Settling {
         let before = std::mem::replace(&mut start.velocities, self.places.velocities());
         for (s, sprocket) in model.sprockets.iter().enumerate() {
             if matches!(sprocket.rotation, Rotation::Prescribed(_)) {
-                start.velocities[n + s][2] = before[n + s][2];
+                let body = model.wheel_body(s);
+                start.velocities[body][2] = before[body][2];
             }
         }
         true
@@ -310,13 +323,13 @@ impl Settling {
     /// Accelerations of all coordinates at these places, at rest.
     fn accelerations_at(&mut self, positions: &[[f64; 3]]) -> Vec<f64> {
         let model = Arc::clone(self.dynamics.model());
-        let (n, coordinates) = (model.links, model.coordinates);
+        let coordinates = model.coordinates;
         let still = vec![[0.0; 3]; positions.len()];
         self.dynamics.motion.set(positions, &still);
         self.dynamics.evaluate_motion(0.0);
         let found = &self.dynamics.accelerations;
         let mut bodies = Places::new(model.bodies());
-        let rates: Vec<[f64; 3]> = (0..n + model.sprockets.len())
+        let rates: Vec<[f64; 3]> = (0..model.bodies())
             .map(|i| [found.x[i], found.y[i], found.angle[i]])
             .collect();
         // As velocities of the bodies they become those of the coordinates.
@@ -341,6 +354,16 @@ impl Settling {
             let apart = (front - rear).norm() / (HINGE_SHARE * model.clearance);
             let moved = front.norm() / (LARGEST_MOVE * 2.0 * model.half_pitch);
             excess = excess.max(apart).max(moved);
+            if let Some(rollers) = &model.rollers {
+                let roller = Vec2::new(step[rollers.first + i], step[rollers.first + n + i]);
+                let bushing = if model.link_of_bushing(i) == i {
+                    front
+                } else {
+                    rear
+                };
+                let apart = (roller - bushing).norm() / (HINGE_SHARE * rollers.clearance);
+                excess = excess.max(apart);
+            }
         }
         for sprocket in &model.sprockets {
             sprocket.for_each_inertia(|index, _| {

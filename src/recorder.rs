@@ -11,7 +11,7 @@ use crate::model::{Model, Rotation};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[allow(clippy::struct_excessive_bools)] // independent switches
 pub struct Groups {
-    /// Force, penetration and eccentricity of every hinge, with peaks; strand tensions.
+    /// Force, penetration and eccentricity of every hinge, and of rollers on bushings, with peaks; strand tensions.
     pub hinges: bool,
     /// Deepest tooth contact of every bushing, with peaks.
     pub teeth: bool,
@@ -69,6 +69,8 @@ pub(crate) struct Recorder {
     recording: Recording,
     hinge_peaks: Peaks,
     tooth_peaks: Peaks,
+    /// Of bushings in rollers, where those are bodies.
+    roller_peaks: Peaks,
     tooth_forces: Vec<f64>,
 }
 
@@ -109,6 +111,14 @@ impl Recorder {
             add("peak_hinge_force", &[n], false);
             add("peak_hinge_impulse", &[n], false);
         }
+        if groups.hinges && model.rollers.is_some() {
+            add("roller_force", &[n], false);
+            add("roller_force_vector", &[n, 2], false);
+            add("roller_penetration", &[n], false);
+            add("roller_eccentricity", &[n, 2], false);
+            add("peak_roller_force", &[n], false);
+            add("peak_roller_impulse", &[n], false);
+        }
         if groups.teeth {
             add("tooth_force", &[n], false);
             add("tooth_penetration", &[n], false);
@@ -143,6 +153,10 @@ impl Recorder {
             ] {
                 add(name, &[], false);
             }
+            if model.rollers.is_some() {
+                add("energy_roller_contact", &[], false);
+                add("energy_roller_friction", &[], false);
+            }
         }
         Self {
             pauses: false,
@@ -156,6 +170,7 @@ impl Recorder {
             recording,
             hinge_peaks: Peaks::new(n, begin),
             tooth_peaks: Peaks::new(n, begin),
+            roller_peaks: Peaks::new(model.roller_count(), begin),
             tooth_forces: vec![0.0; n],
         }
     }
@@ -218,6 +233,7 @@ impl Recorder {
     pub(crate) fn keep_step_forces(&mut self, dynamics: &Dynamics) {
         if self.groups.hinges {
             dynamics.write_hinge_forces(&mut self.hinge_peaks.arriving);
+            dynamics.write_roller_forces(&mut self.roller_peaks.arriving);
         }
         if self.groups.teeth {
             dynamics.write_tooth_forces(&mut self.tooth_peaks.arriving);
@@ -228,6 +244,7 @@ impl Recorder {
     pub(crate) fn take_step_forces(&mut self, t: f64) {
         if self.groups.hinges {
             self.hinge_peaks.arrive(t);
+            self.roller_peaks.arrive(t);
         }
         if self.groups.teeth {
             self.tooth_peaks.arrive(t);
@@ -251,6 +268,11 @@ impl Recorder {
             self.hinge_peaks
                 .close(t, &dynamics.hinges.force, first, &mut row);
         }
+        if groups.hinges && model.rollers.is_some() {
+            write_rollers(&mut row, dynamics);
+            self.roller_peaks
+                .close(t, &dynamics.rollers.force, first, &mut row);
+        }
         if groups.teeth {
             write_teeth(
                 &mut row,
@@ -263,7 +285,7 @@ impl Recorder {
                 .close(t, &self.tooth_forces, first, &mut row);
         }
         if groups.sprockets {
-            let sprockets = model.links..model.bodies();
+            let sprockets = model.wheel_body(0)..model.bodies();
             row.real(dynamics.motion.angle[sprockets.clone()].iter().copied());
             row.real(dynamics.motion.spin[sprockets.clone()].iter().copied());
             row.real((0..model.sprockets.len()).map(|s| {
@@ -271,7 +293,7 @@ impl Recorder {
                     model,
                     s,
                     t,
-                    dynamics.motion.spin[model.links + s],
+                    dynamics.motion.spin[model.wheel_body(s)],
                 )
             }));
             row.real(sprockets.flat_map(|body| [dynamics.motion.x[body], dynamics.motion.y[body]]));
@@ -329,12 +351,29 @@ fn write_hinges(row: &mut Row, dynamics: &Dynamics) {
     }
 }
 
+fn write_rollers(row: &mut Row, dynamics: &Dynamics) {
+    let rollers = &dynamics.rollers;
+    let n = rollers.force.len();
+    row.real(rollers.force.iter().copied());
+    row.real((0..n).flat_map(|k| <[f64; 2]>::from(rollers.force_on_roller(k))));
+    row.real(rollers.penetration.iter().copied());
+    row.real(
+        rollers
+            .eccentricity
+            .iter()
+            .flat_map(|&e| <[f64; 2]>::from(e)),
+    );
+}
+
 /// Mean pull along the chain of the hinges between the two sprockets: upper strand (left of the line from the first to the
 /// second centre), lower strand \[N\].
 fn two_strand_tensions(dynamics: &Dynamics) -> [f64; 2] {
     let (model, motion, hinges) = (dynamics.model(), &dynamics.motion, &dynamics.hinges);
     let n = model.links;
-    let center = |s: usize| Vec2::new(motion.x[n + s], motion.y[n + s]);
+    let center = |s: usize| {
+        let body = model.wheel_body(s);
+        Vec2::new(motion.x[body], motion.y[body])
+    };
     let line = center(1) - center(0);
     let distance = line.norm();
     let axis = line / distance;
@@ -429,6 +468,7 @@ fn write_energy(
     ] {
         row.real([value]);
     }
+    // Places that this drive does not have come last, and have no channel.
     for loss in since.losses.values() {
         row.real([loss]);
     }

@@ -120,6 +120,7 @@ impl Simulation {
         motion.write(dynamics.model(), &mut y);
         dynamics.remember_present_contacts(0.0, &y);
         check_hinges(&dynamics)?;
+        check_rollers(&dynamics)?;
         if control.corrector != Corrector::Pece {
             // Makes the room for the matrix, which a run that changes correctors would otherwise make under way.
             dynamics.make_room_for_newton();
@@ -518,16 +519,38 @@ fn check_hinges(dynamics: &Dynamics) -> Result<()> {
     ))
 }
 
+/// A bushing may be pressed into its roller, but must be in it.
+fn check_rollers(dynamics: &Dynamics) -> Result<()> {
+    let model = dynamics.model();
+    let Some(rollers) = &model.rollers else {
+        return Ok(());
+    };
+    let apart = |k: usize| dynamics.rollers.penetration[k] + rollers.clearance;
+    let Some(k) = (0..model.links).find(|&k| apart(k) > 0.1 * model.half_pitch) else {
+        return Ok(());
+    };
+    Err(Error::invalid(
+        "positions",
+        format!("roller_{}", k + 1),
+        format!(
+            "it is off its bushing: their centres are {:.3e} m apart, with a clearance of {:.3e} m",
+            apart(k),
+            rollers.clearance
+        ),
+    ))
+}
+
 /// Numbers, and what the supports and motors hold must agree with them.
 fn check_start(model: &Model, start: &Start) -> Result<()> {
     check_rows(model, "positions", &start.positions)?;
     check_rows(model, "velocities", &start.velocities)?;
     for (s, sprocket) in model.sprockets.iter().enumerate() {
-        let [vx, vy, spin] = start.velocities[model.links + s];
-        let [x, y, _] = start.positions[model.links + s];
+        let body = model.wheel_body(s);
+        let [vx, vy, spin] = start.velocities[body];
+        let [x, y, _] = start.positions[body];
         let refuse = |value: String, expected: String| {
             Err(Error::invalid(
-                format!("velocities of {}", model.body_names()[model.links + s]),
+                format!("velocities of {}", model.body_names()[body]),
                 value,
                 expected,
             ))

@@ -4,6 +4,7 @@
 
 mod common;
 
+use rustchain::drive::Drive;
 use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Friction, Regularization};
 use rustchain::geometry::Vec2;
@@ -33,6 +34,12 @@ fn places(law: Friction) -> [ForceLaws; 3] {
     })
 }
 
+/// Each of them for each of these drives.
+fn places_on(drives: &[Drive], law: Friction) -> Vec<(ForceLaws, Drive)> {
+    let of = |drive: &Drive| places(law).map(|laws| (laws, drive.clone()));
+    drives.iter().flat_map(of).collect()
+}
+
 fn newton() -> StepControl {
     StepControl {
         corrector: Corrector::Newton,
@@ -43,16 +50,24 @@ fn newton() -> StepControl {
 
 /// The paper's drive with these laws.
 fn drive(laws: &ForceLaws, pretension: f64) -> Simulation {
-    let mut drive = common::paper_drive();
+    drive_of(common::paper_drive(), laws, pretension)
+}
+
+fn drive_of(mut drive: Drive, laws: &ForceLaws, pretension: f64) -> Simulation {
     if pretension > 0.0 {
         drive.tensioner = Some(common::tensioner(pretension, 2e-3));
     }
     common::simulation(&drive, laws, newton())
 }
 
-/// The same without friction when all is pressed, with friction from there on.
-fn pressed(laws: &ForceLaws, pretension: f64) -> (Dynamics, f64, Vec<f64>) {
-    let mut run = drive(laws, pretension);
+/// With bushings on the teeth, and with rollers.
+fn both_chains() -> [Drive; 2] {
+    [common::paper_drive(), common::roller_drive()]
+}
+
+/// One of them when all is pressed.
+fn pressed(drive: &Drive, laws: &ForceLaws, pretension: f64) -> (Dynamics, f64, Vec<f64>) {
+    let mut run = drive_of(drive.clone(), laws, pretension);
     common::advance(&mut run, 8e-3);
     let (t, y) = (run.integrator().time(), run.integrator().y().to_vec());
     (run.dynamics().clone(), t, y)
@@ -65,8 +80,8 @@ fn largest(numbers: &[f64]) -> f64 {
 #[test]
 fn kernels_give_what_their_twins_give() {
     for regularization in Regularization::ALL {
-        for laws in places(friction(regularization, 0.2)) {
-            let (dynamics, t, y) = pressed(&laws, 100.0);
+        for (laws, drive) in places_on(&both_chains(), friction(regularization, 0.2)) {
+            let (dynamics, t, y) = pressed(&drive, &laws, 100.0);
             for set in InstructionSet::available() {
                 let mut dynamics = dynamics.clone();
                 dynamics.use_instructions(set);
@@ -92,12 +107,26 @@ fn kernels_give_what_their_twins_give() {
                         set.name()
                     );
                 }
+                if let Some(rollers) = &dynamics.model().rollers {
+                    let own = &rates[rollers.first..];
+                    for (axis, twins) in [&twins.x, &twins.y, &twins.angle].into_iter().enumerate()
+                    {
+                        let own = &own[axis * n..(axis + 1) * n];
+                        let size = largest(own);
+                        for (twin, rate) in twins[n..2 * n].iter().zip(own) {
+                            assert!((twin - rate).abs() <= 1e-7 * size, "{rate} for {twin}");
+                        }
+                    }
+                }
                 let losses = powers.losses.values();
                 for (loss, twin) in losses.iter().zip(twin.losses.values()) {
                     assert!((loss - twin).abs() <= 1e-7 * twin.abs(), "{losses:?}");
                 }
                 assert_eq!(losses[2] > 0.0, laws.hinge_friction.is_some());
                 assert_eq!(losses[3] > 0.0, laws.tooth_friction.is_some());
+                let rolling = dynamics.model().rollers.is_some();
+                assert_eq!(losses[4] > 0.0, rolling);
+                assert_eq!(losses[5] > 0.0, rolling && laws.hinge_friction.is_some());
             }
         }
     }
@@ -155,17 +184,19 @@ fn keeps_momentum(run: &Simulation) -> bool {
 fn lacks(dynamics: &mut Dynamics, t: f64, y: &[f64], gamma: f64) -> f64 {
     let nq = dynamics.model().coordinates;
     let n = dynamics.model().links;
+    let rollers = dynamics
+        .model()
+        .rollers
+        .as_ref()
+        .map_or(nq, |of| of.first + 2 * n);
+    let turns = move |i: usize| (2 * n..3 * n).contains(&i) || i >= rollers;
     let mut slope = vec![0.0; y.len()];
     let mut worst: f64 = 0.0;
     for seed in 0..4 {
         let residual: Vec<f64> = (0..nq)
             .map(|i| {
                 let entry = ((i * 37 + seed * 101) % 17) as f64 / 17.0 - 0.5;
-                if (2 * n..3 * n).contains(&i) {
-                    300.0 * entry
-                } else {
-                    entry
-                }
+                if turns(i) { 300.0 * entry } else { entry }
             })
             .collect();
         dynamics.accelerations_with_slopes(t, y, &mut slope);
@@ -191,11 +222,7 @@ fn lacks(dynamics: &mut Dynamics, t: f64, y: &[f64], gamma: f64) -> f64 {
         dynamics.correct(&mut left);
         let norm = |x: &[f64]| {
             let weight = |i: usize| {
-                if (2 * n..3 * n).contains(&i) {
-                    6e-3
-                } else {
-                    1.0
-                }
+                if turns(i) { 6e-3 } else { 1.0 }
             };
             let squares = x.iter().enumerate().map(|(i, x)| (x * weight(i)).powi(2));
             squares.sum::<f64>().sqrt()
@@ -208,9 +235,10 @@ fn lacks(dynamics: &mut Dynamics, t: f64, y: &[f64], gamma: f64) -> f64 {
 #[test]
 fn a_correction_by_newtons_matrix_lacks_little() {
     for coefficient in [0.05, 0.1, 0.3] {
-        for laws in places(friction(Regularization::Tanh, coefficient)) {
+        let law = friction(Regularization::Tanh, coefficient);
+        for (laws, drive) in places_on(&both_chains(), law) {
             for pretension in [25.0, 100.0] {
-                let (mut dynamics, t, y) = pressed(&laws, pretension);
+                let (mut dynamics, t, y) = pressed(&drive, &laws, pretension);
                 for gamma in [5e-6, 1e-6, 1e-7] {
                     let found = lacks(&mut dynamics, t, &y, gamma);
                     // Measured: mostly 0.01, at most 0.07; what is left out is how friction follows the normal force.
@@ -223,8 +251,8 @@ fn a_correction_by_newtons_matrix_lacks_little() {
 
 #[test]
 fn corrections_have_the_same_bits_with_all_instructions() {
-    for laws in places(friction(Regularization::Threlfall, 0.2)) {
-        let (dynamics, t, y) = pressed(&laws, 100.0);
+    for (laws, drive) in places_on(&both_chains(), friction(Regularization::Threlfall, 0.2)) {
+        let (dynamics, t, y) = pressed(&drive, &laws, 100.0);
         let found = InstructionSet::available()
             .into_iter()
             .filter(|set| set.has_fused_multiply_add())

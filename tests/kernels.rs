@@ -7,18 +7,18 @@ mod common;
 
 use common::scenes::{Noise, Scene, VARIED, geared_drive, laws, varied_drive};
 use common::twins::{Agreement, compare};
-use common::{control, paper_drive, tensioner};
+use common::{control, paper_drive, roller_chain, roller_drive, tensioner};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rustchain::ForceLaws;
-use rustchain::drive::{Bearing, Drive, Motion};
+use rustchain::drive::{Bearing, Chain, Drive, Motion};
 use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic, Regions};
 use rustchain::integrator::{Adams, OdeSystem, Step};
 use rustchain::vector::InstructionSet;
 
 /// Drives of all kinds, by number.
-const DRIVES: usize = 11 + VARIED;
+const DRIVES: usize = 13 + VARIED;
 
 fn scene(number: usize, laws: &ForceLaws) -> Scene {
     let drive: Drive = match number {
@@ -39,7 +39,19 @@ fn scene(number: usize, laws: &ForceLaws) -> Scene {
         6 => geared_drive([6, 6], 12, 10.0),
         // Shorter than a register, and more.
         7..=10 => return Scene::ring([4, 6, 8, 10][number - 7], laws),
-        _ => varied_drive(number - 11),
+        11 => Drive {
+            tensioner: Some(tensioner(25.0, 1e-3)),
+            ..roller_drive()
+        },
+        12 => {
+            let mut drive = geared_drive([13, 30], 62, 15.0);
+            drive.chain = Chain {
+                links: drive.chain.links,
+                ..roller_chain()
+            };
+            drive
+        }
+        _ => varied_drive(number - 13),
     };
     Scene::laid(&drive, laws)
 }

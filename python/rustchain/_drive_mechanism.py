@@ -31,6 +31,12 @@ def drive_mechanism(
     if hinges not in ("clearance", "ideal"):
         msg = f"hinges = {hinges!r}: must be 'clearance' or 'ideal'"
         raise InvalidInput(msg)
+    if drive.chain.roller is not None:
+        msg = (
+            "Chain.roller: a mechanism has no rollers as bodies; give it a chain with "
+            "rollers='fixed', or run the drive itself with hinges='clearance'"
+        )
+        raise InvalidInput(msg)
     chain, law = drive.chain, force_law or LankaraniNikravesh()
     generated = Simulation(replace(drive, hinges="clearance"))
     start = (

@@ -141,7 +141,7 @@ class WithContacts:
                 circle,
                 (0.0, 0.0),
                 circle_point,
-                chain.bushing_radius,
+                chain.contact_radius,
                 law,
                 sprocket=sprocket,
                 chain=chain,

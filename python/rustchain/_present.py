@@ -77,7 +77,9 @@ class Present:
             - ``tooth_onset_surface``, (bushings, sprockets): where it began, 0 seating curve, 1
               working curve, 2 flat, 3 topping curve;
             - ``parted_hinges`` and ``parted_tooth_pairs`` (sprocket · bushings + bushing): what
-              came apart in the last step.
+              came apart in the last step;
+            - where rollers are bodies, ``roller_onset_speed``, (rollers,), and ``parted_rollers``,
+              of bushings in rollers likewise.
 
             And ``snapshot``: bytes that hold all of it and all else, to the last bit.
         """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import pi
+from typing import Literal, TypeAlias, get_args
 
 from rustchain import _rustchain
 from rustchain._names import known_keywords, suggest
@@ -20,6 +21,7 @@ from rustchain.drive import (
     Link,
     Point,
     PrescribedSpeed,
+    Roller,
     Seat,
     Sprocket,
     Tensioner,
@@ -28,6 +30,8 @@ from rustchain.drive import (
 )
 from rustchain.errors import InvalidInput
 from rustchain.material import Material
+
+Rollers: TypeAlias = Literal["fixed", "bodies"]
 
 PAPER_CHAIN = Chain(
     name="ASA 40 of Pereira, Ambrosio and Ramalho (2010)",
@@ -43,7 +47,9 @@ PAPER_CHAIN = Chain(
 
 
 @known_keywords
-def paper_drive(pretension: float = 0.0, hinges: Hinges = "clearance") -> ChainDrive:
+def paper_drive(
+    pretension: float = 0.0, hinges: Hinges = "clearance", rollers: Rollers = "fixed"
+) -> ChainDrive:
     """Return the published drive: 38 links round two sprockets of 17 teeth, the driver at 120 rpm.
 
     Parameters
@@ -52,6 +58,9 @@ def paper_drive(pretension: float = 0.0, hinges: Hinges = "clearance") -> ChainD
         Tension that a tensioner on sprocket 2 gives each strand [N]; at 0 the centres are fixed.
     hinges : {"clearance", "ideal"}
         Pins with play in their bushings, or ideal joints.
+    rollers : {"fixed", "bodies"}
+        The published bushing chain, or the same with rollers of a no. 40 chain on smaller bushings:
+        outside radius, mass of the chain and all else stay.
     """
     teeth = 17
 
@@ -63,7 +72,7 @@ def paper_drive(pretension: float = 0.0, hinges: Hinges = "clearance") -> ChainD
         PAPER_CHAIN.pitch, (teeth, teeth), PAPER_CHAIN.links
     )
     return ChainDrive(
-        chain=PAPER_CHAIN,
+        chain=_rolling(PAPER_CHAIN, SIZES["ANSI 40"], rollers),
         sprockets=[
             sprocket((0.0, 0.0), PrescribedSpeed(4.0 * pi)),
             sprocket((distance, 0.0), Free()),
@@ -87,6 +96,7 @@ def two_sprocket_drive(
     gravity: Point = (0.0, -9.81),
     hinges: Hinges = "clearance",
     profile: ToothForm | None = None,
+    rollers: Rollers = "fixed",
 ) -> ChainDrive:
     """Return a drive of two sprockets, the driver at the origin and the other at +x.
 
@@ -115,6 +125,8 @@ def two_sprocket_drive(
         Pins with play in their bushings, or ideal joints.
     profile : AnsiTooth, IsoTooth, StraightTooth or CustomTooth, optional
         Tooth form of both sprockets; by default that of the chain's standard with this `seat`.
+    rollers : {"fixed", "bodies"}
+        Of a chain by name; see `catalogue_chain`.
     """
     if links is None and isinstance(chain, Chain):
         links = chain.links
@@ -132,7 +144,11 @@ def two_sprocket_drive(
         links = _rustchain.links_for(pitch, teeth, center_distance)
     if center_distance is None:
         center_distance = _rustchain.closing_center_distance(pitch, teeth, links)
-    chain = catalogue_chain(chain, links) if isinstance(chain, str) else replace(chain, links=links)
+    if isinstance(chain, str):
+        chain = catalogue_chain(chain, links, rollers=rollers)
+    else:
+        check_rollers(chain, rollers)
+        chain = replace(chain, links=links)
     if profile is None:
         profile = IsoTooth(seat=seat) if iso else AnsiTooth(seat=seat)
     return ChainDrive(
@@ -159,11 +175,10 @@ def catalogue() -> dict[str, ChainSize]:
 
 
 @known_keywords
-def catalogue_chain(name: str, links: int, strands: int = 1) -> Chain:
+def catalogue_chain(name: str, links: int, strands: int = 1, rollers: Rollers = "fixed") -> Chain:
     """Return a chain of the catalogue, such as "ANSI 40" or "ISO 08B".
 
-    A roller chain is represented as a bushing chain of the roller's outside diameter, whose inner
-    links carry the rollers' mass. Where its numbers come from: `catalogue` and docs/chains.md.
+    Where its numbers come from: `catalogue` and docs/chains.md.
 
     Parameters
     ----------
@@ -173,10 +188,14 @@ def catalogue_chain(name: str, links: int, strands: int = 1) -> Chain:
         Number of links.
     strands : int
         Parallel strands on common pins.
+    rollers : {"fixed", "bodies"}
+        "fixed": a roller chain as a bushing chain of the roller's outside diameter, whose inner
+        links carry the rollers' mass. "bodies": every roller a body that turns on its bushing with
+        play; mass, inertia and bore are derived. Chains without rollers have none to make bodies.
     """
     size = _size(name)
     inner, outer = size.links()
-    return Chain(
+    fixed = Chain(
         name=size.name,
         pitch=size.pitch,
         links=links,
@@ -191,6 +210,47 @@ def catalogue_chain(name: str, links: int, strands: int = 1) -> Chain:
         tooth_contact_length=size.tooth_width,
         strands=strands,
     )
+    return _rolling(fixed, size, rollers)
+
+
+def check_rollers(chain: Chain, rollers: Rollers) -> None:
+    """Refuse rollers as bodies of a chain that is given as it is, with none."""
+    _check_word(rollers)
+    if rollers == "bodies" and chain.roller is None:
+        msg = (
+            "rollers = 'bodies': the chain given has none; give it Chain(..., roller=Roller(...)), "
+            "or name a chain of the catalogue"
+        )
+        raise InvalidInput(msg)
+
+
+def _check_word(rollers: Rollers) -> None:
+    if rollers not in get_args(Rollers):
+        msg = f"rollers = {rollers!r}: must be 'fixed' or 'bodies'"
+        raise InvalidInput(msg)
+
+
+def _rolling(chain: Chain, size: ChainSize, rollers: Rollers) -> Chain:
+    """Return a chain whose rollers, fixed to its bushings, are made bodies where that is asked."""
+    _check_word(rollers)
+    if rollers == "fixed":
+        return chain
+    if not size.has_rollers:
+        msg = f"rollers = 'bodies': {size.name} is a chain without rollers; leave rollers='fixed'"
+        raise InvalidInput(msg)
+    mass, inertia = size.roller()
+    # An inertia that counts bushings counts the rollers on them too; the published one does not.
+    counted = chain is not PAPER_CHAIN
+    turning = 2 * mass * size.pitch**2 / 4 + 2 * inertia if counted else 0.0
+    roller = Roller(
+        radius=size.roller_diameter / 2,
+        bore_radius=size.roller_bore_diameter / 2,
+        length=size.inner_width,
+        mass=mass,
+        inertia=inertia,
+    )
+    inner = Link(chain.inner.mass - 2 * mass, chain.inner.inertia - turning)
+    return replace(chain, inner=inner, bushing_radius=size.bushing_diameter / 2, roller=roller)
 
 
 def _tensioner(pretension: float | None) -> Tensioner | None:

@@ -56,8 +56,34 @@ class ClearanceHinge(Description):
 
 @known_keywords
 @dataclass(frozen=True)
+class Roller(Description):
+    """A roller that turns on its bushing with play: a body of its own.
+
+    Attributes
+    ----------
+    radius : float
+        Outside radius, where it meets the teeth [m].
+    bore_radius : float
+        Radius of its bore [m]; larger than the bushing's by the radial clearance.
+    length : float
+        Length of contact of bushing and bore, along the bushing [m].
+    mass : float
+        Mass [kg].
+    inertia : float
+        Moment of inertia about its axis [kg m^2].
+    """
+
+    radius: float
+    bore_radius: float
+    length: float
+    mass: float
+    inertia: float
+
+
+@known_keywords
+@dataclass(frozen=True)
 class Chain(Description):
-    """A closed bushing chain of alternating inner and outer links; link 1 is an inner one.
+    """A closed bushing or roller chain: inner and outer links in turn; link 1 is an inner one.
 
     In a chain of an odd number of links the last one is an offset link: a bushing at its rear, a
     pin at its front.
@@ -73,9 +99,9 @@ class Chain(Description):
     hinge : ClearanceHinge
         Pin and bore of every hinge.
     bushing_radius : float
-        Outside radius of a bushing, where it meets the teeth [m].
+        Outside radius of a bushing [m]; without `roller` it meets the teeth there.
     tooth_contact_length : float
-        Length of contact of bushing and tooth, along the bushing [m].
+        Length of contact with a tooth, along the bushing or roller [m].
     material : Material
         Material of chain and sprockets.
     name : str
@@ -91,6 +117,9 @@ class Chain(Description):
         Standard deviation of the lengths of links by manufacture, as a share of the pitch.
     seed : int
         Which links the spread makes longer and which shorter.
+    roller : Roller, optional
+        One on every bushing, a body of its own that meets the teeth in the bushing's place; inner
+        links then go without the rollers' mass. By default a bushing chain.
     """
 
     pitch: float
@@ -107,6 +136,12 @@ class Chain(Description):
     elongation: float | Sequence[float] = 0.0
     pitch_spread: float = 0.0
     seed: int = 0
+    roller: Roller | None = None
+
+    @property
+    def contact_radius(self) -> float:
+        """Outside radius of what meets the teeth, rollers or bushings [m]."""
+        return self.bushing_radius if self.roller is None else self.roller.radius
 
     @property
     def link_pitches(self) -> npt.NDArray[np.float64]:

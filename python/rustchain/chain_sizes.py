@@ -113,7 +113,7 @@ class ChainSize:
         )
         rollers = Part(0.0, 0.0)
         if self.has_rollers:
-            bore = self.bushing_diameter + _ROLLER_PLAY
+            bore = self.roller_bore_diameter
             rollers = _sum(
                 self._cylinders(self.roller_diameter, self.inner_width),
                 self._cylinders(bore, -self.inner_width),
@@ -127,14 +127,27 @@ class ChainSize:
         }
 
     @property
+    def roller_bore_diameter(self) -> float:
+        """Bore of a roller [m], derived: 0.1 mm over the bushing."""
+        return self.bushing_diameter + _ROLLER_PLAY
+
+    def roller(self) -> Part:
+        """Return one roller, scaled as the links are; its inertia is about its own axis."""
+        mass = 0.5 * self.mass_scale * self.parts["rollers"].mass
+        across = self.roller_diameter**2 + self.roller_bore_diameter**2
+        return Part(mass, mass * across / 8)
+
+    @property
     def mass_scale(self) -> float:
         """What the parts' masses are multiplied by to weigh `mass_per_length`."""
         return 2 * self.pitch * self.mass_per_length / sum(p.mass for p in self.parts.values())
 
-    def links(self) -> tuple[Part, Part]:
-        """Return the inner link, its rollers included, and the outer one, scaled to the mass."""
+    def links(self, rollers: bool = True) -> tuple[Part, Part]:
+        """Return the inner link, with or without its rollers, and the outer one, to scale."""
         parts, scale = self.parts, self.mass_scale
-        inner = _sum(parts["inner plates"], parts["bushings"], parts["rollers"])
+        inner = _sum(parts["inner plates"], parts["bushings"])
+        if rollers:
+            inner = _sum(inner, parts["rollers"])
         outer = _sum(parts["outer plates"], parts["pins"])
         return (
             Part(scale * inner.mass, scale * inner.inertia),
@@ -170,6 +183,11 @@ class ChainSize:
         for label, part in zip(("inner link", "outer link"), self.links(), strict=True):
             shown = f"{1e3 * part.mass:10.3f} g, {1e6 * part.inertia:.4g}e-6 kg m^2"
             lines.append(f"  {label:<22}{shown}  derived")
+        if self.has_rollers:
+            bore, one = f"{1e3 * self.roller_bore_diameter:10.3f} mm", self.roller()
+            lines.append(f"  {'roller bore diameter':<22}{bore:<17}derived")
+            shown = f"{1e3 * one.mass:10.3f} g, {1e6 * one.inertia:.4g}e-6 kg m^2"
+            lines.append(f"  {'roller, one':<22}{shown}  derived")
         return "\n".join(lines)
 
 

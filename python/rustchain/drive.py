@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 from rustchain._description import Description, Point
 from rustchain._names import known_keywords
-from rustchain.chain import Chain, ClearanceHinge, Link
+from rustchain.chain import Chain, ClearanceHinge, Link, Roller
 from rustchain.guides import GuideRail, SmoothIdler
 from rustchain.material import Material
 from rustchain.report import DriveReport
@@ -43,6 +43,7 @@ __all__ = [
     "Material",
     "Point",
     "PrescribedSpeed",
+    "Roller",
     "Seat",
     "Side",
     "Sprocket",

@@ -29,6 +29,10 @@ class Evaluation:
     tooth_region, tooth_index : ndarray of int, (bushings, sprockets)
         Region of the gap in contact, counted from 1 along its outline (0: none; an ANSI gap has
         seven, the fourth is the seat), and the gap, from 0 (-1: none).
+    roller_force, roller_penetration : ndarray, (rollers,), optional
+        Normal force [N] and penetration [m] of bushings in rollers, where those are bodies.
+    roller_force_vector : ndarray, (rollers, 2), optional
+        Force of the bushing on the roller, friction and all [N].
     """
 
     accelerations: Array
@@ -40,3 +44,6 @@ class Evaluation:
     tooth_force_vector: Array
     tooth_region: npt.NDArray[np.int32]
     tooth_index: npt.NDArray[np.int32]
+    roller_force: Array | None = None
+    roller_penetration: Array | None = None
+    roller_force_vector: Array | None = None

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from rustchain import _rustchain
 from rustchain._names import known_keywords
-from rustchain.catalogue import catalogue_chain
+from rustchain.catalogue import Rollers, catalogue_chain, check_rollers
 from rustchain.drive import Chain, ChainDrive, Hinges, Point, Sprocket, Tensioner
 from rustchain.errors import InvalidInput
 from rustchain.guides import GuideRail, SmoothIdler
@@ -29,6 +29,7 @@ def chain_drive(
     name: str = "",
     hinges: Hinges = "clearance",
     guides: Sequence[GuideRail | SmoothIdler] = (),
+    rollers: Rollers = "fixed",
 ) -> ChainDrive:
     """Return a drive of a chain round sprockets: links counted, or a centre moved to fit them.
 
@@ -51,6 +52,8 @@ def chain_drive(
         How far it may move [m]; by default as far as there is a belt line within 1000 pitches.
     tensioner, gravity, name, hinges, guides
         See `ChainDrive`.
+    rollers : {"fixed", "bodies"}
+        Of a chain by name; see `catalogue_chain`.
 
     Raises
     ------
@@ -61,7 +64,9 @@ def chain_drive(
     adjust = None if adjust is None else _number(adjust, len(sprockets))
     known = _ANY_LINKS if links is None else links
     if isinstance(chain, str):
-        chain = catalogue_chain(chain, known)
+        chain = catalogue_chain(chain, known, rollers=rollers)
+    else:
+        check_rollers(chain, rollers)
     # Elongations of each link are for the links that are counted below.
     drive = ChainDrive(
         replace(_alike(chain) if links is None else chain, links=known),

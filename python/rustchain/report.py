@@ -71,6 +71,8 @@ class DriveReport:
         Full pull of the tensioner on its sprocket [N].
     warnings : tuple of str
         What deserves a second look.
+    roller_play : float, optional
+        Radial play of rollers on bushings [m], where rollers are bodies of their own.
     """
 
     links: int
@@ -98,11 +100,14 @@ class DriveReport:
     start_gap: float
     tension_force: float
     warnings: tuple[str, ...]
+    roller_play: float | None = None
 
     @classmethod
     def of(cls, drive: ChainDrive) -> DriveReport:
         """Return the report on `drive`."""
-        return cls(**{name: plain(value) for name, value in _rustchain.layout(drive).items()})
+        chain, found = drive.chain, _rustchain.layout(drive)
+        play = None if chain.roller is None else chain.roller.bore_radius - chain.bushing_radius
+        return cls(**{name: plain(value) for name, value in found.items()}, roller_play=play)
 
     @property
     def speed_ratio(self) -> float:
@@ -119,6 +124,8 @@ class DriveReport:
                 f"{self.belt_pitches:.4f} pitches; {1e3 * spare * self.pitch:.3f} mm to spare",
             ),
         ]
+        if self.roller_play is not None:
+            rows.append(("play of the rollers", f"{1e6 * self.roller_play:.3f} um"))
         if self.center_distance is not None:
             rows.append(("centre distance", f"{1e3 * self.center_distance:.6f} mm"))
         if self.closing_center_distance is not None:

@@ -49,6 +49,22 @@ _VARIABLES = {
     "hinge_eccentricity": _Variable(
         "hinges", ("hinge", "axis"), "m", "pin centre seen from the bushing"
     ),
+    "roller_force": _Variable("hinges", ("bushing",), "N", "force of bushing on roller"),
+    "roller_force_vector": _Variable(
+        "hinges", ("bushing", "axis"), "N", "force of the bushing on the roller"
+    ),
+    "roller_penetration": _Variable(
+        "hinges", ("bushing",), "m", "penetration of bushing into roller"
+    ),
+    "roller_eccentricity": _Variable(
+        "hinges", ("bushing", "axis"), "m", "bushing's centre seen from the roller"
+    ),
+    "peak_roller_force": _Variable(
+        "hinges", ("bushing",), "N", "largest force of bushing on roller since the last row"
+    ),
+    "peak_roller_impulse": _Variable(
+        "hinges", ("bushing",), "N s", "impulse of the bushing on the roller since the last row"
+    ),
     "strand_tension": _Variable("hinges", ("strand",), "N", "mean tension of the strand's hinges"),
     "peak_hinge_force": _Variable(
         "hinges", ("hinge",), "N", "largest hinge force since the last row"
@@ -91,6 +107,8 @@ _VARIABLES = {
     "energy_tooth_contact": _Variable("energy", (), "J", "dissipated by damping on teeth"),
     "energy_hinge_friction": _Variable("energy", (), "J", "dissipated by friction in hinges"),
     "energy_tooth_friction": _Variable("energy", (), "J", "dissipated by friction on teeth"),
+    "energy_roller_contact": _Variable("energy", (), "J", "dissipated by damping in rollers"),
+    "energy_roller_friction": _Variable("energy", (), "J", "dissipated by friction in rollers"),
 }
 
 
@@ -138,6 +156,33 @@ class Bushing:
     sprocket: IntArray
     tooth: IntArray
     region: IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class RollerOnBushing:
+    """One roller on its bushing over time.
+
+    Attributes
+    ----------
+    time : ndarray, (times,)
+        Report times [s].
+    force, penetration : ndarray, (times,)
+        Normal force of the bushing in the bore [N] and penetration [m], negative when apart.
+    force_vector : ndarray, (times, 2)
+        Force of the bushing on the roller, friction and all [N].
+    eccentricity : ndarray, (times, 2)
+        Bushing's centre seen from the roller's [m].
+    position, velocity : ndarray, (times, 3), optional
+        The roller itself [m, m, rad] and [m/s, m/s, rad/s], where bodies were recorded.
+    """
+
+    time: Array
+    force: Array
+    force_vector: Array
+    penetration: Array
+    eccentricity: Array
+    position: Array | None = None
+    velocity: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,6 +239,8 @@ class Energy:
         Where `dissipated` was lost [J]: to the damping of contacts and to friction, of pins in
         bushings and of bushings on teeth; the rest went into dashpots. Only of chain drives with
         clearance in their hinges.
+    roller_contact, roller_friction : ndarray, (times,), optional
+        The same of bushings in rollers, where those are bodies.
     """
 
     kinetic: Array
@@ -206,6 +253,8 @@ class Energy:
     tooth_contact: Array | None = None
     hinge_friction: Array | None = None
     tooth_friction: Array | None = None
+    roller_contact: Array | None = None
+    roller_friction: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,6 +275,16 @@ class Peaks:
     def hinge_impulse(self) -> Array:
         """Impulse of each hinge [N s], (times, hinges)."""
         return self._result.array("peak_hinge_impulse")
+
+    @property
+    def roller_force(self) -> Array:
+        """Largest force of each bushing in its roller [N], (times, rollers)."""
+        return self._result.array("peak_roller_force")
+
+    @property
+    def roller_impulse(self) -> Array:
+        """Impulse of each bushing in its roller [N s], (times, rollers)."""
+        return self._result.array("peak_roller_impulse")
 
     @property
     def tooth_force(self) -> Array:
@@ -327,6 +386,21 @@ class Result(Outputs):
         names = ("force", "penetration", "sprocket", "index", "region")
         return Bushing(self.time, *(self.array(f"tooth_{name}")[:, k] for name in names))
 
+    def roller(self, number: int) -> RollerOnBushing:
+        """Return roller `number`, on the bushing with the same number, where rollers are bodies."""
+        if self.drive.chain.roller is None:
+            msg = "roller: the chain's rollers are no bodies of their own; see Chain.roller"
+            raise NotRecorded(msg)
+        k = _position("roller", number, self.drive.chain.links)
+        names = ("force", "force_vector", "penetration", "eccentricity")
+        body = self.drive.chain.links + k
+        moved = (self.arrays.get(name) for name in ("positions", "velocities"))
+        return RollerOnBushing(
+            self.time,
+            *(self.array(f"roller_{name}")[:, k] for name in names),
+            *(None if array is None else array[:, body] for array in moved),
+        )
+
     @property
     def strand_names(self) -> tuple[str, ...]:
         """Names of the strands, in the order of arrays.
@@ -367,7 +441,9 @@ class Result(Outputs):
     def energy(self) -> Energy:
         """The energy balance."""
         names = ("kinetic", "gravity", "elastic", "dissipated", "worked_in", "residual")
-        places = ("hinge_contact", "tooth_contact", "hinge_friction", "tooth_friction")
+        kinds = ("contact", "friction")
+        places = [*(f"{part}_{kind}" for kind in kinds for part in ("hinge", "tooth"))]
+        places += [f"roller_{kind}" for kind in kinds]
         return Energy(
             *(self.array(f"energy_{name}") for name in names),
             *(self.arrays.get(f"energy_{name}") for name in places),

@@ -12,6 +12,10 @@ pub struct ImpactMemory {
     hinge_speed: Vec<f64>,
     /// Its inverse \[s/m\], zero without memory; padded for the kernels.
     hinge_inverse: Numbers,
+    /// Approach speed at onset of each bushing in its roller \[m/s\]; empty where rollers are no bodies of their own.
+    roller_speed: Vec<f64>,
+    /// Its inverse \[s/m\], as of the hinges.
+    roller_inverse: Numbers,
     /// Approach speed at onset of each pair of bushing and sprocket \[m/s\].
     pub tooth_speed: Vec<f64>,
     /// Surface at onset of each pair of bushing and sprocket.
@@ -34,10 +38,12 @@ pub struct OnsetCounts {
 impl ImpactMemory {
     /// No pair has a memory.
     #[must_use]
-    pub fn new(hinges: usize, tooth_pairs: usize, floor: f64) -> Self {
+    pub fn new(hinges: usize, rollers: usize, tooth_pairs: usize, floor: f64) -> Self {
         Self {
             hinge_speed: vec![0.0; hinges],
             hinge_inverse: padded_zeros(hinges),
+            roller_speed: vec![0.0; rollers],
+            roller_inverse: padded_zeros(rollers),
             tooth_speed: vec![0.0; tooth_pairs],
             tooth_surface: vec![Surface::SEATING; tooth_pairs],
             floor,
@@ -80,6 +86,30 @@ impl ImpactMemory {
         &self.hinge_inverse
     }
 
+    /// Bushing `k` came into contact with its roller at `rate` \[m/s\].
+    pub fn begin_roller(&mut self, k: usize, rate: f64) {
+        self.roller_speed[k] = self.count(rate);
+        self.roller_inverse[k] = 1.0 / self.roller_speed[k];
+    }
+
+    /// Bushing `k` and its roller came apart.
+    pub fn end_roller(&mut self, k: usize) {
+        self.roller_speed[k] = 0.0;
+        self.roller_inverse[k] = 0.0;
+    }
+
+    /// Approach speed at onset of each bushing in its roller \[m/s\].
+    #[must_use]
+    pub fn roller_speed(&self) -> &[f64] {
+        &self.roller_speed
+    }
+
+    /// Its inverse \[s/m\], zero without memory; padded.
+    #[must_use]
+    pub(crate) fn roller_inverse(&self) -> &[f64] {
+        &self.roller_inverse
+    }
+
     /// A bushing came into contact with a tooth at `rate` \[m/s\].
     pub fn begin_tooth(&mut self, pair: usize, rate: f64, surface: Surface) {
         self.tooth_speed[pair] = self.count(rate);
@@ -117,7 +147,9 @@ impl ImpactMemory {
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         let lengths = |memory: &Self| {
             let hinges = (memory.hinge_speed.len(), memory.hinge_inverse.len());
-            (hinges, memory.tooth_speed.len(), memory.tooth_surface.len())
+            let rollers = (memory.roller_speed.len(), memory.roller_inverse.len());
+            let teeth = (memory.tooth_speed.len(), memory.tooth_surface.len());
+            (hinges, rollers, teeth)
         };
         lengths(self) == lengths(other) && self.floor == other.floor
     }
@@ -126,6 +158,8 @@ impl ImpactMemory {
     pub fn clear(&mut self) {
         self.hinge_speed.fill(0.0);
         self.hinge_inverse.fill(0.0);
+        self.roller_speed.fill(0.0);
+        self.roller_inverse.fill(0.0);
         self.tooth_speed.fill(0.0);
     }
 }

@@ -5,6 +5,8 @@ mod clearance_joint;
 mod impact_memory;
 mod onset;
 mod pair_path;
+mod roller_joint;
+mod roller_path;
 mod tooth_contact;
 
 pub(crate) use candidates::{
@@ -15,6 +17,8 @@ pub use impact_memory::{ImpactMemory, OnsetCounts};
 pub(crate) use onset::Cubic;
 pub use onset::{crossing_between, first_crossing};
 pub use pair_path::{HingePath, ToothPath};
+pub use roller_joint::{RollerContacts, on_teeth};
+pub use roller_path::RollerPath;
 pub use tooth_contact::{OnGap, SprocketFrame, ToothContacts, bushing_on_sprocket};
 
 use crate::geometry::Vec2;

@@ -86,7 +86,13 @@ impl<'a> ToothPath<'a> {
     #[must_use]
     pub fn new(model: &'a Model, adams: &'a Adams, k: usize, s: usize) -> Self {
         let n = model.links;
-        let link = model.link_of_bushing(k);
+        // A roller is what it is the centre of, whichever way it has turned.
+        let ([x_of, y_of, angle_of], arm) = if let Some(rollers) = &model.rollers {
+            ([0, 1, 2].map(|i| rollers.first + i * n + k), 0.0)
+        } else {
+            let link = model.link_of_bushing(k);
+            ([link, n + link, 2 * n + link], model.bushing_arm(k))
+        };
         let sprocket = &model.sprockets[s];
         // An arm turns by next to nothing in a step: its centre goes along the tangent of its end.
         let (tangent, origin) = tangent_way(sprocket, adams.y());
@@ -102,8 +108,8 @@ impl<'a> ToothPath<'a> {
                     Rotation::Free { index, .. } => q[index],
                     Rotation::Prescribed(_) => 0.0,
                 };
-                let (x, y) = (q[link] - center.x, q[n + link] - center.y);
-                [x, y, q[2 * n + link], angle]
+                let (x, y) = (q[x_of] - center.x, q[y_of] - center.y);
+                [x, y, q[angle_of], angle]
             };
             join(pair(q), pair(v))
         });
@@ -111,8 +117,8 @@ impl<'a> ToothPath<'a> {
         let angle = prescribed(sprocket, adams.time()).map_or(free_angle, |[angle, _]| angle);
         let mut at = Self {
             sprocket,
-            bushing_radius: model.bushing_radius,
-            arm: model.bushing_arm(k),
+            bushing_radius: model.contact_radius,
+            arm,
             path,
             directions: [unit(link_angle), unit(angle)],
             angle,
@@ -184,12 +190,12 @@ fn prescribed(sprocket: &SprocketModel, t: f64) -> Option<[f64; 2]> {
     }
 }
 
-fn join([a, b, c, d]: [f64; 4], [e, f, g, h]: [f64; 4]) -> [f64; 8] {
+pub(super) fn join([a, b, c, d]: [f64; 4], [e, f, g, h]: [f64; 4]) -> [f64; 8] {
     [a, b, c, d, e, f, g, h]
 }
 
 /// `direction` turned by `angle` \[rad\], to round-off.
-fn turned(direction: Vec2, angle: f64) -> Vec2 {
+pub(super) fn turned(direction: Vec2, angle: f64) -> Vec2 {
     let (sin, cos) = if angle.abs() < SMALL_TURN {
         let z = angle * angle;
         // What is left out is below 1e-20.

@@ -1,6 +1,6 @@
 //! Bushing on the surfaces of a tooth gap.
 
-use super::{Contact, HingeContacts};
+use super::{Contact, HingeContacts, on_teeth};
 use crate::geometry::{Surface, Vec2};
 use crate::model::{Model, SprocketModel};
 use crate::state::Motion;
@@ -66,15 +66,15 @@ impl ToothContacts {
         }
         self.near.clear();
         for (s, sprocket) in model.sprockets.iter().enumerate() {
-            let frame = SprocketFrame::of(motion, model.links + s);
+            let frame = SprocketFrame::of(motion, model.wheel_body(s));
             let reach_squared = sprocket.reach * sprocket.reach;
             for k in 0..model.links {
-                let (point, velocity) = hinges.bushing(k);
+                let ((point, velocity), _) = on_teeth(model, motion, hinges, k);
                 let arm = point - frame.center;
                 if arm.norm_squared() >= reach_squared {
                     continue;
                 }
-                let found = on_gap(sprocket, &frame, arm, velocity, model.bushing_radius);
+                let found = on_gap(sprocket, &frame, arm, velocity, model.contact_radius);
                 let pair = s * model.links + k;
                 self.near.push(pair as u32);
                 self.penetration[pair] = found.contact.penetration;

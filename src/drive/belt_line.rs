@@ -91,7 +91,7 @@ impl BeltLine {
                     continue;
                 }
                 let distance = belt::distance_from(span, sprocket.center);
-                let reach = outside_radius(drive, sprocket) + drive.chain.bushing_radius;
+                let reach = outside_radius(drive, sprocket) + drive.chain.contact_radius();
                 if distance < reach {
                     return refuse(&format!(
                         "the strand {} runs into sprocket {}: it passes its centre at {:.3} mm, and teeth and bushings need \

@@ -34,6 +34,21 @@ impl ClearanceHinge {
     }
 }
 
+/// A roller that turns on its bushing with play: a body of its own, a hollow cylinder.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Roller {
+    /// Outside radius, where it meets the teeth \[m\].
+    pub radius: f64,
+    /// Radius of its bore \[m\].
+    pub bore_radius: f64,
+    /// Length of contact of bushing and bore \[m\].
+    pub length: f64,
+    /// Mass \[kg\].
+    pub mass: f64,
+    /// Moment of inertia about its axis \[kg m²\].
+    pub inertia: f64,
+}
+
 /// A closed bushing chain: inner links with two bushings alternate with outer links with two pins. In a chain of an odd number of
 /// links the last one is an offset link: bushing at its rear, pin at its front.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,7 +65,7 @@ pub struct Chain {
     pub hinge: ClearanceHinge,
     /// Outside radius of the bushings \[m\].
     pub bushing_radius: f64,
-    /// Length of contact between bushing and tooth \[m\].
+    /// Length of contact between teeth and what meets them, bushing or roller \[m\].
     pub tooth_contact_length: f64,
     /// Material of all contacts.
     pub material: Material,
@@ -60,6 +75,8 @@ pub struct Chain {
     pub strands: u32,
     /// How links differ from the pitch.
     pub variation: Variation,
+    /// Rollers on the bushings; then they meet the teeth in the bushings' place, and the inner links go without their mass.
+    pub roller: Option<Roller>,
 }
 
 impl Chain {
@@ -108,7 +125,10 @@ impl Chain {
                 ),
             ));
         }
-        if 2.0 * self.bushing_radius >= self.pitch {
+        if let Some(roller) = &self.roller {
+            roller.validate()?;
+            roller.check_on(self.bushing_radius, self.pitch)?;
+        } else if 2.0 * self.bushing_radius >= self.pitch {
             return Err(Error::invalid(
                 "Chain.bushing_radius",
                 self.bushing_radius,
@@ -145,6 +165,19 @@ impl Chain {
         }
     }
 
+    /// Outside radius of what meets the teeth: the rollers, or the bushings of a chain without \[m\].
+    #[must_use]
+    pub fn contact_radius(&self) -> f64 {
+        self.roller
+            .map_or(self.bushing_radius, |roller| roller.radius)
+    }
+
+    /// Number of rollers that are bodies of their own: one a bushing, or none.
+    #[must_use]
+    pub fn rollers(&self) -> usize {
+        self.roller.map_or(0, |_| self.links as usize)
+    }
+
     /// Length of contact of pin and bushing over all strands \[m\].
     #[must_use]
     pub fn hinge_contact_length(&self) -> f64 {
@@ -168,6 +201,61 @@ pub fn check_links(field: &str, links: u32) -> Result<()> {
     }
     let expected = format!("must be between 4 and {MOST_LINKS}");
     Err(Error::invalid(field, links, expected))
+}
+
+impl Roller {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn validate(&self) -> Result<()> {
+        check::positive("Roller.radius", self.radius, "m")?;
+        check::positive("Roller.bore_radius", self.bore_radius, "m")?;
+        check::positive("Roller.length", self.length, "m")?;
+        check::positive("Roller.mass", self.mass, "kg")?;
+        check::positive("Roller.inertia", self.inertia, "kg m^2")?;
+        if self.radius <= self.bore_radius {
+            return Err(Error::invalid(
+                "Roller.radius",
+                self.radius,
+                format!("must be larger than its bore's, {} m", self.bore_radius),
+            ));
+        }
+        Ok(())
+    }
+
+    /// Checks that it fits on a bushing of this radius in a chain of this pitch \[m\].
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn check_on(&self, bushing_radius: f64, pitch: f64) -> Result<()> {
+        if self.bore_radius <= bushing_radius {
+            return Err(Error::invalid(
+                "Roller.bore_radius",
+                self.bore_radius,
+                format!(
+                    "must be larger than the bushing's (Chain.bushing_radius), {bushing_radius} m"
+                ),
+            ));
+        }
+        if 2.0 * self.radius >= pitch {
+            return Err(Error::invalid(
+                "Roller.radius",
+                self.radius,
+                format!(
+                    "neighbouring rollers would overlap: must be below half the pitch, {} m",
+                    0.5 * pitch
+                ),
+            ));
+        }
+        Ok(())
+    }
+
+    /// Radial clearance on a bushing of this radius \[m\].
+    #[must_use]
+    pub fn clearance(&self, bushing_radius: f64) -> f64 {
+        self.bore_radius - bushing_radius
+    }
 }
 
 impl Link {

@@ -11,7 +11,7 @@ mod time_table;
 mod variation;
 
 pub use belt_line::BeltLine;
-pub use chain::{Chain, ClearanceHinge, Link, check_links};
+pub use chain::{Chain, ClearanceHinge, Link, Roller, check_links};
 pub use material::Material;
 pub use profile::{AnsiTooth, CustomTooth, IsoTooth, StraightTooth, Tip, ToothForm};
 pub use rail::{Arm, Mount, Rail, RailShape};
@@ -40,10 +40,16 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// Number of bodies: links, sprockets, guides.
+    /// Number of bodies: links, rollers, sprockets, guides.
     #[must_use]
     pub fn bodies(&self) -> usize {
-        self.chain.links as usize + self.sprockets.len() + self.guides.len()
+        self.first_wheel() + self.sprockets.len() + self.guides.len()
+    }
+
+    /// Number of the first sprocket among the bodies.
+    #[must_use]
+    pub fn first_wheel(&self) -> usize {
+        self.chain.links as usize + self.chain.rollers()
     }
 
     /// Checks every part and that the parts fit together.

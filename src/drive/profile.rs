@@ -198,7 +198,7 @@ impl ToothForm {
             Self::Straight(tooth) => tooth.roller_diameter,
             Self::Custom(_) => None,
         };
-        given.unwrap_or(2.0 * chain.bushing_radius)
+        given.unwrap_or(2.0 * chain.contact_radius())
     }
 
     /// Radius of a broken edge \[m\].
@@ -252,7 +252,7 @@ impl ToothForm {
                     .map_err(|misfit| misfit_error(misfit, tooth))?
             }
         };
-        if let Some((surface, depth)) = profile.pinch(chain.bushing_radius) {
+        if let Some((surface, depth)) = profile.pinch(chain.contact_radius()) {
             let name = profile.surfaces()[surface.index()].name;
             return Err(Error::invalid(
                 self.name(),
@@ -260,7 +260,7 @@ impl ToothForm {
                 format!(
                     "a bushing of radius {} m that touches it would be {depth:.3e} m inside another surface: must leave room \
                      for the bushing",
-                    chain.bushing_radius
+                    chain.contact_radius()
                 ),
             ));
         }
@@ -306,14 +306,14 @@ impl ToothForm {
             Self::Straight(tooth) => tooth.seat_radius.unwrap_or(0.505 * roller_diameter),
             _ => 0.505 * roller_diameter,
         };
-        if roller_diameter >= chain.pitch || seat_radius <= chain.bushing_radius {
+        if roller_diameter >= chain.pitch || seat_radius <= chain.contact_radius() {
             return Err(Error::invalid(
                 format!("{}.roller_diameter", self.name()),
                 roller_diameter,
                 format!(
                     "must be below the pitch, {} m, and give a seat wider than the bushing of {} m (this one's is {:.6} m)",
                     chain.pitch,
-                    2.0 * chain.bushing_radius,
+                    2.0 * chain.contact_radius(),
                     2.0 * seat_radius
                 ),
             ));

@@ -163,10 +163,10 @@ impl Sprocket {
             ));
         }
         if let ToothForm::Ansi(tooth) = &self.profile {
-            let bushing = 2.0 * chain.bushing_radius;
+            let bushing = 2.0 * chain.contact_radius();
             let roller = tooth.roller_diameter.unwrap_or(bushing);
             let seat = AnsiCurves::new(roller, self.teeth).seating.radius;
-            if seat <= chain.bushing_radius || roller >= chain.pitch {
+            if seat <= chain.contact_radius() || roller >= chain.pitch {
                 return Err(Error::invalid(
                     "AnsiTooth.roller_diameter",
                     roller,

@@ -49,6 +49,7 @@ impl Dynamics {
         dynamics.refine_meter(self.meter.fineness());
         let there = |pair: &Pair| match *pair {
             Pair::Hinge(k) => k < dynamics.memory.hinge_speed().len(),
+            Pair::Roller(k) => k < dynamics.memory.roller_speed().len(),
             Pair::Tooth(pair) => pair < dynamics.memory.tooth_speed.len(),
         };
         let links = self.model.links;

@@ -38,29 +38,35 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
     for i in 0..model.links {
         add_body(i, model.mass[i], model.inertia[i]);
     }
+    if let Some(rollers) = &model.rollers {
+        for i in model.links..2 * model.links {
+            add_body(i, rollers.mass, rollers.inertia);
+        }
+    }
     let (mut arms, mut springs) = (0.0, 0.0);
     for (s, sprocket) in model.sprockets.iter().enumerate() {
+        let body = model.wheel_body(s);
         let mass = if sprocket.support == Support::Fixed {
             0.0
         } else {
             sprocket.mass
         };
         if let Support::Slide { guide, .. } = sprocket.support {
-            let center = Vec2::new(motion.x[model.links + s], motion.y[model.links + s]);
+            let center = Vec2::new(motion.x[body], motion.y[body]);
             let (place, _) = sprocket.slide_at(center).unwrap_or_default();
-            let (vx, vy) = (motion.vx[model.links + s], motion.vy[model.links + s]);
+            let (vx, vy) = (motion.vx[body], motion.vy[body]);
             arms += 0.5 * guide.extra_mass * (vx * vx + vy * vy);
             springs += guide.energy(place);
         }
         if let Some(swing) = sprocket.swing {
-            springs += swing.energy(motion.angle[model.links + s] - sprocket.phase);
+            springs += swing.energy(motion.angle[body] - sprocket.phase);
         }
         let inertia = if matches!(sprocket.rotation, Rotation::Prescribed(_)) {
             0.0
         } else {
             sprocket.inertia
         };
-        add_body(model.links + s, mass, inertia);
+        add_body(body, mass, inertia);
     }
     energy.kinetic += arms;
     energy.elastic = elastic_energy(dynamics) + springs;
@@ -72,6 +78,11 @@ fn elastic_energy(dynamics: &Dynamics) -> f64 {
     let hinges: f64 = with_law!(&model.hinge_law.pairs, Law, pairs => {
         dynamics.hinges.penetration.iter().map(|&depth| Law::energy(&pairs[0], depth)).sum()
     });
+    let rollers: f64 = model.rollers.as_ref().map_or(0.0, |rollers| {
+        with_law!(&rollers.law.pairs, Law, pairs => {
+            dynamics.rollers.penetration.iter().map(|&depth| Law::energy(&pairs[0], depth)).sum()
+        })
+    });
     let teeth: f64 = with_law!(&model.tooth_law.pairs, Law, pairs => {
         dynamics.teeth.near.iter().map(|&pair| {
             let pair = pair as usize;
@@ -79,5 +90,5 @@ fn elastic_energy(dynamics: &Dynamics) -> f64 {
             Law::energy(&pairs[number], dynamics.teeth.penetration[pair])
         }).sum()
     });
-    hinges + teeth
+    hinges + teeth + rollers
 }

@@ -1,8 +1,15 @@
 //! Normal forces of all contacts of one kind: one law, one loop.
 
-use crate::contact::{HingeContacts, ImpactMemory, ToothContacts};
+use crate::contact::{HingeContacts, ImpactMemory, RollerContacts, ToothContacts};
 use crate::force_law::{ElasticLaw, Regions, damping_factor};
 use crate::model::Model;
+
+/// Contacts of one pair of cylinders, one in the other: depths \[m\], their rates and onset speeds, zero without memory \[m/s\].
+struct Joints<'a> {
+    penetration: &'a [f64],
+    rate: &'a [f64],
+    onset: &'a [f64],
+}
 
 /// Forces of all hinges \[N\]; returns the dissipated power \[W\] when `ENERGY` is asked for.
 pub(super) fn hinge_forces<L: ElasticLaw, const ENERGY: bool>(
@@ -11,22 +18,48 @@ pub(super) fn hinge_forces<L: ElasticLaw, const ENERGY: bool>(
     memory: &ImpactMemory,
     hinges: &mut HingeContacts,
 ) -> f64 {
+    let joints = Joints {
+        penetration: &hinges.penetration,
+        rate: &hinges.rate,
+        onset: memory.hinge_speed(),
+    };
+    joint_forces::<L, ENERGY>(pair, lambda, memory, &joints, &mut hinges.force)
+}
+
+/// Forces of all bushings in their rollers, likewise.
+pub(super) fn roller_forces<L: ElasticLaw, const ENERGY: bool>(
+    pair: &L::Pair,
+    lambda: f64,
+    memory: &ImpactMemory,
+    rollers: &mut RollerContacts,
+) -> f64 {
+    let joints = Joints {
+        penetration: &rollers.penetration,
+        rate: &rollers.rate,
+        onset: memory.roller_speed(),
+    };
+    joint_forces::<L, ENERGY>(pair, lambda, memory, &joints, &mut rollers.force)
+}
+
+fn joint_forces<L: ElasticLaw, const ENERGY: bool>(
+    pair: &L::Pair,
+    lambda: f64,
+    memory: &ImpactMemory,
+    joints: &Joints,
+    forces: &mut [f64],
+) -> f64 {
     let mut dissipated = 0.0;
-    for k in 0..hinges.force.len() {
-        let depth = hinges.penetration[k];
+    for (k, place) in forces.iter_mut().enumerate() {
+        let depth = joints.penetration[k];
         if depth <= 0.0 {
-            hinges.force[k] = 0.0;
+            *place = 0.0;
             continue;
         }
-        let rate = hinges.rate[k];
+        let rate = joints.rate[k];
         let elastic = L::force(pair, depth);
-        let force = elastic
-            * damping_factor(
-                lambda,
-                rate,
-                memory.onset_speed(memory.hinge_speed()[k], rate),
-            );
-        hinges.force[k] = force;
+        let onset = memory.onset_speed(joints.onset[k], rate);
+        let force = elastic * damping_factor(lambda, rate, onset);
+        *place = force;
         if ENERGY {
             dissipated += (force - elastic) * rate;
         }

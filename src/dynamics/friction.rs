@@ -3,7 +3,7 @@
 //! It acts along t, left of the normal n, at one point that both bodies have: the pin's outermost one in a hinge, the bushing's
 //! on a tooth. The slip is the velocity along t of the one body's material point there seen from the other's.
 
-use crate::contact::{HingeContacts, ToothContacts};
+use crate::contact::{HingeContacts, RollerContacts, ToothContacts, on_teeth};
 use crate::force_law::Friction;
 use crate::geometry::{Vec2, turned_left};
 use crate::model::Model;
@@ -47,6 +47,42 @@ pub(super) fn rub_hinges(
     dissipated
 }
 
+/// Friction of all bushings in their rollers; returns the power it dissipates \[W\].
+pub(super) fn rub_rollers(
+    law: &Friction,
+    model: &Model,
+    motion: &Motion,
+    hinges: &HingeContacts,
+    rollers: &mut RollerContacts,
+) -> f64 {
+    let Some(of) = &model.rollers else {
+        return 0.0;
+    };
+    let mut dissipated = 0.0;
+    for k in 0..model.links {
+        if rollers.penetration[k] <= 0.0 {
+            rollers.friction[k] = 0.0;
+            rollers.moments[k] = [0.0; 2];
+            continue;
+        }
+        // The contact is the bushing's outermost point.
+        let from_bushing = of.bushing_radius;
+        let from_roller = from_bushing + (rollers.penetration[k] + of.clearance);
+        let across = turned_left(Vec2::new(rollers.direction_x[k], rollers.direction_y[k]));
+        let (_, velocity) = hinges.bushing(k);
+        let roller = model.links + k;
+        let seen = velocity - Vec2::new(motion.vx[roller], motion.vy[roller]);
+        let link = model.link_of_bushing(k);
+        let slip = across.dot(&seen) + from_bushing * motion.spin[link]
+            - from_roller * motion.spin[roller];
+        let friction = law.coefficient * rollers.force[k] * law.share(slip).0;
+        rollers.friction[k] = friction;
+        rollers.moments[k] = [-from_bushing * friction, from_roller * friction];
+        dissipated += friction * slip;
+    }
+    dissipated
+}
+
 /// Friction of all bushings near a sprocket; returns the power it dissipates \[W\].
 pub(super) fn rub_teeth(
     law: &Friction,
@@ -63,15 +99,15 @@ pub(super) fn rub_teeth(
             teeth.friction[pair] = 0.0;
             continue;
         }
-        let (sprocket, k) = (n + pair / n, pair % n);
-        let (_, velocity) = hinges.bushing(k);
+        let (sprocket, k) = (model.wheel_body(pair / n), pair % n);
+        let ((_, velocity), body) = on_teeth(model, motion, hinges, k);
         let arm = Vec2::new(teeth.arm_x[pair], teeth.arm_y[pair]);
         let center = Vec2::new(motion.vx[sprocket], motion.vy[sprocket]);
         let spin = motion.spin[sprocket];
         let seen = velocity - center - spin * turned_left(arm);
         let across = turned_left(Vec2::new(teeth.normal_x[pair], teeth.normal_y[pair]));
-        let turning = motion.spin[model.link_of_bushing(k)] - spin;
-        let slip = across.dot(&seen) + model.bushing_radius * turning;
+        let turning = motion.spin[body] - spin;
+        let slip = across.dot(&seen) + model.contact_radius * turning;
         let friction = law.coefficient * teeth.force[pair] * law.share(slip).0;
         teeth.friction[pair] = friction;
         dissipated += friction * slip;

@@ -3,10 +3,12 @@
 use super::Dynamics;
 use super::chain_solver::ChainMatrix;
 use super::jacobian::{FAR, Lever, PointForce, Pressed, link_levers, sprocket_levers};
+use super::roller_matrix::RollerMatrix;
 use crate::contact::bushing_on_sprocket;
 use crate::force_law::{ElasticLaw, Regions, with_law};
 use crate::geometry::{Curve, Vec2, turned_left};
 use crate::integrator::SecondOrderSystem;
+use crate::model::RollerModel;
 
 /// Force \[N\] and its slopes with penetration \[N/m\] and rate \[N s/m\].
 fn slopes<L: ElasticLaw>(
@@ -83,10 +85,76 @@ impl Dynamics {
         }
     }
 
-    fn add_teeth(&self, matrix: &mut ChainMatrix, y: &[f64], gamma: f64) {
+    /// Bushing `k`: its centre seen from that of its link, its centre, and that's velocity.
+    fn bushing_at(&self, k: usize, y: &[f64]) -> (Vec2, Vec2, Vec2) {
         let model = &self.model;
-        let n = model.links;
+        let (n, link) = (model.links, model.link_of_bushing(k));
         let (q, v) = y.split_at(model.coordinates);
+        let along = model.bushing_arm(k) * self.kernels.link_direction(link);
+        (
+            along,
+            Vec2::new(q[link], q[n + link]) + along,
+            Vec2::new(v[link], v[n + link]) + v[2 * n + link] * turned_left(along),
+        )
+    }
+
+    /// Centre of roller `k` and its velocity.
+    fn roller_at(&self, first: usize, k: usize, y: &[f64]) -> (Vec2, Vec2) {
+        let (q, v) = y.split_at(self.model.coordinates);
+        let (x, y) = (first + k, first + self.model.links + k);
+        (Vec2::new(q[x], q[y]), Vec2::new(v[x], v[y]))
+    }
+
+    fn add_rollers(
+        &self,
+        of: &RollerModel,
+        matrix: &mut ChainMatrix,
+        rollers: &mut RollerMatrix,
+        y: &[f64],
+        gamma: f64,
+    ) {
+        let model = &self.model;
+        let (n, v) = (model.links, &y[model.coordinates..]);
+        for (k, &depth) in self.kernels.roller_depths(model).iter().enumerate() {
+            if depth <= 0.0 {
+                continue;
+            }
+            let (along, bushing, bushing_v) = self.bushing_at(k, y);
+            let (roller, roller_v) = self.roller_at(of.first, k, y);
+            let (offset, velocity) = (bushing - roller, bushing_v - roller_v);
+            let distance = offset.norm();
+            let normal = offset / distance;
+            let (force, stiffness, damping) = with_law!(&of.law.pairs, Law, pairs => {
+                slopes::<Law>(&pairs[0], depth, normal.dot(&velocity), of.law.lambda,
+                    self.memory.roller_speed()[k], model.min_approach_speed)
+            });
+            let contact = PointForce::new(
+                &Pressed {
+                    normal,
+                    side: 1.0,
+                    distance,
+                    velocity,
+                    force,
+                    stiffness,
+                    damping,
+                },
+                gamma,
+            );
+            let bushing = link_levers(1.0, along, v[2 * n + model.link_of_bushing(k)]);
+            let roller = link_levers(-1.0, Vec2::zeros(), 0.0);
+            rollers.add_joint(matrix, k, &contact, &bushing, &roller);
+        }
+    }
+
+    fn add_teeth(
+        &self,
+        matrix: &mut ChainMatrix,
+        mut rollers: Option<&mut RollerMatrix>,
+        y: &[f64],
+        gamma: f64,
+    ) {
+        let model = &self.model;
+        let (n, v) = (model.links, &y[model.coordinates..]);
         for (s, k, depth, _) in self.kernels.tooth_contacts(model) {
             if depth <= 0.0 {
                 continue;
@@ -94,19 +162,23 @@ impl Dynamics {
             let sprocket = &model.sprockets[s];
             let frame = self.kernels.sprocket_frame(s);
             let link = model.link_of_bushing(k);
-            let along = model.bushing_arm(k) * self.kernels.link_direction(link);
-            let point = Vec2::new(q[link], q[n + link]) + along;
-            let velocity = Vec2::new(v[link], v[n + link]) + v[2 * n + link] * turned_left(along);
+            let (along, point, velocity) = match &model.rollers {
+                Some(of) => {
+                    let (point, velocity) = self.roller_at(of.first, k, y);
+                    (Vec2::zeros(), point, velocity)
+                }
+                None => self.bushing_at(k, y),
+            };
             let Some(found) =
-                bushing_on_sprocket(sprocket, &frame, point, velocity, model.bushing_radius)
+                bushing_on_sprocket(sprocket, &frame, point, velocity, model.contact_radius)
             else {
                 continue;
             };
             let surface = &sprocket.profile.surfaces()[found.surface.index()];
             let (side, distance) = match surface.curve {
-                Curve::Concave(arc) => (1.0, depth + arc.radius - model.bushing_radius),
+                Curve::Concave(arc) => (1.0, depth + arc.radius - model.contact_radius),
                 Curve::Straight(_) => (1.0, FAR),
-                Curve::Convex(arc) => (-1.0, arc.radius + model.bushing_radius - depth),
+                Curve::Convex(arc) => (-1.0, arc.radius + model.contact_radius - depth),
             };
             let normal = found.contact.normal;
             let from_center = point - frame.center - side * distance * normal;
@@ -135,6 +207,7 @@ impl Dynamics {
                 },
                 gamma,
             );
+            // A roller's centre does not feel it turn.
             let bushing = link_levers(1.0, along, v[2 * n + link]);
             let mut levers = [(0, bushing[0]); 4];
             let mut count = 0;
@@ -149,7 +222,10 @@ impl Dynamics {
                     count += 1;
                 },
             );
-            matrix.add_tooth(link, &contact, &bushing, &levers[..count]);
+            match &mut rollers {
+                Some(rollers) => rollers.add_tooth(k, &contact, &bushing, &levers[..count]),
+                None => matrix.add_tooth(link, &contact, &bushing, &levers[..count]),
+            }
         }
     }
 }
@@ -166,12 +242,23 @@ impl Dynamics {
     /// Friction has no part in it: for drives without. Written out contact by contact, in scalars: what the kernels' matrix, which leaves out two small terms, is held against.
     pub fn correct_exactly(&self, y: &[f64], gamma: f64, residual: &mut [f64]) -> bool {
         let model = &self.model;
-        let (n, coordinates) = (model.links, model.coordinates);
-        let mut matrix = ChainMatrix::new(n, coordinates - 3 * n);
+        let (n, border) = (model.links, model.wheel_coordinates());
+        let mut matrix = ChainMatrix::new(n, border);
         matrix.add_masses(model, gamma);
         matrix.add_springs(model, y, gamma);
         self.add_hinges(&mut matrix, y, gamma);
-        self.add_teeth(&mut matrix, y, gamma);
+        let mut rollers = model.rollers.as_ref().map(|of| {
+            let links = (0..n).map(|k| model.link_of_bushing(k)).collect();
+            let mut rollers = RollerMatrix::new(of, links, border);
+            self.add_rollers(of, &mut matrix, &mut rollers, y, gamma);
+            rollers
+        });
+        self.add_teeth(&mut matrix, rollers.as_mut(), y, gamma);
+        if let Some(rollers) = &mut rollers
+            && !rollers.eliminate(&mut matrix)
+        {
+            return false;
+        }
         if !matrix.factorise() {
             return false;
         }
@@ -183,7 +270,14 @@ impl Dynamics {
         for sprocket in &model.sprockets {
             sprocket.for_each_inertia(|index, inertia| residual[index] *= inertia);
         }
-        matrix.solve(residual);
+        if let (Some(rollers), Some(of)) = (rollers, &model.rollers) {
+            for (i, residual) in residual[of.first..].iter_mut().enumerate() {
+                *residual *= if i < 2 * n { of.mass } else { of.inertia };
+            }
+            rollers.solve(&mut matrix, residual);
+        } else {
+            matrix.solve(residual);
+        }
         true
     }
 }
@@ -221,6 +315,12 @@ impl SecondOrderSystem for Dynamics {
         let n = model.links;
         lengths.fill(1.0);
         lengths[2 * n..3 * n].fill(model.half_pitch);
+        if let Some(rollers) = &model.rollers {
+            // What a roller's error passes on is its momentum: it may be larger than a link's as the roller is lighter.
+            let share = rollers.mass * n as f64 / model.mass.iter().sum::<f64>();
+            lengths[rollers.first..].fill(share);
+            lengths[rollers.first + 2 * n..].fill(share * model.contact_radius);
+        }
         for sprocket in &model.sprockets {
             if let crate::model::Rotation::Free { index, .. } = sprocket.rotation {
                 lengths[index] = sprocket.profile.pitch_radius;

@@ -1,7 +1,7 @@
 //! Contacts that open or close inside one step, where neither of its ends shows it.
 
 use super::Dynamics;
-use crate::contact::{Cubic, HingePath, ToothPath, crossing_between};
+use crate::contact::{Cubic, HingePath, RollerPath, ToothPath, crossing_between};
 use crate::geometry::Surface;
 use crate::integrator::{Adams, Step};
 
@@ -28,7 +28,9 @@ impl Dynamics {
         let hinges = hinges.filter_map(|ends| touch(ends, length));
         let teeth = watch.candidates(self.model.links);
         let teeth = teeth.filter_map(|(.., ends)| touch_of_tip(ends, length));
-        hinges.chain(teeth).fold(0.0, f64::max)
+        let rollers = (0..self.model.roller_count()).map(|k| watch.roller(k));
+        let rollers = rollers.filter_map(|ends| touch(ends, length));
+        hinges.chain(rollers).chain(teeth).fold(0.0, f64::max)
     }
 
     /// Counts touches, and begins anew the memory of contacts that were apart for a part of the step just made.
@@ -48,6 +50,22 @@ impl Dynamics {
             if path.at(step.start + part * length).penetration < 0.0 {
                 let (_, rate) = crossing_between(contact, times, ends);
                 self.memory.begin_hinge(k, rate);
+            }
+        }
+        for k in 0..model.roller_count() {
+            let ends = watch.roller(k);
+            self.unseen_touches += u64::from(touch(ends, length).is_some());
+            let Some(part) = parting(ends, length).filter(|_| self.memory.roller_speed()[k] > 0.0)
+            else {
+                continue;
+            };
+            let Some(path) = RollerPath::new(model, adams, k) else {
+                continue;
+            };
+            let contact = |t| Some(path.at(t));
+            if path.at(step.start + part * length).penetration < 0.0 {
+                let (_, rate) = crossing_between(contact, times, ends);
+                self.memory.begin_roller(k, rate);
             }
         }
         for (s, k, ends) in watch.candidates(model.links) {

@@ -158,12 +158,19 @@ fn bend(force: &PointForce, i: &Lever) -> f64 {
     -force.gamma_squared * i.bend.dot(&force.force)
 }
 
-fn block(force: &PointForce, rows: &[Lever; 3], columns: &[Lever; 3]) -> Matrix3<f64> {
+/// What columns' coordinates do to the generalized forces of rows'.
+pub(super) fn block(force: &PointForce, rows: &[Lever; 3], columns: &[Lever; 3]) -> Matrix3<f64> {
     let changes = columns.map(|lever| force.change(&lever));
     Matrix3::from_fn(|i, j| -rows[i].offset.dot(&changes[j]))
 }
 
 impl ChainMatrix {
+    /// Adds what a contact with these levers does to body `k` by itself.
+    pub(super) fn add_body(&mut self, k: usize, force: &PointForce, levers: &[Lever; 3]) {
+        self.diagonal[k] += block(force, levers, levers);
+        self.diagonal[k][(2, 2)] += bend(force, &levers[2]);
+    }
+
     /// Adds hinge `k` between the ends with these levers.
     pub(super) fn add_hinge(
         &mut self,
@@ -173,10 +180,8 @@ impl ChainMatrix {
         rear: &[Lever; 3],
     ) {
         let next = (k + 1) % self.diagonal.len();
-        self.diagonal[k] += block(force, front, front);
-        self.diagonal[next] += block(force, rear, rear);
-        self.diagonal[k][(2, 2)] += bend(force, &front[2]);
-        self.diagonal[next][(2, 2)] += bend(force, &rear[2]);
+        self.add_body(k, force, front);
+        self.add_body(next, force, rear);
         self.upper[k] += block(force, front, rear);
         self.lower[k] += block(force, rear, front);
     }
@@ -190,8 +195,7 @@ impl ChainMatrix {
         sprocket: &[(usize, Lever)],
     ) {
         let m = self.border();
-        self.diagonal[link] += block(force, bushing, bushing);
-        self.diagonal[link][(2, 2)] += bend(force, &bushing[2]);
+        self.add_body(link, force, bushing);
         for (j, lever) in sprocket {
             let change = force.change(lever);
             self.column[link * m + j] += Vector3::from_fn(|i, _| -bushing[i].offset.dot(&change));

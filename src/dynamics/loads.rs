@@ -1,7 +1,7 @@
 //! Contact, gravity, tensioner and drive loads gathered per body, and the accelerations that follow.
 
 use super::Powers;
-use crate::contact::{HingeContacts, ToothContacts};
+use crate::contact::{HingeContacts, RollerContacts, ToothContacts};
 use crate::geometry::{Vec2, turned_left};
 use crate::model::{Model, Rotation, SprocketModel, Support};
 use crate::state::Motion;
@@ -26,7 +26,7 @@ pub struct Accelerations {
     pub angle: Vec<f64>,
     /// What the chain does to each sprocket.
     pub chain: Vec<SprocketLoad>,
-    /// Tooth force on each bushing, x \[N\].
+    /// Tooth force on each bushing or roller, x \[N\].
     tooth_x: Vec<f64>,
     /// Tooth force on each bushing, y \[N\].
     tooth_y: Vec<f64>,
@@ -35,8 +35,8 @@ pub struct Accelerations {
 }
 
 impl Accelerations {
-    pub(super) fn new(links: usize, sprockets: usize) -> Self {
-        let zeros = || vec![0.0; links + sprockets];
+    pub(super) fn new(bodies: usize, sprockets: usize) -> Self {
+        let zeros = || vec![0.0; bodies];
         Self {
             x: zeros(),
             y: zeros(),
@@ -52,11 +52,11 @@ impl Accelerations {
         &mut self,
         model: &Model,
         motion: &Motion,
-        hinges: &HingeContacts,
-        teeth: &ToothContacts,
+        (hinges, rollers, teeth): (&HingeContacts, &RollerContacts, &ToothContacts),
         t: f64,
     ) {
         self.gather_teeth(model, teeth);
+        self.accelerate_rollers(model, rollers);
         self.accelerate_links(model, motion, hinges);
         self.accelerate_sprockets(model, motion, t);
     }
@@ -78,7 +78,7 @@ impl Accelerations {
             let mut push = force * normal;
             if model.tooth_friction.is_some() {
                 push += teeth.friction[pair] * turned_left(normal);
-                let moment = model.bushing_radius * teeth.friction[pair];
+                let moment = model.contact_radius * teeth.friction[pair];
                 self.tooth_moment[k] -= moment;
                 self.chain[s].moment += moment;
             }
@@ -86,6 +86,23 @@ impl Accelerations {
             self.tooth_y[k] -= push.y;
             self.chain[s].force += push;
             self.chain[s].moment += teeth.arm_x[pair] * push.y - teeth.arm_y[pair] * push.x;
+        }
+    }
+
+    /// Rollers, where they are bodies: what the teeth do to them; then the bushings have what they do in the teeth's place.
+    fn accelerate_rollers(&mut self, model: &Model, rollers: &RollerContacts) {
+        let Some(of) = &model.rollers else {
+            return;
+        };
+        for k in 0..model.links {
+            let push = rollers.force_on_roller(k);
+            let [on_bushing, on_roller] = rollers.moments[k];
+            let body = model.links + k;
+            self.x[body] = (self.tooth_x[k] + push.x) / of.mass + model.gravity.x;
+            self.y[body] = (self.tooth_y[k] + push.y) / of.mass + model.gravity.y;
+            self.angle[body] = (self.tooth_moment[k] + on_roller) / of.inertia;
+            [self.tooth_x[k], self.tooth_y[k]] = (-push).into();
+            self.tooth_moment[k] = on_bushing;
         }
     }
 
@@ -120,7 +137,7 @@ impl Accelerations {
 
     fn accelerate_sprockets(&mut self, model: &Model, motion: &Motion, t: f64) {
         for (s, sprocket) in model.sprockets.iter().enumerate() {
-            let body = model.links + s;
+            let body = model.wheel_body(s);
             let moves = Moves::of(motion, body);
             let (center, angle) =
                 sprocket_acceleration(sprocket, model.gravity, &moves, &self.chain[s], t);

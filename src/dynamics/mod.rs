@@ -15,6 +15,7 @@ mod loads;
 mod meter;
 mod needs;
 mod powers;
+mod roller_matrix;
 mod turned_back;
 
 use std::sync::Arc;
@@ -30,7 +31,8 @@ pub(crate) use needs::{Needs, Want};
 pub use powers::{Losses, Powers};
 
 use crate::contact::{
-    HingeContacts, HingePath, ImpactMemory, ToothContacts, ToothPath, first_crossing,
+    HingeContacts, HingePath, ImpactMemory, RollerContacts, RollerPath, ToothContacts, ToothPath,
+    first_crossing,
 };
 use crate::force_law::{Elastic, Regions, with_law};
 use crate::geometry::Surface;
@@ -53,6 +55,8 @@ pub struct Dynamics {
     pub motion: Motion,
     /// Hinges at the last evaluation.
     pub hinges: HingeContacts,
+    /// Rollers on their bushings at the last evaluation.
+    pub rollers: RollerContacts,
     /// Teeth at the last evaluation.
     pub teeth: ToothContacts,
     /// Accelerations at the last evaluation.
@@ -88,6 +92,7 @@ pub struct Dynamics {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 enum Pair {
     Hinge(usize),
+    Roller(usize),
     Tooth(usize),
 }
 
@@ -97,17 +102,23 @@ impl Dynamics {
     pub fn new(model: Arc<Model>) -> Self {
         let (links, sprockets) = (model.links, model.sprockets.len());
         Self {
-            memory: ImpactMemory::new(links, links * sprockets, model.min_approach_speed),
+            memory: ImpactMemory::new(
+                links,
+                model.roller_count(),
+                links * sprockets,
+                model.min_approach_speed,
+            ),
             motion: Motion::new(model.bodies()),
             hinges: HingeContacts::new(links),
+            rollers: RollerContacts::new(model.roller_count()),
             teeth: ToothContacts::new(links, sprockets),
-            accelerations: Accelerations::new(links, sprockets),
+            accelerations: Accelerations::new(model.bodies(), sprockets),
             kernels: Kernels::new(&model),
             keeps_energy: false,
             powers: Powers::default(),
             meter: EnergyMeter::new(),
             ends: StepEnds::new(2 * model.coordinates),
-            parted: Vec::with_capacity(links * (1 + sprockets)),
+            parted: Vec::with_capacity(links * (1 + sprockets) + model.roller_count()),
             turned: false,
             fastest: 0.0,
             unseen_touches: 0,
@@ -152,9 +163,20 @@ impl Dynamics {
             match *pair {
                 Pair::Hinge(k) => parted.0.push(k),
                 Pair::Tooth(pair) => parted.1.push(pair),
+                Pair::Roller(_) => {}
             }
         }
         parted
+    }
+
+    /// Bushings that came apart from their rollers in the last step, likewise.
+    #[must_use]
+    pub fn parted_rollers(&self) -> Vec<usize> {
+        let roller = |pair: &Pair| match *pair {
+            Pair::Roller(k) => Some(k),
+            _ => None,
+        };
+        self.parted.iter().filter_map(roller).collect()
     }
 
     /// Evaluates contacts, forces and accelerations at (`t`, `y`).
@@ -166,26 +188,38 @@ impl Dynamics {
     /// The same for the motion as it stands.
     pub fn evaluate_motion(&mut self, t: f64) -> Powers {
         self.hinges.find(&self.model, &self.motion);
+        self.rollers.find(&self.model, &self.motion, &self.hinges);
         self.teeth.find(&self.model, &self.motion, &self.hinges);
-        let (hinge_contact, tooth_contact) = if self.keeps_energy {
-            (self.hinge_forces::<true>(), self.tooth_forces::<true>())
+        let (hinge_contact, roller_contact, tooth_contact) = if self.keeps_energy {
+            (
+                self.hinge_forces::<true>(),
+                self.roller_forces::<true>(),
+                self.tooth_forces::<true>(),
+            )
         } else {
-            (self.hinge_forces::<false>(), self.tooth_forces::<false>())
+            (
+                self.hinge_forces::<false>(),
+                self.roller_forces::<false>(),
+                self.tooth_forces::<false>(),
+            )
         };
         let losses = Losses {
             hinge_contact,
             tooth_contact,
             hinge_friction: self.rub_hinges(),
             tooth_friction: self.rub_teeth(),
+            roller_contact,
+            roller_friction: self.rub_rollers(),
         };
+        let contacts = (&self.hinges, &self.rollers, &self.teeth);
         self.accelerations
-            .gather(&self.model, &self.motion, &self.hinges, &self.teeth, t);
+            .gather(&self.model, &self.motion, contacts, t);
         let mut powers = Powers::default();
         if self.keeps_energy {
             powers = Powers::of(losses);
             let motion = &self.motion;
             for (s, sprocket) in self.model.sprockets.iter().enumerate() {
-                let body = self.model.links + s;
+                let body = self.model.wheel_body(s);
                 let moves = Moves::of(motion, body);
                 let chain = &self.accelerations.chain[s];
                 powers += outside_powers(sprocket, &moves, chain, t);
@@ -206,9 +240,14 @@ impl Dynamics {
         } else {
             self.hinges.find(&self.model, &self.motion);
         }
+        if needs.hinges != Want::Nothing {
+            self.rollers.find(&self.model, &self.motion, &self.hinges);
+        }
         if needs.hinges == Want::Forces {
             self.hinge_forces::<false>();
             self.rub_hinges();
+            self.roller_forces::<false>();
+            self.rub_rollers();
         }
         if needs.teeth != Want::Nothing {
             self.teeth.find(&self.model, &self.motion, &self.hinges);
@@ -230,6 +269,16 @@ impl Dynamics {
         })
     }
 
+    /// The same of all bushings in their rollers.
+    fn roller_forces<const ENERGY: bool>(&mut self) -> f64 {
+        let Some(rollers) = &self.model.rollers else {
+            return 0.0;
+        };
+        with_law!(&rollers.law.pairs, Law, pairs => {
+            forces::roller_forces::<Law, ENERGY>(&pairs[0], rollers.law.lambda, &self.memory, &mut self.rollers)
+        })
+    }
+
     /// The same of all teeth.
     fn tooth_forces<const ENERGY: bool>(&mut self) -> f64 {
         let model = &self.model;
@@ -243,6 +292,14 @@ impl Dynamics {
         let model = &self.model;
         model.hinge_friction.as_ref().map_or(0.0, |law| {
             friction::rub_hinges(law, model, &self.motion, &mut self.hinges)
+        })
+    }
+
+    /// The same of all bushings in their rollers.
+    fn rub_rollers(&mut self) -> f64 {
+        let model = &self.model;
+        model.hinge_friction.as_ref().map_or(0.0, |law| {
+            friction::rub_rollers(law, model, &self.motion, &self.hinges, &mut self.rollers)
         })
     }
 
@@ -261,6 +318,11 @@ impl Dynamics {
         for k in 0..self.model.links {
             if self.hinges.penetration[k] > 0.0 {
                 self.memory.begin_hinge(k, self.hinges.rate[k]);
+            }
+        }
+        for k in 0..self.model.roller_count() {
+            if self.rollers.penetration[k] > 0.0 {
+                self.memory.begin_roller(k, self.rollers.rate[k]);
             }
         }
         for &pair in &self.teeth.near {
@@ -282,6 +344,7 @@ impl Dynamics {
         for pair in self.parted.drain(..) {
             match pair {
                 Pair::Hinge(k) => self.memory.end_hinge(k),
+                Pair::Roller(k) => self.memory.end_roller(k),
                 Pair::Tooth(pair) => {
                     self.memory.end_tooth(pair);
                     let (s, k) = (pair / self.model.links, pair % self.model.links);
@@ -297,6 +360,7 @@ impl Dynamics {
     pub fn finish_step(&mut self, adams: &Adams, step: &Step) {
         if self.kernels.changed() {
             self.find_hinge_onsets(adams, step);
+            self.find_roller_onsets(adams, step);
             self.find_tooth_onsets(adams, step);
         }
         if std::mem::take(&mut self.turned) {
@@ -319,6 +383,22 @@ impl Dynamics {
                 self.memory.begin_hinge(k, rate);
             } else {
                 self.parted.push(Pair::Hinge(k));
+            }
+        }
+    }
+
+    fn find_roller_onsets(&mut self, adams: &Adams, step: &Step) {
+        let model = &self.model;
+        for (k, &depth) in self.kernels.roller_depths(model).iter().enumerate() {
+            let touching = depth > 0.0;
+            if touching == (self.memory.roller_speed()[k] > 0.0) {
+                continue;
+            }
+            if !touching {
+                self.parted.push(Pair::Roller(k));
+            } else if let Some(path) = RollerPath::new(model, adams, k) {
+                let (_, rate) = first_crossing(|t| Some(path.at(t)), step.start, step.end);
+                self.memory.begin_roller(k, rate);
             }
         }
     }
@@ -366,6 +446,21 @@ impl Dynamics {
                 ));
             }
         }
+        if let Some(rollers) = &model.rollers
+            && rollers.law.elastic.has_an_end()
+            && self.hinge_past_range.is_none()
+        {
+            let end = with_law!(&rollers.law.pairs, Law, pairs => range_end::<Law>(&pairs[0]));
+            let depths = self.kernels.roller_depths(model);
+            if let Some(k) = depths.iter().position(|&depth| depth > end) {
+                self.hinge_past_range = Some(past_range(
+                    rollers.law.elastic,
+                    &format!("bushing {0} in roller {0}", k + 1),
+                    depths[k],
+                    end,
+                ));
+            }
+        }
         if model.tooth_law.elastic.has_an_end() && self.tooth_past_range.is_none() {
             let nearest_end = with_law!(&model.tooth_law.pairs, Law, pairs => {
                 pairs.iter().map(range_end::<Law>).fold(f64::INFINITY, f64::min)
@@ -388,7 +483,7 @@ impl Dynamics {
             let number = model.tooth_pair(s, self.stiffness_surface(pair));
             let end =
                 with_law!(&model.tooth_law.pairs, Law, pairs => range_end::<Law>(&pairs[number]));
-            let name = || format!("bushing {} on {}", k + 1, model.wheel_name(s));
+            let name = || format!("{} on {}", model.on_teeth_name(k), model.wheel_name(s));
             (depth > end).then(|| past_range(model.tooth_law.elastic, &name(), depth, end))
         })
     }
@@ -413,23 +508,35 @@ impl Dynamics {
         energy::energy(self)
     }
 
-    /// The hardest pressed contact of a body (links, then sprockets) at the last derivative, in words.
+    /// The hardest pressed contact of a body (links, then rollers, then sprockets) at the last derivative, in words.
     #[must_use]
     pub fn busiest_contact(&self, body: usize) -> Option<String> {
         let (model, n) = (&self.model, self.model.links);
         let hinges = (0..n)
             .filter(|&k| body >= n || k == body || (k + 1) % n == body)
             .map(|k| (self.kernels.hinge_force(k), format!("hinge {}", k + 1)));
+        let rollers = (0..model.roller_count())
+            .filter(|&k| body == n + k || body == model.link_of_bushing(k))
+            .map(|k| {
+                let name = format!("bushing {0} in roller {0}", k + 1);
+                (self.kernels.roller_force(k), name)
+            });
+        let meets_teeth = |k: usize| match &model.rollers {
+            Some(_) => n + k,
+            None => model.link_of_bushing(k),
+        };
         let teeth = self
             .kernels
             .tooth_contacts(model)
-            .filter(|&(s, k, ..)| model.link_of_bushing(k) == body || n + s == body)
+            .filter(|&(s, k, ..)| meets_teeth(k) == body || model.wheel_body(s) == body)
             .map(|(s, k, _, force)| {
                 let gap = self.kernels.candidates.gap(model, s, k).unwrap_or(0);
-                let name = format!("bushing {} on {}, gap {gap}", k + 1, model.wheel_name(s));
+                let (what, wheel) = (model.on_teeth_name(k), model.wheel_name(s));
+                let name = format!("{what} on {wheel}, gap {gap}");
                 (force, name)
             });
         hinges
+            .chain(rollers)
             .chain(teeth)
             .filter(|(force, _)| *force != 0.0)
             .max_by(|a, b| a.0.total_cmp(&b.0))
@@ -440,6 +547,13 @@ impl Dynamics {
     pub(crate) fn write_hinge_forces(&self, forces: &mut [f64]) {
         for (k, force) in forces.iter_mut().enumerate() {
             *force = self.kernels.hinge_force(k);
+        }
+    }
+
+    /// Normal force of every bushing in its roller at the last derivative \[N\].
+    pub(crate) fn write_roller_forces(&self, forces: &mut [f64]) {
+        for (k, force) in forces.iter_mut().enumerate() {
+            *force = self.kernels.roller_force(k);
         }
     }
 
@@ -467,6 +581,12 @@ impl Dynamics {
     pub fn hinge_contacts(&self) -> impl Iterator<Item = (f64, f64)> {
         let depths = self.kernels.hinge_depths(&self.model).iter().enumerate();
         depths.map(|(k, &depth)| (depth, self.kernels.hinge_force(k)))
+    }
+
+    /// Depth \[m\] (zero where apart) and normal force \[N\] of every bushing in its roller at the last derivative.
+    pub fn roller_contacts(&self) -> impl Iterator<Item = (f64, f64)> {
+        let depths = self.kernels.roller_depths(&self.model).iter().enumerate();
+        depths.map(|(k, &depth)| (depth, self.kernels.roller_force(k)))
     }
 
     /// Writes the accelerations at (`t`, `y`), coordinate by coordinate.

@@ -13,26 +13,42 @@ pub struct Losses {
     pub hinge_friction: f64,
     /// By friction of bushings on teeth.
     pub tooth_friction: f64,
+    /// By the damping of bushings in rollers.
+    pub roller_contact: f64,
+    /// By friction of bushings in rollers.
+    pub roller_friction: f64,
 }
 
 impl Losses {
     /// All of them, in the order of the fields.
     #[must_use]
-    pub fn values(&self) -> [f64; 4] {
+    pub fn values(&self) -> [f64; 6] {
         [
             self.hinge_contact,
             self.tooth_contact,
             self.hinge_friction,
             self.tooth_friction,
+            self.roller_contact,
+            self.roller_friction,
         ]
     }
 
-    fn of_values([hinge_contact, tooth_contact, hinge_friction, tooth_friction]: [f64; 4]) -> Self {
+    fn of_values(values: [f64; 6]) -> Self {
+        let [
+            hinge_contact,
+            tooth_contact,
+            hinge_friction,
+            tooth_friction,
+            roller_contact,
+            roller_friction,
+        ] = values;
         Self {
             hinge_contact,
             tooth_contact,
             hinge_friction,
             tooth_friction,
+            roller_contact,
+            roller_friction,
         }
     }
 }
@@ -54,7 +70,8 @@ impl Powers {
         Self {
             dissipated: losses.hinge_contact
                 + losses.tooth_contact
-                + (losses.hinge_friction + losses.tooth_friction),
+                + (losses.hinge_friction + losses.tooth_friction)
+                + (losses.roller_contact + losses.roller_friction),
             worked_in: 0.0,
             losses,
         }

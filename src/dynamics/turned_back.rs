@@ -22,6 +22,16 @@ impl Dynamics {
                 self.forget_onset(Pair::Hinge(k), speed);
             }
         }
+        for k in 0..self.model.roller_count() {
+            let touching = self.rollers.penetration[k] > 0.0;
+            let speed = self.memory.roller_speed()[k];
+            if touching && speed == 0.0 {
+                self.memory.begin_roller(k, self.rollers.rate[k]);
+            } else if !touching && speed > 0.0 {
+                self.memory.end_roller(k);
+                self.forget_onset(Pair::Roller(k), speed);
+            }
+        }
         for pair in 0..self.memory.tooth_speed.len() {
             let touching = self.teeth.penetration[pair] > 0.0;
             let speed = self.memory.tooth_speed[pair];

@@ -38,7 +38,7 @@ impl AnsiGap {
         Self::of(
             &model.sprockets[s].profile,
             curves,
-            model.bushing_radius,
+            model.contact_radius,
             law,
         )
     }

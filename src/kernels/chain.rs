@@ -1,5 +1,7 @@
 //! The chain in one pass: directions and ends of the links, hinges between them, and where the bushings are.
 
+mod rollers;
+
 use std::marker::PhantomData;
 
 use pulp::{Simd, WithSimd};
@@ -11,6 +13,8 @@ use crate::vector::{
     Lanes, Mask, Numbers, PartialSums, WIDTH, both, both_mut, lane_numbers, load, partial_load,
     sin_cos, splat_two, vectors, vectors_mut,
 };
+
+pub(super) use rollers::{JoinRollers, Rollers};
 
 /// What the chain found besides its forces.
 #[derive(Debug, Clone, Copy, Default)]

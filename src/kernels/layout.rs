@@ -118,10 +118,13 @@ impl ChainArrays {
         overhang: usize,
     ) {
         let n = spin.len();
-        for k in 0..n + overhang {
+        let (own, behind) = self.bushing_spin.split_at_mut(n);
+        for (k, bushing) in own.iter_mut().enumerate() {
             let on_front = constants.bushing_on_front[k] > 0.0;
-            self.bushing_spin[k] = spin[(if on_front { k } else { k + 1 }) % n];
+            let rear = if k + 1 == n { 0 } else { k + 1 };
+            *bushing = spin[if on_front { k } else { rear }];
         }
+        behind[..overhang].copy_from_slice(&own[..overhang]);
     }
 
     /// Puts zeros behind the last of `links` bushings, where longer runs may have left what is no number: registers at the end of

@@ -97,6 +97,65 @@ fn take_back<S: Simd>(simd: S, force: &mut [f64], first: usize, n: usize, overha
     }
 }
 
+/// Accelerations of all rollers. `RUBBED`: with moments of friction about them.
+pub(super) struct AccelerateRollers<'a, const RUBBED: bool> {
+    /// The rollers', in which forces on them are those on fronts.
+    pub(super) arrays: &'a mut ChainArrays,
+    /// How many tooth forces there are behind entry n.
+    pub(super) overhang: usize,
+    pub(super) gravity: [f64; 2],
+    /// 1/mass \[1/kg\] and 1/inertia \[1/(kg m²)\] of every one.
+    pub(super) inverse_mass: f64,
+    pub(super) inverse_inertia: f64,
+    /// As of the links.
+    pub(super) accelerations: [&'a mut [f64]; 3],
+}
+
+impl<const RUBBED: bool> WithSimd for AccelerateRollers<'_, RUBBED> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let n = self.accelerations[0].len();
+        let ChainArrays {
+            front_force: [x, y],
+            front_moment,
+            ..
+        } = self.arrays;
+        for force in [&mut *x, y] {
+            take_back::<S>(simd, force, 0, n, self.overhang);
+        }
+        if RUBBED {
+            take_back::<S>(simd, front_moment, 0, n, self.overhang);
+        }
+        let [to_x, to_y, to_angle] = self.accelerations;
+        // With no sign on a zero; see the links.
+        let [gravity_x, gravity_y] = self.gravity.map(|g| g + 0.0);
+        accelerate::<S>(simd, x, self.inverse_mass, gravity_x, to_x);
+        accelerate::<S>(simd, y, self.inverse_mass, gravity_y, to_y);
+        if RUBBED {
+            accelerate::<S>(simd, front_moment, self.inverse_inertia, 0.0, to_angle);
+        } else {
+            to_angle.fill(0.0);
+        }
+    }
+}
+
+/// Forces over masses, and gravity.
+#[inline(always)]
+fn accelerate<S: Simd>(simd: S, force: &[f64], inverse_mass: f64, gravity: f64, to: &mut [f64]) {
+    let [inverse_mass, gravity] = splat_two(simd, [inverse_mass, gravity]);
+    let (to, rest) = S::as_mut_simd_f64s(to);
+    let force = vectors::<S>(force, to.len() + usize::from(!rest.is_empty()));
+    for (to, force) in to.iter_mut().zip(force) {
+        *to = load(simd, force).mul_add(inverse_mass, gravity).values();
+    }
+    if !rest.is_empty() {
+        let last = load(simd, &force[force.len() - 1]);
+        simd.partial_store_f64s(rest, last.mul_add(inverse_mass, gravity).values());
+    }
+}
+
 /// All loads as registers.
 struct Loads<'a, S: Simd, const RUBBED: bool> {
     simd: S,

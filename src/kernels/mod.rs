@@ -1,7 +1,7 @@
 //! The right-hand side as a run needs it: the same equations as `contact` and `dynamics` write out for one contact, over
 //! registers of contacts and with the instructions that the machine has.
 //!
-//! chain (directions, ends, hinges, bushings) -> candidates -> teeth -> loads -> accelerations
+//! chain (directions, ends, hinges, bushings) -> rollers, where they are bodies -> candidates -> teeth -> loads -> accelerations
 //!
 //! Each kernel is one law in one loop over arrays of one quantity. What a scene does not need has its own instance of the loop,
 //! without it: damping, friction, the power dissipated where no energy balance is kept.
@@ -21,10 +21,10 @@ mod watch;
 
 use std::marker::PhantomData;
 
-use chain::{ChainFound, HingeFriction, JoinChain, RepeatBushings};
+use chain::{ChainFound, HingeFriction, JoinChain, JoinRollers, RepeatBushings, Rollers};
 use gap::{Form, ToothConstants};
 use layout::{ChainArrays, LinkConstants};
-use loads::AccelerateLinks;
+use loads::{AccelerateLinks, AccelerateRollers};
 use newton::{Evaluated, NewtonMatrix};
 use teeth::{SprocketPose, TeethFound, ToothFriction, TouchTeeth};
 pub(crate) use watch::{Watch, Watched};
@@ -34,9 +34,14 @@ use crate::contact::{Candidates, ImpactMemory, SprocketFrame};
 use crate::dynamics::{Losses, Powers, SprocketLoad, outside_powers, sprocket_acceleration};
 use crate::force_law::{VectorLaw, with_law};
 use crate::geometry::Vec2;
-use crate::model::{Model, Rotation, Support};
+use crate::model::{Model, RollerModel, Rotation, Support};
 use crate::state::sprocket_motion;
 use crate::vector::InstructionSet;
+
+/// Arrays with what meets the teeth in the place of bushings: the rollers', or the chain's.
+fn on_teeth<'a>(chain: &'a ChainArrays, rollers: Option<&'a Rollers>) -> &'a ChainArrays {
+    rollers.map_or(chain, |rollers| &rollers.arrays)
+}
 
 /// Arrays of the right-hand side and the instructions it runs with.
 #[derive(Debug, Clone)]
@@ -44,6 +49,8 @@ pub(crate) struct Kernels {
     instructions: InstructionSet,
     links: LinkConstants,
     chain: ChainArrays,
+    /// Where rollers are bodies of their own; then they meet the teeth.
+    rollers: Option<Box<Rollers>>,
     pub(crate) candidates: Candidates,
     /// Gaps at both ends of the last step.
     pub(crate) watch: Watch,
@@ -78,6 +85,7 @@ impl Kernels {
             instructions: InstructionSet::detect(),
             links: LinkConstants::new(model),
             chain: ChainArrays::new(model),
+            rollers: Rollers::of(model).map(Box::new),
             candidates: Candidates::new(model),
             watch: Watch::new(model),
             teeth,
@@ -108,6 +116,7 @@ impl Kernels {
             instructions: self.instructions,
             constants: &self.links,
             chain: &self.chain,
+            on_teeth: on_teeth(&self.chain, self.rollers.as_deref()),
             candidates: &self.candidates,
             poses: &self.poses,
         };
@@ -160,6 +169,18 @@ impl Kernels {
         &self.chain.depth[..model.links]
     }
 
+    /// Depth of every bushing in its roller at the last evaluation \[m\]; zero where apart.
+    pub(crate) fn roller_depths(&self, model: &Model) -> &[f64] {
+        let rollers = self.rollers.as_ref();
+        rollers.map_or(&[], |rollers| &rollers.arrays.depth[..model.links])
+    }
+
+    /// Normal force of bushing `k` in its roller at the last evaluation \[N\].
+    pub(crate) fn roller_force(&self, k: usize) -> f64 {
+        let rollers = self.rollers.as_ref();
+        rollers.map_or(0.0, |rollers| rollers.arrays.force[k])
+    }
+
     /// Normal force of hinge `k` at the last evaluation \[N\].
     pub(crate) fn hinge_force(&self, k: usize) -> f64 {
         self.chain.force[k]
@@ -190,6 +211,17 @@ impl Kernels {
             arrays: &self.chain,
             ends: &mut self.watch.hinges,
         });
+        if let (Some(rollers), Some(of)) = (&self.rollers, &model.rollers) {
+            let found = self.instructions.run(WatchHinges {
+                length,
+                links: n,
+                clearance: of.clearance,
+                arrays: &rollers.arrays,
+                ends: &mut self.watch.rollers,
+            });
+            watched.turned |= found.turned;
+            watched.speed = watched.speed.max(found.speed);
+        }
         let mut rim: f64 = 0.0;
         for (s, ends) in self.watch.teeth.iter_mut().enumerate() {
             let pose = &self.poses[s];
@@ -199,7 +231,7 @@ impl Kernels {
                         length,
                         constants: $constants,
                         pose,
-                        arrays: &self.chain,
+                        arrays: on_teeth(&self.chain, self.rollers.as_deref()),
                         candidates: &self.candidates.sprockets[s],
                         ends,
                     })
@@ -228,6 +260,9 @@ impl Kernels {
         self.place_sprockets(model, t, y);
         if model.has_friction() {
             self.chain.clear_moments();
+            if let Some(rollers) = &mut self.rollers {
+                rollers.arrays.clear_moments();
+            }
         }
         let chain = with_law!(&model.hinge_law.pairs, Law, pairs => {
             self.join_chain::<Law, ENERGY>(model, memory, Law::constants(&pairs[0]), y)
@@ -235,17 +270,35 @@ impl Kernels {
         for (s, pose) in self.poses.iter_mut().enumerate() {
             pose.direction = [self.chain.sprocket_cos[s], self.chain.sprocket_sin[s]];
         }
-        self.choose_candidates(model, memory, chain.moved_squared);
-        self.changed = chain.changed;
+        let rolling = model.rollers.as_ref().map(|of| {
+            if model.hinge_friction.is_some() {
+                let spins = &y[model.coordinates + 2 * model.links..][..model.links];
+                self.chain.spin_bushings(&self.links, spins, 0);
+            }
+            with_law!(&of.law.pairs, Law, pairs => {
+                self.join_rollers::<Law, ENERGY>(model, of, memory, Law::constants(&pairs[0]), y)
+            })
+        });
+        let moved_squared = rolling.map_or(chain.moved_squared, |found| found.moved_squared);
+        self.choose_candidates(model, memory, moved_squared);
+        self.changed = chain.changed || rolling.is_some_and(|found| found.changed);
         let mut losses = Losses {
             hinge_contact: chain.dissipated,
             hinge_friction: chain.rubbed,
+            roller_contact: rolling.map_or(0.0, |found| found.dissipated),
+            roller_friction: rolling.map_or(0.0, |found| found.rubbed),
             ..Losses::default()
         };
         if model.tooth_friction.is_some() {
-            let spins = &y[model.coordinates + 2 * model.links..][..model.links];
-            let overhang = self.candidates.overhang;
-            self.chain.spin_bushings(&self.links, spins, overhang);
+            let (n, overhang) = (model.links, self.candidates.overhang);
+            let spins = &y[model.coordinates..];
+            if let (Some(of), Some(rollers)) = (&model.rollers, &mut self.rollers) {
+                let Rollers { constants, arrays } = &mut **rollers;
+                arrays.spin_bushings(constants, &spins[of.first + 2 * n..][..n], overhang);
+            } else {
+                let spins = &spins[2 * n..3 * n];
+                self.chain.spin_bushings(&self.links, spins, overhang);
+            }
         }
         for s in 0..model.sprockets.len() {
             let teeth = with_law!(&model.tooth_law.pairs, Law, _pairs => {
@@ -260,6 +313,7 @@ impl Kernels {
             };
         }
         self.accelerate_links(model, rates);
+        self.accelerate_rollers(model, rates);
         self.accelerate_sprockets(model, t, rates);
         let mut powers = Powers::of(losses);
         if ENERGY {
@@ -348,6 +402,92 @@ impl Kernels {
         }
     }
 
+    fn join_rollers<L: VectorLaw, const ENERGY: bool>(
+        &mut self,
+        model: &Model,
+        of: &RollerModel,
+        memory: &ImpactMemory,
+        law_constants: [f64; 2],
+        y: &[f64],
+    ) -> ChainFound {
+        let Some(rollers) = &mut self.rollers else {
+            return ChainFound::default();
+        };
+        let n = model.links;
+        let (q, v) = y.split_at(model.coordinates);
+        let (q, v) = (&q[of.first..], &v[of.first..]);
+        let newton = self.newton.as_mut().filter(|_| self.writes_slopes);
+        let (slopes, rubs) = newton.map_or((None, None), |newton| {
+            let NewtonMatrix {
+                roller_slopes,
+                roller_rubs,
+                ..
+            } = &mut **newton;
+            (Some(&mut roller_slopes[..]), Some(&mut roller_rubs[..]))
+        });
+        let friction = model.hinge_friction.as_ref().map(|law| HingeFriction {
+            law,
+            pin_radius: of.bushing_radius,
+        });
+        macro_rules! join {
+            ($damped:literal, $rubbed:literal, $energy:expr) => {
+                self.instructions
+                    .run(JoinRollers::<L, $damped, $rubbed, { $energy }> {
+                        law: PhantomData,
+                        law_constants,
+                        clearance: of.clearance,
+                        lambda: of.law.lambda,
+                        floor: model.min_approach_speed,
+                        places: [&q[..n], &q[n..2 * n]],
+                        speeds: [&v[..n], &v[n..2 * n], &v[2 * n..3 * n]],
+                        inverse_onset: memory.roller_inverse(),
+                        reference: &self.candidates.reference,
+                        overhang: self.candidates.overhang,
+                        links: &self.links,
+                        chain: &mut self.chain,
+                        rollers,
+                        slopes,
+                        rubs,
+                        friction,
+                    })
+            };
+        }
+        if friction.is_some() {
+            join!(true, true, true)
+        } else if of.law.lambda > 0.0 {
+            join!(true, false, ENERGY)
+        } else {
+            join!(false, false, false)
+        }
+    }
+
+    fn accelerate_rollers(&mut self, model: &Model, rates: &mut [f64]) {
+        let (Some(rollers), Some(of)) = (&mut self.rollers, &model.rollers) else {
+            return;
+        };
+        let n = model.links;
+        let (x, rest) = rates[of.first..].split_at_mut(n);
+        let (y, rest) = rest.split_at_mut(n);
+        let accelerations = [x, y, &mut rest[..n]];
+        macro_rules! accelerate {
+            ($rubbed:literal) => {
+                self.instructions.run(AccelerateRollers::<$rubbed> {
+                    arrays: &mut rollers.arrays,
+                    overhang: self.candidates.overhang,
+                    gravity: model.gravity.into(),
+                    inverse_mass: 1.0 / of.mass,
+                    inverse_inertia: 1.0 / of.inertia,
+                    accelerations,
+                })
+            };
+        }
+        if model.has_friction() {
+            accelerate!(true);
+        } else {
+            accelerate!(false);
+        }
+    }
+
     /// Makes the list of candidates again when something has moved too far for it.
     fn choose_candidates(&mut self, model: &Model, memory: &ImpactMemory, moved_squared: f64) {
         let poses = &self.poses;
@@ -356,14 +496,17 @@ impl Kernels {
             let frames = poses
                 .iter()
                 .map(|pose| (Vec2::from(pose.center), pose.direction));
-            let [x, y] = &self.chain.bushing;
+            let [x, y] = &on_teeth(&self.chain, self.rollers.as_deref()).bushing;
             self.candidates.refresh(model, memory, [x, y], frames);
-            self.chain.clear_repeated(model.links);
-            self.instructions.run(RepeatBushings {
-                links: model.links,
-                overhang: self.candidates.overhang,
-                arrays: &mut self.chain,
-            });
+            let rollers = self.rollers.as_mut().map(|rollers| &mut rollers.arrays);
+            for arrays in std::iter::once(&mut self.chain).chain(rollers) {
+                arrays.clear_repeated(model.links);
+                self.instructions.run(RepeatBushings {
+                    links: model.links,
+                    overhang: self.candidates.overhang,
+                    arrays,
+                });
+            }
         }
     }
 
@@ -384,8 +527,12 @@ impl Kernels {
         });
         let friction = model.tooth_friction.as_ref().map(|law| ToothFriction {
             law,
-            bushing_radius: model.bushing_radius,
+            bushing_radius: model.contact_radius,
         });
+        let (links, arrays) = match &mut self.rollers {
+            Some(rollers) => (&rollers.constants, &mut rollers.arrays),
+            None => (&self.links, &mut self.chain),
+        };
         let ToothConstants {
             form,
             keeps_stiffness,
@@ -402,8 +549,8 @@ impl Kernels {
                         pose: &self.poses[s],
                         lambda: law.lambda,
                         floor: model.min_approach_speed,
-                        links: &self.links,
-                        arrays: &mut self.chain,
+                        links,
+                        arrays,
                         candidates: &mut self.candidates.sprockets[s],
                         slopes,
                         rubs,

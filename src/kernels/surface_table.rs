@@ -84,7 +84,7 @@ impl SurfaceTable {
         let law = |surface| surface_constants(model, s, surface);
         Self::of(
             &sprocket.profile,
-            model.bushing_radius,
+            model.contact_radius,
             sprocket.offset,
             law,
         )

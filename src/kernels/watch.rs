@@ -54,6 +54,8 @@ impl Ends {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Watch {
     pub(super) hinges: Ends,
+    /// Bushings in rollers; empty where rollers are no bodies of their own.
+    pub(super) rollers: Ends,
     /// For each sprocket, slot by slot.
     pub(super) teeth: Vec<Ends>,
     /// Whom the slots are of: the runs of each sprocket.
@@ -68,6 +70,7 @@ impl Watch {
         let sprockets = model.sprockets.iter();
         Self {
             hinges: Ends::new(model.links),
+            rollers: Ends::new(model.roller_count()),
             teeth: sprockets.clone().map(|_| Ends::new(slots)).collect(),
             runs: sprockets
                 .map(|_| Vec::with_capacity(slots / WIDTH))
@@ -87,6 +90,7 @@ impl Watch {
                     .is_some_and(|end| end <= slots)
         };
         self.hinges.is_like(&other.hinges)
+            && self.rollers.is_like(&other.rollers)
             && self.teeth.len() == other.teeth.len()
             && self.runs.len() == other.runs.len()
             && (self.teeth.iter().zip(&other.teeth)).all(|(own, other)| own.is_like(other))
@@ -99,6 +103,7 @@ impl Watch {
     /// Becomes what `other` is, within its own room.
     pub(crate) fn carry_on(&mut self, other: &Self) {
         self.hinges.clone_from(&other.hinges);
+        self.rollers.clone_from(&other.rollers);
         self.teeth.clone_from(&other.teeth);
         for (runs, others) in self.runs.iter_mut().zip(&other.runs) {
             runs.clear();
@@ -110,12 +115,18 @@ impl Watch {
     /// The end of this step is the start of the next one.
     pub(crate) fn advance(&mut self) {
         self.hinges.advance();
+        self.rollers.advance();
         self.teeth.iter_mut().for_each(Ends::advance);
     }
 
     /// Gap and rate at both ends of the step of hinge `k`.
     pub(crate) fn hinge(&self, k: usize) -> [[f64; 2]; 2] {
         self.hinges.of(k)
+    }
+
+    /// The same of bushing `k` in its roller.
+    pub(crate) fn roller(&self, k: usize) -> [[f64; 2]; 2] {
+        self.rollers.of(k)
     }
 
     /// Sprocket, bushing, and gap and rate at both ends of every candidate.

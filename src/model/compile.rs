@@ -2,7 +2,7 @@
 
 use super::guide::STOP_STIFFNESS;
 use super::rail::place_rail;
-use super::{ContactLaw, Guide, Model, Rotation, SprocketModel, Support};
+use super::{ContactLaw, Guide, Model, RollerModel, Rotation, SprocketModel, Support};
 use crate::drive::{Bearing, BeltLine, Drive, Motion, Sprocket};
 use crate::error::{Error, Result, check};
 use crate::force_law::{ForceLaw, Friction, PairTable, SurfacePair, range_note};
@@ -91,19 +91,44 @@ impl Model {
             modulus,
         )];
         let tooth_pairs = tooth_pairs(drive, &sprockets);
-        let range_notes = range_notes(
+        let roller_pairs = chain.roller.map(|roller| {
+            [SurfacePair::internal(
+                chain.bushing_radius,
+                roller.bore_radius,
+                f64::from(chain.strands) * roller.length,
+                modulus,
+            )]
+        });
+        let mut range_notes = range_notes(
             laws,
             &hinge_pairs,
             &tooth_pairs,
             &sprockets,
             drive.sprockets.len(),
         );
+        for pair in roller_pairs.iter().flatten() {
+            let law = laws.hinge.elastic;
+            let note = range_note(law, pair);
+            range_notes
+                .extend(note.map(|note| format!("{} law, bushing and roller: {note}", law.name())));
+        }
         let ready = |law: ForceLaw, pairs: &[SurfacePair]| ContactLaw {
             elastic: law.elastic,
             pairs: PairTable::prepare(law.elastic, pairs),
             lambda: law.damping.lambda(chain.material.restitution),
             regions: law.regions,
         };
+        let count = f64::from(chain.strands);
+        let rollers = chain.roller.zip(roller_pairs);
+        let rollers = rollers.map(|(roller, pairs)| RollerModel {
+            first: coordinates.0,
+            mass: count * roller.mass,
+            inertia: count * roller.inertia,
+            clearance: roller.clearance(chain.bushing_radius),
+            bushing_radius: chain.bushing_radius,
+            law: ready(laws.hinge, &pairs),
+        });
+        coordinates.0 += 3 * chain.rollers();
         let mass: Vec<f64> = (0..links).map(|i| chain.link(i).mass).collect();
         let inertia: Vec<f64> = (0..links).map(|i| chain.link(i).inertia).collect();
         Ok(Self {
@@ -117,7 +142,8 @@ impl Model {
             inertia,
             clearance: hinge.clearance(),
             pin_radius: hinge.pin_radius,
-            bushing_radius: chain.bushing_radius,
+            contact_radius: chain.contact_radius(),
+            rollers,
             hinge_friction: laws.hinge_friction,
             tooth_friction: laws.tooth_friction,
             hinge_law: ready(laws.hinge, &hinge_pairs),
@@ -151,7 +177,7 @@ fn place_wheels(
     for (number, sprocket) in drive.sprockets.iter().enumerate() {
         add(place_sprocket(drive, number, sprocket, start, coordinates)?);
     }
-    let first = drive.chain.links as usize + drive.sprockets.len();
+    let first = drive.first_wheel() + drive.sprockets.len();
     for (guide, [_, _, angle]) in drive.guides.iter().zip(&start.positions[first..]) {
         add(place_rail(guide, &drive.chain, *angle, || {
             coordinates.take()
@@ -171,7 +197,7 @@ fn tooth_pairs(drive: &Drive, wheels: &[SprocketModel]) -> Vec<SurfacePair> {
     let of_wheel = |(wheel, modulus): (&SprocketModel, f64)| {
         tooth_surfaces(
             &wheel.profile,
-            chain.bushing_radius,
+            chain.contact_radius(),
             chain.teeth_contact_length(),
             modulus,
         )
@@ -232,7 +258,7 @@ fn place_sprocket(
     let chain = &drive.chain;
     let profile = sprocket.tooth_profile(chain)?;
     let (mass, inertia) = sprocket.mass_properties(chain);
-    let [x, y, angle] = start.positions[chain.links as usize + number];
+    let [x, y, angle] = start.positions[drive.first_wheel() + number];
     let mut center = Vec2::new(x, y);
     let tensioner = drive.tensioner.filter(|t| t.sprocket == number + 1);
     let support = match (&tensioner, sprocket.bearing) {
@@ -298,7 +324,7 @@ fn place_sprocket(
         .collect();
     Ok(SprocketModel {
         side: sprocket.side,
-        reach: profile.reach(chain.bushing_radius) + sprocket.faults.eccentricity,
+        reach: profile.reach(chain.contact_radius()) + sprocket.faults.eccentricity,
         offset: sprocket.faults.offset(),
         profile,
         first_pair: 0,

@@ -16,8 +16,8 @@ use crate::geometry::{Surface, ToothProfile, Vec2};
 
 /// The complete model of a drive. Read-only during a run.
 ///
-/// Bodies: links first, then sprockets. Generalized coordinates q: all link x, all link y, all link θ, then those that the
-/// sprockets have. Hinge `k` joins the front of link `k` and the rear of link `k + 1`; bushing `k` belongs to the inner one.
+/// Bodies: links first, then rollers, then sprockets. Generalized coordinates q: all link x, all link y, all link θ, those that the
+/// sprockets have, then all roller x, all roller y, all roller θ. Hinge `k` joins the front of link `k` and the rear of link `k + 1`; bushing `k` belongs to the inner one.
 #[derive(Debug, Clone)]
 pub struct Model {
     /// Number of links, hinges and bushings.
@@ -40,8 +40,10 @@ pub struct Model {
     pub clearance: f64,
     /// Radius of the pins \[m\].
     pub pin_radius: f64,
-    /// Outside radius of the bushings \[m\].
-    pub bushing_radius: f64,
+    /// Outside radius of what meets the teeth: bushings, or rollers \[m\].
+    pub contact_radius: f64,
+    /// The rollers, where they are bodies of their own.
+    pub rollers: Option<RollerModel>,
     /// The sprockets, and behind them the guides: to the chain, wheels without teeth.
     pub sprockets: Vec<SprocketModel>,
     /// How many of them are guides.
@@ -75,6 +77,23 @@ pub struct ContactLaw {
     pub lambda: f64,
     /// What happens between the regions of a tooth.
     pub regions: Regions,
+}
+
+/// Rollers: one on every bushing, all alike.
+#[derive(Debug, Clone)]
+pub struct RollerModel {
+    /// Coordinate of the first one: all x, all y, all θ follow.
+    pub first: usize,
+    /// Mass \[kg\].
+    pub mass: f64,
+    /// Moment of inertia \[kg m²\].
+    pub inertia: f64,
+    /// Radial clearance on the bushings \[m\].
+    pub clearance: f64,
+    /// Outside radius of the bushings \[m\].
+    pub bushing_radius: f64,
+    /// Law of bushings in the rollers' bores: one pair for all.
+    pub law: ContactLaw,
 }
 
 /// One sprocket.
@@ -187,10 +206,35 @@ impl Model {
         }
     }
 
-    /// Number of bodies: links, sprockets and guides.
+    /// What of hinge `k` meets the teeth, in words.
+    #[must_use]
+    pub fn on_teeth_name(&self, k: usize) -> String {
+        let what = self.rollers.as_ref().map_or("bushing", |_| "roller");
+        format!("{what} {}", k + 1)
+    }
+
+    /// Number of bodies: links, rollers, sprockets and guides.
     #[must_use]
     pub fn bodies(&self) -> usize {
-        self.links + self.sprockets.len()
+        self.wheel_body(self.sprockets.len())
+    }
+
+    /// Number of rollers that are bodies.
+    #[must_use]
+    pub fn roller_count(&self) -> usize {
+        self.rollers.as_ref().map_or(0, |_| self.links)
+    }
+
+    /// Number of sprocket or guide `s` among the bodies.
+    #[must_use]
+    pub fn wheel_body(&self, s: usize) -> usize {
+        self.links + self.roller_count() + s
+    }
+
+    /// Number of the coordinates that are neither of links nor of rollers: those of sprockets and guides.
+    #[must_use]
+    pub fn wheel_coordinates(&self) -> usize {
+        self.coordinates - 3 * (self.links + self.roller_count())
     }
 
     /// Names of the bodies, in the order of every array over bodies.
@@ -198,6 +242,7 @@ impl Model {
     pub fn body_names(&self) -> Vec<String> {
         (1..=self.links)
             .map(|i| format!("link_{i}"))
+            .chain((1..=self.roller_count()).map(|k| format!("roller_{k}")))
             .chain((0..self.sprockets.len()).map(|s| self.wheel_name(s).replace(' ', "_")))
             .collect()
     }
@@ -247,6 +292,11 @@ impl Model {
         if index < 3 * self.links {
             return index % self.links;
         }
+        if let Some(rollers) = &self.rollers
+            && index >= rollers.first
+        {
+            return self.links + (index - rollers.first) % self.links;
+        }
         let owns = |s: &SprocketModel| {
             let by_support = match s.support {
                 Support::Fixed => false,
@@ -255,7 +305,7 @@ impl Model {
             };
             by_support || matches!(s.rotation, Rotation::Free { index: i, .. } if i == index)
         };
-        self.links + self.sprockets.iter().position(owns).unwrap_or(0)
+        self.wheel_body(self.sprockets.iter().position(owns).unwrap_or(0))
     }
 }
 

@@ -60,7 +60,7 @@ pub(super) fn place_rail(
     };
     Ok(SprocketModel {
         side: Side::Inside,
-        reach: profile.reach(chain.bushing_radius) + rail.offset().norm(),
+        reach: profile.reach(chain.contact_radius()) + rail.offset().norm(),
         offset: rail.offset(),
         profile,
         first_pair: 0,

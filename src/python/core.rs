@@ -99,6 +99,12 @@ impl Core {
                 .into_pyarray(py)
                 .reshape([model.links, model.sprockets.len()])?,
         )?;
+        if model.rollers.is_some() {
+            let speeds = memory.roller_speed().to_vec();
+            state.set_item("roller_onset_speed", speeds.into_pyarray(py))?;
+            let parted = dynamics.parted_rollers();
+            state.set_item("parted_rollers", parted.into_pyarray(py))?;
+        }
         state.set_item("parted_hinges", parted.0.into_pyarray(py))?;
         state.set_item("parted_tooth_pairs", parted.1.into_pyarray(py))?;
         let snapshot = describe::checked(py, self.simulation.snapshot().to_bytes())?;
@@ -396,6 +402,17 @@ fn evaluation<'py>(py: Python<'py>, dynamics: &Dynamics) -> PyResult<Bound<'py, 
         "hinge_force_vector",
         on_pins.into_pyarray(py).reshape([links, 2])?,
     )?;
+    if model.rollers.is_some() {
+        let rollers = &dynamics.rollers;
+        found.set_item("roller_force", rollers.force.clone().into_pyarray(py))?;
+        let depths = rollers.penetration.clone();
+        found.set_item("roller_penetration", depths.into_pyarray(py))?;
+        let on_rollers: Vec<f64> = (0..links)
+            .flat_map(|k| <[f64; 2]>::from(rollers.force_on_roller(k)))
+            .collect();
+        let on_rollers = on_rollers.into_pyarray(py).reshape([links, 2])?;
+        found.set_item("roller_force_vector", on_rollers)?;
+    }
     let real =
         |value: &dyn Fn(usize) -> f64| by_bushing(model, value).into_pyarray(py).reshape(shape);
     found.set_item(

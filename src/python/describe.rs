@@ -6,8 +6,8 @@ use pyo3::types::{PyBool, PyString, PyTuple};
 use super::errors::{InvalidInput, to_python};
 use crate::drive::{
     AnsiTooth, Arm, Bearing, Chain, ClearanceHinge, CustomTooth, Drive, Faults, IsoTooth, Link,
-    Material, Motion, Mount, Rail, RailShape, Sprocket, StraightTooth, Tensioner, TimeTable, Tip,
-    ToothForm, Variation,
+    Material, Motion, Mount, Rail, RailShape, Roller, Sprocket, StraightTooth, Tensioner,
+    TimeTable, Tip, ToothForm, Variation,
 };
 use crate::error::{Error, Result, check};
 use crate::force_law::{Damping, Elastic, ForceLaw, Friction, Regions, Regularization};
@@ -298,6 +298,17 @@ fn hinge(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ClearanceHinge> {
     })
 }
 
+fn roller(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Roller> {
+    let read = Reader::new(object, field, &["Roller"])?;
+    Ok(Roller {
+        radius: read.number("radius", "m")?,
+        bore_radius: read.number("bore_radius", "m")?,
+        length: read.number("length", "m")?,
+        mass: read.number("mass", "kg")?,
+        inertia: read.number("inertia", "kg m^2")?,
+    })
+}
+
 pub(super) fn chain(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Chain> {
     let read = Reader::new(object, field, &["Chain"])?;
     read.check_text("name")?;
@@ -323,6 +334,14 @@ pub(super) fn chain(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Chain> {
             elongation: read.numbers("elongation", "1")?,
             pitch_spread: read.number("pitch_spread", "1")?,
             seed: u64::from(read.count("seed")?),
+        },
+        roller: {
+            let given = read.get("roller")?;
+            if given.is_none() {
+                None
+            } else {
+                Some(roller(&given, "Chain.roller")?)
+            }
         },
     })
 }
@@ -778,6 +797,7 @@ pub(super) fn validate(description: &Bound<'_, PyAny>) -> PyResult<()> {
         "Material" => material(object, "")?.validate(),
         "Link" => link(object, "")?.validate(),
         "ClearanceHinge" => hinge(object, "")?.validate(),
+        "Roller" => roller(object, "")?.validate(),
         "Chain" => chain(object, "")?.validate(),
         kind if FORMS.contains(&kind) => tooth_form(object, "")?.validate(),
         "ToothLine" | "ToothArc" => outline_piece(object, "").map(|_| Ok(()))?,

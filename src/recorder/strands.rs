@@ -12,7 +12,7 @@ pub(super) fn tensions(dynamics: &Dynamics) -> Vec<f64> {
     let (model, motion, hinges) = (dynamics.model(), &dynamics.motion, &dynamics.hinges);
     let (n, strands) = (model.links, &model.strands);
     let pulley = |s: usize| Pulley {
-        center: Vec2::new(motion.x[n + s], motion.y[n + s]),
+        center: Vec2::new(motion.x[model.wheel_body(s)], motion.y[model.wheel_body(s)]),
         radius: model.sprockets[s].profile.pitch_radius,
         side: model.sprockets[s].side,
     };

@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::geometry::belt::Side;
 use crate::geometry::wrap::Path;
 use crate::geometry::{Vec2, turned_left, unit};
+use crate::model::Model;
 
 /// How often a chain is laid anew round eccentric teeth.
 const MOST_ROUNDS: usize = 30;
@@ -80,7 +81,7 @@ impl Start {
                 // The same gap in every round.
                 let near = before.as_ref().map_or(turned * gap(i), |phase| phase[i]);
                 *phase += ((near - *phase) / gap(i)).round() * gap(i);
-                start.positions[drive.chain.links as usize + i][2] = *phase;
+                start.positions[drive.first_wheel() + i][2] = *phase;
             }
             let mut moved: f64 = 0.0;
             for (i, sprocket) in drive.sprockets.iter().enumerate() {
@@ -89,7 +90,7 @@ impl Start {
                 let teeth = sprocket.center + offset.x * angle + offset.y * turned_left(angle);
                 moved = moved.max((teeth - centered.sprockets[i].center).norm());
                 centered.sprockets[i].center = teeth;
-                let body = drive.chain.links as usize + i;
+                let body = drive.first_wheel() + i;
                 [start.positions[body][0], start.positions[body][1]] = sprocket.center.into();
             }
             if moved <= SETTLED * drive.chain.pitch {
@@ -117,7 +118,13 @@ impl Start {
 
     /// The same drive with its bodies elsewhere: hinges keep their velocities but for what keeps the links' lengths.
     #[must_use]
-    pub fn moved_to(&self, positions: Vec<[f64; 3]>, layout: &Layout, pitches: &[f64]) -> Self {
+    pub fn moved_to(
+        &self,
+        positions: Vec<[f64; 3]>,
+        layout: &Layout,
+        pitches: &[f64],
+        rollers: bool,
+    ) -> Self {
         let n = layout.seat_of.len();
         let hinges = |positions: &[[f64; 3]]| -> Vec<Vec2> {
             let end = |i: usize, side: f64| {
@@ -138,7 +145,9 @@ impl Start {
         let places = hinges(&positions);
         let mut velocities: Vec<Vec2> = (0..n).map(velocity).collect();
         strand_motion::keep_all_lengths(&layout.seat_of, &places, &mut velocities);
+        let moving = velocities;
         let links = (0..n).map(|front| {
+            let velocities = &moving;
             let rear = (front + n - 1) % n;
             let along = places[front] - places[rear];
             let apart = velocities[front] - velocities[rear];
@@ -146,9 +155,31 @@ impl Start {
             let spin = (along.x * apart.y - along.y * apart.x) / along.norm_squared();
             [mean.x, mean.y, spin]
         });
+        let mut velocities: Vec<[f64; 3]> =
+            links.chain(self.velocities[n..].iter().copied()).collect();
+        if rollers {
+            for (roller, hinge) in velocities[n..2 * n].iter_mut().zip(&moving) {
+                [roller[0], roller[1]] = (*hinge).into();
+            }
+        }
         Self {
-            velocities: links.chain(self.velocities[n..].iter().copied()).collect(),
             positions,
+            velocities,
+        }
+    }
+
+    /// Rollers in the middle of their play, on the bushings at these hinges, turning with the links that those are of.
+    fn add_rollers(&mut self, hinges: &[Vec2], velocities: &[Vec2]) {
+        let n = hinges.len();
+        for (k, (place, velocity)) in hinges.iter().zip(velocities).enumerate() {
+            let link = if Model::bushing_on_front(k, n) {
+                k
+            } else {
+                (k + 1) % n
+            };
+            let spin = self.velocities[link][2];
+            self.positions.push([place.x, place.y, 0.0]);
+            self.velocities.push([velocity.x, velocity.y, spin]);
         }
     }
 
@@ -169,6 +200,9 @@ impl Start {
                 .positions
                 .push([center.x, center.y, along.y.atan2(along.x)]);
             start.velocities.push([velocity.x, velocity.y, spin]);
+        }
+        if drive.chain.roller.is_some() {
+            start.add_rollers(hinges, velocities);
         }
         let turns = layout.phase.iter().zip(&layout.speeds);
         for (sprocket, (&phase, &speed)) in drive.sprockets.iter().zip(turns) {

@@ -106,7 +106,7 @@ pub(super) fn wheel(profile: &ToothProfile, chain: &Chain, gap: f64) -> Wheel {
     let hinge_circle = wrap::pitch_radius(chain.mean_pitch(), profile.teeth);
     let on_hinge_circle = Vec2::new(0.0, hinge_circle - profile.seat_center_radius);
     let depth = profile
-        .contact(on_hinge_circle, chain.bushing_radius)
+        .contact(on_hinge_circle, chain.contact_radius())
         .penetration;
     Wheel {
         teeth: profile.teeth,
@@ -155,7 +155,7 @@ impl Lie<'_> {
 
     /// Smallest distance of a bushing from a tooth \[m\]; infinite when none is near.
     pub(super) fn smallest_gap(&self) -> f64 {
-        let radius = self.chain.bushing_radius;
+        let radius = self.chain.contact_radius();
         let bushings: Vec<Vec2> = self
             .link_ends()
             .into_iter()

@@ -3,7 +3,7 @@
 use crate::geometry::Vec2;
 use crate::model::{Model, Rotation, SprocketModel, Support};
 
-/// Where every body is and how it moves; links first, then sprockets.
+/// Where every body is and how it moves; links first, then rollers, then sprockets.
 #[derive(Debug, Clone, Default)]
 pub struct Motion {
     /// x \[m\]
@@ -60,10 +60,19 @@ impl Motion {
         self.vx[..n].copy_from_slice(&v[..n]);
         self.vy[..n].copy_from_slice(&v[n..2 * n]);
         self.spin[..n].copy_from_slice(&v[2 * n..3 * n]);
+        if let Some(rollers) = &model.rollers {
+            let (q, v) = (&q[rollers.first..], &v[rollers.first..]);
+            self.x[n..2 * n].copy_from_slice(&q[..n]);
+            self.y[n..2 * n].copy_from_slice(&q[n..2 * n]);
+            self.angle[n..2 * n].copy_from_slice(&q[2 * n..]);
+            self.vx[n..2 * n].copy_from_slice(&v[..n]);
+            self.vy[n..2 * n].copy_from_slice(&v[n..2 * n]);
+            self.spin[n..2 * n].copy_from_slice(&v[2 * n..]);
+        }
         for (i, sprocket) in model.sprockets.iter().enumerate() {
             let ((center, velocity), (angle, spin)) =
                 sprocket_motion(sprocket, t, |j| (q[j], v[j]));
-            let body = n + i;
+            let body = model.wheel_body(i);
             (self.x[body], self.y[body]) = (center.x, center.y);
             (self.vx[body], self.vy[body]) = (velocity.x, velocity.y);
             (self.angle[body], self.spin[body]) = (angle, spin);
@@ -112,8 +121,17 @@ impl Motion {
         v[..n].copy_from_slice(&self.vx[..n]);
         v[n..2 * n].copy_from_slice(&self.vy[..n]);
         v[2 * n..3 * n].copy_from_slice(&self.spin[..n]);
+        if let Some(rollers) = &model.rollers {
+            let (q, v) = (&mut q[rollers.first..], &mut v[rollers.first..]);
+            q[..n].copy_from_slice(&self.x[n..2 * n]);
+            q[n..2 * n].copy_from_slice(&self.y[n..2 * n]);
+            q[2 * n..].copy_from_slice(&self.angle[n..2 * n]);
+            v[..n].copy_from_slice(&self.vx[n..2 * n]);
+            v[n..2 * n].copy_from_slice(&self.vy[n..2 * n]);
+            v[2 * n..].copy_from_slice(&self.spin[n..2 * n]);
+        }
         for (i, sprocket) in model.sprockets.iter().enumerate() {
-            let body = n + i;
+            let body = model.wheel_body(i);
             let center = Vec2::new(self.x[body], self.y[body]);
             let velocity = Vec2::new(self.vx[body], self.vy[body]);
             match sprocket.support {

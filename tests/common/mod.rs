@@ -11,8 +11,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use rustchain::drive::{
-    AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Faults, Link, Material, Motion, Sprocket,
-    Tensioner, Variation,
+    AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Faults, Link, Material, Motion, Roller,
+    Sprocket, Tensioner, Variation,
 };
 use rustchain::geometry::belt::Side;
 use rustchain::geometry::{Seat, Vec2};
@@ -44,6 +44,36 @@ pub fn paper_chain() -> Chain {
         offset: None,
         strands: 1,
         variation: Variation::default(),
+        roller: None,
+    }
+}
+
+/// The same chain with rollers of the same outside radius, whose mass the inner links go without.
+pub fn roller_chain() -> Chain {
+    let chain = paper_chain();
+    let roller = Roller {
+        radius: chain.bushing_radius,
+        bore_radius: 2.848e-3,
+        length: 7.9375e-3,
+        mass: 1.497e-3,
+        inertia: 1.786e-8,
+    };
+    Chain {
+        inner: Link {
+            mass: chain.inner.mass - 2.0 * roller.mass,
+            ..chain.inner
+        },
+        bushing_radius: 2.798e-3,
+        roller: Some(roller),
+        ..chain
+    }
+}
+
+/// The paper's drive with rollers.
+pub fn roller_drive() -> Drive {
+    Drive {
+        chain: roller_chain(),
+        ..paper_drive()
     }
 }
 

@@ -196,6 +196,11 @@ impl Scene {
                 dynamics.memory.begin_tooth(pair, noise.share(), surface);
             }
         }
+        for k in 0..self.model.roller_count() {
+            if noise.share() < share {
+                dynamics.memory.begin_roller(k, noise.share());
+            }
+        }
         dynamics
     }
 

@@ -5,6 +5,7 @@
 //! the speed, forces by what depth and rate make of them; the rest is counted in units of the quantity itself. All sums below are
 //! those of first order with every rounding taken as one unit; the ratios say how many units it were.
 
+use rustchain::contact::on_teeth;
 use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Conformal, ElasticLaw, Hertz, Logarithmic, PairTable, Power, Regions};
 use rustchain::geometry::{Curve, Surface};
@@ -161,6 +162,19 @@ pub fn compare(dynamics: &mut Dynamics, t: f64, y: &[f64]) -> Agreement {
         }
     }
 
+    let rollers: Vec<Errors> = (0..model.roller_count())
+        .map(|k| roller_errors(dynamics, k))
+        .collect();
+    assert_eq!(dynamics.roller_contacts().count(), rollers.len());
+    for (k, ((depth, force), errors)) in dynamics.roller_contacts().zip(&rollers).enumerate() {
+        let twin = dynamics.rollers.penetration[k].max(0.0);
+        all.touching += usize::from(depth > 0.0);
+        all.hinge_depth = all.hinge_depth.max(ratio(depth, twin, errors.grain));
+        all.force = all
+            .force
+            .max(ratio(force, errors.force, errors.force_error));
+    }
+
     let mut teeth = vec![None; n * model.sprockets.len()];
     for &pair in &dynamics.teeth.near {
         teeth[pair as usize] = Some(tooth_errors(dynamics, pair as usize));
@@ -197,20 +211,22 @@ pub fn compare(dynamics: &mut Dynamics, t: f64, y: &[f64]) -> Agreement {
         );
     }
 
-    compare_links(dynamics, &hinges, &teeth, &dydt[nq..], &mut all);
+    compare_links(dynamics, &hinges, &rollers, &teeth, &dydt[nq..], &mut all);
+    compare_rollers(dynamics, &rollers, &teeth, &dydt[nq..2 * nq], &mut all);
     compare_sprockets(dynamics, &teeth, &dydt[nq..2 * nq], &mut all);
     let mut dissipated_error = UNIT * powers.dissipated.abs();
     let mut worked_in_error = UNIT * powers.worked_in.abs();
-    for errors in hinges.iter().chain(teeth.iter().flatten()) {
+    for errors in hinges.iter().chain(&rollers).chain(teeth.iter().flatten()) {
         dissipated_error += errors.power_error;
     }
     for (s, sprocket) in model.sprockets.iter().enumerate() {
         let (_, moment_error) = sprocket_errors(dynamics, &teeth, s);
         if matches!(sprocket.rotation, Rotation::Prescribed(_)) {
-            worked_in_error += moment_error * dynamics.motion.spin[n + s].abs();
+            worked_in_error += moment_error * dynamics.motion.spin[model.wheel_body(s)].abs();
         }
         if let Support::Slide { damping, .. } = sprocket.support {
-            let speed = dynamics.motion.vx[n + s].hypot(dynamics.motion.vy[n + s]);
+            let body = model.wheel_body(s);
+            let speed = dynamics.motion.vx[body].hypot(dynamics.motion.vy[body]);
             dissipated_error += 4.0 * UNIT * damping * speed * speed;
         }
     }
@@ -245,6 +261,30 @@ fn hinge_errors(dynamics: &Dynamics, k: usize) -> Errors {
     .errors(|depth| elastic(&model.hinge_law.pairs, 0, depth))
 }
 
+fn roller_errors(dynamics: &Dynamics, k: usize) -> Errors {
+    let (model, found, motion) = (dynamics.model(), &dynamics.rollers, &dynamics.motion);
+    let rollers = model.rollers.as_ref().unwrap();
+    let bodies = [model.link_of_bushing(k), model.links + k];
+    let size = bodies.map(|i| motion.x[i].abs().max(motion.y[i].abs()));
+    let speed = bodies.map(|i| {
+        motion.vx[i].abs().max(motion.vy[i].abs()) + model.half_pitch * motion.spin[i].abs()
+    });
+    let rate = found.rate[k];
+    Found {
+        depth: found.penetration[k],
+        rate,
+        force: found.force[k],
+        distance: found.penetration[k] + rollers.clearance,
+        size: size[0].max(size[1]) + model.half_pitch,
+        speed: speed[0].max(speed[1]),
+        onset: dynamics
+            .memory
+            .onset_speed(dynamics.memory.roller_speed()[k], rate),
+        lambda: rollers.law.lambda,
+    }
+    .errors(|depth| elastic(&rollers.law.pairs, 0, depth))
+}
+
 fn stiffness_surface(dynamics: &Dynamics, pair: usize) -> Surface {
     let kept = dynamics.model().tooth_law.regions == Regions::Kept;
     if kept && dynamics.memory.tooth_speed[pair] > 0.0 {
@@ -258,10 +298,10 @@ fn tooth_errors(dynamics: &Dynamics, pair: usize) -> Errors {
     let (model, teeth, motion) = (dynamics.model(), &dynamics.teeth, &dynamics.motion);
     let (s, k) = (pair / model.links, pair % model.links);
     let profile = &model.sprockets[s].profile;
-    let (bushing, velocity) = dynamics.hinges.bushing(k);
-    let body = model.links + s;
+    let ((bushing, velocity), turning) = on_teeth(model, motion, &dynamics.hinges, k);
+    let body = model.wheel_body(s);
     let depth = teeth.penetration[pair];
-    let radius = model.bushing_radius;
+    let radius = model.contact_radius;
     let distance = match profile.surfaces()[teeth.surface[pair].index()].curve {
         Curve::Concave(arc) => depth + arc.radius - radius,
         Curve::Straight(_) => f64::INFINITY,
@@ -270,7 +310,6 @@ fn tooth_errors(dynamics: &Dynamics, pair: usize) -> Errors {
     let rate = teeth.rate[pair];
     let number = model.tooth_pair(s, stiffness_surface(dynamics, pair));
     let reach = model.sprockets[s].reach;
-    let link = model.link_of_bushing(k);
     Found {
         depth,
         rate,
@@ -284,7 +323,7 @@ fn tooth_errors(dynamics: &Dynamics, pair: usize) -> Errors {
         speed: velocity.amax()
             + motion.vx[body].abs().max(motion.vy[body].abs())
             + reach * motion.spin[body].abs()
-            + model.half_pitch * motion.spin[link].abs(),
+            + model.half_pitch * motion.spin[turning].abs(),
         onset: dynamics
             .memory
             .onset_speed(dynamics.memory.tooth_speed[pair], rate),
@@ -296,6 +335,7 @@ fn tooth_errors(dynamics: &Dynamics, pair: usize) -> Errors {
 fn compare_links(
     dynamics: &Dynamics,
     hinges: &[Errors],
+    rollers: &[Errors],
     teeth: &[Option<Errors>],
     accelerations: &[f64],
     all: &mut Agreement,
@@ -308,7 +348,12 @@ fn compare_links(
         for k in [i, before] {
             let contact = hinges[k];
             error += contact.vector_error + UNIT * contact.force;
-            if model.link_of_bushing(k) == i {
+            if model.link_of_bushing(k) != i {
+                continue;
+            }
+            if let Some(roller) = rollers.get(k) {
+                error += roller.vector_error + UNIT * roller.force;
+            } else {
                 for errors in (0..model.sprockets.len()).filter_map(|s| teeth[s * n + k]) {
                     error += errors.vector_error + UNIT * errors.force;
                 }
@@ -321,6 +366,34 @@ fn compare_links(
             .max(ratio(accelerations[i], twins.x[i], linear))
             .max(ratio(accelerations[n + i], twins.y[i], linear))
             .max(ratio(accelerations[2 * n + i], twins.angle[i], angular));
+    }
+}
+
+fn compare_rollers(
+    dynamics: &Dynamics,
+    rollers: &[Errors],
+    teeth: &[Option<Errors>],
+    accelerations: &[f64],
+    all: &mut Agreement,
+) {
+    let (model, twins) = (dynamics.model(), &dynamics.accelerations);
+    let Some(of) = &model.rollers else {
+        return;
+    };
+    let n = model.links;
+    for (k, roller) in rollers.iter().enumerate() {
+        let mut error = roller.vector_error + UNIT * roller.force;
+        for errors in (0..model.sprockets.len()).filter_map(|s| teeth[s * n + k]) {
+            error += errors.vector_error + UNIT * errors.force;
+        }
+        let linear = error / of.mass + UNIT * model.gravity.amax();
+        let (x, y) = (of.first + k, of.first + n + k);
+        all.link = all
+            .link
+            .max(ratio(accelerations[x], twins.x[n + k], linear))
+            .max(ratio(accelerations[y], twins.y[n + k], linear));
+        // Without friction nothing turns them.
+        assert_eq!(accelerations[of.first + 2 * n + k], twins.angle[n + k]);
     }
 }
 
@@ -349,7 +422,7 @@ fn compare_sprockets(
 ) {
     let (model, twins) = (dynamics.model(), &dynamics.accelerations);
     for (s, sprocket) in model.sprockets.iter().enumerate() {
-        let body = model.links + s;
+        let body = model.wheel_body(s);
         let (force_error, moment_error) = sprocket_errors(dynamics, teeth, s);
         let linear =
             |twin: f64| force_error / sprocket.mass + UNIT * (model.gravity.amax() + twin.abs());

@@ -38,7 +38,7 @@ def test_forces_and_accelerations_agree_to_round_off(which, paper, states_with_s
         assert_within(
             e.accelerations, expected.accelerations, expected.acceleration_bound, "accelerations"
         )
-        rubbing += np.array(expected.friction_powers) > 0.0
+        rubbing += np.array(expected.friction_powers[:2]) > 0.0
     assert np.all((rubbing > 20) == [hinges is not None, teeth is not None])
 
 

@@ -153,7 +153,7 @@ def surface_curvature(drive: ChainDrive, sprocket: int) -> Array:
     A hollow surface takes its own from the bushing's, a round one adds it.
     """
     radii = np.array(_rustchain.tooth_radii(drive.sprockets[sprocket - 1], drive.chain))
-    curvature: Array = 1.0 / drive.chain.bushing_radius - 1.0 / radii
+    curvature: Array = 1.0 / drive.chain.contact_radius - 1.0 / radii
     return curvature
 
 
@@ -169,7 +169,7 @@ def tooth_contacts(result: Result) -> tuple[Array, Array]:
     modulus = np.full(wheel.shape, contact_modulus(chain))
     for k, guide in enumerate(drive.guides, len(drive.sprockets) + 1):
         face = 0.0 if guide.radius is None else 1.0 / guide.radius
-        curvature[wheel == k] = 1.0 / chain.bushing_radius + face
+        curvature[wheel == k] = 1.0 / chain.contact_radius + face
         modulus[wheel == k] = contact_modulus(chain, guide.material)
     for k in range(len(drive.sprockets)):
         of = surface_curvature(result.drive, k + 1)

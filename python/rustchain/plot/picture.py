@@ -38,7 +38,8 @@ class DrivePicture(Figures):
         """
         time, positions = self._snapshot(time)
         drive, chain = self.result.drive, self.result.drive.chain
-        links, wheels = positions[: chain.links], positions[chain.links :]
+        links, others = positions[: chain.links], positions[chain.links :]
+        rollers, wheels = np.split(others, [0 if chain.roller is None else chain.links])
         guides = wheels[len(drive.sprockets) :]
         wheels = wheels[: len(drive.sprockets)]
         hinges = _placed(links, np.array([[0.5 * chain.pitch, 0.0]]))[:, 0]
@@ -60,6 +61,14 @@ class DrivePicture(Figures):
         for first, share, color in ((0, 0.8, _INNER), (1, 0.7, _OUTER)):
             plate = _plate_outline(chain.pitch, share * chain.pitch)
             _add_polygons(axes, _placed(links[first::2], plate), to_rgba(color, 0.55), color)
+        if chain.roller is not None:
+            ring = _circle(chain.roller.radius), _circle(chain.roller.bore_radius)
+            for circle in ring:
+                _add_polygons(axes, _placed(rollers, circle), "none", _INK)
+            # A line on each shows how it has turned.
+            mark = np.array([[chain.roller.bore_radius, 0.0], [chain.roller.radius, 0.0]])
+            for line in _placed(rollers, mark):
+                axes.plot(*line.T, color=_INK, linewidth=0.7)
         for radius, face in ((chain.bushing_radius, "none"), (chain.hinge.pin_radius, "white")):
             _add_polygons(axes, hinges[:, None] + _circle(radius), face, _INK)
         for number in (1, *range(6, chain.links + 1, 5 * max(1, chain.links // 200))):

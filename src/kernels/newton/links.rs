@@ -75,7 +75,7 @@ impl LinkGroup {
     #[inline(always)]
     fn times_inverse<S: Simd>(&self, simd: S, right: [Lanes<S>; 3], part: usize) -> [Lanes<S>; 3] {
         if self.held {
-            return Symmetric(read(simd, &self.inverse, part)).times(right);
+            return Spatial(read(simd, &self.inverse, part)).times(right);
         }
         let light = self.inverse_mass.at(simd, part);
         let [x, y, turn] = right;
@@ -91,7 +91,7 @@ impl LinkGroup {
         [u, v]: [Lanes<S>; 2],
         inertia: Lanes<S>,
         (i, part): (usize, usize),
-    ) -> Symmetric<S> {
+    ) -> Spatial<S> {
         let mass = self.mass.at(simd, part);
         let [front_xx, rear_xx] = self.of_ends(simd, &teeth.held[0], i, part);
         let [front_yy, rear_yy] = self.of_ends(simd, &teeth.held[1], i, part);
@@ -116,7 +116,7 @@ impl LinkGroup {
             let crossed = u.mul_add(front_x - rear_x, v * (front_y - rear_y));
             block[5] = block[5] + ((crossed + crossed) + (front + rear));
         }
-        Symmetric(block)
+        Spatial(block)
     }
 }
 
@@ -168,11 +168,11 @@ impl LinkTerms {
 
 /// A symmetric matrix: xx, xy, xz, yy, yz, zz.
 #[derive(Clone, Copy)]
-struct Symmetric<S: Simd>([Lanes<S>; 6]);
+pub(super) struct Spatial<S: Simd>(pub(super) [Lanes<S>; 6]);
 
-impl<S: Simd> Symmetric<S> {
+impl<S: Simd> Spatial<S> {
     #[inline(always)]
-    fn inverse(&self) -> Self {
+    pub(super) fn inverse(&self) -> Self {
         let [xx, xy, xz, yy, yz, zz] = self.0;
         let a = yy.mul_add(zz, -(yz * yz));
         let b = xz.mul_add(yz, -(xy * zz));
@@ -189,7 +189,7 @@ impl<S: Simd> Symmetric<S> {
     }
 
     #[inline(always)]
-    fn times(&self, [x, y, z]: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
+    pub(super) fn times(&self, [x, y, z]: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let [xx, xy, xz, yy, yz, zz] = self.0;
         [
             xx.mul_add(x, xy.mul_add(y, xz * z)),
@@ -443,6 +443,34 @@ impl LinkTerms {
         }
     }
 
+    /// Velocities of fronts, x and y, of rears, and spins of links with these `unknowns`.
+    #[inline(always)]
+    pub(super) fn write_ends<S: Simd>(
+        &self,
+        simd: S,
+        unknowns: &[[Octet; 3]],
+        ends: &mut [Numbers; 5],
+    ) {
+        let count = parts::<S>().len();
+        for (number, (group, unknowns)) in self.groups.iter().zip(unknowns).enumerate() {
+            for part in parts::<S>() {
+                let i = number * count + part;
+                let [x, y, turn] = read(simd, unknowns, part);
+                let [u, v] = read(simd, &group.lever, part);
+                let values = [
+                    u.mul_add(turn, x),
+                    v.mul_add(turn, y),
+                    u.negate_mul_add(turn, x),
+                    v.negate_mul_add(turn, y),
+                    turn,
+                ];
+                for (end, value) in ends.iter_mut().zip(values) {
+                    vectors_mut::<S>(end, i + 1)[i] = value.values();
+                }
+            }
+        }
+    }
+
     /// What bushings leave for one coordinate on the border, link by link.
     #[inline(always)]
     pub(super) fn gather_column<S: Simd, const RUBBED: bool>(
@@ -505,7 +533,7 @@ impl<S: Simd> Ends<S> {
     }
 
     #[inline(always)]
-    fn of_held(inverse: &Symmetric<S>, [u, v]: [Lanes<S>; 2]) -> Self {
+    fn of_held(inverse: &Spatial<S>, [u, v]: [Lanes<S>; 2]) -> Self {
         let [xx, xy, xz, yy, yz, zz] = inverse.0;
         let (zu, zv) = (zz * u, zz * v);
         let [uu, vv, uv] = [zu * u, zv * v, zu * v];
@@ -523,7 +551,7 @@ impl<S: Simd> Ends<S> {
 
     /// Links whose contacts lie `[front, rear]` of their centres, each at a lever of its own.
     #[inline(always)]
-    fn apart(inverse: &Symmetric<S>, [front, rear]: [[Lanes<S>; 2]; 2]) -> Self {
+    fn apart(inverse: &Spatial<S>, [front, rear]: [[Lanes<S>; 2]; 2]) -> Self {
         let [xx, xy, xz, yy, yz, zz] = inverse.0;
         let ([a, b], [c, d]) = (front, rear);
         Self {
@@ -540,7 +568,7 @@ impl<S: Simd> Ends<S> {
 
     /// What a contact at this lever has of its own: xx, yy, xy.
     #[inline(always)]
-    fn own(inverse: &Symmetric<S>, [u, v]: [Lanes<S>; 2]) -> [Lanes<S>; 3] {
+    fn own(inverse: &Spatial<S>, [u, v]: [Lanes<S>; 2]) -> [Lanes<S>; 3] {
         let [xx, xy, xz, yy, yz, zz] = inverse.0;
         let (x, y) = (u * xz, v * yz);
         [
@@ -554,7 +582,7 @@ impl<S: Simd> Ends<S> {
     #[inline(always)]
     fn apart_and_free(light: Lanes<S>, turn: Lanes<S>, [front, rear]: [[Lanes<S>; 2]; 2]) -> Self {
         let zero = light.constant(0.0);
-        let inverse = Symmetric([light, zero, zero, light, zero, turn]);
+        let inverse = Spatial([light, zero, zero, light, zero, turn]);
         Self::apart(&inverse, [front, rear])
     }
 }

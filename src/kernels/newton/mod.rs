@@ -1,6 +1,7 @@
 //! Newton's matrix for velocities, M - γ dQ/dv - γ² dQ/dq, made and solved from what the last evaluation left.
 //!
-//! contacts (slopes scaled by γ) -> teeth (blocks of bushings, border) -> links (eliminated) -> ring (hinges) -> border
+//! contacts (slopes scaled by γ) -> teeth (blocks of bushings, border) -> rollers, where they are bodies (eliminated) -> links
+//! (eliminated) -> ring (hinges) -> border
 //!
 //! The unknowns of links go first, 3x3 each; what remains is a ring of 2x2 blocks, one a hinge, and the sprockets' own
 //! coordinates on its border. The work grows with the links; nothing is allocated once it has been made.
@@ -11,6 +12,7 @@ mod contacts;
 mod dense;
 mod links;
 mod ring;
+mod rollers;
 mod teeth;
 
 use pulp::{Simd, WithSimd};
@@ -19,6 +21,7 @@ use border::{Corner, SprocketMotions};
 use contacts::{Arms, Closed, Rubbing, soften_hinges};
 use links::{Border, LinkTerms, Linked, RightHand};
 use ring::{HingeGroup, Ring, hinge_groups};
+use rollers::RollerTerms;
 use teeth::{AddTeeth, RubbingTeeth, ToothTerms};
 
 use super::layout::{ChainArrays, FIRST, LinkConstants};
@@ -45,21 +48,27 @@ pub(super) struct NewtonMatrix {
     pub(super) hinge_rubs: Vec<RubGroup>,
     /// Likewise on teeth.
     pub(super) tooth_rubs: Vec<Vec<RubGroup>>,
+    /// Of bushings in rollers; empty where rollers are no bodies.
+    pub(super) roller_slopes: Vec<SlopeGroup>,
+    /// Those of friction there.
+    pub(super) roller_rubs: Vec<RubGroup>,
     motions: Vec<SprocketMotions>,
     arms: Arms,
     closed: Closed,
     teeth: ToothTerms,
+    /// Where rollers are bodies.
+    rollers: Option<RollerTerms>,
     links: LinkTerms,
     hinges: Vec<HingeGroup>,
     ring: Ring,
-    /// Columns of the border, which are its rows too, link by link.
+    /// Columns of the border, which are its rows too, link by link; behind them, where there are rollers, what those do to links.
     columns: Vec<Border>,
     /// The columns solved by the links' part, when the border is eliminated.
     solved: Vec<Border>,
     corner: Corner,
     /// Whether teeth bind the border so weakly that it is swept, not eliminated.
     swept: bool,
-    /// Scratch: what the border would do without links.
+    /// Scratch: what the border would do without links; behind it, where there are rollers, minus one.
     alone: Vec<f64>,
     /// Scratch: products of the border's rows with the links.
     sums: Vec<PartialSums>,
@@ -72,6 +81,8 @@ pub(super) struct Evaluated<'a> {
     pub(super) instructions: InstructionSet,
     pub(super) constants: &'a LinkConstants,
     pub(super) chain: &'a ChainArrays,
+    /// The same, or rollers in the place of bushings.
+    pub(super) on_teeth: &'a ChainArrays,
     pub(super) candidates: &'a Candidates,
     pub(super) poses: &'a [SprocketPose],
 }
@@ -80,7 +91,8 @@ impl NewtonMatrix {
     /// Room for the matrix of `model`.
     pub(super) fn new(model: &Model) -> Self {
         let n = model.links;
-        let border = model.coordinates - 3 * n;
+        let border = model.wheel_coordinates();
+        let besides = usize::from(model.rollers.is_some());
         let three = || vec![[Octet::default(); 3]; n.div_ceil(WIDTH)];
         let slots = Candidates::most_slots(model);
         let rubs = |contacts: usize| {
@@ -96,17 +108,20 @@ impl NewtonMatrix {
                 .collect(),
             hinge_rubs: rubs(n),
             tooth_rubs: model.sprockets.iter().map(|_| rubs(slots)).collect(),
+            roller_slopes: slope_groups(model.roller_count()),
+            roller_rubs: rubs(model.roller_count()),
             motions: SprocketMotions::of(model),
             arms: Arms::new(n),
             closed: Closed::new(n),
             teeth: ToothTerms::new(n, border),
+            rollers: (model.rollers.as_ref()).map(|rollers| RollerTerms::new(model, rollers)),
             links: LinkTerms::new(model),
             hinges: hinge_groups(n),
             ring: Ring::new(n),
-            columns: (0..border).map(|_| three()).collect(),
+            columns: (0..border + besides).map(|_| three()).collect(),
             solved: (0..border).map(|_| three()).collect(),
             swept: true,
-            alone: vec![0.0; border],
+            alone: vec![0.0; border + besides],
             sums: vec![PartialSums::default(); border],
             corner: Corner::new(border),
             unknowns: three(),
@@ -171,13 +186,13 @@ impl NewtonMatrix {
                 pose: &evaluated.poses[s],
                 candidates,
                 slopes: &self.tooth_slopes[s],
-                bushing: &evaluated.chain.bushing,
+                bushing: &evaluated.on_teeth.bushing,
                 motions,
                 first: *first,
                 terms: &mut self.teeth,
                 rubbing: RubbingTeeth {
                     slopes: &self.tooth_rubs[s],
-                    bushing_radius: model.bushing_radius,
+                    bushing_radius: model.contact_radius,
                 },
             }
             .with_simd(simd);
@@ -192,6 +207,12 @@ impl NewtonMatrix {
         }
         self.teeth
             .take_back::<RUBBED>(model.links, evaluated.candidates.overhang);
+        if let Some(rollers) = &mut self.rollers {
+            let bores = (&self.roller_slopes[..], &self.roller_rubs[..]);
+            let (teeth, corner) = (&mut self.teeth, &mut self.corner);
+            rollers.eliminate::<S, RUBBED>(simd, gamma, bores, teeth, corner);
+            teeth.close::<RUBBED>(model.links);
+        }
     }
 
     /// Brings the border's columns to the links and, unless it is only swept, eliminates it; false when singular.
@@ -209,7 +230,7 @@ impl NewtonMatrix {
 
     #[inline(always)]
     fn solve_columns<S: Simd, const RUBBED: bool>(&mut self, simd: S, links: usize) {
-        for j in 0..self.columns.len() {
+        for j in 0..self.solved.len() {
             let column = Column(&self.columns[j]);
             self.links
                 .solve_free::<S, _, RUBBED>(simd, links, &self.closed, &column);
@@ -370,16 +391,31 @@ impl<const RUBBED: bool> WithSimd for Correct<'_, RUBBED> {
             residual,
         } = self;
         let n = model.links;
-        let (links, border) = residual.split_at_mut(3 * n);
+        let (links, rest) = residual.split_at_mut(3 * n);
+        let (border, rollers) = rest.split_at_mut(matrix.solved.len());
         for sprocket in &model.sprockets {
             sprocket.for_each_inertia(|index, inertia| border[index - 3 * n] *= inertia);
+        }
+        let NewtonMatrix {
+            rollers: terms,
+            columns,
+            alone,
+            ..
+        } = matrix;
+        let (of_border, of_rollers) = alone.split_at_mut(border.len());
+        if let (Some(terms), [.., column]) = (terms, &mut columns[..]) {
+            let (links, right) = (&matrix.links, &*rollers);
+            terms.solve_free::<S, RUBBED>(simd, right, border, links, column);
+            of_border.fill(0.0);
+            of_rollers.fill(-1.0);
         }
         let swept = matrix.swept && !border.is_empty();
         if swept {
             // What the border does by itself comes first; links then know most of it.
-            matrix.alone.copy_from_slice(border);
-            matrix.corner.solve(&mut matrix.alone);
+            of_border.copy_from_slice(border);
+            matrix.corner.solve(of_border);
         }
+        let swept = swept || !rollers.is_empty();
         let right = Residual {
             links: n,
             accelerations: links,
@@ -411,6 +447,10 @@ impl<const RUBBED: bool> WithSimd for Correct<'_, RUBBED> {
                     }
                 }
             }
+        }
+        if let Some(terms) = &mut matrix.rollers {
+            let (links, unknowns) = (&matrix.links, &matrix.unknowns);
+            terms.solve_bound::<S, RUBBED>(simd, links, unknowns, border, rollers);
         }
         for (axis, residual) in links.chunks_exact_mut(n).enumerate() {
             let (whole, rest) = residual.as_chunks_mut::<WIDTH>();

@@ -83,6 +83,22 @@ impl ToothTerms {
         }
     }
 
+    /// Marks the group with bushing `k`.
+    #[inline(always)]
+    pub(super) fn touch(&mut self, k: usize) {
+        self.touched[k / WIDTH] = true;
+    }
+
+    /// Puts the last one of `links` bushings before the first, whatever it has.
+    #[inline(always)]
+    pub(super) fn close<const RUBBED: bool>(&mut self, links: usize) {
+        let spun = if RUBBED { &mut self.spun[..] } else { &mut [] };
+        let pulls = pulls::<RUBBED>(&mut self.column);
+        for array in self.held.iter_mut().chain(pulls).chain(spun) {
+            array[BASE - 1] = array[BASE + links - 1];
+        }
+    }
+
     /// Whether any bushing of the group with bushing `k` touches.
     #[inline(always)]
     pub(super) fn touches(&self, k: usize) -> bool {

@@ -1,6 +1,7 @@
 """Accelerations of a drive of two sprockets, contact by contact, from its description.
 
-Bodies are planar, q = [x, y, theta]: the links first, then the sprockets. A scene with compliant
+Bodies are planar, q = [x, y, theta]: the links first, then rollers where they are bodies, then
+the sprockets. A scene with compliant
 contacts only has no constraints, so that the equations of motion (Eq. 1) are q'' = M^-1 g.
 """
 
@@ -76,6 +77,11 @@ class Kinematics:
         the distance of the centres [1/s].
     front, rear : ndarray, shape (links, 2)
         Hinge centres on each link [m].
+    on_teeth : ndarray, shape (bushings, 2)
+        Centres of what meets the teeth, bushings or rollers [m].
+    roller_penetration, roller_rate, roller_normal, roller_turning : ndarray
+        Of bushings in rollers, as of the hinges, with normals from the roller's centre to the
+        bushing's; empty without rollers.
     """
 
     hinge_penetration: Array
@@ -90,6 +96,11 @@ class Kinematics:
     tooth_turning: Array
     front: Array
     rear: Array
+    on_teeth: Array
+    roller_penetration: Array
+    roller_rate: Array
+    roller_normal: Array
+    roller_turning: Array
 
 
 @dataclass(frozen=True)
@@ -99,7 +110,8 @@ class Evaluation:
     Forces are normal forces [N], shapes as in `Kinematics`; ``loads`` and ``accelerations`` are
     (bodies, 3). ``hinge`` and ``tooth`` hold the forces with their derivatives, ``energy`` the
     elastic energy [J]. Vectors have friction in them, with bounds of its own;
-    ``friction_powers`` is what it dissipates in hinges and on teeth [W].
+    ``friction_powers`` is what it dissipates in hinges, on teeth and in rollers [W]. What begins
+    with ``roller`` is of bushings in rollers; vectors act on the rollers.
     """
 
     kinematics: Kinematics
@@ -116,7 +128,11 @@ class Evaluation:
     acceleration_bound: Array
     hinge_vector_bound: Array
     tooth_vector_bound: Array
-    friction_powers: tuple[float, float]
+    friction_powers: tuple[float, float, float]
+    roller: Normal
+    roller_force_vector: Array
+    roller_force_bound: Array
+    roller_vector_bound: Array
 
     @property
     def hinge_force(self) -> Array:
@@ -163,7 +179,10 @@ class DriveEquations:
         self.floor = min_approach_speed
         self.links = int(chain.links)
         self.pitch = float(chain.pitch)
-        self.bushing_radius = float(chain.bushing_radius)
+        roller = chain.roller
+        self.bushing_radius = float(chain.bushing_radius if roller is None else roller.radius)
+        self.rollers = 0 if roller is None else self.links
+        self.wheels = self.links + self.rollers  # number of the first sprocket
         self.clearance = float(chain.hinge.bore_radius - chain.hinge.pin_radius)
         self.restitution = chain.material.restitution
         modulus = force_law.effective_modulus(chain.material)
@@ -174,6 +193,17 @@ class DriveEquations:
             length=chain.hinge.length,
             modulus=modulus,
         )
+        self.roller_pair = self.hinge_pair
+        self.roller_clearance = np.inf
+        if roller is not None:
+            self.roller_clearance = float(roller.bore_radius - chain.bushing_radius)
+            self.roller_pair = Pair(
+                inside=True,
+                radius_i=chain.bushing_radius,
+                radius_j=roller.bore_radius,
+                length=roller.length,
+                modulus=modulus,
+            )
         self.profiles = [
             ansi_tooth(
                 self.pitch,
@@ -213,6 +243,9 @@ class DriveEquations:
             link = chain.inner if i % 2 == 0 else chain.outer
             mass.append(link.mass)
             inertia.append(link.inertia)
+        for _ in range(self.rollers):
+            mass.append(chain.roller.mass)
+            inertia.append(chain.roller.inertia)
         for sprocket in self.drive.sprockets:
             radius = pitch_radius(self.pitch, sprocket.teeth)
             disc = STEEL_DENSITY * np.pi * radius**2 * chain.tooth_contact_length
@@ -265,21 +298,31 @@ class DriveEquations:
         sliding = _across(hinge_normal, pin_rate - bushing_rate)
         hinge_turning = sliding / np.where(distance > 0.0, distance, np.inf)
 
+        met, met_rate = bushing, bushing_rate
+        if self.rollers:
+            met, met_rate = positions[n : 2 * n, :2], velocities[n : 2 * n, :2]
+        roller_offset = (bushing - met)[: self.rollers]
+        roller_distance = np.hypot(roller_offset[:, 0], roller_offset[:, 1])
+        roller_normal = (
+            roller_offset / np.where(roller_distance > 0.0, roller_distance, 1.0)[:, None]
+        )
+        seen = (bushing_rate - met_rate)[: self.rollers]
+        roller_turning = _across(roller_normal, seen)
+        roller_turning /= np.where(roller_distance > 0.0, roller_distance, np.inf)
+
         shape = (n, len(self.profiles))
         penetration, rate = np.empty(shape), np.empty(shape)
         turning_rate, normal = np.empty(shape), np.empty((*shape, 2))
         region, gap = np.empty(shape, dtype=np.int64), np.empty(shape, dtype=np.int64)
         for s, profile in enumerate(self.profiles):
-            center, spin = positions[n + s], velocities[n + s]
-            contact = circle_on_sprocket(
-                profile, center[:2], center[2], bushing, self.bushing_radius
-            )
-            arm = bushing - center[:2]
+            center, spin = positions[self.wheels + s], velocities[self.wheels + s]
+            contact = circle_on_sprocket(profile, center[:2], center[2], met, self.bushing_radius)
+            arm = met - center[:2]
             carried = spin[:2] + spin[2] * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
             penetration[:, s] = contact.penetration
             normal[:, s] = contact.normal
-            rate[:, s] = np.sum(contact.normal * (bushing_rate - carried), axis=1)
-            sliding = _across(contact.normal, bushing_rate - carried)
+            rate[:, s] = np.sum(contact.normal * (met_rate - carried), axis=1)
+            sliding = _across(contact.normal, met_rate - carried)
             turning_rate[:, s] = sliding / contact.normal_radius
             region[:, s], gap[:, s] = contact.region, contact.gap
         return Kinematics(
@@ -295,6 +338,11 @@ class DriveEquations:
             tooth_turning=turning_rate,
             front=front,
             rear=rear,
+            on_teeth=met,
+            roller_penetration=roller_distance - self.roller_clearance,
+            roller_rate=np.sum(roller_normal * seen, axis=1),
+            roller_normal=roller_normal,
+            roller_turning=roller_turning,
         )
 
     def _force(
@@ -339,6 +387,10 @@ class DriveEquations:
         hinge, energy = self._force(
             self.hinge_law, self.hinge_pair, kin.hinge_penetration, kin.hinge_rate, speed
         )
+        roller, stored = self._force(
+            self.hinge_law, self.roller_pair, kin.roller_penetration, kin.roller_rate, None
+        )
+        energy += stored
         shape = kin.tooth_penetration.shape
         tooth = Normal(np.zeros(shape), np.zeros(shape), np.zeros(shape))
         law_region = kin.tooth_region
@@ -359,7 +411,7 @@ class DriveEquations:
                 energy += stored
                 for whole, piece in zip(tooth, part, strict=True):
                     whole[here, s] = piece
-        return self._assemble(positions, velocities, time, kin, hinge, tooth, energy)
+        return self._assemble(positions, velocities, time, kin, (hinge, tooth, roller), energy)
 
     def _assemble(
         self,
@@ -367,19 +419,21 @@ class DriveEquations:
         velocities: Array,
         time: float,
         kin: Kinematics,
-        hinge: Normal,
-        tooth: Normal,
+        forces: tuple[Normal, Normal, Normal],
         energy: float,
     ) -> Evaluation:
         """Gather the contact forces on the bodies, and beside them what round-off may do."""
         n = self.links
         delta_x = 8.0 * EPS * float(np.max(np.abs(positions[:, :2])))
         delta_v = 8.0 * EPS * float(np.max(np.abs(velocities[:, :2])))
-        hinge_bound = force_bound(hinge, delta_x, delta_v)
-        tooth_bound = force_bound(tooth, delta_x, delta_v)
+        hinge, tooth, roller = forces
+        hinge_bound = self._bound(hinge, kin.hinge_turning, delta_x, delta_v)
+        roller_bound = self._bound(roller, kin.roller_turning, delta_x, delta_v)
+        tooth_bound = self._bound(tooth, kin.tooth_turning, delta_x, delta_v)
 
         hinge_vector = -hinge.force[:, None] * kin.hinge_normal  # on the pin
-        tooth_vector = -tooth.force[:, :, None] * kin.tooth_normal  # on the bushing
+        tooth_vector = -tooth.force[:, :, None] * kin.tooth_normal  # on the bushing or roller
+        roller_vector = roller.force[:, None] * kin.roller_normal  # on the roller
         k = np.arange(n)
         following = (k + 1) % n
         inner, outer = np.where(k % 2 == 0, k, following), np.where(k % 2 == 0, following, k)
@@ -387,7 +441,9 @@ class DriveEquations:
         bushing = np.where(inner_first, kin.front, kin.rear[following])
         pin = np.where(inner_first, kin.rear[following], kin.front)
 
-        loads = np.zeros((n + len(self.profiles), 3))
+        rollers = n + np.arange(self.rollers)
+        meeting = rollers if self.rollers else inner
+        loads = np.zeros((self.wheels + len(self.profiles), 3))
         bounds = np.zeros_like(loads)
         loads[:, :2] = self.mass[:, None] * np.asarray(self.drive.gravity)
 
@@ -395,28 +451,41 @@ class DriveEquations:
             arms = points - positions[bodies, :2]
             moments = arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]
             np.add.at(loads, bodies, np.column_stack([forces, moments]))
-            leverage = np.column_stack([np.ones((n, 2)), np.hypot(arms[:, 0], arms[:, 1])])
+            ones = np.ones((len(bodies), 2))
+            leverage = np.column_stack([ones, np.hypot(arms[:, 0], arms[:, 1])])
             np.add.at(bounds, bodies, moved[:, None] * leverage)
 
-        rubbed = self._rub(positions, velocities, kin, (pin, bushing), (hinge, tooth))
+        rubbed = self._rub(positions, velocities, kin, (pin, bushing), forces)
         push(outer, pin, hinge_vector, hinge_bound)
         push(inner, bushing, -hinge_vector, hinge_bound)
+        if self.rollers:
+            # Along the line of centres, at the rollers' for both.
+            push(inner, bushing, -roller_vector, roller_bound)
+            push(rollers, kin.on_teeth, roller_vector, roller_bound)
         for s in range(len(self.profiles)):
-            push(inner, bushing, tooth_vector[:, s], tooth_bound[:, s])
-            push(np.full(n, n + s), bushing, -tooth_vector[:, s], tooth_bound[:, s])
+            wheel = np.full(n, self.wheels + s)
+            push(meeting, kin.on_teeth, tooth_vector[:, s], tooth_bound[:, s])
+            push(wheel, kin.on_teeth, -tooth_vector[:, s], tooth_bound[:, s])
         hinge_vector_bound, tooth_vector_bound = hinge_bound.copy(), tooth_bound.copy()
-        powers = [0.0, 0.0]
+        roller_vector_bound = roller_bound.copy()
+        powers = [0.0, 0.0, 0.0]
         for bodies, points, friction in rubbed:
             push(bodies[0], points, friction.force, friction.bound)
             push(bodies[1], points, -friction.force, friction.bound)
-            s = int(bodies[1][0]) - n  # below zero in hinges: a link
-            if s < 0:
+            second = int(bodies[1][0])  # a link in hinges, a roller, or a sprocket
+            if second < n:
+                place = 0
                 hinge_vector += friction.force
                 hinge_vector_bound += friction.bound
+            elif second < self.wheels:
+                place = 2
+                roller_vector -= friction.force
+                roller_vector_bound += friction.bound
             else:
+                place, s = 1, second - self.wheels
                 tooth_vector[:, s] += friction.force
                 tooth_vector_bound[:, s] += friction.bound
-            powers[int(s >= 0)] += float(np.sum(friction.power))
+            powers[place] += float(np.sum(friction.power))
 
         self._drive_sprockets(velocities, time, loads, bounds)
         heaviness = np.stack([self.mass, self.mass, self.inertia], axis=1)
@@ -438,8 +507,19 @@ class DriveEquations:
             acceleration_bound=acceleration_bounds,
             hinge_vector_bound=hinge_vector_bound,
             tooth_vector_bound=tooth_vector_bound,
-            friction_powers=(powers[0], powers[1]),
+            friction_powers=(powers[0], powers[1], powers[2]),
+            roller=roller,
+            roller_force_vector=roller_vector,
+            roller_force_bound=roller_bound,
+            roller_vector_bound=roller_vector_bound,
         )
+
+    def _bound(self, force: Normal, turning: Array, delta_x: float, delta_v: float) -> Array:
+        """`force_bound`; where rollers are loose, also what a turned normal does to the rate."""
+        bound = force_bound(force, delta_x, delta_v)
+        if self.rollers:
+            bound = bound + np.abs(force.by_rate) * np.abs(turning) * delta_x
+        return bound
 
     def _rub(
         self,
@@ -447,11 +527,12 @@ class DriveEquations:
         velocities: Array,
         kin: Kinematics,
         centers: tuple[Array, Array],
-        forces: tuple[Normal, Normal],
+        forces: tuple[Normal, Normal, Normal],
     ) -> list[tuple[tuple[Integers, Integers], Array, Friction]]:
-        """Friction of hinges, then of each sprocket's teeth: bodies, points, what acts there.
+        """Friction of hinges, in rollers, then of each sprocket's teeth: bodies, points, what acts.
 
-        A hinge's contact is the pin's outermost point, a tooth's that of the bushing.
+        A hinge's contact is the pin's outermost point, a roller's on its bushing that of the
+        bushing, a tooth's that of the bushing or roller.
         """
         n = self.links
         k = np.arange(n)
@@ -472,24 +553,31 @@ class DriveEquations:
             found.append((bodies, points, friction))
 
         if (law := getattr(self.hinge_law, "friction", None)) is not None:
-            bound = force_bound(forces[0], delta_x, delta_v)
+            bound = self._bound(forces[0], kin.hinge_turning, delta_x, delta_v)
             distance = kin.hinge_penetration + self.clearance
             points = pin + self.drive.chain.hinge.pin_radius * kin.hinge_normal
             contact = (kin.hinge_normal, forces[0].force, bound, distance)
             rub(law, (outer, inner), points, contact)
+            if self.rollers:
+                bound = self._bound(forces[2], kin.roller_turning, delta_x, delta_v)
+                distance = kin.roller_penetration + self.roller_clearance
+                points = bushing + self.drive.chain.bushing_radius * kin.roller_normal
+                contact = (kin.roller_normal, forces[2].force, bound, distance)
+                rub(law, (inner, n + k), points, contact)
         if (law := getattr(self.tooth_law, "friction", None)) is not None:
-            bounds = force_bound(forces[1], delta_x, delta_v)
+            bounds = self._bound(forces[1], kin.tooth_turning, delta_x, delta_v)
             for s in range(len(self.profiles)):
                 normals = kin.tooth_normal[:, s]
-                points = bushing + self.bushing_radius * normals
+                points = kin.on_teeth + self.bushing_radius * normals
                 distance = np.full(n, 1e-4)  # of centres, in the seat
                 contact = (normals, forces[1].force[:, s], bounds[:, s], distance)
-                rub(law, (inner, np.full(n, n + s)), points, contact)
+                meeting = n + k if self.rollers else inner
+                rub(law, (meeting, np.full(n, self.wheels + s)), points, contact)
         return found
 
     def _drive_sprockets(self, velocities: Array, time: float, loads: Array, bounds: Array) -> None:
         """Add what is applied to the sprockets: torques, and the tensioner's pull and damping."""
-        n = self.links
+        n = self.wheels
         for s, sprocket in enumerate(self.drive.sprockets):
             if hasattr(sprocket.motion, "torque"):
                 loads[n + s, 2] += table_value(sprocket.motion.torque, time)[0]
@@ -507,7 +595,7 @@ class DriveEquations:
 
     def _support_sprockets(self, time: float, accelerations: Array, bounds: Array) -> None:
         """Hold the sprockets in their bearings, on the tensioner's slide and at their speeds."""
-        n = self.links
+        n = self.wheels
         tensioner = self.drive.tensioner
         for s, sprocket in enumerate(self.drive.sprockets):
             body = n + s

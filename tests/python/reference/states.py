@@ -61,6 +61,39 @@ def jiggled(equations: DriveEquations, base: State, rng: np.random.Generator) ->
     return State(positions, velocities)
 
 
+def with_rollers(equations: DriveEquations, base: State, rng: np.random.Generator) -> State:
+    """Return a state of a roller chain: links and sprockets of ``base``, rollers on the bushings.
+
+    ``equations`` are the roller chain's. Two rollers in three are pressed on their bushings, by up
+    to 2 um; the others lie anywhere in their play.
+    """
+    n, c = equations.links, equations.roller_clearance
+    angle = rng.uniform(-np.pi, np.pi, n)
+    pressed = rng.random(n) < 2.0 / 3.0
+    distance = np.where(pressed, c + rng.uniform(0.0, 2e-6, n), rng.uniform(0.0, 1.0, n) * c)
+    bushings = np.where(
+        (np.arange(n) % 2 == 0)[:, None],
+        _end(equations, base.positions, 1.0),
+        np.roll(_end(equations, base.positions, -1.0), -1, axis=0),
+    )
+    places = bushings + distance[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    rollers = np.column_stack([places, rng.uniform(-np.pi, np.pi, n)])
+    moving = base.velocities[:n].copy()
+    moving[:, :2] += rng.uniform(-0.05, 0.05, (n, 2))
+    moving[:, 2] = rng.uniform(-50.0, 50.0, n)
+    return State(
+        np.concatenate([base.positions[:n], rollers, base.positions[n:]]),
+        np.concatenate([base.velocities[:n], moving, base.velocities[n:]]),
+    )
+
+
+def _end(equations: DriveEquations, positions: Array, side: float) -> Array:
+    """Front (side 1) or rear (-1) of every link, (links, 2)."""
+    links = positions[: equations.links]
+    along = np.stack([np.cos(links[:, 2]), np.sin(links[:, 2])], axis=1)
+    return np.asarray(links[:, :2] + 0.5 * side * equations.pitch * along)
+
+
 def in_chosen_regions(
     equations: DriveEquations, base: State, regions: list[int], rng: np.random.Generator
 ) -> State:
