@@ -18,6 +18,8 @@ pub struct ImpactMemory {
     pub tooth_surface: Vec<Surface>,
     /// Floor of the approach speed \[m/s\].
     floor: f64,
+    /// How far forward the pawl of each sprocket's or guide's ratchet has come, see [`crate::model::Ratchet`].
+    pub(crate) pawls: Vec<f64>,
     /// Onsets so far.
     counts: OnsetCounts,
 }
@@ -41,6 +43,7 @@ impl ImpactMemory {
             tooth_speed: vec![0.0; tooth_pairs],
             tooth_surface: vec![Surface::SEATING; tooth_pairs],
             floor,
+            pawls: vec![f64::NEG_INFINITY; tooth_pairs.checked_div(hinges).unwrap_or(0)],
             counts: OnsetCounts::default(),
         }
     }
@@ -117,7 +120,8 @@ impl ImpactMemory {
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         let lengths = |memory: &Self| {
             let hinges = (memory.hinge_speed.len(), memory.hinge_inverse.len());
-            (hinges, memory.tooth_speed.len(), memory.tooth_surface.len())
+            let teeth = (memory.tooth_speed.len(), memory.tooth_surface.len());
+            (hinges, teeth, memory.pawls.len())
         };
         lengths(self) == lengths(other) && self.floor == other.floor
     }
@@ -127,5 +131,6 @@ impl ImpactMemory {
         self.hinge_speed.fill(0.0);
         self.hinge_inverse.fill(0.0);
         self.tooth_speed.fill(0.0);
+        self.pawls.fill(f64::NEG_INFINITY);
     }
 }

@@ -76,6 +76,7 @@ impl Drive {
         }
         for guide in &self.guides {
             guide.validate()?;
+            guide.validate_for(self.chain.bushing_radius)?;
         }
         if let Some(tensioner) = &self.tensioner {
             tensioner.validate()?;

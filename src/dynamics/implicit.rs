@@ -169,7 +169,7 @@ impl Dynamics {
         let (n, coordinates) = (model.links, model.coordinates);
         let mut matrix = ChainMatrix::new(n, coordinates - 3 * n);
         matrix.add_masses(model, gamma);
-        matrix.add_springs(model, y, gamma);
+        matrix.add_springs(model, &self.memory.pawls, y, gamma);
         self.add_hinges(&mut matrix, y, gamma);
         self.add_teeth(&mut matrix, y, gamma);
         if !matrix.factorise() {

@@ -178,8 +178,15 @@ impl Dynamics {
             hinge_friction: self.rub_hinges(),
             tooth_friction: self.rub_teeth(),
         };
-        self.accelerations
-            .gather(&self.model, &self.motion, &self.hinges, &self.teeth, t);
+        let pawls = &self.memory.pawls;
+        self.accelerations.gather(
+            &self.model,
+            &self.motion,
+            &self.hinges,
+            &self.teeth,
+            pawls,
+            t,
+        );
         let mut powers = Powers::default();
         if self.keeps_energy {
             powers = Powers::of(losses);
@@ -257,6 +264,7 @@ impl Dynamics {
     /// Gives every pair that is in contact now a memory, as if it had begun here (positions just given).
     pub fn remember_present_contacts(&mut self, t: f64, y: &[f64]) {
         self.memory.clear();
+        self.follow_with_pawls(y);
         self.evaluate(t, y);
         for k in 0..self.model.links {
             if self.hinges.penetration[k] > 0.0 {
@@ -275,6 +283,17 @@ impl Dynamics {
         self.differentiate(t, y);
         self.fastest = self.kernels.watch(&self.model, 0.0).speed;
         self.kernels.watch.advance();
+    }
+
+    /// Lets the pawls of ratchets fall behind the teeth that have passed them in the last step, whose end is `y`; call before the next
+    /// one, so that reports inside that step have them where they were.
+    pub(crate) fn follow_with_pawls(&mut self, y: &[f64]) {
+        let sprockets = self.model.sprockets.iter().zip(&mut self.memory.pawls);
+        for (sprocket, pawl) in sprockets {
+            if let Some((ratchet, s)) = sprocket.ratchet_at(y) {
+                *pawl = ratchet.follow(*pawl, s);
+            }
+        }
     }
 
     /// Forgets the contacts that ended in the last step; call before the next one.
