@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
@@ -92,10 +93,14 @@ def test_figures_of_guides_strands_and_cycles(result):
         result.plot.engagements("guide_1"),
     ]
     assert [len(figure.axes) for figure in figures] == [4, 2, 2, 2, 2]
+    for figure in figures:
+        plt.close(figure)
 
 
 def test_the_picture_has_arms_and_room_for_guides(result):
-    axes = result.plot.drive(0.0).axes[0]
+    figure = result.plot.drive(0.0)
+    plt.close(figure)
+    axes = figure.axes[0]
     blade = result.drive.guides[0]
     low, high = axes.get_ylim()
     assert low < blade.arm.pivot[1] < high

@@ -264,6 +264,7 @@ def test_rows_of_numbers_of_any_lengths_have_tables_and_figures():
         "value: speed 9.0",
         "value: speed 10.0",
     ]
+    plt.close("all")
 
 
 def test_a_study_stops_runs_and_calls_back():
