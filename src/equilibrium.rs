@@ -27,6 +27,10 @@ const BETWEEN_MEMORIES: u32 = 500;
 const HINGE_SHARE: f64 = 0.2;
 /// How far anything may move in one iteration, in pitches.
 const LARGEST_MOVE: f64 = 0.02;
+/// The same in a second try: no farther than a hinge's clearance or two, so that no bushing comes to lie in the middle of a tooth.
+const SHORT_MOVE: f64 = 0.002;
+/// Iterations after which that is made, from the start.
+const FIRST_TRY: u32 = 1500;
 /// Unbalanced force that is let stand, over the largest force of a contact or from outside.
 const TOLERANCE: f64 = 1e-7;
 /// γ over which velocities are made to follow the contacts \[s\]: links do so in less, shafts in more.
@@ -69,10 +73,13 @@ fn held(drive: &Drive, layout: &Layout) -> Drive {
     }
     if let Some(tensioner) = &mut held.tensioner {
         tensioner.ramp_time = 0.0;
+        // What a ratchet would add depends on how the rest was come to.
+        tensioner.ratchet = None;
     }
     for guide in &mut held.guides {
         if let Mount::Arm(arm) = &mut guide.mount {
             arm.ramp_time = 0.0;
+            arm.ratchet = None;
         }
     }
     held
@@ -164,6 +171,8 @@ struct Settling {
     y: Vec<f64>,
     rates: Vec<f64>,
     iterations: u32,
+    /// How far anything may move in one iteration, in pitches.
+    largest_move: f64,
 }
 
 impl Settling {
@@ -178,6 +187,7 @@ impl Settling {
             rates: vec![0.0; y.len()],
             y,
             iterations: 0,
+            largest_move: LARGEST_MOVE,
         }
     }
 
@@ -222,6 +232,7 @@ impl Settling {
         let mut gamma = FIRST_GAMMA;
         let mut residual = self.unbalanced();
         let mut step = vec![0.0; coordinates];
+        let begin = self.y.clone();
         loop {
             if residual <= TOLERANCE * applied.max(self.largest_force()) {
                 self.places.read(self.dynamics.model(), 0.0, &self.y);
@@ -238,7 +249,13 @@ impl Settling {
                 )));
             }
             self.iterations += 1;
-            if self.iterations.is_multiple_of(BETWEEN_MEMORIES) {
+            if self.iterations == FIRST_TRY {
+                // Where bushings have been thrown from tooth to tooth, no rest is near any more.
+                self.y.copy_from_slice(&begin);
+                self.largest_move = SHORT_MOVE;
+                gamma = FIRST_GAMMA;
+            }
+            if self.iterations == FIRST_TRY || self.iterations.is_multiple_of(BETWEEN_MEMORIES) {
                 self.dynamics.remember_present_contacts(0.0, &self.y);
                 residual = self.unbalanced();
             }
@@ -352,7 +369,7 @@ impl Settling {
         for i in 0..n {
             let ([_, front], [rear, _]) = (ends(i), ends((i + 1) % n));
             let apart = (front - rear).norm() / (HINGE_SHARE * model.clearance);
-            let moved = front.norm() / (LARGEST_MOVE * 2.0 * model.half_pitch);
+            let moved = front.norm() / (self.largest_move * 2.0 * model.half_pitch);
             excess = excess.max(apart).max(moved);
             if let Some(rollers) = &model.rollers {
                 let roller = Vec2::new(step[rollers.first + i], step[rollers.first + n + i]);
@@ -368,7 +385,7 @@ impl Settling {
         for sprocket in &model.sprockets {
             sprocket.for_each_inertia(|index, _| {
                 let moved = step[index].abs() * arm(sprocket, index);
-                excess = excess.max(moved / (LARGEST_MOVE * 2.0 * model.half_pitch));
+                excess = excess.max(moved / (self.largest_move * 2.0 * model.half_pitch));
             });
         }
         excess

@@ -330,6 +330,7 @@ impl Simulation {
 
     fn step(&mut self, timed: bool) -> Result<()> {
         let begin = timed.then(Instant::now);
+        self.dynamics.follow_with_pawls(self.adams.y());
         self.dynamics.begin_step();
         let step = self.adams.step_second_order(&mut self.dynamics);
         let step = match step {

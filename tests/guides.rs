@@ -51,6 +51,7 @@ fn plunger(pivot: Vec2, force: f64) -> Arm {
         damping_back: None,
         travel: [f64::INFINITY; 2],
         inertia: 2e-4,
+        ratchet: None,
     }
 }
 
@@ -67,6 +68,7 @@ fn blade(drive: &Drive, radius: Option<f64>, force: f64) -> Rail {
         direction: Vec2::new(0.0, 1.0),
         mount: Mount::Arm(plunger(Vec2::new(middle - 0.08, -0.075), force)),
         material: None,
+        plate_height: None,
     }
 }
 
@@ -176,6 +178,7 @@ fn guided() -> Drive {
         direction: Vec2::new(0.0, -1.0),
         mount: Mount::Fixed,
         material: Some(plastic),
+        plate_height: None,
     };
     let idler = Rail {
         shape: RailShape::Wheel { radius: 0.015 },
@@ -183,6 +186,7 @@ fn guided() -> Drive {
         direction: Vec2::x(),
         mount: Mount::Turning { inertia: 1e-5 },
         material: None,
+        plate_height: None,
     };
     drive.guides = vec![soft, rail, idler];
     drive.gravity = Vec2::new(0.0, -9.81);
@@ -288,4 +292,129 @@ fn three_shafts_with_rail_and_blade_rest_and_run() {
     let present = simulation.present();
     let deepest = present.teeth.penetration.iter().copied();
     assert!(deepest.fold(0.0, f64::max) < 5e-5);
+}
+
+#[test]
+fn plates_bear_on_a_rail_as_far_above_it_as_they_reach_round_the_hinges() {
+    let height = 0.0116;
+    let mut drive = level(60, 2e-3);
+    drive.guides = vec![blade(&drive, Some(0.25), 40.0)];
+    drive.guides[0].plate_height = Some(height);
+    let rail = drive.guides[0];
+    let (on_chain, moment, rest) = force_of_guide(&drive, 0);
+    let Mount::Arm(arm) = rail.mount else {
+        panic!("an arm");
+    };
+    assert!((moment / (40.0 * rail.lever(&arm)) - 1.0).abs() < 1e-5);
+    assert!(on_chain.y > 20.0);
+    let [x, y, angle] = rest.start.positions[62];
+    let along = Vec2::new(angle.cos(), angle.sin());
+    let (offset, left) = (rail.offset(), Vec2::new(-along.y, along.x));
+    let middle = Vec2::new(x, y) + offset.x * along + offset.y * left;
+    let profile = rail.profile().unwrap();
+    let reach = rest.start.positions[..60]
+        .iter()
+        .map(|p| {
+            let hinge = Vec2::new(
+                p[0] + 0.5 * PITCH * p[2].cos(),
+                p[1] + 0.5 * PITCH * p[2].sin(),
+            );
+            let off = hinge - middle;
+            let out = if off.dot(&along) < 0.0 { -along } else { along };
+            let place = Vec2::new(off.perp(&out), off.dot(&out));
+            -profile.contact(place, 0.0).penetration
+        })
+        .fold(f64::INFINITY, f64::min);
+    // A pin is within its clearance of the bushing whose plates bear.
+    assert!((reach - 0.5 * height).abs() < 6e-5, "{reach}");
+    drive.guides[0].plate_height = Some(0.5 * drive.chain.bushing_radius);
+    let message = drive.validate().unwrap_err().to_string();
+    assert!(message.contains("plate_height"), "{message}");
+}
+
+#[test]
+fn a_strand_lies_in_a_hollow_rail() {
+    // Two level shafts in gravity, and a trough pressed up into the slack lower strand.
+    let mut drive = level(60, 2e-3);
+    drive.gravity = Vec2::new(0.0, -9.81);
+    let lowest = Start::generate(&drive).unwrap().0.positions[..60]
+        .iter()
+        .fold(0.0, |low: f64, p| low.min(p[1]));
+    drive.guides = vec![Rail {
+        shape: RailShape::Bar {
+            length: 0.12,
+            radius: Some(-0.09),
+            end_radius: 0.004,
+        },
+        center: Vec2::new(0.5 * drive.sprockets[1].center.x, lowest),
+        direction: Vec2::y(),
+        mount: Mount::Arm(Arm {
+            travel: [0.05, 0.02],
+            ..plunger(Vec2::new(-0.2, -0.08), 3.0)
+        }),
+        material: None,
+        plate_height: None,
+    }];
+    let rest = Equilibrium::find(&drive, &ForceLaws::default()).unwrap();
+    let start = &rest.start;
+    let [x, y, angle] = start.positions[62];
+    let rail = drive.guides[0];
+    let along = Vec2::new(angle.cos(), angle.sin());
+    let (offset, left) = (rail.offset(), Vec2::new(-along.y, along.x));
+    let middle = Vec2::new(x, y) + offset.x * along + offset.y * left;
+    let profile = rail.profile().unwrap();
+    let mut borne = 0;
+    for p in &start.positions[..60] {
+        let end = Vec2::new(p[0], p[1]) + 0.5 * PITCH * Vec2::new(p[2].cos(), p[2].sin());
+        let off = end - middle;
+        if off.dot(&along) < 0.0 {
+            continue;
+        }
+        let place = Vec2::new(off.perp(&along), off.dot(&along));
+        let depth = profile
+            .contact(place, drive.chain.bushing_radius)
+            .penetration;
+        // A pin is within its clearance of the bushing that bears.
+        assert!(depth < 6e-5, "{depth}");
+        borne += u32::from(depth > -6e-5);
+    }
+    // A bar with a straight face would bear at its ends, or at two bushings.
+    assert!(borne >= 3, "{borne}");
+    let (missing, dissipated) = energies(&drive, common::control(1e-7));
+    assert!(
+        missing < 1e-3 * dissipated.max(1e-3),
+        "{missing} of {dissipated}"
+    );
+}
+
+#[test]
+fn the_layout_says_where_guides_begin_and_refuses_one_in_a_sprocket() {
+    let drive = guided();
+    let (_, layout) = Start::generate(&drive).unwrap();
+    let [blade, rail, idler] = layout.guides.as_slice() else {
+        panic!("three guides");
+    };
+    assert_eq!(blade.place, "strand lower");
+    assert_eq!(rail.place, "strand upper");
+    assert_eq!(idler.place, "strand upper");
+    assert!(blade.gap >= 0.0 && blade.travel[0] + blade.travel[1] > 0.0399);
+    assert!((rail.gap - 5e-4).abs() < 1e-4, "{rail:?}");
+    assert_eq!((rail.turn, rail.travel), (0.0, [0.0; 2]));
+    // A rail of 80 mm spans six or seven pitches.
+    assert!((6..=8).contains(&rail.bushings), "{rail:?}");
+    let mut wrong = drive.clone();
+    wrong.guides[2].center = wrong.sprockets[1].center;
+    let message = Start::generate(&wrong).unwrap_err().to_string();
+    assert!(
+        message.contains("guide 3 stands in sprocket 2 by"),
+        "{message}"
+    );
+    let mut lost = drive.clone();
+    lost.guides[1].center.y += 0.1;
+    let (_, layout) = Start::generate(&lost).unwrap();
+    let told = layout
+        .warnings
+        .iter()
+        .any(|w| w.contains("guide 2 has no bushing"));
+    assert!(told, "{:?}", layout.warnings);
 }

@@ -129,6 +129,27 @@ fn a_slack_strand_comes_to_rest_on_its_catenary() {
 }
 
 #[test]
+fn slack_strands_of_any_sag_and_load_come_to_rest() {
+    // 12 to 24 % of the span; with no load at all the wheels' weightless teeth find nothing to lean on but the chain's weight.
+    let taut = rustchain::state::closing_center_distance(PITCH, [17, 17], 60).unwrap();
+    for slack in [5e-3, 11e-3, 19e-3] {
+        for torque in [0.0, -5.0] {
+            let mut drive = common::paper_drive();
+            drive.chain.links = 60;
+            drive.sprockets[1].center.x = taut - slack;
+            drive.sprockets[1].motion = Motion::AppliedTorque(torque.into());
+            let rest = Equilibrium::find(&drive, &ForceLaws::default()).unwrap();
+            assert!(rest.residual < 1e-4 * rest.largest_force);
+            assert!(
+                rest.iterations < 4000,
+                "{slack} {torque}: {}",
+                rest.iterations
+            );
+        }
+    }
+}
+
+#[test]
 fn a_torque_that_nothing_holds_has_no_rest() {
     let mut drive = common::paper_drive();
     drive.sprockets[0].motion = Motion::AppliedTorque(1.0.into());
@@ -149,6 +170,7 @@ fn an_arm_with_spring_leak_and_inertia_keeps_the_energy_balance() {
         stiffness: 4e3,
         pivot: Some(Vec2::new(0.0, 0.15)),
         arm_inertia: 5e-4,
+        ratchet: None,
         travel: [1e-3, 0.012],
         ..tensioner(4, 60.0)
     });

@@ -57,6 +57,9 @@ def cases_of(cases: object) -> list[Parameters]:
 
 def check_names(drive: Drive, scene: Parameters, cases: Sequence[Parameters]) -> None:
     """Raise where a name of the cases means nothing, or the function `drive` lacks an argument."""
+    if isinstance(getattr(drive, "drive", None), ChainDrive):
+        msg = f"drive: a {type(drive).__name__} is no drive but has one: take its .drive"
+        raise InvalidInput(msg)
     if not isinstance(drive, ChainDrive) and not callable(drive):
         msg = f"drive = {drive!r}: must be a ChainDrive, or a function that returns one"
         raise InvalidInput(msg)

@@ -147,11 +147,12 @@ def _direction_of_pull(drive: ChainDrive, k: int) -> tuple[float, float]:
         or tensioner.pivot is not None
         or tensioner.travel is not None
         or tensioner.stiffness != 0.0
+        or tensioner.ratchet is not None
         or tensioner.damping_back not in (None, tensioner.damping)
     ):
         msg = (
-            "Tensioner: a pivot, a stiffness, stops or a leak do not go into a mechanism; leave "
-            "them out and add joints and springs to it"
+            "Tensioner: a pivot, a stiffness, stops, a ratchet or a leak do not go into a "
+            "mechanism; leave them out and add joints and springs to it"
         )
         raise InvalidInput(msg)
     if tensioner.direction is not None:

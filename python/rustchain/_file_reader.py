@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from rustchain._file_models import MAKERS, file_model, makers_of
@@ -44,11 +43,38 @@ def _with_tables_read(source: Source, value: Any, key: Key) -> Any:  # noqa: ANN
         return {k: _with_tables_read(source, each, (*key, k)) for k, each in value.items()}
     path = source.path.parent / str(value["file"])
     try:
-        return np.loadtxt(path, delimiter=",", ndmin=2).tolist()
+        return _rows_of_numbers(path)
     except (OSError, ValueError) as error:
-        why = str(error).rstrip(".")
+        why = error.strerror if isinstance(error, OSError) else str(error)
         msg = f"{str(value['file'])!r}: {why}: give a file of rows of numbers with commas between"
         raise source.refusal_at((*key, "file"), msg) from error
+
+
+def _rows_of_numbers(path: Path) -> list[list[float]]:
+    """Return the rows of a table; what stands behind ``#`` is a comment."""
+    rows: list[list[float]] = []
+    first = 0
+    for number, line in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), 1):
+        cells = line.partition("#")[0].strip()
+        if not cells:
+            continue
+        row = []
+        for cell in cells.split(","):
+            try:
+                row.append(float(cell))
+            except ValueError:
+                hint = "; put '#' before a line of names" if not rows else ""
+                msg = f"line {number}: {cell.strip()!r} is no number{hint}"
+                raise ValueError(msg) from None
+        first = first or number
+        if rows and len(row) != len(rows[0]):
+            msg = f"line {number} has {len(row)} numbers, line {first} has {len(rows[0])}"
+            raise ValueError(msg)
+        rows.append(row)
+    if not rows:
+        msg = "has no row of numbers"
+        raise ValueError(msg)
+    return rows
 
 
 def _made(source: Source, key: Key, value: Any) -> Any:  # noqa: ANN401

@@ -42,6 +42,10 @@ class GuideArm(Description):
         1e7 N/m are; by default there are none.
     inertia : float
         Moment of inertia of arm and rail about the pivot [kg m^2].
+    ratchet : float, optional
+        Distance of the teeth of a ratchet along the plunger's way [m], which lets the plunger move
+        out and holds it behind the last tooth that it has passed, counted from where the rail is
+        described; 0: wherever it is. By default there is none.
     """
 
     pivot: _Point
@@ -52,6 +56,7 @@ class GuideArm(Description):
     damping_back: float | None = None
     travel: _Point | None = None
     inertia: float = 2e-4
+    ratchet: float | None = None
 
 
 @known_keywords
@@ -62,19 +67,23 @@ class GuideRail(Description):
     Attributes
     ----------
     center : (float, float)
-        Its middle, half-way between its two faces [m].
+        Its middle, half-way between the centres of its round ends [m].
     direction : (float, float)
         Out of the face on which the chain runs.
     length : float
         Length over its round ends [m].
     radius : float, optional
-        Radius of its arched faces [m]; by default they are straight.
+        Radius of its arched faces [m], negative where they are hollow; by default they are
+        straight. A hollow bar is as deep, towards its back, as its hollow asks for.
     end_radius : float
         Radius of its ends [m]: half the thickness of a straight bar.
     arm : GuideArm, optional
         What swings it; by default it is fixed.
     material : Material, optional
         Its own elastic constants; by default those of the chain. The restitution is the chain's.
+    plate_height : float, optional
+        Height of the link plates [m] where these bear on it, with their round ends about the
+        hinges; by default the bushings do.
     """
 
     center: _Point
@@ -84,11 +93,12 @@ class GuideRail(Description):
     end_radius: float = 0.005
     arm: GuideArm | None = None
     material: Material | None = None
+    plate_height: float | None = None
 
     def outline(self, points: int = 24) -> npt.NDArray[np.float64]:
         """Return the closed outline [m], shape (points in all, 2), counterclockwise.
 
-        About the middle; the x axis points out of the face.
+        About `center`; the x axis points out of the face. Arcs have `points` points each.
         """
         return _rustchain.guide_outline(self, points)
 
@@ -108,12 +118,16 @@ class SmoothIdler(Description):
         Moment of inertia [kg m^2] of a wheel that can turn; by default it cannot.
     material : Material, optional
         Its own elastic constants; by default those of the chain. The restitution is the chain's.
+    plate_height : float, optional
+        Height of the link plates [m] where these bear on it, with their round ends about the
+        hinges; by default the bushings do.
     """
 
     radius: float
     center: _Point
     inertia: float | None = None
     material: Material | None = None
+    plate_height: float | None = None
 
     def outline(self, points: int = 24) -> npt.NDArray[np.float64]:
         """Return the closed outline [m], shape (points in all, 2), counterclockwise."""

@@ -69,6 +69,19 @@ class DriveReport:
         Smallest gap of all contacts at the start [m].
     tension_force : float
         Full pull of the tensioner on its sprocket [N].
+    guide_gap : tuple of float
+        Smallest distance of a bushing from each guide at the start, or of a plate where those bear
+        on it [m].
+    guide_turn : tuple of float
+        How far each guide's arm is swung at the start from where it is described, for the chain to
+        be clear [rad].
+    guide_travel : tuple of (float, float)
+        How far each guide's plunger can go back and out from there until its stops [m]: infinite
+        without stops, zero without an arm.
+    guide_bushings : tuple of int
+        Bushings within half a pitch of each guide: the arc that it can bear.
+    guide_place : tuple of str
+        The strand or sprocket at which each guide's nearest bushing is.
     warnings : tuple of str
         What deserves a second look.
     roller_play : float, optional
@@ -99,6 +112,11 @@ class DriveReport:
     hinge_stretch: float
     start_gap: float
     tension_force: float
+    guide_gap: Numbers
+    guide_turn: Numbers
+    guide_travel: tuple[tuple[float, float], ...]
+    guide_bushings: tuple[int, ...]
+    guide_place: tuple[str, ...]
     warnings: tuple[str, ...]
     roller_play: float | None = None
 
@@ -156,9 +174,26 @@ class DriveReport:
             _row("slack [um]", _scaled(self.strand_slack, 1e6, ".3f")),
             _row("sag [mm]", _scaled(self.sag, 1e3, ".4f")),
             _row("sag [% of span]", _scaled(tuple(percent), 1.0, ".2f")),
+            *self._guide_rows(),
         ]
         table = (f"{label:<26}{value}".rstrip() for label, value in rows)
         return "\n".join([*table, *(f"warning: {warning}" for warning in self.warnings)])
+
+    def _guide_rows(self) -> list[tuple[str, str]]:
+        """Return the rows on guides; none without them."""
+        if not self.guide_gap:
+            return []
+        back, out = zip(*self.guide_travel, strict=True)
+        return [
+            ("", ""),
+            _row("guide", range(1, len(self.guide_gap) + 1)),
+            _row("at", (place.removeprefix("strand ") for place in self.guide_place)),
+            _row("gap to the chain [mm]", _scaled(self.guide_gap, 1e3, ".4f")),
+            _row("bushings along it", self.guide_bushings),
+            _row("arm swung by [deg]", _scaled(self.guide_turn, degrees(1), ".3f")),
+            _row("plunger: way back [mm]", _scaled(back, 1e3, ".3f")),
+            _row("plunger: way out [mm]", _scaled(out, 1e3, ".3f")),
+        ]
 
 
 def _row(label: str, values: Iterable[object]) -> tuple[str, str]:

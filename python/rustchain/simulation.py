@@ -103,6 +103,12 @@ class Simulation(Present):
         hinge_friction: Coulomb | None = None,
         tooth_friction: Coulomb | None = None,
     ) -> None:
+        if isinstance(getattr(drive, "drive", None), ChainDrive):  # a Scene, a Simulation, a Result
+            msg = (
+                f"drive: a {type(drive).__name__} is no drive but has one: take its .drive; of a "
+                "scene, scene.simulate() makes the simulation"
+            )
+            raise InvalidInput(msg)
         force_law, hinge_law, tooth_law = with_friction(
             (force_law, hinge_law, tooth_law), friction, hinge_friction, tooth_friction
         )

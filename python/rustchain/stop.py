@@ -147,10 +147,10 @@ class ToothForceAbove(StopCondition):
 @known_keywords
 @dataclass(frozen=True)
 class StrandSlack(StopCondition):
-    """A strand has no tension.
+    """A strand that was tight has no tension any more.
 
-    A drive that was laid begins with none in any strand: start="static", or a `lasting` that is
-    longer than the strand takes to tighten, keeps that from stopping it.
+    A drive that was laid begins with none in any strand, and a strand is looked at from the first
+    row on at which it is tight; `from_start` looks at all from the beginning.
 
     Attributes
     ----------
@@ -161,6 +161,8 @@ class StrandSlack(StopCondition):
     lasting : float
         For how long it has to be slack without a break [s]: a strand that swings is slack for a
         moment again and again.
+    from_start : bool
+        Whether a strand counts that has not been tight in this run.
     """
 
     group: ClassVar[str | None] = "hinges"
@@ -168,8 +170,11 @@ class StrandSlack(StopCondition):
     tension: float = 0.0
     strand: str | None = None
     lasting: float = 0.0
+    from_start: bool = False
 
     def _check(self) -> None:
+        if not isinstance(self.from_start, bool):
+            raise self._refusal("from_start", self.from_start, "must be True or False")
         self._check_number("tension", "N", "zero or a positive number")
         self._check_number("lasting", "s", "zero or a positive number")
         if not isinstance(self.strand, str | None):
@@ -183,11 +188,14 @@ class StrandSlack(StopCondition):
                 "strand", self.strand, f"is no strand; {suggest(self.strand, names)}"
             )
         since: dict[str, float] = {}
+        tight = set(names) if self.from_start else set()
 
         def look() -> str | None:
             row = simulation._core.last_row("strand_tension")
             for name, pull in zip(names, row, strict=True):
-                if self.strand not in (None, name) or pull > self.tension or np.isnan(pull):
+                if pull > self.tension:
+                    tight.add(name)
+                if self.strand not in (None, name) or name not in tight or not pull <= self.tension:
                     since.pop(name, None)
                     continue
                 begin = since.setdefault(name, simulation.time)
@@ -225,15 +233,11 @@ class TimeReached(StopCondition):
         return look
 
 
-def looks_of(
-    simulation: Simulation,
-    stop: StopCondition | Sequence[StopCondition],
-    callback: Callable[[Simulation], object] | None,
-    groups: Sequence[str],
-) -> list[Look]:
-    """Return what looks at each report of a run that records `groups`."""
+def check_looks(
+    stop: StopCondition | Sequence[StopCondition], callback: Callable[[Simulation], object] | None
+) -> Sequence[StopCondition]:
+    """Return the conditions as a list; raise where one of them, or the callback, is none."""
     conditions = [stop] if isinstance(stop, StopCondition) else stop
-    looks: list[Look] = []
     if isinstance(conditions, str) or not isinstance(conditions, Sequence):
         msg = (
             f"stop = {stop!r}: must be a stop condition, such as HingeForceAbove, or a list of them"
@@ -246,6 +250,21 @@ def looks_of(
                 "your own goes into callback="
             )
             raise InvalidInput(msg)
+    if callback is not None and not callable(callback):
+        msg = f"callback = {callback!r}: must be a function of the simulation"
+        raise InvalidInput(msg)
+    return conditions
+
+
+def looks_of(
+    simulation: Simulation,
+    stop: StopCondition | Sequence[StopCondition],
+    callback: Callable[[Simulation], object] | None,
+    groups: Sequence[str],
+) -> list[Look]:
+    """Return what looks at each report of a run that records `groups`."""
+    looks: list[Look] = []
+    for condition in check_looks(stop, callback):
         if condition.group is not None and condition.group not in groups:
             msg = (
                 f"stop: {type(condition).__name__} looks at what is recorded of the "
@@ -254,9 +273,6 @@ def looks_of(
             raise InvalidInput(msg)
         looks.append(condition.look_at(simulation))
     if callback is not None:
-        if not callable(callback):
-            msg = f"callback = {callback!r}: must be a function of the simulation"
-            raise InvalidInput(msg)
 
         def called() -> str | None:
             answer = callback(simulation)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rustchain._axes import Drive
+from rustchain._measure import numbers_of
 from rustchain._names import known_keywords
 from rustchain._run import Group
 from rustchain._start import Start
@@ -16,8 +17,9 @@ from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.force_law import ForceLaw
 from rustchain.friction import Coulomb
 from rustchain.result import Result
-from rustchain.simulation import _LAW, _SOLVER
+from rustchain.simulation import _LAW, _SOLVER, Simulation
 from rustchain.solver import Solver
+from rustchain.stop import StopCondition
 from rustchain.sweep import sweep
 from rustchain.sweep_result import SweepResult
 
@@ -85,14 +87,30 @@ class StudyResult:
         )
 
     def to_pandas(self) -> pd.DataFrame:
-        """Return a row for each case and measure, and a column for each statistic."""
-        statistics = self.statistics
-        frame = statistics.to_array("measure").to_dataframe("value")["value"]
-        return frame.unstack("statistic")[list(_STATISTICS)]
+        """Return a row for each case and measure, and a column for each statistic.
+
+        The numbers of an array have their place in the name: ``value_0``, ``value_1``.
+        """
+        import pandas as pd
+
+        axes = [name for name in self.sweep.axes or {} if name != "disturbance"]
+        series = {}
+        for name, found in self.statistics.items():
+            own = [dim for dim in found.dims if dim not in (*axes, "statistic")]
+            for place in np.ndindex(*(found.sizes[dim] for dim in own)):
+                one = found.isel(dict(zip(own, place, strict=True))).drop_vars(own, errors="ignore")
+                label = "_".join(map(str, (name, *place)))
+                series[label] = one.to_series()
+        frame: pd.DataFrame = pd.concat(series, names=["measure"]).unstack("statistic")
+        return frame[list(_STATISTICS)]
 
     @known_keywords
     def plot(self, *measures: str) -> Figure:
-        """Draw measures with their confidence intervals and all runs, over the first axis."""
+        """Draw measures with their confidence intervals and all runs, over the first axis.
+
+        A row of numbers is drawn over its places, a panel for each case. By default all numbers are
+        drawn; where there is none, all rows.
+        """
         from rustchain.plot.studies import draw_study
 
         return draw_study(self, measures)
@@ -121,6 +139,8 @@ def study(
     tooth_friction: Coulomb | None = None,
     threads: int | None = None,
     progress: bool = True,
+    stop: StopCondition | Sequence[StopCondition] = (),
+    callback: Callable[[Simulation], object] | None = None,
 ) -> StudyResult:
     """Run a drive several times from slightly different starts, and tell what is sure about it.
 
@@ -134,8 +154,9 @@ def study(
     drive : ChainDrive, or function that returns one
         What moves.
     measure : function of a Result, optional
-        Returns what to know of a run: a number, an array, or a dict of them; the result that it is
-        given begins after `burn_in`. By default `Result.summary`.
+        Returns what to know of a run: a number, an array, or a dict of them, NaN or None where a
+        run has none; the result that it is given begins after `burn_in` (its ``stats`` are those of
+        the whole run). By default `Result.summary`.
     runs : int
         How many runs, at least 2.
     duration : float
@@ -153,8 +174,8 @@ def study(
         As in `Simulation`.
     friction, hinge_friction, tooth_friction
         As in `Simulation`.
-    threads, progress
-        As in `sweep`.
+    threads, progress, stop, callback
+        As in `sweep`. A run that is stopped is measured as far as it came.
 
     Returns
     -------
@@ -194,10 +215,11 @@ def study(
         msg = f"burn_in = {burn_in!r}: must be from 0 to less than the duration, {shortest:g} s"
         raise InvalidInput(msg)
     of = Result.summary if measure is None else measure
+    known = {*axes, "run", "disturbance", "statistic", "measure"}
     found = sweep(
         drive,
         {**axes, "disturbance": range(runs)},
-        lambda result: of(result.between(start=burn_in)),
+        lambda result: numbers_of(of(result.between(start=burn_in)), known),
         duration=duration,
         report_step=report_step,
         record=record,
@@ -213,5 +235,7 @@ def study(
         tooth_friction=tooth_friction,
         threads=threads,
         progress=progress,
+        stop=stop,
+        callback=callback,
     )
     return StudyResult(found, confidence, burn_in)

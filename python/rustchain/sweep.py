@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import closing
 from itertools import product
 from typing import Any
 
@@ -15,6 +16,7 @@ from rustchain._names import known_keywords
 from rustchain._present import SCENE
 from rustchain._run import WALL_BUDGET, Group, known_groups, seconds_bar
 from rustchain._start import Start, started
+from rustchain._stoppable import run_looked_at
 from rustchain.drive import ChainDrive
 from rustchain.errors import EnergyWarning, InvalidInput, RangeWarning, SimulationError
 from rustchain.force_law import ForceLaw, with_friction
@@ -22,6 +24,7 @@ from rustchain.friction import Coulomb
 from rustchain.result import Array, Result
 from rustchain.simulation import _LAW, _SOLVER, Simulation
 from rustchain.solver import Solver
+from rustchain.stop import StopCondition, check_looks
 from rustchain.sweep_result import SweepResult
 
 
@@ -47,6 +50,8 @@ def sweep(
     friction: Coulomb | None = None,
     hinge_friction: Coulomb | None = None,
     tooth_friction: Coulomb | None = None,
+    stop: StopCondition | Sequence[StopCondition] = (),
+    callback: Callable[[Simulation], object] | None = None,
 ) -> SweepResult:
     """Run a drive with other parameters again and again, several runs at once.
 
@@ -88,6 +93,9 @@ def sweep(
         Whether to show a progress bar, where a terminal is there to show it.
     friction, hinge_friction, tooth_friction
         As in `Simulation`.
+    stop, callback
+        As in `Simulation.run`, for each case: one that a condition stops counts as finished, and
+        its result says so. A callback is called in the thread of its case, several at once.
 
     Returns
     -------
@@ -131,6 +139,7 @@ def sweep(
     else:
         cases = [dict(zip(grid, values, strict=True)) for values in product(*grid.values())]
     check_names(drive, scene, cases)
+    looked_at = len(check_looks(stop, callback)) > 0 or callback is not None
 
     found = SweepResult(cases, grid, [None] * len(cases), _measured=measure is not None)
     scenes: dict[int, Parameters] = {}
@@ -143,7 +152,11 @@ def sweep(
             _fail(found, number, error)
     if not ready:
         raise found.errors[0]
-    _run_all(found, scenes, ready, measure, threads, progress)
+    if looked_at:
+        ready_scenes = {number: scenes[number] for number in ready}
+        _run_looked_at(found, ready_scenes, stop, callback, measure, threads, progress)
+    else:
+        _run_all(found, scenes, ready, measure, threads, progress)
     found.errors = dict(sorted(found.errors.items()))
     found.range_notes = dict(sorted(found.range_notes.items()))
     found.balance_notes = dict(sorted(found.balance_notes.items()))
@@ -205,6 +218,49 @@ def _run_all(
         ensemble.close()
 
 
+def _run_looked_at(
+    found: SweepResult,
+    scenes: Mapping[int, Parameters],
+    stop: StopCondition | Sequence[StopCondition],
+    callback: Callable[[Simulation], object] | None,
+    measure: Callable[[Result], Any] | None,
+    threads: int | None,
+    progress: bool,
+) -> None:
+    """Run cases that are looked at while they run, and measure each as soon as it has ended."""
+    total = sum(scene["duration"] for scene in scenes.values())
+    try:
+        with (
+            seconds_bar(total, progress, f"0 of {len(scenes)} cases") as bar,
+            closing(run_looked_at(scenes, stop, callback, threads)) as running,
+        ):
+            for ended in filter(None, running):
+                number, error = ended.number, ended.error
+                if ended.range_notes:
+                    found.range_notes[number] = ended.range_notes
+                if ended.balance_notes:
+                    found.balance_notes[number] = ended.balance_notes
+                if ended.result is not None:
+                    error = _measured(found, number, ended.result, measure)
+                if error is not None:
+                    _fail(found, number, error)
+                bar.update(scenes[number]["duration"])
+    except KeyboardInterrupt:
+        found.status = "interrupted"
+
+
+def _measured(
+    found: SweepResult, number: int, result: Result, measure: Callable[[Result], Any] | None
+) -> Exception | None:
+    """Keep the measured value of a case; return what its measure raised."""
+    try:
+        found.values[number] = result if measure is None else measure(result)
+        found._ended.add(number)
+    except Exception as raised:  # a function of the user's may raise anything
+        return raised
+    return None
+
+
 def _take(
     found: SweepResult,
     number: int,
@@ -224,11 +280,7 @@ def _take(
         simulation = Simulation._around(core, scene)
         if error is None:
             result = simulation._result("finished", start, {})
-            try:
-                found.values[number] = result if measure is None else measure(result)
-                found._ended.add(number)
-            except Exception as raised:  # a function of the user's may raise anything
-                error = raised
+            error = _measured(found, number, result, measure)
         elif isinstance(error, SimulationError):
             error.result = simulation._result("failed", start, {}, str(error))
     if error is not None:

@@ -151,6 +151,8 @@ def _stacked(name: str, values: Sequence[Any]) -> _Values:
             "which make no array; take .values instead"
         )
         raise InvalidInput(msg)
+    if not there:
+        return np.full(len(values), nan)
     kind: npt.DTypeLike = np.result_type(*there)
     gaps = len(there) < len(values)
     numbers = np.issubdtype(kind, np.number) or np.issubdtype(kind, np.bool_)

@@ -40,6 +40,10 @@ class Tensioner(Description):
         stiffness and damping then count along the circle of the centre.
     arm_inertia : float
         Moment of inertia of the arm about its pivot, without the sprocket [kg m^2].
+    ratchet : float, optional
+        Distance of the teeth of a ratchet along the way [m], which lets the centre follow the pull
+        and holds it, with 1e7 N/m, behind the last tooth that it has passed, counted from where the
+        sprocket is described; 0: wherever it is. By default there is none.
     """
 
     pretension: float
@@ -52,3 +56,4 @@ class Tensioner(Description):
     pivot: Point | None = None
     arm_inertia: float = 0.0
     damping_back: float | None = None
+    ratchet: float | None = None

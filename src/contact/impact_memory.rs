@@ -22,6 +22,8 @@ pub struct ImpactMemory {
     pub tooth_surface: Vec<Surface>,
     /// Floor of the approach speed \[m/s\].
     floor: f64,
+    /// How far forward the pawl of each sprocket's or guide's ratchet has come, see [`crate::model::Ratchet`].
+    pub(crate) pawls: Vec<f64>,
     /// Onsets so far.
     counts: OnsetCounts,
 }
@@ -47,6 +49,7 @@ impl ImpactMemory {
             tooth_speed: vec![0.0; tooth_pairs],
             tooth_surface: vec![Surface::SEATING; tooth_pairs],
             floor,
+            pawls: vec![f64::NEG_INFINITY; tooth_pairs.checked_div(hinges).unwrap_or(0)],
             counts: OnsetCounts::default(),
         }
     }
@@ -149,7 +152,7 @@ impl ImpactMemory {
             let hinges = (memory.hinge_speed.len(), memory.hinge_inverse.len());
             let rollers = (memory.roller_speed.len(), memory.roller_inverse.len());
             let teeth = (memory.tooth_speed.len(), memory.tooth_surface.len());
-            (hinges, rollers, teeth)
+            (hinges, rollers, teeth, memory.pawls.len())
         };
         lengths(self) == lengths(other) && self.floor == other.floor
     }
@@ -161,5 +164,6 @@ impl ImpactMemory {
         self.roller_speed.fill(0.0);
         self.roller_inverse.fill(0.0);
         self.tooth_speed.fill(0.0);
+        self.pawls.fill(f64::NEG_INFINITY);
     }
 }

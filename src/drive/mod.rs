@@ -82,6 +82,7 @@ impl Drive {
         }
         for guide in &self.guides {
             guide.validate()?;
+            guide.validate_for(self.chain.contact_radius())?;
         }
         if let Some(tensioner) = &self.tensioner {
             tensioner.validate()?;

@@ -17,16 +17,18 @@ pub struct Rail {
     pub mount: Mount,
     /// What it is made of; `None`: what the chain is made of. Of its restitution nothing is used.
     pub material: Option<Material>,
+    /// Height of the link plates where these bear on it, round the hinges, in place of the bushings \[m\].
+    pub plate_height: Option<f64>,
 }
 
 /// The outline of a guide.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RailShape {
-    /// A bar with round ends, its two faces straight or arched.
+    /// A bar with round ends, its two faces straight, arched or hollow.
     Bar {
         /// \[m\]
         length: f64,
-        /// Of the arch \[m\]; `None`: straight.
+        /// Of the arch \[m\], negative where it is hollow; `None`: straight.
         radius: Option<f64>,
         /// Of the ends \[m\].
         end_radius: f64,
@@ -71,6 +73,8 @@ pub struct Arm {
     pub travel: [f64; 2],
     /// Moment of inertia of arm and rail about the pivot \[kg m²\].
     pub inertia: f64,
+    /// Distance of the teeth of a ratchet along the plunger's way \[m\], which lets it move out only; 0: it holds anywhere.
+    pub ratchet: Option<f64>,
 }
 
 impl Rail {
@@ -95,6 +99,9 @@ impl Rail {
         }
         if let Some(material) = &self.material {
             material.validate()?;
+        }
+        if let Some(height) = self.plate_height {
+            check::positive(&format!("{kind}.plate_height"), height, "m")?;
         }
         match self.mount {
             Mount::Fixed => {}
@@ -134,22 +141,89 @@ impl Rail {
             } => {
                 check::positive("GuideRail.length", length, "m")?;
                 check::positive("GuideRail.end_radius", end_radius, "m")?;
-                if let Some(radius) = radius {
-                    check::positive("GuideRail.radius", radius, "m")?;
-                }
-                ToothProfile::bar(length, radius, end_radius).ok_or_else(|| {
-                    Error::invalid(
+                if end_radius >= 0.5 * length {
+                    return Err(Error::invalid(
                         "GuideRail.end_radius",
                         end_radius,
                         format!(
-                            "must be below half the length, {} m, and the radius of an arch above half the length: take an end \
-                             radius of {} m, and a radius of {length} m or more",
+                            "must be below half the length, {} m: take {} m",
                             0.5 * length,
                             0.05 * length
+                        ),
+                    ));
+                }
+                if let Some(radius) = radius {
+                    check::finite("GuideRail.radius", radius, "m")?;
+                }
+                ToothProfile::bar(length, radius, end_radius).ok_or_else(|| {
+                    Error::invalid(
+                        "GuideRail.radius",
+                        radius.unwrap_or(f64::INFINITY),
+                        format!(
+                            "must be above half the length, {} m, or, for a hollow face, below {} m: take {length} m or more, either \
+                             way, or none for a straight face",
+                            0.5 * length,
+                            -0.5 * length
                         ),
                     )
                 })
             }
+        }
+    }
+
+    /// The same rail as the chain's bushings feel it: where plates bear on it, as much larger as they reach beyond the bushings.
+    #[must_use]
+    pub fn for_bushings(&self, radius: f64) -> Self {
+        let Some(height) = self.plate_height else {
+            return *self;
+        };
+        let more = 0.5 * height - radius;
+        let shape = match self.shape {
+            RailShape::Wheel { radius } => RailShape::Wheel {
+                radius: radius + more,
+            },
+            RailShape::Bar {
+                length,
+                radius,
+                end_radius,
+            } => RailShape::Bar {
+                length: length + 2.0 * more,
+                radius: radius.map(|radius| radius + more),
+                end_radius: end_radius + more,
+            },
+        };
+        Self { shape, ..*self }
+    }
+
+    /// Checks what depends on the chain.
+    ///
+    /// # Errors
+    /// When its plates are lower than the bushings.
+    pub(crate) fn validate_for(&self, bushing_radius: f64) -> Result<()> {
+        match self.plate_height {
+            Some(height) if height < 2.0 * bushing_radius => Err(Error::invalid(
+                "GuideRail.plate_height",
+                height,
+                format!(
+                    "must be the diameter of the bushings, {} m, or more: else they bear on the rail, not the plates",
+                    2.0 * bushing_radius
+                ),
+            )),
+            _ => self.for_bushings(bushing_radius).profile().map(|_| ()),
+        }
+    }
+
+    /// How far the middle of its outline lies below the line through the centres of its ends \[m\]: a hollow bar is as deep as it
+    /// needs to be.
+    #[must_use]
+    pub fn depth(&self) -> f64 {
+        match self.shape {
+            RailShape::Bar {
+                length,
+                radius: Some(radius),
+                end_radius,
+            } => ToothProfile::hollow_depth(length, radius, end_radius),
+            _ => 0.0,
         }
     }
 
@@ -174,11 +248,11 @@ impl Rail {
         self.direction.y.atan2(self.direction.x)
     }
 
-    /// Its middle in a frame at its bearing that turns with it \[m\].
+    /// The middle of its outline in a frame at its bearing that turns with it \[m\].
     #[must_use]
     pub fn offset(&self) -> Vec2 {
-        let from_bearing = self.center - self.bearing();
         let along = self.direction.normalize();
+        let from_bearing = self.center - self.depth() * along - self.bearing();
         Vec2::new(
             from_bearing.dot(&along),
             from_bearing.dot(&turned_left(along)),
@@ -205,6 +279,9 @@ impl Arm {
             check::not_negative("GuideArm.damping_back", back, "N s/m")?;
         }
         check::positive("GuideArm.inertia", self.inertia, "kg m^2")?;
+        if let Some(step) = self.ratchet {
+            check::not_negative("GuideArm.ratchet", step, "m")?;
+        }
         let [back, out] = self.travel;
         if !(back >= 0.0 && out >= 0.0 && back + out > 0.0) {
             return Err(Error::invalid(

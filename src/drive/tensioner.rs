@@ -38,6 +38,8 @@ pub struct Tensioner {
     pub pivot: Option<Vec2>,
     /// Moment of inertia of the arm about its pivot, without the sprocket \[kg m²\].
     pub arm_inertia: f64,
+    /// Distance of the teeth of a ratchet along the way \[m\], which lets the centre move along the pull only; 0: it holds anywhere.
+    pub ratchet: Option<f64>,
 }
 
 /// Where a tensioner lets its sprocket go, and how hard it pulls.
@@ -67,6 +69,9 @@ impl Tensioner {
         }
         check::not_negative("Tensioner.stiffness", self.stiffness, "N/m")?;
         check::not_negative("Tensioner.arm_inertia", self.arm_inertia, "kg m^2")?;
+        if let Some(step) = self.ratchet {
+            check::not_negative("Tensioner.ratchet", step, "m")?;
+        }
         let [back, forth] = self.travel;
         if !(back >= 0.0 && forth >= 0.0 && back + forth > 0.0) {
             return Err(Error::invalid(

@@ -56,10 +56,11 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
             let (place, _) = sprocket.slide_at(center).unwrap_or_default();
             let (vx, vy) = (motion.vx[body], motion.vy[body]);
             arms += 0.5 * guide.extra_mass * (vx * vx + vy * vy);
-            springs += guide.energy(place);
+            springs += guide.energy(place, dynamics.memory.pawls[s]);
         }
         if let Some(swing) = sprocket.swing {
-            springs += swing.energy(motion.angle[body] - sprocket.phase);
+            let turned = motion.angle[body] - sprocket.phase;
+            springs += swing.energy(turned, dynamics.memory.pawls[s]);
         }
         let inertia = if matches!(sprocket.rotation, Rotation::Prescribed(_)) {
             0.0

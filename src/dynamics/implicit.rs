@@ -245,7 +245,7 @@ impl Dynamics {
         let (n, border) = (model.links, model.wheel_coordinates());
         let mut matrix = ChainMatrix::new(n, border);
         matrix.add_masses(model, gamma);
-        matrix.add_springs(model, y, gamma);
+        matrix.add_springs(model, &self.memory.pawls, y, gamma);
         self.add_hinges(&mut matrix, y, gamma);
         let mut rollers = model.rollers.as_ref().map(|of| {
             let links = (0..n).map(|k| model.link_of_bushing(k)).collect();

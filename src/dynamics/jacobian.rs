@@ -208,18 +208,18 @@ impl ChainMatrix {
     }
 
     /// Adds the tensioner's spring and stops.
-    pub(super) fn add_springs(&mut self, model: &Model, y: &[f64], gamma: f64) {
+    pub(super) fn add_springs(&mut self, model: &Model, pawls: &[f64], y: &[f64], gamma: f64) {
         let (first, m) = (3 * model.links, self.border());
-        for sprocket in &model.sprockets {
+        for (sprocket, &pawl) in model.sprockets.iter().zip(pawls) {
             if let Support::Slide { index, guide, .. } = sprocket.support {
                 let j = index - first;
-                self.corner[j * m + j] += gamma * gamma * guide.stiffness_at(y[index]);
+                self.corner[j * m + j] += gamma * gamma * guide.stiffness_at(y[index], pawl);
             }
             if let (Some(swing), Rotation::Free { index, .. }) =
                 (sprocket.swing, &sprocket.rotation)
             {
                 let j = index - first;
-                let stiffness = swing.stiffness_at(y[*index] - sprocket.phase);
+                let stiffness = swing.stiffness_at(y[*index] - sprocket.phase, pawl);
                 self.corner[j * m + j] += gamma * gamma * stiffness;
             }
         }

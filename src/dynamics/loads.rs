@@ -53,12 +53,13 @@ impl Accelerations {
         model: &Model,
         motion: &Motion,
         (hinges, rollers, teeth): (&HingeContacts, &RollerContacts, &ToothContacts),
+        pawls: &[f64],
         t: f64,
     ) {
         self.gather_teeth(model, teeth);
         self.accelerate_rollers(model, rollers);
         self.accelerate_links(model, motion, hinges);
-        self.accelerate_sprockets(model, motion, t);
+        self.accelerate_sprockets(model, motion, pawls, t);
     }
 
     /// Tooth forces by bushing and by sprocket.
@@ -135,12 +136,13 @@ impl Accelerations {
         }
     }
 
-    fn accelerate_sprockets(&mut self, model: &Model, motion: &Motion, t: f64) {
+    fn accelerate_sprockets(&mut self, model: &Model, motion: &Motion, pawls: &[f64], t: f64) {
         for (s, sprocket) in model.sprockets.iter().enumerate() {
             let body = model.wheel_body(s);
             let moves = Moves::of(motion, body);
+            let chain = &self.chain[s];
             let (center, angle) =
-                sprocket_acceleration(sprocket, model.gravity, &moves, &self.chain[s], t);
+                sprocket_acceleration(sprocket, model.gravity, &moves, chain, pawls[s], t);
             self.x[body] = center.x;
             self.y[body] = center.y;
             self.angle[body] = angle;
@@ -184,6 +186,7 @@ pub(crate) fn sprocket_acceleration(
     gravity: Vec2,
     moves: &Moves,
     chain: &SprocketLoad,
+    pawl: f64,
     t: f64,
 ) -> (Vec2, f64) {
     let center = match sprocket.support {
@@ -192,7 +195,7 @@ pub(crate) fn sprocket_acceleration(
             let (s, tangent) = sprocket.slide_at(moves.center).unwrap_or_default();
             let speed = moves.velocity.dot(&tangent);
             let along = chain.force.dot(&tangent) + sprocket.pull(t) - guide.dashpot(speed) * speed
-                + guide.force(s);
+                + guide.force(s, pawl);
             let mass = sprocket.mass + guide.extra_mass;
             let weight = gravity.dot(&tangent) * (sprocket.mass / mass);
             let bend = guide.curvature * speed * speed;
@@ -204,7 +207,8 @@ pub(crate) fn sprocket_acceleration(
         Rotation::Prescribed(speed) => speed.slope(t),
         Rotation::Free { .. } => {
             let held = sprocket.swing.map_or(0.0, |swing| {
-                swing.force(moves.angle - sprocket.phase) - swing.dashpot(moves.spin) * moves.spin
+                swing.force(moves.angle - sprocket.phase, pawl)
+                    - swing.dashpot(moves.spin) * moves.spin
             });
             (chain.moment + sprocket.applied_torque(t, moves.spin) + held) / sprocket.inertia
         }

@@ -212,8 +212,9 @@ impl Dynamics {
             roller_friction: self.rub_rollers(),
         };
         let contacts = (&self.hinges, &self.rollers, &self.teeth);
+        let pawls = &self.memory.pawls;
         self.accelerations
-            .gather(&self.model, &self.motion, contacts, t);
+            .gather(&self.model, &self.motion, contacts, pawls, t);
         let mut powers = Powers::default();
         if self.keeps_energy {
             powers = Powers::of(losses);
@@ -314,6 +315,7 @@ impl Dynamics {
     /// Gives every pair that is in contact now a memory, as if it had begun here (positions just given).
     pub fn remember_present_contacts(&mut self, t: f64, y: &[f64]) {
         self.memory.clear();
+        self.follow_with_pawls(y);
         self.evaluate(t, y);
         for k in 0..self.model.links {
             if self.hinges.penetration[k] > 0.0 {
@@ -337,6 +339,17 @@ impl Dynamics {
         self.differentiate(t, y);
         self.fastest = self.kernels.watch(&self.model, 0.0).speed;
         self.kernels.watch.advance();
+    }
+
+    /// Lets the pawls of ratchets fall behind the teeth that have passed them in the last step, whose end is `y`; call before the next
+    /// one, so that reports inside that step have them where they were.
+    pub(crate) fn follow_with_pawls(&mut self, y: &[f64]) {
+        let sprockets = self.model.sprockets.iter().zip(&mut self.memory.pawls);
+        for (sprocket, pawl) in sprockets {
+            if let Some((ratchet, s)) = sprocket.ratchet_at(y) {
+                *pawl = ratchet.follow(*pawl, s);
+            }
+        }
     }
 
     /// Forgets the contacts that ended in the last step; call before the next one.

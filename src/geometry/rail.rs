@@ -17,7 +17,10 @@ impl ToothProfile {
         Self::of(2, 2.0 * radius, 0.0, radius, flank)
     }
 
-    /// A bar of `length` \[m\] whose ends are round with radius `end` \[m\], its faces straight, or arched with the `radius` \[m\].
+    /// A bar of `length` \[m\] whose ends are round with radius `end` \[m\], its faces straight, or arched with the `radius` \[m\]:
+    /// hollow where that is negative.
+    ///
+    /// A hollow bar is a block: below its ends' centres by [`Self::hollow_depth`] lies its middle, and its two faces look away from there.
     ///
     /// `None` when there is no such bar: the ends are too large for the length, or the arch is smaller than the bar is long.
     #[must_use]
@@ -26,30 +29,29 @@ impl ToothProfile {
         if !(half > 0.0 && end > 0.0) {
             return None;
         }
+        let depth = radius.map_or(0.0, |radius| Self::hollow_depth(length, radius, end));
+        if depth.is_nan() {
+            return None;
+        }
+        let ends = Vec2::new(half, depth);
         let round = Curve::Convex(Arc {
-            center: Vec2::new(half, 0.0),
+            center: ends,
             radius: end,
         });
         let flank = match radius {
             None => {
                 let along = Vec2::x();
-                let face = Curve::Straight(Segment {
-                    start: Vec2::new(0.0, end),
-                    tangent: along,
-                    normal: -turned_left(along),
-                    length: half,
-                });
-                Flank::begin("face", Vec2::new(0.0, end), face).then(
-                    Vec2::new(half, end),
-                    along,
-                    "end",
-                    round,
+                Flank::begin(
+                    "face",
+                    Vec2::new(0.0, end),
+                    straight(Vec2::new(0.0, end), along, half),
                 )
+                .then(Vec2::new(half, end), along, "end", round)
             }
-            Some(radius) => {
+            Some(radius) if radius > 0.0 => {
                 // The arch touches the round ends from outside: its centre is (radius - end) from theirs.
                 let below = ((radius - end).powi(2) - half * half).sqrt();
-                if below.is_nan() || below <= 0.0 {
+                if below.is_nan() || below <= 0.0 || radius <= end {
                     return None;
                 }
                 let arch = Arc {
@@ -64,10 +66,51 @@ impl ToothProfile {
                     round,
                 )
             }
+            Some(radius) => {
+                let hollow = Arc {
+                    center: Vec2::new(0.0, depth + hollow_height(half, -radius, end)),
+                    radius: -radius,
+                };
+                let outward = (ends - hollow.center).normalize();
+                let side = Vec2::new(half + end, depth);
+                Flank::begin("face", hollow.point(-Vec2::y()), Curve::Concave(hollow))
+                    .then(hollow.point(outward), turned_left(outward), "end", round)
+                    .then(side, -Vec2::y(), "side", straight(side, -Vec2::y(), depth))
+            }
         };
         let flank = flank.end(Vec2::new(half + end, 0.0));
-        Some(Self::of(2, length, 0.0, 0.5 * length, flank))
+        let farthest = (ends.norm() + end).max(0.5 * length);
+        Some(Self::of(2, length, 0.0, farthest, flank))
     }
+
+    /// How far below the centres of its ends the middle of a hollow bar lies \[m\]: its thinnest place is as thick as an end. Zero
+    /// for an arched bar; no number where the hollow is smaller than the bar is long.
+    #[must_use]
+    pub fn hollow_depth(length: f64, radius: f64, end: f64) -> f64 {
+        if radius > 0.0 {
+            return 0.0;
+        }
+        if -radius > 0.5 * length {
+            let half = 0.5 * length - end;
+            (-radius - hollow_height(half, -radius, end)).max(0.0) + end
+        } else {
+            f64::NAN
+        }
+    }
+}
+
+/// How far the centre of a hollow of `radius` lies above the centres of the ends, which it touches from outside \[m\].
+fn hollow_height(half: f64, radius: f64, end: f64) -> f64 {
+    ((radius + end).powi(2) - half * half).sqrt()
+}
+
+fn straight(start: Vec2, along: Vec2, length: f64) -> Curve {
+    Curve::Straight(Segment {
+        start,
+        tangent: along,
+        normal: -turned_left(along),
+        length,
+    })
 }
 
 #[cfg(test)]
@@ -93,6 +136,7 @@ mod tests {
             ToothProfile::smooth_wheel(0.03),
             ToothProfile::bar(0.12, None, 0.004).unwrap(),
             ToothProfile::bar(0.12, Some(0.3), 0.004).unwrap(),
+            ToothProfile::bar(0.12, Some(-0.2), 0.004).unwrap(),
         ];
         for profile in rails {
             for i in 0..40 {
@@ -112,6 +156,8 @@ mod tests {
     #[test]
     fn a_bar_that_cannot_be_is_none() {
         assert!(ToothProfile::bar(0.1, None, 0.05).is_none());
-        assert!(ToothProfile::bar(0.1, Some(0.04), 0.004).is_none());
+        for radius in [0.04, 0.0, -0.04, f64::NAN] {
+            assert!(ToothProfile::bar(0.1, Some(radius), 0.004).is_none());
+        }
     }
 }

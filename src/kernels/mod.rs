@@ -314,7 +314,7 @@ impl Kernels {
         }
         self.accelerate_links(model, rates);
         self.accelerate_rollers(model, rates);
-        self.accelerate_sprockets(model, t, rates);
+        self.accelerate_sprockets(model, &memory.pawls, t, rates);
         let mut powers = Powers::of(losses);
         if ENERGY {
             for ((sprocket, pose), load) in model.sprockets.iter().zip(&self.poses).zip(&self.loads)
@@ -591,15 +591,17 @@ impl Kernels {
         }
     }
 
-    fn accelerate_sprockets(&self, model: &Model, t: f64, rates: &mut [f64]) {
-        for ((sprocket, pose), load) in model.sprockets.iter().zip(&self.poses).zip(&self.loads) {
+    fn accelerate_sprockets(&self, model: &Model, pawls: &[f64], t: f64, rates: &mut [f64]) {
+        let moved = model.sprockets.iter().zip(&self.poses).zip(&self.loads);
+        for (((sprocket, pose), load), &pawl) in moved.zip(pawls) {
             if sprocket.support == Support::Fixed
                 && matches!(sprocket.rotation, Rotation::Prescribed(_))
             {
                 continue;
             }
             let moves = pose.moves();
-            let (center, angle) = sprocket_acceleration(sprocket, model.gravity, &moves, load, t);
+            let (center, angle) =
+                sprocket_acceleration(sprocket, model.gravity, &moves, load, pawl, t);
             match sprocket.support {
                 Support::Fixed => {}
                 Support::Slide { index, .. } => {

@@ -2,7 +2,7 @@
 
 use super::guide::STOP_STIFFNESS;
 use super::rail::place_rail;
-use super::{ContactLaw, Guide, Model, RollerModel, Rotation, SprocketModel, Support};
+use super::{ContactLaw, Guide, Model, Ratchet, RollerModel, Rotation, SprocketModel, Support};
 use crate::drive::{Bearing, BeltLine, Drive, Motion, Sprocket};
 use crate::error::{Error, Result, check};
 use crate::force_law::{ForceLaw, Friction, PairTable, SurfacePair, range_note};
@@ -194,16 +194,27 @@ fn tooth_pairs(drive: &Drive, wheels: &[SprocketModel]) -> Vec<SurfacePair> {
         let other = guide.material.as_ref().unwrap_or(&chain.material);
         chain.material.contact_modulus_with(other)
     });
-    let of_wheel = |(wheel, modulus): (&SprocketModel, f64)| {
-        tooth_surfaces(
-            &wheel.profile,
-            chain.contact_radius(),
+    let moduli = of_teeth.chain(of_guides);
+    let mut pairs = Vec::new();
+    for (s, (wheel, modulus)) in wheels.iter().zip(moduli).enumerate() {
+        let guide = s.checked_sub(drive.sprockets.len());
+        // Of a rail that plates bear on, their ends and its own outline are pressed.
+        let plates = guide.and_then(|g| {
+            let rail = &drive.guides[g];
+            Some((rail.profile().ok()?, 0.5 * rail.plate_height?))
+        });
+        let (profile, radius) = match &plates {
+            Some((outline, radius)) => (outline, *radius),
+            None => (&wheel.profile, chain.contact_radius()),
+        };
+        pairs.extend(tooth_surfaces(
+            profile,
+            radius,
             chain.teeth_contact_length(),
             modulus,
-        )
-    };
-    let moduli = of_teeth.chain(of_guides);
-    wheels.iter().zip(moduli).flat_map(of_wheel).collect()
+        ));
+    }
+    pairs
 }
 
 /// Why laws are outside their ranges, a line for each pair of surfaces.
@@ -281,6 +292,7 @@ fn place_sprocket(
                     stops: [-back, forth],
                     stop_stiffness: STOP_STIFFNESS,
                     extra_mass: tensioner.arm_inertia * line.curvature * line.curvature,
+                    ratchet: tensioner.ratchet.map(|step| Ratchet { step, forward: 1.0 }),
                     dashpots: [
                         tensioner.damping_back.unwrap_or(tensioner.damping),
                         tensioner.damping,

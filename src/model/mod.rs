@@ -6,7 +6,7 @@ mod input;
 mod rail;
 
 pub use compile::{ForceLaws, strands};
-pub use guide::Guide;
+pub use guide::{Guide, Ratchet};
 pub use input::{Input, Quantity};
 
 use crate::drive::TimeTable;
@@ -349,6 +349,19 @@ impl SprocketModel {
         };
         let s = guide.place(*direction, center - self.center);
         Some((s, guide.tangent(*direction, s)))
+    }
+
+    /// The ratchet of its tensioner or arm, and how far along its way what that holds is in the state `y`.
+    pub(crate) fn ratchet_at(&self, y: &[f64]) -> Option<(Ratchet, f64)> {
+        if let Support::Slide { index, guide, .. } = self.support {
+            return guide.ratchet.map(|ratchet| (ratchet, y[index]));
+        }
+        match (self.swing, &self.rotation) {
+            (Some(swing), Rotation::Free { index, .. }) => swing
+                .ratchet
+                .map(|ratchet| (ratchet, y[*index] - self.phase)),
+            _ => None,
+        }
     }
 
     /// The tensioner's pull \[N\] at time `t`, along its direction.

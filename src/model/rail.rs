@@ -1,7 +1,7 @@
 //! Guides as the run needs them: wheels without teeth, on bearings or arms.
 
 use super::guide::STOP_STIFFNESS;
-use super::{Guide, Rotation, SprocketModel, Support};
+use super::{Guide, Ratchet, Rotation, SprocketModel, Support};
 use crate::drive::{Chain, Mount, Rail, TimeTable};
 use crate::error::Result;
 use crate::geometry::belt::Side;
@@ -13,7 +13,7 @@ pub(super) fn place_rail(
     angle: f64,
     mut take: impl FnMut() -> usize,
 ) -> Result<SprocketModel> {
-    let profile = rail.profile()?;
+    let profile = rail.for_bushings(chain.contact_radius()).profile()?;
     let gap_directions = vec![(1.0, 0.0), (-1.0, 0.0)];
     let mut free = |torque: Option<TimeTable>| Rotation::Free {
         index: take(),
@@ -54,6 +54,10 @@ pub(super) fn place_rail(
                 stop_stiffness: square * STOP_STIFFNESS,
                 dashpots,
                 extra_mass: 0.0,
+                ratchet: arm.ratchet.map(|step| Ratchet {
+                    step: step / lever.abs(),
+                    forward: lever.signum(),
+                }),
             };
             (free(Some(table)), arm.inertia, Some(swing))
         }

@@ -511,6 +511,7 @@ fn tensioner(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Tensioner> {
         },
         pivot: read.optional_vector("pivot", "m")?,
         arm_inertia: read.number("arm_inertia", "kg m^2")?,
+        ratchet: read.optional_number("ratchet", "m")?,
     })
 }
 
@@ -529,6 +530,7 @@ fn arm(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Arm> {
             read.vector("travel", "m")?.into()
         },
         inertia: read.number("inertia", "kg m^2")?,
+        ratchet: read.optional_number("ratchet", "m")?,
     })
 }
 
@@ -552,6 +554,7 @@ pub(super) fn rail(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Rail> {
                 .optional_number("inertia", "kg m^2")?
                 .map_or(Mount::Fixed, |inertia| Mount::Turning { inertia }),
             material: of,
+            plate_height: read.optional_number("plate_height", "m")?,
         });
     }
     let swung = read.get("arm")?;
@@ -569,6 +572,7 @@ pub(super) fn rail(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Rail> {
             Mount::Arm(arm(&swung, "GuideRail.arm")?)
         },
         material: of,
+        plate_height: read.optional_number("plate_height", "m")?,
     })
 }
 

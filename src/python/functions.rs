@@ -71,6 +71,27 @@ pub(super) fn layout<'py>(drive: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDi
     found.set_item("start_gap", layout.start_gap)?;
     found.set_item("speed_ratios", layout.speed_ratio)?;
     found.set_item("tension_force", layout.tension_force)?;
+    let guides = &layout.guides;
+    found.set_item(
+        "guide_gap",
+        guides.iter().map(|g| g.gap).collect::<Vec<_>>(),
+    )?;
+    found.set_item(
+        "guide_turn",
+        guides.iter().map(|g| g.turn).collect::<Vec<_>>(),
+    )?;
+    found.set_item(
+        "guide_travel",
+        guides.iter().map(|g| g.travel).collect::<Vec<_>>(),
+    )?;
+    found.set_item(
+        "guide_bushings",
+        guides.iter().map(|g| g.bushings).collect::<Vec<_>>(),
+    )?;
+    found.set_item(
+        "guide_place",
+        guides.iter().map(|g| g.place.clone()).collect::<Vec<_>>(),
+    )?;
     found.set_item("warnings", layout.warnings)?;
     Ok(found)
 }
@@ -233,13 +254,21 @@ pub(super) fn links_for(
     Ok(state::links_for(pitch, teeth, center_distance))
 }
 
+/// How many points each arc of an outline is to have.
+fn points_of_arcs(points: &Bound<'_, PyAny>) -> PyResult<usize> {
+    let count = describe::count(points, "points")?;
+    let allowed = check::within("points", f64::from(count), 2.0, 1e5);
+    describe::checked(points.py(), allowed).map(|()| count as usize)
+}
+
 /// Closed outline of a sprocket in its own frame \[m\], (points, 2).
 #[pyfunction]
 pub(super) fn tooth_outline<'py>(
     sprocket: &Bound<'py, PyAny>,
     chain: &Bound<'py, PyAny>,
-    points: usize,
+    points: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let points = points_of_arcs(points)?;
     let sprocket_description = describe::sprocket(sprocket, "sprocket")?;
     let chain = describe::chain(chain, "chain")?;
     let profile = describe::checked(sprocket.py(), sprocket_description.tooth_profile(&chain))?;
@@ -249,18 +278,23 @@ pub(super) fn tooth_outline<'py>(
     flat.into_pyarray(sprocket.py()).reshape([rows, 2])
 }
 
-/// Closed outline of a guide about its middle, in a frame whose x axis points out of its face \[m\].
+/// Closed outline of a guide about the place where it is described, in a frame whose x axis points out of its face \[m\].
 #[pyfunction]
 pub(super) fn guide_outline<'py>(
     guide: &Bound<'py, PyAny>,
-    points: usize,
+    points: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let described = describe::rail(guide, "guide")?;
     describe::checked(guide.py(), described.validate())?;
+    let count = points_of_arcs(points)?;
     let profile = describe::checked(guide.py(), described.profile())?;
-    let outline = profile.outline(points);
+    let outline = profile.outline(count);
     let rows = outline.len();
-    let flat: Vec<f64> = outline.into_iter().flat_map(|p| [p.x, p.y]).collect();
+    let below = described.depth();
+    let flat: Vec<f64> = outline
+        .into_iter()
+        .flat_map(|p| [p.x - below, p.y])
+        .collect();
     flat.into_pyarray(guide.py()).reshape([rows, 2])
 }
 

@@ -37,8 +37,7 @@ impl Start {
     pub fn generate(drive: &Drive) -> Result<(Self, Layout)> {
         drive.validate()?;
         let (start, mut layout) = Self::lay_round(drive)?;
-        let (start, gap) = start.with_guides(drive)?;
-        layout.start_gap = layout.start_gap.min(gap);
+        let start = start.with_guides(drive, &mut layout)?;
         Ok((start, layout))
     }
 

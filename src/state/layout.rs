@@ -62,8 +62,25 @@ pub struct Layout {
     pub start_gap: f64,
     /// Pull of the tensioner \[N\].
     pub tension_force: f64,
+    /// Where the guides begin.
+    pub guides: Vec<GuideLie>,
     /// What a designer should know.
     pub warnings: Vec<String>,
+}
+
+/// Where a guide begins, beside the laid chain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GuideLie {
+    /// Smallest distance of a bushing, or of a plate where those bear on it \[m\].
+    pub gap: f64,
+    /// How far its arm is swung from where it is described \[rad\].
+    pub turn: f64,
+    /// How far its plunger can still go back and out until a stop \[m\]; infinite without one, zero without an arm.
+    pub travel: [f64; 2],
+    /// How many bushings lie within half a pitch of its face.
+    pub bushings: u32,
+    /// The strand or sprocket that the nearest bushing is at; nothing where none is near.
+    pub place: String,
 }
 
 /// Angular speed that a sprocket is given at the start \[rad/s\], if any.
@@ -191,6 +208,22 @@ impl Layout {
     #[must_use]
     pub fn strand_name(&self, strand: usize) -> String {
         strand_name(&self.strands, strand)
+    }
+
+    /// What hinge `hinge` is seated on, or the strand that it is in, in words.
+    pub(super) fn place_of(&self, hinge: usize) -> String {
+        let around = self.seat_of.iter().cycle();
+        if let Some(sprocket) = self.seat_of[hinge] {
+            return format!("sprocket {}", sprocket + 1);
+        }
+        let before = self.seat_of[..hinge].iter().rev();
+        let before = before
+            .chain(self.seat_of.iter().rev())
+            .find_map(|seat| *seat);
+        let behind = around.skip(hinge).find_map(|seat| *seat);
+        let ends = before.zip(behind).map(|(from, to)| [from, to]);
+        let strand = self.strands.iter().position(|strand| Some(*strand) == ends);
+        strand.map_or(String::new(), |i| format!("strand {}", self.strand_name(i)))
     }
 
     /// What a designer should know of these choices.

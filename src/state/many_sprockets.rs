@@ -284,6 +284,7 @@ impl<'a> Around<'a> {
             hinge_stretch: lie.stretch(),
             start_gap: lie.smallest_gap(),
             tension_force: tension_force(drive)?,
+            guides: Vec::new(),
             warnings: Vec::new(),
             order: self.line.order.clone(),
         };

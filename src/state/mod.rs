@@ -12,6 +12,6 @@ mod two_sprockets;
 
 pub use closing::{closing_move, links_around};
 pub use initial::Start;
-pub use layout::{Layout, closing_center_distance, links_for, strand_name};
+pub use layout::{GuideLie, Layout, closing_center_distance, links_for, strand_name};
 pub use motion::Motion;
 pub(crate) use motion::sprocket_motion;

@@ -287,6 +287,7 @@ impl<'a> Place<'a> {
             hinge_stretch: lie.stretch(),
             start_gap: lie.smallest_gap(),
             tension_force: tension_force(self.drive)?,
+            guides: Vec::new(),
             warnings: Vec::new(),
         };
         layout.warn(self.drive);

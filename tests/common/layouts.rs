@@ -89,6 +89,7 @@ pub fn guided_shafts() -> Drive {
         direction: Vec2::new(-0.928, -0.372),
         mount: Mount::Fixed,
         material: None,
+        plate_height: None,
     };
     let blade = Rail {
         shape: RailShape::Bar {
@@ -107,8 +108,10 @@ pub fn guided_shafts() -> Drive {
             damping_back: Some(1000.0),
             travel: [0.05, 0.05],
             inertia: 5e-4,
+            ratchet: None,
         }),
         material: None,
+        plate_height: None,
     };
     drive.guides = vec![rail, blade];
     drive

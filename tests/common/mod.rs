@@ -121,6 +121,7 @@ pub fn tensioner(pretension: f64, ramp_time: f64) -> Tensioner {
         travel: [f64::INFINITY; 2],
         pivot: None,
         arm_inertia: 0.0,
+        ratchet: None,
     }
 }
 

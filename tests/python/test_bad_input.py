@@ -275,6 +275,7 @@ FIELDS = {
         "pivot": [(value, "two numbers (x, y)") for value in NO_VECTOR if value is not None],
         "arm_inertia": [*not_negative("kg m^2"), (1.0, "must be 0 without a pivot")],
         "damping_back": [case for case in not_negative("N s/m") if case[0] is not None],
+        "ratchet": [case for case in not_negative("m") if case[0] is not None],
     },
     "GuideArm": {
         "pivot": vector("m"),
@@ -288,6 +289,7 @@ FIELDS = {
             *[(value, "how far the plunger can go") for value in ((0, 0), (NAN, 1.0), (-1, 2))],
         ],
         "inertia": positive("kg m^2"),
+        "ratchet": [case for case in not_negative("m") if case[0] is not None],
     },
     "GuideRail": {
         "center": vector("m"),
@@ -296,16 +298,22 @@ FIELDS = {
             *[(value, "must be a direction") for value in ((0.0, 0.0), (NAN, 1.0), (1.0, INF))],
         ],
         "length": positive("m"),
-        "radius": optional_positive("m"),
+        "radius": [
+            *[(value, "must be a finite number in m") for value in (NAN, INF, -INF)],
+            *[(value, "must be above half the length, 0.05 m") for value in (0.0, 0.05, -0.03)],
+            *[(value, "must be a number in m") for value in NO_OPTION],
+        ],
         "end_radius": positive("m"),
         "arm": instance("GuideArm", rc.GuideArm),
         "material": instance("Material", rc.Material),
+        "plate_height": optional_positive("m"),
     },
     "SmoothIdler": {
         "material": instance("Material", rc.Material),
         "radius": positive("m"),
         "center": vector("m"),
         "inertia": optional_positive("kg m^2"),
+        "plate_height": optional_positive("m"),
     },
     "ChainDrive": {
         "guides": [(value, "must be a sequence of GuideRail") for value in (None, 2, "ab", object)],
@@ -353,6 +361,7 @@ FIELDS = {
         "tension": not_negative("N"),
         "strand": [(value, "must be text, or None") for value in NO_TEXT if value is not None],
         "lasting": not_negative("s"),
+        "from_start": [(value, "must be True or False") for value in (None, 1, 0.0, "yes")],
     },
     "TimeReached": {"time": positive("s")},
 }

@@ -160,6 +160,31 @@ def test_an_error_names_file_line_key_and_what_is_allowed(tmp_path, old, new, li
     assert re.search(rf"drive\.toml.*line {line}\b", done.output), done.output
 
 
+def test_a_table_of_a_spreadsheet_has_a_mark_at_its_beginning(tmp_path):
+    path = changed(tmp_path, "duration = 0.02", "duration = 0.01")
+    table = tmp_path / "machine.csv"
+    plain = rc.load_scene(path).drive
+    table.write_text(table.read_text(), encoding="utf-8-sig")
+    assert rc.load_scene(path).drive == plain
+
+
+@pytest.mark.parametrize(
+    ("rows", "text"),
+    [
+        ("speed,torque\n0,1\n", "line 1: 'speed' is no number; put '#' before a line of names"),
+        ("# speed, torque\n0,1\n\n1,2,3\n", "line 4 has 3 numbers, line 2 has 2"),
+        ("0,1\n1,2 # two\n2;3\n", "line 3: '2;3' is no number"),
+        ("# nothing\n", "has no row of numbers"),
+    ],
+)
+def test_a_table_that_is_none_is_told_with_its_line(tmp_path, rows, text):
+    path = changed(tmp_path, "duration = 0.02", "duration = 0.01")
+    (tmp_path / "machine.csv").write_text(rows)
+    with pytest.raises(rc.InvalidInput, match=r"line 24: .*'machine\.csv': ") as refused:
+        rc.load_scene(path)
+    assert f"{text}: give a file of rows of numbers" in str(refused.value)
+
+
 def test_files_and_options_that_are_none_are_refused(tmp_path):
     for command in ("run", "check"):
         done = rustchain(command, tmp_path / "no.toml")

@@ -55,14 +55,26 @@ def test_one_hinge_can_be_watched_alone(whole):
 
 def test_a_slack_strand_stops_where_it_has_been_slack_for_as_long_as_asked(whole):
     # Before the tensioner has pulled, nothing is in contact: both are slack from the first row on.
-    assert len(stopped(rc.StrandSlack()).time) == 1
-    lasting = stopped(rc.StrandSlack(strand="lower", lasting=1e-3))
+    assert len(stopped(rc.StrandSlack(from_start=True)).time) == 1
+    lasting = stopped(rc.StrandSlack(strand="lower", lasting=1e-3, from_start=True))
     assert lasting.time[-1] == pytest.approx(1e-3)
     assert "strand 'lower' is slack for 0.001 s" in lasting.message
     most = whole.strand("upper").tension.max()
-    assert stopped(rc.StrandSlack(tension=2 * most, strand="upper", lasting=5e-3)).time[-1] == (
+    assert stopped(rc.StrandSlack(2 * most, "upper", 5e-3, from_start=True)).time[-1] == (
         pytest.approx(5e-3)
     )
+
+
+def test_a_strand_is_not_slack_before_it_has_been_tight(whole):
+    tension = np.stack([whole.strand(name).tension for name in whole.strand_names], axis=-1)
+    limit = 0.3 * tension.max()
+    tight = np.logical_or.accumulate(tension > limit, axis=0)
+    loose = (tight & (tension <= limit)).any(axis=1)
+    found = stopped(rc.StrandSlack(limit))
+    assert loose.argmax() > 0
+    assert len(found.time) == loose.argmax() + 1
+    # One that is never tight never stops a run.
+    assert stopped(rc.StrandSlack(2 * tension.max())).status == "finished"
 
 
 def test_a_time_is_that_of_the_simulation_and_the_first_of_several_conditions_counts():
@@ -147,7 +159,7 @@ def test_ideal_hinges_stop_likewise():
     result = ideal(stop=[rc.HingeForceAbove(limit), rc.ToothForceAbove(1e9)])
     assert len(result.time) == first + 1
     most = whole.strand("upper").tension.max()
-    slack = ideal(stop=rc.StrandSlack(tension=1.01 * most, strand="upper", lasting=1e-3))
+    slack = ideal(stop=rc.StrandSlack(1.01 * most, "upper", 1e-3, from_start=True))
     assert slack.time[-1] == pytest.approx(1e-3)
 
 

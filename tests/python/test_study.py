@@ -206,3 +206,74 @@ def test_a_study_and_a_map_take_friction_and_a_start_at_rest():
 def test_a_study_names_what_is_wrong(keywords, said):
     with pytest.raises(rc.InvalidInput, match=re.escape(said)):
         rc.study(rc.paper_drive(25.0), **keywords)
+
+
+BRIEF = {"runs": 2, "duration": 4e-3, "burn_in": 2e-3, "energy": False, "progress": False}
+
+
+@pytest.mark.parametrize(
+    ("measured", "text"),
+    [
+        ("text", "gave 'text': must be a number"),
+        ({"a": "text"}, "gave 'text' for 'a': must be a number"),
+        ({"run": 1.0}, "'run' is what a study calls something else"),
+        ({"statistic": 1.0}, "'statistic' is what a study"),
+        ({1: 1.0}, "1 is no name"),
+        (1j, "complex numbers"),
+    ],
+)
+def test_what_has_no_mean_is_refused(measured, text):
+    with pytest.warns(RuntimeWarning, match="cases failed"):
+        study = rc.study(rc.paper_drive(), lambda _: measured, **BRIEF)
+    with pytest.raises(rc.NotRecorded, match=text):
+        study.to_pandas()
+
+
+def test_a_run_without_a_value_does_not_count():
+    seen = []
+
+    def measure(_):
+        seen.append(1)
+        return {"sometimes": None if len(seen) == 1 else 2.0, "never": None}
+
+    table = rc.study(rc.paper_drive(), measure, **(BRIEF | {"runs": 3})).to_pandas()
+    assert table.loc["sometimes", "count"] == 2
+    assert table.loc["sometimes", "mean"] == 2.0
+    assert table.loc["never", "count"] == 0
+
+
+def test_rows_of_numbers_of_any_lengths_have_tables_and_figures():
+    def measure(result):
+        return {
+            "a": np.arange(40.0) + result.time[-1],
+            "b": np.arange(50.0),
+            "c": result.time[-1],
+            "d": np.ones((2, 2)),
+        }
+
+    study = rc.study(rc.paper_drive(), measure, **BRIEF)
+    table = study.to_pandas()
+    assert len(table) == 40 + 50 + 1 + 4
+    assert table.loc["a_3", "mean"] == pytest.approx(3.004)
+    assert table.loc["d_1_0", "mean"] == 1.0
+    assert [len(study.plot().axes), len(study.plot("a", "b").axes)] == [1, 2]
+    with pytest.raises(rc.InvalidInput, match="no measured number or row"):
+        study.plot("d")
+    two = rc.study(rc.paper_drive(), lambda _: np.arange(3.0), axes={"speed": [9.0, 10.0]}, **BRIEF)
+    assert [axes.get_title("left") for axes in two.plot().axes] == [
+        "value: speed 9.0",
+        "value: speed 10.0",
+    ]
+    plt.close("all")
+
+
+def test_a_study_stops_runs_and_calls_back():
+    times = []
+
+    def callback(simulation):
+        times.append(simulation.time)
+
+    given = {"stop": rc.TimeReached(3e-3), "callback": callback}
+    study = rc.study(rc.paper_drive(), lambda result: result.time[-1], **BRIEF, **given)
+    assert study.to_pandas().loc["value", "mean"] == pytest.approx(3e-3)
+    assert len(times) == 2 * 31

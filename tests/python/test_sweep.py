@@ -8,12 +8,14 @@ import threading
 import time
 import warnings
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import rustchain as rc
 
+EXAMPLE = Path(__file__).parents[2] / "examples" / "three_shafts.toml"
 PAPER = rc.paper_drive()
 SHORT = {"duration": 5e-3, "report_step": 1e-4, "progress": False}  # contacts begin at 4.1 ms
 TABLE = [(0.0, 4 * np.pi), (2e-3, 4 * np.pi), (2.0001e-3, 1e300)]  # no run gets past 2 ms
@@ -540,3 +542,58 @@ def test_positions_and_velocities_of_ones_own_are_keywords_and_parameters():
 def test_a_start_that_is_none_is_refused():
     with pytest.raises(rc.InvalidInput, match="start = 'rest': must be 'laid' or 'static'"):
         rc.sweep(PAPER, {"start": ["rest"]}, progress=False)
+
+
+def test_cases_that_are_looked_at_are_those_of_single_runs_to_the_bit():
+    drive = rc.paper_drive()
+    axes = {"pretension": [0.0, 50.0]}
+    plain = rc.sweep(drive, axes, duration=4e-3, progress=False)
+    looked = rc.sweep(
+        drive, axes, duration=4e-3, progress=False, callback=lambda _: None, threads=2
+    )
+    for one, other in zip(plain.results, looked.results, strict=True):
+        np.testing.assert_array_equal(one.final_positions, other.final_positions)
+    assert looked.success
+
+
+def test_a_stop_condition_ends_its_case_alone():
+    axes, given = {"pretension": [0.0, 100.0]}, {"duration": 8e-3, "progress": False}
+    peaks = [run.peaks.tooth_force.max() for run in rc.sweep(PAPER, axes, **given).results]
+    assert min(peaks) < 0.9 * max(peaks)
+    stop = rc.ToothForceAbove(float(np.mean(peaks)))
+    found = rc.sweep(PAPER, axes, stop=stop, **given)
+    ends = ["stopped" if peak > stop.force else "finished" for peak in peaks]
+    assert [run.status for run in found.results] == ends
+    stopped = found.results[ends.index("stopped")]
+    assert stopped.peaks.tooth_force[-1].max() > stop.force
+    assert (stopped.peaks.tooth_force[:-1] <= stop.force).all()
+    assert found.success
+    with pytest.raises(rc.InvalidInput, match="stop = 3: must be a stop condition"):
+        rc.sweep(rc.paper_drive(), {"speed": [1.0]}, stop=3)
+    with pytest.raises(rc.InvalidInput, match="threads = 0: must be"):
+        rc.sweep(rc.paper_drive(), {"speed": [1.0]}, stop=stop, threads=0)
+
+
+def test_what_a_callback_raises_fails_its_case_and_leaves_the_others():
+    def callback(simulation):
+        if simulation.drive.sprockets[0].motion.speed > 15.0 and simulation.time > 1e-3:
+            raise RuntimeError("not that fast")
+
+    with pytest.warns(RuntimeWarning, match="1 of 2 cases failed"):
+        sweep = rc.sweep(
+            rc.paper_drive(),
+            {"speed": [10.0, 20.0]},
+            duration=3e-3,
+            progress=False,
+            callback=callback,
+        )
+    assert list(sweep.errors) == [1]
+    assert sweep.results[0].success
+    assert len(sweep.errors[1].result.time) == 12
+
+
+def test_a_scene_is_no_drive_but_has_one():
+    scene = rc.load_scene(EXAMPLE)
+    for call in (lambda: rc.Simulation(scene), lambda: rc.sweep(scene, {"rtol": [1e-5]})):
+        with pytest.raises(rc.InvalidInput, match=r"a Scene is no drive .* take its \.drive"):
+            call()

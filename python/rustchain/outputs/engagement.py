@@ -8,6 +8,7 @@ import numpy as np
 
 from rustchain.errors import InvalidInput
 from rustchain.outputs.circuit import Circuit
+from rustchain.outputs.guides import guide_number
 from rustchain.outputs.loads import check_sprocket
 from rustchain.outputs.window import rows_between
 
@@ -18,7 +19,11 @@ if TYPE_CHECKING:
 
 
 def engagements(
-    result: Result, sprocket: int | None, within: float, start: float | None, end: float | None
+    result: Result,
+    sprocket: int | str | None,
+    within: float,
+    start: float | None,
+    end: float | None,
 ) -> pd.DataFrame:
     """Return what `Outputs.engagements` promises."""
     import pandas as pd
@@ -26,8 +31,16 @@ def engagements(
     if not within > 0.0:
         msg = f"within = {within!r}: must be a positive number of pitches"
         raise InvalidInput(msg)
-    if sprocket is not None:
+    count = len(result.drive.sprockets)
+    numbers = range(1, count + 1)
+    if isinstance(sprocket, str) and sprocket.startswith("guide"):
+        numbers = range(
+            count + guide_number(result, sprocket), count + 1 + len(result.drive.guides)
+        )
+        numbers = numbers[:1]
+    elif sprocket is not None:
         check_sprocket(result, sprocket)
+        numbers = range(int(sprocket), int(sprocket) + 1)
     rows = rows_between(result, start, end)
     wheel, gap, region = (
         result.array(f"tooth_{name}")[rows] for name in ("sprocket", "index", "region")
@@ -36,9 +49,9 @@ def engagements(
     time = result.time[rows]
     moved = Circuit.of(result.drive).moved(result)[rows]
     passed = np.maximum.accumulate(np.abs(moved - moved[0]))
-    count, found = len(result.drive.sprockets), []
+    found, last_number = [], max(count, numbers[-1])
     for k in range(wheel.shape[1]):
-        touching = np.flatnonzero((wheel[:, k] > 0) & (wheel[:, k] <= count))
+        touching = np.flatnonzero((wheel[:, k] > 0) & (wheel[:, k] <= last_number))
         if touching.size == 0:
             continue
         where = np.stack([wheel[touching, k], gap[touching, k]])
@@ -46,7 +59,7 @@ def engagements(
         stays = np.split(touching, changes)
         for stay in stays:
             first, last = int(stay[0]), int(stay[-1])
-            if first == 0 or (sprocket is not None and wheel[first, k] != sprocket):
+            if first == 0 or wheel[first, k] not in numbers:
                 continue  # a contact older than the part looked at has no beginning in it
             # The row that first shows the contact ends the interval in which it began.
             early = slice(first, max(first + 1, _row_at(passed, first, within)))

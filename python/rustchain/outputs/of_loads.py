@@ -126,6 +126,40 @@ class LoadOutputs(Itself):
         return wrap_loads(self._result, sprocket, quantiles, bins_per_pitch, start, end)
 
     @known_keywords
+    def guide_loads(
+        self,
+        guide: int | str = 1,
+        *,
+        quantiles: Sequence[float] = _QUANTILES,
+        bins_per_pitch: int = 4,
+        start: float | None = None,
+        end: float | None = None,
+    ) -> xr.Dataset:
+        """Return the load of a rail, a blade, a shoe or a smooth idler.
+
+        Parameters
+        ----------
+        guide : int or str
+            Number of the guide, from 1, or its name: "guide_1".
+        quantiles, bins_per_pitch
+            As in `hinge_loads`.
+
+        Returns
+        -------
+        Dataset
+            Over ``position``, the place of a bushing [pitches] from where the chain passed the
+            guide's middle at the start of the run, counterclockwise: ``mean``, ``quantiles``,
+            ``largest`` [N] of the force of each bushing that passes, as in `hinge_loads`. Over
+            ``bushing``: ``bushing_mean``, ``bushing_largest`` [N]. Over ``time``: ``force`` [N],
+            the sum of the forces' sizes at the reports, and ``bushings``, how many bear.
+            ``attrs["mean_force"]`` is the mean of that sum [N], from the impulses. The angle of a
+            blade's arm is that of `Result.guide`.
+        """
+        from rustchain.outputs.guides import guide_loads
+
+        return guide_loads(self._result, guide, quantiles, bins_per_pitch, start, end)
+
+    @known_keywords
     def contact_pressure(
         self,
         contact: Literal["hinge", "tooth"] = "hinge",
@@ -193,18 +227,20 @@ class LoadOutputs(Itself):
     @known_keywords
     def engagements(
         self,
-        sprocket: int | None = None,
+        sprocket: int | str | None = None,
         *,
         within: float = 0.5,
         start: float | None = None,
         end: float | None = None,
     ) -> pd.DataFrame:
-        """Return a row for each time that a bushing came into a tooth gap.
+        """Return a row for each time that a bushing came into a tooth gap, or onto a guide.
 
         Parameters
         ----------
-        sprocket : int, optional
-            Number of the sprocket, from 1; by default all.
+        sprocket : int or str, optional
+            Number of the sprocket, from 1, or the name of a guide: "guide_1". By default all
+            sprockets, without guides, on which bushings dance; a guide has the number behind the
+            sprockets', and for ``tooth`` 0: its face, 1: its back.
         within : float
             What counts as the impact: the first so many pitches of the chain's way.
 

@@ -169,7 +169,9 @@ def tooth_contacts(result: Result) -> tuple[Array, Array]:
     modulus = np.full(wheel.shape, contact_modulus(chain))
     for k, guide in enumerate(drive.guides, len(drive.sprockets) + 1):
         face = 0.0 if guide.radius is None else 1.0 / guide.radius
-        curvature[wheel == k] = 1.0 / chain.contact_radius + face
+        height = guide.plate_height
+        own = 1.0 / chain.contact_radius if height is None else 2.0 / height
+        curvature[wheel == k] = own + face
         modulus[wheel == k] = contact_modulus(chain, guide.material)
     for k in range(len(drive.sprockets)):
         of = surface_curvature(result.drive, k + 1)

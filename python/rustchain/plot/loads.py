@@ -124,21 +124,59 @@ class LoadFigures(Figures):
         left.plot(time, pressure.mean(part), color=BLUE, linewidth=0.6, label="mean of all")
         left.set(xlabel="time [s]", ylabel=f"pressure, all {part}s [MPa]", ylim=(0.0, None))
         legend_above(left)
-        classes = 1e-6 * cycles["range"].to_numpy()
-        mean = cycles["cycles"].mean(part).to_numpy()
-        # What is there at least as often: cycles of this range or a larger one.
-        right.step(classes, np.cumsum(mean[::-1])[::-1], where="mid", color=ORANGE)
-        right.set(xlabel="range of the pressure [MPa] or more", xlim=(0.0, None))
-        if mean.any():
-            right.set_yscale("log")
-        right.set_ylabel(f"cycles of a {part} per round")
+        _cycles(right, cycles)
+        return figure
+
+    @known_keywords
+    @styled
+    def pressure_cycles(
+        self,
+        contact: Literal["hinge", "tooth"] = "hinge",
+        sprocket: int | None = None,
+        *,
+        bins: int = 20,
+        start: float | None = None,
+        end: float | None = None,
+    ) -> Figure:
+        """Draw how many cycles of pressure a part sees per revolution, by range; who sees most."""
+        cycles = self.result.pressure_cycles(contact, sprocket, bins=bins, start=start, end=end)
+        part = str(cycles["cycles"].dims[0])
+        figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.0))
+        _cycles(left, cycles)
+        right.bar(cycles[part], 1e-6 * cycles["largest"], color=BLUE)
+        of = f"{part}" if sprocket is None else f"gap of sprocket {sprocket}"
+        right.set(xlabel=of, ylabel="largest pressure [MPa]")
+        return figure
+
+    @known_keywords
+    @styled
+    def guide_loads(
+        self,
+        guide: int | str = 1,
+        *more: int | str,
+        start: float | None = None,
+        end: float | None = None,
+    ) -> Figure:
+        """Draw the load of guides along the chain's way, and their whole force over time."""
+        figure, cells = plt.subplots(
+            1 + len(more), 2, figsize=(8.0, 2.9 * (1 + len(more))), squeeze=False
+        )
+        for (left, right), number in zip(cells, (guide, *more), strict=True):
+            found = self.result.guide_loads(number, quantiles=_QUANTILES, start=start, end=end)
+            _band(left, found["position"].to_numpy(), found)
+            left.set(ylim=(0.0, None), xlabel="place from the guide's middle [pitches]")
+            left.set(ylabel=f"guide {found.attrs['guide']}, force of a bushing [N]")
+            legend_above(left)
+            right.plot(found["time"], found["force"], color=BLUE, linewidth=0.6)
+            right.axhline(found.attrs["mean_force"], color=GREY, linestyle="--")
+            right.set(xlabel="time [s]", ylabel="force of all [N]", ylim=(0.0, None))
         return figure
 
     @known_keywords
     @styled
     def engagements(
         self,
-        sprocket: int | None = None,
+        sprocket: int | str | None = None,
         *,
         start: float | None = None,
         end: float | None = None,
@@ -149,9 +187,11 @@ class LoadFigures(Figures):
         for number in found["sprocket"].unique().tolist():
             rows = found[found["sprocket"] == number]
             color = CYCLE[(number - 1) % len(CYCLE)]
+            toothed = len(self.result.drive.sprockets)
+            name = f"sprocket {number}" if number <= toothed else f"guide {number - toothed}"
             for cell, values in zip(axes, (rows["force"], 1e3 * rows["impulse"]), strict=True):
                 cell.plot(rows["time"], values, "o", markersize=2.5, color=color)
-            axes[0].plot([], [], "o", markersize=4.0, color=color, label=f"sprocket {number}")
+            axes[0].plot([], [], "o", markersize=4.0, color=color, label=name)
         axes[0].set(ylabel="impact force [N]", ylim=(0.0, None))
         axes[1].set(ylabel="impulse [N ms]", xlabel="time [s]", ylim=(0.0, None))
         figure.align_ylabels()
@@ -166,3 +206,16 @@ def _band(axes: Axes, x: object, found: xr.Dataset, of: str = "") -> None:
     axes.fill_between(x, low, high, color=BLUE, alpha=0.2, linewidth=0.0, label=f"{of}5 to 95 %")  # type: ignore[arg-type]
     axes.plot(x, found["mean"], color=BLUE, label=f"{of}mean")  # type: ignore[arg-type]
     axes.plot(x, found["largest"], color=RED, linewidth=0.6, label=f"{of}largest")  # type: ignore[arg-type]
+
+
+def _cycles(axes: Axes, cycles: xr.Dataset) -> None:
+    """Draw how many cycles there are of a range or of a larger one, in the mean of all parts."""
+    part = str(cycles["cycles"].dims[0])
+    mean = cycles["cycles"].mean(part).to_numpy()
+    axes.step(
+        1e-6 * cycles["range"].to_numpy(), np.cumsum(mean[::-1])[::-1], where="mid", color=ORANGE
+    )
+    axes.set(xlabel="range of the pressure [MPa] or more", xlim=(0.0, None))
+    if mean.any():
+        axes.set_yscale("log")
+    axes.set_ylabel(f"cycles of a {part} per round")

@@ -65,6 +65,30 @@ class MotionFigures(Figures):
 
     @known_keywords
     @styled
+    def strand_motion(
+        self,
+        strand: str | int,
+        *more: str | int,
+        start: float | None = None,
+        end: float | None = None,
+    ) -> Figure:
+        """Draw how far strands are off their straight lines over time, at several stations."""
+        names = (strand, *more)
+        figure, cells = plt.subplots(
+            len(names), 1, sharex=True, squeeze=False, figsize=(7.0, 0.6 + 2.1 * len(names))
+        )
+        for axes, name in zip(cells[:, 0], names, strict=True):
+            motion = self.result.strand_motion(name, start=start, end=end)
+            for k, station in enumerate(motion["station"].to_numpy()):
+                color = CYCLE[k % len(CYCLE)]
+                axes.plot(motion["time"], 1e3 * motion[:, k], color=color, label=f"at {station:g}")
+            axes.set(ylabel=f"strand {motion.attrs['strand']}, outward [mm]")
+        legend_above(cells[0, 0])
+        cells[-1, 0].set(xlabel="time [s]")
+        return figure
+
+    @known_keywords
+    @styled
     def strand_spectrum(
         self,
         strand: str | int,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import matplotlib.pyplot as plt
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.typing import ColorType
 
 _INNER, _OUTER, _STEEL, _INK = "#5b8fb9", "#f0b35a", "#d5dae0", "#3b4048"
-_RAIL = "#cfe3d0"
+_RAIL, _ARM = "#cfe3d0", "#e6dccb"
 
 
 class DrivePicture(Figures):
@@ -45,18 +46,25 @@ class DrivePicture(Figures):
         hinges = _placed(links, np.array([[0.5 * chain.pitch, 0.0]]))[:, 0]
         low = hinges.min(axis=0) - 1.6 * chain.pitch
         high = hinges.max(axis=0) + 1.6 * chain.pitch
-        width, height = (high - low) * min(8.0 / (high - low)[0], 10.0 / (high - low)[1])
-        figure, axes = plt.subplots(figsize=(max(width, 3.0), max(height, 0.5) + 0.6))
-
+        figure, axes = plt.subplots()
         for sprocket, pose in zip(drive.sprockets, wheels[:, None], strict=True):
             outline = _rustchain.tooth_outline(sprocket, chain, 12)
             _add_polygons(axes, _placed(pose, outline), _STEEL, GREY)
             _add_polygons(axes, _placed(pose, _circle(0.5 * chain.pitch)), "white", GREY)
             mark = chain.pitch * np.array([[0.5, 0.0], [1.1, 0.0]])  # points to gap 0
             axes.plot(*_placed(pose, mark)[0].T, color=GREY, linewidth=1.2)
+        for start, finish in self._arms(wheels, guides):
+            # As wide as the links are; round ends, and its pivot.
+            way = np.array([start, finish])
+            width = 0.35 * chain.pitch
+            _add_polygons(axes, _bar(way, width)[None], _ARM, GREY)
+            _add_polygons(axes, (_circle(0.5 * width) + start)[None], "white", _INK)
+            low, high = np.minimum(low, start - width), np.maximum(high, start + width)
         for guide, pose in zip(drive.guides, guides[:, None], strict=True):
-            outline = guide.outline() + _from_bearing(guide)
-            _add_polygons(axes, _placed(pose, outline), _RAIL, GREY)
+            outline = _placed(pose, guide.outline() + _from_bearing(guide))
+            _add_polygons(axes, outline, _RAIL, GREY)
+            low = np.minimum(low, outline[0].min(axis=0) - 0.3 * chain.pitch)
+            high = np.maximum(high, outline[0].max(axis=0) + 0.3 * chain.pitch)
         # First link, height of the drawn plate over the pitch, colour.
         for first, share, color in ((0, 0.8, _INNER), (1, 0.7, _OUTER)):
             plate = _plate_outline(chain.pitch, share * chain.pitch)
@@ -80,12 +88,29 @@ class DrivePicture(Figures):
                 x, y = here + chain.pitch * np.array([along[1], -along[0]]) / np.hypot(*along)
             axes.text(x, y, str(number), fontsize=7.5, ha="center", va="center")
 
+        width, height = (high - low) * min(8.0 / (high - low)[0], 10.0 / (high - low)[1])
+        figure.set_size_inches(max(width, 3.0), max(height, 0.5) + 0.6)
         axes.set(aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]))
         axes.set(xlabel="x [mm]", ylabel="y [mm]", title=f"t = {time:.4g} s")
         axes.grid(visible=False)
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_formatter(lambda value, _: f"{1e3 * value:g}".replace("-", "−"))
         return figure
+
+    def _arms(self, wheels: Array, guides: Array) -> Iterator[tuple[Array, Array]]:
+        """Yield from which pivot to where each arm reaches: to a sprocket, or to a blade's end."""
+        drive = self.result.drive
+        tensioner = drive.tensioner
+        if tensioner is not None and tensioner.pivot is not None:
+            yield np.array(tensioner.pivot), wheels[tensioner.sprocket - 1, :2]
+        for guide, pose in zip(drive.guides, guides, strict=True):
+            if isinstance(guide, SmoothIdler) or guide.arm is None:
+                continue
+            # To the nearer end of the blade, or to its middle where that is nearer.
+            ends = guide.end_radius - 0.5 * guide.length
+            marks = np.array([[0.0, ends], [0.0, 0.0], [0.0, -ends]])
+            places = _placed(pose[None], marks + _from_bearing(guide))[0]
+            yield pose[:2], places[np.argmin(np.hypot(*(places - pose[:2]).T))]
 
     def _snapshot(self, time: float | None) -> tuple[float, Array]:
         """Return the recorded time nearest to `time` and the positions then."""
@@ -128,6 +153,15 @@ def _placed(poses: Array, points: Array) -> Array:
     turn = np.array([[cosine, -sine], [sine, cosine]])
     placed: Array = np.einsum("ijk,pj->kpi", turn, points) + poses[:, None, :2]
     return placed
+
+
+def _bar(way: Array, width: float) -> Array:
+    """Return the outline of a bar with round ends along `way`, (2, 2), as a polygon."""
+    along = way[1] - way[0]
+    angle = np.arctan2(along[1], along[0])
+    turn = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 24) + angle
+    half = 0.5 * width * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    return np.concatenate([way[1] + half, way[0] - half])
 
 
 def _circle(radius: float) -> Array:

@@ -23,30 +23,58 @@ if TYPE_CHECKING:
 def draw_study(study: StudyResult, measures: Sequence[str]) -> Figure:
     """Draw what `StudyResult.plot` promises."""
     samples, statistics = study.samples, study.statistics
-    numbers = [str(name) for name, values in samples.items() if not _own(values, study)]
+    numbers = [str(name) for name, values in samples.items() if len(_own(values, study)) < 2]
     for name in measures:
         if name not in numbers:
-            msg = f"measures: {name!r} is no measured number; {suggest(name, numbers)}"
+            msg = (
+                f"measures: {name!r} is no measured number or row of numbers; "
+                f"{suggest(name, numbers)}"
+            )
             raise InvalidInput(msg)
-    chosen = list(measures or numbers)
+    if not numbers:
+        msg = "measures: arrays of two dimensions and more are not drawn; take .statistics"
+        raise InvalidInput(msg)
+    single = [name for name in numbers if not _own(samples[name], study)]
+    chosen = list(measures or single or numbers)
     axes_of_study = [name for name in study.sweep.axes or {} if name != "disturbance"]
     over = axes_of_study[0] if axes_of_study else "run"
-    figure, cells = panels(len(chosen), over, "", size=(3.4, 2.6), share=False)
-    for axes, name in zip(cells, chosen, strict=True):
-        values, found = samples[name], statistics[name]
-        if over == "run":
+    panes: list[tuple[str, dict[str, int]]] = []
+    for name in chosen:
+        rows = _own(samples[name], study)
+        counts = [samples.sizes[axis] for axis in axes_of_study] if rows else []
+        cases = (dict(zip(axes_of_study, place, strict=True)) for place in np.ndindex(*counts))
+        panes += [(name, case) for case in cases] if rows else [(name, {})]
+    figure, cells = panels(len(panes), over, "", size=(3.4, 2.6), share=False)
+    for axes, (name, case) in zip(cells, panes, strict=True):
+        values, found = samples[name].isel(case), statistics[name].isel(case)
+        title = ", ".join(f"{axis} {values[axis].item()}" for axis in case)
+        if _own(values, study):
+            _row(axes, values, found)
+        elif over == "run":
             axes.plot(values["run"], values, "o", color=GREY, markersize=3.0)
             for end, style in (("mean", "-"), ("low", "--"), ("high", "--")):
                 axes.axhline(float(found.sel(statistic=end)), color=BLUE, linestyle=style)
         else:
             _over_axis(axes, values, found, over)
-        axes.set_title(name)
+        axes.set_title(f"{name}: {title}" if title else name)
     return figure
 
 
-def _own(values: xr.DataArray, study: StudyResult) -> bool:
-    """Return whether a measure is more than a number."""
-    return bool(set(values.dims) - {*(study.sweep.axes or {}), "run"})
+def _own(values: xr.DataArray, study: StudyResult) -> list[str]:
+    """Return the dimensions that a measure has itself: none where it is a number."""
+    axes = {*(study.sweep.axes or {}), "run"}
+    return [str(dim) for dim in values.dims if dim not in axes]
+
+
+def _row(axes: Any, values: xr.DataArray, found: xr.DataArray) -> None:  # noqa: ANN401
+    """Draw a row of numbers of all runs over its places, its mean and the mean's interval."""
+    (dim,) = (dim for dim in found.dims if dim != "statistic")
+    place = np.arange(found.sizes[dim])
+    axes.plot(place, values.transpose(dim, "run"), color=GREY, linewidth=0.4)
+    mean, low, high = (found.sel(statistic=end).to_numpy() for end in ("mean", "low", "high"))
+    axes.fill_between(place, low, high, color=BLUE, alpha=0.25, linewidth=0.0)
+    axes.plot(place, mean, color=BLUE)
+    axes.set_xlabel("place in the row")
 
 
 def _over_axis(axes: Any, values: xr.DataArray, found: xr.DataArray, over: str) -> None:  # noqa: ANN401
