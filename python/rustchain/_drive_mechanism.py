@@ -31,6 +31,9 @@ def drive_mechanism(
     if hinges not in ("clearance", "ideal"):
         msg = f"hinges = {hinges!r}: must be 'clearance' or 'ideal'"
         raise InvalidInput(msg)
+    if drive.ends is not None:
+        msg = "ChainDrive.ends: an open chain is no mechanism yet; it has clearance in its hinges"
+        raise InvalidInput(msg)
     chain, law = drive.chain, force_law or LankaraniNikravesh()
     generated = Simulation(replace(drive, hinges="clearance"))
     start = (

@@ -28,7 +28,7 @@ def started(scene: Mapping[str, Any]) -> dict[str, Any]:
     if not isinstance(drive, ChainDrive):  # which the core refuses
         return {"drive": drive, "rest": None} | given
     if start == "laid":
-        bodies = drive.chain.links + len(drive.sprockets) + len(drive.guides)
+        bodies = drive.hinge_count + len(drive.sprockets) + len(drive.guides)
         rows = {name: rows_of(name, value, bodies) for name, value in given.items()}
         return {"drive": drive, "rest": None} | rows
     if any(value is not None for value in given.values()):

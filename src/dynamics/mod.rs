@@ -99,7 +99,7 @@ impl Dynamics {
         Self {
             memory: ImpactMemory::new(links, links * sprockets, model.min_approach_speed),
             motion: Motion::new(model.bodies()),
-            hinges: HingeContacts::new(links),
+            hinges: HingeContacts::of(&model),
             teeth: ToothContacts::new(links, sprockets),
             accelerations: Accelerations::new(links, sprockets),
             kernels: Kernels::new(&model),
@@ -189,6 +189,9 @@ impl Dynamics {
                 let moves = Moves::of(motion, body);
                 let chain = &self.accelerations.chain[s];
                 powers += outside_powers(sprocket, &moves, chain, t);
+            }
+            if let Some(ends) = &self.model.ends {
+                powers.worked_in += ends.worked_in(self.accelerations.on_ends, t);
             }
         }
         powers

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::layout::Layout;
 use super::many_sprockets::Around;
+use super::open_layout;
 use super::strand_motion;
 use super::two_sprockets::Place;
 use crate::drive::Drive;
@@ -80,7 +81,7 @@ impl Start {
                 // The same gap in every round.
                 let near = before.as_ref().map_or(turned * gap(i), |phase| phase[i]);
                 *phase += ((near - *phase) / gap(i)).round() * gap(i);
-                start.positions[drive.chain.links as usize + i][2] = *phase;
+                start.positions[drive.first_wheel() + i][2] = *phase;
             }
             let mut moved: f64 = 0.0;
             for (i, sprocket) in drive.sprockets.iter().enumerate() {
@@ -89,7 +90,7 @@ impl Start {
                 let teeth = sprocket.center + offset.x * angle + offset.y * turned_left(angle);
                 moved = moved.max((teeth - centered.sprockets[i].center).norm());
                 centered.sprockets[i].center = teeth;
-                let body = drive.chain.links as usize + i;
+                let body = drive.first_wheel() + i;
                 [start.positions[body][0], start.positions[body][1]] = sprocket.center.into();
             }
             if moved <= SETTLED * drive.chain.pitch {
@@ -101,6 +102,9 @@ impl Start {
     }
 
     fn lay(drive: &Drive) -> Result<(Self, Layout)> {
+        if let Some(ends) = &drive.ends {
+            return open_layout::lay(drive, ends);
+        }
         if drive.sprockets.len() == 2 && drive.sprockets.iter().all(|s| s.side == Side::Inside) {
             let place = Place::new(drive)?;
             let path = place.find_path()?;
