@@ -151,13 +151,12 @@ fn tension_in_a_hanging_chain_is_the_weight_below_and_the_load() {
         let n = links as usize;
         let total: f64 = (0..n).map(|i| drive.chain.strand_link(i).mass).sum();
         assert!(rest.residual < 1e-6 * GRAVITY * (load + total));
-        for k in 0..n {
+        for (k, force) in force[..n].iter().enumerate() {
             let below: f64 = (k + 1..n).map(|i| drive.chain.strand_link(i).mass).sum();
             let weight = GRAVITY * (below + load);
             assert!(
-                (force[k] - weight).abs() < 2e-7 * GRAVITY * (load + total),
-                "{} {weight}",
-                force[k]
+                (force - weight).abs() < 2e-7 * GRAVITY * (load + total),
+                "{force} {weight}"
             );
         }
         let top = channel(&row, "end_force");

@@ -214,9 +214,11 @@ fn the_energy_of_a_hoist_and_of_a_moved_strand_is_accounted_for() {
         ("shaken", shaken, 0.03),
     ] {
         for control in [control(1e-7), StepControl::default()] {
-            let (mut run, _) = match name {
-                "lowering" => (simulation(&drive, &ForceLaws::default(), control), ()),
-                _ => (at_rest(&drive, &ForceLaws::default(), control).0, ()),
+            let laws = ForceLaws::default();
+            let mut run = if name == "lowering" {
+                simulation(&drive, &laws, control)
+            } else {
+                at_rest(&drive, &laws, control).0
             };
             let energies = common::energies(&mut run, time, 1e-3);
             let turned = energies.worked_in.last().unwrap().abs()

@@ -197,14 +197,14 @@ mod tests {
     fn many_light_links_hang_on_the_catenary() {
         // y = a cosh(x/a) with a = 0.5 over a span of 1: arc 2 a sinh(1), sag a (cosh(1) - 1), both of textbooks.
         let a: f64 = 0.5;
-        let count = 2000;
-        let length = 2.0 * a * 1.0_f64.sinh() / f64::from(count);
+        let count: usize = 2000;
+        let length = 2.0 * a * 1.0_f64.sinh() / count as f64;
         let links = vec![
             HangingLink {
                 length,
                 weight: 1.0
             };
-            count as usize
+            count
         ];
         let found = hang(
             Vec2::zeros(),
@@ -213,7 +213,7 @@ mod tests {
             &links,
         )
         .unwrap();
-        let sag = -found.points[count as usize / 2].y;
+        let sag = -found.points[count / 2].y;
         assert!((sag - a * (1.0_f64.cosh() - 1.0)).abs() < 1e-6, "{sag}");
         // H = w a, with a link's weight over its length.
         assert!((found.tensions[0].x * length - a).abs() < 1e-6);

@@ -342,22 +342,11 @@ impl<'a> Course<'a> {
     ) -> Result<(Vec<Vec2>, Option<Vec2>), String> {
         let lengths = self.lengths(links);
         let Some(point) = self.ends[end].position() else {
-            return Ok((
-                straight(seat, self.down(end)?, &self.order(end, lengths)),
-                None,
-            ));
+            return Ok((straight(seat, self.down(end)?, &order(end, lengths)), None));
         };
-        let points = self.between(seat, point, &self.order(end, lengths))?;
+        let points = self.between(seat, point, &order(end, lengths))?;
         let along = (points[1] - points[0]).normalize();
         Ok((points, Some(if end == 0 { -along } else { along })))
-    }
-
-    /// Links from a seat to an end: those of the first end the other way round.
-    fn order(&self, end: usize, mut links: Vec<HangingLink>) -> Vec<HangingLink> {
-        if end == 0 {
-            links.reverse();
-        }
-        links
     }
 
     /// Lengths and weights of these links.
@@ -418,7 +407,7 @@ impl<'a> Course<'a> {
             [Some(from), Some(to)] => self.between(from, to, &all)?,
             [Some(from), None] => straight(from, self.down(1)?, &all),
             [None, Some(to)] => {
-                let mut hinges = straight(to, self.down(0)?, &self.order(0, all));
+                let mut hinges = straight(to, self.down(0)?, &order(0, all));
                 hinges.reverse();
                 hinges
             }
@@ -440,6 +429,14 @@ impl<'a> Course<'a> {
             strands: vec![links],
         })
     }
+}
+
+/// Links from a seat to an end: those of the first end the other way round.
+fn order(end: usize, mut links: Vec<HangingLink>) -> Vec<HangingLink> {
+    if end == 0 {
+        links.reverse();
+    }
+    links
 }
 
 fn straight(from: Vec2, along: Vec2, links: &[HangingLink]) -> Vec<Vec2> {

@@ -166,9 +166,9 @@ fn hinge_velocities(drive: &Drive, ends: &[ChainEnd; 2], laid: &Laid, forward: f
 /// Velocities between two hinges.
 fn fill(hinges: &[Vec2], velocities: &mut [Vec2], from: usize, to: usize) {
     let ends = [velocities[from], velocities[to]];
-    for k in from + 1..to {
-        let share = (k - from) as f64 / (to - from) as f64;
-        velocities[k] = ends[0] + share * (ends[1] - ends[0]);
+    let count = (to - from) as f64;
+    for (k, velocity) in velocities[from..to].iter_mut().enumerate().skip(1) {
+        *velocity = ends[0] + k as f64 / count * (ends[1] - ends[0]);
     }
     keep_strand_lengths(&hinges[from..=to], &mut velocities[from..=to]);
 }
