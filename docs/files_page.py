@@ -16,7 +16,7 @@ PAGE = Path(__file__).with_name("files.md")
 MARK = "## Every key\n"
 BESIDE = "Any key of `Chain` but `pitch` may stand beside these, in place of the catalogue's."
 GROUPS: dict[str, list[Callable[..., Any]]] = {
-    "drive": [rc.chain_drive, rc.two_sprocket_drive, rc.paper_drive, rc.ChainDrive],
+    "drive": [rc.chain_drive, rc.open_chain, rc.two_sprocket_drive, rc.paper_drive, rc.ChainDrive],
     "drive.chain": [
         rc.catalogue_chain,
         rc.Chain,
@@ -36,6 +36,7 @@ GROUPS: dict[str, list[Callable[..., Any]]] = {
     ],
     "drive.tensioner": [rc.Tensioner],
     "drive.guides": [rc.GuideRail, rc.GuideArm, rc.SmoothIdler],
+    "drive.ends": [rc.Anchor, rc.Load, rc.LooseEnd],
     "simulation": [rc.Simulation, rc.Solver],
     "simulation.friction": [rc.Coulomb],
     "simulation.force_law": [*makers_of(rc.ForceLaw).values()],

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use crate::drive::{Drive, Motion, Mount, Tensioner, TimeTable};
+use crate::drive::{ChainEnd, Drive, Motion, Mount, Tensioner, TimeTable};
 use crate::dynamics::Dynamics;
 use crate::error::{Error, Result};
 use crate::geometry::{Vec2, turned_left, unit, way};
@@ -71,6 +71,11 @@ fn held(drive: &Drive, layout: &Layout) -> Drive {
             Motion::Free => Motion::Free,
         };
     }
+    for end in held.ends.iter_mut().flatten() {
+        if let ChainEnd::Anchor { velocity, .. } = end {
+            *velocity = [0.0.into(), 0.0.into()];
+        }
+    }
     if let Some(tensioner) = &mut held.tensioner {
         tensioner.ramp_time = 0.0;
         // What a ratchet would add depends on how the rest was come to.
@@ -131,12 +136,16 @@ impl Equilibrium {
         let residual = settling.settle()?;
         let largest_force = settling.largest_force();
         let positions = settling.places.positions();
-        let mut start = laid.moved_to(
-            positions,
-            &layout,
-            &drive.chain.link_pitches(),
-            drive.chain.roller.is_some(),
-        );
+        let mut start = if drive.ends.is_some() {
+            Start { positions, ..laid }
+        } else {
+            laid.moved_to(
+                positions,
+                &layout,
+                &drive.chain.link_pitches(),
+                drive.chain.roller.is_some(),
+            )
+        };
         settling.move_along_contacts(&mut start);
         Ok(Self {
             start,
@@ -157,7 +166,8 @@ fn arm(sprocket: &SprocketModel, index: usize) -> f64 {
 
 /// The largest force from outside \[N\]: weight of a link, pull of a tensioner, torque at a pitch radius; a micronewton at least.
 fn applied_force(model: &Model) -> f64 {
-    let heaviest = model.mass.iter().fold(0.0, |a: f64, &b| a.max(b));
+    let moved = (0..model.links).filter(|&i| !model.is_held(i));
+    let heaviest = moved.fold(0.0, |most: f64, i| most.max(model.mass[i]));
     let outside = model.sprockets.iter().map(|sprocket| {
         let torque = sprocket.applied_torque(0.0, 0.0) / sprocket.profile.pitch_radius;
         sprocket.pull(0.0).abs().max(torque.abs())

@@ -1,5 +1,6 @@
 //! Chosen channels at the report times.
 
+mod ends;
 mod strands;
 
 use crate::contact::ToothContacts;
@@ -110,6 +111,11 @@ impl Recorder {
             add("strand_tension", &[model.strands.len()], false);
             add("peak_hinge_force", &[n], false);
             add("peak_hinge_impulse", &[n], false);
+            if model.ends.is_some() {
+                add("end_force", &[2, 2], false);
+                add("end_position", &[2, 2], false);
+                add("end_velocity", &[2, 2], false);
+            }
         }
         if groups.hinges && model.rollers.is_some() {
             add("roller_force", &[n], false);
@@ -267,6 +273,9 @@ impl Recorder {
             write_hinges(&mut row, dynamics);
             self.hinge_peaks
                 .close(t, &dynamics.hinges.force, first, &mut row);
+            if let Some(ends) = &model.ends {
+                ends::write(&mut row, dynamics, ends);
+            }
         }
         if groups.hinges && model.rollers.is_some() {
             write_rollers(&mut row, dynamics);
@@ -344,7 +353,9 @@ fn write_hinges(row: &mut Row, dynamics: &Dynamics) {
     row.real((0..n).flat_map(|k| <[f64; 2]>::from(hinges.force_on_pin(k))));
     row.real(hinges.penetration.iter().copied());
     row.real((0..n).flat_map(|k| <[f64; 2]>::from(hinges.eccentricity(k))));
-    if dynamics.model().strands.len() == 2 {
+    if dynamics.model().ends.is_some() {
+        row.real(ends::tensions(dynamics));
+    } else if dynamics.model().strands.len() == 2 {
         row.real(two_strand_tensions(dynamics));
     } else {
         row.real(strands::tensions(dynamics));
@@ -413,28 +424,33 @@ fn write_teeth(row: &mut Row, teeth: &ToothContacts, links: usize, sprockets: us
                 .fold((k, f64::NEG_INFINITY), |a, b| if b.1 > a.1 { b } else { a })
         })
         .collect();
-    let touching = |value: i32, none: i32, depth: f64| if depth > 0.0 { value } else { none };
     row.real(
         deepest
             .iter()
             .map(|&(pair, depth)| if depth > 0.0 { teeth.force[pair] } else { 0.0 }),
     );
     row.real(deepest.iter().map(|&(_, depth)| depth));
-    row.whole(
-        deepest
-            .iter()
-            .map(|&(pair, depth)| touching((pair / links + 1) as i32, 0, depth)),
-    );
-    row.whole(
-        deepest
-            .iter()
-            .map(|&(pair, depth)| touching(teeth.gap[pair] as i32, -1, depth)),
-    );
-    row.whole(
-        deepest
-            .iter()
-            .map(|&(pair, depth)| touching(i32::from(teeth.region[pair]), 0, depth)),
-    );
+    row.whole(deepest.iter().map(|&(pair, depth)| {
+        if depth > 0.0 {
+            (pair / links + 1) as i32
+        } else {
+            0
+        }
+    }));
+    row.whole(deepest.iter().map(|&(pair, depth)| {
+        if depth > 0.0 {
+            teeth.gap[pair] as i32
+        } else {
+            -1
+        }
+    }));
+    row.whole(deepest.iter().map(|&(pair, depth)| {
+        if depth > 0.0 {
+            i32::from(teeth.region[pair])
+        } else {
+            0
+        }
+    }));
 }
 
 /// What passed since the first report, and what is missing \[J\].

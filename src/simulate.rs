@@ -332,6 +332,7 @@ impl Simulation {
         let begin = timed.then(Instant::now);
         self.dynamics.follow_with_pawls(self.adams.y());
         self.dynamics.begin_step();
+        self.begin_anew_where_an_end_kinks();
         let step = self.adams.step_second_order(&mut self.dynamics);
         let step = match step {
             Ok(step) => step,
@@ -352,6 +353,32 @@ impl Simulation {
             self.wall.timed_onsets += stepped.elapsed();
         }
         self.watch_progress()
+    }
+
+    /// At a row of the velocity of an open chain's end, where its acceleration jumps: forgets the history, and puts the end where it
+    /// should be. Its path is exact between two rows; what the step that ends there misses would be a velocity for good.
+    fn begin_anew_where_an_end_kinks(&mut self) {
+        if self.model().ends.is_none() {
+            return;
+        }
+        let model = Arc::clone(self.model());
+        let Some(ends) = &model.ends else { return };
+        let t = self.adams.time();
+        let row = ends.next_row(t - SHORTEST_TO_KINK);
+        if (row - t).abs() <= SHORTEST_TO_KINK && t > 0.0 {
+            self.adams.interpolate(t, &mut self.inside);
+            let (n, coordinates) = (model.links, model.coordinates);
+            for end in &ends.bodies {
+                if let Some((place, velocity)) = end.given_motion(row) {
+                    let i = end.body;
+                    (self.inside[i], self.inside[n + i]) = (place.x, place.y);
+                    self.inside[coordinates + i] = velocity.x;
+                    self.inside[coordinates + n + i] = velocity.y;
+                }
+            }
+            self.adams.restart_alike(row, &self.inside);
+            self.limit_step();
+        }
     }
 
     /// How long the next step may be: bodies that are fast, and the next kink of a speed or torque, where steps end.
@@ -504,13 +531,18 @@ pub fn check_rows(model: &Model, field: &str, rows: &[[f64; 3]]) -> Result<()> {
 /// A pin may be pressed into its bushing, but must be in it.
 fn check_hinges(dynamics: &Dynamics) -> Result<()> {
     let model = dynamics.model();
+    // Where an open chain is open, the centres count as one.
     let apart = |k: usize| dynamics.hinges.penetration[k] + model.clearance;
     let Some(k) = (0..model.links).find(|&k| apart(k) > 0.1 * model.half_pitch) else {
         return Ok(());
     };
     Err(Error::invalid(
         "positions",
-        format!("link_{} and link_{}", k + 1, (k + 1) % model.links + 1),
+        format!(
+            "{} and {}",
+            model.link_name(k),
+            model.link_name((k + 1) % model.links)
+        ),
         format!(
             "hinge {} is torn: its pin and bushing are {:.3e} m apart, with a clearance of {:.3e} m",
             k + 1,
@@ -541,10 +573,32 @@ fn check_rollers(dynamics: &Dynamics) -> Result<()> {
     ))
 }
 
+/// What ends of an open chain are told must agree with the velocities.
+fn check_ends(model: &Model, start: &Start) -> Result<()> {
+    for end in model.ends.iter().flat_map(|ends| &ends.bodies) {
+        let Some(given) = end.given_velocity(0.0) else {
+            continue;
+        };
+        let [vx, vy, spin] = start.velocities[end.body];
+        if (Vec2::new(vx, vy) - given).norm() > 1e-9 * given.norm().max(1.0) || spin != 0.0 {
+            return Err(Error::invalid(
+                format!("velocities of {}", model.link_name(end.body)),
+                format!("({vx}, {vy}, {spin})"),
+                format!(
+                    "it moves as it is told: must be ({}, {}, 0) at the start",
+                    given.x, given.y
+                ),
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// Numbers, and what the supports and motors hold must agree with them.
 fn check_start(model: &Model, start: &Start) -> Result<()> {
     check_rows(model, "positions", &start.positions)?;
     check_rows(model, "velocities", &start.velocities)?;
+    check_ends(model, start)?;
     for (s, sprocket) in model.sprockets.iter().enumerate() {
         let body = model.wheel_body(s);
         let [vx, vy, spin] = start.velocities[body];

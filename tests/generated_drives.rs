@@ -136,6 +136,7 @@ impl Choice {
             tensioner: None,
             gravity: 9.81 * unit(self.down),
             guides: Vec::new(),
+            ends: None,
         }
     }
 }

@@ -29,6 +29,7 @@ from rustchain.drive import (
     ToothArc,
     ToothLine,
 )
+from rustchain.ends import Anchor, Load, LooseEnd
 from rustchain.errors import (
     EnergyWarning,
     InvalidInput,
@@ -51,7 +52,7 @@ from rustchain.force_law import (
 )
 from rustchain.friction import Coulomb
 from rustchain.guides import GuideArm, GuideRail, SmoothIdler
-from rustchain.layouts import chain_drive
+from rustchain.layouts import chain_drive, open_chain
 from rustchain.loss_map import loss_map
 from rustchain.material import Material
 from rustchain.mechanism import Mechanism
@@ -87,6 +88,7 @@ from rustchain.sweep_result import SweepResult
 __version__ = version("rustchain")
 
 __all__ = [
+    "Anchor",
     "AnsiTooth",
     "AppliedTorque",
     "Chain",
@@ -118,6 +120,8 @@ __all__ = [
     "LinearContact",
     "Link",
     "LiuConformal",
+    "Load",
+    "LooseEnd",
     "Material",
     "Mechanism",
     "MechanismEvaluation",
@@ -158,6 +162,7 @@ __all__ = [
     "load_result",
     "load_scene",
     "loss_map",
+    "open_chain",
     "paper_drive",
     "restitution_obtained",
     "study",

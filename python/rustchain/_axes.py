@@ -16,6 +16,7 @@ import numpy as np
 from rustchain._description import Description, plain
 from rustchain._names import suggest
 from rustchain.drive import ChainDrive, PrescribedSpeed, Sprocket, Tensioner
+from rustchain.ends import Anchor, Load, LooseEnd
 from rustchain.errors import InvalidInput
 from rustchain.guides import GuideRail, SmoothIdler
 from rustchain.solver import Solver
@@ -223,7 +224,8 @@ def _paths(description: type[Description]) -> Iterator[str]:
 
 
 _MOST_SPROCKETS = 16  # or guides, whose fields have names
-_LISTED = ((Sprocket,), (GuideRail | SmoothIdler,))
+_ENDS = (Anchor | Load | LooseEnd,)
+_LISTED = ((Sprocket,), (GuideRail | SmoothIdler,), _ENDS)
 
 
 def _inside(hint: Any) -> Iterator[str]:  # noqa: ANN401
@@ -231,7 +233,8 @@ def _inside(hint: Any) -> Iterator[str]:  # noqa: ANN401
     if isinstance(hint, type) and issubclass(hint, Description):
         yield from _paths(hint)
     elif get_origin(hint) is tuple or get_args(hint) in _LISTED:
-        count = 2 if get_origin(hint) is tuple else _MOST_SPROCKETS  # of coordinates, of sprockets
+        pair = get_origin(hint) is tuple or get_args(hint) == _ENDS
+        count = 2 if pair else _MOST_SPROCKETS  # of coordinates, of ends, of sprockets
         of_one = get_args(hint)[0]
         members = get_args(of_one) or (of_one,)
         inside = dict.fromkeys(path for member in members for path in _inside(member))

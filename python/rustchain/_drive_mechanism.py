@@ -37,6 +37,9 @@ def drive_mechanism(
             "rollers='fixed', or run the drive itself with hinges='clearance'"
         )
         raise InvalidInput(msg)
+    if drive.ends is not None:
+        msg = "ChainDrive.ends: an open chain is no mechanism yet; it has clearance in its hinges"
+        raise InvalidInput(msg)
     chain, law = drive.chain, force_law or LankaraniNikravesh()
     generated = Simulation(replace(drive, hinges="clearance"))
     start = (

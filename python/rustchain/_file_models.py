@@ -24,7 +24,7 @@ from rustchain._description import Description
 from rustchain.catalogue import catalogue_chain, paper_drive, two_sprocket_drive
 from rustchain.drive import Chain, ChainDrive
 from rustchain.force_law import ForceLaw
-from rustchain.layouts import chain_drive
+from rustchain.layouts import chain_drive, open_chain
 from rustchain.simulation import Simulation
 from rustchain.stop import StopCondition
 
@@ -44,6 +44,7 @@ MAKERS: dict[type, tuple[tuple[str, Maker], ...]] = {
     ChainDrive: (
         ("ChainDrive", ChainDrive),
         ("chain_drive", chain_drive),
+        ("open_chain", open_chain),
         ("two_sprocket_drive", two_sprocket_drive),
         ("paper_drive", paper_drive),
     ),

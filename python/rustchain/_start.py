@@ -28,8 +28,8 @@ def started(scene: Mapping[str, Any]) -> dict[str, Any]:
     if not isinstance(drive, ChainDrive):  # which the core refuses
         return {"drive": drive, "rest": None} | given
     if start == "laid":
-        rolling = 1 if drive.chain.roller is None else 2  # a roller for each link
-        bodies = rolling * drive.chain.links + len(drive.sprockets) + len(drive.guides)
+        rollers = 0 if drive.chain.roller is None else drive.chain.links
+        bodies = drive.hinge_count + rollers + len(drive.sprockets) + len(drive.guides)
         rows = {name: rows_of(name, value, bodies) for name, value in given.items()}
         return {"drive": drive, "rest": None} | rows
     if any(value is not None for value in given.values()):

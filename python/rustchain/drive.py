@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 from rustchain._description import Description, Point
 from rustchain._names import known_keywords
 from rustchain.chain import Chain, ClearanceHinge, Link, Roller
+from rustchain.ends import Anchor, Load, LooseEnd
 from rustchain.guides import GuideRail, SmoothIdler
 from rustchain.material import Material
 from rustchain.report import DriveReport
@@ -62,7 +63,7 @@ Hinges = Literal["clearance", "ideal"]
 @known_keywords
 @dataclass(frozen=True)
 class ChainDrive(Description):
-    """A chain round two sprockets or more.
+    """A chain round two sprockets or more, or an open one from end to end.
 
     Attributes
     ----------
@@ -83,6 +84,11 @@ class ChainDrive(Description):
     guides : sequence of GuideRail and SmoothIdler
         What the chain slides along besides. They take no part in how it is laid: they begin beside
         it, blades swung back on their arms.
+    ends : (end, end), optional
+        What an open chain is joined to before its first link and behind its last one, each an
+        `Anchor`, a `Load` or a `LooseEnd`; by default the chain is closed. The first link is an
+        inner one. An open chain may run over no sprocket at all, and `side` then says which
+        sprockets stand on the same side of it.
     """
 
     chain: Chain
@@ -92,6 +98,16 @@ class ChainDrive(Description):
     name: str = ""
     hinges: Hinges = "clearance"
     guides: Sequence[GuideRail | SmoothIdler] = ()
+    ends: Sequence[Anchor | Load | LooseEnd] | None = None
+
+    @property
+    def hinge_count(self) -> int:
+        """Number of hinges in arrays, which is that of the bodies before the sprockets.
+
+        A closed chain has one a link. An open one has two more: hinge `links` joins the last link
+        and end 2, the last one joins end 1 and the first link, and the one between is none.
+        """
+        return self.chain.links + (0 if self.ends is None else 2)
 
     def check(self) -> DriveReport:
         """Lay the chain out and return what was chosen; print the report to read it as a table."""

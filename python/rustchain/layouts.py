@@ -1,4 +1,4 @@
-"""Drives of any number of sprockets from a handful of numbers."""
+"""Drives of any number of sprockets, and open chains, from a handful of numbers."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from rustchain import _rustchain
 from rustchain._names import known_keywords
 from rustchain.catalogue import Rollers, catalogue_chain, check_rollers
 from rustchain.drive import Chain, ChainDrive, Hinges, Point, Sprocket, Tensioner
+from rustchain.ends import Anchor, Load, LooseEnd
 from rustchain.errors import InvalidInput
 from rustchain.guides import GuideRail, SmoothIdler
 
@@ -90,6 +91,38 @@ def chain_drive(
     center = sprockets[adjust - 1].center
     moved = replace(sprockets[adjust - 1], center=(center[0] + move * x, center[1] + move * y))
     return replace(drive, sprockets=(*sprockets[: adjust - 1], moved, *sprockets[adjust:]))
+
+
+@known_keywords
+def open_chain(
+    chain: str | Chain,
+    ends: Sequence[Anchor | Load | LooseEnd],
+    links: int,
+    sprockets: Sequence[Sprocket] = (),
+    gravity: Point = (0.0, -9.81),
+    name: str = "",
+    guides: Sequence[GuideRail | SmoothIdler] = (),
+) -> ChainDrive:
+    """Return an open chain that hangs between two ends, or runs from one to the other.
+
+    Parameters
+    ----------
+    chain : str or Chain
+        A name of the catalogue, such as "ANSI 40", or a chain, whose own `links` do not count.
+    ends : (end, end)
+        What is before the first link and behind the last one, each an `Anchor`, a `Load` or a
+        `LooseEnd`.
+    links : int
+        Number of links, even or odd: inner and outer ones alternate, the first is an inner one.
+    sprockets : sequence of Sprocket
+        In their order from the first end to the second; by default none.
+    gravity, name, guides
+        See `ChainDrive`.
+    """
+    if isinstance(chain, str):
+        chain = catalogue_chain(chain, links)
+    chain = replace(chain, links=links)
+    return ChainDrive(chain, sprockets, gravity=gravity, name=name, guides=guides, ends=ends)
 
 
 def _number(adjust: object, sprockets: int) -> int:

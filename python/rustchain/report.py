@@ -22,7 +22,8 @@ class DriveReport:
 
     Tuples have an entry for each sprocket as listed, or for each strand. Two sprockets have the
     strands "upper" (left of the line from sprocket 1 to sprocket 2) and "lower"; of more, strand
-    "1-3" leads from sprocket 1 to sprocket 3.
+    "1-3" leads from sprocket 1 to sprocket 3, and of an open chain "end_1-1" from end 1 to
+    sprocket 1.
 
     Attributes
     ----------
@@ -33,7 +34,8 @@ class DriveReport:
     belt_pitches : float
         Length of a taut chain along the belt line on the pitch circles, in pitches.
     order : tuple of int
-        Sprockets in the order in which the chain meets them, counterclockwise.
+        Sprockets in the order in which the chain meets them, counterclockwise; of an open chain
+        from end 1 to end 2.
     teeth : tuple of int
         Numbers of teeth.
     sides : tuple of str
@@ -151,10 +153,7 @@ class DriveReport:
         if len(self.teeth) > 2:
             rows.append(("order along the chain", ", ".join(map(str, self.order))))
         percent = [100.0 * sag / span for sag, span in zip(self.sag, self.strand_span, strict=True)]
-        rows += [
-            ("hinge stretch", f"{1e6 * self.hinge_stretch:.3f} um"),
-            ("smallest gap at the start", f"{1e6 * self.start_gap:.3f} um"),
-            ("tensioner's pull", f"{self.tension_force:.3f} N"),
+        of_sprockets = [
             ("", ""),
             _row("sprocket", range(1, len(self.teeth) + 1)),
             _row("teeth", self.teeth),
@@ -167,6 +166,12 @@ class DriveReport:
             _row("wrap of the belt [deg]", _scaled(self.belt_wrap_angle, degrees(1), ".3f")),
             _row("first seat at [deg]", _scaled(self.first_seat_angle, degrees(1), ".6f")),
             _row("phase [deg]", _scaled(self.phase, degrees(1), ".6f")),
+        ]
+        rows += [
+            ("hinge stretch", f"{1e6 * self.hinge_stretch:.3f} um"),
+            ("smallest gap at the start", f"{1e6 * self.start_gap:.3f} um"),
+            ("tensioner's pull", f"{self.tension_force:.3f} N"),
+            *(of_sprockets if self.teeth else ()),
             ("", ""),
             _row("strand", self.strands),
             _row("pitches", self.strand_pitches),

@@ -72,6 +72,9 @@ _VARIABLES = {
     "peak_hinge_impulse": _Variable(
         "hinges", ("hinge",), "N s", "impulse of the hinge since the last row"
     ),
+    "end_force": _Variable("hinges", ("end", "axis"), "N", "force of the chain on its end"),
+    "end_position": _Variable("hinges", ("end", "axis"), "m", "pin at the chain's end"),
+    "end_velocity": _Variable("hinges", ("end", "axis"), "m/s", "its velocity"),
     "tooth_force": _Variable("teeth", ("bushing",), "N", "force of tooth on bushing"),
     "tooth_penetration": _Variable("teeth", ("bushing",), "m", "penetration of bushing into tooth"),
     "tooth_sprocket": _Variable("teeth", ("bushing",), "1", "sprocket in contact, 0: none"),
@@ -220,6 +223,26 @@ class SprocketMotion:
     speed: Array
     torque: Array
     center: Array
+
+
+@dataclass(frozen=True, eq=False)
+class ChainEnd:
+    """One end of an open chain over time.
+
+    Attributes
+    ----------
+    time : ndarray, (times,)
+        Report times [s].
+    force : ndarray, (times, 2)
+        Force of the chain on its end [N]: the reaction of an anchor, with the other sign.
+    position, velocity : ndarray, (times, 2)
+        Pin of that end [m], [m/s]. A loose end has none: it stays where the chain began.
+    """
+
+    time: Array
+    force: Array
+    position: Array
+    velocity: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -375,14 +398,18 @@ class Result(Outputs):
         raise NotRecorded(msg)
 
     def hinge(self, number: int) -> Hinge:
-        """Return hinge `number`, which joins the front of that link and the rear of the next."""
-        k = _position("hinge", number, self.drive.chain.links)
+        """Return hinge `number`, which joins the front of that link and the rear of the next.
+
+        Hinge `links` of an open chain joins the last link and end 2, hinge `links` + 2 joins end 1
+        and the first link; the one between is none.
+        """
+        k = _position("hinge", number, self.drive.hinge_count)
         names = ("force", "force_vector", "penetration", "eccentricity")
         return Hinge(self.time, *(self.array(f"hinge_{name}")[:, k] for name in names))
 
     def bushing(self, number: int) -> Bushing:
         """Return bushing `number`, that of the hinge with the same number."""
-        k = _position("bushing", number, self.drive.chain.links)
+        k = _position("bushing", number, self.drive.hinge_count)
         names = ("force", "penetration", "sprocket", "index", "region")
         return Bushing(self.time, *(self.array(f"tooth_{name}")[:, k] for name in names))
 
@@ -406,7 +433,8 @@ class Result(Outputs):
         """Names of the strands, in the order of arrays.
 
         Two sprockets have "upper" (left of the line from sprocket 1 to 2) and "lower"; of more,
-        "1-3" leads from sprocket 1 to sprocket 3.
+        "1-3" leads from sprocket 1 to sprocket 3. Open chains have "end_1-1", "1-2", ... and so on
+        to "end_2".
         """
         return tuple(_rustchain.strand_names(self.drive))
 
@@ -427,6 +455,12 @@ class Result(Outputs):
         k = _position("sprocket", number, len(self.drive.sprockets))
         names = ("angle", "speed", "torque", "center")
         return SprocketMotion(self.time, *(self.array(f"sprocket_{name}")[:, k] for name in names))
+
+    def end(self, number: int) -> ChainEnd:
+        """Return end `number` of an open chain: 1 before its first link, 2 behind its last one."""
+        k = _position("end", number, 0 if self.drive.ends is None else 2)
+        names = ("force", "position", "velocity")
+        return ChainEnd(self.time, *(self.array(f"end_{name}")[:, k] for name in names))
 
     def guide(self, number: int) -> SprocketMotion:
         """Return guide `number`: angle and place of its bearing, torque on it.
@@ -487,8 +521,9 @@ class Result(Outputs):
 
         coordinates = {
             "time": xr.Variable("time", self.time, {"units": "s", "long_name": "time"}),
-            "hinge": np.arange(1, self.drive.chain.links + 1),
-            "bushing": np.arange(1, self.drive.chain.links + 1),
+            "hinge": np.arange(1, self.drive.hinge_count + 1),
+            "bushing": np.arange(1, self.drive.hinge_count + 1),
+            "end": [1, 2],
             "sprocket": np.arange(1, len(self.drive.sprockets) + len(self.drive.guides) + 1),
             "strand": list(self.strand_names),
             "axis": ["x", "y"],
@@ -578,5 +613,7 @@ def _position(part: str, number: int, count: int) -> int:
     """Return the place in arrays of the part with this number."""
     if not 1 <= index(number) <= count:
         msg = f"{part} {number}: {part}s are numbered 1 to {count}"
+        if count == 0:
+            msg = f"{part} {number}: there is none"
         raise IndexError(msg)
     return index(number) - 1

@@ -77,7 +77,7 @@ class StopCondition(Description, ABC):
 
     def _force(self, simulation: Simulation, contact: str, limit: float, channel: str) -> Look:
         """Return what looks for a force above `limit` in a channel of largest forces."""
-        which = self._one_of(contact, simulation.drive.chain.links)
+        which = self._one_of(contact, simulation.drive.hinge_count)
 
         def look() -> str | None:
             row = simulation._core.last_row(channel)[which]

@@ -141,7 +141,9 @@ impl Candidates {
     /// Slots that the candidates of a sprocket may need.
     pub(crate) fn most_slots(model: &Model) -> usize {
         // Runs are a register apart at least: what they need beyond the links themselves lies in the gaps between them.
-        padded(model.links) + 2 * WIDTH
+        // Where an open chain is open, two may be nearer.
+        let open = if model.ends.is_some() { 2 } else { 0 };
+        padded(model.links) + (2 + open) * WIDTH
     }
 
     /// Forgets the list.
@@ -195,7 +197,8 @@ impl Candidates {
                 let distance_squared = (Vec2::new(x[k], y[k]) - center).norm_squared();
                 distance_squared < limit * limit || distance_squared.is_nan() || live[k] > 0.0
             };
-            let slots = find_runs(n, near, &mut candidates.runs);
+            let there = |k: usize| model.bushing_is_there(k);
+            let slots = find_runs(n, near, there, &mut candidates.runs);
             candidates.resize(slots);
             for i in 0..candidates.runs.len() {
                 let run = candidates.runs[i];
@@ -273,12 +276,22 @@ pub(crate) fn surface_constants(model: &Model, s: usize, surface: Surface) -> [f
 /// Writes the runs of the `near` ones of `n` bushings and returns the number of their slots.
 ///
 /// Runs with less than a register between them are joined: the register would be loaded anyway. The last one and the first
-/// one are joined where that saves a register.
-fn find_runs(n: usize, near: impl Fn(usize) -> bool, runs: &mut Vec<Run>) -> usize {
+/// one are joined where that saves a register. Bushings that are not `there` are in no run.
+fn find_runs(
+    n: usize,
+    near: impl Fn(usize) -> bool,
+    there: impl Fn(usize) -> bool,
+    runs: &mut Vec<Run>,
+) -> usize {
     runs.clear();
-    for k in (0..n).filter(|&k| near(k)) {
+    let all_there = |from: usize, to: usize| (from..to).all(|k| there(k % n));
+    for k in (0..n).filter(|&k| near(k) && there(k)) {
         match runs.last_mut() {
-            Some(run) if k - (run.first + run.length) < WIDTH => run.length = k + 1 - run.first,
+            Some(run)
+                if k - (run.first + run.length) < WIDTH && all_there(run.first + run.length, k) =>
+            {
+                run.length = k + 1 - run.first;
+            }
             _ => runs.push(Run {
                 first: k,
                 length: 1,
@@ -290,6 +303,7 @@ fn find_runs(n: usize, near: impl Fn(usize) -> bool, runs: &mut Vec<Run>) -> usi
         && first.first + n - (last.first + last.length) < WIDTH
         && padded(first.first + n + first.length - last.first)
             < padded(first.length) + padded(last.length)
+        && all_there(last.first + last.length, first.first + n)
     {
         last.length = first.first + n + first.length - last.first;
         runs.remove(0);
@@ -313,8 +327,17 @@ mod tests {
 
     fn runs_of(near: &[usize], n: usize) -> Vec<(usize, usize, usize)> {
         let mut runs = Vec::new();
-        find_runs(n, |k| near.contains(&k), &mut runs);
+        find_runs(n, |k| near.contains(&k), |_| true, &mut runs);
         runs.iter().map(|r| (r.first, r.length, r.slot)).collect()
+    }
+
+    #[test]
+    fn no_run_goes_over_a_bushing_that_is_not_there() {
+        let mut runs = Vec::new();
+        let near = [0, 1, 2, 36, 37, 38, 39];
+        find_runs(40, |k| near.contains(&k), |k| k != 38, &mut runs);
+        let found: Vec<_> = runs.iter().map(|r| (r.first, r.length, r.slot)).collect();
+        assert_eq!(found, [(36, 2, 0), (39, 4, 8)]);
     }
 
     #[test]

@@ -38,6 +38,8 @@ pub struct HingeContacts {
     pub friction: Vec<f64>,
     /// Moments of friction about the front end of link k and the rear end of link k + 1 \[N m\].
     pub moments: Vec<[f64; 2]>,
+    /// The hinges that are none, where an open chain is open.
+    open: Vec<usize>,
 }
 
 impl HingeContacts {
@@ -61,6 +63,18 @@ impl HingeContacts {
             force: zeros(),
             friction: zeros(),
             moments: vec![[0.0; 2]; links],
+            open: Vec::new(),
+        }
+    }
+
+    /// Room for the hinges of `model`, of which some may be none.
+    #[must_use]
+    pub fn of(model: &Model) -> Self {
+        Self {
+            open: (0..model.links)
+                .filter(|&k| model.hinge_is_open(k))
+                .collect(),
+            ..Self::new(model.links)
         }
     }
 
@@ -83,6 +97,11 @@ impl HingeContacts {
             self.direction_y[k] = contact.normal.y;
             self.penetration[k] = contact.penetration;
             self.rate[k] = contact.penetration_rate;
+        }
+        for &k in &self.open {
+            // As of centres that coincide.
+            (self.direction_x[k], self.direction_y[k]) = (0.0, 0.0);
+            (self.penetration[k], self.rate[k]) = (-model.clearance, 0.0);
         }
     }
 
@@ -122,6 +141,9 @@ impl HingeContacts {
     /// Pin centre of hinge `k` seen from its bushing's \[m\].
     #[must_use]
     pub fn eccentricity(&self, k: usize) -> Vec2 {
+        if self.open.contains(&k) {
+            return Vec2::zeros();
+        }
         let next = if k + 1 == self.rear_x.len() { 0 } else { k + 1 };
         let offset = Vec2::new(
             self.front_x[k] - self.rear_x[next],

@@ -68,7 +68,7 @@ impl ToothContacts {
         for (s, sprocket) in model.sprockets.iter().enumerate() {
             let frame = SprocketFrame::of(motion, model.wheel_body(s));
             let reach_squared = sprocket.reach * sprocket.reach;
-            for k in 0..model.links {
+            for k in (0..model.links).filter(|&k| model.bushing_is_there(k)) {
                 let ((point, velocity), _) = on_teeth(model, motion, hinges, k);
                 let arm = point - frame.center;
                 if arm.norm_squared() >= reach_squared {

@@ -148,16 +148,26 @@ impl Chain {
     #[must_use]
     pub fn link(&self, i: usize) -> Link {
         let last_of_odd = i + 1 == self.links as usize && !self.links.is_multiple_of(2);
-        let link = if last_of_odd {
-            self.offset.unwrap_or(Link {
-                mass: 0.5 * (self.inner.mass + self.outer.mass),
-                inertia: 0.5 * (self.inner.inertia + self.outer.inertia),
-            })
-        } else if i.is_multiple_of(2) {
+        if !last_of_odd {
+            return self.strand_link(i);
+        }
+        self.of_all_strands(self.offset.unwrap_or(Link {
+            mass: 0.5 * (self.inner.mass + self.outer.mass),
+            inertia: 0.5 * (self.inner.inertia + self.outer.inertia),
+        }))
+    }
+
+    /// Link `i` of an open chain, from 0, with all strands: inner and outer ones alternate to the last.
+    #[must_use]
+    pub fn strand_link(&self, i: usize) -> Link {
+        self.of_all_strands(if i.is_multiple_of(2) {
             self.inner
         } else {
             self.outer
-        };
+        })
+    }
+
+    fn of_all_strands(&self, link: Link) -> Link {
         let strands = f64::from(self.strands);
         Link {
             mass: strands * link.mass,

@@ -2,6 +2,7 @@
 
 mod belt_line;
 mod chain;
+mod ends;
 mod material;
 mod profile;
 mod rail;
@@ -12,6 +13,7 @@ mod variation;
 
 pub use belt_line::BeltLine;
 pub use chain::{Chain, ClearanceHinge, Link, Roller, check_links};
+pub use ends::ChainEnd;
 pub use material::Material;
 pub use profile::{AnsiTooth, CustomTooth, IsoTooth, StraightTooth, Tip, ToothForm};
 pub use rail::{Arm, Mount, Rail, RailShape};
@@ -37,19 +39,61 @@ pub struct Drive {
     pub gravity: Vec2,
     /// Rails, blades and smooth idlers that the chain bears on besides.
     pub guides: Vec<Rail>,
+    /// Ends of an open chain: before its first link, behind its last one; none: closed. An open chain may run round no sprocket at
+    /// all.
+    pub ends: Option<[ChainEnd; 2]>,
 }
 
 impl Drive {
-    /// Number of bodies: links, rollers, sprockets, guides.
+    /// Number of bodies: links, both ends of an open chain, rollers, sprockets, guides.
     #[must_use]
     pub fn bodies(&self) -> usize {
         self.first_wheel() + self.sprockets.len() + self.guides.len()
     }
 
-    /// Number of the first sprocket among the bodies.
+    /// The body of the first sprocket: links come before, both ends of an open chain, and rollers.
     #[must_use]
     pub fn first_wheel(&self) -> usize {
-        self.chain.links as usize + self.chain.rollers()
+        let ends = if self.ends.is_some() { 2 } else { 0 };
+        self.chain.links as usize + ends + self.chain.rollers()
+    }
+
+    fn check_closed(&self) -> Result<()> {
+        if self.sprockets.len() < 2 {
+            return Err(Error::invalid(
+                "ChainDrive.sprockets",
+                format!("{} sprockets", self.sprockets.len()),
+                "must be at least two; an open chain, with ends=, needs none",
+            ));
+        }
+        let inside = self.sprockets.iter().filter(|s| s.side == Side::Inside);
+        if inside.count() < 2 {
+            return Err(Error::invalid(
+                "Sprocket.side",
+                "\"outside\"",
+                "at least two sprockets must stand inside the chain to hold it open",
+            ));
+        }
+        Ok(())
+    }
+
+    fn check_open(&self, ends: &[ChainEnd; 2]) -> Result<()> {
+        ends::check_ends(ends, &self.chain)?;
+        if self.chain.roller.is_some() {
+            return Err(Error::invalid(
+                "Chain.roller",
+                "Roller(...)",
+                "must be absent in an open chain: take rollers=\"fixed\", which are one with their bushings",
+            ));
+        }
+        if let Some(tensioner) = &self.tensioner {
+            return Err(Error::invalid(
+                "ChainDrive.tensioner",
+                format!("{} N", tensioner.pretension),
+                "must be absent in an open chain, which its loads tighten",
+            ));
+        }
+        Ok(())
     }
 
     /// Checks every part and that the parts fit together.
@@ -62,20 +106,9 @@ impl Drive {
             sprocket.validate()?;
             sprocket.check_against(&self.chain)?;
         }
-        if self.sprockets.len() < 2 {
-            return Err(Error::invalid(
-                "ChainDrive.sprockets",
-                format!("{} sprockets", self.sprockets.len()),
-                "must be at least two",
-            ));
-        }
-        let inside = self.sprockets.iter().filter(|s| s.side == Side::Inside);
-        if inside.count() < 2 {
-            return Err(Error::invalid(
-                "Sprocket.side",
-                "\"outside\"",
-                "at least two sprockets must stand inside the chain to hold it open",
-            ));
+        match &self.ends {
+            Some(ends) => self.check_open(ends)?,
+            None => self.check_closed()?,
         }
         for (name, value) in [("x", self.gravity.x), ("y", self.gravity.y)] {
             check::finite(&format!("ChainDrive.gravity ({name})"), value, "m/s^2")?;

@@ -35,7 +35,7 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
                 .gravity
                 .dot(&Vec2::new(motion.x[body], motion.y[body]));
     };
-    for i in 0..model.links {
+    for i in (0..model.links).filter(|&i| !model.is_held(i)) {
         add_body(i, model.mass[i], model.inertia[i]);
     }
     if let Some(rollers) = &model.rollers {

@@ -26,6 +26,8 @@ pub struct Accelerations {
     pub angle: Vec<f64>,
     /// What the chain does to each sprocket.
     pub chain: Vec<SprocketLoad>,
+    /// Force of the chain on both ends of an open one \[N\].
+    pub on_ends: [Vec2; 2],
     /// Tooth force on each bushing or roller, x \[N\].
     tooth_x: Vec<f64>,
     /// Tooth force on each bushing, y \[N\].
@@ -42,6 +44,7 @@ impl Accelerations {
             y: zeros(),
             angle: zeros(),
             chain: vec![SprocketLoad::default(); sprockets],
+            on_ends: [Vec2::zeros(); 2],
             tooth_x: zeros(),
             tooth_y: zeros(),
             tooth_moment: zeros(),
@@ -59,6 +62,7 @@ impl Accelerations {
         self.gather_teeth(model, teeth);
         self.accelerate_rollers(model, rollers);
         self.accelerate_links(model, motion, hinges);
+        self.move_ends(model, hinges, t);
         self.accelerate_sprockets(model, motion, pawls, t);
     }
 
@@ -133,6 +137,24 @@ impl Accelerations {
             self.x[i] = (front.x + rear.x) * model.inverse_mass[i] + model.gravity.x;
             self.y[i] = (front.y + rear.y) * model.inverse_mass[i] + model.gravity.y;
             self.angle[i] = moment * model.inverse_inertia[i];
+        }
+    }
+
+    /// Ends of an open chain that move as they are told.
+    fn move_ends(&mut self, model: &Model, hinges: &HingeContacts, t: f64) {
+        let Some(ends) = &model.ends else { return };
+        let n = model.links;
+        for (force, end) in self.on_ends.iter_mut().zip(&ends.bodies) {
+            let (i, before) = (end.body, (end.body + n - 1) % n);
+            *force = hinges.force_on_front(i) - hinges.force_on_front(before);
+            for k in [before, i] {
+                if model.bushing_is_there(k) && model.link_of_bushing(k) == i {
+                    *force += Vec2::new(self.tooth_x[k], self.tooth_y[k]);
+                }
+            }
+            if let Some(given) = end.given_acceleration(t) {
+                (self.x[i], self.y[i], self.angle[i]) = (given.x, given.y, 0.0);
+            }
         }
     }
 

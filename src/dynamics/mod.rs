@@ -109,7 +109,7 @@ impl Dynamics {
                 model.min_approach_speed,
             ),
             motion: Motion::new(model.bodies()),
-            hinges: HingeContacts::new(links),
+            hinges: HingeContacts::of(&model),
             rollers: RollerContacts::new(model.roller_count()),
             teeth: ToothContacts::new(links, sprockets),
             accelerations: Accelerations::new(model.bodies(), sprockets),
@@ -224,6 +224,9 @@ impl Dynamics {
                 let moves = Moves::of(motion, body);
                 let chain = &self.accelerations.chain[s];
                 powers += outside_powers(sprocket, &moves, chain, t);
+            }
+            if let Some(ends) = &self.model.ends {
+                powers.worked_in += ends.worked_in(self.accelerations.on_ends, t);
             }
         }
         powers

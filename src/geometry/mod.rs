@@ -5,6 +5,7 @@ mod arc;
 pub mod belt;
 mod custom_tooth;
 mod flank;
+pub mod hanging;
 mod iso_tooth;
 pub mod polygon;
 mod rail;

@@ -83,6 +83,7 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> W
             clearance: splat(self.clearance),
             lambda: splat(self.lambda),
             floor: splat(self.floor),
+            clearance_squared: vectors::<S>(&self.constants.clearance_squared, blocks),
             onset: vectors::<S>(self.inverse_onset, blocks),
             on_front: vectors::<S>(&self.constants.bushing_on_front, blocks),
             reference: both::<S>(self.reference, 0, blocks),
@@ -333,6 +334,8 @@ struct Hinges<'a, S: Simd, L, const DAMPED: bool, const RUBBED: bool, const ENER
     clearance: Lanes<S>,
     lambda: Lanes<S>,
     floor: Lanes<S>,
+    /// Infinite where an open chain is open.
+    clearance_squared: &'a [S::f64s],
     onset: &'a [S::f64s],
     on_front: &'a [S::f64s],
     reference: [&'a [S::f64s]; 2],
@@ -381,7 +384,7 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY
         let velocity = [front.vx - rear.vx, front.vy - rear.vy];
         self.distance_squared[i] = distance_squared.values();
         self.along[i] = ex.mul_add(velocity[0], ey * velocity[1]).values();
-        let near = distance_squared.exceeds(self.clearance * self.clearance);
+        let near = distance_squared.exceeds(load(simd, &self.clearance_squared[i]));
         let inverse_onset = load(simd, &self.onset[i]);
         let remembered = inverse_onset.greater(zero);
         if !near.any() {

@@ -1,6 +1,6 @@
 //! What the kernels read of a model and the arrays they write, one array a quantity, padded to whole registers.
 
-use crate::model::Model;
+use crate::model::{Model, OpenEnds};
 use crate::vector::{Numbers, WIDTH, padded_zeros};
 
 /// What the kernels need to know of the links; a link that is not there, in the padding, has no length and no mass.
@@ -14,6 +14,8 @@ pub(super) struct LinkConstants {
     pub(super) inverse_mass: Numbers,
     /// 1/inertia \[1/(kg m²)\].
     pub(super) inverse_inertia: Numbers,
+    /// Square of the distance from which the two ends in a hinge touch \[m²\]; infinite where an open chain is open.
+    pub(super) clearance_squared: Numbers,
     /// One where bushing k is on the front of link k, zero where it is on the rear of link k + 1; twice around the chain.
     pub(super) bushing_on_front: Numbers,
 }
@@ -28,7 +30,22 @@ impl LinkConstants {
             }
             values
         };
+        let touching = model.clearance * model.clearance;
+        let distance = |k: usize| {
+            if k < n && model.hinge_is_open(k) {
+                f64::INFINITY
+            } else {
+                touching
+            }
+        };
         Self {
+            clearance_squared: {
+                let mut values = padded_zeros(n);
+                for (k, place) in values.iter_mut().enumerate() {
+                    *place = distance(k);
+                }
+                values
+            },
             front_arm: lay_out(n, &|i| model.arms[i]),
             rear_arm: lay_out(n, &|i| -model.arms[(i + 1) % n]),
             inverse_mass: lay_out(n, &|i| model.inverse_mass[i]),
@@ -101,6 +118,17 @@ impl ChainArrays {
             bushing_spin: once(),
             bushing: twice(),
             bushing_velocity: twice(),
+        }
+    }
+
+    /// Lets the hinges that are none keep a distance of zero: nothing turns round there.
+    pub(super) fn forget_open_hinges(&mut self, ends: &OpenEnds) {
+        let hinges = ends.bodies.iter().map(|end| end.hinge);
+        for k in hinges
+            .chain([ends.links])
+            .filter(|&k| ends.hinge_is_open(k))
+        {
+            (self.distance_squared[k], self.along[k]) = (0.0, 0.0);
         }
     }
 

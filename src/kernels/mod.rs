@@ -23,7 +23,7 @@ use std::marker::PhantomData;
 
 use chain::{ChainFound, HingeFriction, JoinChain, JoinRollers, RepeatBushings, Rollers};
 use gap::{Form, ToothConstants};
-use layout::{ChainArrays, LinkConstants};
+use layout::{ChainArrays, FIRST, LinkConstants};
 use loads::{AccelerateLinks, AccelerateRollers};
 use newton::{Evaluated, NewtonMatrix};
 use teeth::{SprocketPose, TeethFound, ToothFriction, TouchTeeth};
@@ -34,7 +34,7 @@ use crate::contact::{Candidates, ImpactMemory, SprocketFrame};
 use crate::dynamics::{Losses, Powers, SprocketLoad, outside_powers, sprocket_acceleration};
 use crate::force_law::{VectorLaw, with_law};
 use crate::geometry::Vec2;
-use crate::model::{Model, RollerModel, Rotation, Support};
+use crate::model::{Model, OpenEnds, RollerModel, Rotation, Support};
 use crate::state::sprocket_motion;
 use crate::vector::InstructionSet;
 
@@ -267,6 +267,9 @@ impl Kernels {
         let chain = with_law!(&model.hinge_law.pairs, Law, pairs => {
             self.join_chain::<Law, ENERGY>(model, memory, Law::constants(&pairs[0]), y)
         });
+        if let Some(ends) = &model.ends {
+            self.chain.forget_open_hinges(ends);
+        }
         for (s, pose) in self.poses.iter_mut().enumerate() {
             pose.direction = [self.chain.sprocket_cos[s], self.chain.sprocket_sin[s]];
         }
@@ -314,9 +317,14 @@ impl Kernels {
         }
         self.accelerate_links(model, rates);
         self.accelerate_rollers(model, rates);
+        let moved = model
+            .ends
+            .as_ref()
+            .map_or(0.0, |ends| self.move_ends(ends, t, rates));
         self.accelerate_sprockets(model, &memory.pawls, t, rates);
         let mut powers = Powers::of(losses);
         if ENERGY {
+            powers.worked_in += moved;
             for ((sprocket, pose), load) in model.sprockets.iter().zip(&self.poses).zip(&self.loads)
             {
                 powers += outside_powers(sprocket, &pose.moves(), load, t);
@@ -589,6 +597,23 @@ impl Kernels {
         } else {
             accelerate!(false);
         }
+    }
+
+    /// Lets the ends of an open chain move as they are told; returns the power that this takes \[W\].
+    fn move_ends(&self, ends: &OpenEnds, t: f64, rates: &mut [f64]) -> f64 {
+        let n = ends.links + 2;
+        for end in &ends.bodies {
+            if let Some(given) = end.given_acceleration(t) {
+                let i = end.body;
+                (rates[i], rates[n + i], rates[2 * n + i]) = (given.x, given.y, 0.0);
+            }
+        }
+        let force = ends.bodies.each_ref().map(|end| {
+            let [front, rear] = [&self.chain.front_force, &self.chain.rear_force];
+            let [x, y] = [0, 1].map(|axis| front[axis][end.body] + rear[axis][FIRST + end.body]);
+            Vec2::new(x, y)
+        });
+        ends.worked_in(force, t)
     }
 
     fn accelerate_sprockets(&self, model: &Model, pawls: &[f64], t: f64, rates: &mut [f64]) {

@@ -2,8 +2,11 @@
 
 use super::guide::STOP_STIFFNESS;
 use super::rail::place_rail;
-use super::{ContactLaw, Guide, Model, Ratchet, RollerModel, Rotation, SprocketModel, Support};
-use crate::drive::{Bearing, BeltLine, Drive, Motion, Sprocket};
+use super::{
+    ContactLaw, EndKind, Guide, IMMOVABLE, Model, OpenEnds, Ratchet, RollerModel, Rotation,
+    SprocketModel, Support,
+};
+use crate::drive::{Bearing, BeltLine, ChainEnd, Drive, Link, Motion, Sprocket};
 use crate::error::{Error, Result, check};
 use crate::force_law::{ForceLaw, Friction, PairTable, SurfacePair, range_note};
 use crate::geometry::{Curve, ToothProfile, Vec2};
@@ -71,7 +74,7 @@ impl Model {
         drive.validate()?;
         laws.check(drive.chain.material.restitution)?;
         let chain = &drive.chain;
-        let links = chain.links as usize;
+        let links = drive.first_wheel();
         if start.positions.len() != drive.bodies() {
             return Err(Error::invalid(
                 "positions",
@@ -129,15 +132,20 @@ impl Model {
             law: ready(laws.hinge, &pairs),
         });
         coordinates.0 += 3 * chain.rollers();
-        let mass: Vec<f64> = (0..links).map(|i| chain.link(i).mass).collect();
-        let inertia: Vec<f64> = (0..links).map(|i| chain.link(i).inertia).collect();
+        let ends = OpenEnds::of(drive, start);
+        let (bodies, arms) = ring(drive, ends.as_ref());
+        let mass: Vec<f64> = bodies.iter().map(|body| body.mass).collect();
+        let inertia: Vec<f64> = bodies.iter().map(|body| body.inertia).collect();
+        // What nothing moves has none: exactly.
+        let inverse = |value: &f64| if *value < IMMOVABLE { 1.0 / value } else { 0.0 };
         Ok(Self {
             links,
             coordinates: coordinates.0,
             half_pitch: 0.5 * chain.pitch,
-            arms: chain.link_pitches().iter().map(|p| 0.5 * p).collect(),
-            inverse_mass: mass.iter().map(|m| 1.0 / m).collect(),
-            inverse_inertia: inertia.iter().map(|j| 1.0 / j).collect(),
+            ends,
+            arms,
+            inverse_mass: mass.iter().map(inverse).collect(),
+            inverse_inertia: inertia.iter().map(inverse).collect(),
             mass,
             inertia,
             clearance: hinge.clearance(),
@@ -156,6 +164,32 @@ impl Model {
             range_notes,
         })
     }
+}
+
+/// Mass properties of the links, and half their lengths; behind them those of an open chain's ends.
+fn ring(drive: &Drive, ends: Option<&OpenEnds>) -> (Vec<Link>, Vec<f64>) {
+    let chain = &drive.chain;
+    let links = 0..chain.links as usize;
+    let mut arms: Vec<f64> = chain.link_pitches().iter().map(|p| 0.5 * p).collect();
+    let (Some(ends), Some(described)) = (ends, &drive.ends) else {
+        return (links.map(|i| chain.link(i)).collect(), arms);
+    };
+    let mut bodies: Vec<Link> = links.map(|i| chain.strand_link(i)).collect();
+    // The end of the last link follows it; then comes that of the first.
+    for (end, described) in ends.bodies.iter().zip(described).rev() {
+        bodies.push(match described {
+            ChainEnd::Load { mass, inertia, .. } if end.kind == EndKind::Load => Link {
+                mass: *mass,
+                inertia: *inertia,
+            },
+            _ => Link {
+                mass: IMMOVABLE,
+                inertia: IMMOVABLE,
+            },
+        });
+        arms.push(described.arm());
+    }
+    (bodies, arms)
 }
 
 /// Sprockets, then guides.
@@ -356,6 +390,9 @@ fn place_sprocket(
 #[must_use]
 pub fn strands(drive: &Drive) -> Vec<[usize; 2]> {
     let n = drive.sprockets.len();
+    if drive.ends.is_some() {
+        return open_strands(n);
+    }
     if n == 2 {
         return vec![[1, 0], [0, 1]];
     }
@@ -363,6 +400,14 @@ pub fn strands(drive: &Drive) -> Vec<[usize; 2]> {
         |_| (0..n).map(|i| [i, (i + 1) % n]).collect(),
         |line| line.strands(),
     )
+}
+
+/// Strands of an open chain along so many sprockets; its ends are [`usize::MAX`].
+pub(crate) fn open_strands(sprockets: usize) -> Vec<[usize; 2]> {
+    let at = |i: Option<usize>| i.filter(|&i| i < sprockets).unwrap_or(usize::MAX);
+    (0..=sprockets)
+        .map(|i| [at(i.checked_sub(1)), at(Some(i))])
+        .collect()
 }
 
 /// A cylinder of `radius` against every surface of a profile.

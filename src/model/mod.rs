@@ -1,11 +1,15 @@
 //! What a run needs: flat, indexed, immutable.
 
 mod compile;
+mod ends;
 mod guide;
 mod input;
 mod rail;
 
+pub(crate) use compile::open_strands;
 pub use compile::{ForceLaws, strands};
+pub(crate) use ends::IMMOVABLE;
+pub use ends::{EndKind, EndModel, OpenEnds};
 pub use guide::{Guide, Ratchet};
 pub use input::{Input, Quantity};
 
@@ -17,11 +21,15 @@ use crate::geometry::{Surface, ToothProfile, Vec2};
 /// The complete model of a drive. Read-only during a run.
 ///
 /// Bodies: links first, then rollers, then sprockets. Generalized coordinates q: all link x, all link y, all link θ, those that the
-/// sprockets have, then all roller x, all roller y, all roller θ. Hinge `k` joins the front of link `k` and the rear of link `k + 1`; bushing `k` belongs to the inner one.
+/// sprockets have, then all roller x, all roller y, all roller θ. Hinge `k` joins the front of link `k` and the rear of link `k + 1`;
+/// bushing `k` belongs to the inner one. An open chain is closed to a ring by the two bodies at its ends, which count as links; see
+/// [`OpenEnds`].
 #[derive(Debug, Clone)]
 pub struct Model {
     /// Number of links, hinges and bushings.
     pub links: usize,
+    /// The ends of an open chain.
+    pub ends: Option<OpenEnds>,
     /// Number of generalized coordinates.
     pub coordinates: usize,
     /// Half the nominal pitch \[m\].
@@ -188,7 +196,8 @@ impl Model {
                 } => table.next_row(t),
                 Rotation::Free { torque: None, .. } => f64::INFINITY,
             });
-        rows.fold(f64::INFINITY, f64::min)
+        let of_ends = self.ends.iter().map(|ends| ends.next_row(t));
+        rows.chain(of_ends).fold(f64::INFINITY, f64::min)
     }
 
     /// Number of sprockets that have teeth.
@@ -240,11 +249,21 @@ impl Model {
     /// Names of the bodies, in the order of every array over bodies.
     #[must_use]
     pub fn body_names(&self) -> Vec<String> {
-        (1..=self.links)
-            .map(|i| format!("link_{i}"))
+        (0..self.links)
+            .map(|i| self.link_name(i))
             .chain((1..=self.roller_count()).map(|k| format!("roller_{k}")))
             .chain((0..self.sprockets.len()).map(|s| self.wheel_name(s).replace(' ', "_")))
             .collect()
+    }
+
+    /// What link `i` is called: by its number, from 1; ends of an open chain by theirs.
+    #[must_use]
+    pub fn link_name(&self, i: usize) -> String {
+        let ends = self.ends.as_ref().map(|ends| &ends.bodies);
+        match ends.and_then(|ends| ends.iter().position(|end| end.body == i)) {
+            Some(end) => format!("end_{}", end + 1),
+            None => format!("link_{}", i + 1),
+        }
     }
 
     /// Whether link `i` (from 0) has a bushing at its front: an inner one, but not the offset link that ends an odd number.

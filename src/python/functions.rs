@@ -129,7 +129,7 @@ pub(super) fn static_start<'py>(
 #[pyfunction]
 pub(super) fn strand_names(drive: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
     let description = describe::drive(drive)?;
-    if description.sprockets.len() == 2 {
+    if description.sprockets.len() == 2 && description.ends.is_none() {
         return Ok(vec!["upper".to_string(), "lower".to_string()]);
     }
     let strands = crate::model::strands(&description);

@@ -99,13 +99,20 @@ impl Start {
     fn hinges(&self, drive: &Drive) -> Vec<Vec2> {
         let pitches = drive.chain.link_pitches();
         let n = pitches.len();
+        let is_open = drive.ends.is_some();
         let end = |i: usize, side: f64| {
             let [x, y, angle] = self.positions[i];
             Vec2::new(x, y) + 0.5 * side * pitches[i] * unit(angle)
         };
-        (0..n)
-            .map(|k| 0.5 * (end(k, 1.0) + end((k + 1) % n, -1.0)))
-            .collect()
+        let between = |k: usize| 0.5 * (end(k, 1.0) + end((k + 1) % n, -1.0));
+        if is_open {
+            let inside = (0..n - 1).map(between);
+            return std::iter::once(end(0, -1.0))
+                .chain(inside)
+                .chain([end(n - 1, 1.0)])
+                .collect();
+        }
+        (0..n).map(between).collect()
     }
 }
 

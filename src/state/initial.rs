@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::layout::Layout;
 use super::many_sprockets::Around;
+use super::open_layout;
 use super::strand_motion;
 use super::two_sprockets::Place;
 use crate::drive::Drive;
@@ -101,6 +102,9 @@ impl Start {
     }
 
     fn lay(drive: &Drive) -> Result<(Self, Layout)> {
+        if let Some(ends) = &drive.ends {
+            return open_layout::lay(drive, ends);
+        }
         if drive.sprockets.len() == 2 && drive.sprockets.iter().all(|s| s.side == Side::Inside) {
             let place = Place::new(drive)?;
             let path = place.find_path()?;

@@ -146,13 +146,22 @@ pub(super) struct Lie<'a> {
 }
 
 impl Lie<'_> {
+    /// An open chain has a hinge at both of its ends.
+    fn is_open(&self) -> bool {
+        self.hinges.len() > self.chain.links as usize
+    }
+
     /// Ends of every link as the model will have them, (rear, front): its hinges lie at half a pitch from its middle.
     fn link_ends(&self) -> Vec<(Vec2, Vec2)> {
-        let n = self.hinges.len();
         let pitches = self.chain.link_pitches();
+        let n = pitches.len();
         (0..n)
             .map(|i| {
-                let (rear, front) = (self.hinges[(i + n - 1) % n], self.hinges[i]);
+                let (rear, front) = if self.is_open() {
+                    (self.hinges[i], self.hinges[i + 1])
+                } else {
+                    (self.hinges[(i + n - 1) % n], self.hinges[i])
+                };
                 let middle = 0.5 * (rear + front);
                 let half = 0.5 * pitches[i] * (front - rear).normalize();
                 (middle - half, middle + half)
@@ -164,8 +173,10 @@ impl Lie<'_> {
     pub(super) fn stretch(&self) -> f64 {
         let ends = self.link_ends();
         let next = ends.iter().cycle().skip(1);
+        let joined = ends.len() - usize::from(self.is_open());
         ends.iter()
             .zip(next)
+            .take(joined)
             .map(|((_, front), (rear, _))| (front - rear).norm())
             .fold(0.0, f64::max)
     }
@@ -229,7 +240,13 @@ impl Layout {
     /// What a designer should know of these choices.
     pub(super) fn warn(&mut self, drive: &Drive) {
         let mut warnings = Vec::new();
-        for i in 0..self.strands.len() {
+        // How far an open chain hangs is for its ends to say.
+        let closed = if drive.ends.is_none() {
+            self.strands.len()
+        } else {
+            0
+        };
+        for i in 0..closed {
             let share = self.sag[i] / self.spans[i];
             if share > 0.06 {
                 warnings.push(format!(
@@ -287,13 +304,21 @@ impl Layout {
     }
 }
 
-/// "upper" and "lower" of two sprockets, "1-3" from sprocket 1 to sprocket 3 of more.
+/// "upper" and "lower" of two sprockets, "1-3" from sprocket 1 to sprocket 3 of more; `"end_1-1"` from the end of an open chain.
 #[must_use]
 pub fn strand_name(strands: &[[usize; 2]], strand: usize) -> String {
+    let [from, to] = strands[strand];
+    let is_open = strands[0][0] == usize::MAX;
+    if is_open {
+        let name = |i: usize, end: &str| match i {
+            usize::MAX => end.to_string(),
+            i => (i + 1).to_string(),
+        };
+        return format!("{}-{}", name(from, "end_1"), name(to, "end_2"));
+    }
     if strands.len() == 2 {
         return ["upper", "lower"][strand].to_string();
     }
-    let [from, to] = strands[strand];
     format!("{}-{}", from + 1, to + 1)
 }
 

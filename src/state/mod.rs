@@ -7,6 +7,8 @@ mod initial;
 mod layout;
 mod many_sprockets;
 mod motion;
+mod open_chain;
+mod open_layout;
 mod strand_motion;
 mod two_sprockets;
 

@@ -85,6 +85,20 @@ pub(super) fn keep_all_lengths(
     }
 }
 
+/// Changes the velocities of a strand's hinges between its ends so that its links keep their lengths.
+pub(super) fn keep_strand_lengths(hinges: &[Vec2], velocities: &mut [Vec2]) {
+    let pairs = hinges.windows(2).zip(velocities.windows(2));
+    let (links, lengthening) = pairs
+        .map(|(places, speeds)| {
+            let along = (places[1] - places[0]).normalize();
+            (along, along.dot(&(speeds[1] - speeds[0])))
+        })
+        .unzip::<_, _, Vec<Vec2>, Vec<f64>>();
+    for (k, change) in keep_lengths(&links, lengthening).iter().enumerate() {
+        velocities[k + 1] += change;
+    }
+}
+
 /// The first hinge on each wheel.
 fn seat_starts(seat_of: &[Option<usize>], wheels: usize) -> Vec<usize> {
     (0..wheels)

@@ -41,6 +41,7 @@ pub fn drive_of(sprockets: Vec<Sprocket>, links: u32) -> Drive {
         tensioner: None,
         gravity: Vec2::new(0.0, -9.81),
         guides: Vec::new(),
+        ends: None,
     }
 }
 

@@ -4,6 +4,7 @@
 #![allow(dead_code, unreachable_pub)]
 
 pub mod layouts;
+pub mod open;
 pub mod scenes;
 pub mod twins;
 
@@ -105,6 +106,7 @@ pub fn paper_drive() -> Drive {
         tensioner: None,
         gravity: Vec2::new(0.0, -9.81),
         guides: Vec::new(),
+        ends: None,
     }
 }
 

@@ -43,6 +43,9 @@ GOOD = {
         rc.GuideArm((0.0, 0.0), 10.0),
         rc.GuideRail((0.1, 0.0), (0.0, 1.0), length=0.1, radius=0.3),
         rc.SmoothIdler(0.02, (0.0, 0.0)),
+        rc.Anchor((0.0, 0.0)),
+        rc.Load(2.0),
+        rc.LooseEnd(),
         DRIVE,
         rc.LankaraniNikravesh(),
         rc.Hertz(),
@@ -156,6 +159,10 @@ COEFFICIENT = [
     *[(value, "must be a number in newton a newton") for value in NO_NUMBER],
 ]
 
+LINKS_OF_END = [
+    *[(value, "must be a whole number") for value in NO_COUNT if value is not None],
+    (0, "must be one at least"),
+]
 FIELDS = {
     "Material": {
         "elastic_modulus": positive("Pa"),
@@ -315,7 +322,29 @@ FIELDS = {
         "inertia": optional_positive("kg m^2"),
         "plate_height": optional_positive("m"),
     },
+    "Anchor": {
+        "position": vector("m"),
+        "velocity": [
+            *[(value, "two numbers (x, y)") for value in NO_VECTOR if np.ndim(value) < 2],
+            ([(0.0, 1.0)], "each row must be (time, x, y)"),
+        ],
+        "links": LINKS_OF_END,
+    },
+    "Load": {
+        "mass": positive("kg"),
+        "inertia": optional_positive("kg m^2"),
+        "arm": not_negative("m"),
+        "position": [case for case in vector("m") if case[0] is not None],
+        "links": LINKS_OF_END,
+    },
+    "LooseEnd": {
+        "position": [case for case in vector("m") if case[0] is not None],
+        "links": LINKS_OF_END,
+    },
     "ChainDrive": {
+        "ends": [
+            *[(value, "must be None, or two of") for value in (2, "abc", (), (rc.LooseEnd(),))],
+        ],
         "guides": [(value, "must be a sequence of GuideRail") for value in (None, 2, "ab", object)],
         "chain": instance("Chain", None, DRIVE, "ANSI 40"),
         "sprockets": [

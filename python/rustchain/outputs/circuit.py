@@ -61,6 +61,9 @@ class Circuit:
     @classmethod
     def of(cls, drive: ChainDrive) -> Circuit:
         """Return the way of a drive's chain as it is laid."""
+        if drive.ends is not None:
+            msg = "ChainDrive.ends: an open chain has no closed way that its links run round"
+            raise InvalidInput(msg)
         report = drive.check()
         belt = Belt.around(drive, np.array([[s.center for s in drive.sprockets]]))
         count = len(report.order)

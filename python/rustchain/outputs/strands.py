@@ -25,6 +25,9 @@ def link_tension(result: Result, start: float | None, end: float | None) -> xr.D
     import xarray as xr
 
     rows = rows_between(result, start, end)
+    if result.drive.ends is not None:
+        msg = "ChainDrive.ends: tensions of an open chain are hinge forces; use hinge() and end()"
+        raise InvalidInput(msg)
     links = result.drive.chain.links
     table = _rustchain.chain_links(result.drive.chain)
     centers = result.array("positions")[rows, :links, :2]

@@ -15,6 +15,8 @@ from matplotlib.figure import Figure
 
 from rustchain import _rustchain
 from rustchain._names import known_keywords
+from rustchain.drive import ChainDrive
+from rustchain.ends import Anchor, Load
 from rustchain.guides import GuideRail, SmoothIdler
 from rustchain.plot.style import GREY, Figures, styled
 from rustchain.result import Array
@@ -39,13 +41,17 @@ class DrivePicture(Figures):
         """
         time, positions = self._snapshot(time)
         drive, chain = self.result.drive, self.result.drive.chain
-        links, others = positions[: chain.links], positions[chain.links :]
+        links, others = positions[: chain.links], positions[drive.hinge_count :]
         rollers, wheels = np.split(others, [0 if chain.roller is None else chain.links])
+        ends = positions[chain.links : drive.hinge_count]
         guides = wheels[len(drive.sprockets) :]
         wheels = wheels[: len(drive.sprockets)]
         hinges = _placed(links, np.array([[0.5 * chain.pitch, 0.0]]))[:, 0]
-        low = hinges.min(axis=0) - 1.6 * chain.pitch
-        high = hinges.max(axis=0) + 1.6 * chain.pitch
+        if drive.ends is not None:  # the pin or bushing before the first link
+            first = _placed(links[:1], np.array([[-0.5 * chain.pitch, 0.0]]))[:, 0]
+            hinges = np.concatenate([hinges, first])
+        shown = _extent(drive, hinges, wheels, ends)
+        low, high = shown.min(axis=0) - 1.6 * chain.pitch, shown.max(axis=0) + 1.6 * chain.pitch
         figure, axes = plt.subplots()
         for sprocket, pose in zip(drive.sprockets, wheels[:, None], strict=True):
             outline = _rustchain.tooth_outline(sprocket, chain, 12)
@@ -66,9 +72,9 @@ class DrivePicture(Figures):
             low = np.minimum(low, outline[0].min(axis=0) - 0.3 * chain.pitch)
             high = np.maximum(high, outline[0].max(axis=0) + 0.3 * chain.pitch)
         # First link, height of the drawn plate over the pitch, colour.
-        for first, share, color in ((0, 0.8, _INNER), (1, 0.7, _OUTER)):
+        for kind, share, color in ((0, 0.8, _INNER), (1, 0.7, _OUTER)):
             plate = _plate_outline(chain.pitch, share * chain.pitch)
-            _add_polygons(axes, _placed(links[first::2], plate), to_rgba(color, 0.55), color)
+            _add_polygons(axes, _placed(links[kind::2], plate), to_rgba(color, 0.55), color)
         if chain.roller is not None:
             ring = _circle(chain.roller.radius), _circle(chain.roller.bore_radius)
             for circle in ring:
@@ -79,12 +85,13 @@ class DrivePicture(Figures):
                 axes.plot(*line.T, color=_INK, linewidth=0.7)
         for radius, face in ((chain.bushing_radius, "none"), (chain.hinge.pin_radius, "white")):
             _add_polygons(axes, hinges[:, None] + _circle(radius), face, _INK)
+        _add_ends(axes, drive, ends)
         for number in (1, *range(6, chain.links + 1, 5 * max(1, chain.links // 200))):
             here = hinges[number - 1]
-            if len(wheels) == 2:
+            if len(wheels) == 2 and drive.ends is None:
                 x, y = _outside(here, wheels[:, :2], chain.pitch)
             else:  # to the right of the chain, which runs counterclockwise
-                along = hinges[number % chain.links] - hinges[number - 2]
+                along = hinges[number % len(hinges)] - hinges[number - 2]
                 x, y = here + chain.pitch * np.array([along[1], -along[0]]) / np.hypot(*along)
             axes.text(x, y, str(number), fontsize=7.5, ha="center", va="center")
 
@@ -129,6 +136,52 @@ class DrivePicture(Figures):
             )
             warnings.warn(msg, UserWarning, stacklevel=3)
         return found, result.final_positions if row == last else result.initial_positions
+
+
+def _extent(drive: ChainDrive, hinges: Array, wheels: Array, ends: Array) -> Array:
+    """Return points that the picture has to show, (points, 2)."""
+    if drive.ends is None:
+        return hinges
+    # A sprocket of an open chain, or its load, may stand out of the chain's own frame.
+    radius = [
+        0.5 * drive.chain.pitch / np.sin(np.pi / sprocket.teeth) for sprocket in drive.sprockets
+    ]
+    corners = [
+        pose[:2] + size * np.array(side)
+        for pose, size in zip(wheels, radius, strict=False)
+        for side in ((-1.0, -1.0), (1.0, 1.0))
+    ]
+    loads = [
+        pose[:2] + _load_size(end) * np.array(side)
+        for end, pose in zip(drive.ends[::-1], ends, strict=True)
+        if isinstance(end, Load)
+        for side in ((-1.0, -1.0), (1.0, -1.0))
+    ]
+    return np.array([*hinges, *corners, *loads])
+
+
+def _load_size(load: Load) -> float:
+    """Return the radius of a ball of steel with the mass of a load [m]."""
+    return float(np.cbrt(load.mass / (7850.0 * 4.0 / 3.0 * np.pi)))
+
+
+def _add_ends(axes: Axes, drive: ChainDrive, ends: Array) -> None:
+    """Draw what an open chain ends in: anchors hatched, loads as balls of steel on their hooks."""
+    if drive.ends is None:
+        return
+    pitch = drive.chain.pitch
+    # The end behind the last link comes first in arrays.
+    for end, pose, sign in zip(drive.ends[::-1], ends, (-1.0, 1.0), strict=True):
+        if isinstance(end, Anchor):
+            square = 0.55 * pitch * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+            _add_polygons(axes, (square + pose[:2])[None], "none", _INK)
+            axes.plot(*(square[[0, 2]] + pose[:2]).T, color=_INK, linewidth=0.7)
+            axes.plot(*(square[[1, 3]] + pose[:2]).T, color=_INK, linewidth=0.7)
+        elif isinstance(end, Load):
+            ball = _circle(_load_size(end))
+            _add_polygons(axes, (ball + pose[:2])[None], _STEEL, _INK)
+            pin = _placed(pose[None], np.array([[sign * end.arm, 0.0]]))[0, 0]
+            axes.plot(*np.array([pin, pose[:2]]).T, color=_INK, linewidth=1.4)
 
 
 def _from_bearing(guide: GuideRail | SmoothIdler) -> Array:

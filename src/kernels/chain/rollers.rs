@@ -29,9 +29,10 @@ pub(in crate::kernels) struct Rollers {
 impl Rollers {
     /// Arrays for the rollers of `model`, where they are bodies.
     pub(in crate::kernels) fn of(model: &Model) -> Option<Self> {
-        model.rollers.as_ref().map(|_| {
+        model.rollers.as_ref().map(|rollers| {
             let mut constants = LinkConstants::new(model);
             constants.bushing_on_front.fill(1.0);
+            constants.clearance_squared.fill(rollers.clearance * rollers.clearance);
             Self {
                 constants,
                 arrays: ChainArrays::new(model),
@@ -90,6 +91,7 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> W
             law: PhantomData,
             law_constants: splat_two(simd, self.law_constants),
             clearance: splat(self.clearance),
+            clearance_squared: vectors::<S>(&constants.clearance_squared, blocks),
             lambda: splat(self.lambda),
             floor: splat(self.floor),
             onset: vectors::<S>(self.inverse_onset, blocks),

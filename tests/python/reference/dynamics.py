@@ -179,6 +179,9 @@ class DriveEquations:
         self.floor = min_approach_speed
         self.links = int(chain.links)
         self.pitch = float(chain.pitch)
+        self.arms = np.full(self.links, 0.5 * self.pitch)  # of links, [m]
+        # Whether bushing k is at the front of link k: even links are inner.
+        self.on_front = np.arange(self.links) % 2 == 0
         roller = chain.roller
         self.bushing_radius = float(chain.bushing_radius if roller is None else roller.radius)
         self.rollers = 0 if roller is None else self.links
@@ -277,7 +280,7 @@ class DriveEquations:
         """Penetrations, rates and normals of all pairs in a state; both arrays (bodies, 3)."""
         n = self.links
         link, link_rate = positions[:n], velocities[:n]
-        half = 0.5 * self.pitch * np.stack([np.cos(link[:, 2]), np.sin(link[:, 2])], axis=1)
+        half = self.arms[:, None] * np.stack([np.cos(link[:, 2]), np.sin(link[:, 2])], axis=1)
         turning = link_rate[:, 2:] * np.stack([-half[:, 1], half[:, 0]], axis=1)
         front, rear = link[:, :2] + half, link[:, :2] - half
         front_rate, rear_rate = link_rate[:, :2] + turning, link_rate[:, :2] - turning
@@ -285,7 +288,7 @@ class DriveEquations:
         # Hinge k joins the front of link k and the rear of the next link; even links are inner and
         # carry the bushings.
         following = (np.arange(n) + 1) % n
-        inner_first = (np.arange(n) % 2 == 0)[:, None]
+        inner_first = self.on_front[:, None]
         bushing = np.where(inner_first, front, rear[following])
         bushing_rate = np.where(inner_first, front_rate, rear_rate[following])
         pin = np.where(inner_first, rear[following], front)
@@ -436,8 +439,9 @@ class DriveEquations:
         roller_vector = roller.force[:, None] * kin.roller_normal  # on the roller
         k = np.arange(n)
         following = (k + 1) % n
-        inner, outer = np.where(k % 2 == 0, k, following), np.where(k % 2 == 0, following, k)
-        inner_first = (k % 2 == 0)[:, None]
+        inner = np.where(self.on_front, k, following)
+        outer = np.where(self.on_front, following, k)
+        inner_first = self.on_front[:, None]
         bushing = np.where(inner_first, kin.front, kin.rear[following])
         pin = np.where(inner_first, kin.rear[following], kin.front)
 
@@ -537,7 +541,8 @@ class DriveEquations:
         n = self.links
         k = np.arange(n)
         following = (k + 1) % n
-        inner, outer = np.where(k % 2 == 0, k, following), np.where(k % 2 == 0, following, k)
+        inner = np.where(self.on_front, k, following)
+        outer = np.where(self.on_front, following, k)
         pin, bushing = centers
         delta_x = 8.0 * EPS * float(np.max(np.abs(positions[:, :2])))
         delta_v = 8.0 * EPS * float(np.max(np.abs(velocities[:, :2])))

@@ -1,0 +1,190 @@
+"""Open chains from Python: against the NumPy reference, their results, files and messages."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import rustchain as rc
+from reference.compare import assert_within
+from reference.open_chain import OpenChainEquations
+
+LN = rc.LankaraniNikravesh()
+CHAIN = rc.paper_drive().chain
+
+
+def hoist(links=40, motion=None, **ends):
+    """Return a chain over a wheel of 17 teeth, slack on its left and a load on its right."""
+    anchor = rc.Anchor((-0.12, -0.05), links=14)
+    load = rc.Load(3.0, 1e-3, arm=0.04)
+    wheel = rc.Sprocket(17, motion=motion or rc.PrescribedSpeed(0.0))
+    return rc.open_chain(CHAIN, (ends.get("first", anchor), ends.get("last", load)), links, [wheel])
+
+
+def strand(links=20, first=None, last=None):
+    """Return a chain between two ends, by default two anchors 180 mm apart."""
+    ends = (first or rc.Anchor((0.0, 0.0)), last or rc.Anchor((0.18, 0.02)))
+    return rc.open_chain(CHAIN, ends, links)
+
+
+SCENES = {
+    "anchors": strand(),
+    "odd": strand(21),
+    "load": strand(15, last=rc.Load(0.7, 1e-4, arm=0.02)),
+    "loose": strand(14, last=rc.LooseEnd()),
+    "loose and odd": strand(15, last=rc.LooseEnd()),
+    "moved": strand(16, first=rc.Anchor((0.0, 0.0), [(0.0, 0.1, 0.0), (0.1, -0.3, 0.2)])),
+    "hoist": hoist(),
+    "odd hoist": hoist(41, rc.AppliedTorque(1.0)),
+    "loose on a wheel": hoist(46, first=rc.LooseEnd(), last=rc.Load(1.0, 1e-4, links=8)),
+}
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("law", [LN, rc.Johnson(), rc.LiuConformal(damping="flores")])
+@pytest.mark.filterwarnings("ignore::rustchain.RangeWarning")
+def test_forces_and_accelerations_agree_to_round_off(scene, law):
+    drive = SCENES[scene]
+    simulation = rc.Simulation(drive, force_law=law)
+    equations = OpenChainEquations(drive, law, law)
+    generator = np.random.default_rng(7)
+    still = [body for body, _ in equations.held]
+    pushed = 0
+    for shake in (1e-5, 3e-5, 1e-4, 3e-4, 1e-3) * 4:
+        unit = np.array([1.0, 1.0, 1.0 / CHAIN.pitch])
+        noise = generator.uniform(-1.0, 1.0, (2, *simulation.positions.shape)) * unit
+        positions = simulation.positions + shake * noise[0]
+        velocities = simulation.velocities + 0.3 * noise[1]
+        velocities[still] = simulation.velocities[still]
+        if drive.sprockets:
+            positions[-1, :2] = simulation.positions[-1, :2]
+            velocities[-1] = simulation.velocities[-1]
+        expected = equations.evaluate(positions, velocities, 0.04)
+        e = simulation.evaluate(positions=positions, velocities=velocities, time=0.04)
+        assert_within(e.hinge_force, expected.hinge_force, expected.hinge_force_bound, "hinges")
+        assert_within(e.tooth_force, expected.tooth_force, expected.tooth_force_bound, "teeth")
+        assert_within(
+            e.accelerations, expected.accelerations, expected.acceleration_bound, "accelerations"
+        )
+        pushed += int(np.sum(expected.hinge_force > 0.0))
+    assert pushed > 60
+
+
+def test_a_hanging_chain_pulls_on_its_ends_with_its_weight():
+    drive = strand()
+    simulation = rc.Simulation(drive, start="static")
+    assert simulation.rest["residual"] < 1e-6
+    result = simulation.run(duration=1e-3, report_step=1e-4)
+    first, last = result.end(1), result.end(2)
+    links = [CHAIN.inner.mass if i % 2 == 0 else CHAIN.outer.mass for i in range(20)]
+    assert_allclose(first.force[0] + last.force[0], [0.0, -9.81 * sum(links)], atol=2e-6)
+    assert_allclose(first.position, [[0.0, 0.0]] * 11, atol=1e-15)
+    assert_allclose(last.velocity, 0.0, atol=1e-15)
+    assert result.strand_names == ("end_1-end_2",)
+    assert_allclose(result.hinge(20).force[0], np.hypot(*last.force[0]), rtol=1e-12)
+    assert not result.hinge(21).force.any()
+    assert_allclose(result.hinge(22).force[0], np.hypot(*first.force[0]), rtol=1e-12)
+    with pytest.raises(IndexError, match="hinges are numbered 1 to 22"):
+        result.hinge(23)
+    with pytest.raises(IndexError, match="ends are numbered 1 to 2"):
+        result.end(3)
+    assert simulation.body_names[-2:] == ["end_2", "end_1"]
+
+
+def test_results_and_states_of_open_chains_go_through_files(tmp_path):
+    drive = hoist(motion=rc.PrescribedSpeed([(0.0, 0.0), (0.05, 5.0)]))
+    simulation = rc.Simulation(drive, start="static")
+    record = ("hinges", "teeth", "sprockets", "bodies")
+    result = simulation.run(duration=4e-3, report_step=1e-3, record=record)
+    result.save(tmp_path / "run.nc")
+    again = rc.load_result(tmp_path / "run.nc")
+    assert again.drive == drive
+    assert_allclose(again.end(2).force, result.end(2).force)
+    assert list(again.to_xarray()["end"].values) == [1, 2]
+    assert result.strand("1-end_2").tension[0] > 0.9 * 3.0 * 9.81
+    result.plot.drive(time=1.0)
+    result.plot.tension()
+    simulation.save_state(tmp_path / "state.npz")
+    other = rc.Simulation.load_state(tmp_path / "state.npz")
+    for each in (simulation, other):
+        each.step_to(6e-3)
+    assert (simulation.positions == other.positions).all()
+
+
+def test_a_drive_file_describes_an_open_chain(tmp_path):
+    path = tmp_path / "hoist.toml"
+    path.write_text(
+        """
+        [drive]
+        type = "open_chain"
+        chain = "ANSI 40"
+        links = 40
+        ends = [
+            { type = "Anchor", position = [-0.12, -0.05], links = 14 },
+            { type = "Load", mass = 3.0 },
+        ]
+        sprockets = [{ teeth = 17, motion = { type = "PrescribedSpeed", speed = 0.0 } }]
+        [simulation]
+        start = "static"
+        [run]
+        duration = 1e-3
+        """
+    )
+    scene = rc.load_scene(path)
+    assert scene.drive.ends[1] == rc.Load(3.0)
+    assert "end_1-1" in str(scene.drive.check())
+
+
+def test_a_sweep_takes_fields_of_the_ends():
+    sweep = rc.sweep(
+        strand(8, last=rc.Load(0.5)),
+        {"ends.1.mass": [0.5, 2.0]},
+        lambda result: {"pull": -result.end(1).force[0, 1]},
+        start="static",
+        duration=1e-4,
+    )
+    weight = 9.81 * (4 * (CHAIN.inner.mass + CHAIN.outer.mass) + np.array([0.5, 2.0]))
+    assert_allclose(sweep.to_pandas()["pull"], weight, rtol=1e-6)
+
+
+def test_check_tells_how_an_open_chain_lies():
+    report = hoist().check()
+    assert report.strands == ("end_1-1", "1-end_2")
+    assert report.strand_pitches[0] == 14
+    assert sum(report.strand_pitches) + sum(report.wrap_pitches) == 40
+    assert "end_1-1" in str(report)
+    assert "sprocket" not in str(strand().check())
+
+
+def test_what_an_open_chain_cannot_be_is_refused():
+    with pytest.raises(rc.InvalidInput, match=r"24 links would do"):
+        strand(10, last=rc.Anchor((0.3, 0.0))).check()
+    with pytest.raises(rc.InvalidInput, match=r"ChainDrive\.ends = .*must be None, or two of"):
+        replace(strand(), ends=(rc.LooseEnd(),))
+    with pytest.raises(rc.InvalidInput, match=r"Load\.mass = 0"):
+        rc.Load(0.0)
+    with pytest.raises(rc.InvalidInput, match=r"Anchor\.velocity = .*each row must be"):
+        rc.Anchor((0.0, 0.0), [(0.0, 1.0)])
+    with pytest.raises(rc.InvalidInput, match=r"Anchor\.velocity = 0 s after 1 s"):
+        rc.Anchor((0.0, 0.0), [(1.0, 0.0, 0.0), (0.0, 0.0, 0.0)])
+    with pytest.raises(rc.InvalidInput, match=r"Anchor\.velocity = NaN"):
+        rc.Anchor((0.0, 0.0), (float("nan"), 0.0))
+    with pytest.raises(rc.InvalidInput, match=r"ChainDrive\.ends\[1\] = 3: must be a Anchor"):
+        replace(strand(), ends=(rc.LooseEnd(), 3))
+    with pytest.raises(rc.InvalidInput, match=r"LooseEnd\.links = 0"):
+        rc.LooseEnd(links=0)
+    with pytest.raises(rc.InvalidInput, match="no mechanism"):
+        strand().to_mechanism()
+    result = rc.Simulation(strand()).run(
+        duration=1e-4, report_step=1e-4, record=("hinges", "teeth", "sprockets", "bodies")
+    )
+    for output in (result.hinge_loads, result.link_tension):
+        with pytest.raises(rc.InvalidInput, match=r"ChainDrive\.ends"):
+            output()
+    velocities = np.array(rc.Simulation(strand()).velocities)
+    velocities[-1, 0] = 1.0
+    with pytest.raises(rc.InvalidInput, match="moves as it is told"):
+        rc.Simulation(strand(), velocities=velocities)
