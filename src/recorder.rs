@@ -108,6 +108,9 @@ impl Recorder {
             add("strand_tension", &[model.strands.len()], false);
             add("peak_hinge_force", &[n], false);
             add("peak_hinge_impulse", &[n], false);
+            if model.hinge_film.is_some() {
+                add("hinge_film_force", &[n], false);
+            }
         }
         if groups.teeth {
             add("tooth_force", &[n], false);
@@ -142,6 +145,9 @@ impl Recorder {
                 "energy_tooth_friction",
             ] {
                 add(name, &[], false);
+            }
+            if model.hinge_film.is_some() {
+                add("energy_hinge_film", &[], false);
             }
         }
         Self {
@@ -250,6 +256,9 @@ impl Recorder {
             write_hinges(&mut row, dynamics);
             self.hinge_peaks
                 .close(t, &dynamics.hinges.force, first, &mut row);
+            if model.hinge_film.is_some() {
+                row.real(dynamics.hinges.film.iter().map(Vec2::norm));
+            }
         }
         if groups.teeth {
             write_teeth(
@@ -429,6 +438,7 @@ fn write_energy(
     ] {
         row.real([value]);
     }
+    // The last one, that of lubricant, has a channel only where there is any.
     for loss in since.losses.values() {
         row.real([loss]);
     }

@@ -108,6 +108,7 @@ impl Choice {
             offset: None,
             strands: 1,
             variation: Variation::default(),
+            link_stiffness: None,
         };
         let sprocket = |number: usize, motion: Motion| Sprocket {
             teeth: self.teeth[number],

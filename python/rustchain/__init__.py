@@ -35,6 +35,7 @@ from rustchain.errors import (
     RangeWarning,
     SimulationError,
 )
+from rustchain.film import Film
 from rustchain.force_law import (
     EnhancedCylinder,
     Esdu78035,
@@ -97,6 +98,7 @@ __all__ = [
     "EnhancedCylinder",
     "Esdu78035",
     "Evaluation",
+    "Film",
     "ForceLaw",
     "Free",
     "GuideArm",

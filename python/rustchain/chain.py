@@ -91,6 +91,10 @@ class Chain(Description):
         Standard deviation of the lengths of links by manufacture, as a share of the pitch.
     seed : int
         Which links the spread makes longer and which shorter.
+    link_stiffness : float, optional
+        Pull that makes a link of one strand longer by a metre [N/m], in series with the contacts of
+        its hinges, half of it with each: modulus times cross-section of both plates over the pitch;
+        of inner and outer links the harmonic mean. None: links are rigid.
     """
 
     pitch: float
@@ -107,6 +111,7 @@ class Chain(Description):
     elongation: float | Sequence[float] = 0.0
     pitch_spread: float = 0.0
     seed: int = 0
+    link_stiffness: float | None = None
 
     @property
     def link_pitches(self) -> npt.NDArray[np.float64]:

@@ -56,6 +56,7 @@ _VARIABLES = {
     "peak_hinge_impulse": _Variable(
         "hinges", ("hinge",), "N s", "impulse of the hinge since the last row"
     ),
+    "hinge_film_force": _Variable("hinges", ("hinge",), "N", "size of the film's force on the pin"),
     "tooth_force": _Variable("teeth", ("bushing",), "N", "force of tooth on bushing"),
     "tooth_penetration": _Variable("teeth", ("bushing",), "m", "penetration of bushing into tooth"),
     "tooth_sprocket": _Variable("teeth", ("bushing",), "1", "sprocket in contact, 0: none"),
@@ -91,6 +92,7 @@ _VARIABLES = {
     "energy_tooth_contact": _Variable("energy", (), "J", "dissipated by damping on teeth"),
     "energy_hinge_friction": _Variable("energy", (), "J", "dissipated by friction in hinges"),
     "energy_tooth_friction": _Variable("energy", (), "J", "dissipated by friction on teeth"),
+    "energy_hinge_film": _Variable("energy", (), "J", "dissipated by lubricant in hinges"),
 }
 
 
@@ -105,9 +107,11 @@ class Hinge:
     force, penetration : ndarray, (times,)
         Normal force [N] and penetration [m]; penetration is negative when apart.
     force_vector : ndarray, (times, 2)
-        Force on the pin, friction and all [N].
+        Force on the pin, friction, film and all [N].
     eccentricity : ndarray, (times, 2)
         Pin centre seen from the bushing [m].
+    film_force : ndarray, (times,), optional
+        Size of what lubricant does [N], where there is any.
     """
 
     time: Array
@@ -115,6 +119,7 @@ class Hinge:
     force_vector: Array
     penetration: Array
     eccentricity: Array
+    film_force: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,6 +199,8 @@ class Energy:
         Where `dissipated` was lost [J]: to the damping of contacts and to friction, of pins in
         bushings and of bushings on teeth; the rest went into dashpots. Only of chain drives with
         clearance in their hinges.
+    hinge_film : ndarray, (times,), optional
+        The same of lubricant between pins and bushings [J], where there is any.
     """
 
     kinetic: Array
@@ -206,6 +213,7 @@ class Energy:
     tooth_contact: Array | None = None
     hinge_friction: Array | None = None
     tooth_friction: Array | None = None
+    hinge_film: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -319,7 +327,12 @@ class Result(Outputs):
         """Return hinge `number`, which joins the front of that link and the rear of the next."""
         k = _position("hinge", number, self.drive.chain.links)
         names = ("force", "force_vector", "penetration", "eccentricity")
-        return Hinge(self.time, *(self.array(f"hinge_{name}")[:, k] for name in names))
+        film = self.arrays.get("hinge_film_force")
+        return Hinge(
+            self.time,
+            *(self.array(f"hinge_{name}")[:, k] for name in names),
+            None if film is None else film[:, k],
+        )
 
     def bushing(self, number: int) -> Bushing:
         """Return bushing `number`, that of the hinge with the same number."""
@@ -367,7 +380,8 @@ class Result(Outputs):
     def energy(self) -> Energy:
         """The energy balance."""
         names = ("kinetic", "gravity", "elastic", "dissipated", "worked_in", "residual")
-        places = ("hinge_contact", "tooth_contact", "hinge_friction", "tooth_friction")
+        contacts = ("hinge_contact", "tooth_contact", "hinge_friction", "tooth_friction")
+        places = (*contacts, "hinge_film")
         return Energy(
             *(self.array(f"energy_{name}") for name in names),
             *(self.arrays.get(f"energy_{name}") for name in places),

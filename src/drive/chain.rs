@@ -60,6 +60,8 @@ pub struct Chain {
     pub strands: u32,
     /// How links differ from the pitch.
     pub variation: Variation,
+    /// Pull that makes a link of one strand longer by a metre \[N/m\]; none: links are rigid.
+    pub link_stiffness: Option<f64>,
 }
 
 impl Chain {
@@ -96,6 +98,9 @@ impl Chain {
             ));
         }
         self.variation.validate(self.links)?;
+        if let Some(stiffness) = self.link_stiffness {
+            check::positive("Chain.link_stiffness", stiffness, "N/m")?;
+        }
         self.hinge.validate()?;
         check::positive("Chain.bushing_radius", self.bushing_radius, "m")?;
         if self.bushing_radius <= self.hinge.bore_radius {
@@ -149,6 +154,13 @@ impl Chain {
     #[must_use]
     pub fn hinge_contact_length(&self) -> f64 {
         f64::from(self.strands) * self.hinge.length
+    }
+
+    /// What a hinge's halves of its two links give way by \[m/N\], over all strands: that of a whole link.
+    #[must_use]
+    pub fn link_compliance(&self) -> Option<f64> {
+        self.link_stiffness
+            .map(|stiffness| 1.0 / (f64::from(self.strands) * stiffness))
     }
 
     /// Length of contact of bushing and teeth over all strands \[m\].

@@ -1,13 +1,13 @@
 //! Normal forces of all contacts of one kind: one law, one loop.
 
 use crate::contact::{HingeContacts, ImpactMemory, ToothContacts};
-use crate::force_law::{ElasticLaw, Regions, damping_factor};
+use crate::force_law::{ElasticLaw, Regions, damping_factor, depth_in_series};
 use crate::model::Model;
 
-/// Forces of all hinges \[N\]; returns the dissipated power \[W\] when `ENERGY` is asked for.
+/// Forces of all hinges \[N\], with λ and what the plates give way by \[m/N\]; returns the dissipated power \[W\] when `ENERGY` is asked for.
 pub(super) fn hinge_forces<L: ElasticLaw, const ENERGY: bool>(
     pair: &L::Pair,
-    lambda: f64,
+    (lambda, compliance): (f64, Option<f64>),
     memory: &ImpactMemory,
     hinges: &mut HingeContacts,
 ) -> f64 {
@@ -19,7 +19,8 @@ pub(super) fn hinge_forces<L: ElasticLaw, const ENERGY: bool>(
             continue;
         }
         let rate = hinges.rate[k];
-        let elastic = L::force(pair, depth);
+        let pressed = compliance.map_or(depth, |c| depth_in_series::<L>(pair, c, depth));
+        let elastic = L::force(pair, pressed);
         let force = elastic
             * damping_factor(
                 lambda,

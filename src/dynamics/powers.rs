@@ -13,26 +13,38 @@ pub struct Losses {
     pub hinge_friction: f64,
     /// By friction of bushings on teeth.
     pub tooth_friction: f64,
+    /// By lubricant between pins and bushings.
+    pub hinge_film: f64,
 }
 
 impl Losses {
     /// All of them, in the order of the fields.
     #[must_use]
-    pub fn values(&self) -> [f64; 4] {
+    pub fn values(&self) -> [f64; 5] {
         [
             self.hinge_contact,
             self.tooth_contact,
             self.hinge_friction,
             self.tooth_friction,
+            self.hinge_film,
         ]
     }
 
-    fn of_values([hinge_contact, tooth_contact, hinge_friction, tooth_friction]: [f64; 4]) -> Self {
+    fn of_values(
+        [
+            hinge_contact,
+            tooth_contact,
+            hinge_friction,
+            tooth_friction,
+            hinge_film,
+        ]: [f64; 5],
+    ) -> Self {
         Self {
             hinge_contact,
             tooth_contact,
             hinge_friction,
             tooth_friction,
+            hinge_film,
         }
     }
 }
@@ -54,7 +66,8 @@ impl Powers {
         Self {
             dissipated: losses.hinge_contact
                 + losses.tooth_contact
-                + (losses.hinge_friction + losses.tooth_friction),
+                + (losses.hinge_friction + losses.tooth_friction)
+                + losses.hinge_film,
             worked_in: 0.0,
             losses,
         }

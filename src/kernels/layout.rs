@@ -14,6 +14,8 @@ pub(super) struct LinkConstants {
     pub(super) inverse_mass: Numbers,
     /// 1/inertia \[1/(kg m²)\].
     pub(super) inverse_inertia: Numbers,
+    /// One for every hinge, zero in the padding.
+    pub(super) there: Numbers,
     /// One where bushing k is on the front of link k, zero where it is on the rear of link k + 1; twice around the chain.
     pub(super) bushing_on_front: Numbers,
 }
@@ -33,6 +35,7 @@ impl LinkConstants {
             rear_arm: lay_out(n, &|i| -model.arms[(i + 1) % n]),
             inverse_mass: lay_out(n, &|i| model.inverse_mass[i]),
             inverse_inertia: lay_out(n, &|i| model.inverse_inertia[i]),
+            there: lay_out(n, &|_| 1.0),
             bushing_on_front: lay_out(2 * n + WIDTH, &|k| f64::from(model.link_of_bushing(k) == k)),
         }
     }

@@ -21,7 +21,7 @@ mod watch;
 
 use std::marker::PhantomData;
 
-use chain::{ChainFound, HingeFriction, JoinChain, RepeatBushings};
+use chain::{ChainFound, FilledHinges, HingeFriction, JoinChain, RepeatBushings};
 use gap::{Form, ToothConstants};
 use layout::{ChainArrays, LinkConstants};
 use loads::AccelerateLinks;
@@ -226,7 +226,7 @@ impl Kernels {
         rates: &mut [f64],
     ) -> Powers {
         self.place_sprockets(model, t, y);
-        if model.has_friction() {
+        if model.has_moments() {
             self.chain.clear_moments();
         }
         let chain = with_law!(&model.hinge_law.pairs, Law, pairs => {
@@ -240,6 +240,7 @@ impl Kernels {
         let mut losses = Losses {
             hinge_contact: chain.dissipated,
             hinge_friction: chain.rubbed,
+            hinge_film: chain.sheared,
             ..Losses::default()
         };
         if model.tooth_friction.is_some() {
@@ -304,22 +305,31 @@ impl Kernels {
         let n = model.links;
         let (q, v) = y.split_at(model.coordinates);
         let newton = self.newton.as_mut().filter(|_| self.writes_slopes);
-        let (slopes, rubs) = newton.map_or((None, None), |newton| {
+        let (slopes, rubs, film_slopes) = newton.map_or((None, None, None), |newton| {
             let NewtonMatrix {
                 hinge_slopes,
                 hinge_rubs,
+                films,
                 ..
             } = &mut **newton;
-            (Some(&mut hinge_slopes[..]), Some(&mut hinge_rubs[..]))
+            (
+                Some(&mut hinge_slopes[..]),
+                Some(&mut hinge_rubs[..]),
+                Some(&mut films[..]),
+            )
+        });
+        let lubricant = model.hinge_film.as_ref().map(|film| FilledHinges {
+            film,
+            slopes: film_slopes,
         });
         let friction = model.hinge_friction.as_ref().map(|law| HingeFriction {
             law,
             pin_radius: model.pin_radius,
         });
         macro_rules! join {
-            ($damped:literal, $rubbed:literal, $energy:expr) => {
+            ($damped:literal, $rubbed:literal, $extra:literal, $energy:expr) => {
                 self.instructions
-                    .run(JoinChain::<L, $damped, $rubbed, { $energy }> {
+                    .run(JoinChain::<L, $damped, $rubbed, $extra, { $energy }> {
                         law: PhantomData,
                         law_constants,
                         clearance: model.clearance,
@@ -335,16 +345,20 @@ impl Kernels {
                         slopes,
                         rubs,
                         friction,
+                        lubricant,
+                        compliance: model.link_compliance,
                     })
             };
         }
         // Friction comes with its power whether it is asked for or not: that costs less than one more instance of each loop.
-        if friction.is_some() {
-            join!(true, true, true)
+        if model.has_extra() {
+            join!(true, true, true, true)
+        } else if friction.is_some() {
+            join!(true, true, false, true)
         } else if law.lambda > 0.0 {
-            join!(true, false, ENERGY)
+            join!(true, false, false, ENERGY)
         } else {
-            join!(false, false, false)
+            join!(false, false, false, false)
         }
     }
 
@@ -437,7 +451,7 @@ impl Kernels {
                 })
             };
         }
-        if model.has_friction() {
+        if model.has_moments() {
             accelerate!(true);
         } else {
             accelerate!(false);

@@ -16,7 +16,7 @@ use crate::model::{ContactLaw, Input, Model};
 const MAGIC: &[u8; 16] = b"rustchain state\n";
 
 /// Version of the bytes; another one for every change of what they hold.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// All that decides how a run goes on, the integrator's history and the contacts' memory included; which model it is of.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -160,7 +160,10 @@ impl Scene {
         Self {
             links: model.links,
             teeth: model.sprockets.iter().map(|s| s.profile.teeth).collect(),
-            hinge_law: law(&model.hinge_law, model.hinge_friction),
+            hinge_law: law(&model.hinge_law, model.hinge_friction)
+                + &model.hinge_film.map_or(String::new(), |film| {
+                    format!(", film of {} Pa s", film.viscosity)
+                }),
             tooth_law: law(&model.tooth_law, model.tooth_friction),
             min_approach_speed: model.min_approach_speed,
             model: fingerprint(model),

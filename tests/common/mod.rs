@@ -3,6 +3,7 @@
 // Every test binary compiles this file anew and uses a part of it.
 #![allow(dead_code, unreachable_pub)]
 
+pub mod checks;
 pub mod layouts;
 pub mod scenes;
 pub mod twins;
@@ -44,6 +45,7 @@ pub fn paper_chain() -> Chain {
         offset: None,
         strands: 1,
         variation: Variation::default(),
+        link_stiffness: None,
     }
 }
 

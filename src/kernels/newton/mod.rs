@@ -9,6 +9,7 @@ mod blocks;
 mod border;
 mod contacts;
 mod dense;
+mod film;
 mod links;
 mod ring;
 mod teeth;
@@ -17,12 +18,13 @@ use pulp::{Simd, WithSimd};
 
 use border::{Corner, SprocketMotions};
 use contacts::{Arms, Closed, Rubbing, soften_hinges};
+use film::soften_filled_hinges;
 use links::{Border, LinkTerms, Linked, RightHand};
 use ring::{HingeGroup, Ring, hinge_groups};
 use teeth::{AddTeeth, RubbingTeeth, ToothTerms};
 
 use super::layout::{ChainArrays, FIRST, LinkConstants};
-use super::slopes::{RubGroup, SlopeGroup, slope_groups};
+use super::slopes::{FilmGroup, RubGroup, SlopeGroup, slope_groups};
 use super::teeth::SprocketPose;
 use crate::contact::Candidates;
 use crate::model::Model;
@@ -45,6 +47,8 @@ pub(super) struct NewtonMatrix {
     pub(super) hinge_rubs: Vec<RubGroup>,
     /// Likewise on teeth.
     pub(super) tooth_rubs: Vec<Vec<RubGroup>>,
+    /// Those of lubricant in hinges; empty where there is none.
+    pub(super) films: Vec<FilmGroup>,
     motions: Vec<SprocketMotions>,
     arms: Arms,
     closed: Closed,
@@ -84,7 +88,7 @@ impl NewtonMatrix {
         let three = || vec![[Octet::default(); 3]; n.div_ceil(WIDTH)];
         let slots = Candidates::most_slots(model);
         let rubs = |contacts: usize| {
-            let contacts = if model.has_friction() { contacts } else { 0 };
+            let contacts = if model.has_moments() { contacts } else { 0 };
             vec![RubGroup::default(); contacts.div_ceil(WIDTH)]
         };
         Self {
@@ -96,6 +100,10 @@ impl NewtonMatrix {
                 .collect(),
             hinge_rubs: rubs(n),
             tooth_rubs: model.sprockets.iter().map(|_| rubs(slots)).collect(),
+            films: match model.hinge_film {
+                Some(_) => vec![FilmGroup::default(); n.div_ceil(WIDTH)],
+                None => Vec::new(),
+            },
             motions: SprocketMotions::of(model),
             arms: Arms::new(n),
             closed: Closed::new(n),
@@ -125,7 +133,7 @@ impl NewtonMatrix {
                 })
             };
         }
-        if model.has_friction() {
+        if model.has_moments() {
             factorise!(true)
         } else {
             factorise!(false)
@@ -139,7 +147,7 @@ impl NewtonMatrix {
         instructions: InstructionSet,
         residual: &mut [f64],
     ) {
-        if model.has_friction() {
+        if model.has_moments() {
             instructions.run(Correct::<true> {
                 matrix: self,
                 model,
@@ -314,14 +322,26 @@ impl<const RUBBED: bool> WithSimd for Factorise<'_, RUBBED> {
             slopes: &matrix.hinge_rubs,
             arms: &mut matrix.arms,
         });
-        soften_hinges::<S, RUBBED>(
-            simd,
-            gamma,
-            &matrix.hinge_slopes,
-            &mut matrix.closed,
-            &mut matrix.hinges,
-            rubbing,
-        );
+        if matrix.films.is_empty() {
+            soften_hinges::<S, RUBBED>(
+                simd,
+                gamma,
+                &matrix.hinge_slopes,
+                &mut matrix.closed,
+                &mut matrix.hinges,
+                rubbing,
+            );
+        } else if RUBBED {
+            soften_filled_hinges(
+                simd,
+                gamma,
+                &matrix.hinge_slopes,
+                &matrix.films,
+                &mut matrix.closed,
+                &mut matrix.hinges,
+                rubbing,
+            );
+        }
         matrix.closed.close(n);
         if RUBBED {
             matrix.arms.close(n);
