@@ -124,10 +124,11 @@ impl Equilibrium {
             positions: laid.positions.clone(),
             velocities: vec![[0.0; 3]; laid.velocities.len()],
         };
-        // Nothing slips at rest, and friction that does not stick then bears nothing.
+        // Nothing slips at rest; friction that does not stick, and a film, then bear nothing.
         let frictionless = ForceLaws {
             hinge_friction: None,
             tooth_friction: None,
+            hinge_film: None,
             ..*laws
         };
         let model = Model::compile(&held(drive, &layout), &frictionless, &at_rest)?;

@@ -111,6 +111,9 @@ impl Recorder {
             add("strand_tension", &[model.strands.len()], false);
             add("peak_hinge_force", &[n], false);
             add("peak_hinge_impulse", &[n], false);
+            if model.hinge_film.is_some() {
+                add("hinge_film_force", &[n], false);
+            }
             if model.ends.is_some() {
                 add("end_force", &[2, 2], false);
                 add("end_position", &[2, 2], false);
@@ -162,6 +165,9 @@ impl Recorder {
             if model.rollers.is_some() {
                 add("energy_roller_contact", &[], false);
                 add("energy_roller_friction", &[], false);
+            }
+            if model.hinge_film.is_some() {
+                add("energy_hinge_film", &[], false);
             }
         }
         Self {
@@ -273,6 +279,9 @@ impl Recorder {
             write_hinges(&mut row, dynamics);
             self.hinge_peaks
                 .close(t, &dynamics.hinges.force, first, &mut row);
+            if model.hinge_film.is_some() {
+                row.real(dynamics.hinges.film.iter().map(Vec2::norm));
+            }
             if let Some(ends) = &model.ends {
                 ends::write(&mut row, dynamics, ends);
             }
@@ -312,7 +321,7 @@ impl Recorder {
             row.real(dynamics.motion.velocities().into_iter().flatten());
         }
         if let Some(energy) = energy {
-            let residual = write_energy(&mut row, energy, sums, &mut self.energy_at_start);
+            let residual = write_energy(&mut row, model, energy, sums, &mut self.energy_at_start);
             let stored = OF_STORED * (energy.kinetic + energy.elastic);
             self.balance.watch(energy, residual, stored);
         }
@@ -463,6 +472,7 @@ pub(crate) struct Passed {
 
 fn write_energy(
     row: &mut Row,
+    model: &Model,
     energy: Energy,
     sums: Powers,
     begin: &mut Option<EnergyAtStart>,
@@ -484,9 +494,25 @@ fn write_energy(
     ] {
         row.real([value]);
     }
-    // Places that this drive does not have come last, and have no channel.
-    for loss in since.losses.values() {
+    let [
+        hinges,
+        teeth,
+        hinges_rubbed,
+        teeth_rubbed,
+        rollers,
+        rollers_rubbed,
+        film,
+    ] = since.losses.values();
+    for loss in [hinges, teeth, hinges_rubbed, teeth_rubbed] {
         row.real([loss]);
+    }
+    // Places that this drive does not have have no channel.
+    if model.rollers.is_some() {
+        row.real([rollers]);
+        row.real([rollers_rubbed]);
+    }
+    if model.hinge_film.is_some() {
+        row.real([film]);
     }
     Passed {
         dissipated,

@@ -109,6 +109,7 @@ impl Choice {
             strands: 1,
             variation: Variation::default(),
             roller: None,
+            link_stiffness: None,
         };
         let sprocket = |number: usize, motion: Motion| Sprocket {
             teeth: self.teeth[number],

@@ -37,6 +37,7 @@ from rustchain.errors import (
     RangeWarning,
     SimulationError,
 )
+from rustchain.film import Film
 from rustchain.force_law import (
     EnhancedCylinder,
     Esdu78035,
@@ -103,6 +104,7 @@ __all__ = [
     "EnhancedCylinder",
     "Esdu78035",
     "Evaluation",
+    "Film",
     "ForceLaw",
     "Free",
     "GuideArm",

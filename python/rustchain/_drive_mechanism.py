@@ -49,6 +49,12 @@ def drive_mechanism(
     if drive.guides:
         msg = f"ChainDrive.guides: {len(drive.guides)} of them; a mechanism takes none, leave them"
         raise InvalidInput(msg)
+    if chain.link_stiffness is not None:
+        msg = (
+            f"Chain.link_stiffness = {chain.link_stiffness}: must be None in a mechanism, whose "
+            "links are rigid; ideal hinges have no contact for it to be in series with"
+        )
+        raise InvalidInput(msg)
     mechanism = Mechanism(drive.gravity, drive.name)
     for number, sprocket in enumerate(drive.sprockets):
         if sprocket.eccentricity:

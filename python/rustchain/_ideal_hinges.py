@@ -57,6 +57,13 @@ class IdealHingeCore:
                 "drives with clearance hinges have friction"
             )
             raise InvalidInput(msg)
+        film = getattr(force_law if hinge_law is None else hinge_law, "film", None)
+        if film is not None:
+            msg = (
+                f"film = {film}: must be None with ChainDrive.hinges = 'ideal'; only chain drives "
+                "with clearance hinges have room for a film"
+            )
+            raise InvalidInput(msg)
         if len(drive.sprockets) > 2:
             msg = (
                 f"ChainDrive.hinges = 'ideal': {len(drive.sprockets)} sprockets; ideal hinges go "

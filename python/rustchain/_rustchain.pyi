@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from rustchain._description import Description
 from rustchain.drive import Chain, ChainDrive, Sprocket
+from rustchain.film import Film
 from rustchain.force_law import ForceLaw
 from rustchain.guides import GuideRail, SmoothIdler
 from rustchain.material import Material
@@ -26,6 +27,7 @@ __all__ = [
     "chain_links",
     "closing_center_distance",
     "closing_move",
+    "film_forces",
     "guide_outline",
     "instruction_set",
     "integrate",
@@ -121,6 +123,15 @@ def tooth_radii(sprocket: Sprocket, chain: Chain) -> list[float]:
 
 def chain_links(chain: Chain) -> _Array:
     """Return length [m], mass [kg], inertia [kg m^2], 1 for a bushing in front, of each link."""
+
+def film_forces(
+    film: Film,
+    radii: tuple[float, float],
+    length: float,
+    eccentricity: npt.NDArray[np.float64],
+    velocity: npt.NDArray[np.float64],
+) -> _Array:
+    """Return the force [N] of a film at each eccentricity [m] and velocity [m/s]."""
 
 def law_force(
     law: ForceLaw,

@@ -120,6 +120,10 @@ class Chain(Description):
     roller : Roller, optional
         One on every bushing, a body of its own that meets the teeth in the bushing's place; inner
         links then go without the rollers' mass. By default a bushing chain.
+    link_stiffness : float, optional
+        Pull that makes a link of one strand longer by a metre [N/m], in series with the contacts of
+        its hinges, half of it with each: modulus times cross-section of both plates over the pitch;
+        of inner and outer links the harmonic mean. None: links are rigid.
     """
 
     pitch: float
@@ -137,6 +141,7 @@ class Chain(Description):
     pitch_spread: float = 0.0
     seed: int = 0
     roller: Roller | None = None
+    link_stiffness: float | None = None
 
     @property
     def contact_radius(self) -> float:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from rustchain import _rustchain
 from rustchain._description import Description
 from rustchain._names import known_keywords
+from rustchain.film import Film
 from rustchain.friction import Coulomb
 from rustchain.material import Material
 
@@ -48,6 +49,8 @@ class ForceLaw(Description):
     friction : Coulomb, optional
         Friction of the contacts that have this law, in chain drives with clearance hinges. None:
         there is none, and it costs nothing.
+    film : Film, optional
+        Lubricant of the hinges that have this law, likewise; teeth have none.
     """
 
     elastic: ClassVar[
@@ -66,6 +69,7 @@ class ForceLaw(Description):
     damping: Damping | None = None
     regions: Regions = "kept"
     friction: Coulomb | None = field(default=None, kw_only=True)
+    film: Film | None = field(default=None, kw_only=True)
 
     def elastic_force(
         self,
@@ -216,8 +220,9 @@ def with_friction(
     friction: Coulomb | None,
     hinge_friction: Coulomb | None,
     tooth_friction: Coulomb | None,
+    hinge_film: Film | None = None,
 ) -> tuple[ForceLaw, ForceLaw | None, ForceLaw | None]:
-    """Return the laws of all contacts, of hinges and of teeth, with the friction that is given.
+    """Return the laws of all contacts, of hinges and of teeth, with friction and film as given.
 
     `friction` is that of both; what is not given leaves a law as it is.
     """
@@ -230,6 +235,10 @@ def with_friction(
         return replace(base, friction=given)
 
     hinge = rubbing(hinge_law, friction if hinge_friction is None else hinge_friction)
+    if hinge_film is not None:
+        base = law if hinge is None else hinge
+        if isinstance(base, ForceLaw):
+            hinge = replace(base, film=hinge_film)
     tooth = rubbing(tooth_law, friction if tooth_friction is None else tooth_friction)
     return law, hinge, tooth
 

@@ -10,6 +10,7 @@ import numpy as np
 from rustchain._names import known_keywords
 from rustchain.drive import AppliedTorque, ChainDrive
 from rustchain.errors import InvalidInput
+from rustchain.film import Film
 from rustchain.force_law import ForceLaw
 from rustchain.friction import Coulomb
 from rustchain.result import Result
@@ -37,6 +38,7 @@ def loss_map(
     tooth_friction: Coulomb | None = None,
     threads: int | None = None,
     progress: bool = True,
+    hinge_film: Film | None = None,
 ) -> xr.Dataset:
     """Run a drive at every speed and load, and return its efficiency and losses at each.
 
@@ -56,7 +58,7 @@ def loss_map(
         As in `Simulation.run`.
     force_law, solver
         As in `Simulation`.
-    friction, hinge_friction, tooth_friction
+    friction, hinge_friction, tooth_friction, hinge_film
         As in `Simulation`.
     threads, progress
         As in `sweep`.
@@ -109,6 +111,7 @@ def loss_map(
         friction=friction,
         hinge_friction=hinge_friction,
         tooth_friction=tooth_friction,
+        hinge_film=hinge_film,
         threads=threads,
         progress=progress,
     ).to_xarray()

@@ -75,6 +75,7 @@ _VARIABLES = {
     "end_force": _Variable("hinges", ("end", "axis"), "N", "force of the chain on its end"),
     "end_position": _Variable("hinges", ("end", "axis"), "m", "pin at the chain's end"),
     "end_velocity": _Variable("hinges", ("end", "axis"), "m/s", "its velocity"),
+    "hinge_film_force": _Variable("hinges", ("hinge",), "N", "size of the film's force on the pin"),
     "tooth_force": _Variable("teeth", ("bushing",), "N", "force of tooth on bushing"),
     "tooth_penetration": _Variable("teeth", ("bushing",), "m", "penetration of bushing into tooth"),
     "tooth_sprocket": _Variable("teeth", ("bushing",), "1", "sprocket in contact, 0: none"),
@@ -112,6 +113,7 @@ _VARIABLES = {
     "energy_tooth_friction": _Variable("energy", (), "J", "dissipated by friction on teeth"),
     "energy_roller_contact": _Variable("energy", (), "J", "dissipated by damping in rollers"),
     "energy_roller_friction": _Variable("energy", (), "J", "dissipated by friction in rollers"),
+    "energy_hinge_film": _Variable("energy", (), "J", "dissipated by lubricant in hinges"),
 }
 
 
@@ -126,9 +128,11 @@ class Hinge:
     force, penetration : ndarray, (times,)
         Normal force [N] and penetration [m]; penetration is negative when apart.
     force_vector : ndarray, (times, 2)
-        Force on the pin, friction and all [N].
+        Force on the pin, friction, film and all [N].
     eccentricity : ndarray, (times, 2)
         Pin centre seen from the bushing [m].
+    film_force : ndarray, (times,), optional
+        Size of what lubricant does [N], where there is any.
     """
 
     time: Array
@@ -136,6 +140,7 @@ class Hinge:
     force_vector: Array
     penetration: Array
     eccentricity: Array
+    film_force: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -264,6 +269,8 @@ class Energy:
         clearance in their hinges.
     roller_contact, roller_friction : ndarray, (times,), optional
         The same of bushings in rollers, where those are bodies.
+    hinge_film : ndarray, (times,), optional
+        The same of lubricant between pins and bushings [J], where there is any.
     """
 
     kinetic: Array
@@ -278,6 +285,7 @@ class Energy:
     tooth_friction: Array | None = None
     roller_contact: Array | None = None
     roller_friction: Array | None = None
+    hinge_film: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -405,7 +413,12 @@ class Result(Outputs):
         """
         k = _position("hinge", number, self.drive.hinge_count)
         names = ("force", "force_vector", "penetration", "eccentricity")
-        return Hinge(self.time, *(self.array(f"hinge_{name}")[:, k] for name in names))
+        film = self.arrays.get("hinge_film_force")
+        return Hinge(
+            self.time,
+            *(self.array(f"hinge_{name}")[:, k] for name in names),
+            None if film is None else film[:, k],
+        )
 
     def bushing(self, number: int) -> Bushing:
         """Return bushing `number`, that of the hinge with the same number."""
@@ -477,7 +490,7 @@ class Result(Outputs):
         names = ("kinetic", "gravity", "elastic", "dissipated", "worked_in", "residual")
         kinds = ("contact", "friction")
         places = [*(f"{part}_{kind}" for kind in kinds for part in ("hinge", "tooth"))]
-        places += [f"roller_{kind}" for kind in kinds]
+        places += [*(f"roller_{kind}" for kind in kinds), "hinge_film"]
         return Energy(
             *(self.array(f"energy_{name}") for name in names),
             *(self.arrays.get(f"energy_{name}") for name in places),

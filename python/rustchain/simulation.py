@@ -16,6 +16,7 @@ from rustchain._start import Start, started
 from rustchain.drive import ChainDrive, TimeTable
 from rustchain.errors import InvalidInput, SimulationError
 from rustchain.evaluation import Evaluation as Evaluation
+from rustchain.film import Film
 from rustchain.force_law import ForceLaw, LankaraniNikravesh, with_friction
 from rustchain.friction import Coulomb
 from rustchain.mechanism import Mechanism
@@ -48,6 +49,8 @@ class Simulation(Present):
         Friction of every contact: put into the laws, as ``ForceLaw.friction``.
     hinge_friction, tooth_friction : Coulomb, optional
         Friction of pins in bushings, of bushings on teeth; by default `friction`.
+    hinge_film : Film, optional
+        Lubricant between pins and bushings: put into their law, as ``ForceLaw.film``.
     min_approach_speed : float
         Least approach speed that the damping reckons with [m/s]; without it, a contact that begins
         slowly would be damped without limit.
@@ -102,6 +105,7 @@ class Simulation(Present):
         friction: Coulomb | None = None,
         hinge_friction: Coulomb | None = None,
         tooth_friction: Coulomb | None = None,
+        hinge_film: Film | None = None,
     ) -> None:
         if isinstance(getattr(drive, "drive", None), ChainDrive):  # a Scene, a Simulation, a Result
             msg = (
@@ -110,7 +114,11 @@ class Simulation(Present):
             )
             raise InvalidInput(msg)
         force_law, hinge_law, tooth_law = with_friction(
-            (force_law, hinge_law, tooth_law), friction, hinge_friction, tooth_friction
+            (force_law, hinge_law, tooth_law),
+            friction,
+            hinge_friction,
+            tooth_friction,
+            hinge_film,
         )
         scene: dict[str, Any] = {
             "drive": drive,

@@ -14,6 +14,7 @@ from rustchain._names import known_keywords
 from rustchain._run import Group
 from rustchain._start import Start
 from rustchain.errors import InvalidInput, NotRecorded
+from rustchain.film import Film
 from rustchain.force_law import ForceLaw
 from rustchain.friction import Coulomb
 from rustchain.result import Result
@@ -141,6 +142,7 @@ def study(
     progress: bool = True,
     stop: StopCondition | Sequence[StopCondition] = (),
     callback: Callable[[Simulation], object] | None = None,
+    hinge_film: Film | None = None,
 ) -> StudyResult:
     """Run a drive several times from slightly different starts, and tell what is sure about it.
 
@@ -172,7 +174,7 @@ def study(
         As in `Simulation.run`.
     force_law, hinge_law, tooth_law, min_approach_speed, solver, start
         As in `Simulation`.
-    friction, hinge_friction, tooth_friction
+    friction, hinge_friction, tooth_friction, hinge_film
         As in `Simulation`.
     threads, progress, stop, callback
         As in `sweep`. A run that is stopped is measured as far as it came.
@@ -233,6 +235,7 @@ def study(
         friction=friction,
         hinge_friction=hinge_friction,
         tooth_friction=tooth_friction,
+        hinge_film=hinge_film,
         threads=threads,
         progress=progress,
         stop=stop,

@@ -19,6 +19,7 @@ from rustchain._start import Start, started
 from rustchain._stoppable import run_looked_at
 from rustchain.drive import ChainDrive
 from rustchain.errors import EnergyWarning, InvalidInput, RangeWarning, SimulationError
+from rustchain.film import Film
 from rustchain.force_law import ForceLaw, with_friction
 from rustchain.friction import Coulomb
 from rustchain.result import Array, Result
@@ -52,6 +53,7 @@ def sweep(
     tooth_friction: Coulomb | None = None,
     stop: StopCondition | Sequence[StopCondition] = (),
     callback: Callable[[Simulation], object] | None = None,
+    hinge_film: Film | None = None,
 ) -> SweepResult:
     """Run a drive with other parameters again and again, several runs at once.
 
@@ -65,8 +67,8 @@ def sweep(
       driver;
     - "disturbance": a seed; every sprocket without a prescribed speed starts at random up to 1e-4
       of its speed faster or slower; 0: none does;
-    - a keyword below, from `duration` to `velocities` or a friction, which it takes the place of,
-      or a field of the solver, such as "rtol";
+    - a keyword below, from `duration` to `velocities`, a friction or the film, which it takes the
+      place of, or a field of the solver, such as "rtol";
     - a field of the drive, dotted: "chain.material.restitution", "sprockets.1.teeth" (as
       ``drive.sprockets[1].teeth``: the first sprocket is 0). No other field follows: with other
       teeth, centre distance or links may have to change as well, which a function does best.
@@ -91,7 +93,7 @@ def sweep(
         How many cases run at once; by default as many as there are cores.
     progress : bool
         Whether to show a progress bar, where a terminal is there to show it.
-    friction, hinge_friction, tooth_friction
+    friction, hinge_friction, tooth_friction, hinge_film
         As in `Simulation`.
     stop, callback
         As in `Simulation.run`, for each case: one that a condition stops counts as finished, and
@@ -132,6 +134,7 @@ def sweep(
         "friction": friction,
         "hinge_friction": hinge_friction,
         "tooth_friction": tooth_friction,
+        "hinge_film": hinge_film,
     }
     grid = axes_of(axes) if isinstance(axes, Mapping) else None
     if grid is None:
@@ -165,9 +168,9 @@ def sweep(
 
 
 def _with_laws(scene: Parameters) -> Parameters:
-    """Return a scene whose laws have its friction."""
+    """Return a scene whose laws have its friction and its film."""
     names = ("force_law", "hinge_law", "tooth_law")
-    given = (scene[name] for name in ("friction", "hinge_friction", "tooth_friction"))
+    given = (scene[name] for name in ("friction", "hinge_friction", "tooth_friction", "hinge_film"))
     laws = with_friction((scene[names[0]], scene[names[1]], scene[names[2]]), *given)
     return scene | dict(zip(names, laws, strict=True))
 

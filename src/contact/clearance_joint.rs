@@ -36,7 +36,9 @@ pub struct HingeContacts {
     pub force: Vec<f64>,
     /// Friction on the rear end of link k + 1, along the direction turned left \[N\]; zero without a law of friction.
     pub friction: Vec<f64>,
-    /// Moments of friction about the front end of link k and the rear end of link k + 1 \[N m\].
+    /// Force of lubricant on the front end of link k \[N\]; zero without any.
+    pub film: Vec<Vec2>,
+    /// Moments of friction and lubricant about the front end of link k and the rear end of link k + 1 \[N m\].
     pub moments: Vec<[f64; 2]>,
     /// The hinges that are none, where an open chain is open.
     open: Vec<usize>,
@@ -62,6 +64,7 @@ impl HingeContacts {
             rate: zeros(),
             force: zeros(),
             friction: zeros(),
+            film: vec![Vec2::zeros(); links],
             moments: vec![[0.0; 2]; links],
             open: Vec::new(),
         }
@@ -171,7 +174,7 @@ impl HingeContacts {
     #[must_use]
     pub fn force_on_front(&self, k: usize) -> Vec2 {
         let normal = Vec2::new(self.direction_x[k], self.direction_y[k]);
-        -self.force[k] * normal - self.friction[k] * turned_left(normal)
+        self.film[k] - self.force[k] * normal - self.friction[k] * turned_left(normal)
     }
 }
 

@@ -77,6 +77,8 @@ pub struct Chain {
     pub variation: Variation,
     /// Rollers on the bushings; then they meet the teeth in the bushings' place, and the inner links go without their mass.
     pub roller: Option<Roller>,
+    /// Pull that makes a link of one strand longer by a metre \[N/m\]; none: links are rigid.
+    pub link_stiffness: Option<f64>,
 }
 
 impl Chain {
@@ -113,6 +115,9 @@ impl Chain {
             ));
         }
         self.variation.validate(self.links)?;
+        if let Some(stiffness) = self.link_stiffness {
+            check::positive("Chain.link_stiffness", stiffness, "N/m")?;
+        }
         self.hinge.validate()?;
         check::positive("Chain.bushing_radius", self.bushing_radius, "m")?;
         if self.bushing_radius <= self.hinge.bore_radius {
@@ -192,6 +197,13 @@ impl Chain {
     #[must_use]
     pub fn hinge_contact_length(&self) -> f64 {
         f64::from(self.strands) * self.hinge.length
+    }
+
+    /// What a hinge's halves of its two links give way by \[m/N\], over all strands: that of a whole link.
+    #[must_use]
+    pub fn link_compliance(&self) -> Option<f64> {
+        self.link_stiffness
+            .map(|stiffness| 1.0 / (f64::from(self.strands) * stiffness))
     }
 
     /// Length of contact of bushing and teeth over all strands \[m\].

@@ -1,7 +1,7 @@
 //! Kinetic, gravitational and elastic energy of the whole drive.
 
 use super::Dynamics;
-use crate::force_law::{ElasticLaw, with_law};
+use crate::force_law::{ElasticLaw, depth_in_series, with_law};
 use crate::geometry::Vec2;
 use crate::model::{Rotation, Support};
 
@@ -12,7 +12,7 @@ pub struct Energy {
     pub kinetic: f64,
     /// In the field of gravity, of all bodies that can move.
     pub gravity: f64,
-    /// Stored in the contacts and in the tensioner's spring.
+    /// Stored in the contacts, in elastic links and in the tensioner's spring.
     pub elastic: f64,
 }
 
@@ -77,7 +77,14 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
 fn elastic_energy(dynamics: &Dynamics) -> f64 {
     let model = dynamics.model();
     let hinges: f64 = with_law!(&model.hinge_law.pairs, Law, pairs => {
-        dynamics.hinges.penetration.iter().map(|&depth| Law::energy(&pairs[0], depth)).sum()
+        dynamics.hinges.penetration.iter().map(|&depth| match model.link_compliance {
+            None => Law::energy(&pairs[0], depth),
+            Some(compliance) => {
+                let pressed = depth_in_series::<Law>(&pairs[0], compliance, depth);
+                let force = Law::force(&pairs[0], pressed);
+                Law::energy(&pairs[0], pressed) + 0.5 * compliance * force * force
+            }
+        }).sum()
     });
     let rollers: f64 = model.rollers.as_ref().map_or(0.0, |rollers| {
         with_law!(&rollers.law.pairs, Law, pairs => {

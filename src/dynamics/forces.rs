@@ -1,7 +1,7 @@
 //! Normal forces of all contacts of one kind: one law, one loop.
 
 use crate::contact::{HingeContacts, ImpactMemory, RollerContacts, ToothContacts};
-use crate::force_law::{ElasticLaw, Regions, damping_factor};
+use crate::force_law::{ElasticLaw, Regions, damping_factor, depth_in_series};
 use crate::model::Model;
 
 /// Contacts of one pair of cylinders, one in the other: depths \[m\], their rates and onset speeds, zero without memory \[m/s\].
@@ -11,10 +11,10 @@ struct Joints<'a> {
     onset: &'a [f64],
 }
 
-/// Forces of all hinges \[N\]; returns the dissipated power \[W\] when `ENERGY` is asked for.
+/// Forces of all hinges \[N\], with λ and what the plates give way by \[m/N\]; returns the dissipated power \[W\] when `ENERGY` is asked for.
 pub(super) fn hinge_forces<L: ElasticLaw, const ENERGY: bool>(
     pair: &L::Pair,
-    lambda: f64,
+    (lambda, compliance): (f64, Option<f64>),
     memory: &ImpactMemory,
     hinges: &mut HingeContacts,
 ) -> f64 {
@@ -23,7 +23,13 @@ pub(super) fn hinge_forces<L: ElasticLaw, const ENERGY: bool>(
         rate: &hinges.rate,
         onset: memory.hinge_speed(),
     };
-    joint_forces::<L, ENERGY>(pair, lambda, memory, &joints, &mut hinges.force)
+    joint_forces::<L, ENERGY>(
+        pair,
+        (lambda, compliance),
+        memory,
+        &joints,
+        &mut hinges.force,
+    )
 }
 
 /// Forces of all bushings in their rollers, likewise.
@@ -38,12 +44,12 @@ pub(super) fn roller_forces<L: ElasticLaw, const ENERGY: bool>(
         rate: &rollers.rate,
         onset: memory.roller_speed(),
     };
-    joint_forces::<L, ENERGY>(pair, lambda, memory, &joints, &mut rollers.force)
+    joint_forces::<L, ENERGY>(pair, (lambda, None), memory, &joints, &mut rollers.force)
 }
 
 fn joint_forces<L: ElasticLaw, const ENERGY: bool>(
     pair: &L::Pair,
-    lambda: f64,
+    (lambda, compliance): (f64, Option<f64>),
     memory: &ImpactMemory,
     joints: &Joints,
     forces: &mut [f64],
@@ -56,7 +62,8 @@ fn joint_forces<L: ElasticLaw, const ENERGY: bool>(
             continue;
         }
         let rate = joints.rate[k];
-        let elastic = L::force(pair, depth);
+        let pressed = compliance.map_or(depth, |c| depth_in_series::<L>(pair, c, depth));
+        let elastic = L::force(pair, pressed);
         let onset = memory.onset_speed(joints.onset[k], rate);
         let force = elastic * damping_factor(lambda, rate, onset);
         *place = force;

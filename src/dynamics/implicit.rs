@@ -5,7 +5,7 @@ use super::chain_solver::ChainMatrix;
 use super::jacobian::{FAR, Lever, PointForce, Pressed, link_levers, sprocket_levers};
 use super::roller_matrix::RollerMatrix;
 use crate::contact::bushing_on_sprocket;
-use crate::force_law::{ElasticLaw, Regions, with_law};
+use crate::force_law::{ElasticLaw, Regions, depth_in_series, with_law};
 use crate::geometry::{Curve, Vec2, turned_left};
 use crate::integrator::SecondOrderSystem;
 use crate::model::RollerModel;
@@ -13,13 +13,15 @@ use crate::model::RollerModel;
 /// Force \[N\] and its slopes with penetration \[N/m\] and rate \[N s/m\].
 fn slopes<L: ElasticLaw>(
     pair: &L::Pair,
-    depth: f64,
-    rate: f64,
+    (depth, rate): (f64, f64),
     lambda: f64,
+    compliance: Option<f64>,
     remembered: f64,
     floor: f64,
 ) -> (f64, f64, f64) {
-    let (elastic, stiffness) = (L::force(pair, depth), L::stiffness(pair, depth));
+    let pressed = compliance.map_or(depth, |c| depth_in_series::<L>(pair, c, depth));
+    let (elastic, alone) = (L::force(pair, pressed), L::stiffness(pair, pressed));
+    let stiffness = alone / compliance.unwrap_or(0.0).mul_add(alone, 1.0);
     // Without memory the present rate is the onset speed: the factor is a constant, above the floor.
     let onset = if remembered > 0.0 {
         remembered
@@ -64,7 +66,7 @@ impl Dynamics {
             let normal = offset / distance;
             let law = &model.hinge_law;
             let (force, stiffness, damping) = with_law!(&law.pairs, Law, pairs => {
-                slopes::<Law>(&pairs[0], depth, normal.dot(&velocity), law.lambda,
+                slopes::<Law>(&pairs[0], (depth, normal.dot(&velocity)), law.lambda, model.link_compliance,
                     self.memory.hinge_speed()[k], model.min_approach_speed)
             });
             let contact = PointForce::new(
@@ -125,7 +127,7 @@ impl Dynamics {
             let distance = offset.norm();
             let normal = offset / distance;
             let (force, stiffness, damping) = with_law!(&of.law.pairs, Law, pairs => {
-                slopes::<Law>(&pairs[0], depth, normal.dot(&velocity), of.law.lambda,
+                slopes::<Law>(&pairs[0], (depth, normal.dot(&velocity)), of.law.lambda, None,
                     self.memory.roller_speed()[k], model.min_approach_speed)
             });
             let contact = PointForce::new(
@@ -192,8 +194,9 @@ impl Dynamics {
                 found.surface
             };
             let (force, stiffness, damping) = with_law!(&law.pairs, Law, pairs => {
-                slopes::<Law>(&pairs[model.tooth_pair(s, surface)], depth,
-                    found.contact.penetration_rate, law.lambda, remembered, model.min_approach_speed)
+                let rate = found.contact.penetration_rate;
+                slopes::<Law>(&pairs[model.tooth_pair(s, surface)], (depth, rate), law.lambda, None,
+                    remembered, model.min_approach_speed)
             });
             let contact = PointForce::new(
                 &Pressed {

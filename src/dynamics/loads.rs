@@ -126,7 +126,7 @@ impl Accelerations {
             }
             let mut moment = model.arms[i]
                 * (motion.cos[i] * (front.y - rear.y) - motion.sin[i] * (front.x - rear.x));
-            if model.has_friction() {
+            if model.has_moments() {
                 moment += hinges.moments[i][0] + hinges.moments[before][1];
                 for k in [before, i] {
                     if model.link_of_bushing(k) == i {

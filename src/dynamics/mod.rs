@@ -6,6 +6,7 @@
 mod carried;
 mod chain_solver;
 mod energy;
+mod film;
 mod forces;
 mod friction;
 mod implicit;
@@ -210,6 +211,7 @@ impl Dynamics {
             tooth_friction: self.rub_teeth(),
             roller_contact,
             roller_friction: self.rub_rollers(),
+            hinge_film: self.fill_hinges(),
         };
         let contacts = (&self.hinges, &self.rollers, &self.teeth);
         let pawls = &self.memory.pawls;
@@ -252,6 +254,7 @@ impl Dynamics {
             self.rub_hinges();
             self.roller_forces::<false>();
             self.rub_rollers();
+            self.fill_hinges();
         }
         if needs.teeth != Want::Nothing {
             self.teeth.find(&self.model, &self.motion, &self.hinges);
@@ -269,7 +272,8 @@ impl Dynamics {
     fn hinge_forces<const ENERGY: bool>(&mut self) -> f64 {
         let model = &self.model;
         with_law!(&model.hinge_law.pairs, Law, pairs => {
-            forces::hinge_forces::<Law, ENERGY>(&pairs[0], model.hinge_law.lambda, &self.memory, &mut self.hinges)
+            let law = (model.hinge_law.lambda, model.link_compliance);
+            forces::hinge_forces::<Law, ENERGY>(&pairs[0], law, &self.memory, &mut self.hinges)
         })
     }
 
@@ -312,6 +316,14 @@ impl Dynamics {
         let model = &self.model;
         model.tooth_friction.as_ref().map_or(0.0, |law| {
             friction::rub_teeth(law, model, &self.motion, &self.hinges, &mut self.teeth)
+        })
+    }
+
+    /// Lubricant of all hinges; returns the power it dissipates \[W\].
+    fn fill_hinges(&mut self) -> f64 {
+        let model = &self.model;
+        model.hinge_film.as_ref().map_or(0.0, |law| {
+            film::fill_hinges(law, model, &self.motion, &mut self.hinges)
         })
     }
 
@@ -451,7 +463,11 @@ impl Dynamics {
     fn watch_ranges(&mut self, adams: &Adams) {
         let model = &self.model;
         if model.hinge_law.elastic.has_an_end() && self.hinge_past_range.is_none() {
-            let end = with_law!(&model.hinge_law.pairs, Law, pairs => range_end::<Law>(&pairs[0]));
+            let compliance = model.link_compliance.unwrap_or(0.0);
+            let end = with_law!(&model.hinge_law.pairs, Law, pairs => {
+                let end = range_end::<Law>(&pairs[0]);
+                end + compliance * force_at::<Law>(&pairs[0], end)
+            });
             let depths = self.kernels.hinge_depths(model);
             if let Some(k) = depths.iter().position(|&depth| depth > end) {
                 self.hinge_past_range = Some(past_range(
@@ -641,6 +657,10 @@ fn past_range(law: Elastic, contact: &str, depth: f64, end: f64) -> String {
         "{law} law, {contact}: penetration {depth:.3e} m is past the end of the law, {end:.3e} m; \
          the force goes on with the secant's stiffness"
     )
+}
+
+fn force_at<L: crate::force_law::ElasticLaw>(pair: &L::Pair, depth: f64) -> f64 {
+    L::force(pair, depth)
 }
 
 fn range_end<L: crate::force_law::ElasticLaw>(pair: &L::Pair) -> f64 {

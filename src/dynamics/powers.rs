@@ -17,12 +17,14 @@ pub struct Losses {
     pub roller_contact: f64,
     /// By friction of bushings in rollers.
     pub roller_friction: f64,
+    /// By lubricant between pins and bushings.
+    pub hinge_film: f64,
 }
 
 impl Losses {
     /// All of them, in the order of the fields.
     #[must_use]
-    pub fn values(&self) -> [f64; 6] {
+    pub fn values(&self) -> [f64; 7] {
         [
             self.hinge_contact,
             self.tooth_contact,
@@ -30,10 +32,11 @@ impl Losses {
             self.tooth_friction,
             self.roller_contact,
             self.roller_friction,
+            self.hinge_film,
         ]
     }
 
-    fn of_values(values: [f64; 6]) -> Self {
+    fn of_values(values: [f64; 7]) -> Self {
         let [
             hinge_contact,
             tooth_contact,
@@ -41,6 +44,7 @@ impl Losses {
             tooth_friction,
             roller_contact,
             roller_friction,
+            hinge_film,
         ] = values;
         Self {
             hinge_contact,
@@ -49,6 +53,7 @@ impl Losses {
             tooth_friction,
             roller_contact,
             roller_friction,
+            hinge_film,
         }
     }
 }
@@ -71,7 +76,8 @@ impl Powers {
             dissipated: losses.hinge_contact
                 + losses.tooth_contact
                 + (losses.hinge_friction + losses.tooth_friction)
-                + (losses.roller_contact + losses.roller_friction),
+                + (losses.roller_contact + losses.roller_friction)
+                + losses.hinge_film,
             worked_in: 0.0,
             losses,
         }

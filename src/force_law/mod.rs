@@ -1,7 +1,8 @@
 //! One contact's force: numbers in, newtons out; no bodies.
 //!
 //! A law is an elastic part times a damping factor, so that any two combine:
-//! f = elastic(δ) · max(0, 1 + λ δ' / δ'₀). Friction is a share of μ f.
+//! f = elastic(δ) · max(0, 1 + λ δ' / δ'₀). Friction is a share of μ f; a film is a law of
+//! its own beside it.
 
 // The vector forms must be inlined into the kernel that chose the instructions.
 #![allow(clippy::inline_always)]
@@ -10,8 +11,10 @@ mod conformal;
 mod dissipation;
 mod elastic;
 mod enhanced_cylinder;
+mod film;
 mod friction;
 mod hertz;
+mod in_series;
 mod line_contact;
 mod logarithmic;
 mod power;
@@ -24,9 +27,13 @@ pub use dissipation::{Damping, damping_factor, restitution_obtained};
 pub use elastic::{Elastic, ElasticPair, PairTable, elastic_forces, range_note};
 pub(crate) use elastic::{with_form, with_law};
 pub use enhanced_cylinder::EnhancedCylinder;
+pub(crate) use film::FilmLanes;
+pub use film::{Film, FilmForce, HingeFilm};
 pub(crate) use friction::FrictionLanes;
 pub use friction::{Friction, Regularization};
 pub use hertz::{Hertz, HertzPair};
+pub use in_series::depth_in_series;
+pub(crate) use in_series::depths_in_series;
 pub use line_contact::LineContact;
 pub use logarithmic::{Logarithmic, LogarithmicPair};
 pub use power::{Power, PowerPair};

@@ -7,11 +7,13 @@ use std::marker::PhantomData;
 use pulp::{Simd, WithSimd};
 
 use super::layout::{ChainArrays, FIRST, LinkConstants};
-use super::slopes::{Damped, RubGroup, SlopeGroup, Touch, group_of};
-use crate::force_law::{Friction, FrictionLanes, VectorLaw};
+use super::slopes::{Damped, FilmGroup, RubGroup, SlopeGroup, Touch, group_of};
+use crate::force_law::{
+    FilmLanes, Friction, FrictionLanes, HingeFilm, VectorLaw, depths_in_series,
+};
 use crate::vector::{
     Lanes, Mask, Numbers, PartialSums, WIDTH, both, both_mut, lane_numbers, load, partial_load,
-    sin_cos, splat_two, vectors, vectors_mut,
+    sin_cos, splat_two, vectors, vectors_mut, write,
 };
 
 pub(super) use rollers::{JoinRollers, Rollers};
@@ -27,6 +29,8 @@ pub(super) struct ChainFound {
     pub(super) dissipated: f64,
     /// Power dissipated by friction \[W\], likewise.
     pub(super) rubbed: f64,
+    /// Power dissipated by lubricant, likewise.
+    pub(super) sheared: f64,
 }
 
 /// Friction in hinges, where there is any.
@@ -36,8 +40,23 @@ pub(super) struct HingeFriction<'a> {
     pub(super) pin_radius: f64,
 }
 
-/// One law, one loop. `DAMPED`: with the damping factor; `RUBBED`: with friction; `ENERGY`: with the power that they dissipate.
-pub(super) struct JoinChain<'a, L, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> {
+/// Lubricant in hinges, where there is any.
+pub(super) struct FilledHinges<'a> {
+    pub(super) film: &'a HingeFilm,
+    /// Where its slopes go when they are asked for.
+    pub(super) slopes: Option<&'a mut [FilmGroup]>,
+}
+
+/// One law, one loop. `DAMPED`: with the damping factor; `RUBBED`: with friction; `EXTRA`: with lubricant, elastic plates and friction, those
+/// that there are; `ENERGY`: with the power that they dissipate.
+pub(super) struct JoinChain<
+    'a,
+    L,
+    const DAMPED: bool,
+    const RUBBED: bool,
+    const EXTRA: bool,
+    const ENERGY: bool,
+> {
     pub(super) law: PhantomData<L>,
     pub(super) law_constants: [f64; 2],
     pub(super) clearance: f64,
@@ -61,10 +80,14 @@ pub(super) struct JoinChain<'a, L, const DAMPED: bool, const RUBBED: bool, const
     pub(super) rubs: Option<&'a mut [RubGroup]>,
     /// What `RUBBED` needs.
     pub(super) friction: Option<HingeFriction<'a>>,
+    /// What `EXTRA` needs.
+    pub(super) lubricant: Option<FilledHinges<'a>>,
+    /// What the plates give way by \[m/N\].
+    pub(super) compliance: Option<f64>,
 }
 
-impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> WithSimd
-    for JoinChain<'_, L, DAMPED, RUBBED, ENERGY>
+impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const EXTRA: bool, const ENERGY: bool>
+    WithSimd for JoinChain<'_, L, DAMPED, RUBBED, EXTRA, ENERGY>
 {
     type Output = ChainFound;
 
@@ -77,7 +100,7 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> W
         let arrays = self.arrays;
         point::<S>(simd, self.places[2], &mut arrays.cos, &mut arrays.sin);
         point_sprockets::<S>(simd, arrays);
-        let mut hinges = Hinges::<S, L, DAMPED, RUBBED, ENERGY> {
+        let mut hinges = Hinges::<S, L, DAMPED, RUBBED, EXTRA, ENERGY> {
             law: PhantomData,
             law_constants: splat_two(simd, self.law_constants),
             clearance: splat(self.clearance),
@@ -86,6 +109,7 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> W
             clearance_squared: vectors::<S>(&self.constants.clearance_squared, blocks),
             onset: vectors::<S>(self.inverse_onset, blocks),
             on_front: vectors::<S>(&self.constants.bushing_on_front, blocks),
+            there: vectors::<S>(&self.constants.there, blocks),
             reference: both::<S>(self.reference, 0, blocks),
             depth: vectors_mut::<S>(&mut arrays.depth, blocks),
             force: vectors_mut::<S>(&mut arrays.force, blocks),
@@ -103,18 +127,18 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> W
             slopes: self.slopes,
             rubs: None,
             rubbing: None,
+            sheared: PartialSums::default(),
+            film_slopes: None,
+            film: None,
+            compliance: None,
         };
-        if RUBBED && let Some(friction) = &self.friction {
+        if RUBBED {
             hinges.moments = [
                 vectors_mut::<S>(&mut arrays.front_moment, blocks),
                 vectors_mut::<S>(&mut arrays.rear_moment[FIRST + 1..], blocks),
             ];
-            hinges.rubs = self.rubs;
-            hinges.rubbing = Some((
-                FrictionLanes::new(simd, friction.law),
-                splat(friction.pin_radius),
-            ));
         }
+        hinges.lay_in(self.friction, self.rubs, self.lubricant, self.compliance);
         let [x, y, _] = self.places;
         let [vx, vy, spin] = self.speeds;
         let links = [x, y, vx, vy, spin];
@@ -163,6 +187,7 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> W
             changed: hinges.changed,
             dissipated: hinges.power.total(),
             rubbed: hinges.lost_to_friction(),
+            sheared: hinges.lost_to_lubricant(),
         };
         RepeatBushings {
             links: n,
@@ -328,7 +353,15 @@ impl<S: Simd> End<S> {
 }
 
 /// The hinges as registers.
-struct Hinges<'a, S: Simd, L, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> {
+struct Hinges<
+    'a,
+    S: Simd,
+    L,
+    const DAMPED: bool,
+    const RUBBED: bool,
+    const EXTRA: bool,
+    const ENERGY: bool,
+> {
     law: PhantomData<L>,
     law_constants: [Lanes<S>; 2],
     clearance: Lanes<S>,
@@ -338,6 +371,7 @@ struct Hinges<'a, S: Simd, L, const DAMPED: bool, const RUBBED: bool, const ENER
     clearance_squared: &'a [S::f64s],
     onset: &'a [S::f64s],
     on_front: &'a [S::f64s],
+    there: &'a [S::f64s],
     reference: [&'a [S::f64s]; 2],
     depth: &'a mut [S::f64s],
     force: &'a mut [S::f64s],
@@ -358,16 +392,66 @@ struct Hinges<'a, S: Simd, L, const DAMPED: bool, const RUBBED: bool, const ENER
     rubbing: Option<(FrictionLanes<S>, Lanes<S>)>,
     /// On fronts and rears.
     moments: [&'a mut [S::f64s]; 2],
+    /// Power dissipated by lubricant.
+    sheared: PartialSums,
+    film_slopes: Option<&'a mut [FilmGroup]>,
+    /// Some where `EXTRA` and lubricant.
+    film: Option<FilmLanes<S>>,
+    /// Some where `EXTRA` and elastic plates.
+    compliance: Option<Lanes<S>>,
 }
 
-impl<S: Simd, L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool>
-    Hinges<'_, S, L, DAMPED, RUBBED, ENERGY>
+impl<
+    'a,
+    S: Simd,
+    L: VectorLaw,
+    const DAMPED: bool,
+    const RUBBED: bool,
+    const EXTRA: bool,
+    const ENERGY: bool,
+> Hinges<'a, S, L, DAMPED, RUBBED, EXTRA, ENERGY>
 {
+    /// Takes friction and lubricant, where there are any, and the places for their slopes.
+    #[inline(always)]
+    fn lay_in(
+        &mut self,
+        friction: Option<HingeFriction>,
+        rubs: Option<&'a mut [RubGroup]>,
+        lubricant: Option<FilledHinges<'a>>,
+        compliance: Option<f64>,
+    ) {
+        let simd = self.clearance.simd();
+        if EXTRA && let Some(compliance) = compliance {
+            self.compliance = Some(Lanes::splat(simd, compliance));
+        }
+        if EXTRA && let Some(lubricant) = lubricant {
+            self.film = Some(FilmLanes::new(simd, lubricant.film));
+            self.film_slopes = lubricant.slopes;
+        }
+        if RUBBED && let Some(friction) = friction {
+            self.rubs = rubs;
+            self.rubbing = Some((
+                FrictionLanes::new(simd, friction.law),
+                Lanes::splat(simd, friction.pin_radius),
+            ));
+        }
+    }
+
     /// Power dissipated by friction, when asked for \[W\].
     #[inline(always)]
     fn lost_to_friction(&self) -> f64 {
         if RUBBED && ENERGY {
             self.rubbed.total()
+        } else {
+            0.0
+        }
+    }
+
+    /// Power dissipated by lubricant, when asked for \[W\].
+    #[inline(always)]
+    fn lost_to_lubricant(&self) -> f64 {
+        if EXTRA && ENERGY {
+            self.sheared.total()
         } else {
             0.0
         }
@@ -389,6 +473,9 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY
         let remembered = inverse_onset.greater(zero);
         if !near.any() {
             self.put(i, [zero; 4]);
+            if EXTRA {
+                self.fill(i, [front, rear], [ex, ey], velocity, distance_squared);
+            }
             if let Some(slopes) = &mut self.slopes {
                 let (group, part) = group_of::<S, _>(slopes, i);
                 group.put_nothing(part, zero);
@@ -406,12 +493,16 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY
         let (nx, ny) = (ex * inverse_distance, ey * inverse_distance);
         let touching = depth.exceeds(zero);
         self.changed |= touching.differs(remembered).any();
-        let elastic = L::forces(self.law_constants, depth);
+        let mut pressed = depth;
+        if EXTRA && let Some(compliance) = self.compliance {
+            pressed = depths_in_series::<S, L>(self.law_constants, compliance, depth);
+        }
+        let elastic = L::forces(self.law_constants, pressed);
         let mut force = elastic;
         let touch = Touch {
             normal: [nx, ny],
             curvature: inverse_distance,
-            depth,
+            depth: pressed,
             elastic,
         };
         if DAMPED {
@@ -443,11 +534,81 @@ impl<S: Simd, L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY
             let (group, part) = group_of::<S, _>(slopes, i);
             group.put_touch::<S, L>(part, self.law_constants, &touch, None);
         }
+        if EXTRA
+            && let Some(compliance) = self.compliance
+            && let Some(slopes) = &mut self.slopes
+        {
+            let (group, part) = group_of::<S, _>(slopes, i);
+            let alone = L::slopes(self.law_constants, pressed, elastic);
+            let stiffness = group.stiffness.at(simd, part) / compliance.mul_add(alone, one);
+            group.stiffness.put(part, stiffness);
+        }
         let mut pull = [force * nx, force * ny];
         if RUBBED {
+            let touch = Touch { depth, ..touch };
             pull = self.rub(i, [front, rear], &touch, velocity, force);
         }
         self.put(i, [depth, force, pull[0], pull[1]]);
+        if EXTRA {
+            self.fill(i, [front, rear], [ex, ey], velocity, distance_squared);
+        }
+    }
+
+    /// Adds the film to the forces and moments of these hinges.
+    #[inline(always)]
+    fn fill(
+        &mut self,
+        i: usize,
+        [front, rear]: [&End<S>; 2],
+        [ex, ey]: [Lanes<S>; 2],
+        velocity: [Lanes<S>; 2],
+        distance_squared: Lanes<S>,
+    ) {
+        let simd = self.clearance.simd();
+        let splat = |value| Lanes::splat(simd, value);
+        let (zero, one, half) = (splat(0.0), splat(1.0), splat(0.5));
+        let Some(film) = self.film else { return };
+        let distance = distance_squared.sqrt();
+        // In the middle any direction will do.
+        let apart = distance.greater(zero);
+        let over_distance = one / apart.select(distance, one);
+        let (nx, ny) = (
+            apart.select(ex * over_distance, one),
+            apart.select(ey * over_distance, zero),
+        );
+        let along = nx.mul_add(velocity[0], ny * velocity[1]);
+        let mean_spin = half * (front.spin + rear.spin);
+        let across = nx.mul_add(velocity[1], -(ny * velocity[0]));
+        let across = mean_spin.negate_mul_add(distance, across);
+        let turning = rear.spin - front.spin;
+        let there = load(simd, &self.there[i]);
+        let filled = film.at(distance, [along, across], there);
+        let [push, drag] = filled.force;
+        let shear = filled.shear * turning;
+        if ENERGY {
+            let pressed = push.mul_add(along, drag * across);
+            self.sheared.add(i, shear.mul_add(turning, -pressed));
+        }
+        let force = [push.mul_add(nx, -(drag * ny)), push.mul_add(ny, drag * nx)];
+        for (axis, force) in force.into_iter().enumerate() {
+            let front = &mut self.front_force[axis][i];
+            *front = (load(simd, front) + force).values();
+            let rear = &mut self.rear_force[axis][i];
+            *rear = (load(simd, rear) - force).values();
+        }
+        // Half of what the forces' distance leaves goes to each end.
+        let lever = half * distance * drag;
+        let moments = [shear - lever, -(shear + lever)];
+        for (all, moment) in self.moments.iter_mut().zip(moments) {
+            all[i] = (load(simd, &all[i]) + moment).values();
+        }
+        if let Some(groups) = &mut self.film_slopes {
+            let slopes = film.slopes(&filled);
+            let (group, part) = group_of::<S, _>(groups, i);
+            write(&mut group.normal, part, [nx, ny]);
+            write(&mut group.damping, part, slopes.damping);
+            write(&mut group.stiffness, part, slopes.stiffness);
+        }
     }
 
     /// The force on the rear ends with friction, of which the moments are written.

@@ -16,6 +16,8 @@ pub(super) struct LinkConstants {
     pub(super) inverse_inertia: Numbers,
     /// Square of the distance from which the two ends in a hinge touch \[m²\]; infinite where an open chain is open.
     pub(super) clearance_squared: Numbers,
+    /// One for every hinge, zero in the padding and where an open chain is open.
+    pub(super) there: Numbers,
     /// One where bushing k is on the front of link k, zero where it is on the rear of link k + 1; twice around the chain.
     pub(super) bushing_on_front: Numbers,
 }
@@ -50,6 +52,7 @@ impl LinkConstants {
             rear_arm: lay_out(n, &|i| -model.arms[(i + 1) % n]),
             inverse_mass: lay_out(n, &|i| model.inverse_mass[i]),
             inverse_inertia: lay_out(n, &|i| model.inverse_inertia[i]),
+            there: lay_out(n, &|k| f64::from(!model.hinge_is_open(k))),
             bushing_on_front: lay_out(2 * n + WIDTH, &|k| f64::from(model.link_of_bushing(k) == k)),
         }
     }

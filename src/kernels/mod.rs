@@ -21,7 +21,9 @@ mod watch;
 
 use std::marker::PhantomData;
 
-use chain::{ChainFound, HingeFriction, JoinChain, JoinRollers, RepeatBushings, Rollers};
+use chain::{
+    ChainFound, FilledHinges, HingeFriction, JoinChain, JoinRollers, RepeatBushings, Rollers,
+};
 use gap::{Form, ToothConstants};
 use layout::{ChainArrays, FIRST, LinkConstants};
 use loads::{AccelerateLinks, AccelerateRollers};
@@ -258,7 +260,7 @@ impl Kernels {
         rates: &mut [f64],
     ) -> Powers {
         self.place_sprockets(model, t, y);
-        if model.has_friction() {
+        if model.has_moments() {
             self.chain.clear_moments();
             if let Some(rollers) = &mut self.rollers {
                 rollers.arrays.clear_moments();
@@ -290,6 +292,7 @@ impl Kernels {
             hinge_friction: chain.rubbed,
             roller_contact: rolling.map_or(0.0, |found| found.dissipated),
             roller_friction: rolling.map_or(0.0, |found| found.rubbed),
+            hinge_film: chain.sheared,
             ..Losses::default()
         };
         if model.tooth_friction.is_some() {
@@ -366,22 +369,31 @@ impl Kernels {
         let n = model.links;
         let (q, v) = y.split_at(model.coordinates);
         let newton = self.newton.as_mut().filter(|_| self.writes_slopes);
-        let (slopes, rubs) = newton.map_or((None, None), |newton| {
+        let (slopes, rubs, film_slopes) = newton.map_or((None, None, None), |newton| {
             let NewtonMatrix {
                 hinge_slopes,
                 hinge_rubs,
+                films,
                 ..
             } = &mut **newton;
-            (Some(&mut hinge_slopes[..]), Some(&mut hinge_rubs[..]))
+            (
+                Some(&mut hinge_slopes[..]),
+                Some(&mut hinge_rubs[..]),
+                Some(&mut films[..]),
+            )
+        });
+        let lubricant = model.hinge_film.as_ref().map(|film| FilledHinges {
+            film,
+            slopes: film_slopes,
         });
         let friction = model.hinge_friction.as_ref().map(|law| HingeFriction {
             law,
             pin_radius: model.pin_radius,
         });
         macro_rules! join {
-            ($damped:literal, $rubbed:literal, $energy:expr) => {
+            ($damped:literal, $rubbed:literal, $extra:literal, $energy:expr) => {
                 self.instructions
-                    .run(JoinChain::<L, $damped, $rubbed, { $energy }> {
+                    .run(JoinChain::<L, $damped, $rubbed, $extra, { $energy }> {
                         law: PhantomData,
                         law_constants,
                         clearance: model.clearance,
@@ -397,16 +409,20 @@ impl Kernels {
                         slopes,
                         rubs,
                         friction,
+                        lubricant,
+                        compliance: model.link_compliance,
                     })
             };
         }
         // Friction comes with its power whether it is asked for or not: that costs less than one more instance of each loop.
-        if friction.is_some() {
-            join!(true, true, true)
+        if model.has_extra() {
+            join!(true, true, true, true)
+        } else if friction.is_some() {
+            join!(true, true, false, true)
         } else if law.lambda > 0.0 {
-            join!(true, false, ENERGY)
+            join!(true, false, false, ENERGY)
         } else {
-            join!(false, false, false)
+            join!(false, false, false, false)
         }
     }
 
@@ -592,7 +608,7 @@ impl Kernels {
                 })
             };
         }
-        if model.has_friction() {
+        if model.has_moments() {
             accelerate!(true);
         } else {
             accelerate!(false);

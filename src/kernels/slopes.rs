@@ -37,6 +37,17 @@ pub(super) struct RubGroup {
     pub(super) places: [Octet; 2],
 }
 
+/// How the films of eight hinges change, along their eccentricities, across, and both; all zero where there is none.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct FilmGroup {
+    /// Direction of the eccentricity, x and y.
+    pub(super) normal: [Octet; 2],
+    /// Slopes with the velocity \[N s/m\].
+    pub(super) damping: [Octet; 3],
+    /// With the eccentricity \[N/m\].
+    pub(super) stiffness: [Octet; 3],
+}
+
 /// The group that register `i` of contacts is in, and its number there.
 #[inline(always)]
 pub(super) fn group_of<S: Simd, T>(groups: &mut [T], i: usize) -> (&mut T, usize) {

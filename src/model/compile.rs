@@ -8,7 +8,7 @@ use super::{
 };
 use crate::drive::{Bearing, BeltLine, ChainEnd, Drive, Link, Motion, Sprocket};
 use crate::error::{Error, Result, check};
-use crate::force_law::{ForceLaw, Friction, PairTable, SurfacePair, range_note};
+use crate::force_law::{Film, ForceLaw, Friction, PairTable, SurfacePair, range_note};
 use crate::geometry::{Curve, ToothProfile, Vec2};
 use crate::state::Start;
 
@@ -23,6 +23,8 @@ pub struct ForceLaws {
     pub hinge_friction: Option<Friction>,
     /// Friction of bushings on teeth.
     pub tooth_friction: Option<Friction>,
+    /// Lubricant between pins and bushings; none: absent.
+    pub hinge_film: Option<Film>,
     /// Floor of the approach speed at onset \[m/s\].
     pub min_approach_speed: f64,
 }
@@ -38,6 +40,9 @@ impl ForceLaws {
                 .as_ref()
                 .map_or(Ok(()), |friction| friction.check(name))?;
         }
+        if let Some(film) = &self.hinge_film {
+            film.check("hinge_film")?;
+        }
         self.hinge.check("Material.restitution", restitution)?;
         self.tooth.check("Material.restitution", restitution)
     }
@@ -50,6 +55,7 @@ impl Default for ForceLaws {
             tooth: ForceLaw::default(),
             hinge_friction: None,
             tooth_friction: None,
+            hinge_film: None,
             min_approach_speed: 1e-3,
         }
     }
@@ -154,6 +160,11 @@ impl Model {
             rollers,
             hinge_friction: laws.hinge_friction,
             tooth_friction: laws.tooth_friction,
+            link_compliance: chain.link_compliance(),
+            hinge_film: laws.hinge_film.map(|film| {
+                let length = chain.hinge_contact_length();
+                film.between(hinge.pin_radius, hinge.clearance(), length)
+            }),
             hinge_law: ready(laws.hinge, &hinge_pairs),
             tooth_law: ready(laws.tooth, &tooth_pairs),
             min_approach_speed: laws.min_approach_speed,

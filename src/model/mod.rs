@@ -14,7 +14,7 @@ pub use guide::{Guide, Ratchet};
 pub use input::{Input, Quantity};
 
 use crate::drive::TimeTable;
-use crate::force_law::{Elastic, Friction, PairTable, Regions};
+use crate::force_law::{Elastic, Friction, HingeFilm, PairTable, Regions};
 use crate::geometry::belt::Side;
 use crate::geometry::{Surface, ToothProfile, Vec2};
 
@@ -66,6 +66,10 @@ pub struct Model {
     pub hinge_friction: Option<Friction>,
     /// Friction on the teeth.
     pub tooth_friction: Option<Friction>,
+    /// What the plates at a hinge give way by \[m/N\]; none: they are rigid.
+    pub link_compliance: Option<f64>,
+    /// Lubricant in the hinges; none: absent.
+    pub hinge_film: Option<HingeFilm>,
     /// Floor of the approach speed at onset \[m/s\].
     pub min_approach_speed: f64,
     /// Gravity \[m/s²\].
@@ -297,6 +301,19 @@ impl Model {
     #[must_use]
     pub fn has_friction(&self) -> bool {
         self.hinge_friction.is_some() || self.tooth_friction.is_some()
+    }
+
+    /// Whether hinges have a film or links are elastic.
+    #[must_use]
+    pub fn has_extra(&self) -> bool {
+        self.hinge_film.is_some() || self.link_compliance.is_some()
+    }
+
+    /// Whether links may feel moments besides forces at the hinges' centres: where there is friction or a film, and where hinges are
+    /// treated as if there were.
+    #[must_use]
+    pub fn has_moments(&self) -> bool {
+        self.has_friction() || self.has_extra()
     }
 
     /// The pair constants' number for a surface of a sprocket.

@@ -10,7 +10,7 @@ use crate::drive::{
     TimeTable, Tip, ToothForm, Variation,
 };
 use crate::error::{Error, Result, check};
-use crate::force_law::{Damping, Elastic, ForceLaw, Friction, Regions, Regularization};
+use crate::force_law::{Damping, Elastic, Film, ForceLaw, Friction, Regions, Regularization};
 use crate::geometry::belt::Side;
 use crate::geometry::{Damage, OutlinePiece, Seat, Vec2};
 use crate::integrator::{Corrector, StepControl};
@@ -343,6 +343,7 @@ pub(super) fn chain(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Chain> {
                 Some(roller(&given, "Chain.roller")?)
             }
         },
+        link_stiffness: read.optional_number("link_stiffness", "N/m")?,
     })
 }
 
@@ -729,7 +730,7 @@ const LAWS: [&str; 9] = [
     "Linear",
 ];
 
-/// Reads a force law of a contact that has no friction.
+/// Reads a force law of a contact that has neither friction nor film.
 pub(super) fn force_law(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ForceLaw> {
     let (law, friction) = law_and_friction(object, field)?;
     if friction.is_some() {
@@ -740,7 +741,44 @@ pub(super) fn force_law(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Forc
             "must be None here: only chain drives with clearance hinges have friction",
         ));
     }
+    let remedy = "must be None here: only chain drives with clearance hinges have a film";
+    without_film(object, field, remedy)?;
     Ok(law)
+}
+
+/// Reads the film of a force law, if it has one.
+fn film_of(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Option<Film>> {
+    let fills = Reader::new(object, field, &LAWS)?.get("film")?;
+    if fills.is_none() {
+        return Ok(None);
+    }
+    film(&fills, &format!("{}.film", kind_of(object))).map(Some)
+}
+
+/// Reads a `Film` and checks it.
+pub(super) fn film(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Film> {
+    let read = Reader::new(object, field, &["Film"])?;
+    let film = Film {
+        viscosity: read.number("viscosity", "Pa s")?,
+        length: read.optional_number("length", "m")?,
+        handover: read.number("handover", "a part of the clearance")?,
+        tension: read.number("tension", "Pa")?,
+    };
+    checked(object.py(), film.check("Film"))?;
+    Ok(film)
+}
+
+/// Refuses a film where there can be none.
+fn without_film(object: &Bound<'_, PyAny>, field: &str, remedy: &str) -> PyResult<()> {
+    if film_of(object, field)?.is_some() {
+        return Err(refuse(
+            object.py(),
+            &format!("{}.film", kind_of(object)),
+            &object.getattr("film")?,
+            remedy,
+        ));
+    }
+    Ok(())
 }
 
 /// Reads a force law and its friction.
@@ -820,11 +858,17 @@ pub(super) fn force_laws(
     };
     let (hinge, hinge_friction) = own(hinge_law, "hinge_law")?;
     let (tooth, tooth_friction) = own(tooth_law, "tooth_law")?;
+    let hinge_film = film_of(hinge_law.unwrap_or(force_law), "hinge_law")?;
+    if let Some(own) = tooth_law {
+        let remedy = "must be None in tooth_law: only hinges have a film";
+        without_film(own, "tooth_law", remedy)?;
+    }
     Ok(ForceLaws {
         hinge,
         tooth,
         hinge_friction,
         tooth_friction,
+        hinge_film,
         min_approach_speed: number(min_approach_speed, "min_approach_speed", "m/s")?,
     })
 }
@@ -908,8 +952,12 @@ pub(super) fn validate(description: &Bound<'_, PyAny>) -> PyResult<()> {
         kind if ENDS.contains(&kind) => chain_end(object, "")?.validate(),
         "ChainDrive" => drive(object)?.validate(),
         "Solver" => solver(object).map(|_| Ok(()))?,
-        kind if LAWS.contains(&kind) => law_and_friction(object, "").map(|_| Ok(()))?,
+        kind if LAWS.contains(&kind) => {
+            film_of(object, "")?;
+            law_and_friction(object, "").map(|_| Ok(()))?
+        }
         "Coulomb" => friction(object, "").map(|_| Ok(()))?,
+        "Film" => film(object, "").map(|_| Ok(()))?,
         kind => {
             return Err(InvalidInput::new_err(format!(
                 "{kind} is not a description that this version knows"

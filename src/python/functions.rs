@@ -366,6 +366,37 @@ pub(super) fn tooth_contacts<'py>(
     ))
 }
 
+/// Force \[N\] of a film at eccentricities \[m\] and their velocities \[m/s\], along them and left of them in each row.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)] // PyO3 hands arrays over
+pub(super) fn film_forces<'py>(
+    film: &Bound<'py, PyAny>,
+    radii: (f64, f64),
+    length: f64,
+    eccentricity: PyReadonlyArray1<'py, f64>,
+    velocity: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let py = film.py();
+    let film = describe::film(film, "film")?;
+    let (pin, bore) = radii;
+    for (value, name) in [
+        (pin, "radii[0]"),
+        (bore - pin, "radii[1] - radii[0]"),
+        (length, "length"),
+    ] {
+        describe::checked(py, check::positive(name, value, "m"))?;
+    }
+    let film = film.between(pin, bore - pin, length);
+    let velocities = velocity.as_array();
+    let rows = (eccentricity.as_slice()?.iter()).zip(velocities.rows());
+    let forces = rows.map(|(&eccentricity, velocity)| {
+        film.at(eccentricity, [velocity[0], velocity[1]])
+            .force
+            .to_vec()
+    });
+    Ok(PyArray2::from_vec2(py, &forces.collect::<Vec<_>>())?)
+}
+
 /// Elastic force \[N\] of a law at each penetration \[m\].
 #[pyfunction]
 #[allow(clippy::too_many_arguments, clippy::needless_pass_by_value)] // the two surfaces; PyO3 hands arrays over

@@ -160,7 +160,10 @@ impl Scene {
         Self {
             links: model.links,
             teeth: model.sprockets.iter().map(|s| s.profile.teeth).collect(),
-            hinge_law: law(&model.hinge_law, model.hinge_friction),
+            hinge_law: law(&model.hinge_law, model.hinge_friction)
+                + &model.hinge_film.map_or(String::new(), |film| {
+                    format!(", film of {} Pa s", film.viscosity)
+                }),
             tooth_law: law(&model.tooth_law, model.tooth_friction),
             min_approach_speed: model.min_approach_speed,
             model: fingerprint(model),

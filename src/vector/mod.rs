@@ -8,6 +8,7 @@
 
 use aligned_vec::{AVec, ConstAlign, avec};
 
+mod arc_tangent;
 mod instruction_set;
 mod lanes;
 mod logarithm;
@@ -18,6 +19,7 @@ mod sums;
 #[cfg(test)]
 pub(crate) mod testing;
 
+pub(crate) use arc_tangent::arc_tangent;
 pub use instruction_set::InstructionSet;
 pub(crate) use lanes::{
     Lanes, Mask, both, both_mut, lane_numbers, load, partial_load, splat_two, vectors, vectors_mut,

@@ -3,6 +3,7 @@
 // Every test binary compiles this file anew and uses a part of it.
 #![allow(dead_code, unreachable_pub)]
 
+pub mod checks;
 pub mod layouts;
 pub mod open;
 pub mod scenes;
@@ -46,6 +47,7 @@ pub fn paper_chain() -> Chain {
         strands: 1,
         variation: Variation::default(),
         roller: None,
+        link_stiffness: None,
     }
 }
 

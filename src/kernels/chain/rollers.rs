@@ -32,7 +32,9 @@ impl Rollers {
         model.rollers.as_ref().map(|rollers| {
             let mut constants = LinkConstants::new(model);
             constants.bushing_on_front.fill(1.0);
-            constants.clearance_squared.fill(rollers.clearance * rollers.clearance);
+            constants
+                .clearance_squared
+                .fill(rollers.clearance * rollers.clearance);
             Self {
                 constants,
                 arrays: ChainArrays::new(model),
@@ -87,11 +89,12 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> W
         let blocks = n.div_ceil(S::F64_LANES);
         let splat = |value| Lanes::splat(simd, value);
         let Rollers { constants, arrays } = self.rollers;
-        let mut joints = Hinges::<S, L, DAMPED, RUBBED, ENERGY> {
+        let mut joints = Hinges::<S, L, DAMPED, RUBBED, false, ENERGY> {
             law: PhantomData,
             law_constants: splat_two(simd, self.law_constants),
             clearance: splat(self.clearance),
             clearance_squared: vectors::<S>(&constants.clearance_squared, blocks),
+            there: vectors::<S>(&constants.there, blocks),
             lambda: splat(self.lambda),
             floor: splat(self.floor),
             onset: vectors::<S>(self.inverse_onset, blocks),
@@ -113,6 +116,10 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> W
             slopes: self.slopes,
             rubs: None,
             rubbing: None,
+            sheared: PartialSums::default(),
+            film_slopes: None,
+            film: None,
+            compliance: None,
         };
         if RUBBED && let Some(friction) = &self.friction {
             joints.moments = [
@@ -174,6 +181,7 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> W
             changed: joints.changed,
             dissipated: joints.power.total(),
             rubbed: joints.lost_to_friction(),
+            sheared: 0.0,
         };
         RepeatBushings {
             links: n,

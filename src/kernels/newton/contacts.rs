@@ -39,10 +39,10 @@ pub(super) fn scaled<S: Simd>(
 pub(super) const BASE: usize = WIDTH;
 
 /// Least α \[kg\]: a contact that has only just begun is taken for no softer.
-const LEAST: f64 = 1e-20;
+pub(super) const LEAST: f64 = 1e-20;
 
 /// Least η over α. Across its normal a contact is the softer the less deep it is; below this share nothing moves for it.
-const LEAST_SHARE: f64 = 1e-10;
+pub(super) const LEAST_SHARE: f64 = 1e-10;
 
 /// Which hinges bear something: one, or zero; the last one once more before the first, which is at entry [`BASE`].
 #[derive(Debug, Clone)]
@@ -90,7 +90,7 @@ impl Arms {
 
     /// Writes those of register `i` of hinges.
     #[inline(always)]
-    fn put<S: Simd>(
+    pub(super) fn put<S: Simd>(
         &mut self,
         i: usize,
         [nx, ny]: [Lanes<S>; 2],

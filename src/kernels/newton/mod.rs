@@ -10,6 +10,7 @@ mod blocks;
 mod border;
 mod contacts;
 mod dense;
+mod film;
 mod links;
 mod ring;
 mod rollers;
@@ -19,13 +20,14 @@ use pulp::{Simd, WithSimd};
 
 use border::{Corner, SprocketMotions};
 use contacts::{Arms, Closed, Rubbing, soften_hinges};
+use film::soften_filled_hinges;
 use links::{Border, LinkTerms, Linked, RightHand};
 use ring::{HingeGroup, Ring, hinge_groups};
 use rollers::RollerTerms;
 use teeth::{AddTeeth, RubbingTeeth, ToothTerms};
 
 use super::layout::{ChainArrays, FIRST, LinkConstants};
-use super::slopes::{RubGroup, SlopeGroup, slope_groups};
+use super::slopes::{FilmGroup, RubGroup, SlopeGroup, slope_groups};
 use super::teeth::SprocketPose;
 use crate::contact::Candidates;
 use crate::model::Model;
@@ -52,6 +54,8 @@ pub(super) struct NewtonMatrix {
     pub(super) roller_slopes: Vec<SlopeGroup>,
     /// Those of friction there.
     pub(super) roller_rubs: Vec<RubGroup>,
+    /// Those of lubricant in hinges; empty where there is none.
+    pub(super) films: Vec<FilmGroup>,
     motions: Vec<SprocketMotions>,
     arms: Arms,
     closed: Closed,
@@ -96,7 +100,7 @@ impl NewtonMatrix {
         let three = || vec![[Octet::default(); 3]; n.div_ceil(WIDTH)];
         let slots = Candidates::most_slots(model);
         let rubs = |contacts: usize| {
-            let contacts = if model.has_friction() { contacts } else { 0 };
+            let contacts = if model.has_moments() { contacts } else { 0 };
             vec![RubGroup::default(); contacts.div_ceil(WIDTH)]
         };
         Self {
@@ -110,6 +114,10 @@ impl NewtonMatrix {
             tooth_rubs: model.sprockets.iter().map(|_| rubs(slots)).collect(),
             roller_slopes: slope_groups(model.roller_count()),
             roller_rubs: rubs(model.roller_count()),
+            films: match model.hinge_film {
+                Some(_) => vec![FilmGroup::default(); n.div_ceil(WIDTH)],
+                None => Vec::new(),
+            },
             motions: SprocketMotions::of(model),
             arms: Arms::new(n),
             closed: Closed::new(n),
@@ -140,7 +148,7 @@ impl NewtonMatrix {
                 })
             };
         }
-        if model.has_friction() {
+        if model.has_moments() {
             factorise!(true)
         } else {
             factorise!(false)
@@ -154,7 +162,7 @@ impl NewtonMatrix {
         instructions: InstructionSet,
         residual: &mut [f64],
     ) {
-        if model.has_friction() {
+        if model.has_moments() {
             instructions.run(Correct::<true> {
                 matrix: self,
                 model,
@@ -335,14 +343,26 @@ impl<const RUBBED: bool> WithSimd for Factorise<'_, RUBBED> {
             slopes: &matrix.hinge_rubs,
             arms: &mut matrix.arms,
         });
-        soften_hinges::<S, RUBBED>(
-            simd,
-            gamma,
-            &matrix.hinge_slopes,
-            &mut matrix.closed,
-            &mut matrix.hinges,
-            rubbing,
-        );
+        if matrix.films.is_empty() {
+            soften_hinges::<S, RUBBED>(
+                simd,
+                gamma,
+                &matrix.hinge_slopes,
+                &mut matrix.closed,
+                &mut matrix.hinges,
+                rubbing,
+            );
+        } else if RUBBED {
+            soften_filled_hinges(
+                simd,
+                gamma,
+                &matrix.hinge_slopes,
+                &matrix.films,
+                &mut matrix.closed,
+                &mut matrix.hinges,
+                rubbing,
+            );
+        }
         matrix.closed.close(n);
         if RUBBED {
             matrix.arms.close(n);

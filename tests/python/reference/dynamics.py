@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference import force_law
+from reference.film import lubricant
 from reference.force_law import Normal, Pair
 from reference.friction import Friction, coulomb, point_velocity
 from reference.geometry import (
@@ -110,7 +111,8 @@ class Evaluation:
     Forces are normal forces [N], shapes as in `Kinematics`; ``loads`` and ``accelerations`` are
     (bodies, 3). ``hinge`` and ``tooth`` hold the forces with their derivatives, ``energy`` the
     elastic energy [J]. Vectors have friction in them, with bounds of its own;
-    ``friction_powers`` is what it dissipates in hinges, on teeth and in rollers [W]. What begins
+    ``friction_powers`` is what it dissipates in hinges, on teeth and in rollers, ``film_power`` what
+    lubricant does [W]. What begins
     with ``roller`` is of bushings in rollers; vectors act on the rollers.
     """
 
@@ -133,6 +135,7 @@ class Evaluation:
     roller_force_vector: Array
     roller_force_bound: Array
     roller_vector_bound: Array
+    film_power: float
 
     @property
     def hinge_force(self) -> Array:
@@ -359,6 +362,8 @@ class DriveEquations:
         if speed is not None:
             depth = np.where(np.isnan(speed), -1.0, depth)
         part = force_law.elastic(law.elastic, pair, depth)
+        if pair is self.hinge_pair and (stiffness := self.drive.chain.link_stiffness) is not None:
+            part = force_law.in_series(law.elastic, pair, depth, 1.0 / stiffness)
         energy = float(np.sum(part.energy))
         if law.damping is None:
             return Normal(part.force, part.stiffness, np.zeros_like(part.force)), energy
@@ -490,6 +495,29 @@ class DriveEquations:
                 tooth_vector[:, s] += friction.force
                 tooth_vector_bound[:, s] += friction.bound
             powers[place] += float(np.sum(friction.power))
+        film_power = 0.0
+        if (law := getattr(self.hinge_law, "film", None)) is not None:
+            ends = ((outer, pin), (inner, bushing))
+            first, second = (point_velocity(positions, velocities, *end) for end in ends)
+            spins = velocities[outer, 2], velocities[inner, 2]
+            film = lubricant(
+                law,
+                self.drive.chain.hinge,
+                self.drive.chain.hinge.length,
+                pin - bushing,
+                first - second,
+                spins,
+                (delta_x, delta_v),
+            )
+            middle = 0.5 * (pin + bushing)  # half the couple of the two forces to each body
+            push(outer, middle, film.force, film.bound)
+            push(inner, middle, -film.force, film.bound)
+            shear = film.shear * (spins[1] - spins[0])
+            np.add.at(loads[:, 2], outer, shear)
+            np.add.at(loads[:, 2], inner, -shear)
+            hinge_vector += film.force
+            hinge_vector_bound += film.bound
+            film_power = float(np.sum(film.power))
 
         self._drive_sprockets(velocities, time, loads, bounds)
         heaviness = np.stack([self.mass, self.mass, self.inertia], axis=1)
@@ -516,6 +544,7 @@ class DriveEquations:
             roller_force_vector=roller_vector,
             roller_force_bound=roller_bound,
             roller_vector_bound=roller_vector_bound,
+            film_power=film_power,
         )
 
     def _bound(self, force: Normal, turning: Array, delta_x: float, delta_v: float) -> Array:

@@ -105,6 +105,20 @@ def elastic(law: str, pair: Pair, penetration: Array) -> Elastic:
     raise ValueError(law)
 
 
+def in_series(law: str, pair: Pair, penetration: Array, compliance: float) -> Elastic:
+    """Elastic part in series with a spring of ``compliance`` [m/N], whose energy it has in it."""
+    depth = np.maximum(np.asarray(penetration, dtype=np.float64), 0.0)
+    low, high = np.zeros_like(depth), depth
+    for _ in range(200):  # halving
+        middle = 0.5 * (low + high)
+        short = middle + compliance * elastic(law, pair, middle).force < depth
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    contact = elastic(law, pair, 0.5 * (low + high))
+    stiffness = contact.stiffness / (1.0 + compliance * contact.stiffness)
+    energy = contact.energy + 0.5 * compliance * contact.force**2
+    return contact._replace(stiffness=stiffness, energy=energy)
+
+
 # A over pi L E*, k and C of d = f/A [ln(k A dR / f) + C].
 LOGARITHMS = {
     "johnson": (1.0, 4.0, -1.0),

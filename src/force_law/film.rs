@@ -1,0 +1,562 @@
+//! Lubricant film between a pin and its bushing: squeeze and wedge of a long bearing, half film, handed over to dry contact.
+//!
+//! Seen in a frame that turns with the mean spin of both surfaces only the velocity u of the eccentricity counts, and the Reynolds
+//! equation of an infinitely long bearing reads `d/dθ (h³ dp/dθ) = -12 μ R² u·n(θ)`, h = c (1 - ε cos θ), θ from the eccentricity. Of its
+//! periodic solutions there is one that vanishes at two opposite places,
+//!
+//! `p = 6 μ R²/c³ (2 - ε cos θ)/(1 - ε cos θ)² g·n(θ)`, `g = (u_r, 2 u_t/(2 + ε²))`,
+//!
+//! and the half of it that is positive is the film (Gümbel). Its integral is exact:
+//!
+//! `F_r = -6 μ L R³/c³ (J g_r + 2 ε |g|)/(1 - ε²)`, `F_t = -6 μ L R³/c³ J g_t`,
+//! `J = (π + 2 arctan(ε g_r/(|g| √(1 - ε²))))/√(1 - ε²)`.
+//!
+//! Where pressures are too small to let air in, the other half holds too: of its force, that of -g with the sign turned, b is added,
+//! `b = g₀/√(g² + g₀²)`, g₀ where 6 μ R² g/c³ is the pressure by which the film may pull. Without that a film would be up to a hundred times
+//! softer for the slightest pull than for a push, a kink at rest.
+//!
+//! For the wedge alone the half film's forces are the textbooks'; for the squeeze alone those of Pinkus and Sternlicht, Theory of
+//! Hydrodynamic Lubrication, 1961. What is dissipated is that of the pressure, -F·u, and that of shear, all around (Petroff, with the
+//! eccentricity): a torque S on one end for each difference of the spins, `S = 2π μ L R³/(c √(1 - ε²))`. Neither is ever negative.
+//!
+//! From ε = `handover` to 1 all of it goes over to dry contact, which begins at 1, times a polynomial of order five in ε that has two
+//! slopes of zero at both ends. Flores, Ambrósio, Claro, Lankarani and Koshy (Mechanism and Machine Theory 41 (2006) 247) weigh both
+//! linearly, within a band outside the clearance.
+
+use std::f64::consts::PI;
+
+use pulp::Simd;
+
+use crate::error::{Error, Result, check};
+use crate::vector::{Lanes, arc_tangent};
+
+/// The lubricant of the hinges.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Film {
+    /// Dynamic viscosity μ \[Pa s\].
+    pub viscosity: f64,
+    /// Length L of the film along the pin \[m\]; none: the length of contact.
+    pub length: Option<f64>,
+    /// Eccentricity over clearance at which the hand-over to dry contact begins.
+    pub handover: f64,
+    /// By how much the pressure may fall below that outside before air comes in \[Pa\]; zero: Gümbel's half film.
+    pub tension: f64,
+}
+
+impl Film {
+    /// Checks all numbers.
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn check(&self, name: &str) -> Result<()> {
+        if !(self.viscosity > 0.0 && self.viscosity.is_finite()) {
+            return Err(Error::invalid(
+                format!("{name}.viscosity"),
+                format!("{} Pa s", self.viscosity),
+                "must be a positive number; for dry hinges, leave the film out",
+            ));
+        }
+        if let Some(length) = self.length {
+            check::positive(&format!("{name}.length"), length, "m")?;
+        }
+        check::not_negative(&format!("{name}.tension"), self.tension, "Pa")?;
+        if !(0.1..=0.99).contains(&self.handover) {
+            return Err(Error::invalid(
+                format!("{name}.handover"),
+                self.handover,
+                "must be from 0.1 to 0.99, an eccentricity over the clearance",
+            ));
+        }
+        Ok(())
+    }
+
+    /// The film in hinges of this pin radius, radial clearance and length of contact \[m\].
+    #[must_use]
+    pub fn between(&self, pin_radius: f64, clearance: f64, length: f64) -> HingeFilm {
+        let length = self.length.unwrap_or(length);
+        let viscous = self.viscosity * length * pin_radius.powi(3);
+        HingeFilm {
+            viscosity: self.viscosity,
+            clearance,
+            pressure: 6.0 * viscous / clearance.powi(3),
+            shear: 2.0 * PI * viscous / clearance,
+            handover: self.handover,
+            speed: self.tension * clearance.powi(3) / (6.0 * self.viscosity * pin_radius.powi(2)),
+        }
+    }
+}
+
+/// The film of one kind of hinge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HingeFilm {
+    /// μ \[Pa s\]
+    pub viscosity: f64,
+    /// c \[m\]
+    pub clearance: f64,
+    /// 6 μ L R³/c³ \[N s/m\]
+    pub pressure: f64,
+    /// 2π μ L R³/c \[N m s\]
+    pub shear: f64,
+    /// As [`Film::handover`].
+    pub handover: f64,
+    /// g₀ \[m/s\]
+    pub speed: f64,
+}
+
+/// What a film does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FilmForce {
+    /// On the eccentric end, along the eccentricity and left of it \[N\].
+    pub force: [f64; 2],
+    /// S, torque on one end over the spin of the other seen from it \[N m s\].
+    pub shear: f64,
+}
+
+impl HingeFilm {
+    /// The film at an eccentricity of this length \[m\] that moves with `velocity`, along it and left of it \[m/s\], seen from a frame
+    /// that turns with the mean spin.
+    #[must_use]
+    pub fn at(&self, eccentricity: f64, velocity: [f64; 2]) -> FilmForce {
+        let ratio = eccentricity / self.clearance;
+        if ratio >= 1.0 {
+            return FilmForce {
+                force: [0.0; 2],
+                shear: 0.0,
+            };
+        }
+        let part = ((1.0 - ratio) / (1.0 - self.handover)).min(1.0);
+        let weight = part.powi(3) * (10.0 + part * (6.0 * part - 15.0));
+        let rest = (1.0 - ratio) * (1.0 + ratio);
+        let root = rest.sqrt();
+        let [along, across] = [velocity[0], 2.0 * velocity[1] / (2.0 + ratio * ratio)];
+        let size = along.hypot(across);
+        let cosine = if size > 0.0 { along / size } else { 0.0 };
+        let reach = size.hypot(self.speed);
+        let other = if reach > 0.0 { self.speed / reach } else { 0.0 };
+        let angle = (ratio * cosine / root).atan();
+        let turn = (PI * (1.0 + other) + 2.0 * (1.0 - other) * angle) / root;
+        let most = self.pressure * weight;
+        FilmForce {
+            force: [
+                -most * (turn * along + 2.0 * ratio * (1.0 - other) * size) / rest,
+                -most * turn * across,
+            ],
+            shear: self.shear * weight / root,
+        }
+    }
+}
+
+/// A film over registers of hinges.
+#[derive(Clone, Copy)]
+pub(crate) struct FilmLanes<S: Simd> {
+    inverse_clearance: Lanes<S>,
+    pressure: Lanes<S>,
+    shear: Lanes<S>,
+    /// 1/(1 - handover)
+    over_band: Lanes<S>,
+    /// g₀
+    speed: Lanes<S>,
+}
+
+/// A register of films.
+#[derive(Clone, Copy)]
+pub(crate) struct Filled<S: Simd> {
+    /// As [`FilmForce::force`].
+    pub(crate) force: [Lanes<S>; 2],
+    /// As [`FilmForce::shear`].
+    pub(crate) shear: Lanes<S>,
+    /// What [`FilmLanes::slopes`] goes on from.
+    state: State<S>,
+}
+
+#[derive(Clone, Copy)]
+struct State<S: Simd> {
+    ratio: Lanes<S>,
+    part: Lanes<S>,
+    weight: Lanes<S>,
+    /// 1/(1 - ε²)
+    over_rest: Lanes<S>,
+    /// 2/(2 + ε²)
+    slant: Lanes<S>,
+    velocity: [Lanes<S>; 2],
+    /// g, its size and its direction.
+    g: [Lanes<S>; 2],
+    size: Lanes<S>,
+    direction: [Lanes<S>; 2],
+    /// b
+    other: Lanes<S>,
+    /// π - 2 arctan(...)
+    rest_of_turn: Lanes<S>,
+    over_root: Lanes<S>,
+    /// J, with what the other half adds.
+    turn: Lanes<S>,
+    /// F over -6 μ L R³/c³ and the weight.
+    shape: [Lanes<S>; 2],
+}
+
+/// How the force of a register of films changes, xx along the eccentricity, yy across, xy; the means of what is not symmetric.
+#[derive(Clone, Copy)]
+pub(crate) struct FilmSlopes<S: Simd> {
+    /// Less force for a velocity \[N s/m\].
+    pub(crate) damping: [Lanes<S>; 3],
+    /// Less force for a way \[N/m\].
+    pub(crate) stiffness: [Lanes<S>; 3],
+}
+
+impl<S: Simd> FilmLanes<S> {
+    #[inline(always)]
+    pub(crate) fn new(simd: S, film: &HingeFilm) -> Self {
+        let splat = |value| Lanes::splat(simd, value);
+        Self {
+            inverse_clearance: splat(1.0 / film.clearance),
+            pressure: splat(film.pressure),
+            shear: splat(film.shear),
+            over_band: splat(1.0 / (1.0 - film.handover)),
+            speed: splat(film.speed),
+        }
+    }
+
+    /// As [`HingeFilm::at`]; none where `there` is zero, all where it is one.
+    #[inline(always)]
+    pub(crate) fn at(
+        &self,
+        eccentricity: Lanes<S>,
+        velocity: [Lanes<S>; 2],
+        there: Lanes<S>,
+    ) -> Filled<S> {
+        let constant = |value| there.constant(value);
+        let (zero, one, two) = (constant(0.0), constant(1.0), constant(2.0));
+        let ratio = eccentricity * self.inverse_clearance;
+        let left = one - ratio;
+        let wet = left.greater(zero);
+        let ratio = wet.select(ratio, zero);
+        let part = left.positive_part() * self.over_band;
+        let part = part.greater(one).select(one, part);
+        let cube = part * part * part;
+        let bend = constant(6.0).mul_add(part, constant(-15.0));
+        let weight = there * (cube * bend.mul_add(part, constant(10.0)));
+        let rest = (one - ratio) * (one + ratio);
+        let over_root = one / rest.sqrt();
+        let over_rest = over_root * over_root;
+        let slant = two / ratio.mul_add(ratio, two);
+        let g = [velocity[0], slant * velocity[1]];
+        let squares = g[0].mul_add(g[0], g[1] * g[1]);
+        let size = squares.sqrt();
+        let reach = self.speed.mul_add(self.speed, squares).sqrt();
+        let other = reach.greater(zero).select(self.speed / reach, zero);
+        let lost = one - other;
+        let over_size = size.greater(zero).select(one / size, zero);
+        let direction = [g[0] * over_size, g[1] * over_size];
+        let angle = arc_tangent(ratio * direction[0] * over_root);
+        let twice_angle = angle + angle;
+        let turn = lost.mul_add(twice_angle, constant(PI) * (one + other)) * over_root;
+        let shape = [
+            turn.mul_add(g[0], two * ratio * (lost * size)) * over_rest,
+            turn * g[1],
+        ];
+        let most = self.pressure * weight;
+        Filled {
+            force: [-(most * shape[0]), -(most * shape[1])],
+            shear: self.shear * weight * over_root,
+            state: State {
+                ratio,
+                part,
+                weight,
+                over_rest,
+                slant,
+                velocity,
+                g,
+                size,
+                direction,
+                other,
+                rest_of_turn: constant(PI) - twice_angle,
+                over_root,
+                turn,
+                shape,
+            },
+        }
+    }
+
+    /// How these forces change with the eccentricity and its velocity.
+    ///
+    /// With the velocity: of the half film alone `∫ (2 - ε cos θ)/(1 - ε cos θ)² n n^T dθ` over the half, times dg/du. With the
+    /// eccentricity: of its length, and of its direction by which force and velocity are seen.
+    #[inline(always)]
+    pub(crate) fn slopes(&self, filled: &Filled<S>) -> FilmSlopes<S> {
+        let s = &filled.state;
+        let constant = |value| s.ratio.constant(value);
+        let (one, two) = (constant(1.0), constant(2.0));
+        let [c, n] = s.direction;
+        let [g, h] = s.g;
+        let [fr, ft] = s.shape;
+        let squared = s.ratio * s.ratio;
+        let nn = n * n;
+        let over_other = one / squared.negate_mul_add(nn, one);
+        let lost = one - s.other;
+        // J with the direction of g, and with its size by b; size times the slopes.
+        let by_direction = two * lost * s.ratio * over_other * n;
+        let by_size = s.other * (lost * (one + s.other)) * s.rest_of_turn * s.over_root;
+        let turn_along = by_direction.mul_add(n, -(by_size * c));
+        let turn_across = -(by_direction.mul_add(c, by_size * n));
+        let grown = two * s.ratio * lost * (one + s.other).mul_add(s.other, one);
+        let xx = turn_along.mul_add(c, grown.mul_add(c, s.turn)) * s.over_rest;
+        let xy = turn_across.mul_add(c, grown * n) * s.over_rest;
+        let yx = turn_along * n;
+        let yy = turn_across.mul_add(n, s.turn);
+        let most = self.pressure * s.weight;
+        let half = constant(0.5);
+        let damping = [
+            most * xx,
+            most * (s.slant * yy),
+            most * (half * s.slant.mul_add(xy, yx)),
+        ];
+
+        // d(shape)/dε with u as it is; g_t has ε in it.
+        let turn_slope = s.ratio.mul_add(s.turn, two * lost * c * over_other) * s.over_rest;
+        let slower = -(s.ratio * s.slant * h);
+        let along = (turn_slope.mul_add(g, two * lost * s.size) + two * s.ratio * fr)
+            .mul_add(s.over_rest, xy * slower);
+        let across = turn_slope.mul_add(h, yy * slower);
+        let fall = constant(-30.0) * self.over_band * (s.part * s.part);
+        let weight_slope = fall * (one - s.part) * (one - s.part);
+        let softest = self.pressure * self.inverse_clearance;
+        let longer = [
+            softest * weight_slope.mul_add(fr, s.weight * along),
+            softest * weight_slope.mul_add(ft, s.weight * across),
+        ];
+        // Near the middle, where the direction means nothing, its slopes cancel.
+        let over_length = self.inverse_clearance / s.ratio.max(constant(0.05));
+        let [ur, ut] = s.velocity;
+        let by_turn = most * over_length;
+        let turned_along = by_turn * (xx.mul_add(ut, -(s.slant * xy * ur)) - ft);
+        let turned_across = by_turn * (yx.mul_add(ut, -(s.slant * yy * ur)) + fr);
+        FilmSlopes {
+            damping,
+            stiffness: [longer[0], turned_across, half * (longer[1] + turned_along)],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use pulp::WithSimd;
+
+    use super::*;
+    use crate::vector::InstructionSet;
+
+    const LUBRICANT: Film = Film {
+        viscosity: 0.1,
+        length: None,
+        handover: 0.9,
+        tension: 0.0,
+    };
+
+    /// The published drive's hinge.
+    fn hinge() -> HingeFilm {
+        LUBRICANT.between(2.22e-3, 25e-6, 0.011)
+    }
+
+    /// The same, with pressures that bear some tension; velocities of the states are at, above and below its speed.
+    fn hinges() -> [HingeFilm; 4] {
+        [0.0, 3e2, 1e4, 3e6].map(|tension| {
+            Film {
+                tension,
+                ..LUBRICANT
+            }
+            .between(2.22e-3, 25e-6, 0.011)
+        })
+    }
+
+    /// Eccentricities over the clearance and velocities \[m/s\].
+    fn states() -> Vec<(f64, [f64; 2])> {
+        let ratios = [1e-9, 1e-3, 0.05, 0.3, 0.6, 0.85, 0.93, 0.97, 0.999];
+        let angles = (0..16).map(|i| f64::from(i) * PI / 8.0 + 0.01);
+        ratios
+            .into_iter()
+            .flat_map(|ratio| angles.clone().map(move |angle| (ratio, angle)))
+            .map(|(ratio, angle)| (ratio, [2e-3 * angle.cos(), 2e-3 * angle.sin()]))
+            .collect()
+    }
+
+    #[test]
+    fn forces_are_the_integral_of_the_pressure_that_is_positive() {
+        let film = hinge();
+        for (ratio, [along, across]) in states() {
+            if ratio > 0.9 {
+                continue;
+            }
+            let g = [along, 2.0 * across / (2.0 + ratio * ratio)];
+            // Simpson's rule from where the pressure is zero to where it is so again.
+            let (parts, middle) = (20_000, g[1].atan2(g[0]));
+            let mut sum = [0.0; 2];
+            for i in 0..=parts {
+                let angle = middle + PI * (f64::from(i) / f64::from(parts) - 0.5);
+                let (sin, cos) = angle.sin_cos();
+                let thin = 1.0 - ratio * cos;
+                let pressure = (2.0 - ratio * cos) / (thin * thin) * (g[0] * cos + g[1] * sin);
+                let weight = match i {
+                    0 => 1.0,
+                    i if i == parts => 1.0,
+                    i => f64::from(2 + 2 * (i % 2)),
+                };
+                sum[0] += weight * pressure * cos;
+                sum[1] += weight * pressure * sin;
+            }
+            let most = -film.pressure * PI / (3.0 * f64::from(parts));
+            let found = film.at(ratio * film.clearance, [along, across]).force;
+            for (found, sum) in found.iter().zip(sum) {
+                let size = film.pressure * 2e-3;
+                assert!((found - most * sum).abs() < 1e-9 * size, "{ratio} {along}");
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_is_ever_gained_from_a_film() {
+        for film in hinges() {
+            for (ratio, velocity) in states() {
+                let found = film.at(ratio * film.clearance, velocity);
+                let [along, across] = found.force;
+                assert!(along * velocity[0] + across * velocity[1] < 0.0, "{ratio}");
+                assert!(found.shear > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn small_pressures_have_the_full_film() {
+        let [.., film] = hinges();
+        for ratio in [0.05f64, 0.4, 0.8] {
+            let rest = 1.0 - ratio * ratio;
+            let full = 2.0 * PI * film.pressure;
+            let found = film.at(ratio * film.clearance, [-1e-8, 1e-8]).force;
+            let expected = [
+                full * 1e-8 / rest.powf(1.5),
+                -full * 2e-8 / ((2.0 + ratio * ratio) * rest.sqrt()),
+            ];
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-5 * expected.abs(), "{ratio}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_hand_over_is_smooth_and_complete() {
+        let film = hinge();
+        let at = |ratio: f64| film.at(ratio * film.clearance, [1e-3, 1e-3]).force[0];
+        for edge in [0.9, 1.0] {
+            let step = 1e-6;
+            let jump = at(edge + step) - at(edge - step);
+            assert!(jump.abs() < 1e-3 * at(0.9).abs(), "{edge}: {jump}");
+        }
+        assert_eq!(at(1.0), 0.0);
+        assert_eq!(at(1.2), 0.0);
+    }
+
+    struct Fill<'a> {
+        film: HingeFilm,
+        states: &'a [(f64, [f64; 2])],
+        found: &'a mut Vec<[f64; 9]>,
+    }
+
+    impl WithSimd for Fill<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let film = FilmLanes::new(simd, &self.film);
+            for &(ratio, [along, across]) in self.states {
+                let splat = |value| Lanes::splat(simd, value);
+                let length = splat(ratio * self.film.clearance);
+                let filled = film.at(length, [splat(along), splat(across)], splat(1.0));
+                let slopes = film.slopes(&filled);
+                let [dxx, dyy, dxy] = slopes.damping;
+                let [kxx, kyy, kxy] = slopes.stiffness;
+                let [push, drag] = filled.force;
+                let all = [push, drag, filled.shear, dxx, dyy, dxy, kxx, kyy, kxy];
+                self.found.push(all.map(Lanes::greatest));
+            }
+        }
+    }
+
+    #[test]
+    fn registers_give_what_the_scalar_form_gives_and_slopes_those_of_differences() {
+        let films = hinges();
+        let c = films[0].clearance;
+        let states = states();
+        let sets = InstructionSet::available().into_iter();
+        for (set, film) in sets.flat_map(|set| films.map(|film| (set, film))) {
+            let mut found = Vec::new();
+            set.run(Fill {
+                film,
+                states: &states,
+                found: &mut found,
+            });
+            for (&(ratio, velocity), found) in states.iter().zip(&found) {
+                let scalar = film.at(ratio * c, velocity);
+                let size = scalar.force[0].hypot(scalar.force[1]);
+                for (found, scalar) in found.iter().zip(scalar.force) {
+                    // Of the force that pulls at a thin film little is left of its two terms.
+                    assert!((found - scalar).abs() < 1e-12 * size / (1.0 - ratio));
+                }
+                assert!((found[2] - scalar.shear).abs() < 1e-12 * scalar.shear);
+                if ratio < 0.05 {
+                    continue;
+                }
+                // Places and velocities in a plane that does not turn.
+                let force = |dx: f64, dy: f64, du: f64, dv: f64| {
+                    let (x, y) = (ratio * c + dx, dy);
+                    let length = x.hypot(y);
+                    let (cos, sin) = (x / length, y / length);
+                    let (u, v) = (velocity[0] + du, velocity[1] + dv);
+                    let [push, drag] = film
+                        .at(length, [u * cos + v * sin, v * cos - u * sin])
+                        .force;
+                    [push * cos - drag * sin, push * sin + drag * cos]
+                };
+                let slope = |axis: usize, step: f64| {
+                    let mut way = [0.0; 4];
+                    way[axis] = step;
+                    let [a, b, e, f] = way;
+                    let (up, down) = (force(a, b, e, f), force(-a, -b, -e, -f));
+                    [0, 1].map(|i| -(up[i] - down[i]) / (2.0 * step))
+                };
+                let [kx, ky] = [slope(0, 1e-6 * c), slope(1, 1e-6 * c)];
+                let [dx, dy] = [slope(2, 1e-9), slope(3, 1e-9)];
+                let expected = [
+                    dx[0],
+                    dy[1],
+                    0.5 * (dx[1] + dy[0]),
+                    kx[0],
+                    ky[1],
+                    0.5 * (kx[1] + ky[0]),
+                ];
+                for (i, (found, expected)) in found[3..].iter().zip(expected).enumerate() {
+                    let size = if i < 3 {
+                        size / 2e-3
+                    } else {
+                        size / c / (1.0 - ratio)
+                    };
+                    assert!(
+                        (found - expected).abs() < 1e-4 * size,
+                        "{ratio} {velocity:?}, slope {i}: {found} for {expected}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn films_that_mean_nothing_are_refused() {
+        let bad = |change: fn(&mut Film)| {
+            let mut film = LUBRICANT;
+            change(&mut film);
+            film.check("Film").unwrap_err().to_string()
+        };
+        assert!(bad(|film| film.viscosity = 0.0).contains("leave the film out"));
+        assert!(bad(|film| film.viscosity = f64::NAN).contains("Film.viscosity"));
+        assert!(bad(|film| film.length = Some(-1.0)).contains("Film.length"));
+        assert!(bad(|film| film.handover = 1.0).contains("Film.handover"));
+        assert!(bad(|film| film.tension = -1.0).contains("Film.tension"));
+    }
+}

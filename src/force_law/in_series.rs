@@ -1,0 +1,195 @@
+//! A contact in series with a spring: how much of what both give way by is the contact's.
+//!
+//! With the compliance c of the spring, the contact's depth x under a total of d solves x + c F(x) = d. Newton's method from x = d comes
+//! down to it from above where F is convex; where it is not, at the end of a law's range, halving takes over. It has ended for a number
+//! when that moves by no more than rounding: each for itself, so that the result does not depend on what shares a register.
+
+use pulp::Simd;
+
+use super::{ElasticLaw, VectorLaw};
+use crate::vector::Lanes;
+
+/// Moves that are rounding, as a part of the depth.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Steps of Newton's method alone: the published drive's hinges take 3 to 6.
+const QUICK_STEPS: usize = 12;
+
+/// With those that halve every other time, steps enough for any law.
+const MOST_STEPS: usize = 120;
+
+/// The contact's own depth \[m\] where both give way by `depth`, with the spring's compliance \[m/N\].
+#[must_use]
+pub fn depth_in_series<L: ElasticLaw>(pair: &L::Pair, compliance: f64, depth: f64) -> f64 {
+    let (mut x, mut low, mut high) = (depth, 0.0, depth);
+    for round in 0..MOST_STEPS {
+        let excess = compliance.mul_add(L::force(pair, x), x - depth);
+        if excess > 0.0 {
+            high = x;
+        } else {
+            low = x;
+        }
+        let next = x - excess / compliance.mul_add(L::stiffness(pair, x), 1.0);
+        let halves = round > QUICK_STEPS && round % 2 == 0;
+        let next = if next < low || next > high || halves {
+            0.5 * (low + high)
+        } else {
+            next
+        };
+        let moved = (next - x).abs() > ROUNDING * depth;
+        // Nothing gives way by nothing; not a number stays so.
+        if !(moved && depth > 0.0) {
+            break;
+        }
+        x = next;
+    }
+    x
+}
+
+/// The same for a register of depths that are not negative.
+#[inline(always)]
+pub(crate) fn depths_in_series<S: Simd, L: VectorLaw>(
+    constants: [Lanes<S>; 2],
+    compliance: Lanes<S>,
+    depth: Lanes<S>,
+) -> Lanes<S> {
+    let (one, half) = (depth.constant(1.0), depth.constant(0.5));
+    let zero = depth.constant(0.0);
+    let rounding = depth * depth.constant(ROUNDING);
+    let (mut x, mut low, mut high) = (depth, zero, depth);
+    let mut moves = depth.greater(zero);
+    for round in 0..MOST_STEPS {
+        let force = L::forces(constants, x);
+        let slope = L::slopes(constants, x, force);
+        let excess = compliance.mul_add(force, x - depth);
+        let above = excess.greater(zero);
+        high = above.select(x, high);
+        low = above.select(low, x);
+        let middle = half * (low + high);
+        let mut next = x - excess / compliance.mul_add(slope, one);
+        next = next.less(low).or(next.greater(high)).select(middle, next);
+        if round > QUICK_STEPS && round % 2 == 0 {
+            next = middle;
+        }
+        moves = moves.and((next - x).abs().greater(rounding));
+        if !moves.any() {
+            break;
+        }
+        x = moves.select(next, x);
+    }
+    x
+}
+
+#[cfg(test)]
+mod tests {
+    use pulp::WithSimd;
+
+    use super::*;
+    use crate::force_law::{Elastic, PairTable, SurfacePair, with_law};
+    use crate::vector::InstructionSet;
+
+    const COMPLIANCES: [f64; 4] = [1e-11, 3e-9, 1e-7, 1e-5];
+
+    fn depths() -> impl Iterator<Item = f64> {
+        (0..60).map(|i| 1e-10 * 1.25f64.powi(i))
+    }
+
+    fn laws() -> Vec<PairTable> {
+        let pair = SurfacePair::internal(2.22e-3, 2.245e-3, 0.011, 1.1e11);
+        let mut laws = Elastic::ALL.to_vec();
+        laws.push(Elastic::Linear(3e8));
+        (laws.into_iter())
+            .map(|law| PairTable::prepare(law, &[pair]))
+            .collect()
+    }
+
+    /// The same by halving.
+    fn halved<L: ElasticLaw>(pair: &L::Pair, compliance: f64, depth: f64) -> f64 {
+        let (mut low, mut high) = (0.0, depth);
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            if middle + compliance * L::force(pair, middle) < depth {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        0.5 * (low + high)
+    }
+
+    #[test]
+    fn depths_are_those_found_by_halving_for_every_law() {
+        for table in laws() {
+            with_law!(&table, Law, pairs => {
+                for compliance in COMPLIANCES {
+                    for depth in depths() {
+                        let found = depth_in_series::<Law>(&pairs[0], compliance, depth);
+                        let expected = halved::<Law>(&pairs[0], compliance, depth);
+                        assert!(
+                            (found - expected).abs() <= 1e-14 * depth,
+                            "{table:?}, {compliance:e} m/N, {depth:e} m: {found:e} for {expected:e}"
+                        );
+                    }
+                }
+            });
+        }
+    }
+
+    #[test]
+    fn nothing_gives_way_by_nothing() {
+        for table in laws() {
+            with_law!(&table, Law, pairs => {
+                assert_eq!(depth_in_series::<Law>(&pairs[0], 1e-8, 0.0), 0.0);
+                assert_eq!(depth_in_series::<Law>(&pairs[0], 1e-8, -1e-6), -1e-6);
+                assert!(depth_in_series::<Law>(&pairs[0], 1e-8, f64::NAN).is_nan());
+            });
+        }
+    }
+
+    struct InSeries<'a> {
+        table: &'a PairTable,
+        compliance: f64,
+        depths: &'a [f64],
+        found: &'a mut Vec<f64>,
+    }
+
+    impl WithSimd for InSeries<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let splat = |value| Lanes::splat(simd, value);
+            with_law!(self.table, Law, pairs => {
+                let constants = Law::constants(&pairs[0]).map(splat);
+                for &depth in self.depths {
+                    let x = depths_in_series::<S, Law>(constants, splat(self.compliance), splat(depth));
+                    self.found.push(x.greatest());
+                }
+            });
+        }
+    }
+
+    #[test]
+    fn registers_give_what_the_scalar_form_gives() {
+        let depths: Vec<f64> = std::iter::once(0.0).chain(depths()).collect();
+        for table in laws() {
+            for compliance in COMPLIANCES {
+                for set in InstructionSet::available() {
+                    let mut found = Vec::new();
+                    set.run(InSeries {
+                        table: &table,
+                        compliance,
+                        depths: &depths,
+                        found: &mut found,
+                    });
+                    with_law!(&table, Law, pairs => {
+                        for (&depth, found) in depths.iter().zip(found) {
+                            let expected = depth_in_series::<Law>(&pairs[0], compliance, depth);
+                            assert!((found - expected).abs() <= 1e-14 * depth, "{table:?} {depth:e}");
+                        }
+                    });
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,183 @@
+"""Lubricant in hinges: against Reynolds' equation, the NumPy reference, and as users meet it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import solve_banded
+
+import rustchain as rc
+from reference.compare import assert_within
+from reference.dynamics import DriveEquations
+
+LN = rc.LankaraniNikravesh()
+RADII, LENGTH = (2.22e-3, 2.245e-3), 0.011  # of the published drive [m]
+CLEARANCE = RADII[1] - RADII[0]
+
+
+def reynolds(viscosity: float, ratio: float, velocity: np.ndarray, cells: int) -> np.ndarray:
+    """Return force along the eccentricity and left of it, from Reynolds' equation by cells.
+
+    Flow over the walls between cells balances what the pin displaces of each; the periodic solution
+    is known but for a constant, which makes it zero at two opposite places; what is then negative
+    is cut off (Guembel).
+    """
+    step = 2.0 * np.pi / cells
+    middle = (np.arange(cells) + 0.5) * step
+    wall = np.arange(1, cells) * step
+    thickness = CLEARANCE * (1.0 - ratio * np.cos(wall))
+    flow = thickness**3 / (12.0 * viscosity * RADII[0] ** 2 * step)
+    sinks = -(velocity[0] * np.cos(middle) + velocity[1] * np.sin(middle)) * step
+    # Pressure zero in the first cell; the wall between the last cell and the first closes the ring.
+    closing = (CLEARANCE * (1.0 - ratio)) ** 3 / (12.0 * viscosity * RADII[0] ** 2 * step)
+    banded = np.zeros((3, cells - 1))
+    banded[0, 1:] = banded[2, :-1] = flow[1:]
+    banded[1] = -flow - np.append(flow[1:], closing)
+    pressure = np.append(0.0, solve_banded((1, 1), banded, sinks[1:]))
+    # Where it is as high as on the other side: there the half that counts begins.
+    across = pressure - np.roll(pressure, cells // 2)
+    following = np.roll(across, -1)
+    k = int(np.argmax((across < 0.0) & (following >= 0.0)))
+    part = -across[k] / (following[k] - across[k])
+    level = pressure[k] + part * (np.roll(pressure, -1)[k] - pressure[k])
+    film = np.clip(pressure - level, 0.0, None)
+    normal = np.stack([np.cos(middle), np.sin(middle)])
+    return -(normal @ film) * step * RADII[0] * LENGTH
+
+
+@pytest.mark.parametrize("ratio", [0.05, 0.2, 0.4, 0.6, 0.8, 0.9])
+@pytest.mark.parametrize("viscosity", [0.01, 0.5])
+def test_force_is_that_of_reynolds_equation(ratio, viscosity):
+    film = rc.Film(viscosity, tension=0.0)
+    angles = np.linspace(0.0, 2.0 * np.pi, 25)  # squeeze at 0, pull at pi, wedges between
+    for angle in angles:
+        velocity = 2e-3 * np.array([np.cos(angle), np.sin(angle)])
+        found = film.force(ratio * CLEARANCE, velocity, RADII, LENGTH)
+        coarse, fine = (reynolds(viscosity, ratio, velocity, cells) for cells in (2000, 4000))
+        expected = fine + (fine - coarse) / 3.0  # the cells' error is of order two
+        size = np.hypot(*film.force(ratio * CLEARANCE, (2e-3, 0.0), RADII, LENGTH))
+        # Measured: at most 2.2e-7.
+        assert np.hypot(*(found - expected)) < 2e-6 * size, angle
+
+
+def test_wedge_alone_and_squeeze_alone_are_the_textbooks():
+    mu, c, ratio = 0.1, CLEARANCE, np.array([0.05, 0.3, 0.6, 0.9])
+    spin = 12.0  # sum of both [rad/s]: seen from their mean the centre goes back at half of it
+    wedge = np.stack([0.0 * ratio, -0.5 * spin * ratio * c], axis=-1)
+    film = rc.Film(mu, tension=0.0)
+    force = film.force(ratio * c, wedge, RADII, LENGTH)
+    scale = mu * RADII[0] ** 3 * LENGTH / c**2
+    rest = 1.0 - ratio**2
+    across = 6.0 * np.pi * scale * spin * ratio / ((2.0 + ratio**2) * np.sqrt(rest))
+    along = -12.0 * scale * spin * ratio**2 / ((2.0 + ratio**2) * rest)
+    assert np.allclose(force, np.stack([along, across], axis=-1), rtol=1e-12)
+    closing = np.stack([c + 0.0 * ratio, 0.0 * ratio], axis=-1)
+    force = film.force(ratio * c, closing, RADII, LENGTH)
+    arc = np.pi + 2.0 * np.arcsin(ratio) + 2.0 * ratio * np.sqrt(rest)
+    assert np.allclose(force[:, 0], -6.0 * scale * arc / rest**1.5, rtol=1e-12)
+    # Closing and opening together have both halves: the full film.
+    opening = film.force(ratio * c, -closing, RADII, LENGTH)
+    full = 12.0 * np.pi * scale / rest**1.5
+    assert np.allclose(opening[:, 0] - force[:, 0], full, rtol=1e-12)
+    # So has what is pulled at less than it bears.
+    gentle = rc.Film(mu, tension=1e5).force(ratio * c, -1e-6 * closing, RADII, LENGTH)
+    assert np.allclose(gentle[:, 0], 1e-6 * full, rtol=1e-4)
+
+
+FILMS = {
+    "thin oil": (rc.Film(0.01), None),
+    "thick oil, half film": (rc.Film(0.5, handover=0.8, tension=0.0), None),
+    "short, with friction": (rc.Film(0.1, length=6e-3), rc.Coulomb(0.1)),
+}
+
+
+@pytest.mark.parametrize("which", FILMS)
+def test_forces_and_accelerations_agree_to_round_off(which, paper, states_with_seat):
+    film, friction = FILMS[which]
+    simulation = rc.Simulation(paper, hinge_film=film, friction=friction)
+    equations = DriveEquations(
+        paper, replace(LN, film=film, friction=friction), replace(LN, friction=friction)
+    )
+    thick = 0
+    for positions, velocities in states_with_seat("pitch-circle"):
+        expected = equations.evaluate(positions, velocities, 0.04)
+        e = simulation.evaluate(positions=positions, velocities=velocities, time=0.04)
+        assert_within(
+            e.hinge_force_vector,
+            expected.hinge_force_vector,
+            expected.hinge_vector_bound[..., None],
+            "forces in hinges as vectors",
+        )
+        assert_within(
+            e.accelerations, expected.accelerations, expected.acceleration_bound, "accelerations"
+        )
+        thick += expected.film_power > 0.0
+    assert thick > 90
+
+
+def test_what_a_film_loses_is_a_place_of_its_own():
+    simulation = rc.Simulation(rc.paper_drive(25.0), hinge_film=rc.Film(0.1))
+    result = simulation.run(0.02, 1e-3, progress=False)
+    energy = result.energy
+    assert energy.hinge_film is not None
+    assert np.all(np.diff(energy.hinge_film) > 0.0)
+    assert abs(energy.residual[-1]) < 1e-2 * energy.dissipated[-1]
+    assert "hinge_film" in result.power_balance()["channel"].to_numpy()
+    film_force = result.hinge(3).film_force
+    assert film_force is not None
+    assert film_force.max() > 0.0
+    dry = rc.Simulation(rc.paper_drive(25.0)).run(2e-3, 1e-3, progress=False)
+    assert dry.energy.hinge_film is None
+    assert dry.hinge(3).film_force is None
+
+
+def test_a_state_with_a_film_is_saved_and_goes_on(tmp_path):
+    simulation = rc.Simulation(rc.paper_drive(25.0), hinge_film=rc.Film(0.1))
+    simulation.step_to(3e-3)
+    simulation.save_state(tmp_path / "state.npz")
+    again = rc.Simulation.load_state(tmp_path / "state.npz")
+    for run in (simulation, again):
+        run.step_to(5e-3)
+    assert np.array_equal(simulation.positions, again.positions)
+    assert simulation.hinge_law == rc.LankaraniNikravesh(film=rc.Film(0.1))
+
+
+def test_a_sweep_has_the_viscosity_as_a_parameter():
+    found = rc.sweep(
+        rc.paper_drive(25.0),
+        {"hinge_film": [None, rc.Film(0.1)]},
+        lambda result: result.hinge(3).force.max(),
+        duration=8e-3,
+        report_step=1e-4,
+        progress=False,
+    )
+    assert not found.errors
+    assert found.values[0] != found.values[1]
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: rc.Film(0.0), "Film.viscosity = 0.*leave the film out"),
+        (lambda: rc.Film(0.1, length=0.0), "Film.length"),
+        (lambda: rc.Film(0.1, handover=1.0), "Film.handover"),
+        (lambda: rc.Film(0.1, tension=-1.0), "Film.tension"),
+        (lambda: rc.Hertz(film=0.1), "Hertz.film"),
+        (
+            lambda: rc.Simulation(rc.paper_drive(), tooth_law=rc.Hertz(film=rc.Film(0.1))),
+            "only hinges have a film",
+        ),
+        (
+            lambda: rc.Simulation(
+                replace(rc.paper_drive(25.0), hinges="ideal"), hinge_film=rc.Film(0.1)
+            ),
+            "film.*room for a film",
+        ),
+        (lambda: rc.Film(0.1).force(1e-6, (0.0, 0.0), (2.0e-3, 2.0e-3), 0.01), "radii"),
+    ],
+)
+def test_what_means_nothing_is_refused(make, message):
+    with pytest.raises(rc.InvalidInput, match=message):
+        make()
