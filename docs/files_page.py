@@ -31,6 +31,7 @@ GROUPS: dict[str, list[Callable[..., Any]]] = {
     "drive.guides": [rc.GuideRail, rc.GuideArm, rc.SmoothIdler],
     "simulation": [rc.Simulation, rc.Solver],
     "simulation.friction": [rc.Coulomb],
+    "simulation.hinge_film": [rc.Film],
     "simulation.force_law": [*makers_of(rc.ForceLaw).values()],
     "run": [rc.Simulation.run],
     "run.stop": [*makers_of(rc.StopCondition).values()],
