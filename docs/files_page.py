@@ -39,6 +39,7 @@ GROUPS: dict[str, list[Callable[..., Any]]] = {
     "drive.ends": [rc.Anchor, rc.Load, rc.LooseEnd],
     "simulation": [rc.Simulation, rc.Solver],
     "simulation.friction": [rc.Coulomb],
+    "simulation.hinge_film": [rc.Film],
     "simulation.force_law": [*makers_of(rc.ForceLaw).values()],
     "run": [rc.Simulation.run],
     "run.stop": [*makers_of(rc.StopCondition).values()],

@@ -1,7 +1,6 @@
 """What oil in the hinges does: power lost by place, and the largest hinge force, thin to thick.
 
-The published drive with a pretension of 100 N between 0.1 and 0.15 s, when the tensioner has pulled
-for a tenth of its time more than its ramp takes.
+The published drive with a pretension of 100 N, between 0.1 and 0.15 s.
 """
 
 from dataclasses import replace
@@ -42,6 +41,10 @@ for name, values in lost.items():
 powers.set(xlabel="viscosity [Pa s]", ylabel="power lost [W]")
 powers.legend()
 forces.plot(names, force, "o-")
-forces.set(xlabel="viscosity [Pa s]", ylabel="largest dry force of a hinge [N]", ylim=(0.0, None))
+forces.set(
+    xlabel="viscosity [Pa s]",
+    ylabel="largest dry force of a hinge [N]",
+    ylim=(0.0, 1.1 * max(force)),
+)
 forces.grid(alpha=0.3)
 figure.savefig("film.png")

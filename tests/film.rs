@@ -18,7 +18,7 @@ fn film(viscosity: f64) -> ForceLaws {
             viscosity,
             length: None,
             handover: 0.9,
-            tension: 1e4,
+            tension: 1e5,
         }),
         ..ForceLaws::default()
     }

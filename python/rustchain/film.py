@@ -30,15 +30,16 @@ class Film(Description):
         Eccentricity over clearance from which on the film gives way to dry contact, 0.1 to 0.99; at
         1, where pin and bushing touch, nothing of it is left.
     tension : float
-        By how much the pressure may fall below that outside before air comes in [Pa]; what is only
-        weakly pulled at keeps both halves of its film. Capillarity holds some 2e3, the oil itself
-        1e5. Zero: the half film of the textbooks, which no step follows well through rest.
+        By how much the pressure may fall below that outside before the film breaks [Pa]: what pulls
+        at it less has both halves of it. By default that of the atmosphere, below which oil boils;
+        capillarity alone holds air out at some 2e3. Zero: the textbooks' half film, whose kink at
+        rest no step follows well.
     """
 
     viscosity: float
     length: float | None = None
     handover: float = 0.9
-    tension: float = 1e4
+    tension: float = 1e5
 
     def force(
         self,

@@ -417,7 +417,7 @@ class Result(Outputs):
         return Hinge(
             self.time,
             *(self.array(f"hinge_{name}")[:, k] for name in names),
-            None if film is None else film[:, k],
+            film_force=None if film is None else film[:, k],
         )
 
     def bushing(self, number: int) -> Bushing:

@@ -111,9 +111,9 @@ class Evaluation:
     Forces are normal forces [N], shapes as in `Kinematics`; ``loads`` and ``accelerations`` are
     (bodies, 3). ``hinge`` and ``tooth`` hold the forces with their derivatives, ``energy`` the
     elastic energy [J]. Vectors have friction in them, with bounds of its own;
-    ``friction_powers`` is what it dissipates in hinges, on teeth and in rollers, ``film_power`` what
-    lubricant does [W]. What begins
-    with ``roller`` is of bushings in rollers; vectors act on the rollers.
+    ``friction_powers`` is what it dissipates in hinges, on teeth and in rollers, ``film_power``
+    what lubricant does [W]. What begins with ``roller`` is of bushings in rollers; vectors act on
+    the rollers.
     """
 
     kinematics: Kinematics
