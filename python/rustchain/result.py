@@ -412,13 +412,13 @@ class Result(Outputs):
         and the first link; the one between is none.
         """
         k = _position("hinge", number, self.drive.hinge_count)
-        names = ("force", "force_vector", "penetration", "eccentricity")
-        film = self.arrays.get("hinge_film_force")
-        return Hinge(
-            self.time,
-            *(self.array(f"hinge_{name}")[:, k] for name in names),
-            film_force=None if film is None else film[:, k],
+        force, vector, penetration, eccentricity = (
+            self.array(f"hinge_{name}")[:, k]
+            for name in ("force", "force_vector", "penetration", "eccentricity")
         )
+        film = self.arrays.get("hinge_film_force")
+        film = None if film is None else film[:, k]
+        return Hinge(self.time, force, vector, penetration, eccentricity, film)
 
     def bushing(self, number: int) -> Bushing:
         """Return bushing `number`, that of the hinge with the same number."""

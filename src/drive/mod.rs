@@ -54,8 +54,13 @@ impl Drive {
     /// The body of the first sprocket: links come before, both ends of an open chain, and rollers.
     #[must_use]
     pub fn first_wheel(&self) -> usize {
-        let ends = if self.ends.is_some() { 2 } else { 0 };
-        self.chain.links as usize + ends + self.chain.rollers()
+        self.hinges() + self.chain.rollers()
+    }
+
+    /// Links, and both ends of an open chain, which close it to a ring: as many as hinges.
+    #[must_use]
+    pub fn hinges(&self) -> usize {
+        self.chain.links as usize + if self.ends.is_some() { 2 } else { 0 }
     }
 
     fn check_closed(&self) -> Result<()> {

@@ -34,7 +34,8 @@ pub struct Hanging {
     pub tensions: Vec<Vec2>,
 }
 
-/// Links that hang from `from` to `to` \[m\], with gravity along the unit vector `down`; nothing where they do not reach.
+/// Links that hang from `from` to `to` \[m\], with gravity along the unit vector `down`; nothing where they do not
+/// reach, or where the ends are so near, sideways, that a link would have to push: they would fold.
 #[must_use]
 pub fn hang(from: Vec2, to: Vec2, down: Vec2, links: &[HangingLink]) -> Option<Hanging> {
     let length: f64 = links.iter().map(|link| link.length).sum();
@@ -178,6 +179,8 @@ mod tests {
             let length: f64 = links.iter().map(|l| l.length).sum();
             let to = share * length * Vec2::new(angle.cos(), angle.sin());
             let down = Vec2::new(0.0, -1.0);
+            // Ends nearer than a link may leave one of an odd number to push.
+            prop_assume!(to.x > 0.11);
             let found = hang(Vec2::zeros(), to, down, &links).unwrap();
             prop_assert!((found.points[count] - to).norm() < 1e-11 * length);
             for (i, link) in links.iter().enumerate() {

@@ -80,7 +80,7 @@ impl Model {
         drive.validate()?;
         laws.check(drive.chain.material.restitution)?;
         let chain = &drive.chain;
-        let links = drive.first_wheel();
+        let links = drive.hinges();
         if start.positions.len() != drive.bodies() {
             return Err(Error::invalid(
                 "positions",

@@ -15,6 +15,7 @@ NAN, INF = math.nan, math.inf
 
 DRIVE = rc.paper_drive()
 TENSIONED = rc.paper_drive(pretension=25.0)
+ROLLER = rc.paper_drive(rollers="bodies").chain.roller
 
 
 def fields_of(description):
@@ -57,6 +58,8 @@ GOOD = {
         rc.LiuConformal(),
         rc.Linear(stiffness=1e8),
         rc.Coulomb(0.1, "ambrosio"),
+        rc.Film(0.1),
+        ROLLER,
         rc.Solver(),
         rc.HingeForceAbove(1.0),
         rc.ToothForceAbove(1.0),
@@ -150,7 +153,12 @@ NUMBER_OR_NONE = [
     for value in ("17", True, 17.0, NAN, -1, 0, (17,))
 ]
 REGIONS = word("kept", "sharp")
-LAW = {"damping": DAMPING, "regions": REGIONS, "friction": instance("Coulomb", rc.Hertz())}
+LAW = {
+    "damping": DAMPING,
+    "regions": REGIONS,
+    "friction": instance("Coulomb", rc.Hertz()),
+    "film": instance("Film", rc.Hertz()),
+}
 COEFFICIENT = [
     *[
         (value, "must be a positive number; for no friction, leave the law out")
@@ -196,6 +204,30 @@ FIELDS = {
         ],
         "pitch_spread": within(0, 0.01, -1e-9, 0.011),
         "seed": [(value, "must be a whole number") for value in NO_COUNT],
+        "roller": instance("Roller", DRIVE.chain.hinge),
+        "link_stiffness": optional_positive("N/m"),
+    },
+    "Roller": {
+        "radius": positive("m"),
+        "bore_radius": positive("m"),
+        "length": positive("m"),
+        "mass": positive("kg"),
+        "inertia": positive("kg m^2"),
+    },
+    "Film": {
+        "viscosity": [
+            *[
+                (v, "must be a positive number; for dry hinges, leave the film out")
+                for v in POSITIVE
+            ],
+            *[(value, "must be a number in Pa s") for value in NO_NUMBER],
+        ],
+        "length": optional_positive("m"),
+        "handover": [
+            *[(value, "must be from 0.1 to 0.99") for value in (*FINITE, 0.05, 1.0)],
+            *[(value, "must be a number") for value in NO_NUMBER],
+        ],
+        "tension": not_negative("Pa"),
     },
     "AnsiTooth": {
         "seat": SEAT,
