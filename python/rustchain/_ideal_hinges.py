@@ -43,12 +43,6 @@ class IdealHingeCore:
         positions: Array | None,
         velocities: Array | None,
     ) -> None:
-        if hinge_law is not None and hinge_law != force_law:
-            msg = (
-                f"hinge_law = {hinge_law}: must be None with ChainDrive.hinges = 'ideal', whose "
-                "hinges have no contact; it is for 'clearance'"
-            )
-            raise InvalidInput(msg)
         # There is no contact in the hinges, whose law says nothing but this.
         friction = getattr(force_law if hinge_law is None else hinge_law, "friction", None)
         if friction is not None:
@@ -62,6 +56,12 @@ class IdealHingeCore:
             msg = (
                 f"film = {film}: must be None with ChainDrive.hinges = 'ideal'; only chain drives "
                 "with clearance hinges have room for a film"
+            )
+            raise InvalidInput(msg)
+        if hinge_law is not None and hinge_law != force_law:
+            msg = (
+                f"hinge_law = {hinge_law}: must be None with ChainDrive.hinges = 'ideal', whose "
+                "hinges have no contact; it is for 'clearance'"
             )
             raise InvalidInput(msg)
         if len(drive.sprockets) > 2:

@@ -52,7 +52,7 @@ impl Film {
         if !(self.viscosity > 0.0 && self.viscosity.is_finite()) {
             return Err(Error::invalid(
                 format!("{name}.viscosity"),
-                format!("{} Pa s", self.viscosity),
+                self.viscosity,
                 "must be a positive number; for dry hinges, leave the film out",
             ));
         }

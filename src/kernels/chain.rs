@@ -91,6 +91,7 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const EXTRA: bool, co
 {
     type Output = ChainFound;
 
+    #[allow(clippy::too_many_lines)] // a line for each of many fields
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> ChainFound {
         let n = self.places[0].len();

@@ -38,6 +38,9 @@ def test_the_channels_are_those_of_a_drive_with_clearance(result):
     evaluations = [rc.Simulation(d).evaluate() for d in (DRIVE, rc.paper_drive(pretension=100.0))]
     for field in dataclasses.fields(evaluations[0]):
         ideal, clearance = (getattr(e, field.name) for e in evaluations)
+        if clearance is None:  # of rollers and oil, which this drive does not have
+            assert ideal is None, field.name
+            continue
         assert (ideal.shape, ideal.dtype) == (clearance.shape, clearance.dtype), field.name
 
 

@@ -27,6 +27,7 @@ class OpenChainEquations(DriveEquations):
         real = int(drive.chain.links)
         first, last = drive.ends
         self.links = real + 2
+        self.wheels = self.links
         arm = [getattr(end, "arm", 0.0) for end in (last, first)]
         self.arms = np.concatenate([self.arms, arm])
         # Inner links carry their bushings at both ends. The body at end 2 has one where the last
