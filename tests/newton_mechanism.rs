@@ -349,6 +349,26 @@ fn a_chain_of_a_thousand_bars_is_followed_in_as_many_steps_as_a_short_one() {
     assert!(many < 3 * few, "{few} {many}");
 }
 
+#[test]
+fn fast_bars_are_held_in_long_steps_where_factors_of_a_state_beside_give_few_digits() {
+    let mut pendulum = bar_chain(2, 0.0);
+    for (body, speed) in pendulum.bodies.iter_mut().zip([25.0, 75.0]) {
+        body.inertia = 0.01;
+        body.velocity = [0.0, speed, 50.0];
+    }
+    let model = Arc::new(MechanismModel::compile(&pendulum).unwrap());
+    let control = StepControl {
+        corrector: Corrector::Newton,
+        accuracy: 5e-4,
+        max_step: 5e-3,
+        ..StepControl::default()
+    };
+    let mut machine = MechanismSimulation::new(model, control, Stabilisation::Projection).unwrap();
+    while !machine.advance(2.0, std::time::Duration::MAX).unwrap() {}
+    let [places, speeds] = machine.drift();
+    assert!(places < 1e-11 && speeds < 1e-7, "{places:e} {speeds:e}");
+}
+
 /// The paper's drive with its tensioner as bodies, clearance joints and sprockets, in motion as given.
 fn as_mechanism(
     drive: &Drive,

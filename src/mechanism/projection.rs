@@ -125,7 +125,14 @@ impl MechanismDynamics {
                 self.factorise_held(&mut held);
             }
             let left = left.max(LEFT_OF_VELOCITIES);
-            done = self.project_velocities(&mut held, state, [&mut residual, &mut change], left);
+            let with = [&mut residual[..], &mut change[..]];
+            done = self.project_velocities(&mut held, state, with, left);
+            if !done && !held.fresh {
+                // Factors of a state beside do not give every digit.
+                self.factorise_held(&mut held);
+                let with = [&mut residual[..], &mut change[..]];
+                done = self.project_velocities(&mut held, state, with, left);
+            }
         }
         self.kkt = Some(held.kkt);
         self.projecting = [residual, change];
