@@ -179,9 +179,11 @@ mod tests {
             let length: f64 = links.iter().map(|l| l.length).sum();
             let to = share * length * Vec2::new(angle.cos(), angle.sin());
             let down = Vec2::new(0.0, -1.0);
-            // Ends nearer than a link may leave one of an odd number to push.
-            prop_assume!(to.x > 0.11);
-            let found = hang(Vec2::zeros(), to, down, &links).unwrap();
+            let Some(found) = hang(Vec2::zeros(), to, down, &links) else {
+                // Ends nearer, sideways, than a link may leave it to push; hardly farther ones pull next to nothing. No others fail.
+                prop_assert!(to.x < 1.01 * 0.11, "{count} {to}");
+                return Ok(());
+            };
             prop_assert!((found.points[count] - to).norm() < 1e-11 * length);
             for (i, link) in links.iter().enumerate() {
                 let along = found.points[i + 1] - found.points[i];
