@@ -3,12 +3,14 @@
 mod balance;
 mod inputs;
 mod snapshot;
+mod wall;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 pub(crate) use balance::describe_open_balance;
 pub use snapshot::Snapshot;
+use wall::Wall;
 
 use crate::dynamics::Dynamics;
 use crate::error::{Error, Result, check};
@@ -40,31 +42,6 @@ pub struct Simulation {
     watched: (u64, f64),
     /// Next kink of a speed or torque \[s\], once it is known.
     kink: f64,
-}
-
-/// Wall time spent in runs. Steps are too short to read the clock in each: some are timed, and all are taken to be like them.
-#[derive(Debug, Clone, Copy, Default)]
-struct Wall {
-    /// In all.
-    runs: Duration,
-    reports: Duration,
-    /// In the steps that were timed, and in finding their onsets.
-    timed_stepping: Duration,
-    timed_onsets: Duration,
-}
-
-impl Wall {
-    /// Time in steps and in finding onsets \[s\].
-    fn steps(&self) -> [f64; 2] {
-        let all = self.runs.saturating_sub(self.reports).as_secs_f64();
-        let [stepping, onsets] = [self.timed_stepping, self.timed_onsets].map(|d| d.as_secs_f64());
-        let timed = stepping + onsets;
-        if timed > 0.0 {
-            [all * stepping / timed, all * onsets / timed]
-        } else {
-            [all, 0.0]
-        }
-    }
 }
 
 /// What a run has cost so far.
@@ -349,8 +326,7 @@ impl Simulation {
         }
         self.dynamics.meter_step(&self.adams, &step);
         if let (Some(begin), Some(stepped)) = (begin, stepped) {
-            self.wall.timed_stepping += stepped - begin;
-            self.wall.timed_onsets += stepped.elapsed();
+            self.wall.take_in(stepped - begin, stepped.elapsed());
         }
         self.watch_progress()
     }
