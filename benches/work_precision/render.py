@@ -66,13 +66,13 @@ def error_of(line):
     return line["residual"] if ", 0.2 s" in line["scene"] else line["position_error"]
 
 
-def curves(record, scene):
-    """Return {method: (errors, times)} of what finished."""
+def curves(record, scene, cost="wall"):
+    """Return {method: (errors, times)} of what finished; `cost`: what counts in the place of time."""
     found = {}
     for line in record["lines"]:
         error = error_of(line)
         if line["scene"] == scene and np.isfinite(error):
-            found.setdefault(line["method"], []).append((max(error, 1e-17), line["wall"]))
+            found.setdefault(line["method"], []).append((max(error, 1e-17), line[cost]))
     return {method: np.array(points).T for method, points in found.items()}
 
 
@@ -85,8 +85,31 @@ def verdicts(record):
         for wanted in (1e-2, 1e-3, 1e-4) if ", 0.2 s" in scene else _errors(scene):
             times = {m: time_at_error(*points, wanted) for m, points in found.items()}
             said += _verdict(scene, wanted, times, _narrower(record, scene))
+            if is_known(scene):
+                counts = curves(record, scene, "evaluations")
+                counts = {m: time_at_error(*points, wanted) for m, points in counts.items()}
+                said[-1] += _evaluations(counts)
     said += _instructions(record) + _links(record) + _orders(record)
     return said
+
+
+def is_known(scene):
+    """Whether the answer is known, and an evaluation next to nothing."""
+    return scene.startswith(("planet", "pin"))
+
+
+def _evaluations(counts):
+    """The same by evaluations, of which the time of a system that is not tiny consists."""
+    best = {"own": (np.inf, ""), "rival": (np.inf, "")}
+    for method, count in counts.items():
+        # Newton's method makes a matrix besides.
+        if np.isfinite(count) and method not in ("rustchain Newton", "CVODE BDF"):
+            whose = "own" if method.startswith("rustchain") else "rival"
+            best[whose] = min(best[whose], (count, method))
+    (own, _), (rival, name) = best["own"], best["rival"]
+    if not np.isfinite(own + rival):
+        return ""
+    return f"; by evaluations {own:.0f}, {name} {rival / own:.1f} times that"
 
 
 def _load(record):
@@ -126,7 +149,7 @@ def _verdict(scene, wanted, times, narrower):
         return [f"{head} not reached"]
     best = min(own, key=own.get)
     text = f"{head} {SHORT[best]} {own[best]:.3g}"
-    text += " s" if scene.startswith(("planet", "pin")) else " s/s"
+    text += " s" if is_known(scene) else " s/s"
     cvode = [t for m, t in rivals.items() if m.startswith("CVODE")]
     text += f"; CVODE {min(cvode) / own[best]:.1f} times that" if cvode else "; no CVODE there"
     if rivals:
@@ -233,7 +256,7 @@ def _tables(record):
     """One table a scene."""
     blocks = []
     for scene in dict.fromkeys(line["scene"] for line in record["lines"]):
-        unit = "time of a run, ms" if scene.startswith(("planet", "pin")) else "s/s"
+        unit = "time of a run, ms" if is_known(scene) else "s/s"
         note = _reference(record["references"].get(scene))
         rows = [
             f"| method | tolerance | {unit} | steps | evaluations | Jacobians | onsets | error "
@@ -314,7 +337,7 @@ def draw(record, path):
 
 
 def _panel(axis, scene, found):
-    known = scene.startswith(("planet", "pin"))
+    known = is_known(scene)
     unit = 1e3 if known else 1.0
     ends = []
     for method, colour in COLOURS.items():
@@ -357,7 +380,7 @@ def _panel(axis, scene, found):
 
 def _mark_default(axis, record, scene):
     """Ring auto's point at the default accuracy, where that is what its tolerances are."""
-    if scene.startswith(("planet", "pin")):
+    if is_known(scene):
         return
     for line in record["lines"]:
         here = line["scene"] == scene and line["method"] == "rustchain auto"

@@ -25,9 +25,12 @@ const EXPLICIT_REACH: f64 = 0.4;
 /// An explicit step this near to its limit of stability is held by it.
 const NEAR_LIMIT: f64 = 0.5;
 
+/// Explicit steps of these orders gain nothing from it, whether stability holds them or contacts that begin and end.
+const LOW_ORDER: usize = 4;
+
 /// Error at order two, at the size of the explicit step, below which Newton's method is expected to make steps long enough to
-/// pay: 1.6 times as long at least.
-const LONGER: f64 = 0.25;
+/// pay: 1.3 times as long by the same norm, 2.5 times on the published drive, where its own, a mean, is 15 times less.
+const LONGER: f64 = 0.5;
 
 /// A change has to make a simulated second cheaper by this factor.
 const GAIN: f64 = 1.2;
@@ -113,14 +116,16 @@ impl Adams {
         }
     }
 
-    /// After one of [`STEPS_A_LOOK`] explicit steps: whether stability held it although Newton's method at order two could make a longer one.
+    /// After one of [`STEPS_A_LOOK`] explicit steps: whether it made no use of a high order, or stability held it, although Newton's
+    /// method at order two could make a longer one.
     pub(super) fn consider_implicit(&mut self, system: &impl SecondOrderSystem) {
         let rate = self.rate_from_slopes(system.coordinates());
         self.fastest.meet_after(STEPS_A_LOOK, rate);
         let (k, h) = (self.last_order, self.last_step_size);
         // A step near the longest allowed is not held by stability: Newton's method could not make it longer.
         let longest = self.is_near_longest(h);
-        let held = !longest && h * self.fastest.value() > NEAR_LIMIT * explicit_limit(k);
+        let unstable = || h * self.fastest.value() > NEAR_LIMIT * explicit_limit(k);
+        let held = !longest && (k <= LOW_ORDER || unstable());
         let at_order_two = || h * gamma_star(2) * self.norm_of_difference(2);
         let pays = held && (k < 2 || at_order_two() <= LONGER);
         self.choice.vote(pays, STEPS_A_LOOK);
