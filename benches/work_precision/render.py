@@ -67,7 +67,7 @@ def error_of(line):
 
 
 def curves(record, scene, cost="wall"):
-    """Return {method: (errors, times)} of what finished; `cost`: what counts in the place of time."""
+    """Return {method: (errors, times)} of what finished; `cost` counts in the place of time."""
     found = {}
     for line in record["lines"]:
         error = error_of(line)
@@ -99,7 +99,7 @@ def is_known(scene):
 
 
 def _evaluations(counts):
-    """The same by evaluations, of which the time of a system that is not tiny consists."""
+    """Compare by evaluations, of which the time of a system that is not tiny consists."""
     best = {"own": (np.inf, ""), "rival": (np.inf, "")}
     for method, count in counts.items():
         # Newton's method makes a matrix besides.
