@@ -119,6 +119,32 @@ def test_a_file_that_is_no_result_is_told(tmp_path):
         rc.MechanismResult.load(tmp_path / "none.nc")
 
 
+def test_a_result_that_was_cut_short_is_told(tmp_path, whole):
+    path = tmp_path / "whole.h5"
+    whole.save(path)
+    cut = tmp_path / "cut.npz"
+    cut.write_bytes(path.read_bytes()[:2000])
+    with pytest.raises(rc.InvalidInput, match=r"cut\.npz: is no result .* copy or save it again"):
+        rc.MechanismResult.load(cut)
+
+
+def test_figures_take_lists_of_names(whole):
+    plots = whole.plot
+    listed, named = plots.motion(["ball", "bar"]), plots.motion("ball", "bar")
+    assert len(listed.axes[0].lines) == len(named.axes[0].lines) == 2
+    assert len(plots.joint_loads(["bearing"]).axes[0].lines) == 1
+    with pytest.raises(rc.InvalidInput, match=r"joint: 'bering' is no joint.*'bearing'"):
+        plots.joint_loads(["bering"])
+    plt.close("all")
+
+
+def test_more_rows_than_memory_holds_are_refused():
+    simulation = ball()
+    with pytest.raises(rc.InvalidInput, match=r"report_step = 1e-12: gives 1e\+09 rows .* GiB"):
+        simulation.run(1e-3, report_step=1e-12)
+    assert simulation.time == 0.0
+
+
 def test_ideal_hinges_refuse_a_law_of_their_own():
     drive = rc.paper_drive(hinges="ideal")
     with pytest.raises(rc.InvalidInput, match=r"hinge_law = .* must be None with"):
