@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 from rustchain import _rustchain
-from rustchain._tensioner_mechanism import add_tensioner
+from rustchain._tensioner_mechanism import add_tensioner, mass_beside_an_arm
 from rustchain.drive import AppliedTorque, ChainDrive, Hinges, PrescribedSpeed
 from rustchain.errors import InvalidInput
 from rustchain.force_law import ForceLaw, LankaraniNikravesh
@@ -119,7 +119,8 @@ def _add_sprocket(
     inertia += sprocket.load_inertia
     row = chain.links + k
     position = start[0][row]
-    mechanism.add_body(name, mass, inertia, position, start[1][row])
+    left = mass_beside_an_arm(drive.tensioner, k + 1, mass)
+    mechanism.add_body(name, left, inertia, position, start[1][row])
     center = (float(position[0]), float(position[1]))
     tensioner = drive.tensioner
     if tensioner is not None and tensioner.sprocket == k + 1:

@@ -168,8 +168,13 @@ class IdealHingeCore(IdealHingeChannels):
             return None, None
         places = self.positions if positions is None else positions
         rates = self.velocities if velocities is None else velocities
-        if len(places) != self._own.stop or len(rates) != self._own.stop:
-            return positions, velocities  # which the core refuses
+        for name, rows in (("positions", places), ("velocities", rates)):
+            if len(rows) != self._own.stop:
+                msg = (
+                    f"{name} = {len(rows)} rows: needs one row (3 numbers) for each of the "
+                    f"{self._own.stop} bodies"
+                )
+                raise InvalidInput(msg)
         arm = arm_rows(self._drive, places, rates)
         return np.concatenate([places, arm[:1]]), np.concatenate([rates, arm[1:]])
 

@@ -14,7 +14,10 @@ from rustchain.mechanism_parts import GROUND, Table, TimeFunction
 from rustchain.result import Array
 
 _STOP_STIFFNESS = 1e7  # [N/m], as the drive's
-_LEAST_ARM = 1e-6  # of what the sprocket has about the pivot: an arm is no body without inertia
+# An arm is no body without mass. A bar of this share of its sprocket's mass, half of which the
+# sprocket gives and which has a fourth of its mass times the arm's length squared for an inertia,
+# leaves mass, weight and inertia about the pivot what they are.
+_SHARE = 0.1
 _ROOM = 1.0  # [m] behind the slide, where its spring begins, and past the stops
 
 
@@ -33,6 +36,12 @@ def add_tensioner(
         _add_slide(mechanism, drive, placed[1])
     else:
         _add_arm(mechanism, drive, placed)
+
+
+def mass_beside_an_arm(tensioner: Tensioner | None, number: int, mass: float) -> float:
+    """Return the mass [kg] that is left to sprocket `number` where it has an arm."""
+    has_arm = tensioner is not None and tensioner.sprocket == number and tensioner.pivot is not None
+    return mass * (1.0 - 0.5 * _SHARE) if has_arm else mass
 
 
 def _add_slide(mechanism: Mechanism, drive: ChainDrive, position: Array) -> None:
@@ -76,9 +85,8 @@ def _add_arm(mechanism: Mechanism, drive: ChainDrive, placed: tuple[float, Array
         return
     radius, described, way = _arm(drive)
     row = _arm_row(pivot, described, position[:2], velocity[:2])
-    inertia = max(tensioner.arm_inertia, _LEAST_ARM * mass * radius**2)
-    # It turns about its own centre: the mass bears on nothing.
-    mechanism.add_body(f"arm_{k}", mass, inertia, row[0], row[1])
+    inertia = tensioner.arm_inertia + 0.25 * _SHARE * mass * radius**2
+    mechanism.add_body(f"arm_{k}", _SHARE * mass, inertia, row[0], row[1])
     center = (float(position[0]), float(position[1]))
     mechanism.add_revolute(f"pivot_{k}", GROUND, f"arm_{k}", at=pivot)
     mechanism.add_revolute(f"bearing_{k}", f"arm_{k}", f"sprocket_{k}", at=center)
@@ -117,7 +125,8 @@ def _arm_row(pivot: tuple[float, float], described: float, center: Array, veloci
     x, y = center[0] - pivot[0], center[1] - pivot[1]
     spin = (x * velocity[1] - y * velocity[0]) / (x * x + y * y)
     angle = described + math.remainder(math.atan2(y, x) - described, math.tau)
-    return np.array([[*pivot, angle], [0.0, 0.0, spin]])
+    half = [pivot[0] + 0.5 * x, pivot[1] + 0.5 * y]
+    return np.array([[*half, angle], [0.5 * velocity[0], 0.5 * velocity[1], spin]])
 
 
 def _arm(drive: ChainDrive) -> tuple[float, float, float]:
