@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 Group = Literal["hinges", "teeth", "sprockets", "bodies", "energy"]
 
+_MOST_ROWS = 1e9  # more are refused whatever they hold
 WALL_BUDGET = 0.05  # [s] between looks at the keyboard and the progress bar
 
 
@@ -43,7 +44,7 @@ def check_rows_fit(duration: object, report_step: object, numbers: int) -> None:
         return
     rows, size = duration / report_step, 8 * numbers
     memory = _memory()
-    if rows * size > memory:
+    if rows <= _MOST_ROWS and rows * size > memory:
         least = duration * size / memory
         msg = (
             f"report_step = {report_step:g}: gives {rows:.3g} rows of {size} bytes in {duration:g} "

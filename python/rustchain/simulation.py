@@ -276,7 +276,7 @@ class Simulation(Present):
             return 7 + (16 + 6 * sprockets) * links
         each = {"hinges": 9 * links, "teeth": 6 * links, "sprockets": 5 * sprockets}
         each["bodies"] = 6 * len(self.body_names)
-        return 1 + sum(each.get(group, 0) for group in groups) + 6 * energy
+        return 1 + sum(each.get(group, 0) for group in groups) + (6 if energy else 0)
 
     def _result(
         self,
