@@ -98,11 +98,11 @@ impl MechanismSimulation {
         let n = self.dynamics.model.coordinates();
         let (length, since) = (end - self.step_start, t - self.step_start);
         let (before, after) = (&self.shift_before, &self.dynamics.shift);
-        for i in 0..2 * n {
+        for (i, (x, after)) in self.inside.iter_mut().zip(after).enumerate() {
             // The shift of coordinates grows by that of their velocities; projection has changed what it came to.
             let growth = if i < n { before[n + i] } else { 0.0 };
-            let change = after[i] - (before[i] + length * growth);
-            self.inside[i] += before[i] + since * growth + part * change;
+            let change = after - (before[i] + length * growth);
+            *x += before[i] + since * growth + part * change;
         }
     }
 
