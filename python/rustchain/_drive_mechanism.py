@@ -6,7 +6,8 @@ import math
 from dataclasses import replace
 
 from rustchain import _rustchain
-from rustchain.drive import AppliedTorque, ChainDrive, PrescribedSpeed
+from rustchain._tensioner_mechanism import add_tensioner, mass_beside_an_arm
+from rustchain.drive import AppliedTorque, ChainDrive, Hinges, PrescribedSpeed
 from rustchain.errors import InvalidInput
 from rustchain.force_law import ForceLaw, LankaraniNikravesh
 from rustchain.mechanism import Mechanism
@@ -19,7 +20,7 @@ _STEEL_DENSITY = 7850.0  # [kg/m^3], as the generator's discs
 
 def drive_mechanism(
     drive: ChainDrive,
-    hinges: str,
+    hinges: Hinges,
     force_law: ForceLaw | None,
     min_approach_speed: float,
     placed: tuple[Array | None, Array | None] = (None, None),
@@ -40,6 +41,7 @@ def drive_mechanism(
     if drive.ends is not None:
         msg = "ChainDrive.ends: an open chain is no mechanism yet; it has clearance in its hinges"
         raise InvalidInput(msg)
+    drive = replace(drive, hinges=hinges)
     chain, law = drive.chain, force_law or LankaraniNikravesh()
     generated = Simulation(replace(drive, hinges="clearance"))
     start = (
@@ -117,65 +119,22 @@ def _add_sprocket(
     inertia += sprocket.load_inertia
     row = chain.links + k
     position = start[0][row]
-    mechanism.add_body(name, mass, inertia, position, start[1][row])
+    left = mass_beside_an_arm(drive.tensioner, k + 1, mass)
+    mechanism.add_body(name, left, inertia, position, start[1][row])
     center = (float(position[0]), float(position[1]))
     tensioner = drive.tensioner
     if tensioner is not None and tensioner.sprocket == k + 1:
-        x, y = _direction_of_pull(drive, k)
-        x, y = x / math.hypot(x, y), y / math.hypot(x, y)
-        pull = drive.check().tension_force
-        ramp = [_grown(pull * part, tensioner.ramp_time) for part in (x, y)]
-        mechanism.add_point_on_line(f"slide_{k + 1}", GROUND, name, (x, y), point_a=center)
-        mechanism.add_force(f"tensioner_{k + 1}", name, ramp)
-        if tensioner.damping > 0.0:
-            # A damper along the slide, from a point behind it.
-            behind = (center[0] - x, center[1] - y)
-            mechanism.add_spring(
-                f"damper_{k + 1}", GROUND, name, damping=tensioner.damping, point_a=behind
-            )
+        add_tensioner(mechanism, drive, (mass, position, start[1][row]))
     elif sprocket.bearing == "fixed":
         mechanism.add_revolute(f"bearing_{k + 1}", GROUND, name, at=center)
     if isinstance(sprocket.motion, PrescribedSpeed):
         speed = _function(sprocket.motion.speed)
         mechanism.add_driver(f"motor_{k + 1}", GROUND, name, speed=speed)
     elif isinstance(sprocket.motion, AppliedTorque):
-        if sprocket.motion.curve is not None:
-            msg = (
-                "AppliedTorque.curve: a curve over speed is not translated into a mechanism; leave "
-                "it out and add a torque to it"
-            )
-            raise InvalidInput(msg)
         mechanism.add_torque(f"motor_{k + 1}", name, _function(sprocket.motion.torque))
-
-
-def _direction_of_pull(drive: ChainDrive, k: int) -> tuple[float, float]:
-    """Return the direction of the tensioner's pull on sprocket `k`, of any length."""
-    tensioner = drive.tensioner
-    if (
-        tensioner is None
-        or tensioner.pivot is not None
-        or tensioner.travel is not None
-        or tensioner.stiffness != 0.0
-        or tensioner.ratchet is not None
-        or tensioner.damping_back not in (None, tensioner.damping)
-    ):
-        msg = (
-            "Tensioner: a pivot, a stiffness, stops, a ratchet or a leak do not go into a "
-            "mechanism; leave them out and add joints and springs to it"
-        )
-        raise InvalidInput(msg)
-    if tensioner.direction is not None:
-        return tensioner.direction
-    if len(drive.sprockets) > 2:
-        msg = "Tensioner.direction = None: a mechanism of more than two sprockets needs one"
-        raise InvalidInput(msg)
-    (x, y), (other_x, other_y) = drive.sprockets[k].center, drive.sprockets[1 - k].center
-    return x - other_x, y - other_y
-
-
-def _grown(value: float, time: float) -> TimeFunction:
-    """Return what grows to `value` within `time` [s]; within none, it is there from the start."""
-    return Table([(0.0, 0.0), (time, value)]) if time > 0.0 else value
+        if (curve := sprocket.motion.curve) is not None:
+            rows = curve if isinstance(curve, tuple) else ((0.0, curve), (1.0, curve))
+            mechanism.add_torque(f"curve_{k + 1}", name, by_speed=rows)
 
 
 def _function(value: object) -> TimeFunction:

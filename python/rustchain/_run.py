@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import os
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Literal, NoReturn, get_args
 
@@ -14,6 +16,7 @@ if TYPE_CHECKING:
 
 Group = Literal["hinges", "teeth", "sprockets", "bodies", "energy"]
 
+_MOST_ROWS = 1e9  # more are refused whatever they hold
 WALL_BUDGET = 0.05  # [s] between looks at the keyboard and the progress bar
 
 
@@ -28,6 +31,36 @@ def known_groups(record: Sequence[str], energy: bool) -> tuple[list[str], bool]:
             msg = f"record: {group!r} is no group; {suggest(group, get_args(Group))}"
             raise InvalidInput(msg)
     return groups, True if "energy" in groups else energy
+
+
+def check_rows_fit(duration: object, report_step: object, numbers: int) -> None:
+    """Refuse more rows of so many numbers each than the machine's memory holds.
+
+    What is no number, or makes no sense, is left to those who read it.
+    """
+    if not (isinstance(duration, float | int) and isinstance(report_step, float | int)):
+        return
+    if not (0.0 < duration < math.inf and 0.0 < report_step < math.inf):
+        return
+    rows, size = duration / report_step, 8 * numbers
+    memory = _memory()
+    if rows <= _MOST_ROWS and rows * size > memory:
+        least = duration * size / memory
+        msg = (
+            f"report_step = {report_step:g}: gives {rows:.3g} rows of {size} bytes in {duration:g} "
+            f"s, {rows * size / 2**30:.3g} GiB, where this machine has {memory / 2**30:.3g}: take "
+            f"{least:.1e} s or more, record less, or run it in pieces"
+        )
+        raise InvalidInput(msg)
+
+
+def _memory() -> float:
+    """Return the memory of this machine [bytes]."""
+    try:
+        found = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, ValueError, OSError):  # not everywhere
+        found = 0
+    return float(found) if found > 0 else 2.0**36
 
 
 def seconds_bar(total: float, progress: bool, description: str | None = None) -> tqdm[NoReturn]:

@@ -214,10 +214,13 @@ class MechanismResult:
 
         try:
             data = xr.load_dataset(path, engine="h5netcdf", decode_times=False)
-        except FileNotFoundError:
-            raise
         except Exception as error:  # what is no netCDF file, or is damaged, raises what it likes
-            msg = f"path = {path}: is no result of a mechanism, or is damaged ({error})"
+            if isinstance(error, OSError) and not Path(path).is_file():
+                raise
+            msg = (
+                f"path = {path}: is no result of a mechanism, or is damaged ({error}): give a file "
+                "that MechanismResult.save wrote, or copy or save it again"
+            )
             raise InvalidInput(msg) from error
         if "mechanism" not in data.attrs:
             msg = f"path: {path} holds no result of a mechanism; load_result reads those of drives"

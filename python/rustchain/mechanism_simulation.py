@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from rustchain import _rustchain, _state_file
 from rustchain._names import known_keywords
-from rustchain._run import WALL_BUDGET, seconds_bar
+from rustchain._run import WALL_BUDGET, check_rows_fit, seconds_bar
 from rustchain._start import rows_of
 from rustchain.errors import EnergyWarning, InvalidInput, SimulationError
 from rustchain.mechanism import Mechanism
@@ -205,6 +205,9 @@ class MechanismSimulation:
         """
         self._check_idle("run")
         looks = looks_of(self, stop, callback)
+        bodies, joints, contacts = self.body_names, self.joint_names, self.contact_names
+        numbers = 7 + 9 * len(bodies) + 7 * len(joints) + 6 * len(contacts)
+        check_rows_fit(duration, report_step, numbers)
         before = self._core.stats()
         self._core.start_recording(duration, report_step)
         self._running = True

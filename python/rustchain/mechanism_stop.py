@@ -77,6 +77,9 @@ class MechanismStopCondition(ABC):
 class JointForceAbove(MechanismStopCondition):
     """An ideal joint bore more than a limit since the row before.
 
+    For mechanisms, and for drives with ideal hinges, whose joints are ``"hinge_1"`` and so on,
+    ``"bearing_1"`` and ``"motor_1"``, as in `ChainDrive.to_mechanism`.
+
     Attributes
     ----------
     force : float
@@ -89,14 +92,17 @@ class JointForceAbove(MechanismStopCondition):
 
     def look_at(self, simulation: MechanismSimulation) -> Look:
         """Return what looks at each report of `simulation`."""
-        names = simulation.joint_names
-        return self._force("joint", self.joint, names, lambda: simulation._core.last_peaks()[0])
+        core = simulation._core
+        return self._force("joint", self.joint, core.joint_names, lambda: core.last_peaks()[0])
 
 
 @known_keywords
 @dataclass(frozen=True)
 class ContactForceAbove(MechanismStopCondition):
     """A contact or clearance joint was pressed by more than a limit since the row before.
+
+    For mechanisms, and for drives with ideal hinges, whose contacts are such as
+    ``"bushing_6_on_sprocket_1"``.
 
     Attributes
     ----------
@@ -110,8 +116,9 @@ class ContactForceAbove(MechanismStopCondition):
 
     def look_at(self, simulation: MechanismSimulation) -> Look:
         """Return what looks at each report of `simulation`."""
-        names = simulation.contact_names
-        return self._force("contact", self.contact, names, lambda: simulation._core.last_peaks()[1])
+        core = simulation._core
+        names = core.contact_names
+        return self._force("contact", self.contact, names, lambda: core.last_peaks()[1])
 
 
 MechanismStop: TypeAlias = MechanismStopCondition | TimeReached

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import degrees
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from rustchain.drive import ChainDrive
 
 Numbers: TypeAlias = tuple[float, ...]
+
+_LITTLE_PLAY = 1e-6  # [m]
 
 
 @dataclass(frozen=True)
@@ -126,6 +128,8 @@ class DriveReport:
     def of(cls, drive: ChainDrive) -> DriveReport:
         """Return the report on `drive`."""
         chain, found = drive.chain, _rustchain.layout(drive)
+        if drive.hinges == "ideal" and drive.tensioner is not None and drive.tensioner.stiffness:
+            found["tension_force"] = _pull_without_play(drive, found["hinge_stretch"])
         play = None if chain.roller is None else chain.roller.bore_radius - chain.bushing_radius
         return cls(**{name: plain(value) for name, value in found.items()}, roller_play=play)
 
@@ -209,3 +213,21 @@ def _row(label: str, values: Iterable[object]) -> tuple[str, str]:
 def _scaled(values: Numbers, factor: float, form: str) -> list[str]:
     """Return numbers in another unit, as text."""
     return [format(factor * value, form) for value in values]
+
+
+def _pull_without_play(drive: ChainDrive, stretch: float) -> float:
+    """Return the pull of a tensioner on a spring [N] where hinges do not open under tension.
+
+    The spring is stretched less where such a chain is taut. A chain without any play cannot be laid
+    as it is: the pull is taken from chains that have little, `stretch` [m] and more.
+    """
+
+    def pull(play: float) -> float:
+        pin = drive.chain.hinge.pin_radius
+        hinge = replace(drive.chain.hinge, bore_radius=pin + play)
+        chain = replace(drive.chain, hinge=hinge)
+        found: float = _rustchain.layout(replace(drive, chain=chain))["tension_force"]
+        return found
+
+    play = max(4.0 * stretch, _LITTLE_PLAY)
+    return 2.0 * pull(play) - pull(2.0 * play)

@@ -598,27 +598,51 @@ _ENDS = ("initial_positions", "initial_velocities", "final_positions", "final_ve
 
 @known_keywords
 def load_result(path: str | Path) -> Result:
-    """Return the result that `Result.save` wrote to `path`."""
+    """Return the result that `Result.save` wrote to `path`.
+
+    Raises
+    ------
+    InvalidInput
+        The file holds no result of a drive, or is damaged.
+    """
     import xarray as xr
 
-    data = xr.load_dataset(path, engine="h5netcdf", decode_times=False)
+    try:
+        data = xr.load_dataset(path, engine="h5netcdf", decode_times=False)
+    except OSError as error:
+        if not Path(path).is_file():
+            raise  # which names the path
+        raise InvalidInput(_damaged(path, error)) from error
+    except Exception as error:  # a damaged file raises what it likes
+        raise InvalidInput(_damaged(path, error)) from error
     if "rustchain_version" not in data.attrs:
         msg = f"path: {path} holds no result of rustchain"
         raise InvalidInput(msg)
     if "mechanism" in data.attrs:
         msg = f"path: {path} holds the result of a mechanism; MechanismResult.load reads it"
         raise InvalidInput(msg)
-    scene: dict[str, Any] = {name: Description.from_json(data.attrs[name]) for name in _SCENE}
-    scene |= {name: data[name].values for name in _ENDS}
-    return Result(
-        arrays={"time": data["time"].values}
-        | {name: data[name].values for name in _VARIABLES if name in data},
-        **scene,
-        min_approach_speed=float(data.attrs["min_approach_speed"]),
-        body_names=tuple(map(str, data["body"].values)),
-        status=data.attrs["status"],
-        message=data.attrs["message"],
-        stats=json.loads(data.attrs["stats"]),
+    try:
+        scene: dict[str, Any] = {name: Description.from_json(data.attrs[name]) for name in _SCENE}
+        scene |= {name: data[name].values for name in _ENDS}
+        return Result(
+            arrays={"time": data["time"].values}
+            | {name: data[name].values for name in _VARIABLES if name in data},
+            **scene,
+            min_approach_speed=float(data.attrs["min_approach_speed"]),
+            body_names=tuple(map(str, data["body"].values)),
+            status=data.attrs["status"],
+            message=data.attrs["message"],
+            stats=json.loads(data.attrs["stats"]),
+        )
+    except KeyError as error:
+        raise InvalidInput(_damaged(path, error)) from error
+
+
+def _damaged(path: str | Path, error: Exception) -> str:
+    """Return what is said of a file that holds no whole result."""
+    return (
+        f"path = {path}: is no result of a drive, or is damaged ({error}): give a file that "
+        "Result.save wrote, which is netCDF whatever its name, or copy or save it again"
     )
 
 

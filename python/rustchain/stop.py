@@ -7,7 +7,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -237,13 +237,23 @@ def check_looks(
     stop: StopCondition | Sequence[StopCondition], callback: Callable[[Simulation], object] | None
 ) -> Sequence[StopCondition]:
     """Return the conditions as a list; raise where one of them, or the callback, is none."""
-    conditions = [stop] if isinstance(stop, StopCondition) else stop
+    from rustchain.mechanism_stop import MechanismStopCondition
+
+    alone = isinstance(stop, StopCondition | MechanismStopCondition)
+    conditions: Sequence[Any] = [stop] if alone else stop  # type: ignore[assignment]
     if isinstance(conditions, str) or not isinstance(conditions, Sequence):
         msg = (
             f"stop = {stop!r}: must be a stop condition, such as HingeForceAbove, or a list of them"
         )
         raise InvalidInput(msg)
+    instead = {"JointForceAbove": "HingeForceAbove", "ContactForceAbove": "ToothForceAbove"}
     for condition in conditions:
+        if (kind := type(condition).__name__) in instead:
+            msg = (
+                f"stop: {condition!r} is for mechanisms and drives with hinges = 'ideal'; with "
+                f"clearance hinges take {instead[kind]}"
+            )
+            raise InvalidInput(msg)
         if not isinstance(condition, StopCondition):
             msg = (
                 f"stop: {condition!r} is no stop condition, such as HingeForceAbove; a function of "
@@ -263,7 +273,16 @@ def looks_of(
     groups: Sequence[str],
 ) -> list[Look]:
     """Return what looks at each report of a run that records `groups`."""
+    from rustchain.mechanism_stop import MechanismStopCondition  # which builds upon this module
+
     looks: list[Look] = []
+    alone = isinstance(stop, StopCondition | MechanismStopCondition)
+    conditions: Sequence[Any] = [stop] if alone else stop  # type: ignore[assignment]
+    if simulation.drive.hinges == "ideal" and isinstance(conditions, Sequence):
+        # What looks at joints and contacts by their names in the drive's mechanism.
+        of_parts = [one for one in conditions if isinstance(one, MechanismStopCondition)]
+        looks += [one.look_at(simulation) for one in of_parts]  # type: ignore[arg-type]
+        stop = [one for one in conditions if one not in of_parts]
     for condition in check_looks(stop, callback):
         if condition.group is not None and condition.group not in groups:
             msg = (

@@ -179,10 +179,8 @@ impl MechanismDynamics {
             );
         }
         // There, and there alone, one more seems to hold what others hold.
-        for name in assembly.redundant.iter().filter(|_| !between) {
-            warnings.push(format!(
-                "joint {name:?} holds something that others hold already; its reaction is shared in the least way"
-            ));
+        if !between {
+            warnings.extend(told_redundant(&assembly.redundant));
         }
         warnings.extend(self.pressed_starts());
         warnings.extend(self.starts_behind());
@@ -191,4 +189,27 @@ impl MechanismDynamics {
         warnings.extend(odd_scales(&self.model));
         warnings
     }
+}
+
+/// One message for all joints that hold something others hold already; `names` has one entry an equation.
+fn told_redundant(names: &[String]) -> Option<String> {
+    let mut joints: Vec<String> = Vec::new();
+    for name in names {
+        let quoted = format!("{name:?}");
+        if !joints.contains(&quoted) {
+            joints.push(quoted);
+        }
+    }
+    let last = joints.pop()?;
+    if joints.is_empty() {
+        return Some(format!(
+            "joint {last} holds something that others hold already; its reaction is shared in the least way"
+        ));
+    }
+    Some(format!(
+        "joints {} and {last} hold something that others hold already ({} equations); their reactions are shared in the \
+         least way",
+        joints.join(", "),
+        names.len()
+    ))
 }

@@ -26,7 +26,9 @@ pub enum Stabilisation {
 /// The right-hand side; its memory changes between steps only.
 ///
 /// The state is y = [q, v, energy dissipated, work put in] less a `shift`, which holds what projections have added: the
-/// integrator's own solution and its history stay as they are, and the shift is constant during a step.
+/// integrator's own solution and its history stay as they are. During a step the shift of velocities is constant and that of
+/// coordinates grows by it, so that dq/dt = v holds within the integrator's solution as it does within the state: an implicit
+/// corrector takes coordinates from velocities without asking.
 #[derive(Debug, Clone)]
 pub struct MechanismDynamics {
     pub(super) model: Arc<MechanismModel>,
@@ -43,6 +45,8 @@ pub struct MechanismDynamics {
     /// Whether each contact is near enough to bear: what is not leaves its sides alone.
     pub(super) near: Vec<bool>,
     pub(super) shift: Vec<f64>,
+    /// When the shift of coordinates was what it says \[s\].
+    pub(super) shift_time: f64,
     pub(super) stabilisation: Stabilisation,
     /// Below this, the constraints count as near a singular position.
     pub(super) near_singular: f64,
@@ -74,6 +78,7 @@ impl MechanismDynamics {
             memory: vec![Memory::default(); model.sides.len()],
             near: vec![true; model.contacts.len()],
             shift: vec![0.0; 2 * n],
+            shift_time: 0.0,
             stabilisation,
             near_singular: 0.0,
             time: 0.0,
@@ -230,6 +235,18 @@ impl MechanismDynamics {
         rows.map(|(row, lambda)| lambda * row.time_rate).sum()
     }
 
+    /// Adds the shift at `t` to the integrator's coordinates and velocities.
+    pub(super) fn add_shift(&self, t: f64, state: &mut [f64]) {
+        let n = self.model.coordinates();
+        let since = t - self.shift_time;
+        let (shift_q, shift_v) = self.shift.split_at(n);
+        let (q, v) = state.split_at_mut(n);
+        for (((q, v), place), rate) in q.iter_mut().zip(v).zip(shift_q).zip(shift_v) {
+            *q += place + since * rate;
+            *v += rate;
+        }
+    }
+
     /// Evaluates everything at positions and velocities, without a shift.
     pub(super) fn evaluate(&mut self, t: f64, state: &[f64]) {
         self.place(state);
@@ -251,12 +268,11 @@ impl OdeSystem for MechanismDynamics {
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
         let n = self.model.coordinates();
         let mut shifted = std::mem::take(&mut self.shifted);
-        for ((x, y), shift) in shifted.iter_mut().zip(y).zip(&self.shift) {
-            *x = y + shift;
-        }
+        shifted.copy_from_slice(&y[..2 * n]);
+        self.add_shift(t, &mut shifted);
         self.time = t;
         self.evaluate(t, &shifted);
-        dydt[..n].copy_from_slice(&shifted[n..]);
+        dydt[..n].copy_from_slice(&y[n..2 * n]);
         dydt[n..2 * n].copy_from_slice(&self.accelerations);
         dydt[2 * n] = self.loads.dissipated;
         dydt[2 * n + 1] = self.loads.worked_in + self.driver_power();

@@ -180,7 +180,8 @@ impl MechanismDynamics {
         let n = self.model.coordinates();
         let mut lengths = vec![1.0; n];
         self.lengths(&mut lengths);
-        let mut state: Vec<f64> = y.iter().zip(&self.shift).map(|(y, s)| y + s).collect();
+        let mut state = y[..2 * n].to_vec();
+        self.add_shift(self.time, &mut state);
         let mut matrix = DMatrix::identity(n, n);
         for i in 0..n {
             let change = CHANGE / lengths[i];

@@ -104,7 +104,11 @@ impl MechanismSimulation {
         let dense = self.adams.dense(t);
         let model = &self.dynamics.model;
         let n = model.coordinates();
-        let value = |i: usize| dense.value(i) + self.dynamics.shift[i];
+        let (shift, since) = (&self.dynamics.shift, t - self.dynamics.shift_time);
+        let value = |i: usize| {
+            let grown = if i < n { since * shift[n + i] } else { 0.0 };
+            dense.value(i) + shift[i] + grown
+        };
         let frame = |body: usize| match model.first[body] {
             None => self.dynamics.frames[body],
             Some(i) => Frame::new(

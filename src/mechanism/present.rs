@@ -95,9 +95,14 @@ impl MechanismSimulation {
             self.adams.interpolate(t, &mut self.inside);
         }
         let part = part_of_step(self.step_start, end, t);
-        let shifts = self.shift_before.iter().zip(&self.dynamics.shift);
-        for (x, (before, after)) in self.inside.iter_mut().zip(shifts) {
-            *x += before + part * (after - before);
+        let n = self.dynamics.model.coordinates();
+        let (length, since) = (end - self.step_start, t - self.step_start);
+        let (before, after) = (&self.shift_before, &self.dynamics.shift);
+        for (i, (x, after)) in self.inside.iter_mut().zip(after).enumerate() {
+            // The shift of coordinates grows by that of their velocities; projection has changed what it came to.
+            let growth = if i < n { before[n + i] } else { 0.0 };
+            let change = after - (before[i] + length * growth);
+            *x += before[i] + since * growth + part * change;
         }
     }
 

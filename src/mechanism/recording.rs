@@ -54,6 +54,12 @@ const NOTHING: Passed = Passed {
     residual: 0.0,
 };
 
+/// Numbers of a row of energy.
+const ENERGIES: usize = 6;
+
+/// Relative growth of elastic energy from row to row that counts as pressing.
+const PRESSED: f64 = 1e-6;
+
 /// Share of all energy there is that may be missing where little is exchanged.
 const SMALL: f64 = 1e-6;
 
@@ -156,6 +162,15 @@ impl MechanismRecording {
         };
         let small = SMALL * (kinetic + gravity.abs() + elastic);
         self.balance.watch(energy, passed, small);
+    }
+
+    /// Whether springs and contacts were being pressed between the last two rows: what is exchanged then is not all there yet,
+    /// and nothing to hold against what is missing.
+    pub(super) fn presses(&self) -> bool {
+        let mut elastic = self.energy.chunks(ENERGIES).rev().map(|row| row[2]);
+        let (last, before) = (elastic.next(), elastic.next());
+        last.zip(before)
+            .is_some_and(|(last, before)| last > before * (1.0 + PRESSED))
     }
 
     /// The energy balance at the last row, where more is missing than should be.

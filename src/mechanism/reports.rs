@@ -73,7 +73,10 @@ impl MechanismSimulation {
             let sums = 2 * self.dynamics.model.coordinates();
             let sums = [self.inside[sums], self.inside[sums + 1]];
             self.recording.report(t, &self.dynamics, sums);
+            // At the last row there is no waiting.
+            let last = self.reports.is_some_and(|r| r.made + 1 == r.count);
             if self.balance_note.is_none()
+                && (last || !self.recording.presses())
                 && let Some(open) = self.recording.open_balance()
             {
                 let control = self.adams.control();

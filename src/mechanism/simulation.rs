@@ -209,6 +209,7 @@ impl MechanismSimulation {
         let accepted = &self.accepted;
         self.adams.restart(accepted.time, &accepted.solution);
         self.dynamics.shift.copy_from_slice(&self.shift_before);
+        self.dynamics.shift_time = accepted.time;
         self.dynamics.memory.clone_from(&accepted.memory);
         self.onsets = accepted.onsets;
         (self.now, self.step_start) = (accepted.time, accepted.time);
@@ -272,9 +273,8 @@ impl MechanismSimulation {
         let n = self.dynamics.shift.len();
         let state = &mut self.inside[..n];
         let solution = self.adams.y();
-        for ((x, y), shift) in state.iter_mut().zip(solution).zip(&self.dynamics.shift) {
-            *x = y + shift;
-        }
+        state.copy_from_slice(&solution[..n]);
+        self.dynamics.add_shift(t, state);
         if !self.dynamics.project(t, state, ITERATIONS, at_hand) {
             let residuals = self.dynamics.what_misses();
             return Err(Error::JointsApart { time: t, residuals });
@@ -282,6 +282,7 @@ impl MechanismSimulation {
         for ((shift, x), y) in self.dynamics.shift.iter_mut().zip(state).zip(solution) {
             *shift = *x - y;
         }
+        self.dynamics.shift_time = t;
         Ok(())
     }
 }

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::integrator::Adams;
 
 /// What the bytes begin with: a name and a version, another one for every change of what they hold.
-const MAGIC: &[u8; 24] = b"rustchain mechanism  002";
+const MAGIC: &[u8; 24] = b"rustchain mechanism  003";
 
 /// All that decides how a run goes on, and what it is of.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -132,6 +132,8 @@ impl MechanismSimulation {
         (self.now, self.step_start) = (snapshot.now, snapshot.step_start);
         self.onsets = snapshot.onsets;
         self.dynamics.shift.clone_from(&snapshot.shift);
+        // A shift is written where a step ends.
+        self.dynamics.shift_time = self.adams.time();
         self.shift_before.clone_from(&snapshot.shift_before);
         self.dynamics.memory.clone_from(&snapshot.memory);
         Ok(())

@@ -188,7 +188,6 @@ BAD = {
         ).check(),
         "1, 2, 4, 3 would do",
     ),
-    "ideal hinges": (lambda: rc.Simulation(four_sprockets(hinges="ideal")), "ideal"),
 }
 
 

@@ -119,6 +119,63 @@ def test_a_file_that_is_no_result_is_told(tmp_path):
         rc.MechanismResult.load(tmp_path / "none.nc")
 
 
+def test_a_result_that_was_cut_short_is_told(tmp_path, whole):
+    path = tmp_path / "whole.h5"
+    whole.save(path)
+    cut = tmp_path / "cut.npz"
+    cut.write_bytes(path.read_bytes()[:2000])
+    with pytest.raises(rc.InvalidInput, match=r"cut\.npz: is no result .* copy or save it again"):
+        rc.MechanismResult.load(cut)
+
+
+def test_figures_take_lists_of_names(whole):
+    plots = whole.plot
+    listed, named = plots.motion(["ball", "bar"]), plots.motion("ball", "bar")
+    assert len(listed.axes[0].lines) == len(named.axes[0].lines) == 2
+    assert len(plots.joint_loads(["bearing"]).axes[0].lines) == 1
+    with pytest.raises(rc.InvalidInput, match=r"joint: 'bering' is no joint.*'bearing'"):
+        plots.joint_loads(["bering"])
+    plt.close("all")
+
+
+def test_more_rows_than_memory_holds_are_refused():
+    simulation = ball()
+    with pytest.raises(rc.InvalidInput, match=r"report_step = 1e-12: gives 1e\+09 rows .* GiB"):
+        simulation.run(1e-3, report_step=1e-12)
+    assert simulation.time == 0.0
+
+
+def test_redundant_joints_are_told_in_one_message():
+    m = rc.Mechanism(name="platform on posts")
+    m.add_body("top", 1.0, 1.0, (1.5, 1.0, 0.0))
+    for k in range(4):
+        m.add_body(f"post {k}", 0.1, 0.01, (float(k), 0.5, 0.5 * np.pi))
+        m.add_revolute(f"foot {k}", "ground", f"post {k}", at=(k, 0.0))
+        m.add_revolute(f"head {k}", f"post {k}", "top", at=(k, 1.0))
+    report = m.check()
+    assert len(report.redundant) == 2
+    told = [text for text in report.warnings if "others hold already" in text]
+    assert len(told) == 1
+    assert all(f'"{name}"' in told[0] for name in report.redundant)
+    assert "2 equations" in told[0]
+
+
+def test_a_contact_that_is_being_pressed_at_a_row_is_no_open_balance(recwarn):
+    """A ball in a star-shaped hole: what is exchanged is not all there while it is pressed."""
+    angles = np.pi * np.arange(24) / 12
+    radii = np.where(np.arange(24) % 2 == 0, 1.0, 0.6)
+    star = np.stack([radii * np.cos(angles), radii * np.sin(angles)], axis=1)[::-1]
+    m = rc.Mechanism(gravity=(0.0, 0.0))
+    m.add_body("ball", 1.0, 1e-2, (0.1, 0.05, 0.0), (-3.0, 0.1, 0.0))
+    m.add_outline_contact("hole", "ground", "ball", star.tolist(), 0.05, rc.LinearContact(1e5))
+    solver = rc.Solver(accuracy=1e-8, max_step=1e-3)
+    result = rc.Simulation(m, solver=solver).run(0.6, report_step=1e-3, progress=False)
+    assert result.stats["onsets"] >= 2
+    energy = result.energy
+    assert np.abs(energy.residual).max() < 0.01 * energy.kinetic[0]
+    assert not [w for w in recwarn if issubclass(w.category, rc.EnergyWarning)]
+
+
 def test_ideal_hinges_refuse_a_law_of_their_own():
     drive = rc.paper_drive(hinges="ideal")
     with pytest.raises(rc.InvalidInput, match=r"hinge_law = .* must be None with"):

@@ -266,3 +266,24 @@ def test_the_elastic_line_of_a_hinge_belongs_to_all_its_strands(strands):
     expected = np.interp(dots.get_xdata(), *line.get_data())
     np.testing.assert_allclose(dots.get_ydata(), expected, rtol=0.01, atol=0.02)
     plt.close(figure)
+
+
+def test_a_file_that_is_no_result_is_told_with_its_name_and_the_remedy(tmp_path, result):
+    junk = tmp_path / "junk.npz"
+    junk.write_bytes(b"no netCDF")
+    whole = tmp_path / "whole.nc"
+    result.save(whole)
+    cut = tmp_path / "cut.h5"
+    cut.write_bytes(whole.read_bytes()[:3000])
+    for path in (junk, cut):
+        with pytest.raises(rc.InvalidInput, match=rf"{path.name}: is no result .* copy or save"):
+            rc.load_result(path)
+    with pytest.raises(FileNotFoundError):
+        rc.load_result(tmp_path / "none.nc")
+
+
+def test_more_rows_than_memory_holds_are_refused():
+    simulation = rc.Simulation(rc.paper_drive())
+    with pytest.raises(rc.InvalidInput, match=r"report_step = 1e-12: gives 1e\+09 rows .* GiB"):
+        simulation.run(1e-3, report_step=1e-12)
+    assert simulation.time == 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -36,8 +37,8 @@ _RATES = {
 class MechanismPlots:
     """The figures of a result of a mechanism; every method returns a matplotlib figure.
 
-    Bodies, joints and contacts are named; without a name, all of them are drawn. `start` and `end`
-    [s] choose a part of the time, by default all of it.
+    Bodies, joints and contacts are named, one by one or in a list; without a name, all are drawn.
+    `start` and `end` [s] choose a part of the time, by default all of it.
     """
 
     result: MechanismResult
@@ -46,7 +47,7 @@ class MechanismPlots:
     @styled
     def motion(
         self,
-        *bodies: str,
+        *bodies: str | Sequence[str],
         quantity: Literal["position", "velocity", "acceleration"] = "position",
         start: float | None = None,
         end: float | None = None,
@@ -74,7 +75,9 @@ class MechanismPlots:
 
     @known_keywords
     @styled
-    def paths(self, *bodies: str, start: float | None = None, end: float | None = None) -> Figure:
+    def paths(
+        self, *bodies: str | Sequence[str], start: float | None = None, end: float | None = None
+    ) -> Figure:
         """Draw the ways of the bodies' centres of mass in the plane, with where they end."""
         names = self._names("body", bodies)
         rows = rows_between(self.result, start, end)
@@ -91,7 +94,7 @@ class MechanismPlots:
     @known_keywords
     @styled
     def joint_loads(
-        self, *joints: str, start: float | None = None, end: float | None = None
+        self, *joints: str | Sequence[str], start: float | None = None, end: float | None = None
     ) -> Figure:
         """Draw force and torque of joints and drivers over time."""
         names = self._names("joint", joints)
@@ -112,7 +115,7 @@ class MechanismPlots:
     @known_keywords
     @styled
     def contact_force(
-        self, *contacts: str, start: float | None = None, end: float | None = None
+        self, *contacts: str | Sequence[str], start: float | None = None, end: float | None = None
     ) -> Figure:
         """Draw the force of contacts over time, side by side, with the largest between two rows."""
         names = self._names("contact", contacts)
@@ -131,7 +134,7 @@ class MechanismPlots:
     @known_keywords
     @styled
     def force_penetration(
-        self, *contacts: str, start: float | None = None, end: float | None = None
+        self, *contacts: str | Sequence[str], start: float | None = None, end: float | None = None
     ) -> Figure:
         """Draw force against penetration of contacts, side by side."""
         names = self._names("contact", contacts)
@@ -172,17 +175,20 @@ class MechanismPlots:
         rows = rows_between(self.result, start, end)
         return energy_figure(self.result.time, self.result.energy, rows, 1.0, "J")
 
-    def _names(self, part: str, given: tuple[str, ...]) -> tuple[str, ...]:
-        """Return the names that are given, which must exist, or all."""
+    def _names(self, part: str, given: tuple[str | Sequence[str], ...]) -> tuple[str, ...]:
+        """Return the names that are given, one by one or in lists, which must exist, or all."""
         names: tuple[str, ...] = getattr(self.result, f"{part}_names")
         if not names:
             msg = f"{part}: this mechanism has none to draw"
             raise InvalidInput(msg)
-        for name in given:
+        wanted: list[str] = []
+        for one in given:
+            wanted += [one] if isinstance(one, str) or not isinstance(one, Sequence) else one
+        for name in wanted:
             if name not in names:
                 msg = f"{part}: {name!r} is no {part} of this mechanism; {suggest(name, names)}"
                 raise InvalidInput(msg)
-        return given or names
+        return tuple(wanted) or names
 
 
 def _color(k: int) -> str:
