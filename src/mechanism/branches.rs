@@ -47,7 +47,7 @@ impl MechanismDynamics {
             self.evaluate(0.0, state);
             self.along_rows(&change, &mut along);
             if let Some(kkt) = &mut self.kkt {
-                kkt.correct(&self.rows, &along, &mut change);
+                kkt.correct(&along, &mut change);
             }
             place.copy_from_slice(state);
             for (q, change) in place.iter_mut().zip(&change) {

@@ -72,10 +72,10 @@ impl Constrained {
     }
 
     /// Adds to `change` the least change (weighed by mass) of coordinates that takes `residual` off the constraints.
-    pub(super) fn correct(&mut self, rows: &[Row], residual: &[f64], change: &mut [f64]) {
+    pub(super) fn correct(&mut self, residual: &[f64], change: &mut [f64]) {
         match self {
             Self::Dense(kkt) => kkt.correct(residual, change),
-            Self::Sparse(kkt) => kkt.correct(rows, residual, change),
+            Self::Sparse(kkt) => kkt.correct(residual, change),
         }
     }
 }

@@ -112,7 +112,7 @@ impl MechanismDynamics {
             }
             before = worst;
             change.fill(0.0);
-            held.kkt.correct(&self.rows, &residual, &mut change);
+            held.kkt.correct(&residual, &mut change);
             state[..n]
                 .iter_mut()
                 .zip(&change)
@@ -180,7 +180,7 @@ impl MechanismDynamics {
             }
             before = worst;
             change.fill(0.0);
-            held.kkt.correct(&self.rows, residual, change);
+            held.kkt.correct(residual, change);
             state[n..2 * n]
                 .iter_mut()
                 .zip(&*change)

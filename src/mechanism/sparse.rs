@@ -24,6 +24,8 @@ pub(super) struct SparseKkt {
     meetings: Vec<Meeting>,
     structure: Structure,
     factors: Factors<f64>,
+    /// The constraints that the factors are of.
+    factorised: Vec<Row>,
     /// Those of twice the precision, once they are needed.
     twice: Option<Box<Factors<Twice>>>,
     /// Multipliers that do nothing, where constraints were left out; `None` until they are asked for.
@@ -91,6 +93,7 @@ impl SparseKkt {
             meetings,
             factors: Factors::new(&structure),
             structure,
+            factorised: vec![Row::default(); m],
             twice: None,
             null_space: None,
             right: vec![0.0; m],
@@ -116,6 +119,7 @@ impl SparseKkt {
     /// Gathers S and factorises it without constraints of which those before them leave less than `part`.
     pub(super) fn factorise(&mut self, rows: &[Row], part: f64) {
         self.null_space = None;
+        self.factorised.copy_from_slice(rows);
         let entries = &mut self.factors.entries;
         gather(&self.meetings, &self.inverse_mass, rows, entries);
         self.factors
@@ -250,12 +254,14 @@ impl SparseKkt {
         }
     }
 
-    /// Adds to `change` the least change (weighed by mass) of coordinates that takes `residual` off the constraints.
-    pub(super) fn correct(&mut self, rows: &[Row], residual: &[f64], change: &mut [f64]) {
+    /// Adds to `change` the least change (weighed by mass) of coordinates that takes `residual` off the constraints as they
+    /// were factorised: S of one state with G of another would change too much where bodies are turned much more easily than moved.
+    pub(super) fn correct(&mut self, residual: &[f64], change: &mut [f64]) {
         for (residual, &place) in residual.iter().zip(&self.place) {
             self.right[place] = *residual;
         }
         self.solve_factors();
+        let rows = &self.factorised;
         self.push(rows, -1.0, |i| self.right[self.place[i]], change);
     }
 }
