@@ -97,9 +97,11 @@ fn by_faer(dynamics: &MechanismDynamics, calls: usize) -> (f64, f64) {
 fn main() {
     let short = std::env::args().any(|a| a == "--quick" || a == "--test");
     let lengths: &[usize] = if short {
-        &[38, 100]
+        &[11, 38, 100]
     } else {
-        &[38, 100, 300, 1000, 3000, 10_000]
+        &[
+            2, 3, 4, 6, 8, 11, 17, 25, 31, 32, 37, 38, 100, 300, 1000, 3000, 10_000,
+        ]
     };
     println!(
         "| links | evaluation \\[µs\\] | per link \\[ns\\] | faer, factors and solution \\[µs\\] | largest difference \\[m/s²\\] |"

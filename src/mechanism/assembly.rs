@@ -2,12 +2,10 @@
 
 use super::constrained::Constrained;
 use super::dynamics::MechanismDynamics;
-use super::equation::Row;
 use super::moves::Changes;
 use super::plausibility::{loose_parts, softening_springs};
 use super::projection::AtHand;
 use super::scales::odd_scales;
-use super::singular::nearness;
 use crate::error::{Error, Result};
 
 /// What assembling a mechanism found.
@@ -63,18 +61,18 @@ impl MechanismDynamics {
         self.check_starts()?;
         let changes = Changes::between(&placed, &state);
         let rank = self.kkt.as_ref().map_or(0, Constrained::rank);
-        self.near_singular = (self.kkt.as_ref()).map_or(0.0, |kkt| nearness(kkt.independence()));
+        let redundant = self.redundant();
+        let between = self.look_beside(&state);
         let mut assembly = Assembly {
             moved: changes.moved,
             turned: changes.turned,
             velocity_change: changes.velocity,
             spin_change: changes.spin,
             degrees_of_freedom: n - rank,
-            redundant: self.redundant(),
+            redundant,
             warnings: Vec::new(),
             state,
         };
-        let between = self.starts_between_branches(&assembly.state);
         assembly.warnings = self.warnings(&assembly, between);
         Ok(assembly)
     }
@@ -122,49 +120,13 @@ impl MechanismDynamics {
     }
 
     /// Constraints that those before them imply, in the order in which they were described.
-    fn redundant(&self) -> Vec<String> {
-        let Some(kkt) = &self.kkt else {
+    fn redundant(&mut self) -> Vec<String> {
+        let Some(kkt) = self.kkt.as_mut().filter(|kkt| kkt.rank() < self.rows.len()) else {
             return Vec::new();
         };
-        let dependent = self.rows.len() - kkt.rank();
-        if dependent == 0 {
-            return Vec::new();
-        }
-        if let Constrained::Sparse(kkt) = kkt {
-            let name = |row: usize| {
-                self.model.joints[self.model.equations[row].joint]
-                    .name
-                    .clone()
-            };
-            return kkt.dependent().into_iter().map(name).collect();
-        }
-        let mut probe = kkt.clone();
-        let mut kept: Vec<Row> = Vec::new();
-        let mut found = Vec::new();
-        // From the last one back, so that of constraints that say the same the first one is kept.
-        let mut present: Vec<bool> = vec![true; self.rows.len()];
-        for i in (0..self.rows.len()).rev() {
-            present[i] = false;
-            kept.clear();
-            kept.extend(
-                (0..present.len())
-                    .filter(|&k| present[k])
-                    .map(|k| self.rows[k]),
-            );
-            kept.resize(self.rows.len(), Row::default());
-            probe.factorise(&kept);
-            if probe.rank() == kkt.rank() {
-                let equation = &self.model.equations[i];
-                found.push(self.model.joints[equation.joint].name.clone());
-                if found.len() == dependent {
-                    break;
-                }
-            } else {
-                present[i] = true;
-            }
-        }
-        found.reverse();
-        found
+        let joint = |row: usize| self.model.equations[row].joint;
+        let name = |row: usize| self.model.joints[joint(row)].name.clone();
+        kkt.dependent().into_iter().map(name).collect()
     }
 
     fn warnings(&self, assembly: &Assembly, between: bool) -> Vec<String> {

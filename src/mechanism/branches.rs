@@ -2,6 +2,7 @@
 
 use super::dynamics::MechanismDynamics;
 use super::projection::AtHand;
+use super::singular::nearness;
 
 /// Independence of the constraints below which the start is looked at.
 const NEAR: f64 = 1e-6;
@@ -9,18 +10,22 @@ const NEAR: f64 = 1e-6;
 const BESIDE: f64 = 0.01;
 /// Independence there, over that at the start, that tells the one from the other.
 const MORE: f64 = 100.0;
+/// Independence that tells something where joints hold but for rounding.
+const TOLD: f64 = 1e-6;
 const ITERATIONS: usize = 40;
 const TRIALS: usize = 3;
 
 impl MechanismDynamics {
-    /// Whether the start in `state`, which was just evaluated, is such a place, and no velocity was given to choose a way.
-    pub(super) fn starts_between_branches(&mut self, state: &[f64]) -> bool {
+    /// Finds how many constraints are independent near the start in `state`, which was just evaluated, and from when on they
+    /// count as nearly dependent. Returns whether the start is a place where ways of going on meet, and no velocity was given
+    /// to choose one.
+    pub(super) fn look_beside(&mut self, state: &[f64]) -> bool {
         let Some(kkt) = &self.kkt else {
             return false;
         };
         let (rank, independence) = (kkt.rank(), kkt.independence());
-        let given = (self.model.bodies.iter()).any(|body| body.velocity != [0.0; 3]);
-        if given || (rank == self.rows.len() && independence > NEAR) {
+        (self.rank, self.near_singular) = (rank, nearness(independence));
+        if rank == self.rows.len() && independence > NEAR {
             return false;
         }
         // Drivers go on, too.
@@ -28,24 +33,61 @@ impl MechanismDynamics {
         let fastest = rates.fold(0.0, f64::max);
         let delay = if fastest > 0.0 { BESIDE / fastest } else { 0.0 };
         let (n, size) = (self.model.coordinates(), self.size());
-        let near = std::mem::replace(&mut self.near_singular, 0.0);
+        let aside = std::mem::replace(&mut self.aside, true);
         let mut place = vec![0.0; state.len()];
-        let found = (1..=TRIALS).any(|trial| {
-            place.copy_from_slice(state);
-            for (i, q) in place[..n].iter_mut().enumerate() {
+        let mut change = vec![0.0; n];
+        let mut along = vec![0.0; self.rows.len()];
+        let mut found = (rank, false);
+        for trial in 1..=TRIALS {
+            for (i, change) in change.iter_mut().enumerate() {
                 let unit = if i % 3 == 2 { 1.0 } else { size };
-                *q += BESIDE * unit * (1.7 * (i + 1) as f64 * trial as f64).sin();
+                *change = BESIDE * unit * (1.7 * (i + 1) as f64 * trial as f64).sin();
             }
-            let reached = self.project(delay, &mut place, ITERATIONS, AtHand::Nothing);
+            // Along the constraints: what is redundant seems to be independent as far as joints are apart.
+            self.evaluate(0.0, state);
+            self.along_rows(&change, &mut along);
+            if let Some(kkt) = &mut self.kkt {
+                kkt.correct(&along, &mut change);
+            }
+            place.copy_from_slice(state);
+            for (q, change) in place.iter_mut().zip(&change) {
+                *q += change;
+            }
+            // What lost its hold at the start alone may have little of it back.
+            let near = self.near_singular;
+            let reached = [1.0, 0.1, 0.01].iter().any(|part| {
+                self.near_singular = part * near;
+                self.project(delay, &mut place, ITERATIONS, AtHand::Nothing)
+            });
+            self.near_singular = near;
             let Some(kkt) = self.kkt.as_mut().filter(|_| reached) else {
-                return false;
+                continue;
             };
-            kkt.factorise(&self.rows);
+            kkt.factorise(&self.rows, TOLD);
             let beside = kkt.independence();
-            kkt.rank() > rank || (kkt.rank() == rank && beside > MORE * independence.max(NEAR))
-        });
-        self.near_singular = near;
+            found.0 = found.0.max(kkt.rank());
+            let grown = kkt.rank() == rank && beside > MORE * independence.max(NEAR);
+            if grown {
+                self.near_singular = nearness(beside);
+            }
+            found.1 |= kkt.rank() > rank || grown;
+        }
+        self.aside = aside;
+        self.rank = found.0;
         self.evaluate(0.0, state);
-        found
+        let given = (self.model.bodies.iter()).any(|body| body.velocity != [0.0; 3]);
+        found.1 && !given
+    }
+
+    /// G x of each constraint.
+    fn along_rows(&self, x: &[f64], along: &mut [f64]) {
+        for (sum, row) in along.iter_mut().zip(&self.rows) {
+            *sum = 0.0;
+            for (body, part) in row.bodies.iter().zip(&row.jacobian) {
+                if let Some(first) = self.model.first[*body] {
+                    *sum += (0..3).map(|k| part[k] * x[first + k]).sum::<f64>();
+                }
+            }
+        }
     }
 }

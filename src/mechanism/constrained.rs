@@ -1,4 +1,4 @@
-//! Which factors the constrained equations are solved by: dense ones that know all, or sparse ones for large mechanisms.
+//! Which factors the constrained equations are solved by: sparse ones, or dense ones where bodies have no mass.
 
 use super::equation::Row;
 use super::kkt::Kkt;
@@ -12,18 +12,14 @@ pub(super) enum Constrained {
     Sparse(SparseKkt),
 }
 
-/// From so many constraints on, and with mass everywhere, the factors are sparse.
-const SPARSE_FROM: usize = 64;
-
 impl Constrained {
     pub(super) fn new(model: &MechanismModel) -> Self {
-        let rows = model.constraints();
-        if rows >= SPARSE_FROM && model.mass.iter().all(|&m| m > 0.0) {
+        if model.mass.iter().all(|&m| m > 0.0) {
             let bodies = model.equations.iter();
             let bodies: Vec<_> = bodies.map(|e| [e.a.body, e.b.body, e.carrier]).collect();
             return Self::Sparse(SparseKkt::new(&model.mass, &model.first, &bodies));
         }
-        Self::Dense(Kkt::new(&model.mass, &model.first, rows))
+        Self::Dense(Kkt::new(&model.mass, &model.first, model.constraints()))
     }
 
     /// Number of independent constraints at the state of the last factors.
@@ -42,18 +38,19 @@ impl Constrained {
         }
     }
 
-    /// Leaves out what is less independent than `part`, until the next factors.
-    pub(super) fn truncate(&mut self, part: f64) {
+    /// Factors without constraints of which the others leave less than `part`.
+    pub(super) fn factorise(&mut self, rows: &[Row], part: f64) {
         match self {
-            Self::Dense(kkt) => kkt.truncate(part),
-            Self::Sparse(kkt) => kkt.truncate(part),
+            Self::Dense(kkt) => kkt.factorise(rows, part),
+            Self::Sparse(kkt) => kkt.factorise(rows, part),
         }
     }
 
-    pub(super) fn factorise(&mut self, rows: &[Row]) {
+    /// Constraints that those described before them imply.
+    pub(super) fn dependent(&mut self) -> Vec<usize> {
         match self {
-            Self::Dense(kkt) => kkt.factorise(rows),
-            Self::Sparse(kkt) => kkt.factorise(rows),
+            Self::Dense(kkt) => kkt.dependent(),
+            Self::Sparse(kkt) => kkt.dependent(),
         }
     }
 
@@ -75,10 +72,10 @@ impl Constrained {
     }
 
     /// Adds to `change` the least change (weighed by mass) of coordinates that takes `residual` off the constraints.
-    pub(super) fn correct(&mut self, rows: &[Row], residual: &[f64], change: &mut [f64]) {
+    pub(super) fn correct(&mut self, residual: &[f64], change: &mut [f64]) {
         match self {
             Self::Dense(kkt) => kkt.correct(residual, change),
-            Self::Sparse(kkt) => kkt.correct(rows, residual, change),
+            Self::Sparse(kkt) => kkt.correct(residual, change),
         }
     }
 }

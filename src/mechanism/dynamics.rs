@@ -50,6 +50,10 @@ pub struct MechanismDynamics {
     pub(super) stabilisation: Stabilisation,
     /// Below this, the constraints count as near a singular position.
     pub(super) near_singular: f64,
+    /// How many constraints are independent away from singular positions.
+    pub(super) rank: usize,
+    /// Whether a place beside is looked at for what holds here: it does not ask for its own sides.
+    pub(super) aside: bool,
     /// Time of the last derivative \[s\].
     pub(super) time: f64,
     /// The implicit corrector's matrix, once it is used.
@@ -61,6 +65,9 @@ pub struct MechanismDynamics {
     /// Scratch: the state with its shift.
     shifted: Vec<f64>,
 }
+
+/// Where some constraints are redundant, part of the independence near singular positions below which nothing counts.
+const FAINT: f64 = 0.1;
 
 impl MechanismDynamics {
     /// The equations of a model, with no contact remembered.
@@ -81,6 +88,8 @@ impl MechanismDynamics {
             shift_time: 0.0,
             stabilisation,
             near_singular: 0.0,
+            rank: 0,
+            aside: false,
             time: 0.0,
             corrector: None,
             projecting: [vec![0.0; m], vec![0.0; n]],
@@ -179,9 +188,14 @@ impl MechanismDynamics {
             }
         }
         if let Some(kkt) = &mut self.kkt {
-            kkt.factorise(&self.rows);
-            if kkt.independence() < self.near_singular && self.accelerate_across(t) {
-                return;
+            // What is redundant depends on the rest only where all joints hold, which no state within a step is quite: so
+            // it is what is nearly dependent that is left out, while enough is left.
+            kkt.factorise(&self.rows, self.near_singular);
+            if kkt.rank() < self.rank {
+                if !self.aside && self.accelerate_across(t) {
+                    return;
+                }
+                self.factorise_whole();
             }
         }
         if let Some(kkt) = &mut self.kkt
@@ -193,6 +207,24 @@ impl MechanismDynamics {
             )
         {
             self.accelerations.fill(f64::NAN);
+        }
+    }
+
+    /// Independence below which nothing counts: that of rounding, or, where some constraints are redundant, what these seem
+    /// to have where joints do not quite hold.
+    pub(super) fn faint(&self) -> f64 {
+        if self.rank < self.rows.len() {
+            FAINT * self.near_singular
+        } else {
+            0.0
+        }
+    }
+
+    /// Factors of all constraints that count.
+    pub(super) fn factorise_whole(&mut self) {
+        let part = self.faint();
+        if let Some(kkt) = &mut self.kkt {
+            kkt.factorise(&self.rows, part);
         }
     }
 

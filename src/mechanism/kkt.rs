@@ -5,6 +5,7 @@
 //! others have used up: they are left out, and of all multipliers that do the same the least are taken.
 
 use super::equation::Row;
+use super::null_space::NullSpace;
 use super::orthogonal::{Orthogonal, solve_positive};
 
 /// Factors of the constrained equations at one state, and room to solve them.
@@ -66,13 +67,26 @@ impl Kkt {
         self.factors.least_part()
     }
 
-    /// Leaves out what is less independent than `part`, until the next factors.
-    pub(super) fn truncate(&mut self, part: f64) {
-        self.factors.truncate(part);
+    /// Constraints that those described before them imply.
+    pub(super) fn dependent(&self) -> Vec<usize> {
+        let (r, order) = (self.factors.rank(), self.factors.order());
+        let extra = order.len() - r;
+        let t = self.factors.dependence();
+        let mut space = NullSpace::default();
+        for j in 0..extra {
+            let mut vector = vec![0.0; order.len()];
+            vector[order[r + j]] = 1.0;
+            for i in 0..r {
+                vector[order[i]] = -t[i * extra + j];
+            }
+            space.add(vector);
+        }
+        let place: Vec<usize> = (0..order.len()).collect();
+        space.last_rows(&place)
     }
 
-    /// Factorises D⁻¹ Gᵀ.
-    pub(super) fn factorise(&mut self, rows: &[Row]) {
+    /// Factorises D⁻¹ Gᵀ without columns of which less than `part` was left.
+    pub(super) fn factorise(&mut self, rows: &[Row], part: f64) {
         let n = self.coordinates;
         let table = self.factors.clear();
         for (column, row) in table.chunks_exact_mut(n.max(1)).zip(rows) {
@@ -85,6 +99,7 @@ impl Kkt {
             }
         }
         self.factors.factorise();
+        self.factors.truncate(part);
     }
 
     /// Accelerations and multipliers of forces f with G a = γ; false when a motion has no mass.

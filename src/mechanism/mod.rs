@@ -14,6 +14,7 @@ mod contact_law;
 mod contact_slopes;
 mod curve;
 mod dynamics;
+mod elimination;
 mod equation;
 mod force_element;
 mod force_slopes;
@@ -54,6 +55,7 @@ mod spring_law;
 mod structure;
 mod time_function;
 mod touch;
+mod twice;
 mod views;
 mod whole;
 

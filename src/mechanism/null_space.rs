@@ -13,10 +13,6 @@ pub(super) struct NullSpace {
 const ZERO: f64 = 1e-6;
 
 impl NullSpace {
-    pub(super) fn clear(&mut self) {
-        self.vectors.clear();
-    }
-
     pub(super) fn add(&mut self, vector: Vec<f64>) {
         self.vectors.push(vector);
     }

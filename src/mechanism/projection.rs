@@ -56,6 +56,7 @@ impl MechanismDynamics {
         match self.project_here(t, state, iterations, LEFT, at_hand) {
             Projected::There => true,
             Projected::Missed => false,
+            Projected::MissedNearSingular if self.aside => false,
             // What has no hold here is held on both sides.
             Projected::MissedNearSingular => {
                 self.project_across(t, state)
@@ -111,7 +112,7 @@ impl MechanismDynamics {
             }
             before = worst;
             change.fill(0.0);
-            held.kkt.correct(&self.rows, &residual, &mut change);
+            held.kkt.correct(&residual, &mut change);
             state[..n]
                 .iter_mut()
                 .zip(&change)
@@ -145,9 +146,13 @@ impl MechanismDynamics {
 
     /// Factors where the bodies are, of what has a hold.
     fn factorise_held(&self, held: &mut Held) {
-        held.kkt.factorise(&self.rows);
-        held.near = held.kkt.independence() < self.near_singular;
-        held.kkt.truncate(self.near_singular);
+        let part = if self.aside {
+            self.faint()
+        } else {
+            self.near_singular
+        };
+        held.kkt.factorise(&self.rows, part);
+        held.near = held.kkt.rank() < self.rank;
         held.fresh = true;
     }
 
@@ -175,7 +180,7 @@ impl MechanismDynamics {
             }
             before = worst;
             change.fill(0.0);
-            held.kkt.correct(&self.rows, residual, change);
+            held.kkt.correct(residual, change);
             state[n..2 * n]
                 .iter_mut()
                 .zip(&*change)

@@ -39,9 +39,7 @@ impl MechanismDynamics {
         });
         self.frames = here;
         self.find_rows(t);
-        if let Some(kkt) = &mut self.kkt {
-            kkt.factorise(&self.rows);
-        }
+        self.factorise_whole();
         if reached {
             self.accelerations.copy_from_slice(&accelerations);
             self.multipliers.copy_from_slice(&multipliers);
@@ -78,8 +76,8 @@ impl MechanismDynamics {
         if !(spin > 0.0 && spin.is_finite()) {
             return false;
         }
-        // Places on the sides are taken as they are: none of them may ask for its own sides.
-        let near = std::mem::replace(&mut self.near_singular, 0.0);
+        // Places on the sides are taken as they are.
+        let aside = std::mem::replace(&mut self.aside, true);
         let mut place = vec![0.0; 2 * n];
         let mut places = (1..=WEIGHTS.len()).flat_map(|k| [(k, -1.0), (k, 1.0)]);
         let reached = places.all(|(k, side)| {
@@ -89,7 +87,7 @@ impl MechanismDynamics {
             self.project(t + delay, &mut place, ITERATIONS, AtHand::Nothing)
                 && visit(self, t + delay, &place, WEIGHTS[k - 1])
         });
-        self.near_singular = near;
+        self.aside = aside;
         reached
     }
 
@@ -111,10 +109,10 @@ impl MechanismDynamics {
     fn accelerate_here(&mut self, t: f64) -> bool {
         // With the velocities just projected, the right-hand sides are those of this place.
         self.find_rows(t);
+        self.factorise_whole();
         let Some(kkt) = &mut self.kkt else {
             return false;
         };
-        kkt.factorise(&self.rows);
         kkt.solve(
             &self.forces,
             &self.rows,

@@ -1,14 +1,17 @@
-//! The constrained equations of large mechanisms: S λ = G M⁻¹ f - γ with S = G M⁻¹ Gᵀ, as sparse as the joints are connected.
+//! The constrained equations where all bodies have mass: S λ = G M⁻¹ f - γ with S = G M⁻¹ Gᵀ, as sparse as the joints are connected.
 //!
 //! The order of elimination (least degree first) and the places of all numbers are found once; each state then costs what
 //! they ask for: for a chain of hinges, open or closed, a fixed number of operations a link. A constraint whose pivot
-//! vanishes depends on others and is left out; `null_space.rs` then shares the multipliers out.
+//! vanishes depends on others and is left out; `null_space.rs` then shares the multipliers out. S squares how near to
+//! dependence constraints are, so where that is near it is eliminated in twice the precision.
 
 use std::collections::BTreeSet;
 
+use super::elimination::{Factors, Structure};
 use super::equation::Row;
 use super::null_space::NullSpace;
 use super::structure::{least_degree_order, patterns, rows_on_bodies, upper_triangle};
+use super::twice::{Number, Twice};
 
 /// Factors L D Lᵀ of S, and room to solve.
 #[derive(Debug, Clone)]
@@ -19,26 +22,14 @@ pub(super) struct SparseKkt {
     place: Vec<usize>,
     /// Which rows of G meet in which entry of S.
     meetings: Vec<Meeting>,
-    /// Upper triangle of S, column after column in the order of elimination, the diagonal last.
-    start: Vec<usize>,
-    above: Vec<usize>,
-    entries: Vec<f64>,
-    /// Columns in which each row of L has an entry, in order.
-    pattern_start: Vec<usize>,
-    pattern: Vec<usize>,
-    /// Columns of L: where they begin, how much is filled, rows and values.
-    column_start: Vec<usize>,
-    filled: Vec<usize>,
-    rows: Vec<usize>,
-    values: Vec<f64>,
-    inverse_pivots: Vec<f64>,
-    rank: usize,
-    /// Least pivot in parts of its diagonal entry, of those that count.
-    least: f64,
-    /// Multipliers that do nothing, where constraints were left out.
-    null_space: NullSpace,
-    /// Scratch, zero between calls.
-    work: Vec<f64>,
+    structure: Structure,
+    factors: Factors<f64>,
+    /// The constraints that the factors are of.
+    factorised: Vec<Row>,
+    /// Those of twice the precision, once they are needed.
+    twice: Option<Box<Factors<Twice>>>,
+    /// Multipliers that do nothing, where constraints were left out; `None` until they are asked for.
+    null_space: Option<NullSpace>,
     right: Vec<f64>,
 }
 
@@ -51,8 +42,12 @@ struct Meeting {
     entry: usize,
 }
 
-/// A pivot counts as vanished below this part of its diagonal entry.
-const PIVOT_TOLERANCE: f64 = 1e-13;
+/// A constraint counts as dependent when the others leave less than this part of it: more than rounding of places that
+/// many joints hold together.
+const DEPENDENT: f64 = 1e-10;
+
+/// Pivots below this part of their diagonal entry are rounded too much to go by.
+const ROUNDED: f64 = 1e-6;
 
 impl SparseKkt {
     /// For constraints over `bodies`; all masses must be above zero.
@@ -89,151 +84,110 @@ impl SparseKkt {
                 }
             }
         }
-        let (pattern_start, pattern) = patterns(&start, &above);
-        let mut column_start = vec![0; m + 1];
-        for &column in &pattern {
-            column_start[column + 1] += 1;
-        }
-        for k in 0..m {
-            column_start[k + 1] += column_start[k];
-        }
+        let pattern = patterns(&start, &above);
+        let structure = Structure::new((start, above), pattern);
         Self {
             inverse_mass: mass.iter().map(|m| 1.0 / m).collect(),
             first: first.to_vec(),
             place,
             meetings,
-            entries: vec![0.0; above.len()],
-            start,
-            above,
-            filled: vec![0; m],
-            rows: vec![0; pattern.len()],
-            values: vec![0.0; pattern.len()],
-            pattern_start,
-            pattern,
-            column_start,
-            inverse_pivots: vec![0.0; m],
-            rank: 0,
-            least: 1.0,
-            null_space: NullSpace::default(),
-            work: vec![0.0; m],
+            factors: Factors::new(&structure),
+            structure,
+            factorised: vec![Row::default(); m],
+            twice: None,
+            null_space: None,
             right: vec![0.0; m],
         }
     }
 
     pub(super) fn rank(&self) -> usize {
-        self.rank
+        self.factors.rank
     }
 
     /// How independent the constraints are: the least part of one that those before it leave.
     pub(super) fn independence(&self) -> f64 {
-        self.least.sqrt()
-    }
-
-    /// Leaves out what is less independent than `part`, until the next factors.
-    pub(super) fn truncate(&mut self, part: f64) {
-        if self.independence() < part {
-            self.eliminate_all(part * part);
-        }
+        self.factors.least.sqrt()
     }
 
     /// Constraints that those described before them imply.
-    pub(super) fn dependent(&self) -> Vec<usize> {
-        self.null_space.last_rows(&self.place)
+    pub(super) fn dependent(&mut self) -> Vec<usize> {
+        self.find_null_space();
+        let space = self.null_space.as_ref();
+        space.map_or_else(Vec::new, |space| space.last_rows(&self.place))
     }
 
-    /// Gathers S and factorises it.
-    pub(super) fn factorise(&mut self, rows: &[Row]) {
-        self.entries.fill(0.0);
-        for meeting in &self.meetings {
-            let ([i, j], [part_i, part_j]) = (meeting.rows, meeting.parts);
-            let [a, b] = [&rows[i].jacobian[part_i], &rows[j].jacobian[part_j]];
-            if let [wx, wy, turning] = self.inverse_mass[meeting.first..meeting.first + 3] {
-                self.entries[meeting.entry] +=
-                    a[0] * wx * b[0] + a[1] * wy * b[1] + a[2] * turning * b[2];
-            }
+    /// Gathers S and factorises it without constraints of which those before them leave less than `part`.
+    pub(super) fn factorise(&mut self, rows: &[Row], part: f64) {
+        self.null_space = None;
+        self.factorised.copy_from_slice(rows);
+        let entries = &mut self.factors.entries;
+        gather(&self.meetings, &self.inverse_mass, rows, entries);
+        self.factors
+            .eliminate(&self.structure, (part * part).max(DEPENDENT * DEPENDENT));
+        let certain = self.rank() == rows.len() && self.factors.least > ROUNDED;
+        if part * part < ROUNDED && !certain {
+            self.factorise_twice(rows, part.max(DEPENDENT));
         }
-        self.eliminate_all(PIVOT_TOLERANCE);
     }
 
-    /// Factors of S without constraints whose pivot is below `tolerance` of its diagonal entry.
-    fn eliminate_all(&mut self, tolerance: f64) {
-        self.filled.fill(0);
-        self.rank = 0;
-        self.least = 1.0;
-        for k in 0..self.place.len() {
-            self.eliminate(k, tolerance);
-        }
-        self.null_space.clear();
-        if self.rank < self.place.len() {
-            for k in 0..self.place.len() {
-                if self.inverse_pivots[k] == 0.0 {
-                    let vector = self.null_vector(k);
-                    self.null_space.add(vector);
+    /// The same in twice the precision.
+    fn factorise_twice(&mut self, rows: &[Row], part: f64) {
+        let taken = self.twice.take();
+        let mut twice = taken.unwrap_or_else(|| Box::new(Factors::new(&self.structure)));
+        gather(&self.meetings, &self.inverse_mass, rows, &mut twice.entries);
+        twice.eliminate(&self.structure, part * part);
+        let factors = &mut self.factors;
+        let numbers = factors.values.iter_mut().zip(&twice.values);
+        numbers.for_each(|(value, twice)| *value = twice.rounded());
+        let pivots = factors.inverse_pivots.iter_mut().zip(&twice.inverse_pivots);
+        pivots.for_each(|(pivot, twice)| *pivot = twice.rounded());
+        (factors.rank, factors.least) = (twice.rank, twice.least);
+        self.twice = Some(twice);
+    }
+
+    /// Multipliers that do nothing: Lᵀ n = `e_k` for each constraint left out, at place k.
+    fn find_null_space(&mut self) {
+        let Self {
+            structure, factors, ..
+        } = self;
+        self.null_space.get_or_insert_with(|| {
+            let mut space = NullSpace::default();
+            let m = structure.order();
+            for k in (0..m).filter(|&k| factors.inverse_pivots[k] == 0.0) {
+                let mut n = vec![0.0; m];
+                n[k] = 1.0;
+                for i in (0..k).rev().filter(|&i| factors.inverse_pivots[i] > 0.0) {
+                    let column = structure.column_start[i]..structure.column_start[i + 1];
+                    let below = structure.rows[column.clone()].iter();
+                    let terms = below.zip(&factors.values[column]);
+                    n[i] = -terms.map(|(&row, value)| value * n[row]).sum::<f64>();
                 }
+                space.add(n);
             }
-        }
-    }
-
-    /// Multipliers in the order of elimination that do nothing, with 1 at the constraint left out at `k`: Lᵀ n = `e_k`.
-    fn null_vector(&self, k: usize) -> Vec<f64> {
-        let mut n = vec![0.0; self.place.len()];
-        n[k] = 1.0;
-        for i in (0..k).rev().filter(|&i| self.inverse_pivots[i] > 0.0) {
-            let column = self.column_start[i]..self.column_start[i + 1];
-            n[i] = -column
-                .map(|at| self.values[at] * n[self.rows[at]])
-                .sum::<f64>();
-        }
-        n
-    }
-
-    /// Row k of L and its pivot.
-    fn eliminate(&mut self, k: usize, tolerance: f64) {
-        let upper = self.start[k]..self.start[k + 1];
-        for (&row, &entry) in self.above[upper.clone()].iter().zip(&self.entries[upper]) {
-            self.work[row] = entry;
-        }
-        let diagonal = self.work[k];
-        for &column in &self.pattern[self.pattern_start[k]..self.pattern_start[k + 1]] {
-            let y = std::mem::take(&mut self.work[column]);
-            let begin = self.column_start[column];
-            let end = begin + self.filled[column];
-            for (&row, value) in self.rows[begin..end].iter().zip(&self.values[begin..end]) {
-                self.work[row] -= value * y;
-            }
-            let value = y * self.inverse_pivots[column];
-            self.work[k] -= value * y;
-            self.rows[end] = k;
-            self.values[end] = value;
-            self.filled[column] += 1;
-        }
-        let pivot = std::mem::take(&mut self.work[k]);
-        self.inverse_pivots[k] = 0.0;
-        if pivot > tolerance * diagonal {
-            self.least = self.least.min(pivot / diagonal);
-            self.inverse_pivots[k] = 1.0 / pivot;
-            self.rank += 1;
-        }
+            space
+        });
     }
 
     /// Solves S x = b in the order of elimination, in place.
     fn solve_factors(&mut self) {
-        let x = &mut self.right;
+        let (x, structure, factors) = (&mut self.right, &self.structure, &self.factors);
         for k in 0..x.len() {
             let known = x[k];
-            let column = self.column_start[k]..self.column_start[k + 1];
-            for (&row, value) in self.rows[column.clone()].iter().zip(&self.values[column]) {
+            let column = structure.column_start[k]..structure.column_start[k + 1];
+            let rows = structure.rows[column.clone()].iter();
+            for (&row, value) in rows.zip(&factors.values[column]) {
                 x[row] -= value * known;
             }
         }
-        for (x, pivot) in x.iter_mut().zip(&self.inverse_pivots) {
+        for (x, pivot) in x.iter_mut().zip(&factors.inverse_pivots) {
             *x *= pivot;
         }
         for k in (0..x.len()).rev() {
-            let column = self.column_start[k]..self.column_start[k + 1];
-            let below = self.rows[column.clone()].iter().zip(&self.values[column]);
+            let column = structure.column_start[k]..structure.column_start[k + 1];
+            let rows = structure.rows[column.clone()].iter();
+            let below = rows.zip(&factors.values[column]);
             let sum: f64 = below.map(|(&row, value)| value * x[row]).sum();
-            if self.inverse_pivots[k] > 0.0 {
+            if factors.inverse_pivots[k] > 0.0 {
                 x[k] -= sum;
             }
         }
@@ -269,7 +223,7 @@ impl SparseKkt {
         }
     }
 
-    /// Accelerations and multipliers of forces f with G a = γ; the second pass takes off what rounding left of the first.
+    /// Accelerations and multipliers of forces f with G a = γ; further passes take off what rounding left of the first.
     pub(super) fn solve(
         &mut self,
         forces: &[f64],
@@ -281,7 +235,8 @@ impl SparseKkt {
             *a = f * inverse;
         }
         multipliers.fill(0.0);
-        for _ in 0..2 {
+        let passes = if self.factors.least > ROUNDED { 2 } else { 3 };
+        for _ in 0..passes {
             for (i, row) in rows.iter().enumerate() {
                 self.right[self.place[i]] = self.along(row, accelerations) - row.gamma;
             }
@@ -291,15 +246,33 @@ impl SparseKkt {
                 *lambda += self.right[place];
             }
         }
-        self.null_space.take_off(&self.place, multipliers);
+        if self.rank() < rows.len() {
+            self.find_null_space();
+        }
+        if let Some(space) = &self.null_space {
+            space.take_off(&self.place, multipliers);
+        }
     }
 
-    /// Adds to `change` the least change (weighed by mass) of coordinates that takes `residual` off the constraints.
-    pub(super) fn correct(&mut self, rows: &[Row], residual: &[f64], change: &mut [f64]) {
+    /// Adds to `change` the least change (weighed by mass) of coordinates that takes `residual` off the constraints as they
+    /// were factorised: S of one state with G of another would change too much where bodies are turned much more easily than moved.
+    pub(super) fn correct(&mut self, residual: &[f64], change: &mut [f64]) {
         for (residual, &place) in residual.iter().zip(&self.place) {
             self.right[place] = *residual;
         }
         self.solve_factors();
+        let rows = &self.factorised;
         self.push(rows, -1.0, |i| self.right[self.place[i]], change);
+    }
+}
+
+/// S, entry by entry.
+fn gather<T: Number>(meetings: &[Meeting], inverse_mass: &[f64], rows: &[Row], entries: &mut [T]) {
+    entries.fill(T::default());
+    for meeting in meetings {
+        let ([i, j], [part_i, part_j]) = (meeting.rows, meeting.parts);
+        let [a, b] = [&rows[i].jacobian[part_i], &rows[j].jacobian[part_j]];
+        let weights = &inverse_mass[meeting.first..meeting.first + 3];
+        entries[meeting.entry] = entries[meeting.entry].plus(T::meet(a, weights, b));
     }
 }
