@@ -9,7 +9,7 @@ use common::scenes::{Noise, Scene, laws};
 use common::twins::compare;
 use common::{advance, channel, control, record, simulation};
 use nalgebra::{DMatrix, DVector};
-use rustchain::drive::{ChainEnd, Drive, Motion, TimeTable};
+use rustchain::drive::{ChainEnd, Drive, LinkStiffness, Motion, TimeTable};
 use rustchain::force_law::{Damping, Elastic, Friction, Regions, Regularization};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, OdeSystem, SecondOrderSystem, StepControl};
@@ -319,6 +319,13 @@ fn kernels_and_their_twins_agree_on_open_chains() {
             .into_iter()
             .enumerate()
         {
+/// With links that stretch.
+fn elastic() -> Drive {
+    let mut drive = hoist(40, 14, 3.0, STILL);
+    drive.chain.link_stiffness = Some(LinkStiffness::Given(5e7));
+    drive
+}
+
             for shake in [1e-5, 1e-4, 1e-3, 3e-2] {
                 let laws = laws(
                     elastic,

@@ -77,7 +77,7 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
 fn elastic_energy(dynamics: &Dynamics) -> f64 {
     let model = dynamics.model();
     let hinges: f64 = with_law!(&model.hinge_law.pairs, Law, pairs => {
-        dynamics.hinges.penetration.iter().map(|&depth| match model.link_compliance {
+        dynamics.hinges.penetration.iter().enumerate().map(|(k, &depth)| match model.compliance_at(k) {
             None => Law::energy(&pairs[0], depth),
             Some(compliance) => {
                 let pressed = depth_in_series::<Law>(&pairs[0], compliance, depth);

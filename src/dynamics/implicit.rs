@@ -66,7 +66,7 @@ impl Dynamics {
             let normal = offset / distance;
             let law = &model.hinge_law;
             let (force, stiffness, damping) = with_law!(&law.pairs, Law, pairs => {
-                slopes::<Law>(&pairs[0], (depth, normal.dot(&velocity)), law.lambda, model.link_compliance,
+                slopes::<Law>(&pairs[0], (depth, normal.dot(&velocity)), law.lambda, model.compliance_at(k),
                     self.memory.hinge_speed()[k], model.min_approach_speed)
             });
             let contact = PointForce::new(

@@ -410,7 +410,7 @@ impl Kernels {
                         rubs,
                         friction,
                         lubricant,
-                        compliance: model.link_compliance,
+                        compliance: self.links.compliance.as_deref(),
                     })
             };
         }

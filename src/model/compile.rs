@@ -160,7 +160,8 @@ impl Model {
             rollers,
             hinge_friction: laws.hinge_friction,
             tooth_friction: laws.tooth_friction,
-            link_compliance: chain.link_compliance(),
+            link_compliance: (chain.link_compliance())
+                .map(|whole| plates_at_hinges(whole, links, ends.as_ref())),
             hinge_film: laws.hinge_film.map(|film| {
                 let length = chain.hinge_contact_length();
                 film.between(hinge.pin_radius, hinge.clearance(), length)
@@ -201,6 +202,15 @@ fn ring(drive: &Drive, ends: Option<&OpenEnds>) -> (Vec<Link>, Vec<f64>) {
         arms.push(described.arm());
     }
     (bodies, arms)
+}
+
+/// What the plates at each of so many hinges give way by \[m/N\]: half of either link, and what holds an end of an open chain does not.
+fn plates_at_hinges(whole: f64, hinges: usize, ends: Option<&OpenEnds>) -> Vec<f64> {
+    let mut compliance = vec![whole; hinges];
+    for end in ends.iter().flat_map(|ends| &ends.bodies) {
+        compliance[end.hinge] = 0.5 * whole;
+    }
+    compliance
 }
 
 /// Sprockets, then guides.

@@ -30,6 +30,11 @@ def strand(links=20, first=None, last=None):
     return rc.open_chain(CHAIN, ends, links)
 
 
+def elastic(drive, stiffness):
+    """Return the same with links of this axial stiffness."""
+    return replace(drive, chain=replace(drive.chain, link_stiffness=stiffness))
+
+
 SCENES = {
     "anchors": strand(),
     "odd": strand(21),
@@ -39,6 +44,8 @@ SCENES = {
     "moved": strand(16, first=rc.Anchor((0.0, 0.0), [(0.0, 0.1, 0.0), (0.1, -0.3, 0.2)])),
     "hoist": hoist(),
     "odd hoist": hoist(41, rc.AppliedTorque(1.0)),
+    "elastic": elastic(strand(15, last=rc.Load(0.7, 1e-4, arm=0.02)), 2e8),
+    "elastic hoist": elastic(hoist(), rc.Plates(3.7e-5, 3.2e-5)),
     "loose on a wheel": hoist(46, first=rc.LooseEnd(), last=rc.Load(1.0, 1e-4, links=8)),
 }
 

@@ -1,9 +1,12 @@
 //! A chain, its links, hinges and material.
 
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 
-use super::reader::Reader;
-use crate::drive::{Chain, ClearanceHinge, Link, Material, Roller, Variation};
+use super::reader::{Reader, count, kind_of, number, refuse};
+use crate::drive::{
+    Chain, ClearanceHinge, Link, LinkStiffness, Material, Plates, Roller, Variation,
+};
 
 pub(in crate::python) fn material(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Material> {
     let read = Reader::new(object, field, &["Material"])?;
@@ -42,6 +45,50 @@ pub(super) fn roller(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Roller>
     })
 }
 
+pub(super) fn plates(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Plates> {
+    let read = Reader::new(object, field, &["Plates"])?;
+    Ok(Plates {
+        inner_section: read.number("inner_section", "m^2")?,
+        outer_section: read.number("outer_section", "m^2")?,
+        elastic_modulus: read.optional_number("elastic_modulus", "Pa")?,
+    })
+}
+
+/// Rows (number of a link, mass).
+fn carried(read: &Reader<'_, '_>) -> PyResult<Vec<(u32, f64)>> {
+    const NAME: &str = "Chain.carried";
+    let rows = read.get("carried")?;
+    let wrong = |value: &Bound<'_, PyAny>| {
+        let expected = "must be rows (number of the link from 1, mass in kg)";
+        refuse(value.py(), NAME, value, expected)
+    };
+    let Ok(rows) = rows.cast::<PyTuple>() else {
+        return Err(wrong(&rows));
+    };
+    let row = |row: Bound<'_, PyAny>| {
+        let Ok([link, mass]) = row.extract::<[Bound<'_, PyAny>; 2]>() else {
+            return Err(wrong(&row));
+        };
+        Ok((count(&link, NAME)?, number(&mass, NAME, "kg")?))
+    };
+    rows.iter().map(row).collect()
+}
+
+/// A number, or the plates that it follows from.
+fn link_stiffness(read: &Reader<'_, '_>) -> PyResult<Option<LinkStiffness>> {
+    const NAME: &str = "link_stiffness";
+    let given = read.get(NAME)?;
+    if given.is_none() {
+        return Ok(None);
+    }
+    if kind_of(&given) == "Plates" {
+        return plates(&given, "Chain.link_stiffness")
+            .map(|plates| Some(LinkStiffness::Of(plates)));
+    }
+    let number = read.number(NAME, "N/m, or Plates")?;
+    Ok(Some(LinkStiffness::Given(number)))
+}
+
 pub(in crate::python) fn chain(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Chain> {
     let read = Reader::new(object, field, &["Chain"])?;
     read.check_text("name")?;
@@ -76,6 +123,7 @@ pub(in crate::python) fn chain(object: &Bound<'_, PyAny>, field: &str) -> PyResu
                 Some(roller(&given, "Chain.roller")?)
             }
         },
-        link_stiffness: read.optional_number("link_stiffness", "N/m")?,
+        link_stiffness: link_stiffness(&read)?,
+        carried: carried(&read)?,
     })
 }

@@ -14,7 +14,7 @@ use pyo3::types::PyTuple;
 
 use super::errors::InvalidInput;
 use crate::drive::Drive;
-use chain::{hinge, link, roller};
+use chain::{hinge, link, plates, roller};
 use ends::{ENDS, chain_ends};
 use laws::{LAWS, film_of, friction};
 use reader::kind_of;
@@ -86,6 +86,7 @@ pub(super) fn validate(description: &Bound<'_, PyAny>) -> PyResult<()> {
         "Link" => link(object, "")?.validate(),
         "ClearanceHinge" => hinge(object, "")?.validate(),
         "Roller" => roller(object, "")?.validate(),
+        "Plates" => plates(object, "")?.validate(),
         "Chain" => chain(object, "")?.validate(),
         kind if FORMS.contains(&kind) => tooth_form(object, "")?.validate(),
         "ToothLine" | "ToothArc" => outline_piece(object, "").map(|_| Ok(()))?,

@@ -34,6 +34,7 @@ GOOD = {
     for description in (
         rc.Material(),
         rc.Link(mass=1.0, inertia=1.0),
+        rc.Plates(3.7e-5, 3.2e-5),
         rc.ClearanceHinge(pin_radius=2.22e-3, bore_radius=2.245e-3, length=0.011),
         DRIVE.chain,
         rc.AnsiTooth(),
@@ -144,7 +145,19 @@ FIELDS = {
         "pitch_spread": within(0, 0.01, -1e-9, 0.011),
         "seed": [(value, "must be a whole number") for value in NO_COUNT],
         "roller": instance("Roller", DRIVE.chain.hinge),
-        "link_stiffness": optional_positive("N/m"),
+        "link_stiffness": [
+            *[(value, "must be a positive number in N/m") for value in POSITIVE],
+            *[(value, "must be a number in N/m, or Plates") for value in NO_OPTION],
+        ],
+        "carried": [
+            *[(value, "must be rows (number of the link") for value in (None, 3, "ab", object)],
+            ([5], "must be rows (number of the link"),
+        ],
+    },
+    "Plates": {
+        "inner_section": positive("m^2"),
+        "outer_section": positive("m^2"),
+        "elastic_modulus": optional_positive("Pa"),
     },
     "Roller": {
         "radius": positive("m"),
