@@ -123,7 +123,7 @@ def open_chain(
         Number of links, even or odd: inner and outer ones alternate, the first is an inner one.
     sprockets : sequence of Sprocket
         In their order from the first end to the second; by default none.
-    gravity, name, guides
+    gravity, name, guides, tensioner
         See `ChainDrive`.
     rollers : {"fixed", "bodies"}
         Of a chain by name; see `catalogue_chain`.
@@ -136,7 +136,7 @@ def open_chain(
         check_rollers(chain, rollers)
         check_plates(chain, plates)
     chain = replace(chain, links=links)
-    return ChainDrive(chain, sprockets, gravity=gravity, name=name, guides=guides, ends=ends)
+    return ChainDrive(chain, sprockets, tensioner, gravity, name, guides=guides, ends=ends)
 
 
 def _number(adjust: object, sprockets: int) -> int:
@@ -148,7 +148,8 @@ def _number(adjust: object, sprockets: int) -> int:
 
 
 def _alike(chain: Chain) -> Chain:
-    """Return the chain with the mean elongation of its links in each of them."""
+    """Return the chain with the mean elongation of its links in each of them, carrying nothing."""
+    chain = replace(chain, carried=())
     if isinstance(chain.elongation, tuple) and chain.elongation:
         mean = sum(chain.elongation) / len(chain.elongation)
         return replace(chain, elongation=mean)

@@ -39,8 +39,8 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
         add_body(i, model.mass[i], model.inertia[i]);
     }
     if let Some(rollers) = &model.rollers {
-        for i in model.links..2 * model.links {
-            add_body(i, rollers.mass, rollers.inertia);
+        for k in (0..model.links).filter(|&k| model.bushing_is_there(k)) {
+            add_body(model.links + k, rollers.mass, rollers.inertia);
         }
     }
     let (mut arms, mut springs) = (0.0, 0.0);

@@ -320,7 +320,8 @@ impl SecondOrderSystem for Dynamics {
         lengths[2 * n..3 * n].fill(model.half_pitch);
         if let Some(rollers) = &model.rollers {
             // What a roller's error passes on is its momentum: it may be larger than a link's as the roller is lighter.
-            let share = rollers.mass * n as f64 / model.mass.iter().sum::<f64>();
+            let chain = model.ends.as_ref().map_or(n, |ends| ends.links);
+            let share = rollers.mass * chain as f64 / model.mass[..chain].iter().sum::<f64>();
             lengths[rollers.first..].fill(share);
             lengths[rollers.first + 2 * n..].fill(share * model.contact_radius);
         }

@@ -138,6 +138,13 @@ impl ChainArrays {
         }
     }
 
+    /// The same of rollers on bushings that are none.
+    pub(super) fn forget_absent_rollers(&mut self, model: &Model) {
+        for k in model.absent_rollers() {
+            (self.distance_squared[k], self.along[k]) = (0.0, 0.0);
+        }
+    }
+
     /// No moments yet.
     pub(super) fn clear_moments(&mut self) {
         self.front_moment.fill(0.0);

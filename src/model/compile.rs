@@ -137,7 +137,7 @@ impl Model {
             bushing_radius: chain.bushing_radius,
             law: ready(laws.hinge, &pairs),
         });
-        coordinates.0 += 3 * chain.rollers();
+        coordinates.0 += 3 * drive.rollers();
         let ends = OpenEnds::of(drive, start);
         let (bodies, arms) = ring(drive, ends.as_ref());
         let mass: Vec<f64> = bodies.iter().map(|body| body.mass).collect();
@@ -148,7 +148,6 @@ impl Model {
             links,
             coordinates: coordinates.0,
             half_pitch: 0.5 * chain.pitch,
-            ends,
             arms,
             inverse_mass: mass.iter().map(inverse).collect(),
             inverse_inertia: inertia.iter().map(inverse).collect(),
@@ -169,6 +168,7 @@ impl Model {
             hinge_law: ready(laws.hinge, &hinge_pairs),
             tooth_law: ready(laws.tooth, &tooth_pairs),
             min_approach_speed: laws.min_approach_speed,
+            ends,
             gravity: drive.gravity,
             strands: strands(drive),
             guides: drive.guides.len(),
