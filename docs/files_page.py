@@ -23,6 +23,7 @@ GROUPS: dict[str, list[Callable[..., Any]]] = {
         rc.Link,
         rc.ClearanceHinge,
         rc.Roller,
+        rc.Plates,
         rc.Material,
     ],
     "drive.sprockets": [rc.Sprocket, rc.PrescribedSpeed, rc.AppliedTorque, rc.Free],

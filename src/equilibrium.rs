@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use crate::drive::{ChainEnd, Drive, Motion, Mount, Tensioner, TimeTable};
+use crate::drive::{ChainEnd, Drive, Motion, Mount, Sprocket, Tensioner, TimeTable};
 use crate::dynamics::Dynamics;
 use crate::error::{Error, Result};
 use crate::geometry::{Vec2, turned_left, unit, way};
@@ -134,7 +134,13 @@ impl Equilibrium {
         let model = Model::compile(&held(drive, &layout), &frictionless, &at_rest)?;
         let model = Arc::new(model);
         let mut settling = Settling::new(model, &at_rest);
-        let residual = settling.settle()?;
+        let residual = settling.settle().map_err(|error| match error {
+            Error::Impossible(why) => {
+                let light = light_strand(drive, &layout);
+                Error::Impossible(why + &light.unwrap_or_default())
+            }
+            other => other,
+        })?;
         let largest_force = settling.largest_force();
         let positions = settling.places.positions();
         let mut start = if drive.ends.is_some() {
@@ -155,6 +161,60 @@ impl Equilibrium {
             iterations: settling.iterations,
         })
     }
+}
+
+/// Share of a tension that frictionless bushings pass on from one tooth to the next: between the pulls of both strands and the push of
+/// a tooth at its pressure angle \[rad\], on a wheel of so many teeth.
+fn passed_on(pressure_angle: f64, teeth: u32) -> f64 {
+    let turn = std::f64::consts::TAU / f64::from(teeth);
+    pressure_angle.sin() / (pressure_angle + turn).sin()
+}
+
+/// What an open chain lacks on the side that is to hold its load on the teeth, if it is that: 35° - 120°/N is the new chain's pressure
+/// angle of ANSI B29.1, of which other forms have much the same.
+fn light_strand(drive: &Drive, layout: &Layout) -> Option<String> {
+    let (ends, chain) = (drive.ends.as_ref()?, &drive.chain);
+    let (first, last) = (
+        *layout.strand_pitches.first()?,
+        *layout.strand_pitches.last()?,
+    );
+    let links = chain.links as usize;
+    let weight = |end: usize| {
+        let strand = if end == 0 {
+            0..first as usize
+        } else {
+            links - last as usize..links
+        };
+        let own: f64 = strand.map(|i| chain.strand_link(i).mass).sum();
+        let load = match ends[end] {
+            ChainEnd::Load { mass, .. } => mass,
+            _ => 0.0,
+        };
+        drive.gravity.norm() * (own + load)
+    };
+    let share = |(sprocket, &seated): (&Sprocket, &u32)| {
+        let angle = (35.0 - 120.0 / f64::from(sprocket.teeth)).to_radians();
+        passed_on(angle, sprocket.teeth).powi(i32::try_from(seated).unwrap_or(i32::MAX))
+    };
+    let wraps = drive.sprockets.iter().zip(&layout.seated);
+    let shares: f64 = wraps.map(share).product();
+    let (light, heavy) = if weight(0) < weight(1) {
+        (0, 1)
+    } else {
+        (1, 0)
+    };
+    let needed = shares * weight(heavy);
+    (weight(light) < needed).then(|| {
+        format!(
+            "; the strand at end {} weighs {:.2} N, and without friction the teeth take the {:.1} N at end {} only where about {needed:.2} N \
+             hold the chain down there: hang more links or a load at end {}",
+            light + 1,
+            weight(light),
+            weight(heavy),
+            heavy + 1,
+            light + 1
+        )
+    })
 }
 
 /// Length that a coordinate of a sprocket stands for: the pitch radius where it is an angle \[m\], 1 where it is a length.
@@ -382,7 +442,9 @@ impl Settling {
             let apart = (front - rear).norm() / (HINGE_SHARE * model.clearance);
             let moved = front.norm() / (self.largest_move * 2.0 * model.half_pitch);
             excess = excess.max(apart).max(moved);
-            if let Some(rollers) = &model.rollers {
+            if let Some(rollers) = &model.rollers
+                && model.bushing_is_there(i)
+            {
                 let roller = Vec2::new(step[rollers.first + i], step[rollers.first + n + i]);
                 let bushing = if model.link_of_bushing(i) == i {
                     front
@@ -400,5 +462,19 @@ impl Settling {
             });
         }
         excess
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::passed_on;
+
+    #[test]
+    fn a_tooth_of_seventeen_passes_on_three_fifths_of_a_tension() {
+        let angle = (35.0_f64 - 120.0 / 17.0).to_radians();
+        assert!((passed_on(angle, 17) - 0.62).abs() < 1e-3);
+        // At a right angle to the mean of both strands they are alike.
+        let half = std::f64::consts::PI / 17.0;
+        assert!((passed_on(std::f64::consts::FRAC_PI_2 - half, 17) - 1.0).abs() < 1e-12);
     }
 }

@@ -4,11 +4,12 @@
 
 mod common;
 
-use common::checks::{keeps_momentum, lacks, largest};
+use common::checks::{
+    corrections_have_the_same_bits, floating, keeps_momentum, lacks, largest, newton,
+};
 use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Film, Friction, Regularization};
-use rustchain::geometry::Vec2;
-use rustchain::integrator::{Corrector, OdeSystem, SecondOrderSystem, StepControl};
+use rustchain::integrator::OdeSystem;
 use rustchain::vector::InstructionSet;
 use rustchain::{ForceLaws, Groups, Simulation};
 
@@ -42,21 +43,13 @@ fn scenes(viscosity: f64) -> [ForceLaws; 2] {
     ]
 }
 
-fn newton() -> StepControl {
-    StepControl {
-        corrector: Corrector::Newton,
-        accuracy: 1e-10,
-        ..StepControl::default()
-    }
-}
-
 /// The paper's drive with these laws.
 fn drive(laws: &ForceLaws, pretension: f64) -> Simulation {
     let mut drive = common::paper_drive();
     if pretension > 0.0 {
         drive.tensioner = Some(common::tensioner(pretension, 2e-3));
     }
-    common::simulation(&drive, laws, newton())
+    common::simulation(&drive, laws, newton(1e-10))
 }
 
 /// Where it is after some milliseconds.
@@ -111,14 +104,7 @@ fn kernels_give_what_their_twins_give() {
 #[test]
 fn a_film_takes_no_momentum_from_a_drive_that_floats() {
     for laws in scenes(0.1) {
-        let mut drive = common::paper_drive();
-        drive.gravity = Vec2::zeros();
-        for (sprocket, speed) in drive.sprockets.iter_mut().zip([12.0, 18.0]) {
-            sprocket.motion = rustchain::drive::Motion::Free;
-            sprocket.initial_speed = Some(speed);
-            sprocket.bearing = rustchain::drive::Bearing::Floating;
-        }
-        let mut run = common::simulation(&drive, &laws, newton());
+        let mut run = floating(&laws);
         for report in 1..=20 {
             common::advance(&mut run, 5e-4 * f64::from(report));
             assert!(keeps_momentum(&run).hinge_film > 0.0);
@@ -154,20 +140,7 @@ fn a_correction_by_newtons_matrix_lacks_little() {
 fn corrections_have_the_same_bits_with_all_instructions() {
     for laws in scenes(0.1) {
         let (dynamics, t, y) = later(&laws, 100.0, 6e-3);
-        let found = InstructionSet::available()
-            .into_iter()
-            .filter(|set| set.has_fused_multiply_add())
-            .map(|set| {
-                let mut dynamics = dynamics.clone();
-                dynamics.use_instructions(set);
-                let mut slope = vec![0.0; y.len()];
-                dynamics.accelerations_with_slopes(t, &y, &mut slope);
-                assert!(dynamics.factorise(&y, 2e-6));
-                dynamics.correct(&mut slope[y.len() / 2..]);
-                slope
-            });
-        let found: Vec<Vec<f64>> = found.collect();
-        assert!(found.windows(2).all(|pair| pair[0] == pair[1]), "{laws:?}");
+        assert!(corrections_have_the_same_bits(&dynamics, t, &y), "{laws:?}");
     }
 }
 

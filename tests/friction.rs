@@ -4,13 +4,14 @@
 
 mod common;
 
-use common::checks::{keeps_momentum, lacks, largest};
+use common::checks::{
+    corrections_have_the_same_bits, floating, keeps_momentum, lacks, largest, newton,
+};
 
 use rustchain::drive::Drive;
 use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Friction, Regularization};
-use rustchain::geometry::Vec2;
-use rustchain::integrator::{Corrector, OdeSystem, SecondOrderSystem, StepControl};
+use rustchain::integrator::{Corrector, OdeSystem, StepControl};
 use rustchain::vector::InstructionSet;
 use rustchain::{ForceLaws, Groups, Simulation};
 
@@ -42,14 +43,6 @@ fn places_on(drives: &[Drive], law: Friction) -> Vec<(ForceLaws, Drive)> {
     drives.iter().flat_map(of).collect()
 }
 
-fn newton() -> StepControl {
-    StepControl {
-        corrector: Corrector::Newton,
-        accuracy: 1e-10,
-        ..StepControl::default()
-    }
-}
-
 /// The paper's drive with these laws.
 fn drive(laws: &ForceLaws, pretension: f64) -> Simulation {
     drive_of(common::paper_drive(), laws, pretension)
@@ -59,7 +52,7 @@ fn drive_of(mut drive: Drive, laws: &ForceLaws, pretension: f64) -> Simulation {
     if pretension > 0.0 {
         drive.tensioner = Some(common::tensioner(pretension, 2e-3));
     }
-    common::simulation(&drive, laws, newton())
+    common::simulation(&drive, laws, newton(1e-10))
 }
 
 /// With bushings on the teeth, and with rollers.
@@ -133,14 +126,7 @@ fn kernels_give_what_their_twins_give() {
 #[test]
 fn friction_takes_no_momentum_from_a_drive_that_floats() {
     for laws in places(friction(Regularization::Tanh, 0.3)) {
-        let mut drive = common::paper_drive();
-        drive.gravity = Vec2::zeros();
-        for (sprocket, speed) in drive.sprockets.iter_mut().zip([12.0, 18.0]) {
-            sprocket.motion = rustchain::drive::Motion::Free;
-            sprocket.initial_speed = Some(speed);
-            sprocket.bearing = rustchain::drive::Bearing::Floating;
-        }
-        let mut run = common::simulation(&drive, &laws, newton());
+        let mut run = floating(&laws);
         let mut rubbed = 0;
         for report in 1..=300 {
             common::advance(&mut run, 1e-4 * f64::from(report));
@@ -172,20 +158,7 @@ fn a_correction_by_newtons_matrix_lacks_little() {
 fn corrections_have_the_same_bits_with_all_instructions() {
     for (laws, drive) in places_on(&both_chains(), friction(Regularization::Threlfall, 0.2)) {
         let (dynamics, t, y) = pressed(&drive, &laws, 100.0);
-        let found = InstructionSet::available()
-            .into_iter()
-            .filter(|set| set.has_fused_multiply_add())
-            .map(|set| {
-                let mut dynamics = dynamics.clone();
-                dynamics.use_instructions(set);
-                let mut slope = vec![0.0; y.len()];
-                dynamics.accelerations_with_slopes(t, &y, &mut slope);
-                assert!(dynamics.factorise(&y, 2e-6));
-                dynamics.correct(&mut slope[y.len() / 2..]);
-                slope
-            });
-        let found: Vec<Vec<f64>> = found.collect();
-        assert!(found.windows(2).all(|pair| pair[0] == pair[1]), "{laws:?}");
+        assert!(corrections_have_the_same_bits(&dynamics, t, &y), "{laws:?}");
     }
 }
 
@@ -249,7 +222,7 @@ fn articulation(coefficient: f64, pretension: f64, torque: f64) -> (f64, f64) {
     let mut drive = common::paper_drive();
     drive.tensioner = Some(common::tensioner(pretension, 2e-3));
     drive.sprockets[1].motion = rustchain::drive::Motion::AppliedTorque((-torque).into());
-    let mut run = common::simulation(&drive, &laws, newton());
+    let mut run = common::simulation(&drive, &laws, newton(1e-10));
     common::advance(&mut run, 0.04);
     let groups = Groups {
         hinges: true,
@@ -297,7 +270,7 @@ fn sticking_hinges_do_not_hold_the_steps() {
                 drive.tensioner = Some(common::tensioner(pretension, 2e-3));
                 let control = StepControl {
                     corrector,
-                    ..newton()
+                    ..newton(1e-10)
                 };
                 let mut run = common::simulation(&drive, laws, control);
                 common::advance(&mut run, 0.03);

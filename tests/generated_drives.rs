@@ -110,6 +110,7 @@ impl Choice {
             variation: Variation::default(),
             roller: None,
             link_stiffness: None,
+            carried: Vec::new(),
         };
         let sprocket = |number: usize, motion: Motion| Sprocket {
             teeth: self.teeth[number],

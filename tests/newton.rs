@@ -4,9 +4,12 @@
 
 mod common;
 
+use common::checks::{
+    exact_matrix_is_that_of_finite_differences, kernels_matrix_is_the_exact_one, newton,
+};
+use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic, ForceLaw};
-use rustchain::integrator::{Adams, Corrector, OdeSystem, SecondOrderSystem, StepControl};
-use rustchain::vector::InstructionSet;
+use rustchain::integrator::{Adams, OdeSystem, SecondOrderSystem, StepControl};
 use rustchain::{ForceLaws, Simulation};
 
 fn simulation(
@@ -51,93 +54,23 @@ fn pressed_scenes() -> Vec<(String, Simulation)> {
     scenes
 }
 
-fn residuals(coordinates: usize) -> impl Iterator<Item = Vec<f64>> {
-    let entry = |seed: usize, i: usize| ((i * 37 + seed * 101) % 17) as f64 / 17.0 - 0.5;
-    (0..5).map(move |seed| (0..coordinates).map(|i| entry(seed, i)).collect())
-}
-
-fn largest(numbers: &[f64]) -> f64 {
-    numbers.iter().fold(0.0, |a: f64, b| a.max(b.abs()))
+/// Whether some hinge or some bushing on a tooth touches.
+fn touches(dynamics: &Dynamics) -> bool {
+    dynamics.hinge_contacts().any(|(depth, _)| depth > 0.0)
+        || dynamics.candidates().any(|(_, _, depth, _)| depth > 0.0)
 }
 
 #[test]
 fn the_exact_matrix_is_that_of_finite_differences() {
     for (scene, run) in pressed_scenes() {
-        let (t, y) = (run.integrator().time(), run.integrator().y().to_vec());
-        let mut dynamics = run.dynamics().clone();
-        let nq = dynamics.coordinates();
-        let gamma = 1e-5;
-        let mut slope = vec![0.0; y.len()];
-        for residual in residuals(nq) {
-            dynamics.derivative(t, &y, &mut slope);
-            let touching = dynamics.hinge_contacts().filter(|(d, _)| *d > 0.0).count()
-                + dynamics.candidates().filter(|c| c.2 > 0.0).count();
-            assert!(touching > 0);
-            let mut x = residual.clone();
-            assert!(dynamics.correct_exactly(&y, gamma, &mut x));
-            let size = largest(&x);
-            let step = 1e-5 / (gamma * size);
-            let mut at = |sign: f64| {
-                let mut z = y.clone();
-                for i in 0..nq {
-                    z[i] += sign * step * gamma * gamma * x[i];
-                    z[nq + i] += sign * step * gamma * x[i];
-                }
-                let mut slope = vec![0.0; y.len()];
-                dynamics.derivative(t, &z, &mut slope);
-                slope
-            };
-            let (up, down) = (at(1.0), at(-1.0));
-            for i in 0..nq {
-                let product = x[i] - (up[nq + i] - down[nq + i]) / (2.0 * step);
-                // Measured: 1.3e-4, the differences' own error at shallow contacts.
-                assert!(
-                    (product - residual[i]).abs() < 5e-4 * size.max(1.0),
-                    "{scene}, coordinate {i}: {product} for {}",
-                    residual[i]
-                );
-            }
-        }
+        exact_matrix_is_that_of_finite_differences(&scene, &run, touches);
     }
 }
 
 #[test]
 fn the_kernels_matrix_is_the_exact_one_but_for_angles_turned_in_a_step() {
     for (scene, run) in pressed_scenes() {
-        let (t, y) = (run.integrator().time(), run.integrator().y().to_vec());
-        let mut bits: Option<Vec<Vec<f64>>> = None;
-        for set in InstructionSet::available() {
-            let mut dynamics = run.dynamics().clone();
-            dynamics.use_instructions(set);
-            let mut slope = vec![0.0; y.len()];
-            let mut found = Vec::new();
-            for gamma in [1e-5, 1e-6, 1e-8] {
-                dynamics.accelerations_with_slopes(t, &y, &mut slope);
-                assert!(dynamics.factorise(&y, gamma));
-                for residual in residuals(dynamics.coordinates()) {
-                    let (mut x, mut exact) = (residual.clone(), residual);
-                    dynamics.correct(&mut x);
-                    assert!(dynamics.correct_exactly(&y, gamma, &mut exact));
-                    let error = x.iter().zip(&exact).map(|(a, b)| (a - b).abs());
-                    let error = error.fold(0.0, f64::max) / largest(&exact);
-                    // Slip over radius is up to 1e4 1/s here; a border that is only swept leaves as much.
-                    assert!(error < 5e4 * gamma, "{scene}, {gamma:e}: {error:e}");
-                    found.push(x);
-                }
-            }
-            if set.has_fused_multiply_add() {
-                let same = *bits.get_or_insert_with(|| found.clone()) == found;
-                assert!(same, "{scene}, {}", set.name());
-            }
-        }
-    }
-}
-
-fn newton(accuracy: f64) -> StepControl {
-    StepControl {
-        corrector: Corrector::Newton,
-        accuracy,
-        ..StepControl::default()
+        kernels_matrix_is_the_exact_one(&scene, &run);
     }
 }
 

@@ -4,29 +4,22 @@
 
 mod common;
 
-use common::open::{at_rest, hoist, strand};
+use common::checks::newton;
+use common::open::{at_rest, hoist, strand, tightened};
 use common::scenes::{Noise, Scene, laws};
 use common::twins::compare;
 use common::{advance, channel, control, record, simulation};
 use nalgebra::{DMatrix, DVector};
-use rustchain::drive::{ChainEnd, Drive, Motion, TimeTable};
+use rustchain::drive::{ChainEnd, Drive, LinkStiffness, Motion, TimeTable};
 use rustchain::force_law::{Damping, Elastic, Friction, Regions, Regularization};
 use rustchain::geometry::Vec2;
-use rustchain::integrator::{Corrector, OdeSystem, SecondOrderSystem, StepControl};
+use rustchain::integrator::{OdeSystem, SecondOrderSystem, StepControl};
 use rustchain::state::Start;
 use rustchain::vector::InstructionSet;
 use rustchain::{ForceLaws, Groups, Model, Simulation, Snapshot};
 
 const GRAVITY: f64 = 9.81;
 const STILL: Motion = Motion::Free;
-
-fn newton(accuracy: f64) -> StepControl {
-    StepControl {
-        corrector: Corrector::Newton,
-        accuracy,
-        ..StepControl::default()
-    }
-}
 
 /// A chain without ends, dropped from the curve on which it hung.
 fn dropped() -> Drive {
@@ -208,8 +201,10 @@ fn the_energy_of_a_hoist_and_of_a_moved_strand_is_accounted_for() {
         };
         strand(20, [anchor, ChainEnd::load(0.5, 1e-4)])
     };
+    let rolled = rolling(lifting.clone());
     for (name, drive, time) in [
         ("lifting", lifting, 0.03),
+        ("lifting with rollers", rolled, 0.03),
         ("lowering", lowering, 0.01),
         ("shaken", shaken, 0.03),
     ] {
@@ -285,6 +280,14 @@ fn both_correctors_follow_the_same_path() {
     assert!((explicit[12][0] - rest.start.positions[12][0]).abs() > 1e-4);
 }
 
+/// With rollers as bodies.
+fn rolling(mut drive: Drive) -> Drive {
+    let links = drive.chain.links;
+    drive.chain = common::roller_chain();
+    drive.chain.links = links;
+    drive
+}
+
 /// Open scenes of all kinds of ends, laid.
 fn scenes() -> Vec<Drive> {
     let anchor = |x: f64, y: f64| ChainEnd::anchor(Vec2::new(x, y));
@@ -308,7 +311,19 @@ fn scenes() -> Vec<Drive> {
             };
             drive
         },
+        tightened(30.0),
+        rolling(strand(12, [anchor(0.0, 0.0), ChainEnd::loose()])),
+        rolling(strand(13, [ChainEnd::load(0.3, 1e-5), anchor(0.0, 0.0)])),
+        rolling(hoist(41, 16, 3.0, Motion::PrescribedSpeed(4.0.into()))),
+        rolling(tightened(30.0)),
     ]
+}
+
+/// With links that stretch.
+fn elastic() -> Drive {
+    let mut drive = hoist(40, 14, 3.0, STILL);
+    drive.chain.link_stiffness = Some(LinkStiffness::Given(5e7));
+    drive
 }
 
 #[test]
@@ -351,7 +366,8 @@ fn kernels_and_their_twins_agree_on_open_chains() {
 
 #[test]
 fn the_matrices_of_open_chains_are_those_of_finite_differences() {
-    for (number, drive) in scenes().into_iter().enumerate() {
+    let scenes = scenes().into_iter().chain([elastic()]);
+    for (number, drive) in scenes.enumerate() {
         let laws = laws(Elastic::Hertz, Damping::LankaraniNikravesh, Regions::Kept);
         let mut run = simulation(&drive, &laws, StepControl::default());
         advance(&mut run, 12e-3);

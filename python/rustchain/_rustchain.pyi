@@ -33,6 +33,7 @@ __all__ = [
     "integrate",
     "law_force",
     "layout",
+    "link_stiffness",
     "links_around",
     "links_for",
     "restitution_obtained",
@@ -123,6 +124,9 @@ def tooth_radii(sprocket: Sprocket, chain: Chain) -> list[float]:
 
 def chain_links(chain: Chain) -> _Array:
     """Return length [m], mass [kg], inertia [kg m^2], 1 for a bushing in front, of each link."""
+
+def link_stiffness(chain: Chain) -> float | None:
+    """Return the pull that makes a link longer by a metre [N/m], None where links are rigid."""
 
 def film_forces(
     film: Film,

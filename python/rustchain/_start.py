@@ -28,7 +28,7 @@ def started(scene: Mapping[str, Any]) -> dict[str, Any]:
     if not isinstance(drive, ChainDrive):  # which the core refuses
         return {"drive": drive, "rest": None} | given
     if start == "laid":
-        rollers = 0 if drive.chain.roller is None else drive.chain.links
+        rollers = 0 if drive.chain.roller is None else drive.hinge_count
         bodies = drive.hinge_count + rollers + len(drive.sprockets) + len(drive.guides)
         rows = {name: rows_of(name, value, bodies) for name, value in given.items()}
         return {"drive": drive, "rest": None} | rows

@@ -19,6 +19,7 @@ from rustchain.drive import (
     Hinges,
     IsoTooth,
     Link,
+    Plates,
     Point,
     PrescribedSpeed,
     Roller,
@@ -32,6 +33,7 @@ from rustchain.errors import InvalidInput
 from rustchain.material import Material
 
 Rollers: TypeAlias = Literal["fixed", "bodies"]
+Stretch: TypeAlias = Literal["rigid", "elastic"]
 
 PAPER_CHAIN = Chain(
     name="ASA 40 of Pereira, Ambrosio and Ramalho (2010)",
@@ -97,6 +99,7 @@ def two_sprocket_drive(
     hinges: Hinges = "clearance",
     profile: ToothForm | None = None,
     rollers: Rollers = "fixed",
+    plates: Stretch = "rigid",
 ) -> ChainDrive:
     """Return a drive of two sprockets, the driver at the origin and the other at +x.
 
@@ -127,6 +130,8 @@ def two_sprocket_drive(
         Tooth form of both sprockets; by default that of the chain's standard with this `seat`.
     rollers : {"fixed", "bodies"}
         Of a chain by name; see `catalogue_chain`.
+    plates : {"rigid", "elastic"}
+        Of a chain by name; see `catalogue_chain`.
     """
     if links is None and isinstance(chain, Chain):
         links = chain.links
@@ -145,9 +150,10 @@ def two_sprocket_drive(
     if center_distance is None:
         center_distance = _rustchain.closing_center_distance(pitch, teeth, links)
     if isinstance(chain, str):
-        chain = catalogue_chain(chain, links, rollers=rollers)
+        chain = catalogue_chain(chain, links, rollers=rollers, plates=plates)
     else:
         check_rollers(chain, rollers)
+        check_plates(chain, plates)
         chain = replace(chain, links=links)
     if profile is None:
         profile = IsoTooth(seat=seat) if iso else AnsiTooth(seat=seat)
@@ -175,7 +181,13 @@ def catalogue() -> dict[str, ChainSize]:
 
 
 @known_keywords
-def catalogue_chain(name: str, links: int, strands: int = 1, rollers: Rollers = "fixed") -> Chain:
+def catalogue_chain(
+    name: str,
+    links: int,
+    strands: int = 1,
+    rollers: Rollers = "fixed",
+    plates: Stretch = "rigid",
+) -> Chain:
     """Return a chain of the catalogue, such as "ANSI 40" or "ISO 08B".
 
     Where its numbers come from: `catalogue` and docs/chains.md.
@@ -192,8 +204,11 @@ def catalogue_chain(name: str, links: int, strands: int = 1, rollers: Rollers = 
         "fixed": a roller chain as a bushing chain of the roller's outside diameter, whose inner
         links carry the rollers' mass. "bodies": every roller a body that turns on its bushing with
         play; mass, inertia and bore are derived. Chains without rollers have none to make bodies.
+    plates : {"rigid", "elastic"}
+        "elastic": links stretch as their plates do, whose cross-sections are derived.
     """
     size = _size(name)
+    _check_plates_word(plates)
     inner, outer = size.links()
     fixed = Chain(
         name=size.name,
@@ -209,6 +224,7 @@ def catalogue_chain(name: str, links: int, strands: int = 1, rollers: Rollers = 
         bushing_radius=size.roller_diameter / 2,
         tooth_contact_length=size.tooth_width,
         strands=strands,
+        link_stiffness=Plates(*size.plate_sections) if plates == "elastic" else None,
     )
     return _rolling(fixed, size, rollers)
 
@@ -221,6 +237,23 @@ def check_rollers(chain: Chain, rollers: Rollers) -> None:
             "rollers = 'bodies': the chain given has none; give it Chain(..., roller=Roller(...)), "
             "or name a chain of the catalogue"
         )
+        raise InvalidInput(msg)
+
+
+def check_plates(chain: Chain, plates: Stretch) -> None:
+    """Refuse elastic plates of a chain that is given as it is, with rigid ones."""
+    _check_plates_word(plates)
+    if plates == "elastic" and chain.link_stiffness is None:
+        msg = (
+            "plates = 'elastic': the chain given is rigid; give it Chain(..., "
+            "link_stiffness=Plates(...)), or name a chain of the catalogue"
+        )
+        raise InvalidInput(msg)
+
+
+def _check_plates_word(plates: Stretch) -> None:
+    if plates not in get_args(Stretch):
+        msg = f"plates = {plates!r}: must be 'rigid' or 'elastic'"
         raise InvalidInput(msg)
 
 

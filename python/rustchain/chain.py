@@ -82,6 +82,28 @@ class Roller(Description):
 
 @known_keywords
 @dataclass(frozen=True)
+class Plates(Description):
+    """Link plates, from which the axial stiffness of links follows.
+
+    A link is a bar of its plates' cross-section and a pitch's length: E A / p, and of inner and
+    outer links, which are pulled one behind the other, the harmonic mean. The waist of real plates
+    makes them softer, the eyes that grip pins and bushings harder.
+
+    Attributes
+    ----------
+    inner_section, outer_section : float
+        Cross-section of both plates of an inner and of an outer link, of one strand [m^2].
+    elastic_modulus : float, optional
+        Young's modulus [Pa]; by default that of the chain's material.
+    """
+
+    inner_section: float
+    outer_section: float
+    elastic_modulus: float | None = None
+
+
+@known_keywords
+@dataclass(frozen=True)
 class Chain(Description):
     """A closed bushing or roller chain: inner and outer links in turn; link 1 is an inner one.
 
@@ -120,10 +142,13 @@ class Chain(Description):
     roller : Roller, optional
         One on every bushing, a body of its own that meets the teeth in the bushing's place; inner
         links then go without the rollers' mass. By default a bushing chain.
-    link_stiffness : float, optional
-        Pull that makes a link of one strand longer by a metre [N/m], in series with the contacts of
-        its hinges, half of it with each: modulus times cross-section of both plates over the pitch;
-        of inner and outer links the harmonic mean. None: links are rigid.
+    link_stiffness : float or Plates, optional
+        Pull that makes a link of one strand longer by a metre [N/m], or the plates from which it
+        follows: in series with the contacts of its hinges, half of the link with each. None: links
+        are rigid.
+    carried : sequence of (link, mass)
+        What links carry in their middle, by their numbers from 1 [kg]: slats, buckets, goods; all
+        strands together.
     """
 
     pitch: float
@@ -141,12 +166,18 @@ class Chain(Description):
     pitch_spread: float = 0.0
     seed: int = 0
     roller: Roller | None = None
-    link_stiffness: float | None = None
+    link_stiffness: float | Plates | None = None
+    carried: Sequence[tuple[int, float]] = ()
 
     @property
     def contact_radius(self) -> float:
         """Outside radius of what meets the teeth, rollers or bushings [m]."""
         return self.bushing_radius if self.roller is None else self.roller.radius
+
+    @property
+    def axial_stiffness(self) -> float | None:
+        """Pull that makes a link of all strands longer by a metre [N/m]; None: links are rigid."""
+        return _rustchain.link_stiffness(self)
 
     @property
     def link_pitches(self) -> npt.NDArray[np.float64]:

@@ -142,6 +142,17 @@ class ChainSize:
         """What the parts' masses are multiplied by to weigh `mass_per_length`."""
         return 2 * self.pitch * self.mass_per_length / sum(p.mass for p in self.parts.values())
 
+    @property
+    def plate_sections(self) -> tuple[float, float]:
+        """Cross-section of both plates of an inner and of an outer link [m^2], derived.
+
+        Twice height times thickness, without waists and holes.
+        """
+        return (
+            2 * self.inner_plate_height * self.inner_plate_thickness,
+            2 * self.outer_plate_height * self.outer_plate_thickness,
+        )
+
     def links(self, rollers: bool = True) -> tuple[Part, Part]:
         """Return the inner link, with or without its rollers, and the outer one, to scale."""
         parts, scale = self.parts, self.mass_scale
@@ -183,6 +194,12 @@ class ChainSize:
         for label, part in zip(("inner link", "outer link"), self.links(), strict=True):
             shown = f"{1e3 * part.mass:10.3f} g, {1e6 * part.inertia:.4g}e-6 kg m^2"
             lines.append(f"  {label:<22}{shown}  derived")
+        sections = zip(
+            ("inner plates, both", "outer plates, both"), self.plate_sections, strict=True
+        )
+        for label, section in sections:
+            shown = f"{1e6 * section:10.3f} mm^2"
+            lines.append(f"  {label:<22}{shown:<17}derived")
         if self.has_rollers:
             bore, one = f"{1e3 * self.roller_bore_diameter:10.3f} mm", self.roller()
             lines.append(f"  {'roller bore diameter':<22}{bore:<17}derived")

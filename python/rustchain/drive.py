@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 from rustchain._description import Description, Point
 from rustchain._names import known_keywords
-from rustchain.chain import Chain, ClearanceHinge, Link, Roller
+from rustchain.chain import Chain, ClearanceHinge, Link, Plates, Roller
 from rustchain.ends import Anchor, Load, LooseEnd
 from rustchain.guides import GuideRail, SmoothIdler
 from rustchain.material import Material
@@ -42,6 +42,7 @@ __all__ = [
     "IsoTooth",
     "Link",
     "Material",
+    "Plates",
     "Point",
     "PrescribedSpeed",
     "Roller",

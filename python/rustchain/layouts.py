@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from rustchain import _rustchain
 from rustchain._names import known_keywords
-from rustchain.catalogue import Rollers, catalogue_chain, check_rollers
+from rustchain.catalogue import Rollers, Stretch, catalogue_chain, check_plates, check_rollers
 from rustchain.drive import Chain, ChainDrive, Hinges, Point, Sprocket, Tensioner
 from rustchain.ends import Anchor, Load, LooseEnd
 from rustchain.errors import InvalidInput
@@ -31,6 +31,7 @@ def chain_drive(
     hinges: Hinges = "clearance",
     guides: Sequence[GuideRail | SmoothIdler] = (),
     rollers: Rollers = "fixed",
+    plates: Stretch = "rigid",
 ) -> ChainDrive:
     """Return a drive of a chain round sprockets: links counted, or a centre moved to fit them.
 
@@ -55,6 +56,8 @@ def chain_drive(
         See `ChainDrive`.
     rollers : {"fixed", "bodies"}
         Of a chain by name; see `catalogue_chain`.
+    plates : {"rigid", "elastic"}
+        Of a chain by name; see `catalogue_chain`.
 
     Raises
     ------
@@ -65,9 +68,10 @@ def chain_drive(
     adjust = None if adjust is None else _number(adjust, len(sprockets))
     known = _ANY_LINKS if links is None else links
     if isinstance(chain, str):
-        chain = catalogue_chain(chain, known, rollers=rollers)
+        chain = catalogue_chain(chain, known, rollers=rollers, plates=plates)
     else:
         check_rollers(chain, rollers)
+        check_plates(chain, plates)
     # Elongations of each link are for the links that are counted below.
     drive = ChainDrive(
         replace(_alike(chain) if links is None else chain, links=known),
@@ -102,6 +106,9 @@ def open_chain(
     gravity: Point = (0.0, -9.81),
     name: str = "",
     guides: Sequence[GuideRail | SmoothIdler] = (),
+    rollers: Rollers = "fixed",
+    plates: Stretch = "rigid",
+    tensioner: Tensioner | None = None,
 ) -> ChainDrive:
     """Return an open chain that hangs between two ends, or runs from one to the other.
 
@@ -116,13 +123,20 @@ def open_chain(
         Number of links, even or odd: inner and outer ones alternate, the first is an inner one.
     sprockets : sequence of Sprocket
         In their order from the first end to the second; by default none.
-    gravity, name, guides
+    gravity, name, guides, tensioner
         See `ChainDrive`.
+    rollers : {"fixed", "bodies"}
+        Of a chain by name; see `catalogue_chain`.
+    plates : {"rigid", "elastic"}
+        Of a chain by name; see `catalogue_chain`.
     """
     if isinstance(chain, str):
-        chain = catalogue_chain(chain, links)
+        chain = catalogue_chain(chain, links, rollers=rollers, plates=plates)
+    else:
+        check_rollers(chain, rollers)
+        check_plates(chain, plates)
     chain = replace(chain, links=links)
-    return ChainDrive(chain, sprockets, gravity=gravity, name=name, guides=guides, ends=ends)
+    return ChainDrive(chain, sprockets, tensioner, gravity, name, guides=guides, ends=ends)
 
 
 def _number(adjust: object, sprockets: int) -> int:
@@ -134,7 +148,8 @@ def _number(adjust: object, sprockets: int) -> int:
 
 
 def _alike(chain: Chain) -> Chain:
-    """Return the chain with the mean elongation of its links in each of them."""
+    """Return the chain with the mean elongation of its links in each of them, carrying nothing."""
+    chain = replace(chain, carried=())
     if isinstance(chain.elongation, tuple) and chain.elongation:
         mean = sum(chain.elongation) / len(chain.elongation)
         return replace(chain, elongation=mean)

@@ -12,7 +12,7 @@ import numpy as np
 
 from rustchain._names import known_keywords, suggest
 from rustchain.errors import InvalidInput
-from rustchain.stop import TimeReached
+from rustchain.stop import TimeReached, look_of_callback
 
 if TYPE_CHECKING:
     from rustchain.mechanism_simulation import MechanismSimulation
@@ -149,12 +149,5 @@ def looks_of(
         if not callable(callback):
             msg = f"callback = {callback!r}: must be a function of the simulation"
             raise InvalidInput(msg)
-
-        def called() -> str | None:
-            answer = callback(simulation)
-            # Not just anything that counts as true: a function may return what it likes.
-            asked = isinstance(answer, bool | np.bool_) and bool(answer)
-            return "the callback asked for it" if asked else None
-
-        looks.append(called)
+        looks.append(look_of_callback(simulation, callback))
     return looks

@@ -431,9 +431,9 @@ class Result(Outputs):
         if self.drive.chain.roller is None:
             msg = "roller: the chain's rollers are no bodies of their own; see Chain.roller"
             raise NotRecorded(msg)
-        k = _position("roller", number, self.drive.chain.links)
+        k = _position("roller", number, self.drive.hinge_count)
         names = ("force", "force_vector", "penetration", "eccentricity")
-        body = self.drive.chain.links + k
+        body = self.drive.hinge_count + k
         moved = (self.arrays.get(name) for name in ("positions", "velocities"))
         return RollerOnBushing(
             self.time,

@@ -7,7 +7,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
 
@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
     Look: TypeAlias = Callable[[], str | None]
     """Says why the run is to stop at the report just made, if it is."""
+
+Running = TypeVar("Running")
+"""A simulation of a drive, or of a mechanism."""
 
 
 @dataclass(frozen=True)
@@ -266,6 +269,18 @@ def check_looks(
     return conditions
 
 
+def look_of_callback(simulation: Running, callback: Callable[[Running], object]) -> Look:
+    """Return what calls the callback at each report, which may ask for the end."""
+
+    def called() -> str | None:
+        answer = callback(simulation)
+        # Not just anything that counts as true: a function may return what it likes.
+        asked = isinstance(answer, bool | np.bool_) and bool(answer)
+        return "the callback asked for it" if asked else None
+
+    return called
+
+
 def looks_of(
     simulation: Simulation,
     stop: StopCondition | Sequence[StopCondition],
@@ -292,12 +307,5 @@ def looks_of(
             raise InvalidInput(msg)
         looks.append(condition.look_at(simulation))
     if callback is not None:
-
-        def called() -> str | None:
-            answer = callback(simulation)
-            # Not just anything that counts as true: a function may return what it likes.
-            asked = isinstance(answer, bool | np.bool_) and bool(answer)
-            return "the callback asked for it" if asked else None
-
-        looks.append(called)
+        looks.append(look_of_callback(simulation, callback))
     return looks

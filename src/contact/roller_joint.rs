@@ -50,6 +50,9 @@ impl RollerContacts {
             return;
         };
         for k in 0..model.links {
+            if !model.bushing_is_there(k) {
+                continue;
+            }
             let ((bushing, bushing_velocity), (roller, velocity)) =
                 (hinges.bushing(k), roller_center(model, motion, k));
             let offset = bushing - roller;

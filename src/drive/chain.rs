@@ -1,6 +1,6 @@
 //! The chain: its links, hinges and contact surfaces.
 
-use super::{Material, Variation};
+use super::{LinkStiffness, Material, Variation};
 use crate::error::{Error, Result, check};
 
 /// Largest number of links: about 10 GB of memory in a run.
@@ -77,8 +77,10 @@ pub struct Chain {
     pub variation: Variation,
     /// Rollers on the bushings; then they meet the teeth in the bushings' place, and the inner links go without their mass.
     pub roller: Option<Roller>,
-    /// Pull that makes a link of one strand longer by a metre \[N/m\]; none: links are rigid.
-    pub link_stiffness: Option<f64>,
+    /// Axial stiffness of the links of one strand; none: links are rigid.
+    pub link_stiffness: Option<LinkStiffness>,
+    /// What links carry in their middle: number of the link, from 1, and mass \[kg\], all strands together.
+    pub carried: Vec<(u32, f64)>,
 }
 
 impl Chain {
@@ -115,9 +117,10 @@ impl Chain {
             ));
         }
         self.variation.validate(self.links)?;
-        if let Some(stiffness) = self.link_stiffness {
-            check::positive("Chain.link_stiffness", stiffness, "N/m")?;
+        if let Some(stiffness) = &self.link_stiffness {
+            stiffness.validate()?;
         }
+        self.check_carried()?;
         self.hinge.validate()?;
         check::positive("Chain.bushing_radius", self.bushing_radius, "m")?;
         if self.bushing_radius <= self.hinge.bore_radius {
@@ -149,6 +152,21 @@ impl Chain {
 }
 
 impl Chain {
+    fn check_carried(&self) -> Result<()> {
+        for (i, (number, mass)) in self.carried.iter().enumerate() {
+            if !(1..=self.links).contains(number) {
+                let expected = format!("must name links by their numbers, 1 to {}", self.links);
+                return Err(Error::invalid("Chain.carried", number, expected));
+            }
+            check::positive("Chain.carried (mass)", *mass, "kg")?;
+            if self.carried[..i].iter().any(|(other, _)| other == number) {
+                let expected = "must name each link once";
+                return Err(Error::invalid("Chain.carried", number, expected));
+            }
+        }
+        Ok(())
+    }
+
     /// Link `i`, from 0, with all strands.
     #[must_use]
     pub fn link(&self, i: usize) -> Link {
@@ -156,26 +174,33 @@ impl Chain {
         if !last_of_odd {
             return self.strand_link(i);
         }
-        self.of_all_strands(self.offset.unwrap_or(Link {
+        let offset = self.offset.unwrap_or(Link {
             mass: 0.5 * (self.inner.mass + self.outer.mass),
             inertia: 0.5 * (self.inner.inertia + self.outer.inertia),
-        }))
+        });
+        self.loaded(i, offset)
     }
 
     /// Link `i` of an open chain, from 0, with all strands: inner and outer ones alternate to the last.
     #[must_use]
     pub fn strand_link(&self, i: usize) -> Link {
-        self.of_all_strands(if i.is_multiple_of(2) {
+        let link = if i.is_multiple_of(2) {
             self.inner
         } else {
             self.outer
-        })
+        };
+        self.loaded(i, link)
     }
 
-    fn of_all_strands(&self, link: Link) -> Link {
+    /// Link `i`, from 0, of all strands and with what it carries.
+    fn loaded(&self, i: usize, link: Link) -> Link {
         let strands = f64::from(self.strands);
+        let mine = self
+            .carried
+            .iter()
+            .find(|(number, _)| *number as usize == i + 1);
         Link {
-            mass: strands * link.mass,
+            mass: strands * link.mass + mine.map_or(0.0, |(_, mass)| *mass),
             inertia: strands * link.inertia,
         }
     }
@@ -187,23 +212,24 @@ impl Chain {
             .map_or(self.bushing_radius, |roller| roller.radius)
     }
 
-    /// Number of rollers that are bodies of their own: one a bushing, or none.
-    #[must_use]
-    pub fn rollers(&self) -> usize {
-        self.roller.map_or(0, |_| self.links as usize)
-    }
-
     /// Length of contact of pin and bushing over all strands \[m\].
     #[must_use]
     pub fn hinge_contact_length(&self) -> f64 {
         f64::from(self.strands) * self.hinge.length
     }
 
+    /// Pull that makes a link longer by a metre, over all strands \[N/m\]; none: links are rigid.
+    #[must_use]
+    pub fn axial_stiffness(&self) -> Option<f64> {
+        let of_one = |given: LinkStiffness| given.value(self.pitch, &self.material);
+        self.link_stiffness
+            .map(|given| f64::from(self.strands) * of_one(given))
+    }
+
     /// What a hinge's halves of its two links give way by \[m/N\], over all strands: that of a whole link.
     #[must_use]
     pub fn link_compliance(&self) -> Option<f64> {
-        self.link_stiffness
-            .map(|stiffness| 1.0 / (f64::from(self.strands) * stiffness))
+        self.axial_stiffness().map(|stiffness| 1.0 / stiffness)
     }
 
     /// Length of contact of bushing and teeth over all strands \[m\].

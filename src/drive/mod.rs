@@ -4,6 +4,8 @@ mod belt_line;
 mod chain;
 mod ends;
 mod material;
+mod open_line;
+mod plates;
 mod profile;
 mod rail;
 mod sprocket;
@@ -15,6 +17,8 @@ pub use belt_line::BeltLine;
 pub use chain::{Chain, ClearanceHinge, Link, Roller, check_links};
 pub use ends::ChainEnd;
 pub use material::Material;
+pub(crate) use open_line::OpenLine;
+pub use plates::{LinkStiffness, Plates};
 pub use profile::{AnsiTooth, CustomTooth, IsoTooth, StraightTooth, Tip, ToothForm};
 pub use rail::{Arm, Mount, Rail, RailShape};
 pub use sprocket::{Bearing, Faults, Motion, Sprocket};
@@ -54,7 +58,13 @@ impl Drive {
     /// The body of the first sprocket: links come before, both ends of an open chain, and rollers.
     #[must_use]
     pub fn first_wheel(&self) -> usize {
-        self.hinges() + self.chain.rollers()
+        self.hinges() + self.rollers()
+    }
+
+    /// Number of rollers that are bodies of their own: one a hinge, or none. Where an open chain has no bushing its roller is none.
+    #[must_use]
+    pub fn rollers(&self) -> usize {
+        self.chain.roller.map_or(0, |_| self.hinges())
     }
 
     /// Links, and both ends of an open chain, which close it to a ring: as many as hinges.
@@ -82,25 +92,6 @@ impl Drive {
         Ok(())
     }
 
-    fn check_open(&self, ends: &[ChainEnd; 2]) -> Result<()> {
-        ends::check_ends(ends, &self.chain)?;
-        if self.chain.roller.is_some() {
-            return Err(Error::invalid(
-                "Chain.roller",
-                "Roller(...)",
-                "must be absent in an open chain: take rollers=\"fixed\", which are one with their bushings",
-            ));
-        }
-        if let Some(tensioner) = &self.tensioner {
-            return Err(Error::invalid(
-                "ChainDrive.tensioner",
-                format!("{} N", tensioner.pretension),
-                "must be absent in an open chain, which its loads tighten",
-            ));
-        }
-        Ok(())
-    }
-
     /// Checks every part and that the parts fit together.
     ///
     /// # Errors
@@ -112,7 +103,7 @@ impl Drive {
             sprocket.check_against(&self.chain)?;
         }
         match &self.ends {
-            Some(ends) => self.check_open(ends)?,
+            Some(ends) => ends::check_ends(ends, &self.chain)?,
             None => self.check_closed()?,
         }
         for (name, value) in [("x", self.gravity.x), ("y", self.gravity.y)] {

@@ -1,7 +1,7 @@
 //! A tensioner: pulls a sprocket's centre along a line, or round the pivot of an arm.
 
-use super::Drive;
 use super::belt_line::{BeltLine, pitches, pulleys};
+use super::{ChainEnd, Drive, OpenLine};
 use crate::error::{Error, Result, check};
 use crate::geometry::belt::Belt;
 use crate::geometry::way;
@@ -130,7 +130,8 @@ impl Tensioner {
     pub fn line(&self, drive: &Drive) -> Result<TensionerLine> {
         let number = self.sprocket - 1;
         let center = drive.sprockets[number].center;
-        if let ([first, second], None) = (drive.sprockets.as_slice(), self.pivot) {
+        if let (None, [first, second], None) = (&drive.ends, drive.sprockets.as_slice(), self.pivot)
+        {
             let between = second.center - first.center;
             let away = if number == 0 { -between } else { between };
             let [r1, r2] = [first, second].map(|s| pitch_radius(drive.chain.pitch, s.teeth));
@@ -142,8 +143,16 @@ impl Tensioner {
                 taut_at: Some(0.0),
             });
         }
-        let line = BeltLine::of(drive)?;
-        let against = -line.belt.pull(line.place_of(number));
+        let line = match drive.ends {
+            None => Some(BeltLine::of(drive)?),
+            Some(_) => None,
+        };
+        let way = Way {
+            drive,
+            line: line.as_ref(),
+            number,
+        };
+        let against = -way.taut_at(Vec2::zeros()).map_err(Error::Impossible)?.pull;
         let (direction, curvature) = match (self.direction, self.pivot) {
             (_, Some(pivot)) => {
                 let arm = center - pivot;
@@ -185,9 +194,9 @@ impl Tensioner {
                 ),
             ));
         }
-        let taut_at = closing_place(drive, &line, number, (direction, curvature));
+        let taut_at = way.closing_place((direction, curvature));
         let s = taut_at.unwrap_or(0.0);
-        let tight = share_at(drive, &line, number, (direction, curvature), s).unwrap_or(share);
+        let tight = way.share_at((direction, curvature), s).unwrap_or(share);
         Ok(TensionerLine {
             direction,
             curvature,
@@ -197,59 +206,95 @@ impl Tensioner {
     }
 }
 
-/// The belt with the centre of sprocket `number` at `s` \[m\] along its way (direction, curvature), and the unit vector of the way.
-fn belt_at(
-    drive: &Drive,
-    line: &BeltLine,
-    number: usize,
-    (direction, curvature): (Vec2, f64),
-    s: f64,
-) -> Option<(Belt, Vec2)> {
-    let mut pulleys = pulleys(drive, &line.order);
-    let (offset, tangent) = way::along(direction, curvature, s);
-    pulleys[line.place_of(number)].center += offset;
-    let belt = Belt::around(&pulleys).ok()?;
-    belt.is_simple().then_some((belt, tangent))
+/// A taut chain, as a belt sees it.
+struct Taut {
+    /// What a belt of unit tension pulls the sprocket by.
+    pull: Vec2,
+    /// Pitches along it; nothing where an open chain ends at no place of its own.
+    pitches: Option<f64>,
 }
 
-/// Force along the way per tension.
-fn share_at(
-    drive: &Drive,
-    line: &BeltLine,
+/// The taut chain round one sprocket that is moved.
+struct Way<'a> {
+    drive: &'a Drive,
+    /// The line of a closed chain.
+    line: Option<&'a BeltLine>,
+    /// Which sprocket, from 0.
     number: usize,
-    way: (Vec2, f64),
-    s: f64,
-) -> Option<f64> {
-    let (belt, tangent) = belt_at(drive, line, number, way, s)?;
-    Some(-belt.pull(line.place_of(number)).dot(&tangent))
 }
 
-/// Where along the way the belt is as long as the chain \[m\]: there the pull has to be what it is asked for.
-fn closing_place(drive: &Drive, line: &BeltLine, number: usize, way: (Vec2, f64)) -> Option<f64> {
-    // Under tension every pin has gone to the end of its clearance.
-    let open = 1.0 + drive.chain.hinge.clearance() / drive.chain.pitch;
-    let links = f64::from(drive.chain.links) * open;
-    let spare = |s: f64| {
-        let (belt, _) = belt_at(drive, line, number, way, s)?;
-        Some(links - pitches(drive, &line.order, &belt))
-    };
-    let step = spare(0.0)?.signum() * 0.1 * drive.chain.pitch;
-    let (mut low, mut high) = (0.0, step);
-    let mut steps = 0;
-    while spare(high)? * step > 0.0 {
-        (low, high) = (high, high + step);
-        steps += 1;
-        if steps == MOST_STEPS {
-            return None;
-        }
+impl Way<'_> {
+    /// The chain with the sprocket's centre moved by `offset`; why there is none.
+    fn taut_at(&self, offset: Vec2) -> std::result::Result<Taut, String> {
+        let Some(line) = self.line else {
+            return self.open_at(offset);
+        };
+        let mut pulleys = pulleys(self.drive, &line.order);
+        let place = line.place_of(self.number);
+        pulleys[place].center += offset;
+        let belt = Belt::around(&pulleys).ok().filter(Belt::is_simple);
+        let belt = belt.ok_or("no belt line is left")?;
+        Ok(Taut {
+            pull: belt.pull(place),
+            pitches: Some(pitches(self.drive, &line.order, &belt)),
+        })
     }
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if spare(middle)? * step > 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
+
+    fn open_at(&self, offset: Vec2) -> std::result::Result<Taut, String> {
+        let mut moved = self.drive.clone();
+        moved.sprockets[self.number].center += offset;
+        let ends = moved.ends.as_ref().ok_or("its chain is closed")?;
+        let line = OpenLine::on_pitch_circles(&moved, ends)?;
+        // What hangs from an end, or lies loose, is taken along wherever the sprocket goes.
+        let held = ends
+            .iter()
+            .all(|end| matches!(end, ChainEnd::Anchor { .. }));
+        Ok(Taut {
+            pull: line.pull(self.number)?,
+            pitches: line.pitches()?.filter(|_| held),
+        })
     }
-    Some(high)
+
+    /// Force along the way (direction, curvature) at `s` \[m\] of it, per tension.
+    fn share_at(&self, (direction, curvature): (Vec2, f64), s: f64) -> Option<f64> {
+        let (offset, tangent) = way::along(direction, curvature, s);
+        Some(-self.taut_at(offset).ok()?.pull.dot(&tangent))
+    }
+
+    /// Where along it the belt is as long as the chain \[m\]: there the pull has to be what it is asked for. Where a load or nothing at an end
+    /// keeps it so, at once.
+    fn closing_place(&self, (direction, curvature): (Vec2, f64)) -> Option<f64> {
+        let chain = &self.drive.chain;
+        // Under tension every pin has gone to the end of its clearance; an open chain has one more of them than links.
+        let play = chain.hinge.clearance() / chain.pitch;
+        let one_more = if self.line.is_none() { play } else { 0.0 };
+        let links = f64::from(chain.links) * (1.0 + play) + one_more;
+        let spare = |s: f64| -> Option<f64> {
+            let taut = self.taut_at(way::along(direction, curvature, s).0).ok()?;
+            Some(taut.pitches.map_or(0.0, |along| links - along))
+        };
+        let first = spare(0.0)?;
+        if first == 0.0 {
+            return Some(0.0);
+        }
+        let step = first.signum() * 0.1 * chain.pitch;
+        let (mut low, mut high) = (0.0, step);
+        let mut steps = 0;
+        while spare(high)? * step > 0.0 {
+            (low, high) = (high, high + step);
+            steps += 1;
+            if steps == MOST_STEPS {
+                return None;
+            }
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if spare(middle)? * step > 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Some(high)
+    }
 }

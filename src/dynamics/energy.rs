@@ -39,8 +39,8 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
         add_body(i, model.mass[i], model.inertia[i]);
     }
     if let Some(rollers) = &model.rollers {
-        for i in model.links..2 * model.links {
-            add_body(i, rollers.mass, rollers.inertia);
+        for k in (0..model.links).filter(|&k| model.bushing_is_there(k)) {
+            add_body(model.links + k, rollers.mass, rollers.inertia);
         }
     }
     let (mut arms, mut springs) = (0.0, 0.0);
@@ -77,7 +77,7 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
 fn elastic_energy(dynamics: &Dynamics) -> f64 {
     let model = dynamics.model();
     let hinges: f64 = with_law!(&model.hinge_law.pairs, Law, pairs => {
-        dynamics.hinges.penetration.iter().map(|&depth| match model.link_compliance {
+        dynamics.hinges.penetration.iter().enumerate().map(|(k, &depth)| match model.compliance_at(k) {
             None => Law::energy(&pairs[0], depth),
             Some(compliance) => {
                 let pressed = depth_in_series::<Law>(&pairs[0], compliance, depth);

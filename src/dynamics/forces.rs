@@ -11,10 +11,10 @@ struct Joints<'a> {
     onset: &'a [f64],
 }
 
-/// Forces of all hinges \[N\], with λ and what the plates give way by \[m/N\]; returns the dissipated power \[W\] when `ENERGY` is asked for.
+/// Forces of all hinges \[N\], with λ and what the plates at each give way by \[m/N\]; returns the dissipated power \[W\] when `ENERGY` is asked for.
 pub(super) fn hinge_forces<L: ElasticLaw, const ENERGY: bool>(
     pair: &L::Pair,
-    (lambda, compliance): (f64, Option<f64>),
+    (lambda, compliance): (f64, Option<&[f64]>),
     memory: &ImpactMemory,
     hinges: &mut HingeContacts,
 ) -> f64 {
@@ -49,7 +49,7 @@ pub(super) fn roller_forces<L: ElasticLaw, const ENERGY: bool>(
 
 fn joint_forces<L: ElasticLaw, const ENERGY: bool>(
     pair: &L::Pair,
-    (lambda, compliance): (f64, Option<f64>),
+    (lambda, compliance): (f64, Option<&[f64]>),
     memory: &ImpactMemory,
     joints: &Joints,
     forces: &mut [f64],
@@ -62,7 +62,7 @@ fn joint_forces<L: ElasticLaw, const ENERGY: bool>(
             continue;
         }
         let rate = joints.rate[k];
-        let pressed = compliance.map_or(depth, |c| depth_in_series::<L>(pair, c, depth));
+        let pressed = compliance.map_or(depth, |all| depth_in_series::<L>(pair, all[k], depth));
         let elastic = L::force(pair, pressed);
         let onset = memory.onset_speed(joints.onset[k], rate);
         let force = elastic * damping_factor(lambda, rate, onset);

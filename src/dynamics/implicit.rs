@@ -66,7 +66,7 @@ impl Dynamics {
             let normal = offset / distance;
             let law = &model.hinge_law;
             let (force, stiffness, damping) = with_law!(&law.pairs, Law, pairs => {
-                slopes::<Law>(&pairs[0], (depth, normal.dot(&velocity)), law.lambda, model.link_compliance,
+                slopes::<Law>(&pairs[0], (depth, normal.dot(&velocity)), law.lambda, model.compliance_at(k),
                     self.memory.hinge_speed()[k], model.min_approach_speed)
             });
             let contact = PointForce::new(
@@ -320,7 +320,8 @@ impl SecondOrderSystem for Dynamics {
         lengths[2 * n..3 * n].fill(model.half_pitch);
         if let Some(rollers) = &model.rollers {
             // What a roller's error passes on is its momentum: it may be larger than a link's as the roller is lighter.
-            let share = rollers.mass * n as f64 / model.mass.iter().sum::<f64>();
+            let chain = model.ends.as_ref().map_or(n, |ends| ends.links);
+            let share = rollers.mass * chain as f64 / model.mass[..chain].iter().sum::<f64>();
             lengths[rollers.first..].fill(share);
             lengths[rollers.first + 2 * n..].fill(share * model.contact_radius);
         }

@@ -109,6 +109,9 @@ impl Accelerations {
             [self.tooth_x[k], self.tooth_y[k]] = (-push).into();
             self.tooth_moment[k] = on_bushing;
         }
+        for k in model.absent_rollers() {
+            (self.x[model.links + k], self.y[model.links + k]) = (0.0, 0.0);
+        }
     }
 
     /// Each link: the hinge at its front, the one at its rear, and its bushings' teeth where it is an inner one.

@@ -272,7 +272,7 @@ impl Dynamics {
     fn hinge_forces<const ENERGY: bool>(&mut self) -> f64 {
         let model = &self.model;
         with_law!(&model.hinge_law.pairs, Law, pairs => {
-            let law = (model.hinge_law.lambda, model.link_compliance);
+            let law = (model.hinge_law.lambda, model.link_compliance.as_deref());
             forces::hinge_forces::<Law, ENERGY>(&pairs[0], law, &self.memory, &mut self.hinges)
         })
     }
@@ -463,18 +463,18 @@ impl Dynamics {
     fn watch_ranges(&mut self, adams: &Adams) {
         let model = &self.model;
         if model.hinge_law.elastic.has_an_end() && self.hinge_past_range.is_none() {
-            let compliance = model.link_compliance.unwrap_or(0.0);
-            let end = with_law!(&model.hinge_law.pairs, Law, pairs => {
+            let (end, force) = with_law!(&model.hinge_law.pairs, Law, pairs => {
                 let end = range_end::<Law>(&pairs[0]);
-                end + compliance * force_at::<Law>(&pairs[0], end)
+                (end, force_at::<Law>(&pairs[0], end))
             });
             let depths = self.kernels.hinge_depths(model);
-            if let Some(k) = depths.iter().position(|&depth| depth > end) {
+            let end_of = |k: usize| end + model.compliance_at(k).map_or(0.0, |given| given * force);
+            if let Some(k) = (0..depths.len()).find(|&k| depths[k] > end_of(k)) {
                 self.hinge_past_range = Some(past_range(
                     model.hinge_law.elastic,
                     &format!("hinge {}", k + 1),
                     depths[k],
-                    end,
+                    end_of(k),
                 ));
             }
         }

@@ -82,8 +82,8 @@ pub(super) struct JoinChain<
     pub(super) friction: Option<HingeFriction<'a>>,
     /// What `EXTRA` needs.
     pub(super) lubricant: Option<FilledHinges<'a>>,
-    /// What the plates give way by \[m/N\].
-    pub(super) compliance: Option<f64>,
+    /// What the plates give way by at each hinge \[m/N\].
+    pub(super) compliance: Option<&'a [f64]>,
 }
 
 impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const EXTRA: bool, const ENERGY: bool>
@@ -399,7 +399,7 @@ struct Hinges<
     /// Some where `EXTRA` and lubricant.
     film: Option<FilmLanes<S>>,
     /// Some where `EXTRA` and elastic plates.
-    compliance: Option<Lanes<S>>,
+    compliance: Option<&'a [S::f64s]>,
 }
 
 impl<
@@ -419,11 +419,11 @@ impl<
         friction: Option<HingeFriction>,
         rubs: Option<&'a mut [RubGroup]>,
         lubricant: Option<FilledHinges<'a>>,
-        compliance: Option<f64>,
+        compliance: Option<&'a [f64]>,
     ) {
         let simd = self.clearance.simd();
         if EXTRA && let Some(compliance) = compliance {
-            self.compliance = Some(Lanes::splat(simd, compliance));
+            self.compliance = Some(vectors::<S>(compliance, self.onset.len()));
         }
         if EXTRA && let Some(lubricant) = lubricant {
             self.film = Some(FilmLanes::new(simd, lubricant.film));
@@ -496,6 +496,7 @@ impl<
         self.changed |= touching.differs(remembered).any();
         let mut pressed = depth;
         if EXTRA && let Some(compliance) = self.compliance {
+            let compliance = load(simd, &compliance[i]);
             pressed = depths_in_series::<S, L>(self.law_constants, compliance, depth);
         }
         let elastic = L::forces(self.law_constants, pressed);
@@ -541,6 +542,7 @@ impl<
         {
             let (group, part) = group_of::<S, _>(slopes, i);
             let alone = L::slopes(self.law_constants, pressed, elastic);
+            let compliance = load(simd, &compliance[i]);
             let stiffness = group.stiffness.at(simd, part) / compliance.mul_add(alone, one);
             group.stiffness.put(part, stiffness);
         }

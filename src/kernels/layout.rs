@@ -16,6 +16,8 @@ pub(super) struct LinkConstants {
     pub(super) inverse_inertia: Numbers,
     /// Square of the distance from which the two ends in a hinge touch \[m²\]; infinite where an open chain is open.
     pub(super) clearance_squared: Numbers,
+    /// What the plates at a hinge give way by \[m/N\], where they are elastic.
+    pub(super) compliance: Option<Numbers>,
     /// One for every hinge, zero in the padding and where an open chain is open.
     pub(super) there: Numbers,
     /// One where bushing k is on the front of link k, zero where it is on the rear of link k + 1; twice around the chain.
@@ -48,6 +50,7 @@ impl LinkConstants {
                 }
                 values
             },
+            compliance: (model.link_compliance.as_ref()).map(|given| lay_out(n, &|k| given[k])),
             front_arm: lay_out(n, &|i| model.arms[i]),
             rear_arm: lay_out(n, &|i| -model.arms[(i + 1) % n]),
             inverse_mass: lay_out(n, &|i| model.inverse_mass[i]),
@@ -131,6 +134,13 @@ impl ChainArrays {
             .chain([ends.links])
             .filter(|&k| ends.hinge_is_open(k))
         {
+            (self.distance_squared[k], self.along[k]) = (0.0, 0.0);
+        }
+    }
+
+    /// The same of rollers on bushings that are none.
+    pub(super) fn forget_absent_rollers(&mut self, model: &Model) {
+        for k in model.absent_rollers() {
             (self.distance_squared[k], self.along[k]) = (0.0, 0.0);
         }
     }

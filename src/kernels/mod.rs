@@ -284,6 +284,9 @@ impl Kernels {
                 self.join_rollers::<Law, ENERGY>(model, of, memory, Law::constants(&pairs[0]), y)
             })
         });
+        if let (Some(rollers), Some(_)) = (&mut self.rollers, &model.ends) {
+            rollers.arrays.forget_absent_rollers(model);
+        }
         let moved_squared = rolling.map_or(chain.moved_squared, |found| found.moved_squared);
         self.choose_candidates(model, memory, moved_squared);
         self.changed = chain.changed || rolling.is_some_and(|found| found.changed);
@@ -410,7 +413,7 @@ impl Kernels {
                         rubs,
                         friction,
                         lubricant,
-                        compliance: model.link_compliance,
+                        compliance: self.links.compliance.as_deref(),
                     })
             };
         }
@@ -509,6 +512,10 @@ impl Kernels {
             accelerate!(true);
         } else {
             accelerate!(false);
+        }
+        // Rollers that are none stay where they are.
+        for k in model.absent_rollers() {
+            (rates[of.first + k], rates[of.first + n + k]) = (0.0, 0.0);
         }
     }
 

@@ -137,7 +137,7 @@ impl Model {
             bushing_radius: chain.bushing_radius,
             law: ready(laws.hinge, &pairs),
         });
-        coordinates.0 += 3 * chain.rollers();
+        coordinates.0 += 3 * drive.rollers();
         let ends = OpenEnds::of(drive, start);
         let (bodies, arms) = ring(drive, ends.as_ref());
         let mass: Vec<f64> = bodies.iter().map(|body| body.mass).collect();
@@ -148,7 +148,6 @@ impl Model {
             links,
             coordinates: coordinates.0,
             half_pitch: 0.5 * chain.pitch,
-            ends,
             arms,
             inverse_mass: mass.iter().map(inverse).collect(),
             inverse_inertia: inertia.iter().map(inverse).collect(),
@@ -160,7 +159,8 @@ impl Model {
             rollers,
             hinge_friction: laws.hinge_friction,
             tooth_friction: laws.tooth_friction,
-            link_compliance: chain.link_compliance(),
+            link_compliance: (chain.link_compliance())
+                .map(|whole| plates_at_hinges(whole, links, ends.as_ref())),
             hinge_film: laws.hinge_film.map(|film| {
                 let length = chain.hinge_contact_length();
                 film.between(hinge.pin_radius, hinge.clearance(), length)
@@ -168,6 +168,7 @@ impl Model {
             hinge_law: ready(laws.hinge, &hinge_pairs),
             tooth_law: ready(laws.tooth, &tooth_pairs),
             min_approach_speed: laws.min_approach_speed,
+            ends,
             gravity: drive.gravity,
             strands: strands(drive),
             guides: drive.guides.len(),
@@ -201,6 +202,15 @@ fn ring(drive: &Drive, ends: Option<&OpenEnds>) -> (Vec<Link>, Vec<f64>) {
         arms.push(described.arm());
     }
     (bodies, arms)
+}
+
+/// What the plates at each of so many hinges give way by \[m/N\]: half of either link, and what holds an end of an open chain does not.
+fn plates_at_hinges(whole: f64, hinges: usize, ends: Option<&OpenEnds>) -> Vec<f64> {
+    let mut compliance = vec![whole; hinges];
+    for end in ends.iter().flat_map(|ends| &ends.bodies) {
+        compliance[end.hinge] = 0.5 * whole;
+    }
+    compliance
 }
 
 /// Sprockets, then guides.

@@ -160,6 +160,16 @@ impl Model {
             .is_none_or(|ends| ends.bushing_is_there(k))
     }
 
+    /// Rollers that are none: where an open chain has no bushing.
+    pub(crate) fn absent_rollers(&self) -> impl Iterator<Item = usize> {
+        // Only the hinge between the ends and that of the last link can be without.
+        let last = self
+            .ends
+            .as_ref()
+            .map_or(0..0, |ends| ends.links - 1..ends.links + 1);
+        last.filter(|&k| !self.bushing_is_there(k))
+    }
+
     /// Whether link `i` is an end that nothing moves but what it is told.
     #[must_use]
     pub fn is_held(&self, i: usize) -> bool {

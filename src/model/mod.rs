@@ -66,8 +66,8 @@ pub struct Model {
     pub hinge_friction: Option<Friction>,
     /// Friction on the teeth.
     pub tooth_friction: Option<Friction>,
-    /// What the plates at a hinge give way by \[m/N\]; none: they are rigid.
-    pub link_compliance: Option<f64>,
+    /// What the plates at each hinge give way by \[m/N\]; none: they are rigid.
+    pub link_compliance: Option<Vec<f64>>,
     /// Lubricant in the hinges; none: absent.
     pub hinge_film: Option<HingeFilm>,
     /// Floor of the approach speed at onset \[m/s\].
@@ -307,6 +307,12 @@ impl Model {
     #[must_use]
     pub fn has_extra(&self) -> bool {
         self.hinge_film.is_some() || self.link_compliance.is_some()
+    }
+
+    /// What the plates at hinge `k` give way by \[m/N\], where they are elastic.
+    #[must_use]
+    pub fn compliance_at(&self, k: usize) -> Option<f64> {
+        Some(self.link_compliance.as_ref()?[k])
     }
 
     /// Whether links may feel moments besides forces at the hinges' centres: where there is friction or a film, and where hinges are

@@ -327,6 +327,14 @@ pub(super) fn chain_links<'py>(chain: &Bound<'py, PyAny>) -> PyResult<Bound<'py,
     flat.into_pyarray(chain.py()).reshape([count, 4])
 }
 
+/// Pull that makes a link longer by a metre, over all strands \[N/m\]; None: links are rigid.
+#[pyfunction]
+pub(super) fn link_stiffness(chain: &Bound<'_, PyAny>) -> PyResult<Option<f64>> {
+    let described = describe::chain(chain, "chain")?;
+    describe::checked(chain.py(), described.validate())?;
+    Ok(described.axial_stiffness())
+}
+
 /// Contact of cylinders at `points` (n, 2) in the frame of the teeth with a whole sprocket: region (n,), penetration (n,) \[m\] and
 /// normal (n, 2), in which the penetration grows.
 #[pyfunction]

@@ -43,6 +43,7 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(functions::tooth_surfaces, module)?)?;
     module.add_function(wrap_pyfunction!(surfaces::tooth_radii, module)?)?;
     module.add_function(wrap_pyfunction!(functions::chain_links, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::link_stiffness, module)?)?;
     module.add_function(wrap_pyfunction!(functions::film_forces, module)?)?;
     module.add_function(wrap_pyfunction!(functions::law_force, module)?)?;
     module.add_function(wrap_pyfunction!(functions::restitution_obtained, module)?)?;

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::layout::wheel;
-use crate::drive::{ChainEnd, Drive};
+use crate::drive::{ChainEnd, Drive, OpenLine};
 use crate::geometry::hanging::{Hanging, HangingLink, hang};
 use crate::geometry::{ToothProfile, Vec2, turned_left, unit};
 
@@ -38,73 +38,34 @@ pub(super) struct Laid {
 pub(super) struct Course<'a> {
     drive: &'a Drive,
     ends: &'a [ChainEnd; 2],
-    /// Sense in which the chain turns each sprocket.
-    sense: Vec<f64>,
+    /// The circles that the chain is seated on.
+    line: OpenLine<'a>,
     teeth: Vec<u32>,
-    radius: Vec<f64>,
     /// By how much of a gap the first seat lies beside the tangent point.
     shift: f64,
-    down: Option<Vec2>,
 }
 
 impl<'a> Course<'a> {
-    /// Seated bushings `gap` \[m\] off their seats at least; `forward`: 1 where sprockets inside lie on the left.
+    /// Seated bushings `gap` \[m\] off their seats at least.
     pub(super) fn new(
         drive: &'a Drive,
         ends: &'a [ChainEnd; 2],
         profiles: &[ToothProfile],
-        (gap, forward, shift): (f64, f64, f64),
-    ) -> Self {
+        (gap, shift): (f64, f64),
+    ) -> Result<Self, String> {
         let wheels = profiles.iter().map(|p| wheel(p, &drive.chain, gap));
-        let size = drive.gravity.norm();
-        Self {
+        let radius: Vec<f64> = wheels.map(|wheel| wheel.hinge_radius).collect();
+        Ok(Self {
             drive,
             ends,
-            sense: (drive.sprockets.iter())
-                .map(|sprocket| forward * sprocket.side.sign())
-                .collect(),
+            line: if radius.is_empty() {
+                OpenLine::new(drive, ends, radius, 1.0)
+            } else {
+                OpenLine::least_turn(drive, ends, &radius)?
+            },
             teeth: profiles.iter().map(|p| p.teeth).collect(),
-            radius: wheels.map(|wheel| wheel.hinge_radius).collect(),
             shift,
-            down: (size > 0.0).then(|| drive.gravity / size),
-        }
-    }
-
-    fn down(&self, end: usize) -> Result<Vec2, String> {
-        self.down.ok_or_else(|| {
-            format!(
-                "without gravity end {} has no way to hang: give its position",
-                end + 1
-            )
         })
-    }
-
-    /// Direction in which the chain leaves a circle for another one; a point is one of radius zero, radii count positive on the
-    /// left.
-    fn tangent(
-        (from, from_radius): (Vec2, f64),
-        (to, to_radius): (Vec2, f64),
-    ) -> Result<Vec2, String> {
-        let apart = to - from;
-        let sine = (to_radius - from_radius) / apart.norm();
-        if sine.abs() >= 1.0 {
-            return Err(format!(
-                "there is no straight way from ({:.4}, {:.4}) m to ({:.4}, {:.4}) m beside the sprockets there: they overlap, or an \
-                 end lies in a sprocket",
-                from.x, from.y, to.x, to.y
-            ));
-        }
-        let turn = -sine.asin();
-        let along = apart.normalize();
-        let (sin, cos) = turn.sin_cos();
-        Ok(cos * along + sin * turned_left(along))
-    }
-
-    fn circle(&self, i: usize) -> (Vec2, f64) {
-        (
-            self.drive.sprockets[i].center,
-            self.sense[i] * self.radius[i],
-        )
     }
 
     /// Why sprockets cannot stand where they do.
@@ -113,7 +74,7 @@ impl<'a> Course<'a> {
         let pairs = (0..sprockets.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
         let mut apart = pairs.map(|(i, j)| {
             let distance = (sprockets[i].center - sprockets[j].center).norm();
-            (i, j, distance, self.radius[i] + self.radius[j])
+            (i, j, distance, self.line.radius[i] + self.line.radius[j])
         });
         let (i, j, distance, least) = apart.find(|(_, _, distance, least)| distance < least)?;
         Some(format!(
@@ -125,50 +86,9 @@ impl<'a> Course<'a> {
         ))
     }
 
-    /// Directions of the strands, where `slack` says nothing else of the first and the last one.
-    fn directions(&self, slack: [Option<Vec2>; 2]) -> Result<Vec<Vec2>, String> {
-        let count = self.radius.len();
-        let mut directions = Vec::new();
-        directions.push(match (slack[0], self.ends[0].position()) {
-            (Some(along), _) => along,
-            (None, Some(point)) => Self::tangent((point, 0.0), self.circle(0))?,
-            (None, None) => -self.down(0)?,
-        });
-        for i in 1..count {
-            directions.push(Self::tangent(self.circle(i - 1), self.circle(i))?);
-        }
-        directions.push(match (slack[1], self.ends[1].position()) {
-            (Some(along), _) => along,
-            (None, Some(point)) => Self::tangent(self.circle(count - 1), (point, 0.0))?,
-            (None, None) => self.down(1)?,
-        });
-        Ok(directions)
-    }
-
-    /// Angle by which the chain turns round sprocket `i` between these directions \[rad\].
-    fn wrap(&self, i: usize, [before, after]: [Vec2; 2]) -> f64 {
-        let cross = before.x * after.y - before.y * after.x;
-        let angle = self.sense[i] * cross.atan2(before.dot(&after));
-        // Rounding makes no full turn.
-        if angle < -1e-9 {
-            angle + TAU
-        } else {
-            angle.max(0.0)
-        }
-    }
-
-    /// Sum of all wraps of the chain where it is taut \[rad\].
-    pub(super) fn turn(&self) -> Result<f64, String> {
-        let directions = self.directions([None, None])?;
-        let pairs = directions.windows(2).enumerate();
-        Ok(pairs
-            .map(|(i, pair)| self.wrap(i, [pair[0], pair[1]]))
-            .sum())
-    }
-
     /// Lays the chain; why not, where it cannot be laid.
     pub(super) fn lay(&self) -> Result<Laid, String> {
-        if self.radius.is_empty() {
+        if self.line.radius.is_empty() {
             return self.lay_alone();
         }
         if let Some(overlap) = self.overlap() {
@@ -177,7 +97,7 @@ impl<'a> Course<'a> {
         let mut slack = [None, None];
         let mut laid = Err("nothing is laid".to_string());
         for _ in 0..MOST_ROUNDS {
-            let directions = self.directions(slack)?;
+            let directions = self.line.directions(slack)?;
             let along = self.along_sprockets(&directions)?;
             let (next, leaving) = self.with_ends(along)?;
             laid = Ok(next);
@@ -203,13 +123,13 @@ impl<'a> Course<'a> {
             seat_of: Vec::new(),
             seated: Vec::new(),
             first_seat: Vec::new(),
-            hinge_radius: self.radius.clone(),
-            sense: self.sense.clone(),
+            hinge_radius: self.line.radius.clone(),
+            sense: self.line.sense.clone(),
             wraps: Vec::new(),
             strands: Vec::new(),
         };
-        for i in 0..self.radius.len() {
-            let (center, sense) = (self.drive.sprockets[i].center, self.sense[i]);
+        for i in 0..self.line.radius.len() {
+            let (center, sense) = (self.drive.sprockets[i].center, self.line.sense[i]);
             let gap = TAU / f64::from(self.teeth[i]);
             let meets = |along: Vec2| -sense * turned_left(along);
             let angle_of = |v: Vec2| v.y.atan2(v.x);
@@ -217,15 +137,15 @@ impl<'a> Course<'a> {
                 angle_of(meets(directions[0])) + self.shift * gap
             } else {
                 let from = laid.hinges[laid.hinges.len() - 1];
-                let wanted = center + self.radius[i] * meets(directions[i]);
-                let (seat, pitches) = seat_at(from, wanted, (center, self.radius[i]), pitch)
+                let wanted = center + self.line.radius[i] * meets(directions[i]);
+                let (seat, pitches) = seat_at(from, wanted, (center, self.line.radius[i]), pitch)
                     .ok_or_else(|| {
-                        format!(
-                            "sprockets {} and {} are too near each other for a link between them",
-                            i,
-                            i + 1
-                        )
-                    })?;
+                    format!(
+                        "sprockets {} and {} are too near each other for a link between them",
+                        i,
+                        i + 1
+                    )
+                })?;
                 for k in 1..pitches {
                     let share = f64::from(k) / f64::from(pitches);
                     laid.hinges.push(from + share * (seat - from));
@@ -234,7 +154,7 @@ impl<'a> Course<'a> {
                 laid.strands.push(pitches);
                 angle_of(seat - center)
             };
-            let wrap = self.wrap(i, [directions[i], directions[i + 1]]);
+            let wrap = self.line.wrap(i, [directions[i], directions[i + 1]]);
             let left = sense * (angle_of(meets(directions[i + 1])) - first);
             let left = wrap + (left - wrap + PI).rem_euclid(TAU) - PI;
             if wrap < gap {
@@ -251,7 +171,7 @@ impl<'a> Course<'a> {
             let count = seated as u32;
             for k in 0..=count {
                 let at = first + sense * f64::from(k) * gap;
-                laid.hinges.push(center + self.radius[i] * unit(at));
+                laid.hinges.push(center + self.line.radius[i] * unit(at));
                 laid.seat_of.push(Some(i));
             }
             laid.seated.push(count);
@@ -342,7 +262,10 @@ impl<'a> Course<'a> {
     ) -> Result<(Vec<Vec2>, Option<Vec2>), String> {
         let lengths = self.lengths(links);
         let Some(point) = self.ends[end].position() else {
-            return Ok((straight(seat, self.down(end)?, &order(end, lengths)), None));
+            return Ok((
+                straight(seat, self.line.down(end)?, &order(end, lengths)),
+                None,
+            ));
         };
         let points = self.between(seat, point, &order(end, lengths))?;
         let along = (points[1] - points[0]).normalize();
@@ -368,7 +291,8 @@ impl<'a> Course<'a> {
     fn between(&self, from: Vec2, to: Vec2, links: &[HangingLink]) -> Result<Vec<Vec2>, String> {
         let apart = to - from;
         let down = self
-            .down
+            .line
+            .gravity_direction()
             .unwrap_or_else(|| -turned_left(apart).try_normalize(0.0).unwrap_or(Vec2::x()));
         let length: f64 = links.iter().map(|link| link.length).sum();
         match hang(from, to, down, links) {
@@ -405,9 +329,9 @@ impl<'a> Course<'a> {
         let all = self.lengths(0..links as usize);
         let hinges = match [self.ends[0].position(), self.ends[1].position()] {
             [Some(from), Some(to)] => self.between(from, to, &all)?,
-            [Some(from), None] => straight(from, self.down(1)?, &all),
+            [Some(from), None] => straight(from, self.line.down(1)?, &all),
             [None, Some(to)] => {
-                let mut hinges = straight(to, self.down(0)?, &order(0, all));
+                let mut hinges = straight(to, self.line.down(0)?, &order(0, all));
                 hinges.reverse();
                 hinges
             }

@@ -1,13 +1,13 @@
 //! The start of an open chain: the way it is laid that touches nothing, how it moves, and what was chosen.
 
 use super::initial::Start;
-use super::layout::{LARGEST_STRETCH, Layout, Lie, START_GAPS, given_speed, phase};
+use super::layout::{LARGEST_STRETCH, Layout, Lie, START_GAPS, given_speed, phase, tension_force};
 use super::open_chain::{Course, Laid};
 use super::strand_motion::keep_strand_lengths;
 use crate::drive::{ChainEnd, Drive};
 use crate::error::{Error, Result};
 use crate::geometry::{ToothProfile, Vec2, turned_left, unit};
-use crate::model::open_strands;
+use crate::model::{Model, open_strands};
 
 /// How many places of the first seat are tried within a pitch.
 const SHIFTS: u32 = 16;
@@ -21,7 +21,8 @@ pub(super) fn lay(drive: &Drive, ends: &[ChainEnd; 2]) -> Result<(Start, Layout)
         .map_err(|why| Error::Impossible(format!("the open chain cannot be laid: {why}")))?;
     let forward = forward_rate(drive, &laid);
     let velocities = hinge_velocities(drive, ends, &laid, forward);
-    let layout = layout(drive, &profiles, &laid, forward);
+    let mut layout = layout(drive, &profiles, &laid, forward);
+    layout.tension_force = tension_force(drive)?;
     Ok((start(drive, ends, &laid, &velocities, &layout), layout))
 }
 
@@ -30,25 +31,14 @@ fn find(
     ends: &[ChainEnd; 2],
     profiles: &[ToothProfile],
 ) -> std::result::Result<Laid, String> {
-    // Over the sprockets or under them: the way with the lesser turn.
-    let turn = |forward: f64| Course::new(drive, ends, profiles, (0.0, forward, 0.0)).turn();
-    let forward = if drive.sprockets.is_empty() {
-        1.0
-    } else {
-        match (turn(1.0), turn(-1.0)) {
-            (Err(why), Err(_)) => return Err(why),
-            (Ok(left), Ok(right)) if right < left => -1.0,
-            (Err(_), Ok(_)) => -1.0,
-            _ => 1.0,
-        }
-    };
     let mut why = None;
     for gap in START_GAPS {
         for i in 0..=SHIFTS {
             // 0, 1, -1, 2, ... sixteenths of a gap.
             let shift = f64::from(i.div_ceil(2)) / f64::from(SHIFTS);
             let shift = if i.is_multiple_of(2) { -shift } else { shift };
-            match Course::new(drive, ends, profiles, (gap, forward, shift)).lay() {
+            let course = Course::new(drive, ends, profiles, (gap, shift));
+            match course.and_then(|course| course.lay()) {
                 Ok(laid) => match fault(drive, profiles, &laid) {
                     None => return Ok(laid),
                     Some(fault) => {
@@ -212,6 +202,9 @@ fn start(
         start.positions.push([center.x, center.y, angle]);
         start.velocities.push([velocity.x, velocity.y, 0.0]);
     }
+    if drive.chain.roller.is_some() {
+        add_rollers(&mut start, ends, laid, velocities);
+    }
     let turns = layout.phase.iter().zip(&layout.speeds);
     for (sprocket, (&phase, &speed)) in drive.sprockets.iter().zip(turns) {
         let center = sprocket.center;
@@ -219,6 +212,32 @@ fn start(
         start.velocities.push([0.0, 0.0, speed]);
     }
     start
+}
+
+/// Rollers in the middle of their play, hinge by hinge; where there is no bushing one that stands still.
+fn add_rollers(start: &mut Start, ends: &[ChainEnd; 2], laid: &Laid, velocities: &[Vec2]) {
+    let links = laid.hinges.len() - 1;
+    let count = links + 2;
+    for k in 0..count {
+        // The hinge behind the last link is that of end 2, the last one that of end 1.
+        let place = if k == links + 1 {
+            0
+        } else {
+            (k + 1).min(links)
+        };
+        let on_front = Model::bushing_on_front(k, count);
+        let loose = matches!(ends[1], ChainEnd::Loose { .. });
+        let there = k != links && (k + 1 != links || !loose || on_front);
+        let link = if on_front { k } else { (k + 1) % count };
+        let at = laid.hinges[place];
+        let (velocity, spin) = if there {
+            (velocities[place], start.velocities[link][2])
+        } else {
+            (Vec2::zeros(), 0.0)
+        };
+        start.positions.push([at.x, at.y, 0.0]);
+        start.velocities.push([velocity.x, velocity.y, spin]);
+    }
 }
 
 /// What was chosen, in the words of closed chains.

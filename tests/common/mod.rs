@@ -48,6 +48,7 @@ pub fn paper_chain() -> Chain {
         variation: Variation::default(),
         roller: None,
         link_stiffness: None,
+        carried: Vec::new(),
     }
 }
 

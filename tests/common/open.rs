@@ -55,3 +55,17 @@ pub fn first_row(simulation: &mut Simulation) -> rustchain::Recording {
     };
     super::record(simulation, 1e-9, 1e-9, groups)
 }
+
+/// Between two pins over two wheels, of which a tensioner lifts the second one, free to turn.
+pub fn tightened(tension: f64) -> Drive {
+    let mut drive = drive_of(
+        vec![
+            sprocket(15, 0.1, 0.12, Side::Inside, Motion::Free),
+            sprocket(17, 0.25, 0.12, Side::Inside, Motion::Free),
+        ],
+        44,
+    );
+    drive.ends = Some([(0.0, 0.0), (0.36, 0.0)].map(|(x, y)| ChainEnd::anchor(Vec2::new(x, y))));
+    drive.tensioner = Some(super::tensioner(tension, 0.01));
+    drive
+}

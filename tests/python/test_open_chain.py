@@ -30,6 +30,11 @@ def strand(links=20, first=None, last=None):
     return rc.open_chain(CHAIN, ends, links)
 
 
+def elastic(drive, stiffness):
+    """Return the same with links of this axial stiffness."""
+    return replace(drive, chain=replace(drive.chain, link_stiffness=stiffness))
+
+
 SCENES = {
     "anchors": strand(),
     "odd": strand(21),
@@ -39,6 +44,8 @@ SCENES = {
     "moved": strand(16, first=rc.Anchor((0.0, 0.0), [(0.0, 0.1, 0.0), (0.1, -0.3, 0.2)])),
     "hoist": hoist(),
     "odd hoist": hoist(41, rc.AppliedTorque(1.0)),
+    "elastic": elastic(strand(15, last=rc.Load(0.7, 1e-4, arm=0.02)), 2e8),
+    "elastic hoist": elastic(hoist(), rc.Plates(3.7e-5, 3.2e-5)),
     "loose on a wheel": hoist(46, first=rc.LooseEnd(), last=rc.Load(1.0, 1e-4, links=8)),
 }
 
@@ -188,3 +195,85 @@ def test_what_an_open_chain_cannot_be_is_refused():
     velocities[-1, 0] = 1.0
     with pytest.raises(rc.InvalidInput, match="moves as it is told"):
         rc.Simulation(strand(), velocities=velocities)
+
+
+def test_links_may_carry_masses():
+    carried = [(2, 0.5), (7, 1.5)]
+    drive = strand(8, last=rc.Load(2.0))
+    loaded = replace(drive, chain=replace(drive.chain, carried=carried))
+    simulation = rc.Simulation(loaded, start="static")
+    still = simulation.evaluate(velocities=np.zeros_like(simulation.velocities))
+    weights = [CHAIN.inner.mass, CHAIN.outer.mass] * 4
+    for link, mass in carried:
+        weights[link - 1] += mass
+    below = 9.81 * (2.0 + np.cumsum(weights[::-1])[::-1])
+    assert_allclose(still.hinge_force[-1], below[0], rtol=1e-6)
+    assert_allclose(still.hinge_force[:8], [*below[1:], 9.81 * 2.0], rtol=1e-6)
+    with pytest.raises(rc.InvalidInput, match=r"Chain\.carried = 9: .*1 to 8"):
+        replace(drive.chain, carried=[(9, 1.0)])
+    with pytest.raises(rc.InvalidInput, match=r"Chain\.carried = 2: .*once"):
+        replace(drive.chain, carried=[(2, 1.0), (2, 1.0)])
+    with pytest.raises(rc.InvalidInput, match=r"Chain\.carried \(mass\) = -1"):
+        replace(drive.chain, carried=[(2, -1.0)])
+
+
+def test_a_closed_chain_carries_what_its_links_carry():
+    drive = rc.paper_drive()
+    loaded = replace(drive, chain=replace(drive.chain, carried=[(3, 0.25)]))
+    plain, heavy = (rc.Simulation(each).evaluate() for each in (drive, loaded))
+    assert_allclose(heavy.accelerations[:, :2], plain.accelerations[:, :2], atol=1e-12)
+    mass = rc._rustchain.chain_links(loaded.chain)[:, 1]
+    assert_allclose(mass[2] - drive.chain.inner.mass, 0.25, rtol=1e-14)
+
+
+def test_rollers_of_an_open_chain_are_bodies():
+    chain = rc.catalogue_chain("ANSI 40", 40, rollers="bodies")
+    drive = rc.open_chain(
+        "ANSI 40",
+        (rc.Anchor((-0.12, -0.05), links=14), rc.Load(3.0)),
+        40,
+        [rc.Sprocket(17, motion=rc.PrescribedSpeed(0.0))],
+        rollers="bodies",
+    )
+    simulation = rc.Simulation(drive, start="static")
+    names = simulation.body_names
+    assert names.index("roller_1") == 42
+    assert "roller_42" in names
+    assert names[-1] == "sprocket_1"
+    record = ("hinges", "teeth", "sprockets", "bodies")
+    result = simulation.run(0.01, 1e-4, record=record, progress=False)
+    # The load bears 3 kg, and the chain with all of its rollers hangs above it.
+    assert_allclose(result.end(2).force[0, 1], 9.81 * 3.0 + 9.81 * chain.roller.mass, rtol=1e-4)
+    assert result.roller(41).force.max() == 0.0
+    assert result.roller(20).force.max() > 0.0
+    seated = result.bushing(20).tooth_force.max()
+    assert seated > 0.0
+    lost = abs(result.energy.residual[-1])
+    assert lost < 1e-2 * (result.energy.dissipated[-1] + 1e-4)
+
+
+def test_a_tensioner_between_anchors_gives_the_tension_asked_for():
+    drive = rc.open_chain(
+        CHAIN,
+        (rc.Anchor((0.0, 0.0)), rc.Anchor((0.36, 0.0))),
+        44,
+        [rc.Sprocket(15, (0.1, 0.12)), rc.Sprocket(17, (0.25, 0.12))],
+        gravity=(0.0, 0.0),
+        tensioner=rc.Tensioner(80.0, sprocket=2),
+    )
+    assert drive.check().tension_force > 0.0
+    simulation = rc.Simulation(drive, start="static")
+    result = simulation.run(1e-4, 1e-4, progress=False)
+    for name in result.strand_names:
+        assert result.strand(name).tension[0] == pytest.approx(80.0, abs=4.0)
+
+
+def test_a_slack_side_that_is_too_light_is_refused_with_what_it_lacks():
+    drive = rc.open_chain(
+        "ANSI 40",
+        (rc.Anchor((-0.12, -0.05), links=16), rc.Load(60.0)),
+        40,
+        [rc.Sprocket(17, motion=rc.PrescribedSpeed(0.0))],
+    )
+    with pytest.raises(rc.InvalidInput, match=r"end 1 weighs 1\.\d+ N.*58\d\.\d N at end 2"):
+        rc.Simulation(drive, start="static")

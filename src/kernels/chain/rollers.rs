@@ -35,6 +35,10 @@ impl Rollers {
             constants
                 .clearance_squared
                 .fill(rollers.clearance * rollers.clearance);
+            // Without a bushing there is nothing to touch.
+            for k in (0..model.links).filter(|&k| !model.bushing_is_there(k)) {
+                constants.clearance_squared[k] = f64::INFINITY;
+            }
             Self {
                 constants,
                 arrays: ChainArrays::new(model),

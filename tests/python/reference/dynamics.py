@@ -200,6 +200,9 @@ class DriveEquations:
             modulus=modulus,
         )
         self.roller_pair = self.hinge_pair
+        # What half of either link gives way by at each hinge [m/N].
+        stiffness = drive.chain.axial_stiffness
+        self.plates = None if stiffness is None else np.full(drive.chain.links, 1.0 / stiffness)
         self.roller_clearance = np.inf
         if roller is not None:
             self.roller_clearance = float(roller.bore_radius - chain.bushing_radius)
@@ -362,8 +365,8 @@ class DriveEquations:
         if speed is not None:
             depth = np.where(np.isnan(speed), -1.0, depth)
         part = force_law.elastic(law.elastic, pair, depth)
-        if pair is self.hinge_pair and (stiffness := self.drive.chain.link_stiffness) is not None:
-            part = force_law.in_series(law.elastic, pair, depth, 1.0 / stiffness)
+        if pair is self.hinge_pair and self.plates is not None and depth.size:
+            part = force_law.in_series(law.elastic, pair, depth, self.plates)
         energy = float(np.sum(part.energy))
         if law.damping is None:
             return Normal(part.force, part.stiffness, np.zeros_like(part.force)), energy

@@ -105,7 +105,7 @@ def elastic(law: str, pair: Pair, penetration: Array) -> Elastic:
     raise ValueError(law)
 
 
-def in_series(law: str, pair: Pair, penetration: Array, compliance: float) -> Elastic:
+def in_series(law: str, pair: Pair, penetration: Array, compliance: Array) -> Elastic:
     """Elastic part in series with a spring of ``compliance`` [m/N], whose energy it has in it."""
     depth = np.maximum(np.asarray(penetration, dtype=np.float64), 0.0)
     low, high = np.zeros_like(depth), depth

@@ -42,6 +42,11 @@ class OpenChainEquations(DriveEquations):
                 self.no_bushing.append(real - 1)
         if type(first).__name__ == "LooseEnd":
             self.no_hinge.append(real + 1)
+        if self.plates is not None:
+            # The ends do not stretch; nothing touches between them.
+            whole = self.plates[0]
+            self.plates = np.append(self.plates, [whole, 0.5 * whole])
+            self.plates[real - 1] = 0.5 * whole
         ends = [(real, last), (real + 1, first)]
         self.held = [(body, end) for body, end in ends if type(end).__name__ != "Load"]
         mass, inertia = self.mass, self.inertia

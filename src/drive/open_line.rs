@@ -1,0 +1,178 @@
+//! The taut line of an open chain along its sprockets: directions, wraps and length, from the first end to the last.
+
+use std::f64::consts::TAU;
+
+use super::{ChainEnd, Drive};
+use crate::geometry::wrap::pitch_radius;
+use crate::geometry::{Vec2, turned_left};
+
+/// Circles that a chain runs along from one end to the other.
+pub(crate) struct OpenLine<'a> {
+    drive: &'a Drive,
+    ends: &'a [ChainEnd; 2],
+    /// Sense in which the chain turns each sprocket on its way.
+    pub(crate) sense: Vec<f64>,
+    /// Radius on which its hinges lie there \[m\].
+    pub(crate) radius: Vec<f64>,
+    down: Option<Vec2>,
+}
+
+impl<'a> OpenLine<'a> {
+    /// `forward`: 1 where sprockets inside lie on the left, -1 where they lie on the right.
+    pub(crate) fn new(
+        drive: &'a Drive,
+        ends: &'a [ChainEnd; 2],
+        radius: Vec<f64>,
+        forward: f64,
+    ) -> Self {
+        let size = drive.gravity.norm();
+        Self {
+            drive,
+            ends,
+            sense: (drive.sprockets.iter())
+                .map(|sprocket| forward * sprocket.side.sign())
+                .collect(),
+            radius,
+            down: (size > 0.0).then(|| drive.gravity / size),
+        }
+    }
+
+    /// The way with the lesser turn, over the sprockets or under them, along circles of these radii \[m\].
+    pub(crate) fn least_turn(
+        drive: &'a Drive,
+        ends: &'a [ChainEnd; 2],
+        radius: &[f64],
+    ) -> Result<Self, String> {
+        let way = |forward: f64| Self::new(drive, ends, radius.to_vec(), forward);
+        let [left, right] = [way(1.0), way(-1.0)];
+        match (left.turn(), right.turn()) {
+            (Err(why), Err(_)) => Err(why),
+            (Ok(over), Ok(under)) if under < over => Ok(right),
+            (Err(_), Ok(_)) => Ok(right),
+            _ => Ok(left),
+        }
+    }
+
+    /// That way on the pitch circles of the teeth.
+    pub(crate) fn on_pitch_circles(
+        drive: &'a Drive,
+        ends: &'a [ChainEnd; 2],
+    ) -> Result<Self, String> {
+        let radii = drive
+            .sprockets
+            .iter()
+            .map(|sprocket| pitch_radius(drive.chain.mean_pitch(), sprocket.teeth));
+        Self::least_turn(drive, ends, &radii.collect::<Vec<f64>>())
+    }
+
+    /// The direction of gravity, where there is any.
+    pub(crate) fn gravity_direction(&self) -> Option<Vec2> {
+        self.down
+    }
+
+    /// The same, in which the strand at this end hangs.
+    pub(crate) fn down(&self, end: usize) -> Result<Vec2, String> {
+        self.down.ok_or_else(|| {
+            format!(
+                "without gravity end {} has no way to hang: give its position",
+                end + 1
+            )
+        })
+    }
+
+    /// Direction in which the chain leaves a circle for another one; a point is one of radius zero, radii count positive on the
+    /// left.
+    fn tangent(
+        (from, from_radius): (Vec2, f64),
+        (to, to_radius): (Vec2, f64),
+    ) -> Result<Vec2, String> {
+        let apart = to - from;
+        let sine = (to_radius - from_radius) / apart.norm();
+        if sine.abs() >= 1.0 {
+            return Err(format!(
+                "there is no straight way from ({:.4}, {:.4}) m to ({:.4}, {:.4}) m beside the sprockets there: they overlap, or an \
+                 end lies in a sprocket",
+                from.x, from.y, to.x, to.y
+            ));
+        }
+        let turn = -sine.asin();
+        let along = apart.normalize();
+        let (sin, cos) = turn.sin_cos();
+        Ok(cos * along + sin * turned_left(along))
+    }
+
+    fn circle(&self, i: usize) -> (Vec2, f64) {
+        (
+            self.drive.sprockets[i].center,
+            self.sense[i] * self.radius[i],
+        )
+    }
+
+    /// Directions of the strands, where `slack` says nothing else of the first and the last one.
+    pub(crate) fn directions(&self, slack: [Option<Vec2>; 2]) -> Result<Vec<Vec2>, String> {
+        let count = self.radius.len();
+        let mut directions = Vec::new();
+        directions.push(match (slack[0], self.ends[0].position()) {
+            (Some(along), _) => along,
+            (None, Some(point)) => Self::tangent((point, 0.0), self.circle(0))?,
+            (None, None) => -self.down(0)?,
+        });
+        for i in 1..count {
+            directions.push(Self::tangent(self.circle(i - 1), self.circle(i))?);
+        }
+        directions.push(match (slack[1], self.ends[1].position()) {
+            (Some(along), _) => along,
+            (None, Some(point)) => Self::tangent(self.circle(count - 1), (point, 0.0))?,
+            (None, None) => self.down(1)?,
+        });
+        Ok(directions)
+    }
+
+    /// Angle by which the chain turns round sprocket `i` between these directions \[rad\].
+    pub(crate) fn wrap(&self, i: usize, [before, after]: [Vec2; 2]) -> f64 {
+        let cross = before.x * after.y - before.y * after.x;
+        let angle = self.sense[i] * cross.atan2(before.dot(&after));
+        // Rounding makes no full turn.
+        if angle < -1e-9 {
+            angle + TAU
+        } else {
+            angle.max(0.0)
+        }
+    }
+
+    /// Sum of all wraps of the chain where it is taut \[rad\].
+    fn turn(&self) -> Result<f64, String> {
+        let directions = self.directions([None, None])?;
+        let pairs = directions.windows(2).enumerate();
+        Ok(pairs
+            .map(|(i, pair)| self.wrap(i, [pair[0], pair[1]]))
+            .sum())
+    }
+
+    /// What a belt of unit tension pulls sprocket `i` by.
+    pub(crate) fn pull(&self, i: usize) -> Result<Vec2, String> {
+        let directions = self.directions([None, None])?;
+        Ok(directions[i + 1] - directions[i])
+    }
+
+    /// Pitches of a taut chain from end to end; on a wrap they are as many as teeth. Nothing where an end has no place.
+    pub(crate) fn pitches(&self) -> Result<Option<f64>, String> {
+        let [Some(from), Some(to)] = self.ends.each_ref().map(ChainEnd::position) else {
+            return Ok(None);
+        };
+        let directions = self.directions([None, None])?;
+        let circles: Vec<(Vec2, f64)> = std::iter::once((from, 0.0))
+            .chain((0..self.radius.len()).map(|i| self.circle(i)))
+            .chain([(to, 0.0)])
+            .collect();
+        let straight = circles.windows(2).map(|pair| {
+            let [(a, r), (b, s)] = [pair[0], pair[1]];
+            ((b - a).norm_squared() - (s - r) * (s - r)).max(0.0).sqrt()
+        });
+        let wraps = directions.windows(2).enumerate().map(|(i, pair)| {
+            self.wrap(i, [pair[0], pair[1]]) * f64::from(self.drive.sprockets[i].teeth) / TAU
+        });
+        let pitch = self.drive.chain.mean_pitch();
+        Ok(Some(straight.sum::<f64>() / pitch + wraps.sum::<f64>()))
+    }
+}

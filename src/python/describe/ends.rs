@@ -1,0 +1,102 @@
+//! What the ends of an open chain are joined to.
+
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+use super::reader::{Reader, checked, refuse};
+use crate::drive::{ChainEnd, TimeTable};
+use crate::error::check;
+
+pub(super) const ENDS: [&str; 3] = ["Anchor", "Load", "LooseEnd"];
+/// Density of the steel that a load is a ball of, where its inertia is not given \[kg/m³\].
+const STEEL: f64 = 7850.0;
+
+/// Reads an end of an open chain.
+pub(in crate::python) fn chain_end(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ChainEnd> {
+    let read = Reader::new(object, field, &ENDS)?;
+    let links = if read.get("links")?.is_none() {
+        None
+    } else {
+        Some(read.count("links")?)
+    };
+    Ok(match read.kind.as_str() {
+        "Anchor" => ChainEnd::Anchor {
+            position: read.vector("position", "m")?,
+            velocity: end_velocity(&read)?,
+            links,
+        },
+        "Load" => {
+            let mass = read.number("mass", "kg")?;
+            let ball = |mass: f64| {
+                let radius = (mass / (STEEL * 4.0 / 3.0 * std::f64::consts::PI)).cbrt();
+                0.4 * mass * radius * radius
+            };
+            ChainEnd::Load {
+                mass,
+                inertia: read
+                    .optional_number("inertia", "kg m^2")?
+                    .unwrap_or_else(|| ball(mass)),
+                arm: read.number("arm", "m")?,
+                position: read.optional_vector("position", "m")?,
+                links,
+            }
+        }
+        _ => ChainEnd::Loose {
+            position: read.optional_vector("position", "m")?,
+            links,
+        },
+    })
+}
+
+/// A constant velocity, or rows (time, x, y).
+fn end_velocity(read: &Reader<'_, '_>) -> PyResult<[TimeTable; 2]> {
+    let value = read.get("velocity")?;
+    let is_table = |rows: &Bound<'_, PyTuple>| {
+        rows.get_item(0)
+            .is_ok_and(|row| row.is_instance_of::<PyTuple>())
+    };
+    let Some(rows) = value.cast::<PyTuple>().ok().filter(|rows| is_table(rows)) else {
+        let [x, y]: [f64; 2] = read.vector("velocity", "m/s")?.into();
+        return [x, y]
+            .map(|constant| {
+                checked(
+                    value.py(),
+                    check::finite("Anchor.velocity", constant, "m/s"),
+                )
+                .map(|()| constant.into())
+            })
+            .into_iter()
+            .collect::<PyResult<Vec<TimeTable>>>()
+            .map(|mut both| [both.remove(0), both.remove(0)]);
+    };
+    let mut both = [Vec::new(), Vec::new()];
+    for row in rows {
+        let Ok([t, x, y]) = row.extract::<[f64; 3]>() else {
+            let expected = "each row must be (time, x, y) in s and m/s";
+            return Err(refuse(row.py(), "Anchor.velocity", &row, expected));
+        };
+        both[0].push((t, x));
+        both[1].push((t, y));
+    }
+    let table = |rows: &[(f64, f64)]| {
+        let made = TimeTable::against("Anchor.velocity", ("time", "s"), "m/s", rows);
+        checked(value.py(), made)
+    };
+    Ok([table(&both[0])?, table(&both[1])?])
+}
+
+/// Reads the two ends of an open chain.
+pub(super) fn chain_ends(read: &Reader<'_, '_>) -> PyResult<Option<[ChainEnd; 2]>> {
+    let value = read.get("ends")?;
+    if value.is_none() {
+        return Ok(None);
+    }
+    let Ok([first, last]) = value.extract::<[Bound<'_, PyAny>; 2]>() else {
+        let expected = "must be None, or two of Anchor, Load and LooseEnd";
+        return Err(refuse(value.py(), "ChainDrive.ends", &value, expected));
+    };
+    Ok(Some([
+        chain_end(&first, "ChainDrive.ends[0]")?,
+        chain_end(&last, "ChainDrive.ends[1]")?,
+    ]))
+}

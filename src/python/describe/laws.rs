@@ -1,0 +1,164 @@
+//! The force laws of a run, their friction and film.
+
+use pyo3::prelude::*;
+
+use super::reader::{Reader, checked, kind_of, number, refuse};
+use crate::error::{Error, check};
+use crate::force_law::{Damping, Elastic, Film, ForceLaw, Friction, Regions, Regularization};
+use crate::model::ForceLaws;
+use crate::python::errors::to_python;
+
+pub(super) const LAWS: [&str; 9] = [
+    "LankaraniNikravesh",
+    "Hertz",
+    "Johnson",
+    "EnhancedCylinder",
+    "HertzCylinder",
+    "Radzimovsky",
+    "Esdu78035",
+    "LiuConformal",
+    "Linear",
+];
+
+/// Reads a force law of a contact that has neither friction nor film.
+pub(in crate::python) fn force_law(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ForceLaw> {
+    let (law, friction) = law_and_friction(object, field)?;
+    if friction.is_some() {
+        return Err(refuse(
+            object.py(),
+            &format!("{}.friction", kind_of(object)),
+            &object.getattr("friction")?,
+            "must be None here: only chain drives with clearance hinges have friction",
+        ));
+    }
+    let remedy = "must be None here: only chain drives with clearance hinges have a film";
+    without_film(object, field, remedy)?;
+    Ok(law)
+}
+
+/// Reads the film of a force law, if it has one.
+pub(super) fn film_of(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Option<Film>> {
+    let fills = Reader::new(object, field, &LAWS)?.get("film")?;
+    if fills.is_none() {
+        return Ok(None);
+    }
+    film(&fills, &format!("{}.film", kind_of(object))).map(Some)
+}
+
+/// Reads a `Film` and checks it.
+pub(in crate::python) fn film(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Film> {
+    let read = Reader::new(object, field, &["Film"])?;
+    let film = Film {
+        viscosity: read.number("viscosity", "Pa s")?,
+        length: read.optional_number("length", "m")?,
+        handover: read.number("handover", "a part of the clearance")?,
+        tension: read.number("tension", "Pa")?,
+    };
+    checked(object.py(), film.check("Film"))?;
+    Ok(film)
+}
+
+/// Refuses a film where there can be none.
+fn without_film(object: &Bound<'_, PyAny>, field: &str, remedy: &str) -> PyResult<()> {
+    if film_of(object, field)?.is_some() {
+        return Err(refuse(
+            object.py(),
+            &format!("{}.film", kind_of(object)),
+            &object.getattr("film")?,
+            remedy,
+        ));
+    }
+    Ok(())
+}
+
+/// Reads a force law and its friction.
+pub(in crate::python) fn law_and_friction(
+    object: &Bound<'_, PyAny>,
+    field: &str,
+) -> PyResult<(ForceLaw, Option<Friction>)> {
+    let read = Reader::new(object, field, &LAWS)?;
+    let elastic = match read.kind.as_str() {
+        "EnhancedCylinder" => read.word(
+            "coefficients",
+            &[
+                ("2010", Elastic::EnhancedCylinder),
+                ("2015", Elastic::EnhancedCylinder2015),
+            ],
+        )?,
+        "Linear" => {
+            let stiffness = read.number("stiffness", "N/m")?;
+            let allowed = check::positive("Linear.stiffness", stiffness, "N/m");
+            checked(object.py(), allowed)?;
+            Elastic::Linear(stiffness)
+        }
+        _ => read.word("elastic", &Elastic::ALL.map(|law| (law.name(), law)))?,
+    };
+    let mut dampings = Damping::ALL.map(|law| (law.name(), law)).to_vec();
+    dampings.push((Damping::None.name(), Damping::None));
+    let law = ForceLaw {
+        elastic,
+        damping: read.word("damping", &dampings)?,
+        regions: read.word(
+            "regions",
+            &[("kept", Regions::Kept), ("sharp", Regions::Sharp)],
+        )?,
+    };
+    let rubs = read.get("friction")?;
+    let name = format!("{}.friction", read.kind);
+    let friction = (!rubs.is_none()).then(|| friction(&rubs, &name));
+    Ok((law, friction.transpose()?))
+}
+
+/// Reads a `Coulomb` and checks it.
+pub(super) fn friction(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Friction> {
+    let read = Reader::new(object, field, &["Coulomb"])?;
+    let friction = Friction {
+        coefficient: read.number("coefficient", "newton a newton")?,
+        regularization: read.word(
+            "regularization",
+            &Regularization::ALL.map(|law| (law.name(), law)),
+        )?,
+        speed: read.number("speed", "m/s")?,
+        dead_speed: read.number("dead_speed", "m/s")?,
+    };
+    checked(object.py(), friction.check("Coulomb"))?;
+    Ok(friction)
+}
+
+/// Reads a damping by its name.
+pub(in crate::python) fn damping(name: &str, py: Python<'_>) -> PyResult<Damping> {
+    let known = Damping::ALL.into_iter().find(|law| law.name() == name);
+    known.ok_or_else(|| {
+        let names = Damping::ALL.map(|law| format!("\"{}\"", law.name()));
+        let expected = format!("must be one of {}", names.join(", "));
+        to_python(py, &Error::invalid("damping", name, expected))
+    })
+}
+
+/// Reads the laws of a run; `None`: as `force_law`.
+pub(in crate::python) fn force_laws(
+    force_law: &Bound<'_, PyAny>,
+    hinge_law: Option<&Bound<'_, PyAny>>,
+    tooth_law: Option<&Bound<'_, PyAny>>,
+    min_approach_speed: &Bound<'_, PyAny>,
+) -> PyResult<ForceLaws> {
+    let law = law_and_friction(force_law, "force_law")?;
+    let own = |own: Option<&Bound<'_, PyAny>>, field: &str| {
+        own.map_or(Ok(law), |own| law_and_friction(own, field))
+    };
+    let (hinge, hinge_friction) = own(hinge_law, "hinge_law")?;
+    let (tooth, tooth_friction) = own(tooth_law, "tooth_law")?;
+    let hinge_film = film_of(hinge_law.unwrap_or(force_law), "hinge_law")?;
+    if let Some(own) = tooth_law {
+        let remedy = "must be None in tooth_law: only hinges have a film";
+        without_film(own, "tooth_law", remedy)?;
+    }
+    Ok(ForceLaws {
+        hinge,
+        tooth,
+        hinge_friction,
+        tooth_friction,
+        hinge_film,
+        min_approach_speed: number(min_approach_speed, "min_approach_speed", "m/s")?,
+    })
+}

@@ -1,0 +1,280 @@
+//! One description object read field by field, and the values that its fields may hold.
+
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyString, PyTuple};
+
+use crate::drive::TimeTable;
+use crate::error::{Error, Result, check};
+use crate::geometry::Vec2;
+use crate::python::errors::to_python;
+
+/// One description object, whose fields are read by name.
+pub(in crate::python) struct Reader<'a, 'py> {
+    object: &'a Bound<'py, PyAny>,
+    pub(in crate::python) kind: String,
+}
+
+impl<'a, 'py> Reader<'a, 'py> {
+    /// Reads `object`, which must be a description of one of the `kinds`.
+    pub(in crate::python) fn new(
+        object: &'a Bound<'py, PyAny>,
+        field: &str,
+        kinds: &[&str],
+    ) -> PyResult<Self> {
+        let kind = kind_of(object);
+        if kinds.contains(&kind.as_str()) {
+            return Ok(Self { object, kind });
+        }
+        Err(refuse(
+            object.py(),
+            field,
+            object,
+            &format!("must be a {}", kinds.join(" or a ")),
+        ))
+    }
+
+    pub(super) fn name(&self, field: &str) -> String {
+        format!("{}.{field}", self.kind)
+    }
+
+    pub(in crate::python) fn get(&self, field: &str) -> PyResult<Bound<'py, PyAny>> {
+        self.object.getattr(field)
+    }
+
+    pub(in crate::python) fn number(&self, field: &str, unit: &str) -> PyResult<f64> {
+        number(&self.get(field)?, &self.name(field), unit)
+    }
+
+    pub(in crate::python) fn optional_number(
+        &self,
+        field: &str,
+        unit: &str,
+    ) -> PyResult<Option<f64>> {
+        let value = self.get(field)?;
+        if value.is_none() {
+            return Ok(None);
+        }
+        number(&value, &self.name(field), unit).map(Some)
+    }
+
+    /// A name for people to read: nothing here uses it, but it has to be text.
+    pub(super) fn check_text(&self, field: &str) -> PyResult<()> {
+        let value = self.get(field)?;
+        if value.is_instance_of::<PyString>() {
+            return Ok(());
+        }
+        Err(refuse(
+            value.py(),
+            &self.name(field),
+            &value,
+            "must be text",
+        ))
+    }
+
+    /// A number, or a row of them.
+    pub(super) fn numbers(&self, field: &str, unit: &str) -> PyResult<Vec<f64>> {
+        let value = self.get(field)?;
+        let name = self.name(field);
+        let Ok(row) = value.cast::<PyTuple>() else {
+            return Ok(vec![number(&value, &name, unit)?]);
+        };
+        row.iter().map(|each| number(&each, &name, unit)).collect()
+    }
+
+    pub(super) fn count(&self, field: &str) -> PyResult<u32> {
+        count(&self.get(field)?, &self.name(field))
+    }
+
+    pub(in crate::python) fn vector(&self, field: &str, unit: &str) -> PyResult<Vec2> {
+        let value = self.get(field)?;
+        if let Ok(pair) = value.cast::<PyTuple>()
+            && pair.len() == 2
+        {
+            let name = self.name(field);
+            return Ok(Vec2::new(
+                number(&pair.get_item(0)?, &format!("{name} (x)"), unit)?,
+                number(&pair.get_item(1)?, &format!("{name} (y)"), unit)?,
+            ));
+        }
+        Err(refuse(
+            value.py(),
+            &self.name(field),
+            &value,
+            &match unit {
+                "1" => "must be two numbers (x, y)".to_string(),
+                unit => format!("must be two numbers (x, y) in {unit}"),
+            },
+        ))
+    }
+
+    pub(super) fn optional_vector(&self, field: &str, unit: &str) -> PyResult<Option<Vec2>> {
+        if self.get(field)?.is_none() {
+            return Ok(None);
+        }
+        self.vector(field, unit).map(Some)
+    }
+
+    /// One of several words, each standing for a value; `None` in Python is the word "None".
+    pub(in crate::python) fn word<T: Copy>(&self, field: &str, words: &[(&str, T)]) -> PyResult<T> {
+        let value = self.get(field)?;
+        let text = if value.is_none() {
+            "None".to_string()
+        } else {
+            value.extract::<String>().unwrap_or_default()
+        };
+        if let Some((_, found)) = words.iter().find(|(word, _)| *word == text) {
+            return Ok(*found);
+        }
+        let allowed: Vec<String> = words
+            .iter()
+            .map(|(word, _)| {
+                if *word == "None" {
+                    "None".to_string()
+                } else {
+                    format!("\"{word}\"")
+                }
+            })
+            .collect();
+        Err(refuse(
+            value.py(),
+            &self.name(field),
+            &value,
+            &format!("must be {}", allowed.join(" or ")),
+        ))
+    }
+
+    pub(super) fn table(&self, field: &str, unit: &str) -> PyResult<TimeTable> {
+        self.table_against(field, ("time", "s"), unit)
+    }
+
+    /// A constant, or rows of (axis, value).
+    pub(super) fn table_against(
+        &self,
+        field: &str,
+        axis: (&str, &str),
+        unit: &str,
+    ) -> PyResult<TimeTable> {
+        table(&self.get(field)?, &self.name(field), axis, unit)
+    }
+}
+
+/// A constant, or a tuple of rows (axis, value).
+pub(in crate::python) fn table(
+    value: &Bound<'_, PyAny>,
+    name: &str,
+    axis: (&str, &str),
+    unit: &str,
+) -> PyResult<TimeTable> {
+    let expected = format!("each row must be ({}, value)", axis.0);
+    let Ok(rows) = value.cast::<PyTuple>() else {
+        let constant = number(value, name, unit)?;
+        return checked(
+            value.py(),
+            check::finite(name, constant, unit).map(|()| constant.into()),
+        );
+    };
+    let mut pairs = Vec::new();
+    for row in rows {
+        let Ok(pair) = row.cast::<PyTuple>() else {
+            return Err(refuse(row.py(), name, &row, &expected));
+        };
+        if pair.len() != 2 {
+            return Err(refuse(row.py(), name, &row, &expected));
+        }
+        pairs.push((
+            number(&pair.get_item(0)?, &format!("{name} ({})", axis.0), axis.1)?,
+            number(&pair.get_item(1)?, &format!("{name} (value)"), unit)?,
+        ));
+    }
+    checked(value.py(), TimeTable::against(name, axis, unit, &pairs))
+}
+
+pub(super) fn kind_of(object: &Bound<'_, PyAny>) -> String {
+    object
+        .get_type()
+        .name()
+        .map(|n| n.to_string())
+        .unwrap_or_default()
+}
+
+/// A finite number.
+pub(in crate::python) fn finite(
+    value: &Bound<'_, PyAny>,
+    field: &str,
+    unit: &str,
+) -> PyResult<f64> {
+    let found = number(value, field, unit)?;
+    checked(value.py(), check::finite(field, found, unit)).map(|()| found)
+}
+
+/// True or False.
+pub(in crate::python) fn truth(value: &Bound<'_, PyAny>, field: &str) -> PyResult<bool> {
+    value
+        .extract()
+        .map_err(|_| refuse(value.py(), field, value, "must be True or False"))
+}
+
+/// A whole number, not negative.
+pub(in crate::python) fn count(value: &Bound<'_, PyAny>, field: &str) -> PyResult<u32> {
+    if !value.is_instance_of::<PyBool>()
+        && let Ok(count) = value.extract::<u32>()
+    {
+        return Ok(count);
+    }
+    Err(refuse(
+        value.py(),
+        field,
+        value,
+        "must be a whole number, not negative",
+    ))
+}
+
+/// The numbers of teeth of two sprockets.
+pub(in crate::python) fn two_teeth(value: &Bound<'_, PyAny>) -> PyResult<[u32; 2]> {
+    if let Ok([first, second]) = value.extract::<[Bound<'_, PyAny>; 2]>()
+        && let (Ok(first), Ok(second)) = (count(&first, "teeth"), count(&second, "teeth"))
+        && [first, second].iter().all(|n| (5..=1000).contains(n))
+    {
+        return Ok([first, second]);
+    }
+    Err(refuse(
+        value.py(),
+        "teeth",
+        value,
+        "must be two whole numbers between 5 and 1000",
+    ))
+}
+
+/// A number, which may be infinite or NaN.
+pub(in crate::python) fn number(
+    value: &Bound<'_, PyAny>,
+    field: &str,
+    unit: &str,
+) -> PyResult<f64> {
+    if !value.is_instance_of::<PyBool>()
+        && !value.is_instance_of::<PyString>()
+        && let Ok(number) = value.extract::<f64>()
+    {
+        return Ok(number);
+    }
+    let expected = if unit == "1" {
+        "must be a number".to_string()
+    } else {
+        format!("must be a number in {unit}")
+    };
+    Err(refuse(value.py(), field, value, &expected))
+}
+
+pub(in crate::python) fn refuse(
+    py: Python<'_>,
+    field: &str,
+    value: &Bound<'_, PyAny>,
+    expected: &str,
+) -> PyErr {
+    let shown = value.repr().map(|r| r.to_string()).unwrap_or_default();
+    to_python(py, &Error::invalid(field, shown, expected))
+}
+
+pub(in crate::python) fn checked<T>(py: Python<'_>, result: Result<T>) -> PyResult<T> {
+    result.map_err(|error| to_python(py, &error))
+}

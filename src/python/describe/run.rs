@@ -1,0 +1,68 @@
+//! What a run records, and how it is integrated.
+
+use pyo3::prelude::*;
+
+use super::reader::{Reader, checked, number, truth};
+use crate::error::Error;
+use crate::integrator::{Corrector, StepControl};
+use crate::recorder::Groups;
+use crate::simulate::check_reports;
+
+/// Reads and checks what to record: duration \[s\], time between two rows \[s\], and the groups by their names.
+pub(in crate::python) fn reports(
+    duration: &Bound<'_, PyAny>,
+    report_step: &Bound<'_, PyAny>,
+    groups: &[String],
+    energy: &Bound<'_, PyAny>,
+) -> PyResult<(f64, f64, Groups)> {
+    let py = duration.py();
+    let duration = number(duration, "duration", "s")?;
+    let report_step = number(report_step, "report_step", "s")?;
+    let energy = truth(energy, "energy")?;
+    checked(py, check_reports(duration, report_step))?;
+    let has = |name: &str| groups.iter().any(|g| g == name);
+    let groups = Groups {
+        hinges: has("hinges"),
+        teeth: has("teeth"),
+        sprockets: has("sprockets"),
+        bodies: has("bodies"),
+        energy,
+    };
+    Ok((duration, report_step, groups))
+}
+
+/// What one of `rtol` and `atol` is where only the other is given.
+const DEFAULT_TOLERANCE: f64 = 1e-5;
+
+/// Reads a `Solver` and checks it.
+pub(in crate::python) fn solver(object: &Bound<'_, PyAny>) -> PyResult<StepControl> {
+    let read = Reader::new(object, "solver", &["Solver"])?;
+    let corrector = read.word(
+        "method",
+        &[
+            ("auto", Corrector::Auto),
+            ("pece", Corrector::Pece),
+            ("newton", Corrector::Newton),
+        ],
+    )?;
+    let rtol = read.optional_number("rtol", "relative units")?;
+    let atol = read.optional_number("atol", "the unit of each component")?;
+    if rtol.unwrap_or(DEFAULT_TOLERANCE) == 0.0 && atol.unwrap_or(DEFAULT_TOLERANCE) == 0.0 {
+        let expected = "rtol and atol must not both be zero; None for both lets accuracy rule";
+        let refusal = Error::invalid("Solver.atol", 0.0, expected);
+        checked(object.py(), Err(refusal))?;
+    }
+    let given = rtol.is_some() || atol.is_some();
+    let tolerance =
+        |value: Option<f64>| value.unwrap_or(if given { DEFAULT_TOLERANCE } else { 0.0 });
+    let control = StepControl {
+        rtol: tolerance(rtol),
+        atol: tolerance(atol),
+        max_step: read.number("max_step", "s")?,
+        max_order: read.count("max_order")? as usize,
+        corrector,
+        accuracy: read.number("accuracy", "m")?,
+    };
+    checked(object.py(), control.validate())?;
+    Ok(control)
+}

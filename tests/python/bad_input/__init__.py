@@ -1,0 +1,1 @@
+"""Wrong values of every field, and how a refusal of one reads."""

@@ -1,0 +1,196 @@
+"""Wrong arguments of simulations, their methods and starts, each refused by name."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rustchain as rc
+from bad_input.fields import DRIVE, TENSIONED
+from bad_input.values import INF, NAN, assert_refused
+
+LAWS = "LankaraniNikravesh or a Hertz or a Johnson or a EnhancedCylinder or a HertzCylinder"
+SIMULATION = [
+    *[("drive", value, "must be a ChainDrive") for value in (None, "paper", 1)],
+    ("drive", DRIVE.chain, "must be a ChainDrive"),
+    *[
+        (argument, value, f"must be a {LAWS}")
+        for argument in ("force_law", "hinge_law", "tooth_law")
+        for value in ("hertz", rc.Hertz, 1, 0, "", False)
+    ],
+    ("force_law", None, f"must be a {LAWS}"),
+    *[
+        ("min_approach_speed", value, "must be a positive number in m/s")
+        for value in (NAN, INF, -1e-3, 0.0)
+    ],
+    *[
+        ("min_approach_speed", value, "must be a number in m/s")
+        for value in ("1e-3", None, True, 1j)
+    ],
+    *[("solver", value, "must be a Solver") for value in (None, "pece", rc.Solver, 1e-5)],
+]
+
+
+@pytest.mark.parametrize(("argument", "value", "allowed"), SIMULATION)
+def test_a_wrong_argument_of_a_simulation_is_refused_by_name(argument, value, allowed):
+    with pytest.raises(rc.InvalidInput) as caught:
+        rc.Simulation(**{"drive": DRIVE, argument: value})
+    assert_refused(caught.value, argument, value, allowed)
+
+
+BODIES = 40
+SHAPES = {
+    "a row too few": (lambda a: a[:-1], "39 rows", "each of the 40 bodies"),
+    "a row too many": (lambda a: np.vstack([a, a[:1]]), "41 rows", "each of the 40 bodies"),
+    "no rows": (lambda a: a[:0], "0 rows", "each of the 40 bodies"),
+    "two columns": (lambda a: a[:, :2], "(40, 2)", "(x, y, theta)"),
+    "transposed": (lambda a: a.T, "(3, 40)", "(x, y, theta)"),
+    "flat": (np.ravel, "(120,)", "(40, 3)"),
+    "one row": (lambda a: a[0], "(3,)", "(40, 3)"),
+    "a number": (lambda a: 1.0, "", "(40, 3)"),
+    "three axes": (lambda a: a[None], "(1, 40, 3)", "(40, 3)"),
+    "text": (lambda a: "here", "here", "(40, 3)"),
+    "ragged": (lambda a: [[1.0, 2.0], [3.0]], "", "(40, 3)"),
+    "complex": (lambda a: a + 1j, "complex", "(40, 3)"),
+}
+WRONG_NUMBERS = [
+    *[(0, column, value, "link_1") for column in range(3) for value in (NAN, INF)],
+    (17, 1, -INF, "link_18"),
+    (39, 0, NAN, "sprocket_2"),
+]
+
+
+@pytest.fixture(scope="module")
+def simulation():
+    """A simulation in the middle of its run, to evaluate."""
+    simulation = rc.Simulation(TENSIONED)
+    simulation.step_to(6e-3)
+    return simulation
+
+
+@pytest.fixture
+def beginning():
+    """A simulation whose run has just begun."""
+    simulation = rc.Simulation(TENSIONED)
+    simulation.step_to(5e-4)
+    return simulation
+
+
+@pytest.fixture(scope="module")
+def start():
+    simulation = rc.Simulation(TENSIONED)
+    return {"positions": simulation.positions, "velocities": simulation.velocities}
+
+
+@pytest.mark.parametrize("argument", ["positions", "velocities"])
+@pytest.mark.parametrize("case", SHAPES)
+def test_an_array_of_the_wrong_shape_is_refused_by_name(argument, case, start, simulation):
+    change, value, allowed = SHAPES[case]
+    given = {**start, argument: change(start[argument])}
+    for call in (
+        lambda: rc.Simulation(TENSIONED, **given),
+        lambda: simulation.evaluate(**{argument: given[argument]}),
+    ):
+        with pytest.raises(rc.InvalidInput) as caught:
+            call()
+        message = str(caught.value)
+        assert message.startswith(argument), message
+        assert value in message, message
+        assert allowed in message, message
+
+
+@pytest.mark.parametrize("argument", ["positions", "velocities"])
+@pytest.mark.parametrize(("body", "column", "value", "name"), WRONG_NUMBERS)
+def test_a_number_that_is_none_is_refused_by_body(
+    argument, body, column, value, name, start, simulation
+):
+    given = {key: array.copy() for key, array in start.items()}
+    given[argument][body, column] = value
+    for call in (
+        lambda: rc.Simulation(TENSIONED, **given),
+        lambda: simulation.evaluate(**{argument: given[argument]}),
+    ):
+        with pytest.raises(rc.InvalidInput) as caught:
+            call()
+        assert_refused(caught.value, f"{argument} of {name}", value, "must be finite")
+
+
+def test_positions_need_velocities(start):
+    with pytest.raises(rc.InvalidInput, match="velocities = None: must be given when positions"):
+        rc.Simulation(TENSIONED, positions=start["positions"])
+
+
+@pytest.mark.parametrize(
+    ("body", "velocity", "message"),
+    [
+        (38, (1e-6, 0.0, 4 * math.pi), r"velocities of sprocket_1 = \(0.000001, 0\): .*fixed"),
+        (38, (0.0, -1.0, 4 * math.pi), r"velocities of sprocket_1 = \(0, -1\): .*fixed"),
+        (38, (0.0, 0.0, 12.0), r"velocities of sprocket_1 = 12: .*prescribed: must be 12.566"),
+        (39, (0.0, 1e-3, 12.0), r"velocities of sprocket_2 = \(0, 0.001\): .*slide"),
+    ],
+)
+def test_velocities_that_the_supports_do_not_allow_are_refused(body, velocity, message, start):
+    velocities = start["velocities"].copy()
+    velocities[body] = velocity
+    with pytest.raises(rc.InvalidInput, match=message):
+        rc.Simulation(TENSIONED, positions=start["positions"], velocities=velocities)
+
+
+def test_velocities_that_the_supports_allow_are_taken(start):
+    velocities = start["velocities"].copy()
+    velocities[39] = 0.01, 0.0, 11.0  # along the slide
+    simulation = rc.Simulation(TENSIONED, positions=start["positions"], velocities=velocities)
+    np.testing.assert_array_equal(simulation.velocities, velocities)
+
+
+# --- methods and functions
+
+CALLS = {
+    "duration": lambda s, value: s.run(value, progress=False),
+    "report_step": lambda s, value: s.run(1e-4, report_step=value, progress=False),
+    "record": lambda s, value: s.run(1e-4, record=value, progress=False),
+    "energy": lambda s, value: s.run(1e-4, energy=value, progress=False),
+    "t": lambda s, value: s.step_to(value),
+    "time": lambda s, value: s.evaluate(time=value),
+}
+ARGUMENTS = [
+    *[("duration", value, "must be a positive number in s") for value in (NAN, INF, -1.0, 0.0)],
+    *[("duration", value, "must be a number in s") for value in ("1", None, True, 1j)],
+    *[("report_step", value, "must be a positive number in s") for value in (NAN, INF, -1e-4, 0)],
+    *[("report_step", value, "must be a number in s") for value in ("1", None, True, 1j)],
+    ("report_step", 1e-20, "more than 1e9 reports"),
+    *[("energy", value, "must be True or False") for value in ("no", None, 2)],
+    *[("t", value, "must be a number in s") for value in ("1", None, True, 1j)],
+    *[("t", value, "must not lie before the present time, 0.0005 s") for value in (0.0, 4.9e-4)],
+    *[("t", value, "must be a finite number in s") for value in (NAN, INF, -INF)],
+    *[("time", value, "must be a number in s") for value in ("1", True, 1j)],
+    *[("time", value, "must be a finite number in s") for value in (NAN, INF)],
+]
+
+
+@pytest.mark.parametrize(("argument", "value", "allowed"), ARGUMENTS)
+def test_a_wrong_argument_is_refused_before_any_step(argument, value, allowed, beginning):
+    before = beginning.state()
+    with pytest.raises(rc.InvalidInput) as caught:
+        CALLS[argument](beginning, value)
+    assert_refused(caught.value, argument, value, allowed)
+    after = beginning.state()
+    assert after["time"] == before["time"]
+    assert after["snapshot"] == before["snapshot"]
+
+
+@pytest.mark.parametrize(
+    ("record", "message"),
+    [
+        (("hinge",), "'hinge' is no group; did you mean 'hinges'"),
+        ("tooth", "'tooth' is no group; did you mean 'teeth'"),
+        (("hinges", "x"), "'x' is no group; known: 'hinges', 'teeth', 'sprockets', 'bodies'"),
+        ((1,), "1 is no group; known: 'hinges'"),
+        (1, "record"),
+        (None, "record"),
+    ],
+)
+def test_an_unknown_group_is_refused_with_the_nearest(record, message, beginning):
+    with pytest.raises(rc.InvalidInput, match=message) as caught:
+        CALLS["record"](beginning, record)
+    assert str(caught.value).startswith("record")
