@@ -22,7 +22,8 @@ mod watch;
 use std::marker::PhantomData;
 
 use chain::{
-    ChainFound, FilledHinges, HingeFriction, JoinChain, JoinRollers, RepeatBushings, Rollers,
+    ChainFound, FilledHinges, HingeFriction, JoinChain, JoinRollers, Joints, RepeatBushings,
+    Rollers,
 };
 use gap::{Form, ToothConstants};
 use layout::{ChainArrays, FIRST, LinkConstants};
@@ -393,25 +394,29 @@ impl Kernels {
             law,
             pin_radius: model.pin_radius,
         });
+        let rubbed = friction.is_some();
+        let hinges = Joints {
+            law_constants,
+            clearance: model.clearance,
+            lambda: law.lambda,
+            floor: model.min_approach_speed,
+            inverse_onset: memory.hinge_inverse(),
+            reference: &self.candidates.reference,
+            slopes,
+            rubs,
+            friction,
+        };
         macro_rules! join {
             ($damped:literal, $rubbed:literal, $extra:literal, $energy:expr) => {
                 self.instructions
                     .run(JoinChain::<L, $damped, $rubbed, $extra, { $energy }> {
                         law: PhantomData,
-                        law_constants,
-                        clearance: model.clearance,
-                        lambda: law.lambda,
-                        floor: model.min_approach_speed,
+                        hinges,
                         places: [&q[..n], &q[n..2 * n], &q[2 * n..3 * n]],
                         speeds: [&v[..n], &v[n..2 * n], &v[2 * n..3 * n]],
-                        inverse_onset: memory.hinge_inverse(),
-                        reference: &self.candidates.reference,
                         overhang: self.candidates.overhang,
                         constants: &self.links,
                         arrays: &mut self.chain,
-                        slopes,
-                        rubs,
-                        friction,
                         lubricant,
                         compliance: self.links.compliance.as_deref(),
                     })
@@ -420,7 +425,7 @@ impl Kernels {
         // Friction comes with its power whether it is asked for or not: that costs less than one more instance of each loop.
         if model.has_extra() {
             join!(true, true, true, true)
-        } else if friction.is_some() {
+        } else if rubbed {
             join!(true, true, false, true)
         } else if law.lambda > 0.0 {
             join!(true, false, false, ENERGY)
@@ -456,30 +461,34 @@ impl Kernels {
             law,
             pin_radius: of.bushing_radius,
         });
+        let rubbed = friction.is_some();
+        let bores = Joints {
+            law_constants,
+            clearance: of.clearance,
+            lambda: of.law.lambda,
+            floor: model.min_approach_speed,
+            inverse_onset: memory.roller_inverse(),
+            reference: &self.candidates.reference,
+            slopes,
+            rubs,
+            friction,
+        };
         macro_rules! join {
             ($damped:literal, $rubbed:literal, $energy:expr) => {
                 self.instructions
                     .run(JoinRollers::<L, $damped, $rubbed, { $energy }> {
                         law: PhantomData,
-                        law_constants,
-                        clearance: of.clearance,
-                        lambda: of.law.lambda,
-                        floor: model.min_approach_speed,
+                        bores,
                         places: [&q[..n], &q[n..2 * n]],
                         speeds: [&v[..n], &v[n..2 * n], &v[2 * n..3 * n]],
-                        inverse_onset: memory.roller_inverse(),
-                        reference: &self.candidates.reference,
                         overhang: self.candidates.overhang,
                         links: &self.links,
                         chain: &mut self.chain,
                         rollers,
-                        slopes,
-                        rubs,
-                        friction,
                     })
             };
         }
-        if friction.is_some() {
+        if rubbed {
             join!(true, true, true)
         } else if of.law.lambda > 0.0 {
             join!(true, false, ENERGY)

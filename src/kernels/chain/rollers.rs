@@ -7,15 +7,13 @@ use std::marker::PhantomData;
 
 use pulp::{Simd, WithSimd};
 
-use super::{ChainFound, End, HingeFriction, Hinges, RepeatBushings};
-use crate::force_law::{FrictionLanes, VectorLaw};
+use super::ends::End;
+use super::hinges::{Hinges, Joints};
+use super::{ChainFound, RepeatBushings};
+use crate::force_law::VectorLaw;
 use crate::kernels::layout::{ChainArrays, FIRST, LinkConstants};
-use crate::kernels::slopes::{RubGroup, SlopeGroup};
 use crate::model::Model;
-use crate::vector::{
-    Lanes, Numbers, PartialSums, both, both_mut, lane_numbers, load, partial_load, splat_two,
-    vectors, vectors_mut,
-};
+use crate::vector::{Lanes, both, lane_numbers, load, partial_load, vectors, vectors_mut};
 
 /// What the kernels have of rollers.
 #[derive(Debug, Clone)]
@@ -56,30 +54,17 @@ pub(in crate::kernels) struct JoinRollers<
     const ENERGY: bool,
 > {
     pub(in crate::kernels) law: PhantomData<L>,
-    pub(in crate::kernels) law_constants: [f64; 2],
-    pub(in crate::kernels) clearance: f64,
-    pub(in crate::kernels) lambda: f64,
-    pub(in crate::kernels) floor: f64,
+    pub(in crate::kernels) bores: Joints<'a>,
     /// x and y \[m\] of the rollers.
     pub(in crate::kernels) places: [&'a [f64]; 2],
     /// Their rates, and that of θ.
     pub(in crate::kernels) speeds: [&'a [f64]; 3],
-    /// 1/onset speed of every one \[s/m\]; zero without memory.
-    pub(in crate::kernels) inverse_onset: &'a [f64],
-    /// Where the rollers were when the candidates were chosen, x and y \[m\].
-    pub(in crate::kernels) reference: &'a [Numbers; 2],
     /// How many rollers are needed again behind the last one.
     pub(in crate::kernels) overhang: usize,
     pub(in crate::kernels) links: &'a LinkConstants,
     /// The chain, whose bushings are read and whose ends get the forces on them.
     pub(in crate::kernels) chain: &'a mut ChainArrays,
     pub(in crate::kernels) rollers: &'a mut Rollers,
-    /// Where the slopes of the forces go when they are asked for.
-    pub(in crate::kernels) slopes: Option<&'a mut [SlopeGroup]>,
-    /// Those of friction.
-    pub(in crate::kernels) rubs: Option<&'a mut [RubGroup]>,
-    /// What `RUBBED` needs; the bushings are the pins here.
-    pub(in crate::kernels) friction: Option<HingeFriction<'a>>,
 }
 
 impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> WithSimd
@@ -87,56 +72,16 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> W
 {
     type Output = ChainFound;
 
-    #[allow(clippy::too_many_lines)] // a line for each of many fields
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> ChainFound {
         let n = self.places[0].len();
         let blocks = n.div_ceil(S::F64_LANES);
         let splat = |value| Lanes::splat(simd, value);
         let Rollers { constants, arrays } = self.rollers;
-        let mut joints = Hinges::<S, L, DAMPED, RUBBED, false, ENERGY> {
-            law: PhantomData,
-            law_constants: splat_two(simd, self.law_constants),
-            clearance: splat(self.clearance),
-            clearance_squared: vectors::<S>(&constants.clearance_squared, blocks),
-            there: vectors::<S>(&constants.there, blocks),
-            lambda: splat(self.lambda),
-            floor: splat(self.floor),
-            onset: vectors::<S>(self.inverse_onset, blocks),
-            on_front: vectors::<S>(&constants.bushing_on_front, blocks),
-            reference: both::<S>(self.reference, 0, blocks),
-            depth: vectors_mut::<S>(&mut arrays.depth, blocks),
-            force: vectors_mut::<S>(&mut arrays.force, blocks),
-            distance_squared: vectors_mut::<S>(&mut arrays.distance_squared, blocks),
-            along: vectors_mut::<S>(&mut arrays.along, blocks),
-            moments: [&mut [], &mut []],
-            front_force: both_mut::<S>(&mut arrays.front_force, 0, blocks),
-            rear_force: both_mut::<S>(&mut arrays.rear_force, FIRST + 1, blocks),
-            bushing: both_mut::<S>(&mut arrays.bushing, 0, blocks),
-            bushing_velocity: both_mut::<S>(&mut arrays.bushing_velocity, 0, blocks),
-            moved_squared: splat(0.0),
-            changed: false,
-            power: PartialSums::default(),
-            rubbed: PartialSums::default(),
-            slopes: self.slopes,
-            rubs: None,
-            rubbing: None,
-            sheared: PartialSums::default(),
-            film_slopes: None,
-            film: None,
-            compliance: None,
-        };
-        if RUBBED && let Some(friction) = &self.friction {
-            joints.moments = [
-                vectors_mut::<S>(&mut arrays.front_moment, blocks),
-                vectors_mut::<S>(&mut arrays.rear_moment[FIRST + 1..], blocks),
-            ];
-            joints.rubs = self.rubs;
-            joints.rubbing = Some((
-                FrictionLanes::new(simd, friction.law),
-                splat(friction.pin_radius),
-            ));
-        }
+        let moments = RUBBED && self.bores.friction.is_some();
+        let (mut joints, _) = Hinges::<S, L, DAMPED, RUBBED, false, ENERGY>::new(
+            simd, self.bores, constants, arrays, blocks,
+        );
         let [x, y] = self.places;
         let [vx, vy, spin] = self.speeds;
         let place = both::<S>(&self.chain.bushing, 0, blocks);
@@ -181,20 +126,13 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> W
             };
             joints.join(i, &roller, &bushing);
         }
-        let found = ChainFound {
-            moved_squared: joints.moved_squared.greatest(),
-            changed: joints.changed,
-            dissipated: joints.power.total(),
-            rubbed: joints.lost_to_friction(),
-            sheared: 0.0,
-        };
+        let found = joints.found();
         RepeatBushings {
             links: n,
             overhang: self.overhang,
             arrays,
         }
         .with_simd(simd);
-        let moments = RUBBED && self.friction.is_some();
         press_bushings(simd, blocks, self.links, arrays, self.chain, moments);
         found
     }
