@@ -6,6 +6,7 @@ use std::marker::PhantomData;
 
 use pulp::{Simd, WithSimd};
 
+use super::bristles::{BristleLanes, Bristling};
 use super::layout::{ChainArrays, FIRST, LinkConstants};
 use super::slopes::{Damped, FilmGroup, RubGroup, SlopeGroup, Touch, group_of};
 use crate::force_law::{
@@ -47,13 +48,14 @@ pub(super) struct FilledHinges<'a> {
     pub(super) slopes: Option<&'a mut [FilmGroup]>,
 }
 
-/// One law, one loop. `DAMPED`: with the damping factor; `RUBBED`: with friction; `EXTRA`: with lubricant, elastic plates and friction, those
+/// One law, one loop. `DAMPED`: with the damping factor; `RUBBED`: with friction; `BRISTLED`: of bristles; `EXTRA`: with lubricant, elastic plates and friction, those
 /// that there are; `ENERGY`: with the power that they dissipate.
 pub(super) struct JoinChain<
     'a,
     L,
     const DAMPED: bool,
     const RUBBED: bool,
+    const BRISTLED: bool,
     const EXTRA: bool,
     const ENERGY: bool,
 > {
@@ -80,14 +82,22 @@ pub(super) struct JoinChain<
     pub(super) rubs: Option<&'a mut [RubGroup]>,
     /// What `RUBBED` needs.
     pub(super) friction: Option<HingeFriction<'a>>,
+    /// What `BRISTLED` needs.
+    pub(super) bristles: Option<Bristling<'a>>,
     /// What `EXTRA` needs.
     pub(super) lubricant: Option<FilledHinges<'a>>,
     /// What the plates give way by \[m/N\].
     pub(super) compliance: Option<f64>,
 }
 
-impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const EXTRA: bool, const ENERGY: bool>
-    WithSimd for JoinChain<'_, L, DAMPED, RUBBED, EXTRA, ENERGY>
+impl<
+    L: VectorLaw,
+    const DAMPED: bool,
+    const RUBBED: bool,
+    const BRISTLED: bool,
+    const EXTRA: bool,
+    const ENERGY: bool,
+> WithSimd for JoinChain<'_, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>
 {
     type Output = ChainFound;
 
@@ -101,7 +111,7 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const EXTRA: bool, co
         let arrays = self.arrays;
         point::<S>(simd, self.places[2], &mut arrays.cos, &mut arrays.sin);
         point_sprockets::<S>(simd, arrays);
-        let mut hinges = Hinges::<S, L, DAMPED, RUBBED, EXTRA, ENERGY> {
+        let mut hinges = Hinges::<S, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY> {
             law: PhantomData,
             law_constants: splat_two(simd, self.law_constants),
             clearance: splat(self.clearance),
@@ -128,6 +138,7 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const EXTRA: bool, co
             slopes: self.slopes,
             rubs: None,
             rubbing: None,
+            bristles: None,
             sheared: PartialSums::default(),
             film_slopes: None,
             film: None,
@@ -138,6 +149,9 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const EXTRA: bool, co
                 vectors_mut::<S>(&mut arrays.front_moment, blocks),
                 vectors_mut::<S>(&mut arrays.rear_moment[FIRST + 1..], blocks),
             ];
+        }
+        if BRISTLED && let Some(bristles) = self.bristles {
+            hinges.bristles = Some(bristles.into_lanes(simd, blocks));
         }
         hinges.lay_in(self.friction, self.rubs, self.lubricant, self.compliance);
         let [x, y, _] = self.places;
@@ -360,6 +374,7 @@ struct Hinges<
     L,
     const DAMPED: bool,
     const RUBBED: bool,
+    const BRISTLED: bool,
     const EXTRA: bool,
     const ENERGY: bool,
 > {
@@ -391,6 +406,8 @@ struct Hinges<
     rubs: Option<&'a mut [RubGroup]>,
     /// Friction and the pins' radius; some where `RUBBED`.
     rubbing: Option<(FrictionLanes<S>, Lanes<S>)>,
+    /// Some where `BRISTLED`.
+    bristles: Option<BristleLanes<'a, S>>,
     /// On fronts and rears.
     moments: [&'a mut [S::f64s]; 2],
     /// Power dissipated by lubricant.
@@ -408,9 +425,10 @@ impl<
     L: VectorLaw,
     const DAMPED: bool,
     const RUBBED: bool,
+    const BRISTLED: bool,
     const EXTRA: bool,
     const ENERGY: bool,
-> Hinges<'a, S, L, DAMPED, RUBBED, EXTRA, ENERGY>
+> Hinges<'a, S, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>
 {
     /// Takes friction and lubricant, where there are any, and the places for their slopes.
     #[inline(always)]
@@ -429,7 +447,9 @@ impl<
             self.film = Some(FilmLanes::new(simd, lubricant.film));
             self.film_slopes = lubricant.slopes;
         }
-        if RUBBED && let Some(friction) = friction {
+        if BRISTLED {
+            self.rubs = rubs;
+        } else if RUBBED && let Some(friction) = friction {
             self.rubs = rubs;
             self.rubbing = Some((
                 FrictionLanes::new(simd, friction.law),
@@ -484,6 +504,9 @@ impl<
             if RUBBED && let Some(rubs) = &mut self.rubs {
                 let (group, part) = group_of::<S, _>(rubs, i);
                 group.slope.put(part, zero);
+            }
+            if BRISTLED && let Some(bristles) = &mut self.bristles {
+                bristles.rest(i);
             }
             self.changed |= remembered.any();
             return;
@@ -625,7 +648,12 @@ impl<
         let simd = force.simd();
         let zero = force.constant(0.0);
         let [nx, ny] = touch.normal;
-        let Some((friction, pin_radius)) = self.rubbing else {
+        let radius = if BRISTLED {
+            self.bristles.as_ref().map(|bristles| bristles.radius)
+        } else {
+            self.rubbing.map(|(_, radius)| radius)
+        };
+        let Some(pin_radius) = radius else {
             return [force * nx, force * ny];
         };
         // The contact is the pin's outermost point: beyond the pin as the bushing sees it, whichever link has the pin.
@@ -636,7 +664,13 @@ impl<
         let across = nx.mul_add(velocity[1], -(ny * velocity[0]));
         let turning = from_front.mul_add(front.spin, -(from_rear * rear.spin));
         let slip = across + turning;
-        let [rub, slope] = friction.force(force, slip);
+        let [rub, slope] = if BRISTLED && let Some(bristles) = &mut self.bristles {
+            bristles.bend(i, touch.depth.exceeds(zero), force, slip)
+        } else if let Some((friction, _)) = &self.rubbing {
+            friction.force(force, slip)
+        } else {
+            [zero; 2]
+        };
         if ENERGY {
             self.rubbed.add(i, rub * slip);
         }

@@ -9,6 +9,7 @@ use pulp::{Simd, WithSimd};
 
 use super::{ChainFound, End, HingeFriction, Hinges, RepeatBushings};
 use crate::force_law::{FrictionLanes, VectorLaw};
+use crate::kernels::bristles::Bristling;
 use crate::kernels::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::kernels::slopes::{RubGroup, SlopeGroup};
 use crate::model::Model;
@@ -49,6 +50,7 @@ pub(in crate::kernels) struct JoinRollers<
     L,
     const DAMPED: bool,
     const RUBBED: bool,
+    const BRISTLED: bool,
     const ENERGY: bool,
 > {
     pub(in crate::kernels) law: PhantomData<L>,
@@ -76,10 +78,12 @@ pub(in crate::kernels) struct JoinRollers<
     pub(in crate::kernels) rubs: Option<&'a mut [RubGroup]>,
     /// What `RUBBED` needs; the bushings are the pins here.
     pub(in crate::kernels) friction: Option<HingeFriction<'a>>,
+    /// What `BRISTLED` needs.
+    pub(in crate::kernels) bristles: Option<Bristling<'a>>,
 }
 
-impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> WithSimd
-    for JoinRollers<'_, L, DAMPED, RUBBED, ENERGY>
+impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const BRISTLED: bool, const ENERGY: bool>
+    WithSimd for JoinRollers<'_, L, DAMPED, RUBBED, BRISTLED, ENERGY>
 {
     type Output = ChainFound;
 
@@ -90,7 +94,7 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> W
         let blocks = n.div_ceil(S::F64_LANES);
         let splat = |value| Lanes::splat(simd, value);
         let Rollers { constants, arrays } = self.rollers;
-        let mut joints = Hinges::<S, L, DAMPED, RUBBED, false, ENERGY> {
+        let mut joints = Hinges::<S, L, DAMPED, RUBBED, BRISTLED, false, ENERGY> {
             law: PhantomData,
             law_constants: splat_two(simd, self.law_constants),
             clearance: splat(self.clearance),
@@ -117,17 +121,23 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> W
             slopes: self.slopes,
             rubs: None,
             rubbing: None,
+            bristles: None,
             sheared: PartialSums::default(),
             film_slopes: None,
             film: None,
             compliance: None,
         };
-        if RUBBED && let Some(friction) = &self.friction {
+        let rubs = RUBBED && (BRISTLED || self.friction.is_some());
+        if rubs {
             joints.moments = [
                 vectors_mut::<S>(&mut arrays.front_moment, blocks),
                 vectors_mut::<S>(&mut arrays.rear_moment[FIRST + 1..], blocks),
             ];
             joints.rubs = self.rubs;
+        }
+        if BRISTLED && let Some(bristles) = self.bristles {
+            joints.bristles = Some(bristles.into_lanes(simd, blocks));
+        } else if RUBBED && let Some(friction) = &self.friction {
             joints.rubbing = Some((
                 FrictionLanes::new(simd, friction.law),
                 splat(friction.pin_radius),
@@ -190,8 +200,7 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> W
             arrays,
         }
         .with_simd(simd);
-        let moments = RUBBED && self.friction.is_some();
-        press_bushings(simd, blocks, self.links, arrays, self.chain, moments);
+        press_bushings(simd, blocks, self.links, arrays, self.chain, rubs);
         found
     }
 }
