@@ -1,4 +1,4 @@
-//! What friction costs: the paper's drive under way with and without it, counts beside times.
+//! What friction costs: the paper's drive under way with and without it, of the slip speed and of bristles, counts beside times.
 
 #![allow(clippy::unwrap_used)] // a benchmark whose scenes cannot be built has nothing to say
 #![allow(clippy::print_stdout)] // its figures
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use common::drives;
 use rustchain::ForceLaws;
-use rustchain::force_law::{Friction, Regularization};
+use rustchain::force_law::{Friction, LuGre, Regularization};
 use rustchain::integrator::{Counts, StepControl};
 
 /// Simulated time, the same from 8 ms on for all \[s\].
@@ -34,6 +34,21 @@ fn main() {
             regularization: Regularization::Tanh,
             speed: 1e-3,
             dead_speed: 0.0,
+        })
+    };
+    let threlfall = law(0.1).map(|law| Friction {
+        regularization: Regularization::Threlfall,
+        ..law
+    });
+    let bristles = |coefficient| {
+        Some(LuGre {
+            static_coefficient: coefficient,
+            kinetic_coefficient: coefficient,
+            stiffness: 1e5,
+            damping: 0.3,
+            viscous_coefficient: 0.0,
+            stribeck_speed: 1e-3,
+            stribeck_exponent: 2.0,
         })
     };
     println!(
@@ -65,6 +80,29 @@ fn main() {
                 },
             ),
             (
+                "Threlfall 0.1",
+                ForceLaws {
+                    hinge_friction: threlfall,
+                    tooth_friction: threlfall,
+                    ..ForceLaws::default()
+                },
+            ),
+            (
+                "bristles in hinges 0.1",
+                ForceLaws {
+                    hinge_bristles: bristles(0.1),
+                    ..ForceLaws::default()
+                },
+            ),
+            (
+                "bristles 0.1",
+                ForceLaws {
+                    hinge_bristles: bristles(0.1),
+                    tooth_bristles: bristles(0.1),
+                    ..ForceLaws::default()
+                },
+            ),
+            (
                 "both 0.3",
                 ForceLaws {
                     hinge_friction: law(0.3),
@@ -73,8 +111,8 @@ fn main() {
                 },
             ),
         ];
-        let mut least = [Duration::MAX; 5];
-        let mut counts = [Counts::default(); 5];
+        let mut least = [Duration::MAX; 8];
+        let mut counts = [Counts::default(); 8];
         for _ in 0..REPEATS {
             for ((_, laws), (least, counts)) in scenes.iter().zip(least.iter_mut().zip(&mut counts))
             {
@@ -85,7 +123,7 @@ fn main() {
         }
         for ((name, _), (time, counts)) in scenes.iter().zip(least.iter().zip(&counts)) {
             println!(
-                "{pretension:5} N  {name:10}  {:7.0}  {:6}  {:6}  {:6}  {:.2}",
+                "{pretension:5} N  {name:22}  {:7.0}  {:6}  {:6}  {:6}  {:.2}",
                 1e3 * time.as_secs_f64() / SPAN,
                 counts.steps,
                 counts.evaluations,

@@ -16,7 +16,7 @@ use std::time::Duration;
 use aligned_vec::AVec;
 use common::{Halves, drives, laws, longer_drive, only_tried, pressed_into_seats};
 use rustchain::drive::{AnsiTooth, Bearing, Drive, Motion};
-use rustchain::force_law::{Damping, Elastic, Friction, Regions, Regularization};
+use rustchain::force_law::{Damping, Elastic, Friction, LuGre, Regions, Regularization};
 use rustchain::geometry::Seat;
 use rustchain::integrator::OdeSystem;
 use rustchain::{ForceLaws, Groups, Simulation};
@@ -80,7 +80,17 @@ const COULOMB: Friction = Friction {
     dead_speed: 0.0,
 };
 
-const SCENES: [Scene; 19] = [
+const BRISTLES: LuGre = LuGre {
+    static_coefficient: 0.12,
+    kinetic_coefficient: 0.1,
+    stiffness: 1e5,
+    damping: 0.3,
+    viscous_coefficient: 0.0,
+    stribeck_speed: 1e-3,
+    stribeck_exponent: 2.0,
+};
+
+const SCENES: [Scene; 21] = [
     scene("lankarani-nikravesh", || changed(|_, _| {})),
     Scene {
         name: "energy balance kept",
@@ -151,6 +161,12 @@ const SCENES: [Scene; 19] = [
     }),
     scene("friction on teeth", || {
         changed(|_, laws| laws.tooth_friction = Some(COULOMB))
+    }),
+    scene("bristles in hinges", || {
+        changed(|_, laws| laws.hinge_bristles = Some(BRISTLES))
+    }),
+    scene("bristles on teeth", || {
+        changed(|_, laws| laws.tooth_bristles = Some(BRISTLES))
     }),
     scene("nothing touches", || {
         common::at_start(Elastic::Hertz, Damping::LankaraniNikravesh)

@@ -39,7 +39,7 @@ GROUPS: dict[str, list[Callable[..., Any]]] = {
     "drive.guides": [rc.GuideRail, rc.GuideArm, rc.SmoothIdler],
     "drive.ends": [rc.Anchor, rc.Load, rc.LooseEnd],
     "simulation": [rc.Simulation, rc.Solver],
-    "simulation.friction": [rc.Coulomb],
+    "simulation.friction": [rc.Coulomb, rc.LuGre],
     "simulation.hinge_film": [rc.Film],
     "simulation.force_law": [*makers_of(rc.ForceLaw).values()],
     "run": [rc.Simulation.run],

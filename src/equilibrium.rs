@@ -128,6 +128,8 @@ impl Equilibrium {
         let frictionless = ForceLaws {
             hinge_friction: None,
             tooth_friction: None,
+            hinge_bristles: None,
+            tooth_bristles: None,
             hinge_film: None,
             ..*laws
         };

@@ -217,9 +217,11 @@ impl Recorder {
             (false, true) => Want::Depths,
             (false, false) => Want::Nothing,
         };
+        // What bristles store goes by the normal force.
+        let stored = |law: bool| groups.energy && law;
         Needs {
-            hinges: want(groups.hinges),
-            teeth: want(groups.teeth || sprocket_loads),
+            hinges: want(groups.hinges || stored(model.hinge_bristles.is_some())),
+            teeth: want(groups.teeth || sprocket_loads || stored(model.tooth_bristles.is_some())),
             sprocket_loads,
         }
     }
@@ -321,6 +323,7 @@ impl Recorder {
             row.real(dynamics.motion.velocities().into_iter().flatten());
         }
         if let Some(energy) = energy {
+            let sums = dissipated_alone(sums, dynamics);
             let residual = write_energy(&mut row, model, energy, sums, &mut self.energy_at_start);
             let stored = OF_STORED * (energy.kinetic + energy.elastic);
             self.balance.watch(energy, residual, stored);
@@ -468,6 +471,16 @@ pub(crate) struct Passed {
     pub(crate) dissipated: f64,
     pub(crate) worked_in: f64,
     pub(crate) residual: f64,
+}
+
+/// `sums` without what bristles store of the work of friction.
+fn dissipated_alone(mut sums: Powers, dynamics: &Dynamics) -> Powers {
+    if !dynamics.model().bristles.is_empty() {
+        let stored = dynamics.stored();
+        sums.dissipated -= stored.total();
+        sums.losses = stored.taken_off(sums.losses);
+    }
+    sums
 }
 
 fn write_energy(

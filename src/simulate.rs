@@ -215,6 +215,11 @@ impl Simulation {
         let mut dynamics = self.dynamics.clone();
         if positions.is_some() {
             dynamics.memory.clear();
+            dynamics.bristles.clear();
+        } else {
+            let mut y = vec![0.0; self.inside.len()];
+            self.adams.interpolate(self.now, &mut y);
+            dynamics.bristles.read(self.model(), &y);
         }
         let present = self.motion();
         let (present_positions, present_velocities) = (present.positions(), present.velocities());
@@ -308,6 +313,7 @@ impl Simulation {
     fn step(&mut self, timed: bool) -> Result<()> {
         let begin = timed.then(Instant::now);
         self.dynamics.follow_with_pawls(self.adams.y());
+        self.dynamics.unbend_parted(&mut self.adams);
         self.dynamics.begin_step();
         self.begin_anew_where_an_end_kinks();
         let step = self.adams.step_second_order(&mut self.dynamics);

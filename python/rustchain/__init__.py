@@ -52,7 +52,7 @@ from rustchain.force_law import (
     Radzimovsky,
     restitution_obtained,
 )
-from rustchain.friction import Coulomb
+from rustchain.friction import Coulomb, LuGre
 from rustchain.guides import GuideArm, GuideRail, SmoothIdler
 from rustchain.layouts import chain_drive, open_chain
 from rustchain.loss_map import loss_map
@@ -125,6 +125,7 @@ __all__ = [
     "LiuConformal",
     "Load",
     "LooseEnd",
+    "LuGre",
     "Material",
     "Mechanism",
     "MechanismEvaluation",

@@ -33,6 +33,10 @@ class Evaluation:
         Normal force [N] and penetration [m] of bushings in rollers, where those are bodies.
     roller_force_vector : ndarray, (rollers, 2), optional
         Force of the bushing on the roller, friction and all [N].
+    hinge_bristle : ndarray, (hinges,), optional
+    tooth_bristle : ndarray, (bushings, sprockets), optional
+    roller_bristle : ndarray, (rollers,), optional
+        How far bristles are bent, where friction is `LuGre` [m]; zero at positions that are given.
     """
 
     accelerations: Array
@@ -47,3 +51,6 @@ class Evaluation:
     roller_force: Array | None = None
     roller_penetration: Array | None = None
     roller_force_vector: Array | None = None
+    hinge_bristle: Array | None = None
+    tooth_bristle: Array | None = None
+    roller_bristle: Array | None = None

@@ -12,7 +12,7 @@ from rustchain import _rustchain
 from rustchain._description import Description
 from rustchain._names import known_keywords
 from rustchain.film import Film
-from rustchain.friction import Coulomb
+from rustchain.friction import Coulomb, LuGre
 from rustchain.material import Material
 
 Damping = Literal[
@@ -46,7 +46,7 @@ class ForceLaw(Description):
         "kept": a contact keeps the stiffness of the tooth region where it began, which closes the
         energy balance. "sharp": the stiffness changes where the bushing crosses into another
         region.
-    friction : Coulomb, optional
+    friction : Coulomb or LuGre, optional
         Friction of the contacts that have this law, in chain drives with clearance hinges. None:
         there is none, and it costs nothing.
     film : Film, optional
@@ -68,7 +68,7 @@ class ForceLaw(Description):
 
     damping: Damping | None = None
     regions: Regions = "kept"
-    friction: Coulomb | None = field(default=None, kw_only=True)
+    friction: Coulomb | LuGre | None = field(default=None, kw_only=True)
     film: Film | None = field(default=None, kw_only=True)
 
     def elastic_force(
@@ -217,9 +217,9 @@ class Linear(ForceLaw):
 
 def with_friction(
     laws: tuple[ForceLaw, ForceLaw | None, ForceLaw | None],
-    friction: Coulomb | None,
-    hinge_friction: Coulomb | None,
-    tooth_friction: Coulomb | None,
+    friction: Coulomb | LuGre | None,
+    hinge_friction: Coulomb | LuGre | None,
+    tooth_friction: Coulomb | LuGre | None,
     hinge_film: Film | None = None,
 ) -> tuple[ForceLaw, ForceLaw | None, ForceLaw | None]:
     """Return the laws of all contacts, of hinges and of teeth, with friction and film as given.
@@ -228,7 +228,7 @@ def with_friction(
     """
     law, hinge_law, tooth_law = laws
 
-    def rubbing(own: ForceLaw | None, given: Coulomb | None) -> ForceLaw | None:
+    def rubbing(own: ForceLaw | None, given: Coulomb | LuGre | None) -> ForceLaw | None:
         base = law if own is None else own
         if given is None or not isinstance(base, ForceLaw):  # the core refuses what is no law
             return own

@@ -34,3 +34,43 @@ class Coulomb(Description):
     regularization: Regularization = "tanh"
     speed: float = 1e-3
     dead_speed: float = 0.0
+
+
+@known_keywords
+@dataclass(frozen=True)
+class LuGre(Description):
+    """Friction of bristles that bend before they slip; it sticks, and needs less to break away.
+
+    With f the normal force, s the slip and z the deflection of the bristles of a contact,
+    dz/dt = s - stiffness |s| z / g(s) and F = f (stiffness z + damping' dz/dt +
+    viscous_coefficient s); g(s) = kinetic_coefficient + (static_coefficient -
+    kinetic_coefficient) exp(-(|s|/stribeck_speed)^stribeck_exponent), and damping' =
+    damping / (1 + damping |s| / (4 g)), with which it never drives (Canudas de Wit, Olsson,
+    Astrom and Lischinsky 1995; by the normal force: Canudas de Wit and Tsiotras 1999).
+
+    Attributes
+    ----------
+    static_coefficient : float
+        Friction force over normal force that bristles hold at rest.
+    kinetic_coefficient : float
+        What is left of it at full slip.
+    stiffness : float
+        Of the bristles, a newton of normal force [1/m]: static_coefficient / stiffness is how far
+        a contact gives way before it slips.
+    damping : float
+        Of the bristles at rest, a newton of normal force [s/m].
+    viscous_coefficient : float
+        Friction that grows with the slip, a newton of normal force [s/m].
+    stribeck_speed : float
+        Slip speed about which the coefficient falls [m/s].
+    stribeck_exponent : float
+        How steeply, 0.1 to 10: 2 in the law's first form, 0.5 to 1 for other materials.
+    """
+
+    static_coefficient: float
+    kinetic_coefficient: float
+    stiffness: float = 1e5
+    damping: float = 0.3
+    viscous_coefficient: float = 0.0
+    stribeck_speed: float = 1e-3
+    stribeck_exponent: float = 2.0

@@ -12,7 +12,7 @@ from rustchain.drive import AppliedTorque, ChainDrive
 from rustchain.errors import InvalidInput
 from rustchain.film import Film
 from rustchain.force_law import ForceLaw
-from rustchain.friction import Coulomb
+from rustchain.friction import Coulomb, LuGre
 from rustchain.result import Result
 from rustchain.simulation import _LAW, _SOLVER
 from rustchain.solver import Solver
@@ -33,9 +33,9 @@ def loss_map(
     report_step: float = 1e-4,
     force_law: ForceLaw = _LAW,
     solver: Solver = _SOLVER,
-    friction: Coulomb | None = None,
-    hinge_friction: Coulomb | None = None,
-    tooth_friction: Coulomb | None = None,
+    friction: Coulomb | LuGre | None = None,
+    hinge_friction: Coulomb | LuGre | None = None,
+    tooth_friction: Coulomb | LuGre | None = None,
     threads: int | None = None,
     progress: bool = True,
     hinge_film: Film | None = None,

@@ -18,7 +18,7 @@ from rustchain.errors import InvalidInput, SimulationError
 from rustchain.evaluation import Evaluation as Evaluation
 from rustchain.film import Film
 from rustchain.force_law import ForceLaw, LankaraniNikravesh, with_friction
-from rustchain.friction import Coulomb
+from rustchain.friction import Coulomb, LuGre
 from rustchain.mechanism import Mechanism
 from rustchain.result import Array, Result, Status
 from rustchain.solver import Method as Method
@@ -45,9 +45,9 @@ class Simulation(Present):
         Law of every contact.
     hinge_law, tooth_law : ForceLaw, optional
         Law of pins in bushings, of bushings on teeth; by default `force_law`.
-    friction : Coulomb, optional
+    friction : Coulomb or LuGre, optional
         Friction of every contact: put into the laws, as ``ForceLaw.friction``.
-    hinge_friction, tooth_friction : Coulomb, optional
+    hinge_friction, tooth_friction : Coulomb or LuGre, optional
         Friction of pins in bushings, of bushings on teeth; by default `friction`.
     hinge_film : Film, optional
         Lubricant between pins and bushings: put into their law, as ``ForceLaw.film``.
@@ -102,9 +102,9 @@ class Simulation(Present):
         velocities: npt.ArrayLike | None = None,
         solver: Solver = _SOLVER,
         start: Start = "laid",
-        friction: Coulomb | None = None,
-        hinge_friction: Coulomb | None = None,
-        tooth_friction: Coulomb | None = None,
+        friction: Coulomb | LuGre | None = None,
+        hinge_friction: Coulomb | LuGre | None = None,
+        tooth_friction: Coulomb | LuGre | None = None,
         hinge_film: Film | None = None,
     ) -> None:
         if isinstance(getattr(drive, "drive", None), ChainDrive):  # a Scene, a Simulation, a Result

@@ -16,7 +16,7 @@ from rustchain._start import Start
 from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.film import Film
 from rustchain.force_law import ForceLaw
-from rustchain.friction import Coulomb
+from rustchain.friction import Coulomb, LuGre
 from rustchain.result import Result
 from rustchain.simulation import _LAW, _SOLVER, Simulation
 from rustchain.solver import Solver
@@ -135,9 +135,9 @@ def study(
     min_approach_speed: float = 1e-3,
     solver: Solver = _SOLVER,
     start: Start = "laid",
-    friction: Coulomb | None = None,
-    hinge_friction: Coulomb | None = None,
-    tooth_friction: Coulomb | None = None,
+    friction: Coulomb | LuGre | None = None,
+    hinge_friction: Coulomb | LuGre | None = None,
+    tooth_friction: Coulomb | LuGre | None = None,
     threads: int | None = None,
     progress: bool = True,
     stop: StopCondition | Sequence[StopCondition] = (),

@@ -21,7 +21,7 @@ from rustchain.drive import ChainDrive
 from rustchain.errors import EnergyWarning, InvalidInput, RangeWarning, SimulationError
 from rustchain.film import Film
 from rustchain.force_law import ForceLaw, with_friction
-from rustchain.friction import Coulomb
+from rustchain.friction import Coulomb, LuGre
 from rustchain.result import Array, Result
 from rustchain.simulation import _LAW, _SOLVER, Simulation
 from rustchain.solver import Solver
@@ -48,9 +48,9 @@ def sweep(
     velocities: npt.ArrayLike | None = None,
     threads: int | None = None,
     progress: bool = True,
-    friction: Coulomb | None = None,
-    hinge_friction: Coulomb | None = None,
-    tooth_friction: Coulomb | None = None,
+    friction: Coulomb | LuGre | None = None,
+    hinge_friction: Coulomb | LuGre | None = None,
+    tooth_friction: Coulomb | LuGre | None = None,
     stop: StopCondition | Sequence[StopCondition] = (),
     callback: Callable[[Simulation], object] | None = None,
     hinge_film: Film | None = None,

@@ -12,7 +12,7 @@ pub struct Energy {
     pub kinetic: f64,
     /// In the field of gravity, of all bodies that can move.
     pub gravity: f64,
-    /// Stored in the contacts, in elastic links and in the tensioner's spring.
+    /// Stored in the contacts, in their bristles, in elastic links and in the tensioner's spring.
     pub elastic: f64,
 }
 
@@ -71,6 +71,9 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
     }
     energy.kinetic += arms;
     energy.elastic = elastic_energy(dynamics) + springs;
+    if !model.bristles.is_empty() {
+        energy.elastic += dynamics.stored().total();
+    }
     energy
 }
 

@@ -44,7 +44,7 @@ pub(super) fn fill_hinges(
         let shear = filled.shear * turning;
         let lever = 0.5 * distance * drag;
         hinges.film[k] = push * along + drag * across;
-        let rubbed = if model.hinge_friction.is_some() {
+        let rubbed = if model.hinges_rub() {
             hinges.moments[k]
         } else {
             [0.0; 2]

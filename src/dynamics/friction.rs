@@ -1,17 +1,16 @@
-//! Friction of all contacts of one kind, after their normal forces.
+//! Friction of all contacts of one kind, after their normal forces, by a law: of a contact's number, normal force and slip.
 //!
 //! It acts along t, left of the normal n, at one point that both bodies have: the pin's outermost one in a hinge, the bushing's
 //! on a tooth. The slip is the velocity along t of the one body's material point there seen from the other's.
 
 use crate::contact::{HingeContacts, RollerContacts, ToothContacts, on_teeth};
-use crate::force_law::Friction;
 use crate::geometry::{Vec2, turned_left};
 use crate::model::Model;
 use crate::state::Motion;
 
 /// Friction of all hinges; returns the power it dissipates \[W\].
 pub(super) fn rub_hinges(
-    law: &Friction,
+    mut law: impl FnMut(usize, f64, f64) -> f64,
     model: &Model,
     motion: &Motion,
     hinges: &mut HingeContacts,
@@ -39,7 +38,7 @@ pub(super) fn rub_hinges(
         );
         let slip =
             across.dot(&velocity) + from_front * motion.spin[k] - from_rear * motion.spin[next];
-        let friction = law.coefficient * hinges.force[k] * law.share(slip).0;
+        let friction = law(k, hinges.force[k], slip);
         hinges.friction[k] = friction;
         hinges.moments[k] = [-from_front * friction, from_rear * friction];
         dissipated += friction * slip;
@@ -49,7 +48,7 @@ pub(super) fn rub_hinges(
 
 /// Friction of all bushings in their rollers; returns the power it dissipates \[W\].
 pub(super) fn rub_rollers(
-    law: &Friction,
+    mut law: impl FnMut(usize, f64, f64) -> f64,
     model: &Model,
     motion: &Motion,
     hinges: &HingeContacts,
@@ -75,7 +74,7 @@ pub(super) fn rub_rollers(
         let link = model.link_of_bushing(k);
         let slip = across.dot(&seen) + from_bushing * motion.spin[link]
             - from_roller * motion.spin[roller];
-        let friction = law.coefficient * rollers.force[k] * law.share(slip).0;
+        let friction = law(k, rollers.force[k], slip);
         rollers.friction[k] = friction;
         rollers.moments[k] = [-from_bushing * friction, from_roller * friction];
         dissipated += friction * slip;
@@ -85,7 +84,7 @@ pub(super) fn rub_rollers(
 
 /// Friction of all bushings near a sprocket; returns the power it dissipates \[W\].
 pub(super) fn rub_teeth(
-    law: &Friction,
+    mut law: impl FnMut(usize, f64, f64) -> f64,
     model: &Model,
     motion: &Motion,
     hinges: &HingeContacts,
@@ -108,7 +107,7 @@ pub(super) fn rub_teeth(
         let across = turned_left(Vec2::new(teeth.normal_x[pair], teeth.normal_y[pair]));
         let turning = motion.spin[body] - spin;
         let slip = across.dot(&seen) + model.contact_radius * turning;
-        let friction = law.coefficient * teeth.force[pair] * law.share(slip).0;
+        let friction = law(pair, teeth.force[pair], slip);
         teeth.friction[pair] = friction;
         dissipated += friction * slip;
     }

@@ -81,7 +81,7 @@ impl Accelerations {
             let (s, k) = (pair / model.links, pair % model.links);
             let normal = Vec2::new(teeth.normal_x[pair], teeth.normal_y[pair]);
             let mut push = force * normal;
-            if model.tooth_friction.is_some() {
+            if model.teeth_rub() {
                 push += teeth.friction[pair] * turned_left(normal);
                 let moment = model.contact_radius * teeth.friction[pair];
                 self.tooth_moment[k] -= moment;

@@ -179,6 +179,11 @@ impl StepEnds {
         self.slope[..slope.len()].copy_from_slice(slope);
     }
 
+    /// Makes a component of the start of the next step zero.
+    pub(super) fn put_to_rest(&mut self, component: usize) {
+        (self.y[component], self.slope[component]) = (0.0, 0.0);
+    }
+
     /// Takes where `adams` is as the end of the step.
     fn end(&mut self, adams: &Adams) {
         let y = adams.y();

@@ -3,6 +3,7 @@
 //! A scene without ideal joints has no constraints: accelerations are forces over masses, and no linear system exists but that of
 //! the implicit corrector, where it is asked for.
 
+mod bristles;
 mod carried;
 mod chain_solver;
 mod energy;
@@ -23,6 +24,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+pub use bristles::{Bristles, Stored};
 pub(crate) use carried::Carried;
 pub use energy::Energy;
 pub use loads::SprocketLoad;
@@ -60,6 +62,8 @@ pub struct Dynamics {
     pub rollers: RollerContacts,
     /// Teeth at the last evaluation.
     pub teeth: ToothContacts,
+    /// Bristles at the last evaluation.
+    pub bristles: Bristles,
     /// Accelerations at the last evaluation.
     pub accelerations: Accelerations,
     kernels: Kernels,
@@ -113,6 +117,7 @@ impl Dynamics {
             hinges: HingeContacts::of(&model),
             rollers: RollerContacts::new(model.roller_count()),
             teeth: ToothContacts::new(links, sprockets),
+            bristles: Bristles::of(&model),
             accelerations: Accelerations::new(model.bodies(), sprockets),
             kernels: Kernels::new(&model),
             keeps_energy: false,
@@ -183,10 +188,11 @@ impl Dynamics {
     /// Evaluates contacts, forces and accelerations at (`t`, `y`).
     pub fn evaluate(&mut self, t: f64, y: &[f64]) -> Powers {
         self.motion.read(&self.model, t, y);
+        self.bristles.read(&self.model, y);
         self.evaluate_motion(t)
     }
 
-    /// The same for the motion as it stands.
+    /// The same for motion and bristles as they stand.
     pub fn evaluate_motion(&mut self, t: f64) -> Powers {
         self.hinges.find(&self.model, &self.motion);
         self.rollers.find(&self.model, &self.motion, &self.hinges);
@@ -241,6 +247,7 @@ impl Dynamics {
             return;
         }
         self.motion.turn();
+        self.bristles.read(&self.model, y);
         if needs.hinges == Want::Nothing {
             self.hinges.place_ends(&self.model, &self.motion);
         } else {
@@ -295,27 +302,50 @@ impl Dynamics {
         })
     }
 
-    /// Friction of all hinges; returns the power it dissipates \[W\].
+    /// Friction of all hinges; returns the power that it takes \[W\].
     fn rub_hinges(&mut self) -> f64 {
-        let model = &self.model;
+        let (model, motion, hinges) = (&self.model, &self.motion, &mut self.hinges);
+        if let Some(law) = &model.hinge_bristles {
+            let bristles = &mut self.bristles;
+            bristles.rate[..model.bristles.hinges.len()].fill(0.0);
+            let rub = |k, force, slip| bristles.rub(law, k, force, slip);
+            return friction::rub_hinges(rub, model, motion, hinges);
+        }
         model.hinge_friction.as_ref().map_or(0.0, |law| {
-            friction::rub_hinges(law, model, &self.motion, &mut self.hinges)
+            let rub = |_, force, slip| law.coefficient * force * law.share(slip).0;
+            friction::rub_hinges(rub, model, motion, hinges)
         })
     }
 
     /// The same of all bushings in their rollers.
     fn rub_rollers(&mut self) -> f64 {
-        let model = &self.model;
+        let (model, motion, rollers) = (&self.model, &self.motion, &mut self.rollers);
+        if let Some(law) = &model.hinge_bristles {
+            let (bristles, first) = (&mut self.bristles, model.bristles.hinges.len());
+            bristles.rate[first..][..model.bristles.rollers.len()].fill(0.0);
+            let rub = |k, force, slip| bristles.rub(law, first + k, force, slip);
+            return friction::rub_rollers(rub, model, motion, &self.hinges, rollers);
+        }
         model.hinge_friction.as_ref().map_or(0.0, |law| {
-            friction::rub_rollers(law, model, &self.motion, &self.hinges, &mut self.rollers)
+            let rub = |_, force, slip| law.coefficient * force * law.share(slip).0;
+            friction::rub_rollers(rub, model, motion, &self.hinges, rollers)
         })
     }
 
     /// The same of all teeth.
     fn rub_teeth(&mut self) -> f64 {
-        let model = &self.model;
+        let (model, motion, teeth) = (&self.model, &self.motion, &mut self.teeth);
+        if let Some(law) = &model.tooth_bristles {
+            let places = &model.bristles;
+            let first = places.teeth.start - places.hinges.start;
+            let bristles = &mut self.bristles;
+            bristles.rate[first..].fill(0.0);
+            let rub = |pair, force, slip| bristles.rub(law, first + pair, force, slip);
+            return friction::rub_teeth(rub, model, motion, &self.hinges, teeth);
+        }
         model.tooth_friction.as_ref().map_or(0.0, |law| {
-            friction::rub_teeth(law, model, &self.motion, &self.hinges, &mut self.teeth)
+            let rub = |_, force, slip| law.coefficient * force * law.share(slip).0;
+            friction::rub_teeth(rub, model, motion, &self.hinges, teeth)
         })
     }
 

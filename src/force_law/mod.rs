@@ -7,6 +7,7 @@
 // The vector forms must be inlined into the kernel that chose the instructions.
 #![allow(clippy::inline_always)]
 
+mod bristles;
 mod conformal;
 mod dissipation;
 mod elastic;
@@ -22,6 +23,8 @@ mod registers;
 #[cfg(test)]
 mod testing;
 
+pub(crate) use bristles::{Ahead, LuGreLanes};
+pub use bristles::{Bent, LuGre};
 pub use conformal::{Conformal, ConformalPair};
 pub use dissipation::{Damping, damping_factor, restitution_obtained};
 pub use elastic::{Elastic, ElasticPair, PairTable, elastic_forces, range_note};

@@ -185,6 +185,12 @@ impl Adams {
             && self.coefficients.equal_steps <= MAX_ORDER + 1
     }
 
+    /// Makes a component zero, with a past in which it was never anything else; for those that nothing feels just then.
+    pub(crate) fn put_to_rest(&mut self, component: usize) {
+        self.y[component] = 0.0;
+        self.differences.put_to_rest(component);
+    }
+
     /// Begins anew at (`t`, `y`) and forgets the history.
     pub fn restart(&mut self, t: f64, y: &[f64]) {
         self.restart_alike(t, y);

@@ -60,6 +60,16 @@ impl Differences {
         });
     }
 
+    /// Forgets what a component was.
+    pub(super) fn put_to_rest(&mut self, component: usize) {
+        for row in self.table.chunks_exact_mut(self.width) {
+            row[component] = 0.0;
+        }
+        if let Some(carry) = &mut self.carry {
+            (carry.kept[component], carry.predicted[component]) = (0.0, 0.0);
+        }
+    }
+
     /// Row `i` as it is in the table: one of a prediction, or the newest one.
     pub(super) fn row(&self, i: usize) -> &[f64] {
         &self.table[i * self.width..(i + 1) * self.width]

@@ -19,11 +19,14 @@ mod stability;
 mod table;
 mod weights;
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 pub use adams::{Adams, Counts, Step, StepFailure};
 pub use dense_output::DenseOutput;
 pub(crate) use dense_output::Path;
+pub(crate) use weights::SPEED_PER_LENGTH;
 
 /// Highest order of the predictor.
 pub const MAX_ORDER: usize = 12;
@@ -68,6 +71,18 @@ pub trait SecondOrderSystem: OdeSystem {
     fn has_kinked(&self) -> bool {
         true
     }
+
+    /// Velocities for which the system solves by itself, where a step of Newton's method asks for accelerations: none, unless they are
+    /// what first-order equations of their own lead to.
+    fn solves_for(&self) -> Range<usize> {
+        0..0
+    }
+
+    /// Begins such a step, or ends it: v = foretold + γ dv/dt is what [`Self::solves_for`] solves.
+    fn look_ahead(&mut self, _step: Option<(&[f64], f64)>) {}
+
+    /// Writes what was solved for at the last evaluation.
+    fn write_solved(&self, _velocities: &mut [f64]) {}
 
     /// Prepares [`Self::correct`] at `y`, where [`Self::accelerations_with_slopes`] was just evaluated: factors of 1 - γ da/dv - γ² da/dq
     /// for accelerations a. False when there are none.

@@ -58,7 +58,10 @@ impl Adams {
         let mut failures = 0;
         let estimate = loop {
             self.foretell(system.coordinates());
-            if let Some(estimate) = self.solve_corrector(system) {
+            self.look_ahead(system);
+            let estimate = self.solve_corrector(system);
+            system.look_ahead(None);
+            if let Some(estimate) = estimate {
                 let shrink = if !estimate.accepts() {
                     failures += 1;
                     let exponent = -1.0 / (self.order + 1) as f64;
@@ -151,9 +154,10 @@ impl Adams {
                 system.accelerations(end, trial, slope);
             }
             self.counts.evaluations += 1;
+            self.take_solved(system);
             if iteration == 0 {
                 self.counts.jacobians += 1;
-                if !system.factorise(trial, gamma) {
+                if !system.factorise(&self.trial[..self.dimension], gamma) {
                     return None;
                 }
             }
@@ -190,6 +194,34 @@ impl Adams {
             last = size;
         }
         None
+    }
+
+    /// Hands over what is foretold of the velocities that the system solves for by itself, `p_v - γ φ*_v`.
+    fn look_ahead(&mut self, system: &mut impl SecondOrderSystem) {
+        let (nq, own) = (system.coordinates(), system.solves_for());
+        if own.is_empty() {
+            return;
+        }
+        let gamma = self.gamma();
+        let own = nq + own.start..nq + own.end;
+        let first = &self.differences.row(0)[own.clone()];
+        let foretold = &mut self.residual[..own.len()];
+        for ((foretold, predicted), phi) in foretold.iter_mut().zip(&self.predicted[own]).zip(first)
+        {
+            *foretold = predicted - gamma * phi;
+        }
+        system.look_ahead(Some((foretold, gamma)));
+    }
+
+    /// Takes what the last evaluation solved for; nothing is then wrong with it.
+    fn take_solved(&mut self, system: &impl SecondOrderSystem) {
+        let (nq, own) = (system.coordinates(), system.solves_for());
+        if own.is_empty() {
+            return;
+        }
+        let own = nq + own.start..nq + own.end;
+        system.write_solved(&mut self.trial[own.clone()]);
+        self.slope[own.clone()].copy_from_slice(&self.differences.row(0)[own]);
     }
 
     /// Whether the first correction, of `size`, is the last one by what earlier steps showed of the second: it is `bend` times the

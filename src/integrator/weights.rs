@@ -4,7 +4,7 @@ use super::table::{Weigh, WeightedSquares};
 use super::{Adams, OdeSystem, SecondOrderSystem};
 
 /// Speed that is allowed for each length that is, in 1/s: an error of a nanometre goes with one of 0.1 mm/s.
-const SPEED_PER_LENGTH: f64 = 1e5;
+pub(crate) const SPEED_PER_LENGTH: f64 = 1e5;
 
 impl Adams {
     /// One over the error that is allowed to each component of any system; zero for those that ride along.

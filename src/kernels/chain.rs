@@ -36,13 +36,14 @@ pub(super) struct ChainFound {
     pub(super) sheared: f64,
 }
 
-/// One law, one loop. `DAMPED`: with the damping factor; `RUBBED`: with friction; `EXTRA`: with lubricant, elastic plates and friction, those
-/// that there are; `ENERGY`: with the power that they dissipate.
+/// One law, one loop. `DAMPED`: with the damping factor; `RUBBED`: with friction; `BRISTLED`: of bristles; `EXTRA`: with lubricant,
+/// elastic plates and friction, those that there are; `ENERGY`: with the power that they dissipate.
 pub(super) struct JoinChain<
     'a,
     L,
     const DAMPED: bool,
     const RUBBED: bool,
+    const BRISTLED: bool,
     const EXTRA: bool,
     const ENERGY: bool,
 > {
@@ -62,8 +63,14 @@ pub(super) struct JoinChain<
     pub(super) compliance: Option<&'a [f64]>,
 }
 
-impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const EXTRA: bool, const ENERGY: bool>
-    WithSimd for JoinChain<'_, L, DAMPED, RUBBED, EXTRA, ENERGY>
+impl<
+    L: VectorLaw,
+    const DAMPED: bool,
+    const RUBBED: bool,
+    const BRISTLED: bool,
+    const EXTRA: bool,
+    const ENERGY: bool,
+> WithSimd for JoinChain<'_, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>
 {
     type Output = ChainFound;
 
@@ -76,7 +83,7 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const EXTRA: bool, co
         let arrays = self.arrays;
         point::<S>(simd, self.places[2], &mut arrays.cos, &mut arrays.sin);
         point_sprockets::<S>(simd, arrays);
-        let (mut hinges, direction) = Hinges::<S, L, DAMPED, RUBBED, EXTRA, ENERGY>::new(
+        let (mut hinges, direction) = Hinges::<S, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>::new(
             simd,
             self.hinges,
             self.constants,

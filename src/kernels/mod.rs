@@ -9,6 +9,7 @@
 #![allow(clippy::inline_always)] // what is not inlined into a kernel does not run with its instructions
 
 mod ansi_gap;
+mod bristles;
 mod chain;
 mod gap;
 mod layout;
@@ -21,6 +22,7 @@ mod watch;
 
 use std::marker::PhantomData;
 
+use bristles::{BristleState, Bristling, Place};
 use chain::{
     ChainFound, FilledHinges, HingeFriction, JoinChain, JoinRollers, Joints, RepeatBushings,
     Rollers,
@@ -35,7 +37,7 @@ use watch::{WatchHinges, WatchTeeth};
 
 use crate::contact::{Candidates, ImpactMemory, SprocketFrame};
 use crate::dynamics::{Losses, Powers, SprocketLoad, outside_powers, sprocket_acceleration};
-use crate::force_law::{VectorLaw, with_law};
+use crate::force_law::{LuGre, VectorLaw, with_law};
 use crate::geometry::Vec2;
 use crate::model::{Model, OpenEnds, RollerModel, Rotation, Support};
 use crate::state::sprocket_motion;
@@ -44,6 +46,17 @@ use crate::vector::InstructionSet;
 /// Arrays with what meets the teeth in the place of bushings: the rollers', or the chain's.
 fn on_teeth<'a>(chain: &'a ChainArrays, rollers: Option<&'a Rollers>) -> &'a ChainArrays {
     rollers.map_or(chain, |rollers| &rollers.arrays)
+}
+
+/// What a loop needs of bristles, where its contacts have any.
+fn bristling<'a>(
+    state: Option<&'a mut BristleState>,
+    (place, law): (Place, Option<&'a LuGre>),
+    radius: f64,
+) -> Option<Bristling<'a>> {
+    state
+        .zip(law)
+        .map(|(state, law)| state.lend(place, law, radius))
 }
 
 /// Arrays of the right-hand side and the instructions it runs with.
@@ -67,6 +80,8 @@ pub(crate) struct Kernels {
     changed: bool,
     /// Newton's matrix, once it is asked for.
     newton: Option<Box<NewtonMatrix>>,
+    /// Where friction is that of bristles.
+    bristles: Option<Box<BristleState>>,
     /// Whether evaluations write the slopes that it is made from.
     writes_slopes: bool,
 }
@@ -97,6 +112,7 @@ impl Kernels {
             loads: vec![SprocketLoad::default(); sprockets],
             changed: true,
             newton: None,
+            bristles: BristleState::of(model, Candidates::most_slots(model)).map(Box::new),
             writes_slopes: false,
         }
     }
@@ -133,6 +149,20 @@ impl Kernels {
         if let Some(newton) = &mut self.newton {
             newton.correct(model, self.instructions, residual);
         }
+    }
+
+    /// Lets evaluations solve for bristles in an implicit step, from what is foretold of their deflections, with γ; nothing: no more.
+    pub(crate) fn solve_for_bristles(&mut self, step: Option<(&[f64], f64)>) {
+        match (&mut self.bristles, step) {
+            (Some(bristles), Some((foretold, gamma))) => bristles.look_ahead(foretold, gamma),
+            (Some(bristles), None) => bristles.look_here(),
+            (None, _) => {}
+        }
+    }
+
+    /// The deflections that the last evaluation of an implicit step solved for \[m\].
+    pub(crate) fn solved_bristles(&self) -> &[f64] {
+        (self.bristles.as_ref()).map_or(&[], |bristles| bristles.solved())
     }
 
     /// Goes on with other instructions.
@@ -261,6 +291,7 @@ impl Kernels {
         rates: &mut [f64],
     ) -> Powers {
         self.place_sprockets(model, t, y);
+        self.take_bristles(model, y, rates);
         if model.has_moments() {
             self.chain.clear_moments();
             if let Some(rollers) = &mut self.rollers {
@@ -277,7 +308,7 @@ impl Kernels {
             pose.direction = [self.chain.sprocket_cos[s], self.chain.sprocket_sin[s]];
         }
         let rolling = model.rollers.as_ref().map(|of| {
-            if model.hinge_friction.is_some() {
+            if model.hinges_rub() {
                 let spins = &y[model.coordinates + 2 * model.links..][..model.links];
                 self.chain.spin_bushings(&self.links, spins, 0);
             }
@@ -299,7 +330,7 @@ impl Kernels {
             hinge_film: chain.sheared,
             ..Losses::default()
         };
-        if model.tooth_friction.is_some() {
+        if model.teeth_rub() {
             let (n, overhang) = (model.links, self.candidates.overhang);
             let spins = &y[model.coordinates..];
             if let (Some(of), Some(rollers)) = (&model.rollers, &mut self.rollers) {
@@ -311,9 +342,11 @@ impl Kernels {
             }
         }
         for s in 0..model.sprockets.len() {
+            self.take_tooth_bristles(model, s, y);
             let teeth = with_law!(&model.tooth_law.pairs, Law, _pairs => {
                 self.touch_teeth::<Law, ENERGY>(model, s)
             });
+            self.put_tooth_bristles(model, s, rates);
             self.changed |= teeth.changed;
             losses.tooth_contact += teeth.dissipated;
             losses.tooth_friction += teeth.rubbed;
@@ -322,6 +355,7 @@ impl Kernels {
                 moment: teeth.moment,
             };
         }
+        self.put_bristles(model, rates);
         self.accelerate_links(model, rates);
         self.accelerate_rollers(model, rates);
         let moved = model
@@ -338,6 +372,59 @@ impl Kernels {
             }
         }
         powers
+    }
+
+    /// Takes the deflections of hinges' and rollers' bristles, where there are any.
+    fn take_bristles(&mut self, model: &Model, y: &[f64], rates: &mut [f64]) {
+        let Some(bristles) = &mut self.bristles else {
+            return;
+        };
+        let places = &model.bristles;
+        let all = &y[model.coordinates..][places.all()];
+        bristles.begin(&mut rates[places.all()]);
+        let hinges = places.hinges.len();
+        bristles.take(Place::Hinges, all, (0..hinges).map(|k| (k, k)));
+        let rollers = 0..places.rollers.len();
+        bristles.take(Place::Rollers, all, rollers.map(|k| (k, hinges + k)));
+    }
+
+    /// Puts their rates beside the accelerations.
+    fn put_bristles(&mut self, model: &Model, rates: &mut [f64]) {
+        let Some(bristles) = &mut self.bristles else {
+            return;
+        };
+        let places = &model.bristles;
+        let rates = &mut rates[places.all()];
+        let hinges = places.hinges.len();
+        bristles.put(Place::Hinges, rates, (0..hinges).map(|k| (k, k)));
+        let rollers = 0..places.rollers.len();
+        bristles.put(Place::Rollers, rates, rollers.map(|k| (k, hinges + k)));
+    }
+
+    /// Takes the deflections of the bristles of sprocket `s`, where teeth have any.
+    fn take_tooth_bristles(&mut self, model: &Model, s: usize, y: &[f64]) {
+        if let (Some(bristles), Some(_)) = (&mut self.bristles, &model.tooth_bristles) {
+            let (n, places) = (model.links, &model.bristles);
+            let all = &y[model.coordinates..][places.all()];
+            let first = places.teeth.start - places.hinges.start + s * n;
+            let slots = self.candidates.sprockets[s].bushings(n);
+            bristles.take(Place::Teeth, all, slots.map(|(slot, k)| (slot, first + k)));
+        }
+    }
+
+    /// Puts their rates beside the accelerations.
+    fn put_tooth_bristles(&mut self, model: &Model, s: usize, rates: &mut [f64]) {
+        if let (Some(bristles), Some(_)) = (&mut self.bristles, &model.tooth_bristles) {
+            let (n, places) = (model.links, &model.bristles);
+            let rates = &mut rates[places.all()];
+            let first = places.teeth.start - places.hinges.start + s * n;
+            let slots = self.candidates.sprockets[s].bushings(n);
+            bristles.put(
+                Place::Teeth,
+                rates,
+                slots.map(|(slot, k)| (slot, first + k)),
+            );
+        }
     }
 
     fn place_sprockets(&mut self, model: &Model, t: f64, y: &[f64]) {
@@ -394,6 +481,11 @@ impl Kernels {
             law,
             pin_radius: model.pin_radius,
         });
+        let bristles = bristling(
+            self.bristles.as_deref_mut(),
+            (Place::Hinges, model.hinge_bristles.as_ref()),
+            model.pin_radius,
+        );
         let rubbed = friction.is_some();
         let hinges = Joints {
             law_constants,
@@ -405,32 +497,41 @@ impl Kernels {
             slopes,
             rubs,
             friction,
+            bristles,
         };
         macro_rules! join {
-            ($damped:literal, $rubbed:literal, $extra:literal, $energy:expr) => {
-                self.instructions
-                    .run(JoinChain::<L, $damped, $rubbed, $extra, { $energy }> {
-                        law: PhantomData,
-                        hinges,
-                        places: [&q[..n], &q[n..2 * n], &q[2 * n..3 * n]],
-                        speeds: [&v[..n], &v[n..2 * n], &v[2 * n..3 * n]],
-                        overhang: self.candidates.overhang,
-                        constants: &self.links,
-                        arrays: &mut self.chain,
-                        lubricant,
-                        compliance: self.links.compliance.as_deref(),
-                    })
+            ($damped:literal, $rubbed:literal, $bristled:literal, $extra:literal, $energy:expr) => {
+                self.instructions.run(JoinChain::<
+                    L,
+                    $damped,
+                    $rubbed,
+                    $bristled,
+                    $extra,
+                    { $energy },
+                > {
+                    law: PhantomData,
+                    hinges,
+                    places: [&q[..n], &q[n..2 * n], &q[2 * n..3 * n]],
+                    speeds: [&v[..n], &v[n..2 * n], &v[2 * n..3 * n]],
+                    overhang: self.candidates.overhang,
+                    constants: &self.links,
+                    arrays: &mut self.chain,
+                    lubricant,
+                    compliance: self.links.compliance.as_deref(),
+                })
             };
         }
         // Friction comes with its power whether it is asked for or not: that costs less than one more instance of each loop.
-        if model.has_extra() {
-            join!(true, true, true, true)
+        if model.hinge_bristles.is_some() {
+            join!(true, true, true, true, true)
+        } else if model.has_extra() {
+            join!(true, true, false, true, true)
         } else if rubbed {
-            join!(true, true, false, true)
+            join!(true, true, false, false, true)
         } else if law.lambda > 0.0 {
-            join!(true, false, false, ENERGY)
+            join!(true, false, false, false, ENERGY)
         } else {
-            join!(false, false, false, false)
+            join!(false, false, false, false, false)
         }
     }
 
@@ -461,6 +562,11 @@ impl Kernels {
             law,
             pin_radius: of.bushing_radius,
         });
+        let bristles = bristling(
+            self.bristles.as_deref_mut(),
+            (Place::Rollers, model.hinge_bristles.as_ref()),
+            of.bushing_radius,
+        );
         let rubbed = friction.is_some();
         let bores = Joints {
             law_constants,
@@ -472,11 +578,12 @@ impl Kernels {
             slopes,
             rubs,
             friction,
+            bristles,
         };
         macro_rules! join {
-            ($damped:literal, $rubbed:literal, $energy:expr) => {
+            ($damped:literal, $rubbed:literal, $bristled:literal, $energy:expr) => {
                 self.instructions
-                    .run(JoinRollers::<L, $damped, $rubbed, { $energy }> {
+                    .run(JoinRollers::<L, $damped, $rubbed, $bristled, { $energy }> {
                         law: PhantomData,
                         bores,
                         places: [&q[..n], &q[n..2 * n]],
@@ -488,12 +595,14 @@ impl Kernels {
                     })
             };
         }
-        if rubbed {
-            join!(true, true, true)
+        if model.hinge_bristles.is_some() {
+            join!(true, true, true, true)
+        } else if rubbed {
+            join!(true, true, false, true)
         } else if of.law.lambda > 0.0 {
-            join!(true, false, ENERGY)
+            join!(true, false, false, ENERGY)
         } else {
-            join!(false, false, false)
+            join!(false, false, false, false)
         }
     }
 
@@ -569,6 +678,11 @@ impl Kernels {
             law,
             bushing_radius: model.contact_radius,
         });
+        let bristles = bristling(
+            self.bristles.as_deref_mut(),
+            (Place::Teeth, model.tooth_bristles.as_ref()),
+            model.contact_radius,
+        );
         let (links, arrays) = match &mut self.rollers {
             Some(rollers) => (&rollers.constants, &mut rollers.arrays),
             None => (&self.links, &mut self.chain),
@@ -579,9 +693,9 @@ impl Kernels {
         } = &self.teeth[self.kind[s]];
         let keeps_stiffness = *keeps_stiffness;
         macro_rules! touch {
-            ($constants:expr, $damped:literal, $rubbed:literal, $energy:expr) => {
-                self.instructions
-                    .run(TouchTeeth::<_, L, $damped, $rubbed, { $energy }> {
+            ($constants:expr, $damped:literal, $rubbed:literal, $bristled:literal, $energy:expr) => {
+                self.instructions.run(
+                    TouchTeeth::<_, L, $damped, $rubbed, $bristled, { $energy }> {
                         law: PhantomData,
                         sprocket: &model.sprockets[s],
                         constants: $constants,
@@ -595,16 +709,21 @@ impl Kernels {
                         slopes,
                         rubs,
                         friction,
-                    })
+                        bristles,
+                    },
+                )
             };
         }
+        let bristled = model.tooth_bristles.is_some();
         match form {
-            Form::Ansi(gap) if friction.is_some() => touch!(gap, true, true, true),
-            Form::Ansi(gap) if law.lambda > 0.0 => touch!(gap, true, false, ENERGY),
-            Form::Ansi(gap) => touch!(gap, false, false, false),
-            Form::Table(gap) if friction.is_some() => touch!(gap, true, true, true),
-            Form::Table(gap) if law.lambda > 0.0 => touch!(gap, true, false, ENERGY),
-            Form::Table(gap) => touch!(gap, false, false, false),
+            Form::Ansi(gap) if bristled => touch!(gap, true, true, true, true),
+            Form::Ansi(gap) if friction.is_some() => touch!(gap, true, true, false, true),
+            Form::Ansi(gap) if law.lambda > 0.0 => touch!(gap, true, false, false, ENERGY),
+            Form::Ansi(gap) => touch!(gap, false, false, false, false),
+            Form::Table(gap) if bristled => touch!(gap, true, true, true, true),
+            Form::Table(gap) if friction.is_some() => touch!(gap, true, true, false, true),
+            Form::Table(gap) if law.lambda > 0.0 => touch!(gap, true, false, false, ENERGY),
+            Form::Table(gap) => touch!(gap, false, false, false, false),
         }
     }
 

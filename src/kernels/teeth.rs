@@ -4,6 +4,7 @@ use std::marker::PhantomData;
 
 use pulp::{Simd, WithSimd};
 
+use super::bristles::{BristleLanes, Bristling};
 use super::gap::{Gap, GapConstants, InGap};
 use super::layout::{ChainArrays, FIRST, LinkConstants};
 use super::slopes::{Damped, RubGroup, SlopeGroup, Touch, group_of};
@@ -67,7 +68,15 @@ pub(super) struct ToothFriction<'a> {
 }
 
 /// One law, one loop; see the hinges.
-pub(super) struct TouchTeeth<'a, C, L, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> {
+pub(super) struct TouchTeeth<
+    'a,
+    C,
+    L,
+    const DAMPED: bool,
+    const RUBBED: bool,
+    const BRISTLED: bool,
+    const ENERGY: bool,
+> {
     pub(super) law: PhantomData<L>,
     pub(super) sprocket: &'a SprocketModel,
     pub(super) constants: &'a C,
@@ -85,17 +94,26 @@ pub(super) struct TouchTeeth<'a, C, L, const DAMPED: bool, const RUBBED: bool, c
     pub(super) rubs: Option<&'a mut [RubGroup]>,
     /// What `RUBBED` needs.
     pub(super) friction: Option<ToothFriction<'a>>,
+    /// What `BRISTLED` needs, slot by slot.
+    pub(super) bristles: Option<Bristling<'a>>,
 }
 
-impl<C: GapConstants, L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool>
-    WithSimd for TouchTeeth<'_, C, L, DAMPED, RUBBED, ENERGY>
+impl<
+    C: GapConstants,
+    L: VectorLaw,
+    const DAMPED: bool,
+    const RUBBED: bool,
+    const BRISTLED: bool,
+    const ENERGY: bool,
+> WithSimd for TouchTeeth<'_, C, L, DAMPED, RUBBED, BRISTLED, ENERGY>
 {
     type Output = TeethFound;
 
+    #[allow(clippy::too_many_lines)] // a line for each of many fields
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) -> TeethFound {
         let splat = |value| Lanes::splat(simd, value);
-        let mut teeth = Teeth::<S, C::Of<'_, S>, L, DAMPED, RUBBED, ENERGY> {
+        let mut teeth = Teeth::<S, C::Of<'_, S>, L, DAMPED, RUBBED, BRISTLED, ENERGY> {
             law: PhantomData,
             gap: self.constants.gap(simd),
             center: splat_two(simd, self.pose.center),
@@ -110,7 +128,10 @@ impl<C: GapConstants, L: VectorLaw, const DAMPED: bool, const RUBBED: bool, cons
             rubbed: PartialSums::default(),
             rubbing: None,
         };
-        if RUBBED && let Some(friction) = &self.friction {
+        if RUBBED
+            && !BRISTLED
+            && let Some(friction) = &self.friction
+        {
             teeth.rubbing = Some((
                 FrictionLanes::new(simd, friction.law),
                 splat(friction.bushing_radius),
@@ -165,6 +186,9 @@ impl<C: GapConstants, L: VectorLaw, const DAMPED: bool, const RUBBED: bool, cons
                 let slopes = rubs.as_mut().map(|rubs| &mut rubs[slot / WIDTH..]);
                 run.rubbed = RubbedRun::of(&bushing_spin[first..], moments, slopes, blocks);
             }
+            if BRISTLED && let Some(bristles) = &mut self.bristles {
+                run.rubbed.bristles = Some(bristles.lanes(simd, slot, blocks));
+            }
             let (gap_cos, gap_sin) = (&mut gap_cos[slot..], &mut gap_sin[slot..]);
             for b in 0..blocks {
                 let from = b * S::F64_LANES;
@@ -215,6 +239,8 @@ struct RubbedRun<'a, S: Simd> {
     /// On front and rear ends.
     moments: [&'a mut [S::f64s]; 2],
     slopes: Option<&'a mut [RubGroup]>,
+    /// Some where `BRISTLED`.
+    bristles: Option<BristleLanes<'a, S>>,
 }
 
 impl<'a, S: Simd> RubbedRun<'a, S> {
@@ -233,6 +259,7 @@ impl<'a, S: Simd> RubbedRun<'a, S> {
                 vectors_mut::<S>(rear, blocks),
             ],
             slopes,
+            bristles: None,
         }
     }
 
@@ -243,12 +270,21 @@ impl<'a, S: Simd> RubbedRun<'a, S> {
             spin: &[],
             moments: [&mut [], &mut []],
             slopes: None,
+            bristles: None,
         }
     }
 }
 
 /// A sprocket's teeth in registers, and sums over their contacts.
-struct Teeth<S: Simd, G, L, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> {
+struct Teeth<
+    S: Simd,
+    G,
+    L,
+    const DAMPED: bool,
+    const RUBBED: bool,
+    const BRISTLED: bool,
+    const ENERGY: bool,
+> {
     law: PhantomData<L>,
     gap: G,
     center: [Lanes<S>; 2],
@@ -267,8 +303,15 @@ struct Teeth<S: Simd, G, L, const DAMPED: bool, const RUBBED: bool, const ENERGY
     rubbing: Option<(FrictionLanes<S>, Lanes<S>)>,
 }
 
-impl<S: Simd, G: Gap<S>, L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool>
-    Teeth<S, G, L, DAMPED, RUBBED, ENERGY>
+impl<
+    S: Simd,
+    G: Gap<S>,
+    L: VectorLaw,
+    const DAMPED: bool,
+    const RUBBED: bool,
+    const BRISTLED: bool,
+    const ENERGY: bool,
+> Teeth<S, G, L, DAMPED, RUBBED, BRISTLED, ENERGY>
 {
     /// Power dissipated by friction, when asked for \[W\].
     #[inline(always)]
@@ -327,6 +370,9 @@ impl<S: Simd, G: Gap<S>, L: VectorLaw, const DAMPED: bool, const RUBBED: bool, c
             if RUBBED && let Some(rubs) = &mut run.rubbed.slopes {
                 let (group, part) = group_of::<S, _>(rubs, b);
                 group.slope.put(part, zero);
+            }
+            if BRISTLED && let Some(bristles) = &mut run.rubbed.bristles {
+                bristles.rest(b);
             }
             self.changed |= remembered.any();
             return;
@@ -441,13 +487,26 @@ impl<S: Simd, G: Gap<S>, L: VectorLaw, const DAMPED: bool, const RUBBED: bool, c
     ) -> [Lanes<S>; 2] {
         let simd = force.simd();
         let zero = force.constant(0.0);
-        let Some((friction, radius)) = self.rubbing else {
+        let radius = if BRISTLED {
+            let bristles = run.rubbed.bristles.as_ref();
+            bristles.map(|bristles| bristles.radius)
+        } else {
+            self.rubbing.map(|(_, radius)| radius)
+        };
+        let Some(radius) = radius else {
             return [zero; 2];
         };
-        let at = |array: &[S::f64s]| load(simd, &array[b]);
         // The contact is the bushing's outermost point.
-        let slip = radius.mul_add(at(run.rubbed.spin) - self.spin, across);
-        let [rub, slope] = friction.force(force, slip);
+        let spin = load(simd, &run.rubbed.spin[b]);
+        let slip = radius.mul_add(spin - self.spin, across);
+        let [rub, slope] = if BRISTLED && let Some(bristles) = &mut run.rubbed.bristles {
+            let touching = load(simd, &run.depth[b]).exceeds(zero);
+            bristles.bend(b, touching, force, slip)
+        } else if let Some((friction, _)) = &self.rubbing {
+            friction.force(force, slip)
+        } else {
+            [zero; 2]
+        };
         if ENERGY {
             self.rubbed.add(b, rub * slip);
         }
@@ -456,7 +515,7 @@ impl<S: Simd, G: Gap<S>, L: VectorLaw, const DAMPED: bool, const RUBBED: bool, c
             group.slope.put(part, slope);
         }
         let moment = radius * rub;
-        let on_front = at(run.on_front).greater(zero);
+        let on_front = load(simd, &run.on_front[b]).greater(zero);
         let front = on_front.select(moment, zero);
         let [fronts, rears] = &mut run.rubbed.moments;
         fronts[b] = (load(simd, &fronts[b]) - front).values();

@@ -1,5 +1,6 @@
 //! Drive and start -> `Model`: inertias, coordinates, pair constants.
 
+use super::bristles::{BristlePlaces, doubts};
 use super::guide::STOP_STIFFNESS;
 use super::rail::place_rail;
 use super::{
@@ -8,7 +9,9 @@ use super::{
 };
 use crate::drive::{Bearing, BeltLine, ChainEnd, Drive, Link, Motion, Sprocket};
 use crate::error::{Error, Result, check};
-use crate::force_law::{Film, ForceLaw, Friction, PairTable, SurfacePair, range_note};
+use crate::force_law::{
+    Elastic, Film, ForceLaw, Friction, LuGre, PairTable, SurfacePair, range_note,
+};
 use crate::geometry::{Curve, ToothProfile, Vec2};
 use crate::state::Start;
 
@@ -23,6 +26,10 @@ pub struct ForceLaws {
     pub hinge_friction: Option<Friction>,
     /// Friction of bushings on teeth.
     pub tooth_friction: Option<Friction>,
+    /// Bristles of pins in bushings, in the place of their friction; none: absent.
+    pub hinge_bristles: Option<LuGre>,
+    /// Bristles of bushings on teeth.
+    pub tooth_bristles: Option<LuGre>,
     /// Lubricant between pins and bushings; none: absent.
     pub hinge_film: Option<Film>,
     /// Floor of the approach speed at onset \[m/s\].
@@ -40,11 +47,47 @@ impl ForceLaws {
                 .as_ref()
                 .map_or(Ok(()), |friction| friction.check(name))?;
         }
+        for (friction, bristles, place) in [
+            (&self.hinge_friction, &self.hinge_bristles, "hinge"),
+            (&self.tooth_friction, &self.tooth_bristles, "tooth"),
+        ] {
+            let Some(law) = bristles else { continue };
+            law.check(&format!("{place}_bristles"))?;
+            if let Some(friction) = friction {
+                return Err(Error::invalid(
+                    format!("{place}_friction"),
+                    friction.coefficient,
+                    format!(
+                        "must be absent where there are {place}_bristles: a contact has one friction"
+                    ),
+                ));
+            }
+        }
         if let Some(film) = &self.hinge_film {
             film.check("hinge_film")?;
         }
         self.hinge.check("Material.restitution", restitution)?;
         self.tooth.check("Material.restitution", restitution)
+    }
+}
+
+impl ForceLaws {
+    /// Coordinates of the bristles of a drive of so many hinges, rollers and wheels.
+    fn place_bristles(
+        &self,
+        coordinates: &mut Coordinates,
+        [hinges, rollers, wheels]: [usize; 3],
+    ) -> BristlePlaces {
+        let many = |law: Option<LuGre>, count: usize| law.map_or(0, |_| count);
+        let in_hinges = |count: usize| many(self.hinge_bristles, count);
+        let counts = [
+            in_hinges(hinges),
+            in_hinges(rollers),
+            many(self.tooth_bristles, hinges * wheels),
+        ];
+        let places = BristlePlaces::from(coordinates.0, counts);
+        coordinates.0 = places.all().end;
+        places
     }
 }
 
@@ -55,6 +98,8 @@ impl Default for ForceLaws {
             tooth: ForceLaw::default(),
             hinge_friction: None,
             tooth_friction: None,
+            hinge_bristles: None,
+            tooth_bristles: None,
             hinge_film: None,
             min_approach_speed: 1e-3,
         }
@@ -116,10 +161,7 @@ impl Model {
             drive.sprockets.len(),
         );
         for pair in roller_pairs.iter().flatten() {
-            let law = laws.hinge.elastic;
-            let note = range_note(law, pair);
-            range_notes
-                .extend(note.map(|note| format!("{} law, bushing and roller: {note}", law.name())));
+            range_notes.extend(roller_note(laws.hinge.elastic, pair));
         }
         let ready = |law: ForceLaw, pairs: &[SurfacePair]| ContactLaw {
             elastic: law.elastic,
@@ -138,6 +180,8 @@ impl Model {
             law: ready(laws.hinge, &pairs),
         });
         coordinates.0 += 3 * drive.rollers();
+        let counts = [links, drive.rollers(), sprockets.len()];
+        let bristles = laws.place_bristles(&mut coordinates, counts);
         let ends = OpenEnds::of(drive, start);
         let (bodies, arms) = ring(drive, ends.as_ref());
         let mass: Vec<f64> = bodies.iter().map(|body| body.mass).collect();
@@ -159,6 +203,9 @@ impl Model {
             rollers,
             hinge_friction: laws.hinge_friction,
             tooth_friction: laws.tooth_friction,
+            hinge_bristles: laws.hinge_bristles,
+            tooth_bristles: laws.tooth_bristles,
+            bristles,
             link_compliance: (chain.link_compliance())
                 .map(|whole| plates_at_hinges(whole, links, ends.as_ref())),
             hinge_film: laws.hinge_film.map(|film| {
@@ -272,6 +319,12 @@ fn tooth_pairs(drive: &Drive, wheels: &[SprocketModel]) -> Vec<SurfacePair> {
     pairs
 }
 
+/// Why the law of bushings in rollers is outside its range.
+fn roller_note(law: Elastic, pair: &SurfacePair) -> Option<String> {
+    let note = range_note(law, pair)?;
+    Some(format!("{} law, bushing and roller: {note}", law.name()))
+}
+
 /// Why laws are outside their ranges, a line for each pair of surfaces.
 fn range_notes(
     laws: &ForceLaws,
@@ -280,7 +333,7 @@ fn range_notes(
     sprockets: &[SprocketModel],
     toothed: usize,
 ) -> Vec<String> {
-    let mut notes = Vec::new();
+    let mut notes: Vec<String> = doubts([laws.hinge_bristles, laws.tooth_bristles]).collect();
     for (law, pairs, name) in [
         (laws.hinge, hinge_pairs, "pin and bushing"),
         (laws.tooth, tooth_pairs, "bushing and"),

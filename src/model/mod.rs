@@ -1,11 +1,13 @@
 //! What a run needs: flat, indexed, immutable.
 
+mod bristles;
 mod compile;
 mod ends;
 mod guide;
 mod input;
 mod rail;
 
+pub use bristles::BristlePlaces;
 pub(crate) use compile::open_strands;
 pub use compile::{ForceLaws, strands};
 pub(crate) use ends::IMMOVABLE;
@@ -14,14 +16,14 @@ pub use guide::{Guide, Ratchet};
 pub use input::{Input, Quantity};
 
 use crate::drive::TimeTable;
-use crate::force_law::{Elastic, Friction, HingeFilm, PairTable, Regions};
+use crate::force_law::{Elastic, Friction, HingeFilm, LuGre, PairTable, Regions};
 use crate::geometry::belt::Side;
 use crate::geometry::{Surface, ToothProfile, Vec2};
 
 /// The complete model of a drive. Read-only during a run.
 ///
 /// Bodies: links first, then rollers, then sprockets. Generalized coordinates q: all link x, all link y, all link θ, those that the
-/// sprockets have, then all roller x, all roller y, all roller θ. Hinge `k` joins the front of link `k` and the rear of link `k + 1`;
+/// sprockets have, then all roller x, all roller y, all roller θ, then the integrals of what bristles are bent by, see [`BristlePlaces`]. Hinge `k` joins the front of link `k` and the rear of link `k + 1`;
 /// bushing `k` belongs to the inner one. An open chain is closed to a ring by the two bodies at its ends, which count as links; see
 /// [`OpenEnds`].
 #[derive(Debug, Clone)]
@@ -66,6 +68,12 @@ pub struct Model {
     pub hinge_friction: Option<Friction>,
     /// Friction on the teeth.
     pub tooth_friction: Option<Friction>,
+    /// Bristles in the hinges, in the place of a friction of the slip speed; none: absent.
+    pub hinge_bristles: Option<LuGre>,
+    /// Bristles on the teeth.
+    pub tooth_bristles: Option<LuGre>,
+    /// Where their deflections stand.
+    pub bristles: BristlePlaces,
     /// What the plates at each hinge give way by \[m/N\]; none: they are rigid.
     pub link_compliance: Option<Vec<f64>>,
     /// Lubricant in the hinges; none: absent.
@@ -247,7 +255,7 @@ impl Model {
     /// Number of the coordinates that are neither of links nor of rollers: those of sprockets and guides.
     #[must_use]
     pub fn wheel_coordinates(&self) -> usize {
-        self.coordinates - 3 * (self.links + self.roller_count())
+        self.coordinates - 3 * (self.links + self.roller_count()) - self.bristles.all().len()
     }
 
     /// Names of the bodies, in the order of every array over bodies.
@@ -297,10 +305,22 @@ impl Model {
         }
     }
 
+    /// Whether hinges, and bushings in rollers, have friction.
+    #[must_use]
+    pub fn hinges_rub(&self) -> bool {
+        self.hinge_friction.is_some() || self.hinge_bristles.is_some()
+    }
+
+    /// Whether teeth have friction.
+    #[must_use]
+    pub fn teeth_rub(&self) -> bool {
+        self.tooth_friction.is_some() || self.tooth_bristles.is_some()
+    }
+
     /// Whether any contact has friction.
     #[must_use]
     pub fn has_friction(&self) -> bool {
-        self.hinge_friction.is_some() || self.tooth_friction.is_some()
+        self.hinges_rub() || self.teeth_rub()
     }
 
     /// Whether hinges have a film or links are elastic.
@@ -333,6 +353,9 @@ impl Model {
     pub fn body_of_coordinate(&self, index: usize) -> usize {
         if index < 3 * self.links {
             return index % self.links;
+        }
+        if let Some(body) = self.bristles.body(self, index) {
+            return body;
         }
         if let Some(rollers) = &self.rollers
             && index >= rollers.first

@@ -433,6 +433,21 @@ fn evaluation<'py>(py: Python<'py>, dynamics: &Dynamics) -> PyResult<Bound<'py, 
         "tooth_force_vector",
         vectors.into_pyarray(py).reshape([links, sprockets, 2])?,
     )?;
+    let bent = &dynamics.bristles.deflection;
+    let places = &model.bristles;
+    let first = |range: &std::ops::Range<usize>| range.start - places.hinges.start;
+    if !places.hinges.is_empty() {
+        let hinges = bent[..links].to_vec();
+        found.set_item("hinge_bristle", hinges.into_pyarray(py))?;
+    }
+    if !places.rollers.is_empty() {
+        let rollers = bent[first(&places.rollers)..][..links].to_vec();
+        found.set_item("roller_bristle", rollers.into_pyarray(py))?;
+    }
+    if !places.teeth.is_empty() {
+        let teeth = &bent[first(&places.teeth)..];
+        found.set_item("tooth_bristle", real(&|p| teeth[p])?)?;
+    }
     let whole =
         |value: &dyn Fn(usize) -> i32| by_bushing(model, value).into_pyarray(py).reshape(shape);
     found.set_item(

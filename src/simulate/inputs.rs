@@ -30,6 +30,7 @@ impl Simulation {
         self.inputs.retain(|other| other.sprocket() != sprocket);
         self.inputs.push(input);
         self.adams.interpolate(self.now, &mut self.inside);
+        self.dynamics.unbend_open(self.now, &mut self.inside);
         self.dynamics
             .turn_back(Arc::new(model), self.now, &self.inside);
         self.adams.restart_alike(self.now, &self.inside);

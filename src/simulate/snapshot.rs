@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::Simulation;
 use crate::dynamics::Carried;
 use crate::error::{Error, Result};
-use crate::force_law::Friction;
+use crate::force_law::{Friction, LuGre};
 use crate::integrator::{Adams, StepControl};
 use crate::model::{ContactLaw, Input, Model};
 
@@ -143,7 +143,7 @@ impl Simulation {
 
 impl Scene {
     fn of(model: &Model) -> Self {
-        let law = |law: &ContactLaw, friction: Option<Friction>| {
+        let law = |law: &ContactLaw, friction: Option<Friction>, bristles: Option<LuGre>| {
             let damping = if law.lambda > 0.0 {
                 "damped"
             } else {
@@ -154,17 +154,21 @@ impl Scene {
                 let name = friction.regularization.name();
                 format!(", friction {} ({name})", friction.coefficient)
             });
+            let bristles = bristles.map_or(String::new(), |law: LuGre| {
+                let (most, least) = (law.static_coefficient, law.kinetic_coefficient);
+                format!(", bristles {most} to {least}")
+            });
             let elastic = law.elastic.name();
-            format!("{elastic}, {damping}, regions {regions}{friction}")
+            format!("{elastic}, {damping}, regions {regions}{friction}{bristles}")
         };
         Self {
             links: model.links,
             teeth: model.sprockets.iter().map(|s| s.profile.teeth).collect(),
-            hinge_law: law(&model.hinge_law, model.hinge_friction)
+            hinge_law: law(&model.hinge_law, model.hinge_friction, model.hinge_bristles)
                 + &model.hinge_film.map_or(String::new(), |film| {
                     format!(", film of {} Pa s", film.viscosity)
                 }),
-            tooth_law: law(&model.tooth_law, model.tooth_friction),
+            tooth_law: law(&model.tooth_law, model.tooth_friction, model.tooth_bristles),
             min_approach_speed: model.min_approach_speed,
             model: fingerprint(model),
         }

@@ -64,10 +64,10 @@ impl Motion {
             let (q, v) = (&q[rollers.first..], &v[rollers.first..]);
             self.x[n..2 * n].copy_from_slice(&q[..n]);
             self.y[n..2 * n].copy_from_slice(&q[n..2 * n]);
-            self.angle[n..2 * n].copy_from_slice(&q[2 * n..]);
+            self.angle[n..2 * n].copy_from_slice(&q[2 * n..3 * n]);
             self.vx[n..2 * n].copy_from_slice(&v[..n]);
             self.vy[n..2 * n].copy_from_slice(&v[n..2 * n]);
-            self.spin[n..2 * n].copy_from_slice(&v[2 * n..]);
+            self.spin[n..2 * n].copy_from_slice(&v[2 * n..3 * n]);
         }
         for (i, sprocket) in model.sprockets.iter().enumerate() {
             let ((center, velocity), (angle, spin)) =
@@ -125,10 +125,10 @@ impl Motion {
             let (q, v) = (&mut q[rollers.first..], &mut v[rollers.first..]);
             q[..n].copy_from_slice(&self.x[n..2 * n]);
             q[n..2 * n].copy_from_slice(&self.y[n..2 * n]);
-            q[2 * n..].copy_from_slice(&self.angle[n..2 * n]);
+            q[2 * n..3 * n].copy_from_slice(&self.angle[n..2 * n]);
             v[..n].copy_from_slice(&self.vx[n..2 * n]);
             v[n..2 * n].copy_from_slice(&self.vy[n..2 * n]);
-            v[2 * n..].copy_from_slice(&self.spin[n..2 * n]);
+            v[2 * n..3 * n].copy_from_slice(&self.spin[n..2 * n]);
         }
         for (i, sprocket) in model.sprockets.iter().enumerate() {
             let body = model.wheel_body(i);

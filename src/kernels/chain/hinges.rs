@@ -8,6 +8,7 @@ use super::ChainFound;
 use super::ends::End;
 use super::losses::{FilledHinges, HingeFriction};
 use crate::force_law::{FilmLanes, FrictionLanes, VectorLaw, depths_in_series};
+use crate::kernels::bristles::{BristleLanes, Bristling};
 use crate::kernels::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::kernels::slopes::{Damped, FilmGroup, RubGroup, SlopeGroup, Touch, group_of};
 use crate::vector::{
@@ -30,6 +31,8 @@ pub(in crate::kernels) struct Joints<'a> {
     pub(in crate::kernels) rubs: Option<&'a mut [RubGroup]>,
     /// What `RUBBED` needs; where rollers turn on them, bushings are the pins.
     pub(in crate::kernels) friction: Option<HingeFriction<'a>>,
+    /// What `BRISTLED` needs.
+    pub(in crate::kernels) bristles: Option<Bristling<'a>>,
 }
 
 /// The hinges as registers.
@@ -39,6 +42,7 @@ pub(super) struct Hinges<
     L,
     const DAMPED: bool,
     const RUBBED: bool,
+    const BRISTLED: bool,
     const EXTRA: bool,
     const ENERGY: bool,
 > {
@@ -70,6 +74,8 @@ pub(super) struct Hinges<
     pub(super) rubs: Option<&'a mut [RubGroup]>,
     /// Friction and the pins' radius; some where `RUBBED`.
     pub(super) rubbing: Option<(FrictionLanes<S>, Lanes<S>)>,
+    /// Some where `BRISTLED`.
+    pub(super) bristles: Option<BristleLanes<'a, S>>,
     /// On fronts and rears.
     pub(super) moments: [&'a mut [S::f64s]; 2],
     /// Power dissipated by lubricant.
@@ -87,9 +93,10 @@ impl<
     L: VectorLaw,
     const DAMPED: bool,
     const RUBBED: bool,
+    const BRISTLED: bool,
     const EXTRA: bool,
     const ENERGY: bool,
-> Hinges<'a, S, L, DAMPED, RUBBED, EXTRA, ENERGY>
+> Hinges<'a, S, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>
 {
     /// Of these joints; also cosines and sines of links, which the rest of the arrays is separate from. Lubricant and elastic plates come
     /// with [`Self::lay_in`].
@@ -129,6 +136,7 @@ impl<
             slopes: joints.slopes,
             rubs: None,
             rubbing: None,
+            bristles: None,
             sheared: PartialSums::default(),
             film_slopes: None,
             film: None,
@@ -140,7 +148,10 @@ impl<
                 vectors_mut::<S>(&mut arrays.rear_moment[FIRST + 1..], blocks),
             ];
         }
-        if RUBBED && let Some(friction) = joints.friction {
+        if BRISTLED && let Some(bristles) = joints.bristles {
+            hinges.rubs = joints.rubs;
+            hinges.bristles = Some(bristles.into_lanes(simd, blocks));
+        } else if RUBBED && let Some(friction) = joints.friction {
             hinges.rubs = joints.rubs;
             hinges.rubbing = Some((
                 FrictionLanes::new(simd, friction.law),
@@ -205,6 +216,9 @@ impl<
             if RUBBED && let Some(rubs) = &mut self.rubs {
                 let (group, part) = group_of::<S, _>(rubs, i);
                 group.slope.put(part, zero);
+            }
+            if BRISTLED && let Some(bristles) = &mut self.bristles {
+                bristles.rest(i);
             }
             self.changed |= remembered.any();
             return;

@@ -28,9 +28,10 @@ impl<
     L: VectorLaw,
     const DAMPED: bool,
     const RUBBED: bool,
+    const BRISTLED: bool,
     const EXTRA: bool,
     const ENERGY: bool,
-> Hinges<'a, S, L, DAMPED, RUBBED, EXTRA, ENERGY>
+> Hinges<'a, S, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>
 {
     /// Power dissipated by friction, when asked for \[W\].
     #[inline(always)]
@@ -122,7 +123,12 @@ impl<
         let simd = force.simd();
         let zero = force.constant(0.0);
         let [nx, ny] = touch.normal;
-        let Some((friction, pin_radius)) = self.rubbing else {
+        let radius = if BRISTLED {
+            self.bristles.as_ref().map(|bristles| bristles.radius)
+        } else {
+            self.rubbing.map(|(_, radius)| radius)
+        };
+        let Some(pin_radius) = radius else {
             return [force * nx, force * ny];
         };
         // The contact is the pin's outermost point: beyond the pin as the bushing sees it, whichever link has the pin.
@@ -133,7 +139,13 @@ impl<
         let across = nx.mul_add(velocity[1], -(ny * velocity[0]));
         let turning = from_front.mul_add(front.spin, -(from_rear * rear.spin));
         let slip = across + turning;
-        let [rub, slope] = friction.force(force, slip);
+        let [rub, slope] = if BRISTLED && let Some(bristles) = &mut self.bristles {
+            bristles.bend(i, touch.depth.exceeds(zero), force, slip)
+        } else if let Some((friction, _)) = &self.rubbing {
+            friction.force(force, slip)
+        } else {
+            [zero; 2]
+        };
         if ENERGY {
             self.rubbed.add(i, rub * slip);
         }

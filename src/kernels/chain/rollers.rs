@@ -51,6 +51,7 @@ pub(in crate::kernels) struct JoinRollers<
     L,
     const DAMPED: bool,
     const RUBBED: bool,
+    const BRISTLED: bool,
     const ENERGY: bool,
 > {
     pub(in crate::kernels) law: PhantomData<L>,
@@ -67,8 +68,8 @@ pub(in crate::kernels) struct JoinRollers<
     pub(in crate::kernels) rollers: &'a mut Rollers,
 }
 
-impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> WithSimd
-    for JoinRollers<'_, L, DAMPED, RUBBED, ENERGY>
+impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const BRISTLED: bool, const ENERGY: bool>
+    WithSimd for JoinRollers<'_, L, DAMPED, RUBBED, BRISTLED, ENERGY>
 {
     type Output = ChainFound;
 
@@ -78,8 +79,8 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const ENERGY: bool> W
         let blocks = n.div_ceil(S::F64_LANES);
         let splat = |value| Lanes::splat(simd, value);
         let Rollers { constants, arrays } = self.rollers;
-        let moments = RUBBED && self.bores.friction.is_some();
-        let (mut joints, _) = Hinges::<S, L, DAMPED, RUBBED, false, ENERGY>::new(
+        let moments = RUBBED && (BRISTLED || self.bores.friction.is_some());
+        let (mut joints, _) = Hinges::<S, L, DAMPED, RUBBED, BRISTLED, false, ENERGY>::new(
             simd, self.bores, constants, arrays, blocks,
         );
         let [x, y] = self.places;

@@ -4,7 +4,9 @@ use pyo3::prelude::*;
 
 use super::reader::{Reader, checked, kind_of, number, refuse};
 use crate::error::{Error, check};
-use crate::force_law::{Damping, Elastic, Film, ForceLaw, Friction, Regions, Regularization};
+use crate::force_law::{
+    Damping, Elastic, Film, ForceLaw, Friction, LuGre, Regions, Regularization,
+};
 use crate::model::ForceLaws;
 use crate::python::errors::to_python;
 
@@ -75,7 +77,7 @@ fn without_film(object: &Bound<'_, PyAny>, field: &str, remedy: &str) -> PyResul
 pub(in crate::python) fn law_and_friction(
     object: &Bound<'_, PyAny>,
     field: &str,
-) -> PyResult<(ForceLaw, Option<Friction>)> {
+) -> PyResult<(ForceLaw, Option<Rubbing>)> {
     let read = Reader::new(object, field, &LAWS)?;
     let elastic = match read.kind.as_str() {
         "EnhancedCylinder" => read.word(
@@ -105,12 +107,61 @@ pub(in crate::python) fn law_and_friction(
     };
     let rubs = read.get("friction")?;
     let name = format!("{}.friction", read.kind);
-    let friction = (!rubs.is_none()).then(|| friction(&rubs, &name));
+    let friction = (!rubs.is_none()).then(|| rubbing(&rubs, &name));
     Ok((law, friction.transpose()?))
 }
 
+/// The friction of a contact: of the slip speed, or of bristles.
+#[derive(Clone, Copy)]
+pub(in crate::python) enum Rubbing {
+    Coulomb(Friction),
+    LuGre(LuGre),
+}
+
+impl Rubbing {
+    fn coulomb(self) -> Option<Friction> {
+        match self {
+            Self::Coulomb(friction) => Some(friction),
+            Self::LuGre(_) => None,
+        }
+    }
+
+    fn bristles(self) -> Option<LuGre> {
+        match self {
+            Self::Coulomb(_) => None,
+            Self::LuGre(bristles) => Some(bristles),
+        }
+    }
+}
+
+/// Reads a `Coulomb` or a `LuGre` and checks it.
+pub(super) fn rubbing(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Rubbing> {
+    let read = Reader::new(object, field, &["Coulomb", "LuGre"])?;
+    if read.kind == "LuGre" {
+        lugre(object, field).map(Rubbing::LuGre)
+    } else {
+        friction(object, field).map(Rubbing::Coulomb)
+    }
+}
+
+/// Reads a `LuGre` and checks it.
+fn lugre(object: &Bound<'_, PyAny>, field: &str) -> PyResult<LuGre> {
+    let read = Reader::new(object, field, &["LuGre"])?;
+    let bristles = LuGre {
+        static_coefficient: read.number("static_coefficient", "newton a newton")?,
+        kinetic_coefficient: read.number("kinetic_coefficient", "newton a newton")?,
+        stiffness: read.number("stiffness", "1/m")?,
+        damping: read.number("damping", "s/m")?,
+        viscous_coefficient: read.number("viscous_coefficient", "s/m")?,
+        stribeck_speed: read.number("stribeck_speed", "m/s")?,
+        stribeck_exponent: read.number("stribeck_exponent", "powers of the speed")?,
+    };
+    checked(object.py(), bristles.check("LuGre"))?;
+    Ok(bristles)
+}
+
 /// Reads a `Coulomb` and checks it.
-pub(super) fn friction(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Friction> {
+fn friction(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Friction> {
     let read = Reader::new(object, field, &["Coulomb"])?;
     let friction = Friction {
         coefficient: read.number("coefficient", "newton a newton")?,
@@ -156,8 +207,10 @@ pub(in crate::python) fn force_laws(
     Ok(ForceLaws {
         hinge,
         tooth,
-        hinge_friction,
-        tooth_friction,
+        hinge_friction: hinge_friction.and_then(Rubbing::coulomb),
+        tooth_friction: tooth_friction.and_then(Rubbing::coulomb),
+        hinge_bristles: hinge_friction.and_then(Rubbing::bristles),
+        tooth_bristles: tooth_friction.and_then(Rubbing::bristles),
         hinge_film,
         min_approach_speed: number(min_approach_speed, "min_approach_speed", "m/s")?,
     })

@@ -16,7 +16,7 @@ use super::errors::InvalidInput;
 use crate::drive::Drive;
 use chain::{hinge, link, plates, roller};
 use ends::{ENDS, chain_ends};
-use laws::{LAWS, film_of, friction};
+use laws::{LAWS, film_of, rubbing};
 use reader::kind_of;
 use sprocket::motion;
 use teeth::{FORMS, outline_piece, tooth_form};
@@ -102,7 +102,7 @@ pub(super) fn validate(description: &Bound<'_, PyAny>) -> PyResult<()> {
             film_of(object, "")?;
             law_and_friction(object, "").map(|_| Ok(()))?
         }
-        "Coulomb" => friction(object, "").map(|_| Ok(()))?,
+        "Coulomb" | "LuGre" => rubbing(object, "").map(|_| Ok(()))?,
         "Film" => film(object, "").map(|_| Ok(()))?,
         kind => {
             return Err(InvalidInput::new_err(format!(

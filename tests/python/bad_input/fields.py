@@ -65,6 +65,7 @@ GOOD = {
         rc.LiuConformal(),
         rc.Linear(stiffness=1e8),
         rc.Coulomb(0.1, "ambrosio"),
+        rc.LuGre(0.2, 0.1),
         rc.Film(0.1),
         ROLLER,
         rc.Solver(),
@@ -96,7 +97,7 @@ REGIONS = word("kept", "sharp")
 LAW = {
     "damping": DAMPING,
     "regions": REGIONS,
-    "friction": instance("Coulomb", rc.Hertz()),
+    "friction": instance("Coulomb or a LuGre", rc.Hertz()),
     "film": instance("Film", rc.Hertz()),
 }
 COEFFICIENT = [
@@ -354,6 +355,18 @@ FIELDS = {
         "regularization": word("tanh", "threlfall", "ambrosio"),
         "speed": positive("m/s"),
         "dead_speed": not_negative("m/s"),
+    },
+    "LuGre": {
+        "static_coefficient": COEFFICIENT,
+        "kinetic_coefficient": [*COEFFICIENT, (0.3, "must be at most static_coefficient, 0.2")],
+        "stiffness": positive("1/m"),
+        "damping": not_negative("s/m"),
+        "viscous_coefficient": not_negative("s/m"),
+        "stribeck_speed": positive("m/s"),
+        "stribeck_exponent": [
+            *[(value, "must be from 0.1 to 10") for value in (*FINITE, 0.05, 11.0)],
+            *[(value, "must be a number") for value in NO_NUMBER],
+        ],
     },
     "Solver": {
         "method": word("auto", "pece", "newton"),

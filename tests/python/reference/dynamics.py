@@ -171,6 +171,11 @@ class DriveEquations:
         Read by their attributes ``elastic``, ``damping`` and ``regions``.
     min_approach_speed : float
         Floor of the approach speed at onset [m/s].
+
+    Attributes
+    ----------
+    bristles : tuple of ndarray or None
+        How far bristles are bent [m]: (hinges,), (bushings, sprockets) and (rollers,).
     """
 
     def __init__(
@@ -180,6 +185,7 @@ class DriveEquations:
         self.drive = drive
         self.hinge_law, self.tooth_law = hinge_law, tooth_law
         self.floor = min_approach_speed
+        self.bristles: tuple[Array | None, Array | None, Array | None] = (None, None, None)
         self.links = int(chain.links)
         self.pitch = float(chain.pitch)
         self.arms = np.full(self.links, 0.5 * self.pitch)  # of links, [m]
@@ -583,23 +589,29 @@ class DriveEquations:
         def rub(
             law: Any, bodies: tuple[Integers, Integers], points: Array, contact: tuple[Any, ...]
         ) -> None:
-            normals, force, bound, distance = contact
+            normals, force, bound, distance, deflection = contact
             first, second = (point_velocity(positions, velocities, b, points) for b in bodies)
             errors = (delta_x, delta_v, distance)
-            friction = coulomb(law, normals, first - second, (force, bound), errors)
+            friction = coulomb(law, normals, first - second, (force, bound), errors, deflection)
             found.append((bodies, points, friction))
 
         if (law := getattr(self.hinge_law, "friction", None)) is not None:
             bound = self._bound(forces[0], kin.hinge_turning, delta_x, delta_v)
             distance = kin.hinge_penetration + self.clearance
             points = pin + self.drive.chain.hinge.pin_radius * kin.hinge_normal
-            contact = (kin.hinge_normal, forces[0].force, bound, distance)
+            contact = (kin.hinge_normal, forces[0].force, bound, distance, self.bristles[0])
             rub(law, (outer, inner), points, contact)
             if self.rollers:
                 bound = self._bound(forces[2], kin.roller_turning, delta_x, delta_v)
                 distance = kin.roller_penetration + self.roller_clearance
                 points = bushing + self.drive.chain.bushing_radius * kin.roller_normal
-                contact = (kin.roller_normal, forces[2].force, bound, distance)
+                contact = (
+                    kin.roller_normal,
+                    forces[2].force,
+                    bound,
+                    distance,
+                    self.bristles[2],
+                )
                 rub(law, (inner, n + k), points, contact)
         if (law := getattr(self.tooth_law, "friction", None)) is not None:
             bounds = self._bound(forces[1], kin.tooth_turning, delta_x, delta_v)
@@ -607,7 +619,9 @@ class DriveEquations:
                 normals = kin.tooth_normal[:, s]
                 points = kin.on_teeth + self.bushing_radius * normals
                 distance = np.full(n, 1e-4)  # of centres, in the seat
-                contact = (normals, forces[1].force[:, s], bounds[:, s], distance)
+                on_teeth = self.bristles[1]
+                deflection = None if on_teeth is None else on_teeth[:, s]
+                contact = (normals, forces[1].force[:, s], bounds[:, s], distance, deflection)
                 meeting = n + k if self.rollers else inner
                 rub(law, (meeting, np.full(n, self.wheels + s)), points, contact)
         return found

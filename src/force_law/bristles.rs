@@ -1,0 +1,327 @@
+//! Friction by bristles that bend before they slip: the `LuGre` law, which sticks.
+//!
+//! Canudas de Wit, Olsson, Åström and Lischinsky, "A new model for control of systems with friction", IEEE Transactions on Automatic
+//! Control 40 (1995) 419, with forces that grow with the normal force f, as the amended form for contacts has it (Canudas de Wit and
+//! Tsiotras, Proc. 38th IEEE Conf. on Decision and Control, 1999):
+//!
+//! dz/dt = s - σ₀ |s| z/g(s),   F = f (σ₀ z + σ₁(s) dz/dt + σ₂ s),   g(s) = `μ_k` + (`μ_s` - `μ_k`) exp(-(|s|/v)^α)
+//!
+//! With a constant σ₁ bristles would feed the motion at slips above 4 g/σ₁ (Barabanov and Ortega, IEEE Transactions on Automatic
+//! Control 45 (2000) 675). Here it fades, σ₁(s) = σ₁/(1 + σ₁ |s|/(4 g)), and never does.
+
+use pulp::Simd;
+
+use crate::error::{Error, Result, check};
+use crate::vector::{Lanes, exp, ln_of_quotient};
+
+/// Least part of the Stribeck speed whose power is taken: a logarithm has none of zero.
+const LEAST_PART: f64 = 1e-300;
+
+/// The bristles of one kind of contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LuGre {
+    /// `μ_s`: what breaks away, and the share of the normal force that bristles hold at rest.
+    pub static_coefficient: f64,
+    /// `μ_k`: what is left of it at full slip.
+    pub kinetic_coefficient: f64,
+    /// σ₀, stiffness a normal force \[1/m\].
+    pub stiffness: f64,
+    /// σ₁, damping a normal force at rest \[s/m\].
+    pub damping: f64,
+    /// σ₂, viscous friction a normal force \[s/m\].
+    pub viscous_coefficient: f64,
+    /// v, the speed about which the coefficient falls \[m/s\].
+    pub stribeck_speed: f64,
+    /// α, how steeply.
+    pub stribeck_exponent: f64,
+}
+
+/// What bristles do in a contact that is pressed by one newton.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bent {
+    /// Friction over normal force, with the sign of the slip.
+    pub share: f64,
+    /// dz/dt \[m/s\].
+    pub rate: f64,
+}
+
+impl LuGre {
+    /// Checks all numbers.
+    ///
+    /// # Errors
+    /// Names the field, its value and what is allowed.
+    pub fn check(&self, name: &str) -> Result<()> {
+        let at = |field: &str| format!("{name}.{field}");
+        for (field, value) in [
+            ("static_coefficient", self.static_coefficient),
+            ("kinetic_coefficient", self.kinetic_coefficient),
+        ] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(Error::invalid(
+                    at(field),
+                    value,
+                    "must be a positive number; for no friction, leave the law out",
+                ));
+            }
+        }
+        if self.kinetic_coefficient > self.static_coefficient {
+            return Err(Error::invalid(
+                at("kinetic_coefficient"),
+                self.kinetic_coefficient,
+                format!(
+                    "must be at most static_coefficient, {}; for friction that grows with the slip, give viscous_coefficient",
+                    self.static_coefficient
+                ),
+            ));
+        }
+        check::positive(&at("stiffness"), self.stiffness, "1/m")?;
+        check::not_negative(&at("damping"), self.damping, "s/m")?;
+        check::not_negative(&at("viscous_coefficient"), self.viscous_coefficient, "s/m")?;
+        check::positive(&at("stribeck_speed"), self.stribeck_speed, "m/s")?;
+        if !(0.1..=10.0).contains(&self.stribeck_exponent) {
+            return Err(Error::invalid(
+                at("stribeck_exponent"),
+                self.stribeck_exponent,
+                "must be from 0.1 to 10; measured ones are 0.5 to 2",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Deflection at which bristles at rest break away, `μ_s`/σ₀ \[m\].
+    #[must_use]
+    pub fn breakaway(&self) -> f64 {
+        self.static_coefficient / self.stiffness
+    }
+
+    /// g, the coefficient in steady slip without its viscous part.
+    #[must_use]
+    pub fn coefficient(&self, slip: f64) -> f64 {
+        let fall = self.static_coefficient - self.kinetic_coefficient;
+        let part = (slip.abs() / self.stribeck_speed).powf(self.stribeck_exponent);
+        self.kinetic_coefficient + fall * (-part).exp()
+    }
+
+    /// Bristles bent by `deflection` \[m\] in a contact that slips at `slip` \[m/s\].
+    #[must_use]
+    pub fn bent(&self, deflection: f64, slip: f64) -> Bent {
+        let (g, speed) = (self.coefficient(slip), slip.abs());
+        let rate = slip - self.stiffness * speed / g * deflection;
+        let damping = self.damping / (1.0 + self.damping * speed / (4.0 * g));
+        Bent {
+            share: self.stiffness * deflection + damping * rate + self.viscous_coefficient * slip,
+            rate,
+        }
+    }
+
+    /// Energy stored by bristles that are bent so far, in a contact pressed by one newton \[J/N\].
+    #[must_use]
+    pub fn stored(&self, deflection: f64) -> f64 {
+        0.5 * self.stiffness * deflection * deflection
+    }
+}
+
+/// Where an implicit step leads bristles: z = foretold + γ dz/dt.
+#[derive(Clone, Copy)]
+pub(crate) struct Ahead<S: Simd> {
+    /// What is known of z before the step's own rate \[m\].
+    pub(crate) foretold: Lanes<S>,
+    pub(crate) gamma: Lanes<S>,
+}
+
+/// What bristles do over a register of contacts.
+pub(crate) struct BentLanes<S: Simd> {
+    /// Friction \[N\].
+    pub(crate) force: Lanes<S>,
+    /// dz/dt \[m/s\].
+    pub(crate) rate: Lanes<S>,
+    /// z, where it is solved for \[m\].
+    pub(crate) deflection: Lanes<S>,
+    /// Slope of the friction with the slip while z follows it, not negative \[N s/m\]; means nothing where z is given.
+    pub(crate) slope: Lanes<S>,
+}
+
+/// Bristles over registers.
+#[derive(Clone, Copy)]
+pub(crate) struct LuGreLanes<S: Simd> {
+    /// Whether α is two, which needs no logarithm.
+    squared: bool,
+    kinetic: Lanes<S>,
+    /// `μ_s` - `μ_k`.
+    fall: Lanes<S>,
+    stiffness: Lanes<S>,
+    damping: Lanes<S>,
+    quarter_damping: Lanes<S>,
+    viscous: Lanes<S>,
+    /// 1/v.
+    over_speed: Lanes<S>,
+    exponent: Lanes<S>,
+}
+
+impl<S: Simd> LuGreLanes<S> {
+    #[inline(always)]
+    pub(crate) fn new(simd: S, law: &LuGre) -> Self {
+        let splat = |value| Lanes::splat(simd, value);
+        Self {
+            squared: law.stribeck_exponent == 2.0,
+            kinetic: splat(law.kinetic_coefficient),
+            fall: splat(law.static_coefficient - law.kinetic_coefficient),
+            stiffness: splat(law.stiffness),
+            damping: splat(law.damping),
+            quarter_damping: splat(0.25 * law.damping),
+            viscous: splat(law.viscous_coefficient),
+            over_speed: splat(1.0 / law.stribeck_speed),
+            exponent: splat(law.stribeck_exponent),
+        }
+    }
+
+    /// Friction of contacts pressed by `force` that slip at `slip`, of bristles bent by `given` or, where an implicit step solves
+    /// for it, by what that leads to.
+    #[inline(always)]
+    pub(crate) fn bend(
+        &self,
+        force: Lanes<S>,
+        slip: Lanes<S>,
+        given: Lanes<S>,
+        ahead: Option<&Ahead<S>>,
+    ) -> BentLanes<S> {
+        let (zero, one) = (slip.constant(0.0), slip.constant(1.0));
+        let speed = slip.abs();
+        let part = speed * self.over_speed;
+        let power = if self.squared {
+            part * part
+        } else {
+            let part = part.max(slip.constant(LEAST_PART));
+            exp(ln_of_quotient(part, one) * self.exponent)
+        };
+        let fallen = self.fall * exp(-power);
+        let coefficient = self.kinetic + fallen;
+        let over = one / coefficient;
+        let relaxing = self.stiffness * speed * over;
+        let damping = self.damping / self.quarter_damping.mul_add(speed * over, one);
+        let (mut deflection, mut slope) = (given, zero);
+        if let Some(Ahead { foretold, gamma }) = ahead {
+            let share = one / gamma.mul_add(relaxing, one);
+            deflection = gamma.mul_add(slip, *foretold) * share;
+            // How the relaxing changes with the speed.
+            let steeper =
+                self.stiffness * over * over * (fallen * self.exponent).mul_add(power, coefficient);
+            let against = slip.less(zero).select(-deflection, deflection);
+            let of_rate = steeper.negate_mul_add(against, one) * share;
+            let bent = self.stiffness.mul_add(*gamma, damping);
+            slope = (force * bent.mul_add(of_rate, self.viscous)).positive_part();
+        }
+        let rate = relaxing.negate_mul_add(deflection, slip);
+        let sum = self
+            .stiffness
+            .mul_add(deflection, damping.mul_add(rate, self.viscous * slip));
+        BentLanes {
+            force: force * sum,
+            rate,
+            deflection,
+            slope,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vector::InstructionSet;
+    use crate::vector::testing::{LaneFunction, assert_same_bits, map};
+
+    fn laws() -> Vec<LuGre> {
+        let mut laws = Vec::new();
+        for (stiffness, damping) in [(1e5, 0.3), (1e4, 0.0), (3e6, 2.0)] {
+            for (exponent, viscous) in [(2.0, 0.0), (0.5, 0.4), (1.0, 0.1)] {
+                laws.push(LuGre {
+                    static_coefficient: 0.15,
+                    kinetic_coefficient: 0.1,
+                    stiffness,
+                    damping,
+                    viscous_coefficient: viscous,
+                    stribeck_speed: 1e-3,
+                    stribeck_exponent: exponent,
+                });
+            }
+        }
+        laws
+    }
+
+    struct AtTenNewton(LuGre, f64, usize);
+
+    impl LaneFunction for AtTenNewton {
+        #[inline(always)]
+        fn of<S: Simd>(&self, x: Lanes<S>) -> Lanes<S> {
+            let lanes = LuGreLanes::new(x.simd(), &self.0);
+            let bent = lanes.bend(x.constant(10.0), x, x.constant(self.1), None);
+            [bent.force, bent.rate][self.2]
+        }
+    }
+
+    #[test]
+    fn registers_give_what_the_scalar_form_gives() {
+        let slips: Vec<f64> = (-60..=60).map(|i| 1e-4 * f64::from(i)).collect();
+        for law in laws() {
+            let z = 0.3 * law.breakaway();
+            for which in 0..2 {
+                let function = AtTenNewton(law, z, which);
+                for set in InstructionSet::available() {
+                    for (&slip, found) in slips.iter().zip(map(set, &function, &slips)) {
+                        let bent = law.bent(z, slip);
+                        let expected = [10.0 * bent.share, bent.rate][which];
+                        let size = [10.0 * (0.15 + law.damping * 6e-3), 0.1][which];
+                        assert!(
+                            (found - expected).abs() <= 16.0 * f64::EPSILON * size,
+                            "{law:?}, {}, {slip}: {found} for {expected}",
+                            set.name()
+                        );
+                    }
+                }
+                assert_same_bits(|set| map(set, &function, &slips));
+            }
+        }
+    }
+
+    /// Friction at 10 N (0) and its slope (1) where an implicit step of 2 us leads.
+    struct AheadAt(LuGre, f64, usize);
+
+    impl LaneFunction for AheadAt {
+        #[inline(always)]
+        fn of<S: Simd>(&self, x: Lanes<S>) -> Lanes<S> {
+            let lanes = LuGreLanes::new(x.simd(), &self.0);
+            let ahead = Ahead {
+                foretold: x.constant(self.1),
+                gamma: x.constant(2e-6),
+            };
+            let bent = lanes.bend(x.constant(10.0), x, x.constant(0.0), Some(&ahead));
+            let wrong = bent.deflection - ahead.gamma.mul_add(bent.rate, ahead.foretold);
+            [bent.force, bent.slope, wrong][self.2]
+        }
+    }
+
+    #[test]
+    fn implicit_steps_solve_for_the_bristles_and_know_their_slope() {
+        let set = InstructionSet::detect();
+        for law in laws() {
+            let z = 0.4 * law.breakaway();
+            for slip in [-5e-3, -4e-4, 2e-4, 1.5e-3, 0.02] {
+                let wrong = map(set, &AheadAt(law, z, 2), &[slip])[0];
+                assert!(
+                    wrong.abs()
+                        < 1e-15 * (1.0 + 1e3 * slip.abs()) * law.breakaway().max(1e-7) * 1e7
+                );
+                let step = 1e-7 * slip.abs();
+                let ends = map(set, &AheadAt(law, z, 0), &[slip - step, slip + step]);
+                let expected = (ends[1] - ends[0]) / (2.0 * step);
+                let slope = map(set, &AheadAt(law, z, 1), &[slip])[0];
+                // The damping's own fading is left out.
+                let scale = 10.0 * (2e-6 * law.stiffness + law.damping + 0.4);
+                assert!(
+                    (slope - expected.max(0.0)).abs() < 0.05 * scale,
+                    "{law:?}, {slip}: {slope} for {expected}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,303 @@
+//! Friction of bristles in hinges, rollers and teeth: kernels beside their twins, sticking, energy, restart, both correctors.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::checks::{keeps_momentum, lacks, largest};
+
+use rustchain::drive::{Drive, Motion};
+use rustchain::dynamics::Dynamics;
+use rustchain::force_law::{Friction, LuGre, Regularization};
+use rustchain::geometry::Vec2;
+use rustchain::integrator::{Adams, Corrector, OdeSystem, SecondOrderSystem, StepControl};
+use rustchain::model::Quantity;
+use rustchain::vector::InstructionSet;
+use rustchain::{ForceLaws, Groups, Simulation};
+
+fn bristles() -> LuGre {
+    LuGre {
+        static_coefficient: 0.15,
+        kinetic_coefficient: 0.1,
+        stiffness: 1e5,
+        damping: 0.3,
+        viscous_coefficient: 0.02,
+        stribeck_speed: 5e-3,
+        stribeck_exponent: 2.0,
+    }
+}
+
+/// Bristles in hinges, on teeth, and both.
+fn places(law: LuGre) -> [ForceLaws; 3] {
+    [(true, false), (false, true), (true, true)].map(|(hinges, teeth)| ForceLaws {
+        hinge_bristles: hinges.then_some(law),
+        tooth_bristles: teeth.then_some(law),
+        ..ForceLaws::default()
+    })
+}
+
+fn control(corrector: Corrector) -> StepControl {
+    StepControl {
+        corrector,
+        accuracy: 1e-10,
+        ..StepControl::default()
+    }
+}
+
+fn drive_of(mut drive: Drive, laws: &ForceLaws, pretension: f64, how: StepControl) -> Simulation {
+    if pretension > 0.0 {
+        drive.tensioner = Some(common::tensioner(pretension, 2e-3));
+    }
+    common::simulation(&drive, laws, how)
+}
+
+/// With bushings on the teeth, and with rollers.
+fn both_chains() -> [Drive; 2] {
+    [common::paper_drive(), common::roller_drive()]
+}
+
+/// Each of them with bristles in each of the places, when all is pressed.
+fn pressed() -> Vec<(ForceLaws, Dynamics, f64, Vec<f64>)> {
+    let mut all = Vec::new();
+    for drive in both_chains() {
+        for laws in places(bristles()) {
+            let mut run = drive_of(drive.clone(), &laws, 100.0, control(Corrector::Auto));
+            common::advance(&mut run, 6e-3);
+            let (t, y) = (run.integrator().time(), run.integrator().y().to_vec());
+            all.push((laws, run.dynamics().clone(), t, y));
+        }
+    }
+    all
+}
+
+#[test]
+fn kernels_give_what_their_twins_give() {
+    for (laws, dynamics, t, y) in pressed() {
+        for set in InstructionSet::available() {
+            let mut dynamics = dynamics.clone();
+            dynamics.use_instructions(set);
+            dynamics.keep_energy(true);
+            let mut slope = vec![0.0; y.len()];
+            dynamics.derivative(t, &y, &mut slope);
+            let powers = dynamics.powers();
+            let twin = dynamics.evaluate(t, &y);
+            let model = dynamics.model().clone();
+            let (n, nq) = (model.links, model.coordinates);
+            let (rates, twins) = (&slope[nq..], &dynamics.accelerations);
+            let links = [&twins.x, &twins.y, &twins.angle];
+            for (axis, twin) in links.into_iter().enumerate() {
+                let own = &rates[axis * n..(axis + 1) * n];
+                let size = largest(own);
+                for (i, (rate, twin)) in own.iter().zip(twin).enumerate() {
+                    assert!(
+                        (rate - twin).abs() < 1e-7 * size,
+                        "{laws:?}, {}, axis {axis} of link {i}: {rate:e} for {twin:e}, of {size:e}",
+                        set.name()
+                    );
+                }
+            }
+            let bent = &rates[model.bristles.all()];
+            assert_eq!(bent.len(), dynamics.bristles.rate.len());
+            let size = largest(bent);
+            for (rate, twin) in bent.iter().zip(&dynamics.bristles.rate) {
+                assert!((rate - twin).abs() < 1e-7 * size, "{rate} for {twin}");
+            }
+            assert!(bent.iter().filter(|rate| **rate != 0.0).count() > 4);
+            for (loss, twin) in powers.losses.values().iter().zip(twin.losses.values()) {
+                assert!((loss - twin).abs() <= 1e-7 * twin.abs());
+            }
+            assert_eq!(
+                twin.losses.hinge_friction != 0.0,
+                laws.hinge_bristles.is_some()
+            );
+            assert_eq!(
+                twin.losses.tooth_friction != 0.0,
+                laws.tooth_bristles.is_some()
+            );
+        }
+    }
+}
+
+#[test]
+fn bristles_take_no_momentum_from_a_drive_that_floats() {
+    for laws in places(bristles()) {
+        let mut drive = common::paper_drive();
+        drive.gravity = Vec2::zeros();
+        for (sprocket, speed) in drive.sprockets.iter_mut().zip([12.0, 18.0]) {
+            sprocket.motion = Motion::Free;
+            sprocket.initial_speed = Some(speed);
+            sprocket.bearing = rustchain::drive::Bearing::Floating;
+        }
+        let mut run = common::simulation(&drive, &laws, control(Corrector::Auto));
+        let mut rubbed = 0;
+        for report in 1..=200 {
+            common::advance(&mut run, 1e-4 * f64::from(report));
+            let losses = keeps_momentum(&run);
+            rubbed += u32::from(losses.hinge_friction + losses.tooth_friction != 0.0);
+        }
+        assert!(rubbed > 2, "{rubbed}");
+    }
+}
+
+#[test]
+fn a_correction_by_newtons_matrix_lacks_little() {
+    for (laws, mut dynamics, t, y) in pressed() {
+        let model = dynamics.model().clone();
+        let bent = y[model.coordinates..][model.bristles.all()].to_vec();
+        for gamma in [5e-6, 1e-6, 1e-7] {
+            dynamics.look_ahead(Some((&bent, gamma)));
+            let found = lacks(&mut dynamics, t, &y, gamma);
+            println!("lacks {found:.3} at {gamma:e}");
+            assert!(found < 0.3, "{laws:?}, {gamma:e}: {found}");
+        }
+        dynamics.look_ahead(None);
+    }
+}
+
+#[test]
+fn the_balance_closes_and_what_is_lost_adds_up() {
+    for laws in places(bristles()) {
+        for (corrector, span) in [
+            (Corrector::Newton, 0.01),
+            (Corrector::Auto, 0.01),
+            (Corrector::Pece, 0.005),
+        ] {
+            let mut run = drive_of(common::paper_drive(), &laws, 100.0, control(corrector));
+            let groups = Groups {
+                energy: true,
+                ..Groups::default()
+            };
+            let recording = common::record(&mut run, span, 1e-3, groups);
+            let of = |name| common::channel(&recording, name);
+            let dissipated = of("energy_dissipated");
+            let lost = *dissipated.last().unwrap();
+            let share = largest(&of("energy_residual")) / lost;
+            println!(
+                "{corrector:?} open {share:.1e} {:?}",
+                run.statistics().counts
+            );
+            assert!(share < 3e-3, "{laws:?}, {corrector:?}: {share:e}");
+            let parts = [
+                "energy_hinge_contact",
+                "energy_tooth_contact",
+                "energy_hinge_friction",
+                "energy_tooth_friction",
+            ]
+            .map(of);
+            for (i, &sum) in dissipated.iter().enumerate() {
+                let contacts: f64 = parts.iter().map(|part| part[i]).sum();
+                assert!(contacts <= sum * (1.0 + 1e-12) + 1e-12);
+            }
+            let rubbing = [laws.hinge_bristles, laws.tooth_bristles];
+            for (part, law) in parts[2..].iter().zip(rubbing) {
+                assert_eq!(part.last().unwrap() > &1e-5, law.is_some(), "{laws:?}");
+                // Where a load changes a bent bristle's store changes with it.
+                let falls = part.windows(2).map(|pair| pair[0] - pair[1]);
+                assert!(falls.fold(0.0, f64::max) < 0.02 * lost, "{part:?}");
+            }
+        }
+    }
+}
+
+/// The state a tenth of a millisecond on, in which bristles bend and slip and few contacts close.
+fn goes_on(from: &(Dynamics, f64, Vec<f64>), corrector: Corrector, accuracy: f64) -> Vec<f64> {
+    let (mut dynamics, t, mut y) = from.clone();
+    let how = StepControl {
+        accuracy,
+        ..control(corrector)
+    };
+    let mut adams = Adams::new(y.len(), how);
+    adams.restart(t, &y);
+    let end = t + 1e-4;
+    while adams.time() < end {
+        adams.step_second_order(&mut dynamics).unwrap();
+    }
+    println!("{corrector:?} {accuracy:e}: {:?}", adams.counts());
+    adams.interpolate(end, &mut y);
+    y
+}
+
+/// The largest difference of two arrays.
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    a.iter()
+        .zip(b)
+        .fold(0.0, |most, (a, b)| most.max((a - b).abs()))
+}
+
+#[test]
+fn results_do_not_depend_on_where_steps_fall() {
+    let [.., laws] = places(bristles());
+    let from = {
+        let mut run = drive_of(
+            common::paper_drive(),
+            &laws,
+            100.0,
+            control(Corrector::Auto),
+        );
+        common::advance(&mut run, 5e-3);
+        let (t, y) = (run.integrator().time(), run.integrator().y().to_vec());
+        (run.dynamics().clone(), t, y)
+    };
+    let model = from.0.model().clone();
+    let scale = bristles().breakaway();
+    let parts = |y: &[f64]| {
+        let bent = y[model.coordinates..][model.bristles.all()].to_vec();
+        (bent, y[..2 * model.links].to_vec())
+    };
+    let (begun, _) = parts(&from.2);
+    let (bent, at) = parts(&goes_on(&from, Corrector::Pece, 1e-12));
+    assert!(apart(&begun, &bent) > 0.2 * scale);
+    for (corrector, accuracy) in [
+        (Corrector::Pece, 1e-10),
+        (Corrector::Newton, 1e-10),
+        (Corrector::Newton, 1e-11),
+    ] {
+        let (other, there) = parts(&goes_on(&from, corrector, accuracy));
+        let (bristles, places) = (apart(&bent, &other) / scale, apart(&at, &there));
+        println!("{corrector:?} {accuracy:e}: bristles {bristles:.1e} places {places:.1e}");
+        assert!(bristles < 0.05 && places < 2e-9);
+    }
+}
+
+#[test]
+fn speeds_set_under_way_leave_bristles_as_they_are() {
+    let [.., laws] = places(bristles());
+    let mut run = drive_of(
+        common::paper_drive(),
+        &laws,
+        100.0,
+        control(Corrector::Auto),
+    );
+    common::advance(&mut run, 2.000_3e-3);
+    let before = run.present().bristles.deflection.clone();
+    run.set_input(0, Quantity::Speed, 13.0.into()).unwrap();
+    let after = run.present().clone();
+    for (i, (before, now)) in before.iter().zip(&after.bristles.deflection).enumerate() {
+        let links = after.model().links;
+        let touches = if i < links {
+            after.hinges.penetration[i] > 0.0
+        } else {
+            after.teeth.penetration[i - links] > 0.0
+        };
+        assert_eq!(*now, if touches { *before } else { 0.0 });
+    }
+    common::advance(&mut run, 2.2e-3);
+}
+
+#[test]
+fn two_frictions_in_one_place_are_refused() {
+    let laws = ForceLaws {
+        hinge_bristles: Some(bristles()),
+        hinge_friction: Some(Friction {
+            coefficient: 0.1,
+            regularization: Regularization::Tanh,
+            speed: 1e-3,
+            dead_speed: 0.0,
+        }),
+        ..ForceLaws::default()
+    };
+    let drive = common::paper_drive();
+    let (start, _) = rustchain::state::Start::generate(&drive).unwrap();
+    let refused = rustchain::Model::compile(&drive, &laws, &start).unwrap_err();
+    assert!(refused.to_string().contains("hinge_friction"), "{refused}");
+}
