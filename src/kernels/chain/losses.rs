@@ -23,14 +23,13 @@ pub(in crate::kernels) struct FilledHinges<'a> {
 }
 
 impl<
-    'a,
     S: Simd,
     L: VectorLaw,
     const DAMPED: bool,
     const RUBBED: bool,
     const EXTRA: bool,
     const ENERGY: bool,
-> Hinges<'a, S, L, DAMPED, RUBBED, EXTRA, ENERGY>
+> Hinges<'_, S, L, DAMPED, RUBBED, EXTRA, ENERGY>
 {
     /// Power dissipated by friction, when asked for \[W\].
     #[inline(always)]
