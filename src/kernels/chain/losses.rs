@@ -23,7 +23,6 @@ pub(in crate::kernels) struct FilledHinges<'a> {
 }
 
 impl<
-    'a,
     S: Simd,
     L: VectorLaw,
     const DAMPED: bool,
@@ -31,7 +30,7 @@ impl<
     const BRISTLED: bool,
     const EXTRA: bool,
     const ENERGY: bool,
-> Hinges<'a, S, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>
+> Hinges<'_, S, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>
 {
     /// Power dissipated by friction, when asked for \[W\].
     #[inline(always)]
