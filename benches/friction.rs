@@ -27,7 +27,8 @@ fn run(laws: &ForceLaws, pretension: f64) -> (Duration, Counts) {
     (begin.elapsed(), simulation.statistics().counts)
 }
 
-fn main() {
+/// The laws that are compared; the first has no friction.
+fn scenes() -> [(&'static str, ForceLaws); 8] {
     let law = |coefficient| {
         Some(Friction {
             coefficient,
@@ -51,66 +52,70 @@ fn main() {
             stribeck_exponent: 2.0,
         })
     };
+    [
+        ("none", ForceLaws::default()),
+        (
+            "hinges 0.1",
+            ForceLaws {
+                hinge_friction: law(0.1),
+                ..ForceLaws::default()
+            },
+        ),
+        (
+            "teeth 0.1",
+            ForceLaws {
+                tooth_friction: law(0.1),
+                ..ForceLaws::default()
+            },
+        ),
+        (
+            "both 0.1",
+            ForceLaws {
+                hinge_friction: law(0.1),
+                tooth_friction: law(0.1),
+                ..ForceLaws::default()
+            },
+        ),
+        (
+            "Threlfall 0.1",
+            ForceLaws {
+                hinge_friction: threlfall,
+                tooth_friction: threlfall,
+                ..ForceLaws::default()
+            },
+        ),
+        (
+            "bristles in hinges 0.1",
+            ForceLaws {
+                hinge_bristles: bristles(0.1),
+                ..ForceLaws::default()
+            },
+        ),
+        (
+            "bristles 0.1",
+            ForceLaws {
+                hinge_bristles: bristles(0.1),
+                tooth_bristles: bristles(0.1),
+                ..ForceLaws::default()
+            },
+        ),
+        (
+            "both 0.3",
+            ForceLaws {
+                hinge_friction: law(0.3),
+                tooth_friction: law(0.3),
+                ..ForceLaws::default()
+            },
+        ),
+    ]
+}
+
+fn main() {
+    let scenes = scenes();
     println!(
         "pretension, friction, ms a simulated second, steps, evaluations, factorisations, time over that without"
     );
     for pretension in [25.0, 100.0] {
-        let scenes = [
-            ("none", ForceLaws::default()),
-            (
-                "hinges 0.1",
-                ForceLaws {
-                    hinge_friction: law(0.1),
-                    ..ForceLaws::default()
-                },
-            ),
-            (
-                "teeth 0.1",
-                ForceLaws {
-                    tooth_friction: law(0.1),
-                    ..ForceLaws::default()
-                },
-            ),
-            (
-                "both 0.1",
-                ForceLaws {
-                    hinge_friction: law(0.1),
-                    tooth_friction: law(0.1),
-                    ..ForceLaws::default()
-                },
-            ),
-            (
-                "Threlfall 0.1",
-                ForceLaws {
-                    hinge_friction: threlfall,
-                    tooth_friction: threlfall,
-                    ..ForceLaws::default()
-                },
-            ),
-            (
-                "bristles in hinges 0.1",
-                ForceLaws {
-                    hinge_bristles: bristles(0.1),
-                    ..ForceLaws::default()
-                },
-            ),
-            (
-                "bristles 0.1",
-                ForceLaws {
-                    hinge_bristles: bristles(0.1),
-                    tooth_bristles: bristles(0.1),
-                    ..ForceLaws::default()
-                },
-            ),
-            (
-                "both 0.3",
-                ForceLaws {
-                    hinge_friction: law(0.3),
-                    tooth_friction: law(0.3),
-                    ..ForceLaws::default()
-                },
-            ),
-        ];
         let mut least = [Duration::MAX; 8];
         let mut counts = [Counts::default(); 8];
         for _ in 0..REPEATS {

@@ -23,7 +23,7 @@ WHERE = {
 @pytest.mark.parametrize("which", WHERE)
 def test_forces_of_bent_bristles_agree_to_round_off(which, rollers):
     hinges, teeth = WHERE[which]
-    laws = [rc.Hertz(friction=law) for law in (hinges, teeth)]
+    laws = [rc.Hertz(regions="sharp", friction=law) for law in (hinges, teeth)]
     drive = rc.paper_drive(100.0, rollers="bodies" if rollers else "fixed")
     drive = replace(drive, tensioner=replace(drive.tensioner, ramp_time=1e-3))
     simulation = rc.Simulation(drive, hinge_law=laws[0], tooth_law=laws[1])
@@ -31,7 +31,7 @@ def test_forces_of_bent_bristles_agree_to_round_off(which, rollers):
     rng = np.random.default_rng(5)
     bent = 0
     for report in range(1, 7):
-        simulation.step_to(5e-4 * report)
+        simulation.step_to(1e-3 * report)
         # Bristles stay bent as they are while everything moves otherwise.
         positions = simulation.positions
         velocities = simulation.velocities
@@ -52,7 +52,7 @@ def test_forces_of_bent_bristles_agree_to_round_off(which, rollers):
         assert (e.hinge_bristle is None) == (hinges is None)
         assert (e.tooth_bristle is None) == (teeth is None)
         assert (e.roller_bristle is None) == (hinges is None or not rollers)
-    assert bent > 40
+    assert bent > 20
     at_places = simulation.evaluate(positions=positions)
     assert all(
         deflection is None or np.all(deflection == 0.0)
@@ -61,12 +61,14 @@ def test_forces_of_bent_bristles_agree_to_round_off(which, rollers):
 
 
 def test_a_state_with_bent_bristles_is_saved_and_goes_on(tmp_path):
-    simulation = rc.Simulation(rc.paper_drive(pretension=25.0), friction=LAW)
-    simulation.step_to(2e-3)
+    drive = rc.paper_drive(pretension=100.0)
+    drive = replace(drive, tensioner=replace(drive.tensioner, ramp_time=1e-3))
+    simulation = rc.Simulation(drive, friction=LAW)
+    simulation.step_to(4e-3)
     simulation.save_state(tmp_path / "state.npz")
     again = rc.Simulation.load_state(tmp_path / "state.npz")
     for run in (simulation, again):
-        run.step_to(3e-3)
+        run.step_to(5e-3)
     assert np.array_equal(simulation.positions, again.positions)
     bent = [run.evaluate().hinge_bristle for run in (simulation, again)]
     assert np.array_equal(*bent)
