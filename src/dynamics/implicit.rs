@@ -311,6 +311,10 @@ impl SecondOrderSystem for Dynamics {
         self.kernels.changed()
     }
 
+    fn rings(&self) -> bool {
+        self.model.hinge_film.is_some()
+    }
+
     fn solves_for(&self) -> Range<usize> {
         self.model.bristles.all()
     }

@@ -84,6 +84,12 @@ pub trait SecondOrderSystem: OdeSystem {
     /// Writes what was solved for at the last evaluation.
     fn write_solved(&self, _velocities: &mut [f64]) {}
 
+    /// Whether a part of it is damped within a fraction of a step and bends besides, as oil in hinges: at order two its slope turns round
+    /// from step to step, until no iteration ends.
+    fn rings(&self) -> bool {
+        false
+    }
+
     /// Prepares [`Self::correct`] at `y`, where [`Self::accelerations_with_slopes`] was just evaluated: factors of 1 - γ da/dv - γ² da/dq
     /// for accelerations a. False when there are none.
     fn factorise(&mut self, y: &[f64], gamma: f64) -> bool;

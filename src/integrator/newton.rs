@@ -75,9 +75,10 @@ impl Adams {
             } else {
                 failures += 1;
                 self.shrink(0.25, failures, system.coordinates())?;
-                // What is damped within a fraction of a step and bends besides, as oil in hinges, rings at order two: its slope turns
-                // round from step to step, until no iteration ends. At order one all of that is gone after one step.
-                self.order = 1;
+                if system.rings() {
+                    // At order one all of that is gone after one step.
+                    self.order = 1;
+                }
             }
         };
         let above = self.accept_newton(system.coordinates());
