@@ -6,10 +6,10 @@ mod common {
     pub(crate) mod mechanisms;
 }
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
-use common::mechanisms::{GRAVITY, bar, ground, revolute, run_to, simulation};
+use common::mechanisms::{GRAVITY, bar, ground, record, revolute, run_to, simulation};
 use nalgebra::{DMatrix, DVector};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, StepControl};
@@ -64,6 +64,97 @@ fn swung(count: usize, lean: f64, speed: f64) -> f64 {
     angle
 }
 
+/// Bays of 1 m with both diagonals, bars of 0.5 kg pinned to each other, hung at a corner: a redundant equation a bay. Also the first
+/// moment of the masses about the pin \[kg m\].
+fn braced(bays: usize, turned: f64, spin: f64, gravity: f64) -> (Mechanism, Vec2) {
+    let mut mechanism = Mechanism {
+        gravity: Vec2::new(0.0, -gravity),
+        ..Mechanism::default()
+    };
+    let mut ends = vec![[(0, 0), (0, 1)]];
+    for i in 0..bays {
+        ends.extend([
+            [(i, 0), (i + 1, 0)],
+            [(i, 1), (i + 1, 1)],
+            [(i, 0), (i + 1, 1)],
+            [(i, 1), (i + 1, 0)],
+            [(i + 1, 0), (i + 1, 1)],
+        ]);
+    }
+    let (sin, cos) = turned.sin_cos();
+    let at = |(x, y): (usize, usize)| {
+        let (x, y) = (x as f64, y as f64);
+        Vec2::new(cos * x - sin * y, sin * x + cos * y)
+    };
+    let mut moment = Vec2::zeros();
+    let mut first = std::collections::HashMap::new();
+    for (k, nodes) in ends.iter().enumerate() {
+        let [from, to] = nodes.map(at);
+        let (name, middle) = (format!("bar {k}"), 0.5 * (from + to));
+        let body = bar(&name, from, to, 0.5);
+        mechanism
+            .bodies
+            .push(body.moving(-spin * middle.y, spin * middle.x, spin));
+        moment += 0.5 * middle;
+        let half = 0.5 * (to - from).norm();
+        for (node, x) in nodes.iter().zip([-half, half]) {
+            let here = Marker::new(name.clone(), x, 0.0);
+            if let Some(there) = first.insert(*node, here.clone()) {
+                let joint = format!("joint {k} {node:?}");
+                mechanism.joints.push(revolute(&joint, there, here));
+            }
+        }
+    }
+    let corner = Marker::new("bar 0", -0.5, 0.0);
+    mechanism
+        .joints
+        .push(revolute("pin", ground(0.0, 0.0), corner));
+    (mechanism, moment)
+}
+
+#[test]
+fn a_braced_truss_that_turns_bears_the_same_all_round() {
+    for bays in [1, 2, 4, 8] {
+        let (mechanism, moment) = braced(bays, 0.4, 2.0, 0.0);
+        let pull = 4.0 * moment.norm();
+        let joints = mechanism.joints.len();
+        let mut machine = run_of(&mechanism, 1e-9, Corrector::Pece);
+        let recording = record(&mut machine, 3.2, 2e-3);
+        let sizes = |row: &[f64]| -> Vec<f64> { row.chunks(3).map(|r| r[0].hypot(r[1])).collect() };
+        let rows = recording.reactions.chunks(3 * joints);
+        let first = sizes(&recording.reactions[..3 * joints]);
+        assert!((first[joints - 1] - pull).abs() < 1e-9 * pull);
+        let mut worst: f64 = 0.0;
+        for row in rows {
+            for (found, expected) in sizes(row).iter().zip(&first) {
+                worst = worst.max((found - expected).abs() / pull);
+            }
+        }
+        assert!(worst < 1e-7, "{bays}: {worst:e}");
+    }
+}
+
+#[test]
+fn a_braced_truss_hangs_and_swings_on() {
+    for bays in [2, 3, 5, 8] {
+        for (accuracy, max_step) in [(1e-6, 1e-2), (1e-7, 1e-3)] {
+            for corrector in [Corrector::Pece, Corrector::Newton] {
+                let mechanism = braced(bays, -1.57, 0.05, GRAVITY).0;
+                let control = StepControl {
+                    accuracy,
+                    max_step,
+                    corrector,
+                    ..StepControl::default()
+                };
+                let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
+                let mut machine =
+                    MechanismSimulation::new(model, control, Stabilisation::Projection).unwrap();
+                run_to(&mut machine, 0.5);
+            }
+        }
+    }
+}
+
 fn run_of(mechanism: &Mechanism, accuracy: f64, corrector: Corrector) -> MechanismSimulation {
     let control = StepControl {
         accuracy,
@@ -94,6 +185,29 @@ fn a_platform_swings_on_any_number_of_posts_in_as_many_steps() {
             let steps = machine.counts().steps;
             few = if few == 0 { steps } else { few };
             assert!(steps < 2 * few, "{count} {corrector:?}: {steps} {few}");
+        }
+    }
+}
+
+#[test]
+fn a_platform_passes_where_its_posts_lie_in_steps_of_any_length() {
+    for count in [3, 10, 14, 20, 30] {
+        for corrector in [Corrector::Pece, Corrector::Newton] {
+            for (accuracy, max_step) in [(1e-10, 1e-4), (1e-8, 1e-2)] {
+                let control = StepControl {
+                    accuracy,
+                    max_step,
+                    corrector,
+                    ..StepControl::default()
+                };
+                let mechanism = posts(count, 0.3, 8.0);
+                let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
+                let stabilisation = Stabilisation::Projection;
+                let mut machine = MechanismSimulation::new(model, control, stabilisation).unwrap();
+                run_to(&mut machine, 0.25);
+                let place = format!("{count} {corrector:?} {accuracy:e}");
+                assert!(machine.motion(false)[1][2] > 1.05 * PI, "{place}");
+            }
         }
     }
 }

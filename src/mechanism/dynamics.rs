@@ -187,11 +187,10 @@ impl MechanismDynamics {
                 row.gamma -= 2.0 * frequency * rate + frequency * frequency * row.value;
             }
         }
-        if let Some(kkt) = &mut self.kkt {
+        if self.kkt.is_some() {
             // What is redundant depends on the rest only where all joints hold, which no state within a step is quite: so
             // it is what is nearly dependent that is left out, while enough is left.
-            kkt.factorise(&self.rows, self.near_singular);
-            if kkt.rank() < self.rank {
+            if !self.hold() {
                 if !self.aside && self.accelerate_across(t) {
                     return;
                 }
@@ -218,6 +217,20 @@ impl MechanismDynamics {
         } else {
             0.0
         }
+    }
+
+    /// Factors of constraints that have a hold; whether they are as many as away from singular positions.
+    fn hold(&mut self) -> bool {
+        let (part, faint) = (self.near_singular, self.faint());
+        let Some(kkt) = &mut self.kkt else {
+            return true;
+        };
+        kkt.factorise(&self.rows, part);
+        if kkt.rank() < self.rank && faint > 0.0 {
+            // Many joints together may hold weakly without being singular.
+            kkt.factorise(&self.rows, faint);
+        }
+        kkt.rank() >= self.rank
     }
 
     /// Factors of all constraints that count.

@@ -51,6 +51,20 @@ impl Structure {
     pub(super) fn order(&self) -> usize {
         self.start.len() - 1
     }
+
+    /// The matrix of this upper triangle times `x`.
+    pub(super) fn multiply(&self, entries: &[f64], x: &[f64], product: &mut [f64]) {
+        product.fill(0.0);
+        for (k, ends) in self.start.windows(2).enumerate() {
+            let column = ends[0]..ends[1];
+            for (&row, entry) in self.above[column.clone()].iter().zip(&entries[column]) {
+                product[row] += entry * x[k];
+                if row != k {
+                    product[k] += entry * x[row];
+                }
+            }
+        }
+    }
 }
 
 /// The matrix and its factors.

@@ -146,13 +146,17 @@ impl MechanismDynamics {
 
     /// Factors where the bodies are, of what has a hold.
     fn factorise_held(&self, held: &mut Held) {
+        let faint = self.faint();
         let part = if self.aside {
-            self.faint()
+            faint
         } else {
             self.near_singular
         };
         held.kkt.factorise(&self.rows, part);
         held.near = held.kkt.rank() < self.rank;
+        if held.near && 0.0 < faint && faint < part {
+            held.kkt.factorise(&self.rows, faint);
+        }
         held.fresh = true;
     }
 

@@ -145,27 +145,41 @@ impl SparseKkt {
         self.twice = Some(twice);
     }
 
-    /// Multipliers that do nothing: Lᵀ n = `e_k` for each constraint left out, at place k.
+    /// Multipliers that do nothing: Lᵀ n = `e_k` for each constraint left out, at place k, less what those behind it take of the rest
+    /// that those before it leave.
     fn find_null_space(&mut self) {
-        let Self {
-            structure, factors, ..
-        } = self;
-        self.null_space.get_or_insert_with(|| {
-            let mut space = NullSpace::default();
-            let m = structure.order();
-            for k in (0..m).filter(|&k| factors.inverse_pivots[k] == 0.0) {
-                let mut n = vec![0.0; m];
-                n[k] = 1.0;
-                for i in (0..k).rev().filter(|&i| factors.inverse_pivots[i] > 0.0) {
-                    let column = structure.column_start[i]..structure.column_start[i + 1];
-                    let below = structure.rows[column.clone()].iter();
-                    let terms = below.zip(&factors.values[column]);
-                    n[i] = -terms.map(|(&row, value)| value * n[row]).sum::<f64>();
-                }
-                space.add(n);
+        if self.null_space.is_some() {
+            return;
+        }
+        let mut space = NullSpace::default();
+        let m = self.structure.order();
+        for k in 0..m {
+            if self.factors.inverse_pivots[k] > 0.0 {
+                continue;
             }
-            space
-        });
+            let mut n = vec![0.0; m];
+            n[k] = 1.0;
+            let (structure, factors) = (&self.structure, &self.factors);
+            for i in (0..k).rev().filter(|&i| factors.inverse_pivots[i] > 0.0) {
+                let column = structure.column_start[i]..structure.column_start[i + 1];
+                let below = structure.rows[column.clone()].iter();
+                let terms = below.zip(&factors.values[column]);
+                n[i] = -terms.map(|(&row, value)| value * n[row]).sum::<f64>();
+            }
+            // Rounded pivots would make more of the rest than there is.
+            if factors.least > ROUNDED {
+                structure.multiply(&factors.entries, &n, &mut self.right);
+                self.solve_factors();
+                let taken = self.right.iter().zip(&self.factors.inverse_pivots);
+                for (n, (taken, &pivot)) in n.iter_mut().zip(taken) {
+                    if pivot > 0.0 {
+                        *n -= taken;
+                    }
+                }
+            }
+            space.add(n);
+        }
+        self.null_space = Some(space);
     }
 
     /// Solves S x = b in the order of elimination, in place.

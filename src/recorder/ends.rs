@@ -45,7 +45,8 @@ pub(super) fn tensions(dynamics: &Dynamics) -> Vec<f64> {
     let count = model.strands.len();
     let (mut sums, mut counts) = (vec![0.0; count], vec![0.0; count]);
     let near = |k: usize, s: usize| {
-        let center = Vec2::new(motion.x[n + s], motion.y[n + s]);
+        let wheel = model.wheel_body(s);
+        let center = Vec2::new(motion.x[wheel], motion.y[wheel]);
         (hinges.bushing(k).0 - center).norm() < model.sprockets[s].reach
     };
     let mut strand = 0_usize;

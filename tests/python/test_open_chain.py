@@ -252,7 +252,8 @@ def test_rollers_of_an_open_chain_are_bodies():
     assert lost < 1e-2 * (result.energy.dissipated[-1] + 1e-4)
 
 
-def test_a_tensioner_between_anchors_gives_the_tension_asked_for():
+@pytest.mark.parametrize("rollers", ["fixed", "bodies"])
+def test_a_tensioner_between_anchors_gives_the_tension_asked_for(rollers):
     drive = rc.open_chain(
         CHAIN,
         (rc.Anchor((0.0, 0.0)), rc.Anchor((0.36, 0.0))),
@@ -260,6 +261,7 @@ def test_a_tensioner_between_anchors_gives_the_tension_asked_for():
         [rc.Sprocket(15, (0.1, 0.12)), rc.Sprocket(17, (0.25, 0.12))],
         gravity=(0.0, 0.0),
         tensioner=rc.Tensioner(80.0, sprocket=2),
+        **({} if rollers == "fixed" else {"rollers": rollers}),
     )
     assert drive.check().tension_force > 0.0
     simulation = rc.Simulation(drive, start="static")
@@ -277,3 +279,21 @@ def test_a_slack_side_that_is_too_light_is_refused_with_what_it_lacks():
     )
     with pytest.raises(rc.InvalidInput, match=r"end 1 weighs 1\.\d+ N.*58\d\.\d N at end 2"):
         rc.Simulation(drive, start="static")
+
+
+def test_a_hoist_has_pressures_and_key_figures():
+    drive = rc.open_chain(
+        "ANSI 40",
+        (rc.Anchor((-0.16, -0.02), links=30), rc.Load(10.0, arm=0.08)),
+        60,
+        [rc.Sprocket(17, motion=rc.PrescribedSpeed(0.0))],
+    )
+    result = rc.Simulation(drive, start="static").run(2e-3, 1e-4, progress=False)
+    for contact, part in (("hinge", "hinge"), ("tooth", "bushing")):
+        pressure = result.contact_pressure(contact)
+        force = result.array(f"{contact}_force")
+        assert dict(pressure.sizes) == {"time": len(result.time), part: force.shape[1]}
+        assert np.array_equal(pressure["pressure"] > 0.0, force > 0.0)
+    figures = result.summary()
+    assert figures["tension_1-end_2"] == pytest.approx(98.1, abs=3.0)
+    assert figures["tooth_force_largest"] > 0.0

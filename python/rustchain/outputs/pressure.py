@@ -75,7 +75,7 @@ def contact_pressure(
         },
         {
             "time": ("time", result.time[rows], {"units": "s"}),
-            part: np.arange(1, chain.links + 1),
+            part: np.arange(1, force.shape[1] + 1),
         },
         {"contact": contact, "contact_modulus": contact_modulus(chain), "length": length},
     )

@@ -34,7 +34,8 @@ def summary(result: Result, start: float | None, end: float | None) -> dict[str,
             peak = result.array(f"peak_{part}_force")[rows]
             found[f"{part}_force_p99"] = float(np.quantile(peak, 0.99))
             found[f"{part}_force_largest"] = float(peak.max())
-    if {"sprockets", "teeth"} <= set(result.groups):
+    # Engagements are told apart by the way of a closed chain.
+    if {"sprockets", "teeth"} <= set(result.groups) and not result.drive.ends:
         impacts = result.engagements(start=start, end=end)["force"]
         if len(impacts):
             found["engagement_force_mean"] = float(impacts.mean())
