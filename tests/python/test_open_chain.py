@@ -255,13 +255,13 @@ def test_rollers_of_an_open_chain_are_bodies():
 @pytest.mark.parametrize("rollers", ["fixed", "bodies"])
 def test_a_tensioner_between_anchors_gives_the_tension_asked_for(rollers):
     drive = rc.open_chain(
-        CHAIN,
+        "ANSI 40",
         (rc.Anchor((0.0, 0.0)), rc.Anchor((0.36, 0.0))),
         44,
         [rc.Sprocket(15, (0.1, 0.12)), rc.Sprocket(17, (0.25, 0.12))],
         gravity=(0.0, 0.0),
         tensioner=rc.Tensioner(80.0, sprocket=2),
-        **({} if rollers == "fixed" else {"rollers": rollers}),
+        rollers=rollers,
     )
     assert drive.check().tension_force > 0.0
     simulation = rc.Simulation(drive, start="static")
