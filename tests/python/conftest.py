@@ -46,9 +46,10 @@ def paper_with_seat(paper: rc.ChainDrive) -> Callable[[str], rc.ChainDrive]:
 @pytest.fixture(scope="session")
 def real_states(paper: rc.ChainDrive) -> list[State]:
     """The start of the paper's drive and what it comes to in a few milliseconds."""
-    # With one corrector all along: when the other one takes over is no part of these states. A state of the default solver's path
-    # goes past the bound of tooth forces, 1.3 times: its bushing is nearly concentric with the seat, where rounding turns the normal
-    # and so the rate of penetration, which that bound leaves out (`DriveEquations._bound` has it for rollers).
+    # With one corrector all along: when the other one takes over is no part of these states. A
+    # state of the default solver's path goes past the bound of tooth forces, 1.3 times: its bushing
+    # is nearly concentric with the seat, where rounding turns the normal and so the rate of
+    # penetration, which that bound leaves out (`DriveEquations._bound` has it for rollers).
     simulation = rc.Simulation(paper, solver=rc.Solver(method="pece"))
     states = [State(simulation.positions.copy(), simulation.velocities.copy())]
     for time in REAL_TIMES:
