@@ -28,9 +28,9 @@ const NEAR_LIMIT: f64 = 0.5;
 /// Explicit steps of these orders gain nothing from it, whether stability holds them or contacts that begin and end.
 const LOW_ORDER: usize = 4;
 
-/// Error at order two, at the size of the explicit step, below which Newton's method is expected to make steps long enough to
-/// pay: 1.3 times as long by the same norm, 2.5 times on the published drive, where its own, a mean, is 15 times less.
-const LONGER: f64 = 0.5;
+/// Error at order two, at the size of the explicit step and by the norm that Newton's method takes, below which that is expected
+/// to make steps long enough to pay: 2.5 times as long.
+const LONGER: f64 = 0.033;
 
 /// A change has to make a simulated second cheaper by this factor.
 const GAIN: f64 = 1.2;
@@ -126,7 +126,8 @@ impl Adams {
         let longest = self.is_near_longest(h);
         let unstable = || h * self.fastest.value() > NEAR_LIMIT * explicit_limit(k);
         let held = !longest && (k <= LOW_ORDER || unstable());
-        let at_order_two = || h * gamma_star(2) * self.norm_of_difference(2);
+        let share = self.mean_share(system.controlled()).sqrt();
+        let at_order_two = || share * h * gamma_star(2) * self.norm_of_difference(2);
         let pays = held && (k < 2 || at_order_two() <= LONGER);
         self.choice.vote(pays, STEPS_A_LOOK);
     }

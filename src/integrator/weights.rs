@@ -29,7 +29,7 @@ impl Adams {
             return;
         }
         if mean {
-            self.share = 1.0 / controlled as f64;
+            self.share = self.mean_share(controlled);
         }
         if self.starting {
             self.inverse_weight.fill(0.0);
@@ -39,6 +39,15 @@ impl Adams {
                 *length /= self.control.accuracy;
                 *speed = *length / SPEED_PER_LENGTH;
             }
+        }
+    }
+
+    /// Share of a sum of squares over the weights that the norm of Newton's method is the root of.
+    pub(super) fn mean_share(&self, controlled: usize) -> f64 {
+        if self.control.is_by_component() {
+            1.0
+        } else {
+            1.0 / controlled as f64
         }
     }
 

@@ -18,6 +18,7 @@ mod sines;
 mod sums;
 #[cfg(test)]
 pub(crate) mod testing;
+mod transposition;
 
 pub(crate) use arc_tangent::arc_tangent;
 pub use instruction_set::InstructionSet;
@@ -29,6 +30,7 @@ pub(crate) use octet::{Octet, parts, read, write};
 pub(crate) use power_of_e::{exp, exp_of_remainder, nearest_whole};
 pub(crate) use sines::sin_cos;
 pub(crate) use sums::{PartialSums, Squares};
+pub(crate) use transposition::transposed;
 
 /// Numbers that arrays are padded to a multiple of: those of the widest registers.
 pub const WIDTH: usize = 8;

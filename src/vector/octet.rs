@@ -10,11 +10,6 @@ use super::{Lanes, WIDTH, load, vectors, vectors_mut};
 pub(crate) struct Octet(pub(crate) [f64; WIDTH]);
 
 impl Octet {
-    /// The same number eight times.
-    pub(crate) fn of(value: f64) -> Self {
-        Self([value; WIDTH])
-    }
-
     /// Register `part` of it.
     #[inline(always)]
     pub(crate) fn at<S: Simd>(&self, simd: S, part: usize) -> Lanes<S> {

@@ -14,9 +14,9 @@
 
 use pulp::Simd;
 
-use super::ring::HingeGroup;
+use super::ring::HingeBlocks;
 use crate::kernels::slopes::{RubGroup, SlopeGroup};
-use crate::vector::{Lanes, Numbers, WIDTH, padded_zeros, parts, read, vectors_mut, write};
+use crate::vector::{Lanes, Numbers, WIDTH, padded_zeros, parts, read, vectors_mut};
 
 /// α and η of register `part` of these contacts.
 #[inline(always)]
@@ -122,30 +122,26 @@ pub(super) fn soften_hinges<S: Simd, const RUBBED: bool>(
     gamma: f64,
     slopes: &[SlopeGroup],
     closed: &mut Closed,
-    groups: &mut [HingeGroup],
+    blocks: &mut HingeBlocks,
     mut rubbing: Option<Rubbing>,
 ) {
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     let (least, least_share) = (one.constant(LEAST), one.constant(LEAST_SHARE));
     closed.any = false;
-    let bearing = vectors_mut::<S>(
-        &mut closed.hinges[BASE..],
-        slopes.len() * WIDTH / S::F64_LANES,
-    );
     let count = parts::<S>().len();
-    for (number, ((slopes, group), bearing)) in slopes
-        .iter()
-        .zip(groups)
-        .zip(bearing.chunks_exact_mut(count))
-        .enumerate()
-    {
+    let bearing = vectors_mut::<S>(&mut closed.hinges[BASE..], slopes.len() * count);
+    let (mut own, _) = blocks.registers::<S>(slopes.len() * count);
+    for (number, slopes) in slopes.iter().enumerate() {
         for part in parts::<S>() {
+            let i = number * count + part;
             let bears = slopes.force.at(simd, part).greater(zero);
-            bearing[part] = bears.select(one, zero).values();
+            bearing[i] = bears.select(one, zero).values();
             if !bears.any() {
-                write(&mut group.own, part, [one, one, zero]);
+                for (own, entry) in own.iter_mut().zip([one, one, zero]) {
+                    own[i] = entry.values();
+                }
                 if RUBBED && let Some(Rubbing { arms, .. }) = &mut rubbing {
-                    arms.put(number * count + part, [zero; 2], zero, [zero; 2]);
+                    arms.put(i, [zero; 2], zero, [zero; 2]);
                 }
                 continue;
             }
@@ -162,17 +158,19 @@ pub(super) fn soften_hinges<S: Simd, const RUBBED: bool>(
                 let tau = Lanes::splat(simd, gamma) * rubs.slope.at(simd, part);
                 let both = eta + tau;
                 let places = read(simd, &rubs.places, part);
-                arms.put(number * count + part, [nx, ny], tau / both, places);
+                arms.put(i, [nx, ny], tau / both, places);
                 eta = both;
             }
             let over = one / (alpha * eta);
             let (along, across) = (eta * over, alpha * over);
-            let own = [
+            let entries = [
                 bears.select(along.mul_add(nx * nx, across * (ny * ny)), one),
                 bears.select(along.mul_add(ny * ny, across * (nx * nx)), one),
                 (along - across) * (nx * ny),
             ];
-            write(&mut group.own, part, own);
+            for (own, entry) in own.iter_mut().zip(entries) {
+                own[i] = entry.values();
+            }
         }
     }
 }

@@ -6,9 +6,9 @@
 use pulp::Simd;
 
 use super::contacts::{Closed, LEAST, LEAST_SHARE, Rubbing, scaled};
-use super::ring::HingeGroup;
+use super::ring::HingeBlocks;
 use crate::kernels::slopes::{FilmGroup, SlopeGroup};
-use crate::vector::{Lanes, parts, read, vectors_mut, write};
+use crate::vector::{Lanes, parts, read, vectors_mut};
 
 use super::contacts::BASE;
 
@@ -23,7 +23,7 @@ pub(super) fn soften_filled_hinges<S: Simd>(
     slopes: &[SlopeGroup],
     films: &[FilmGroup],
     closed: &mut Closed,
-    groups: &mut [HingeGroup],
+    blocks: &mut HingeBlocks,
     rubbing: Option<Rubbing>,
 ) {
     let splat = |value| Lanes::splat(simd, value);
@@ -36,8 +36,9 @@ pub(super) fn soften_filled_hinges<S: Simd>(
     let Some(Rubbing { slopes: rubs, arms }) = rubbing else {
         return;
     };
-    let each = slopes.iter().zip(films).zip(rubs).zip(groups);
-    for (number, (((slopes, film), rubs), group)) in each.enumerate() {
+    let (mut own, _) = blocks.registers::<S>(slopes.len() * count);
+    let each = slopes.iter().zip(films).zip(rubs);
+    for (number, ((slopes, film), rubs)) in each.enumerate() {
         for part in parts::<S>() {
             let i = number * count + part;
             let [dxx, dyy, dxy] = read(simd, &film.damping, part);
@@ -60,7 +61,7 @@ pub(super) fn soften_filled_hinges<S: Simd>(
             let over = one / xx.mul_add(yy, -(xy * xy));
             let (along, across, beside) = (yy * over, xx * over, -(xy * over));
             let crossed = (beside + beside) * (nx * ny);
-            let own = [
+            let entries = [
                 bears.select(along.mul_add(nx * nx, across * (ny * ny)) - crossed, one),
                 bears.select(along.mul_add(ny * ny, across * (nx * nx)) + crossed, one),
                 bears.select(
@@ -68,7 +69,9 @@ pub(super) fn soften_filled_hinges<S: Simd>(
                     zero,
                 ),
             ];
-            write(&mut group.own, part, own);
+            for (own, entry) in own.iter_mut().zip(entries) {
+                own[i] = entry.values();
+            }
         }
     }
 }

@@ -7,7 +7,7 @@
 use pulp::Simd;
 
 use super::contacts::{Arms, BASE, Closed};
-use super::ring::HingeGroup;
+use super::ring::{HingeBlocks, hinge_numbers};
 use super::teeth::ToothTerms;
 use crate::model::Model;
 use crate::vector::{
@@ -60,15 +60,12 @@ impl LinkGroup {
         }
     }
 
-    /// Of a register of links what their front bushings have, and what their rear bushings have.
+    /// Of register `i` of links what their front bushings have, and what their rear bushings have.
     #[inline(always)]
-    fn of_ends<S: Simd>(&self, simd: S, of: &[f64], i: usize, part: usize) -> [Lanes<S>; 2] {
-        let from = i * S::F64_LANES;
-        let front = load(simd, &vectors::<S>(&of[BASE + from..], 1)[0]);
-        let rear = load(simd, &vectors::<S>(&of[BASE - 1 + from..], 1)[0]);
+    fn of_ends<S: Simd>(&self, simd: S, of: &Bushings<S>, i: usize, part: usize) -> [Lanes<S>; 2] {
         [
-            self.front_bushing.at(simd, part) * front,
-            self.rear_bushing.at(simd, part) * rear,
+            self.front_bushing.at(simd, part) * load(simd, &of.front[i]),
+            self.rear_bushing.at(simd, part) * load(simd, &of.rear[i]),
         ]
     }
 
@@ -87,15 +84,15 @@ impl LinkGroup {
     fn held_links<S: Simd, const RUBBED: bool>(
         &self,
         simd: S,
-        teeth: &ToothTerms,
+        (held, spun): (&[Bushings<S>; 3], &[Bushings<S>; 3]),
         [u, v]: [Lanes<S>; 2],
         inertia: Lanes<S>,
         (i, part): (usize, usize),
     ) -> Spatial<S> {
         let mass = self.mass.at(simd, part);
-        let [front_xx, rear_xx] = self.of_ends(simd, &teeth.held[0], i, part);
-        let [front_yy, rear_yy] = self.of_ends(simd, &teeth.held[1], i, part);
-        let [front_xy, rear_xy] = self.of_ends(simd, &teeth.held[2], i, part);
+        let [front_xx, rear_xx] = self.of_ends(simd, &held[0], i, part);
+        let [front_yy, rear_yy] = self.of_ends(simd, &held[1], i, part);
+        let [front_xy, rear_xy] = self.of_ends(simd, &held[2], i, part);
         let (xx, yy, xy) = (front_xx + rear_xx, front_yy + rear_yy, front_xy + rear_xy);
         let (dxx, dyy, dxy) = (front_xx - rear_xx, front_yy - rear_yy, front_xy - rear_xy);
         let turned = [u.mul_add(xx, v * xy), u.mul_add(xy, v * yy)];
@@ -108,15 +105,38 @@ impl LinkGroup {
             u.mul_add(turned[0], v.mul_add(turned[1], inertia)),
         ];
         if RUBBED {
-            let [front_x, rear_x] = self.of_ends(simd, &teeth.spun[0], i, part);
-            let [front_y, rear_y] = self.of_ends(simd, &teeth.spun[1], i, part);
-            let [front, rear] = self.of_ends(simd, &teeth.spun[2], i, part);
+            let [front_x, rear_x] = self.of_ends(simd, &spun[0], i, part);
+            let [front_y, rear_y] = self.of_ends(simd, &spun[1], i, part);
+            let [front, rear] = self.of_ends(simd, &spun[2], i, part);
             block[2] = block[2] + (front_x + rear_x);
             block[4] = block[4] + (front_y + rear_y);
             let crossed = u.mul_add(front_x - rear_x, v * (front_y - rear_y));
             block[5] = block[5] + ((crossed + crossed) + (front + rear));
         }
         Spatial(block)
+    }
+}
+
+/// An array of bushings in registers of links: those on their fronts, and those on their rears.
+#[derive(Clone, Copy)]
+struct Bushings<'a, S: Simd> {
+    front: &'a [S::f64s],
+    rear: &'a [S::f64s],
+}
+
+impl<'a, S: Simd> Bushings<'a, S> {
+    /// The first `count` registers; bushing k is at [`BASE`] + k.
+    #[inline(always)]
+    fn of(array: &'a [f64], count: usize) -> Self {
+        Self {
+            front: vectors::<S>(&array[BASE..], count),
+            rear: vectors::<S>(&array[BASE - 1..], count),
+        }
+    }
+
+    #[inline(always)]
+    fn of_three([x, y, z]: &'a [Numbers; 3], count: usize) -> [Self; 3] {
+        [Self::of(x, count), Self::of(y, count), Self::of(z, count)]
     }
 }
 
@@ -145,7 +165,7 @@ impl LinkTerms {
     pub(super) fn new(model: &Model) -> Self {
         let n = model.links;
         let with_first = || padded_zeros(n + WIDTH);
-        let hinges = || padded_zeros(BASE + n);
+        let hinges = || hinge_numbers(n);
         Self {
             groups: (0..n)
                 .step_by(WIDTH)
@@ -160,9 +180,8 @@ impl LinkTerms {
 
     /// The unknowns of the ring, which hold its right-hand sides.
     #[inline(always)]
-    pub(super) fn ring_unknowns(&mut self, links: usize) -> [&mut [f64]; 2] {
-        let [x, y] = &mut self.force;
-        [&mut x[BASE..BASE + links], &mut y[BASE..BASE + links]]
+    pub(super) fn ring_unknowns(&mut self) -> &mut [Numbers; 2] {
+        &mut self.force
     }
 }
 
@@ -222,7 +241,7 @@ impl LinkTerms {
         &mut self,
         simd: S,
         of: &Linked,
-        ring: &mut [HingeGroup],
+        ring: &mut HingeBlocks,
     ) {
         let n = of.links;
         let count = parts::<S>().len();
@@ -247,8 +266,13 @@ impl LinkTerms {
                 vectors_mut::<S>(yy, blocks),
                 vectors_mut::<S>(xy, blocks),
             ];
+            let teeth = (
+                &Bushings::<S>::of_three(&of.teeth.held, blocks),
+                &Bushings::<S>::of_three(&of.teeth.spun, blocks),
+            );
+            let (mut own, mut couplings) = ring.registers::<S>(blocks);
             let groups = self.groups.iter_mut().zip(&mut self.levers);
-            for (number, ((links, levers), hinges)) in groups.zip(&mut *ring).enumerate() {
+            for (number, (links, levers)) in groups.enumerate() {
                 links.held = touched(of.teeth, n, number);
                 for part in parts::<S>() {
                     let i = number * count + part;
@@ -272,7 +296,7 @@ impl LinkTerms {
                     }
                     let ends = if links.held {
                         let inverse = links
-                            .held_links::<S, RUBBED>(simd, of.teeth, lever, inertia, (i, part))
+                            .held_links::<S, RUBBED>(simd, teeth, lever, inertia, (i, part))
                             .inverse();
                         write(&mut links.inverse, part, inverse.0);
                         if RUBBED {
@@ -293,12 +317,12 @@ impl LinkTerms {
                     rear[1][i] = ends.rear[1].values();
                     rear[2][i] = ends.rear[2].values();
                     let closed = at(closed);
-                    for (octet, entry) in hinges.own.iter_mut().zip(ends.front) {
-                        octet.put(part, closed.mul_add(entry, octet.at(simd, part)));
+                    for (own, entry) in own.iter_mut().zip(ends.front) {
+                        own[i] = closed.mul_add(entry, load(simd, &own[i])).values();
                     }
                     let both = closed * at(closed_before);
-                    for (octet, entry) in hinges.before.iter_mut().zip(ends.between) {
-                        octet.put(part, both * entry);
+                    for (coupling, entry) in couplings.iter_mut().zip(ends.between) {
+                        coupling[i] = (both * entry).values();
                     }
                 }
             }
@@ -312,16 +336,10 @@ impl LinkTerms {
             vectors::<S>(&yy[1..], blocks),
             vectors::<S>(&xy[1..], blocks),
         ];
-        for (number, hinges) in ring.iter_mut().enumerate().take(self.groups.len()) {
-            for part in parts::<S>() {
-                let i = number * count + part;
-                let closed = load(simd, &closed[i]);
-                for (octet, rear) in hinges.own.iter_mut().zip(behind) {
-                    octet.put(
-                        part,
-                        closed.mul_add(load(simd, &rear[i]), octet.at(simd, part)),
-                    );
-                }
+        for (own, rear) in ring.registers::<S>(blocks).0.into_iter().zip(behind) {
+            for ((own, rear), closed) in own.iter_mut().zip(rear).zip(closed) {
+                let closed = load(simd, closed);
+                *own = closed.mul_add(load(simd, rear), load(simd, own)).values();
             }
         }
     }
@@ -479,6 +497,7 @@ impl LinkTerms {
         from: &[Numbers; 3],
         column: &mut [[Octet; 3]],
     ) {
+        let from = Bushings::<S>::of_three(from, self.groups.len() * parts::<S>().len());
         for (number, (group, column)) in self.groups.iter().zip(column).enumerate() {
             if !group.held {
                 *column = [Octet::default(); 3];

@@ -22,7 +22,7 @@ use border::{Corner, SprocketMotions};
 use contacts::{Arms, Closed, Rubbing, soften_hinges};
 use film::soften_filled_hinges;
 use links::{Border, LinkTerms, Linked, RightHand};
-use ring::{HingeGroup, Ring, hinge_groups};
+use ring::{HingeBlocks, Ring};
 use rollers::RollerTerms;
 use teeth::{AddTeeth, RubbingTeeth, ToothTerms};
 
@@ -32,12 +32,12 @@ use super::teeth::SprocketPose;
 use crate::contact::Candidates;
 use crate::model::Model;
 use crate::vector::{
-    InstructionSet, Lanes, Octet, PartialSums, WIDTH, partial_load, parts, read, vectors, write,
+    InstructionSet, Lanes, Octet, PartialSums, WIDTH, load, partial_load, parts, read, write,
 };
 
 /// Share of a border coordinate's own entry that teeth may make up for the border to be swept instead of eliminated: what a
-/// correction then lacks is that share of it.
-const WEAK: f64 = 0.1;
+/// correction then lacks is less than that share.
+const WEAK: f64 = 0.14;
 
 /// The slopes that evaluations write, the matrix and its factors.
 #[derive(Debug, Clone)]
@@ -63,7 +63,7 @@ pub(super) struct NewtonMatrix {
     /// Where rollers are bodies.
     rollers: Option<RollerTerms>,
     links: LinkTerms,
-    hinges: Vec<HingeGroup>,
+    hinges: HingeBlocks,
     ring: Ring,
     /// Columns of the border, which are its rows too, link by link; behind them, where there are rollers, what those do to links.
     columns: Vec<Border>,
@@ -124,7 +124,7 @@ impl NewtonMatrix {
             teeth: ToothTerms::new(n, border),
             rollers: (model.rollers.as_ref()).map(|rollers| RollerTerms::new(model, rollers)),
             links: LinkTerms::new(model),
-            hinges: hinge_groups(n),
+            hinges: HingeBlocks::new(n),
             ring: Ring::new(n),
             columns: (0..border + besides).map(|_| three()).collect(),
             solved: (0..border).map(|_| three()).collect(),
@@ -260,7 +260,7 @@ impl NewtonMatrix {
     #[inline(always)]
     fn solve_hinges<S: Simd>(&mut self, simd: S, links: usize) {
         if self.closed.any {
-            self.ring.solve(simd, self.links.ring_unknowns(links));
+            self.ring.solve(simd, self.links.ring_unknowns());
         }
         self.links.close_ring(links);
     }
@@ -278,26 +278,30 @@ impl<S: Simd> RightHand<S> for Column<'_> {
 }
 
 /// Accelerations times masses and inertias, less what the border does by itself.
-struct Residual<'a> {
-    links: usize,
-    /// x, y and θ of all links.
-    accelerations: &'a [f64],
+struct Residual<'a, S: Simd> {
+    /// x, y and θ of all links: whole registers, and the rest.
+    accelerations: [(&'a [S::f64s], Lanes<S>); 3],
     columns: &'a [Border],
     /// What the border does; nothing where it is not swept.
     alone: &'a [f64],
 }
 
-impl<S: Simd> RightHand<S> for Residual<'_> {
+/// Whole registers of a slice, and the rest with zeros behind it.
+#[inline(always)]
+fn whole_and_rest<S: Simd>(simd: S, slice: &[f64]) -> (&[S::f64s], Lanes<S>) {
+    let (whole, rest) = S::as_simd_f64s(slice);
+    (whole, partial_load(simd, rest))
+}
+
+impl<S: Simd> RightHand<S> for Residual<'_, S> {
     #[inline(always)]
     fn at(&self, simd: S, mass: [Lanes<S>; 3], held: bool, i: usize) -> [Lanes<S>; 3] {
-        let (n, from) = (self.links, i * S::F64_LANES);
         let mut right = mass;
-        for (axis, right) in right.iter_mut().enumerate() {
-            let rest = &self.accelerations[axis * n + from.min(n)..(axis + 1) * n];
-            let residual = if rest.len() >= S::F64_LANES {
-                Lanes::new(simd, vectors::<S>(rest, 1)[0])
-            } else {
-                partial_load(simd, rest)
+        for (right, (whole, rest)) in right.iter_mut().zip(&self.accelerations) {
+            let residual = match whole.get(i) {
+                Some(values) => load(simd, values),
+                None if i == whole.len() => *rest,
+                None => rest.constant(0.0),
             };
             *right = *right * residual;
         }
@@ -308,6 +312,25 @@ impl<S: Simd> RightHand<S> for Residual<'_> {
             }
         }
         right
+    }
+}
+
+/// Writes numbers that stand in octets; one for each of `to`.
+#[inline(always)]
+fn write_octets<'a, S: Simd>(simd: S, octets: impl Fn(usize) -> &'a Octet, to: &mut [f64]) {
+    let (whole, rest) = to.as_chunks_mut::<WIDTH>();
+    for (i, to) in whole.iter_mut().enumerate() {
+        *to = octets(i).0;
+    }
+    if !rest.is_empty() {
+        let octet = octets(whole.len());
+        let (whole, rest) = S::as_mut_simd_f64s(rest);
+        for (part, to) in whole.iter_mut().enumerate() {
+            *to = octet.at(simd, part).values();
+        }
+        if !rest.is_empty() {
+            simd.partial_store_f64s(rest, octet.at(simd, whole.len()).values());
+        }
     }
 }
 
@@ -437,8 +460,11 @@ impl<const RUBBED: bool> WithSimd for Correct<'_, RUBBED> {
         }
         let swept = swept || !rollers.is_empty();
         let right = Residual {
-            links: n,
-            accelerations: links,
+            accelerations: [
+                whole_and_rest(simd, &links[..n]),
+                whole_and_rest(simd, &links[n..2 * n]),
+                whole_and_rest(simd, &links[2 * n..]),
+            ],
             columns: &matrix.columns,
             alone: if swept { &matrix.alone } else { &[] },
         };
@@ -473,14 +499,13 @@ impl<const RUBBED: bool> WithSimd for Correct<'_, RUBBED> {
             terms.solve_bound::<S, RUBBED>(simd, links, unknowns, border, rollers);
         }
         for (axis, residual) in links.chunks_exact_mut(n).enumerate() {
-            let (whole, rest) = residual.as_chunks_mut::<WIDTH>();
-            let mut unknowns = matrix.unknowns.iter().map(|group| &group[axis].0);
-            for (residual, unknowns) in whole.iter_mut().zip(&mut unknowns) {
-                *residual = *unknowns;
-            }
-            for (residual, unknown) in rest.iter_mut().zip(unknowns.flatten()) {
-                *residual = *unknown;
-            }
+            let unknowns = &matrix.unknowns;
+            write_octets(
+                simd,
+                #[inline(always)]
+                |i| &unknowns[i][axis],
+                residual,
+            );
         }
     }
 }

@@ -8,32 +8,57 @@
 use pulp::Simd;
 
 use super::blocks::{Block, Pair, Symmetric, all, from_left, from_right};
+use super::contacts::BASE;
 use super::dense::Dense;
-use crate::vector::{Mask, Octet, WIDTH, lane_numbers, parts, write};
+use crate::vector::{
+    Lanes, Mask, Numbers, Octet, WIDTH, lane_numbers, load, padded_zeros, parts, transposed,
+    vectors, vectors_mut, write,
+};
 
-/// Blocks of eight hinges.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct HingeGroup {
+/// Blocks of all hinges, hinge k at [`BASE`] + k; what is behind the last one may be read, and means nothing.
+#[derive(Debug, Clone)]
+pub(super) struct HingeBlocks {
     /// S: xx, yy, xy.
-    pub(super) own: [Octet; 3],
+    pub(super) own: [Numbers; 3],
     /// C, which couples hinge k with hinge k - 1: rows, then columns.
-    pub(super) before: [Octet; 4],
+    pub(super) before: [Numbers; 4],
 }
 
-impl Default for HingeGroup {
-    /// Hinges that bear nothing.
-    fn default() -> Self {
-        let (zero, one) = (Octet::of(0.0), Octet::of(1.0));
+impl HingeBlocks {
+    /// Room for the blocks of `hinges`.
+    pub(super) fn new(hinges: usize) -> Self {
         Self {
-            own: [one, one, zero],
-            before: [zero; 4],
+            own: [(); 3].map(|()| hinge_numbers(hinges)),
+            before: [(); 4].map(|()| hinge_numbers(hinges)),
         }
+    }
+
+    /// The first `count` registers of S, and of C.
+    #[inline(always)]
+    pub(super) fn registers<S: Simd>(
+        &mut self,
+        count: usize,
+    ) -> ([&mut [S::f64s]; 3], [&mut [S::f64s]; 4]) {
+        let [xx, yy, xy] = &mut self.own;
+        let own = [
+            vectors_mut::<S>(&mut xx[BASE..], count),
+            vectors_mut::<S>(&mut yy[BASE..], count),
+            vectors_mut::<S>(&mut xy[BASE..], count),
+        ];
+        let [xx, xy, yx, yy] = &mut self.before;
+        let before = [
+            vectors_mut::<S>(&mut xx[BASE..], count),
+            vectors_mut::<S>(&mut xy[BASE..], count),
+            vectors_mut::<S>(&mut yx[BASE..], count),
+            vectors_mut::<S>(&mut yy[BASE..], count),
+        ];
+        (own, before)
     }
 }
 
-/// Room for the ring of `hinges`, and for one that is not there and bears nothing.
-pub(super) fn hinge_groups(hinges: usize) -> Vec<HingeGroup> {
-    vec![HingeGroup::default(); hinges / WIDTH + 1]
+/// Room for a number of each of `hinges`, hinge k at [`BASE`] + k, and for a register behind them.
+pub(super) fn hinge_numbers(hinges: usize) -> Numbers {
+    padded_zeros(BASE + hinges + WIDTH)
 }
 
 /// One hinge of each part.
@@ -59,13 +84,14 @@ struct Round {
 #[derive(Debug, Clone)]
 pub(super) struct Ring {
     hinges: usize,
-    /// First hinge of each part. The last ones may have one hinge less than the others: their first place is empty.
+    /// Entry of the first place of each part. The last ones may have one hinge less than the others: their first place is empty,
+    /// and this is the entry of the hinge before it.
     starts: [usize; WIDTH],
     /// How many parts have all places.
     full: usize,
+    /// How many places there are; `places` and `unknowns` have some more, which mean nothing.
+    count: usize,
     places: Vec<Place>,
-    /// Which hinges they are; `hinges` where none.
-    sources: Vec<[usize; WIDTH]>,
     /// Couplings of the second hinges of parts that have no first one, with the part before.
     direct: [Octet; 4],
     rounds: [Round; 2],
@@ -81,58 +107,99 @@ pub(super) struct Ring {
 impl Ring {
     /// Room for `hinges`.
     pub(super) fn new(hinges: usize) -> Self {
-        let places = hinges.div_ceil(WIDTH);
-        let full = hinges - (places - 1) * WIDTH;
-        let starts = std::array::from_fn(|part| part * places - part.saturating_sub(full));
-        let source = |place: usize, part: usize| match place + usize::from(part < full) {
-            0 => hinges,
-            behind => starts[part] + behind - 1,
-        };
-        let sources = (0..places).map(|place| std::array::from_fn(|part| source(place, part)));
+        let count = hinges.div_ceil(WIDTH);
+        let full = hinges - (count - 1) * WIDTH;
+        let start = |part: usize| BASE + part * count - (part + 1).saturating_sub(full);
         let none = [Octet::default(); 4];
         Self {
             hinges,
-            starts,
+            starts: std::array::from_fn(start),
             full,
-            sources: sources.collect(),
-            places: vec![Place::default(); places],
+            count,
+            places: vec![Place::default(); count + WIDTH],
             direct: none,
             rounds: [Round::default(); 2],
             opposite: none,
             inverse: [Octet::default(); 3],
-            unknowns: vec![[Octet::default(); 2]; places],
+            unknowns: vec![[Octet::default(); 2]; count + WIDTH],
             dense: (hinges < WIDTH).then(|| Dense::new(2 * hinges)),
         }
     }
 
+    /// As many places as a register has lanes, from `place` on, of the parts in register `part`.
+    #[inline(always)]
+    fn gather<S: Simd>(
+        &self,
+        simd: S,
+        from: &[f64],
+        place: usize,
+        part: usize,
+    ) -> [Lanes<S>; WIDTH] {
+        let mut rows = [Lanes::splat(simd, 0.0); WIDTH];
+        let starts = &self.starts[part * S::F64_LANES..(part + 1) * S::F64_LANES];
+        for (row, &start) in rows.iter_mut().zip(starts) {
+            *row = load(simd, &vectors::<S>(register(from, start + place), 1)[0]);
+        }
+        transposed(simd, rows)
+    }
+
+    /// Which parts of register `part` have all places.
+    #[inline(always)]
+    fn have_all<S: Simd>(&self, simd: S, part: usize) -> Mask<S> {
+        let full = self.full as f64 - (part * S::F64_LANES) as f64;
+        lane_numbers(simd).less(Lanes::splat(simd, full - 0.5))
+    }
+
     /// Takes the blocks over.
     #[inline(always)]
-    fn take_in(&mut self, groups: &[HingeGroup]) {
-        for (place, sources) in self.places.iter_mut().zip(&self.sources) {
-            for (part, &hinge) in sources.iter().enumerate() {
-                let (group, lane) = (&groups[hinge / WIDTH], hinge % WIDTH);
-                for (to, from) in place.own.iter_mut().zip(&group.own) {
-                    to.0[part] = from.0[lane];
+    fn take_in<S: Simd>(&mut self, simd: S, blocks: &HingeBlocks) {
+        for part in parts::<S>() {
+            for place in (0..self.count).step_by(S::F64_LANES) {
+                for (entry, from) in blocks.own.iter().enumerate() {
+                    let columns = self.gather(simd, from, place, part);
+                    let places = &mut self.places[place..place + S::F64_LANES];
+                    for (place, column) in places.iter_mut().zip(columns) {
+                        place.own[entry].put(part, column);
+                    }
                 }
-                for (to, from) in place.before.iter_mut().zip(&group.before) {
-                    to.0[part] = from.0[lane];
+                for (entry, from) in blocks.before.iter().enumerate() {
+                    let columns = self.gather(simd, from, place, part);
+                    let places = &mut self.places[place..place + S::F64_LANES];
+                    for (place, column) in places.iter_mut().zip(columns) {
+                        place.before[entry].put(part, column);
+                    }
                 }
             }
         }
-        if let Some(second) = self.places.get_mut(1) {
-            for (direct, before) in self.direct.iter_mut().zip(&mut second.before) {
-                for part in self.full..WIDTH {
-                    direct.0[part] = std::mem::take(&mut before.0[part]);
-                }
+        if self.full < WIDTH {
+            self.leave_first_places_empty(simd);
+        }
+    }
+
+    /// Of parts that have a hinge less the first place bears nothing, and the second is coupled with the part before.
+    #[inline(always)]
+    fn leave_first_places_empty<S: Simd>(&mut self, simd: S) {
+        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        for part in parts::<S>() {
+            let all = self.have_all(simd, part);
+            for (octet, nothing) in self.places[0].own.iter_mut().zip([one, one, zero]) {
+                octet.put(part, all.select(octet.at(simd, part), nothing));
+            }
+            for octet in &mut self.places[0].before {
+                octet.put(part, all.select(octet.at(simd, part), zero));
+            }
+            for (direct, before) in self.direct.iter_mut().zip(&mut self.places[1].before) {
+                let coupling = before.at(simd, part);
+                direct.put(part, all.select(zero, coupling));
+                before.put(part, all.select(coupling, zero));
             }
         }
     }
 
-    /// Eliminates all but the last place; what is left of that and its coupling with the part before.
+    /// Eliminates all but the last place; what is left of that and its coupling with the part before goes to `left`.
     #[inline(always)]
-    fn eliminate<S: Simd>(&mut self, simd: S) -> Left<S> {
-        let last = self.places.len() - 1;
-        let mut left = Left::nothing(simd);
+    fn eliminate<S: Simd>(&mut self, simd: S, left: &mut Left<S>) {
+        let last = self.count - 1;
         for part in parts::<S>() {
             let mut own = Symmetric::read(simd, &self.places[0].own, part);
             let mut edge = Block::read(simd, &self.places[0].before, part);
@@ -160,15 +227,18 @@ impl Ring {
             left.edge[part] = edge;
             left.to_last[part] = to_last;
         }
-        left
     }
 
     /// Solves the ring of the eight that are left; false when a block has no inverse.
     #[inline(always)]
-    fn reduce<S: Simd>(&mut self, simd: S, left: &Left<S>) -> bool {
-        let (mut own, mut coupling) = (left.own, left.edge);
-        let mut irregular = left.irregular;
-        let taken = from_right(simd, left.to_last, 1);
+    fn reduce<S: Simd>(&mut self, simd: S, left: &mut Left<S>) -> bool {
+        let Left {
+            own,
+            edge: coupling,
+            to_last,
+            irregular,
+        } = left;
+        let taken = from_right(simd, *to_last, 1);
         for part in parts::<S>() {
             own[part].subtract(&taken[part]);
         }
@@ -177,12 +247,12 @@ impl Ring {
             let mut follow = [Block::zero(simd); WIDTH];
             let mut taken = [Symmetric::zero(simd); WIDTH];
             for part in parts::<S>() {
-                inverse[part] = own[part].inverse(&mut irregular);
+                inverse[part] = own[part].inverse(irregular);
                 follow[part] = inverse[part].times_block(&coupling[part]);
                 taken[part] = coupling[part].transposed_times(&follow[part]);
             }
             let inverse = from_left(simd, inverse, distance);
-            let beyond = from_left(simd, coupling, distance);
+            let beyond = from_left(simd, *coupling, distance);
             let follow = from_right(simd, follow, distance);
             let taken = from_right(simd, taken, distance);
             for part in parts::<S>() {
@@ -196,16 +266,16 @@ impl Ring {
         }
         let mut inverse = [Symmetric::zero(simd); WIDTH];
         for part in parts::<S>() {
-            inverse[part] = own[part].inverse(&mut irregular);
+            inverse[part] = own[part].inverse(irregular);
         }
         let inverse = from_left(simd, inverse, WIDTH / 2);
-        let across = from_left(simd, coupling, WIDTH / 2);
+        let across = from_left(simd, *coupling, WIDTH / 2);
         for part in parts::<S>() {
             let both = coupling[part].plus(&across[part].transposed());
             let share = both.times_symmetric(&inverse[part]);
             own[part].take_off(&share, &both.transposed());
             write(&mut self.opposite, part, share.0);
-            let inverse = own[part].inverse(&mut irregular);
+            let inverse = own[part].inverse(irregular);
             write(&mut self.inverse, part, inverse.0);
         }
         !irregular.any()
@@ -213,53 +283,87 @@ impl Ring {
 
     /// Factorises the ring of these blocks; false when one has no inverse.
     #[inline(always)]
-    pub(super) fn factorise<S: Simd>(&mut self, simd: S, groups: &[HingeGroup]) -> bool {
+    pub(super) fn factorise<S: Simd>(&mut self, simd: S, blocks: &HingeBlocks) -> bool {
         if let Some(dense) = &mut self.dense {
-            return factorise_short(dense, self.hinges, groups);
+            return factorise_short(dense, self.hinges, blocks);
         }
-        self.take_in(groups);
-        let left = self.eliminate(simd);
-        self.reduce(simd, &left)
+        self.take_in(simd, blocks);
+        let mut left = Left::nothing(simd);
+        self.eliminate(simd, &mut left);
+        self.reduce(simd, &mut left)
     }
 
-    /// Solves in place: x and y of the unknowns of all hinges.
+    /// Solves in place: x and y of the unknowns of all hinges, hinge k at [`BASE`] + k.
     #[inline(always)]
-    pub(super) fn solve<S: Simd>(&mut self, simd: S, [x, y]: [&mut [f64]; 2]) {
+    pub(super) fn solve<S: Simd>(&mut self, simd: S, unknowns: &mut [Numbers; 2]) {
         if let Some(dense) = &self.dense {
-            return solve_short(dense, x, y);
+            let [x, y] = unknowns;
+            let hinges = BASE..BASE + self.hinges;
+            return solve_short(dense, &mut x[hinges.clone()], &mut y[hinges]);
         }
-        for (part, &start) in self.starts.iter().enumerate() {
-            let empty = usize::from(part >= self.full);
-            if empty > 0 {
-                self.unknowns[0][0].0[part] = 0.0;
-                self.unknowns[0][1].0[part] = 0.0;
-            }
-            let places = &mut self.unknowns[empty..];
-            let end = start + places.len();
-            for (place, (x, y)) in places
-                .iter_mut()
-                .zip(x[start..end].iter().zip(&y[start..end]))
-            {
-                place[0].0[part] = *x;
-                place[1].0[part] = *y;
-            }
+        for (axis, numbers) in unknowns.iter().enumerate() {
+            self.take_right_hand_side(simd, axis, numbers);
         }
         self.solve_places(simd);
-        for (part, &start) in self.starts.iter().enumerate() {
-            let places = &self.unknowns[usize::from(part >= self.full)..];
-            let end = start + places.len();
-            let (x, y) = (&mut x[start..end], &mut y[start..end]);
-            for (place, (x, y)) in places.iter().zip(x.iter_mut().zip(y)) {
-                *x = place[0].0[part];
-                *y = place[1].0[part];
+        for (axis, numbers) in unknowns.iter_mut().enumerate() {
+            self.give_back(simd, axis, numbers);
+        }
+    }
+
+    #[inline(always)]
+    fn take_right_hand_side<S: Simd>(&mut self, simd: S, axis: usize, from: &[f64]) {
+        for part in parts::<S>() {
+            for place in (0..self.count).step_by(S::F64_LANES) {
+                let columns = self.gather(simd, from, place, part);
+                let places = &mut self.unknowns[place..place + S::F64_LANES];
+                for (place, column) in places.iter_mut().zip(columns) {
+                    place[axis].put(part, column);
+                }
+            }
+            let all = self.have_all(simd, part);
+            let first = &mut self.unknowns[0][axis];
+            first.put(
+                part,
+                all.select(first.at(simd, part), Lanes::splat(simd, 0.0)),
+            );
+        }
+    }
+
+    /// Writes the unknowns hinge by hinge.
+    #[inline(always)]
+    fn give_back<S: Simd>(&self, simd: S, axis: usize, to: &mut [f64]) {
+        let lanes = S::F64_LANES;
+        // The last registers end with the last place, unless there are fewer places than one has lanes: what they then have
+        // behind the last place is written over by the next part.
+        let most = self.count.saturating_sub(lanes);
+        for part in parts::<S>() {
+            let starts = &self.starts[part * lanes..(part + 1) * lanes];
+            for place in (0..self.count).step_by(lanes) {
+                let place = place.min(most);
+                let mut rows = [Lanes::splat(simd, 0.0); WIDTH];
+                let places = &self.unknowns[place..place + lanes];
+                for (row, place) in rows.iter_mut().zip(places) {
+                    *row = place[axis].at(simd, part);
+                }
+                for (&start, column) in starts.iter().zip(transposed(simd, rows)) {
+                    let to = &mut to[start + place..start + place + WIDTH];
+                    vectors_mut::<S>(to, WIDTH / lanes)[0] = column.values();
+                }
             }
         }
+        // Empty places were written over the hinges before them.
+        let last = &self.unknowns[self.count - 1][axis].0;
+        for part in self.full..WIDTH {
+            to[self.starts[part]] = last[part - 1];
+        }
+        let behind = &mut to[BASE + self.hinges..BASE + self.hinges + WIDTH];
+        behind.fill(0.0);
     }
 
     /// Solves for the unknowns, which hold the right-hand sides place by place.
     #[inline(always)]
     fn solve_places<S: Simd>(&mut self, simd: S) {
-        let last = self.places.len() - 1;
+        let last = self.count - 1;
         let mut to_last = [Pair::zero(simd); WIDTH];
         let mut unknowns = [Pair::zero(simd); WIDTH];
         for part in parts::<S>() {
@@ -331,19 +435,25 @@ impl<S: Simd> Left<S> {
     }
 }
 
-fn factorise_short(dense: &mut Dense, hinges: usize, groups: &[HingeGroup]) -> bool {
+/// A register of an array, and what is behind it where registers are shorter.
+#[inline(always)]
+fn register(array: &[f64], first: usize) -> &[f64] {
+    &array[first..first + WIDTH]
+}
+
+fn factorise_short(dense: &mut Dense, hinges: usize, blocks: &HingeBlocks) -> bool {
     dense.clear();
     for k in 0..hinges {
-        let (group, before) = (&groups[k / WIDTH], (k + hinges - 1) % hinges);
+        let before = (k + hinges - 1) % hinges;
         for (entry, (i, j)) in [(0, 0), (1, 1), (0, 1)].into_iter().enumerate() {
-            let value = group.own[entry].0[k % WIDTH];
+            let value = blocks.own[entry][BASE + k];
             dense.add(2 * k + i, 2 * k + j, value);
             if i != j {
                 dense.add(2 * k + j, 2 * k + i, value);
             }
         }
-        for (entry, octet) in group.before.iter().enumerate() {
-            let value = octet.0[k % WIDTH];
+        for (entry, coupling) in blocks.before.iter().enumerate() {
+            let value = coupling[BASE + k];
             let (i, j) = (2 * k + entry / 2, 2 * before + entry % 2);
             dense.add(i, j, value);
             dense.add(j, i, value);
@@ -376,20 +486,20 @@ mod tests {
 
     struct FactoriseRing<'a> {
         ring: &'a mut Ring,
-        groups: &'a [HingeGroup],
+        blocks: &'a HingeBlocks,
     }
 
     impl WithSimd for FactoriseRing<'_> {
         type Output = bool;
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) -> bool {
-            self.ring.factorise(simd, self.groups)
+            self.ring.factorise(simd, self.blocks)
         }
     }
 
     struct SolveRing<'a> {
         ring: &'a mut Ring,
-        unknowns: [&'a mut [f64]; 2],
+        unknowns: &'a mut [Numbers; 2],
     }
 
     impl WithSimd for SolveRing<'_> {
@@ -410,28 +520,26 @@ mod tests {
         ) {
             let closed = |k: usize| !any_open || open[k] > 0;
             let mut next = numbers.iter().copied().cycle();
-            let mut groups = hinge_groups(n);
+            let mut blocks = HingeBlocks::new(n);
             for k in 0..n {
-                let (group, lane) = (&mut groups[k / WIDTH], k % WIDTH);
                 let coupled = closed(k) && closed((k + n - 1) % n);
-                for (entry, octet) in group.own.iter_mut().enumerate() {
+                for (entry, own) in blocks.own.iter_mut().enumerate() {
                     let one = f64::from(u8::from(entry < 2));
-                    octet.0[lane] = if closed(k) { 1.5 * one + next.next().unwrap() } else { one };
+                    own[BASE + k] = if closed(k) { 1.5 * one + next.next().unwrap() } else { one };
                 }
-                for octet in &mut group.before {
-                    octet.0[lane] = if coupled { next.next().unwrap() } else { 0.0 };
+                for before in &mut blocks.before {
+                    before[BASE + k] = if coupled { next.next().unwrap() } else { 0.0 };
                 }
             }
             let mut dense = DMatrix::<f64>::zeros(2 * n, 2 * n);
             for k in 0..n {
-                let (group, lane) = (&groups[k / WIDTH], k % WIDTH);
-                let [a, d, b] = [0, 1, 2].map(|i| group.own[i].0[lane]);
+                let [a, d, b] = [0, 1, 2].map(|i| blocks.own[i][BASE + k]);
                 dense[(2 * k, 2 * k)] += a;
                 dense[(2 * k + 1, 2 * k + 1)] += d;
                 dense[(2 * k, 2 * k + 1)] += b;
                 dense[(2 * k + 1, 2 * k)] += b;
                 let before = (k + n - 1) % n;
-                for (i, entry) in group.before.iter().map(|octet| octet.0[lane]).enumerate() {
+                for (i, entry) in blocks.before.iter().map(|coupling| coupling[BASE + k]).enumerate() {
                     dense[(2 * k + i / 2, 2 * before + i % 2)] += entry;
                     dense[(2 * before + i % 2, 2 * k + i / 2)] += entry;
                 }
@@ -441,12 +549,14 @@ mod tests {
             let mut bits: Option<Vec<f64>> = None;
             for set in InstructionSet::available() {
                 let mut ring = Ring::new(n);
-                let regular = set.run(FactoriseRing { ring: &mut ring, groups: &groups });
+                let regular = set.run(FactoriseRing { ring: &mut ring, blocks: &blocks });
                 prop_assert!(regular);
-                let mut x: Vec<f64> = right.iter().step_by(2).copied().collect();
-                let mut y: Vec<f64> = right.iter().skip(1).step_by(2).copied().collect();
-                set.run(SolveRing { ring: &mut ring, unknowns: [&mut x, &mut y] });
-                let found = DVector::from_fn(2 * n, |i, _| if i % 2 == 0 { x[i / 2] } else { y[i / 2] });
+                let mut unknowns = [hinge_numbers(n), hinge_numbers(n)];
+                for (i, &entry) in right.iter().enumerate() {
+                    unknowns[i % 2][BASE + i / 2] = entry;
+                }
+                set.run(SolveRing { ring: &mut ring, unknowns: &mut unknowns });
+                let found = DVector::from_fn(2 * n, |i, _| unknowns[i % 2][BASE + i / 2]);
                 let error = (&dense * &found - &right).amax() / found.amax().max(1e-3);
                 prop_assert!(error < 1e-12, "{} {}", set.name(), error);
                 if set.has_fused_multiply_add() {
@@ -460,14 +570,16 @@ mod tests {
     #[test]
     fn a_block_without_an_inverse_is_reported() {
         for hinge in [0, 3, 20, 37] {
-            let mut groups = hinge_groups(38);
             for wrong in [0.0, f64::NAN, -1.0] {
-                groups[hinge / WIDTH].own[0].0[hinge % WIDTH] = wrong;
+                let mut blocks = HingeBlocks::new(38);
+                blocks.own[0].fill(1.0);
+                blocks.own[1].fill(1.0);
+                blocks.own[0][BASE + hinge] = wrong;
                 for set in InstructionSet::available() {
                     let mut ring = Ring::new(38);
                     let regular = set.run(FactoriseRing {
                         ring: &mut ring,
-                        groups: &groups,
+                        blocks: &blocks,
                     });
                     assert!(!regular, "{hinge} {wrong} {}", set.name());
                 }

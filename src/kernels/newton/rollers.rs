@@ -278,14 +278,12 @@ impl RollerTerms {
             }
         }
         for (axis, to) in to.chunks_exact_mut(n).enumerate() {
-            let (whole, rest) = to.as_chunks_mut::<WIDTH>();
-            let mut free = groups.iter().map(|group| &group.free[axis].0);
-            for (to, free) in whole.iter_mut().zip(&mut free) {
-                *to = *free;
-            }
-            for (to, free) in rest.iter_mut().zip(free.flatten()) {
-                *to = *free;
-            }
+            super::write_octets(
+                simd,
+                #[inline(always)]
+                |i| &groups[i].free[axis],
+                to,
+            );
         }
     }
 }

@@ -53,31 +53,34 @@ impl ToothTerms {
     /// No teeth yet.
     #[inline(always)]
     pub(super) fn clear<const RUBBED: bool>(&mut self) {
-        let Self {
-            held,
-            spun,
-            column,
-            touched,
-        } = self;
-        for (group, touched) in touched.iter_mut().enumerate() {
-            if !std::mem::take(touched) {
+        for group in 0..self.touched.len() {
+            if !std::mem::take(&mut self.touched[group]) {
                 continue;
             }
-            let entries = BASE + group * WIDTH..BASE + (group + 1) * WIDTH;
-            for array in held.iter_mut().chain(pulls::<RUBBED>(column)) {
-                array[entries.clone()].fill(0.0);
+            for array in &mut self.held {
+                clear_group(array, group);
+            }
+            for arrays in &mut self.column {
+                clear_group(&mut arrays[0], group);
+                clear_group(&mut arrays[1], group);
+                if RUBBED {
+                    clear_group(&mut arrays[2], group);
+                }
             }
             if RUBBED {
-                for array in &mut *spun {
-                    array[entries.clone()].fill(0.0);
+                for array in &mut self.spun {
+                    clear_group(array, group);
                 }
             }
         }
-        for array in held.iter_mut().chain(pulls::<RUBBED>(column)) {
+        for array in &mut self.held {
+            array[BASE - 1] = 0.0;
+        }
+        for array in self.column.iter_mut().flatten() {
             array[BASE - 1] = 0.0;
         }
         if RUBBED {
-            for array in spun {
+            for array in &mut self.spun {
                 array[BASE - 1] = 0.0;
             }
         }
@@ -120,15 +123,26 @@ impl ToothTerms {
         let pulls = pulls::<RUBBED>(&mut self.column);
         for array in self.held.iter_mut().chain(pulls).chain(spun) {
             if past {
-                let (first, behind) = array[BASE..].split_at_mut(links);
-                for (entry, past) in first.iter_mut().zip(&mut behind[..overhang]) {
-                    *entry += *past;
-                    *past = 0.0;
+                // What is behind the overhang is zero.
+                for first in (BASE..BASE + overhang).step_by(WIDTH) {
+                    let behind = &mut array[first + links..first + links + WIDTH];
+                    let mut past = [0.0; WIDTH];
+                    past.copy_from_slice(behind);
+                    behind.fill(0.0);
+                    for (entry, past) in array[first..first + WIDTH].iter_mut().zip(past) {
+                        *entry += past;
+                    }
                 }
             }
             array[BASE - 1] = array[BASE + links - 1];
         }
     }
+}
+
+/// No teeth in this group of bushings.
+#[inline(always)]
+fn clear_group(array: &mut Numbers, group: usize) {
+    array.as_chunks_mut().0[BASE / WIDTH + group] = [0.0; WIDTH];
 }
 
 /// The columns' arrays; those of moments only with friction.
@@ -265,15 +279,16 @@ impl<const RUBBED: bool> WithSimd for AddTeeth<'_, RUBBED> {
                 }
             }
         }
-        totals(&corner)
+        totals(&corner, self.motions.len())
     }
 }
 
+/// Those on and above the diagonal of the first `count` rows.
 #[inline(always)]
-fn totals(corner: &[[PartialSums; MOST]; MOST]) -> [[f64; MOST]; MOST] {
+fn totals(corner: &[[PartialSums; MOST]; MOST], count: usize) -> [[f64; MOST]; MOST] {
     let mut totals = [[0.0; MOST]; MOST];
-    for (row, sums) in totals.iter_mut().zip(corner) {
-        for (total, sum) in row.iter_mut().zip(sums) {
+    for (i, (row, sums)) in totals.iter_mut().zip(corner).enumerate().take(count) {
+        for (total, sum) in row.iter_mut().zip(sums).take(count).skip(i) {
             *total = sum.total();
         }
     }
