@@ -58,10 +58,7 @@ _VARIABLES = {
     "energy_residual": Variable("energy", (), "J", "residual of the energy balance"),
 }
 
-_DAMAGED = (
-    "is no result of a mechanism, or is damaged ({}): give a file that "
-    "MechanismResult.save wrote, or copy or save it again"
-)
+_OF_MECHANISMS = ("MechanismResult.save", "a mechanism")  # what writes files, what they are of
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -191,31 +188,36 @@ class MechanismResult:
 
     @classmethod
     def load(cls, path: str | Path) -> MechanismResult:
-        """Return the result that `save` wrote to `path`."""
-        data = _netcdf.read(path, _DAMAGED)
+        """Return the result that `save` wrote to `path`; errors are those of `load_result`."""
+        data = _netcdf.read(path, *_OF_MECHANISMS)
         if "mechanism" not in data.attrs:
-            msg = f"path: {path} holds no result of a mechanism; load_result reads those of drives"
+            msg = (
+                f"path = {path}: holds no result of a mechanism; load_result reads those of drives"
+            )
             raise InvalidInput(msg)
-        names = {
-            part: tuple(map(str, data[part].values)) if part in data else ()
-            for part in ("body", "joint", "contact")
-        }
-        sizes = {part: len(listed) for part, listed in names.items()}
-        sizes |= {"coordinate": 3, "component": 3}
-        arrays = {"time": data["time"].values}
-        for name, v in _VARIABLES.items():
-            shape = (len(arrays["time"]), *(sizes[d] for d in v.dims))
-            arrays[name] = data[name].values if name in data else np.zeros(shape)
-        return cls(
-            arrays=arrays,
-            name=data.attrs["mechanism"],
-            body_names=names["body"],
-            joint_names=names["joint"],
-            contact_names=names["contact"],
-            status=data.attrs["status"],
-            message=data.attrs["message"],
-            stats=json.loads(data.attrs["stats"]),
-        )
+        try:
+            names = {
+                part: tuple(map(str, data[part].values)) if part in data else ()
+                for part in ("body", "joint", "contact")
+            }
+            sizes = {part: len(listed) for part, listed in names.items()}
+            sizes |= {"coordinate": 3, "component": 3}
+            arrays = {"time": data["time"].values}
+            for name, v in _VARIABLES.items():
+                shape = (len(arrays["time"]), *(sizes[d] for d in v.dims))
+                arrays[name] = data[name].values if name in data else np.zeros(shape)
+            return cls(
+                arrays=arrays,
+                name=data.attrs["mechanism"],
+                body_names=names["body"],
+                joint_names=names["joint"],
+                contact_names=names["contact"],
+                status=data.attrs["status"],
+                message=data.attrs["message"],
+                stats=json.loads(data.attrs["stats"]),
+            )
+        except Exception as error:  # so does what is damaged within
+            raise _netcdf.damaged(path, *_OF_MECHANISMS, error) from error
 
 
 def _place(part: str, name: str, names: tuple[str, ...]) -> int:

@@ -14,10 +14,7 @@ from rustchain._result_tables import ENDS, SCENE
 from rustchain.errors import InvalidInput
 from rustchain.result import Result
 
-_DAMAGED = (
-    "is no result of a drive, or is damaged ({}): give a file that "
-    "Result.save wrote, which is netCDF whatever its name, or copy or save it again"
-)
+_OF_DRIVES = ("Result.save", "a drive")  # what writes such files, and what they are of
 
 
 @known_keywords
@@ -26,15 +23,17 @@ def load_result(path: str | Path) -> Result:
 
     Raises
     ------
+    OSError
+        There is no such file (`FileNotFoundError`), or it is a folder (`IsADirectoryError`).
     InvalidInput
         The file holds no result of a drive, or is damaged.
     """
-    data = _netcdf.read(path, _DAMAGED)
+    data = _netcdf.read(path, *_OF_DRIVES)
     if "rustchain_version" not in data.attrs:
-        msg = f"path: {path} holds no result of rustchain"
+        msg = f"path = {path}: holds no result of rustchain: give a file that Result.save wrote"
         raise InvalidInput(msg)
     if "mechanism" in data.attrs:
-        msg = f"path: {path} holds the result of a mechanism; MechanismResult.load reads it"
+        msg = f"path = {path}: holds the result of a mechanism; MechanismResult.load reads it"
         raise InvalidInput(msg)
     try:
         scene: dict[str, Any] = {name: Description.from_json(data.attrs[name]) for name in SCENE}
@@ -49,5 +48,5 @@ def load_result(path: str | Path) -> Result:
             message=data.attrs["message"],
             stats=json.loads(data.attrs["stats"]),
         )
-    except KeyError as error:
-        raise InvalidInput(f"path = {path}: " + _DAMAGED.format(error)) from error
+    except Exception as error:  # so does what is damaged within
+        raise _netcdf.damaged(path, *_OF_DRIVES, error) from error
