@@ -101,7 +101,7 @@ pub fn newton(accuracy: f64) -> StepControl {
 }
 
 /// The paper's drive on two floating shafts, free and without gravity: nothing outside acts on it.
-pub fn floating(laws: &ForceLaws) -> Simulation {
+pub fn floating(laws: &ForceLaws, how: StepControl) -> Simulation {
     let mut drive = super::paper_drive();
     drive.gravity = Vec2::zeros();
     for (sprocket, speed) in drive.sprockets.iter_mut().zip([12.0, 18.0]) {
@@ -109,7 +109,7 @@ pub fn floating(laws: &ForceLaws) -> Simulation {
         sprocket.initial_speed = Some(speed);
         sprocket.bearing = rustchain::drive::Bearing::Floating;
     }
-    super::simulation(&drive, laws, newton(1e-10))
+    super::simulation(&drive, laws, how)
 }
 
 /// Residuals of all coordinates, a few of them.
