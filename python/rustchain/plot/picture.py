@@ -96,7 +96,7 @@ class DrivePicture(Figures):
         apart = np.clip(_NUMBERS_APART / scale, chain.pitch, 1.5 * chain.pitch)
         free = [Path(outline) for outline in covered]
         # The last ones of a closed chain would stand in the way of the first.
-        last = chain.links + (1 if drive.ends is not None else -2)
+        last = chain.links + (1 if drive.ends is not None else -1)
         for number in (1, *range(6, last, 5 * max(1, chain.links // 200))):
             here = hinges[number - 1]
             if len(wheels) == 2 and drive.ends is None:
