@@ -5,8 +5,7 @@
 mod common;
 
 use common::checks::{floating, keeps_momentum, lacks, largest};
-use common::rubbing::{both_chains, kernels_beside_twins, lost, pulled, standing};
-use rustchain::dynamics::Dynamics;
+use common::rubbing::{Standing, both_chains, kernels_beside_twins, lost, pulled, standing};
 use rustchain::force_law::{Film, Friction, LuGre, Regularization};
 use rustchain::integrator::{Adams, Corrector, SecondOrderSystem, StepControl};
 use rustchain::model::Quantity;
@@ -47,7 +46,7 @@ fn drive(laws: &ForceLaws, corrector: Corrector) -> Simulation {
 }
 
 /// Each of them with bristles in each of the places, and in hinges with thin oil, when all is pressed.
-fn pressed() -> Vec<(ForceLaws, (Dynamics, f64, Vec<f64>))> {
+fn pressed() -> Vec<(ForceLaws, Standing)> {
     let oiled = ForceLaws {
         hinge_bristles: Some(bristles()),
         hinge_film: Some(Film {
@@ -144,7 +143,7 @@ fn the_balance_closes_and_what_is_lost_adds_up() {
 }
 
 /// The state a tenth of a millisecond on, in which bristles bend and slip and few contacts close.
-fn goes_on(from: &(Dynamics, f64, Vec<f64>), corrector: Corrector, accuracy: f64) -> Vec<f64> {
+fn goes_on(from: &Standing, corrector: Corrector, accuracy: f64) -> Vec<f64> {
     let (mut dynamics, t, mut y) = from.clone();
     let how = StepControl {
         accuracy,

@@ -5,10 +5,9 @@
 mod common;
 
 use common::checks::{corrections_have_the_same_bits, floating, keeps_momentum, lacks, newton};
-use common::rubbing::{both_chains, kernels_beside_twins, lost, pulled, standing};
+use common::rubbing::{Standing, both_chains, kernels_beside_twins, lost, pulled, standing};
 
 use rustchain::drive::Drive;
-use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Friction, Regularization};
 use rustchain::integrator::{Corrector, StepControl};
 use rustchain::{ForceLaws, Groups, Simulation};
@@ -47,7 +46,7 @@ fn drive(laws: &ForceLaws, pretension: f64) -> Simulation {
 }
 
 /// A drive when all is pressed.
-fn pressed(drive: Drive, laws: &ForceLaws, pretension: f64) -> (Dynamics, f64, Vec<f64>) {
+fn pressed(drive: Drive, laws: &ForceLaws, pretension: f64) -> Standing {
     standing(pulled(drive, laws, pretension, newton(1e-10)), 8e-3)
 }
 

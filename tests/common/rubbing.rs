@@ -21,8 +21,11 @@ pub fn pulled(mut drive: Drive, laws: &ForceLaws, pretension: f64, how: StepCont
     super::simulation(&drive, laws, how)
 }
 
+/// What finds the forces of a run, with its contacts' memory; the time, and the state then.
+pub type Standing = (Dynamics, f64, Vec<f64>);
+
 /// How a run stands at a time.
-pub fn standing(mut run: Simulation, time: f64) -> (Dynamics, f64, Vec<f64>) {
+pub fn standing(mut run: Simulation, time: f64) -> Standing {
     super::advance(&mut run, time);
     let (t, y) = (run.integrator().time(), run.integrator().y().to_vec());
     (run.dynamics().clone(), t, y)
@@ -41,7 +44,7 @@ pub struct Beside {
 /// Asserts that each set of instructions gives the accelerations of links and rollers that the twins give, to 1e-7 of the largest
 /// along that axis or of `least`, and the losses to 1e-7; hands on each.
 pub fn kernels_beside_twins(
-    (dynamics, t, y): &(Dynamics, f64, Vec<f64>),
+    (dynamics, t, y): &Standing,
     least: f64,
 ) -> impl Iterator<Item = Beside> {
     InstructionSet::available().into_iter().map(move |set| {
