@@ -149,7 +149,7 @@ def run(
         float | None, typer.Option(help="Time between two rows [s]; 1e-4 by default.")
     ] = None,
     record: Annotated[
-        str | None, typer.Option(help="What to record, of hinges,teeth,sprockets,bodies.")
+        str | None, typer.Option(help="What to record, of hinges,teeth,sprockets,bodies,energy.")
     ] = None,
     energy: Annotated[
         bool | None,
@@ -282,9 +282,10 @@ def catalogue(
         if name is not None:
             typer.echo(sizes[rc.catalogue_chain(name, links=8).name])
             return
-        typer.echo(
-            f"{'chain':<10}{'pitch':>9}{'roller':>9}{'width':>9}{'pin':>9}{'kg/m':>9}{'kN':>9}"
-        )
+        columns = ("pitch", "roller", "width", "pin", "mass", "strength")
+        units = ("mm", "mm", "mm", "mm", "kg/m", "kN")
+        for label, head in (("chain", columns), ("", units)):
+            typer.echo(f"{label:<10}" + "".join(f"{one:>9}" for one in head))
         for size in sizes.values():
             lengths = (size.pitch, size.roller_diameter, size.inner_width, size.pin_diameter)
             row = "".join(f"{1e3 * length:9.3f}" for length in lengths)

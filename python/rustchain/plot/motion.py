@@ -192,7 +192,7 @@ class MotionFigures(Figures):
         for place, power in enumerate(powers):
             left = power >= 0.0
             axes.annotate(
-                f"{power + 0.0:.4g} W",
+                f"{power + 0.0:.4g} W".replace("-", "−"),
                 (power, place),
                 xytext=(4 if left else -4, 0),
                 textcoords="offset points",
