@@ -33,7 +33,7 @@ pub enum Error {
     /// Step after step is made and time stands still.
     #[error(
         "steps have fallen to {step_size:.1e} s on average at t = {time:.9} s and lead nowhere, {culprit}: raise \
-         min_approach_speed or the tolerances"
+         min_approach_speed or the tolerances, or max_step where that is what holds them"
     )]
     Standstill {
         /// Time reached \[s\].
@@ -95,9 +95,20 @@ impl Error {
     ) -> Self {
         Self::InvalidValue {
             field: field.into(),
-            value: value.to_string(),
+            value: legible(value.to_string()),
             expected: expected.into(),
         }
+    }
+}
+
+/// Most characters of a number that is written without an exponent.
+const LONGEST_NUMBER: usize = 24;
+
+/// A text as it is, but a number of hundreds of digits with an exponent.
+fn legible(text: String) -> String {
+    match text.parse::<f64>() {
+        Ok(number) if text.len() > LONGEST_NUMBER => format!("{number:e}"),
+        _ => text,
     }
 }
 
@@ -194,5 +205,22 @@ pub(crate) mod check {
             value,
             format!("must be between {low} and {high}"),
         ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Error;
+
+    #[test]
+    fn a_value_is_said_as_it_was_written() {
+        let said = |value: f64| Error::invalid("step", value, "is odd").to_string();
+        assert_eq!(said(0.1 + 0.2), "step = 0.30000000000000004: is odd");
+        assert_eq!(said(1e-300), "step = 1e-300: is odd");
+        assert_eq!(said(-f64::MAX), "step = -1.7976931348623157e308: is odd");
+        assert_eq!(said(f64::NAN), "step = NaN: is odd");
+        let name = "a sprocket of forty characters or so".to_string();
+        let error = Error::invalid("name", &name, "is odd");
+        assert_eq!(error.to_string(), format!("name = {name}: is odd"));
     }
 }

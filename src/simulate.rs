@@ -478,7 +478,7 @@ pub fn check_reports(duration: f64, report_step: f64) -> Result<()> {
         return Err(Error::invalid(
             "report_step",
             report_step,
-            "gives more than 1e9 reports: make it larger",
+            "gives more than 1e9 reports: make it larger, or the duration shorter",
         ));
     }
     Ok(())

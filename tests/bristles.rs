@@ -4,16 +4,12 @@
 
 mod common;
 
-use common::checks::{keeps_momentum, lacks, largest};
-
-use rustchain::drive::{Drive, Motion};
-use rustchain::dynamics::Dynamics;
+use common::checks::{floating, keeps_momentum, lacks, largest};
+use common::rubbing::{Standing, both_chains, kernels_beside_twins, lost, pulled, standing};
 use rustchain::force_law::{Film, Friction, LuGre, Regularization};
-use rustchain::geometry::Vec2;
-use rustchain::integrator::{Adams, Corrector, OdeSystem, SecondOrderSystem, StepControl};
+use rustchain::integrator::{Adams, Corrector, SecondOrderSystem, StepControl};
 use rustchain::model::Quantity;
-use rustchain::vector::InstructionSet;
-use rustchain::{ForceLaws, Groups, Simulation};
+use rustchain::{ForceLaws, Simulation};
 
 fn bristles() -> LuGre {
     LuGre {
@@ -44,20 +40,13 @@ fn control(corrector: Corrector) -> StepControl {
     }
 }
 
-fn drive_of(mut drive: Drive, laws: &ForceLaws, pretension: f64, how: StepControl) -> Simulation {
-    if pretension > 0.0 {
-        drive.tensioner = Some(common::tensioner(pretension, 2e-3));
-    }
-    common::simulation(&drive, laws, how)
-}
-
-/// With bushings on the teeth, and with rollers.
-fn both_chains() -> [Drive; 2] {
-    [common::paper_drive(), common::roller_drive()]
+/// The paper's drive at 100 N.
+fn drive(laws: &ForceLaws, corrector: Corrector) -> Simulation {
+    pulled(common::paper_drive(), laws, 100.0, control(corrector))
 }
 
 /// Each of them with bristles in each of the places, and in hinges with thin oil, when all is pressed.
-fn pressed() -> Vec<(ForceLaws, Dynamics, f64, Vec<f64>)> {
+fn pressed() -> Vec<(ForceLaws, Standing)> {
     let oiled = ForceLaws {
         hinge_bristles: Some(bristles()),
         hinge_film: Some(Film {
@@ -71,10 +60,8 @@ fn pressed() -> Vec<(ForceLaws, Dynamics, f64, Vec<f64>)> {
     let mut all = Vec::new();
     for drive in both_chains() {
         for laws in places(bristles()).into_iter().chain([oiled]) {
-            let mut run = drive_of(drive.clone(), &laws, 100.0, control(Corrector::Auto));
-            common::advance(&mut run, 6e-3);
-            let (t, y) = (run.integrator().time(), run.integrator().y().to_vec());
-            all.push((laws, run.dynamics().clone(), t, y));
+            let run = pulled(drive.clone(), &laws, 100.0, control(Corrector::Auto));
+            all.push((laws, standing(run, 6e-3)));
         }
     }
     all
@@ -82,51 +69,23 @@ fn pressed() -> Vec<(ForceLaws, Dynamics, f64, Vec<f64>)> {
 
 #[test]
 fn kernels_give_what_their_twins_give() {
-    for (laws, dynamics, t, y) in pressed() {
-        for set in InstructionSet::available() {
-            let mut dynamics = dynamics.clone();
-            dynamics.use_instructions(set);
-            dynamics.keep_energy(true);
-            let mut slope = vec![0.0; y.len()];
-            dynamics.derivative(t, &y, &mut slope);
-            let powers = dynamics.powers();
-            let twin = dynamics.evaluate(t, &y);
-            let model = dynamics.model().clone();
-            let (n, nq) = (model.links, model.coordinates);
-            let (rates, twins) = (&slope[nq..], &dynamics.accelerations);
-            let links = [&twins.x, &twins.y, &twins.angle];
-            for (axis, twin) in links.into_iter().enumerate() {
-                let own = &rates[axis * n..(axis + 1) * n];
-                let size = largest(own);
-                for (i, (rate, twin)) in own.iter().zip(twin).enumerate() {
-                    assert!(
-                        (rate - twin).abs() < 1e-7 * size,
-                        "{laws:?}, {}, axis {axis} of link {i}: {rate:e} for {twin:e}, of {size:e}",
-                        set.name()
-                    );
-                }
-            }
-            let bent = &rates[model.bristles.all()];
-            assert_eq!(bent.len(), dynamics.bristles.rate.len());
+    for (laws, state) in pressed() {
+        for beside in kernels_beside_twins(&state, 0.0) {
+            let model = beside.twins.model();
+            let bent = &beside.slope[model.coordinates..][model.bristles.all()];
+            let twins = &beside.twins.bristles.rate;
+            assert_eq!(bent.len(), twins.len());
             let size = largest(bent);
-            for (rate, twin) in bent.iter().zip(&dynamics.bristles.rate) {
+            for (rate, twin) in bent.iter().zip(twins) {
                 assert!((rate - twin).abs() <= 1e-7 * size, "{rate} for {twin}");
             }
             assert!(bent.iter().filter(|rate| **rate != 0.0).count() > 4);
-            for (loss, twin) in powers.losses.values().iter().zip(twin.losses.values()) {
-                assert!((loss - twin).abs() <= 1e-7 * twin.abs());
-            }
+            let losses = beside.twins_losses;
             // Oil may bear all hinges.
             if laws.hinge_film.is_none() {
-                assert_eq!(
-                    twin.losses.hinge_friction != 0.0,
-                    laws.hinge_bristles.is_some()
-                );
+                assert_eq!(losses.hinge_friction != 0.0, laws.hinge_bristles.is_some());
             }
-            assert_eq!(
-                twin.losses.tooth_friction != 0.0,
-                laws.tooth_bristles.is_some()
-            );
+            assert_eq!(losses.tooth_friction != 0.0, laws.tooth_bristles.is_some());
         }
     }
 }
@@ -134,14 +93,7 @@ fn kernels_give_what_their_twins_give() {
 #[test]
 fn bristles_take_no_momentum_from_a_drive_that_floats() {
     for laws in places(bristles()) {
-        let mut drive = common::paper_drive();
-        drive.gravity = Vec2::zeros();
-        for (sprocket, speed) in drive.sprockets.iter_mut().zip([12.0, 18.0]) {
-            sprocket.motion = Motion::Free;
-            sprocket.initial_speed = Some(speed);
-            sprocket.bearing = rustchain::drive::Bearing::Floating;
-        }
-        let mut run = common::simulation(&drive, &laws, control(Corrector::Auto));
+        let mut run = floating(&laws, control(Corrector::Auto));
         let mut rubbed = 0;
         for report in 1..=200 {
             common::advance(&mut run, 1e-4 * f64::from(report));
@@ -154,7 +106,7 @@ fn bristles_take_no_momentum_from_a_drive_that_floats() {
 
 #[test]
 fn a_correction_by_newtons_matrix_lacks_little() {
-    for (laws, mut dynamics, t, y) in pressed() {
+    for (laws, (mut dynamics, t, y)) in pressed() {
         let model = dynamics.model().clone();
         let bent = y[model.coordinates..][model.bristles.all()].to_vec();
         for gamma in [5e-6, 1e-6, 1e-7] {
@@ -175,42 +127,23 @@ fn the_balance_closes_and_what_is_lost_adds_up() {
             (Corrector::Auto, 0.01),
             (Corrector::Pece, 0.005),
         ] {
-            let mut run = drive_of(common::paper_drive(), &laws, 100.0, control(corrector));
-            let groups = Groups {
-                energy: true,
-                ..Groups::default()
-            };
-            let recording = common::record(&mut run, span, 1e-3, groups);
-            let of = |name| common::channel(&recording, name);
-            let dissipated = of("energy_dissipated");
-            let lost = *dissipated.last().unwrap();
-            let share = largest(&of("energy_residual")) / lost;
+            let lost = lost(&mut drive(&laws, corrector), span, 1e-12);
             // Measured: at most 6e-5.
+            let share = lost.missing;
             assert!(share < 1e-3, "{laws:?}, {corrector:?}: {share:e}");
-            let parts = [
-                "energy_hinge_contact",
-                "energy_tooth_contact",
-                "energy_hinge_friction",
-                "energy_tooth_friction",
-            ]
-            .map(of);
-            for (i, &sum) in dissipated.iter().enumerate() {
-                let contacts: f64 = parts.iter().map(|part| part[i]).sum();
-                assert!(contacts <= sum * (1.0 + 1e-12) + 1e-12);
-            }
             let rubbing = [laws.hinge_bristles, laws.tooth_bristles];
-            for (part, law) in parts[2..].iter().zip(rubbing) {
-                assert_eq!(part.last().unwrap() > &1e-5, law.is_some(), "{laws:?}");
+            for (place, law) in lost.places[2..].iter().zip(rubbing) {
+                assert_eq!(place.last().unwrap() > &1e-5, law.is_some(), "{laws:?}");
                 // Where a load changes a bent bristle's store changes with it.
-                let falls = part.windows(2).map(|pair| pair[0] - pair[1]);
-                assert!(falls.fold(0.0, f64::max) < 0.02 * lost, "{part:?}");
+                let falls = place.windows(2).map(|pair| pair[0] - pair[1]);
+                assert!(falls.fold(0.0, f64::max) < 0.02 * lost.all, "{place:?}");
             }
         }
     }
 }
 
 /// The state a tenth of a millisecond on, in which bristles bend and slip and few contacts close.
-fn goes_on(from: &(Dynamics, f64, Vec<f64>), corrector: Corrector, accuracy: f64) -> Vec<f64> {
+fn goes_on(from: &Standing, corrector: Corrector, accuracy: f64) -> Vec<f64> {
     let (mut dynamics, t, mut y) = from.clone();
     let how = StepControl {
         accuracy,
@@ -236,17 +169,7 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
 #[test]
 fn results_do_not_depend_on_where_steps_fall() {
     let [.., laws] = places(bristles());
-    let from = {
-        let mut run = drive_of(
-            common::paper_drive(),
-            &laws,
-            100.0,
-            control(Corrector::Auto),
-        );
-        common::advance(&mut run, 5e-3);
-        let (t, y) = (run.integrator().time(), run.integrator().y().to_vec());
-        (run.dynamics().clone(), t, y)
-    };
+    let from = standing(drive(&laws, Corrector::Auto), 5e-3);
     let model = from.0.model().clone();
     let scale = bristles().breakaway();
     let parts = |y: &[f64]| {
@@ -271,12 +194,7 @@ fn results_do_not_depend_on_where_steps_fall() {
 #[test]
 fn speeds_set_under_way_leave_bristles_as_they_are() {
     let [.., laws] = places(bristles());
-    let mut run = drive_of(
-        common::paper_drive(),
-        &laws,
-        100.0,
-        control(Corrector::Auto),
-    );
+    let mut run = drive(&laws, Corrector::Auto);
     common::advance(&mut run, 2.000_3e-3);
     let before = run.present().bristles.deflection.clone();
     run.set_input(0, Quantity::Speed, 13.0.into()).unwrap();

@@ -7,10 +7,8 @@ mod common;
 use common::checks::{
     corrections_have_the_same_bits, floating, keeps_momentum, lacks, largest, newton,
 };
-use rustchain::dynamics::Dynamics;
+use common::rubbing::{kernels_beside_twins, pulled, standing};
 use rustchain::force_law::{Film, Friction, Regularization};
-use rustchain::integrator::OdeSystem;
-use rustchain::vector::InstructionSet;
 use rustchain::{ForceLaws, Groups, Simulation};
 
 fn film(viscosity: f64) -> ForceLaws {
@@ -45,19 +43,7 @@ fn scenes(viscosity: f64) -> [ForceLaws; 2] {
 
 /// The paper's drive with these laws.
 fn drive(laws: &ForceLaws, pretension: f64) -> Simulation {
-    let mut drive = common::paper_drive();
-    if pretension > 0.0 {
-        drive.tensioner = Some(common::tensioner(pretension, 2e-3));
-    }
-    common::simulation(&drive, laws, newton(1e-10))
-}
-
-/// Where it is after some milliseconds.
-fn later(laws: &ForceLaws, pretension: f64, time: f64) -> (Dynamics, f64, Vec<f64>) {
-    let mut run = drive(laws, pretension);
-    common::advance(&mut run, time);
-    let (t, y) = (run.integrator().time(), run.integrator().y().to_vec());
-    (run.dynamics().clone(), t, y)
+    pulled(common::paper_drive(), laws, pretension, newton(1e-10))
 }
 
 #[test]
@@ -65,36 +51,10 @@ fn kernels_give_what_their_twins_give() {
     for viscosity in [0.01, 0.5] {
         for laws in scenes(viscosity) {
             for pretension in [0.0, 100.0] {
-                let (dynamics, t, y) = later(&laws, pretension, 6e-3);
-                for set in InstructionSet::available() {
-                    let mut dynamics = dynamics.clone();
-                    dynamics.use_instructions(set);
-                    dynamics.keep_energy(true);
-                    let mut slope = vec![0.0; y.len()];
-                    dynamics.derivative(t, &y, &mut slope);
-                    let powers = dynamics.powers();
-                    let twin = dynamics.evaluate(t, &y);
-                    let (n, nq) = (dynamics.model().links, dynamics.model().coordinates);
-                    let twins = &dynamics.accelerations;
-                    let rates = &slope[nq..];
-                    for (i, (twin, rate)) in (twins.x[..n].iter())
-                        .chain(&twins.y[..n])
-                        .chain(&twins.angle[..n])
-                        .zip(rates)
-                        .enumerate()
-                    {
-                        // The rate of the eccentricity is a difference of velocities a thousand times as large.
-                        let size = largest(&rates[i / n * n..(i / n + 1) * n]).max(1.0);
-                        assert!(
-                            (twin - rate).abs() < 1e-7 * size,
-                            "{laws:?}, {}, {i}: {rate} for {twin}",
-                            set.name()
-                        );
-                    }
-                    for (loss, twin) in (powers.losses.values().iter()).zip(twin.losses.values()) {
-                        assert!((loss - twin).abs() <= 1e-7 * twin.abs() + 1e-15);
-                    }
-                    assert!(powers.losses.hinge_film > 0.0);
+                let state = standing(drive(&laws, pretension), 6e-3);
+                // The rate of the eccentricity is a difference of velocities a thousand times as large.
+                for beside in kernels_beside_twins(&state, 1.0) {
+                    assert!(beside.losses.hinge_film > 0.0);
                 }
             }
         }
@@ -104,7 +64,7 @@ fn kernels_give_what_their_twins_give() {
 #[test]
 fn a_film_takes_no_momentum_from_a_drive_that_floats() {
     for laws in scenes(0.1) {
-        let mut run = floating(&laws);
+        let mut run = floating(&laws, newton(1e-10));
         for report in 1..=20 {
             common::advance(&mut run, 5e-4 * f64::from(report));
             assert!(keeps_momentum(&run).hinge_film > 0.0);
@@ -117,7 +77,7 @@ fn a_correction_by_newtons_matrix_lacks_little() {
     for viscosity in [0.01, 0.1, 0.5] {
         for laws in scenes(viscosity) {
             for pretension in [0.0, 25.0, 100.0] {
-                let (mut dynamics, t, y) = later(&laws, pretension, 8e-3);
+                let (mut dynamics, t, y) = standing(drive(&laws, pretension), 8e-3);
                 for gamma in [1e-5, 1e-6, 1e-7] {
                     let found = lacks(&mut dynamics, t, &y, gamma);
                     // Measured: at most 0.009 without friction and 0.08 with it.
@@ -139,7 +99,7 @@ fn a_correction_by_newtons_matrix_lacks_little() {
 #[test]
 fn corrections_have_the_same_bits_with_all_instructions() {
     for laws in scenes(0.1) {
-        let (dynamics, t, y) = later(&laws, 100.0, 6e-3);
+        let (dynamics, t, y) = standing(drive(&laws, 100.0), 6e-3);
         assert!(corrections_have_the_same_bits(&dynamics, t, &y), "{laws:?}");
     }
 }

@@ -4,7 +4,8 @@
 
 mod common;
 
-use common::open::{at_rest, first_row, hoist, tightened};
+use common::checks::{is_warned_of, rests_with};
+use common::open::{at_rest, first_row, hoist, tensions, tightened};
 use common::{channel, energies};
 use rustchain::drive::{ChainEnd, Drive, Motion, Tensioner};
 use rustchain::geometry::Vec2;
@@ -12,13 +13,11 @@ use rustchain::integrator::StepControl;
 use rustchain::state::Start;
 use rustchain::{Equilibrium, ForceLaws};
 
-fn tensions(drive: &Drive) -> (Equilibrium, Vec<f64>) {
+fn tensions_at_rest(drive: &Drive) -> (Equilibrium, Vec<f64>) {
     let mut drive = drive.clone();
     drive.tensioner.as_mut().unwrap().ramp_time = 0.0;
     let (mut run, rest) = at_rest(&drive, &ForceLaws::default(), StepControl::default());
-    let row = first_row(&mut run);
-    let strands = drive.sprockets.len() + 1;
-    (rest, channel(&row, "strand_tension")[..strands].to_vec())
+    (rest, tensions(&mut run, drive.sprockets.len() + 1))
 }
 
 #[test]
@@ -38,16 +37,7 @@ fn every_strand_between_two_pins_gets_the_tension_that_is_asked_for() {
             stiffness,
             ..common::tensioner(80.0, 0.0)
         });
-        let (rest, tension) = tensions(&drive);
-        assert!(rest.residual < 1e-4, "{name}: {} N left", rest.residual);
-        // As of closed chains: in the play of their seats bushings pull on slightly other arms.
-        for (i, tension) in tension.iter().enumerate() {
-            assert!(
-                (tension - 80.0).abs() < 4.0,
-                "{name}, strand {}: {tension} N",
-                i + 1
-            );
-        }
+        rests_with(80.0, name, tensions_at_rest(&drive));
     }
 }
 
@@ -61,9 +51,7 @@ fn a_stop_before_the_slack_is_taken_up_is_warned_of() {
         free.warnings
     );
     drive.tensioner.as_mut().unwrap().travel = [0.0, 1e-4];
-    let (_, stopped) = Start::generate(&drive).unwrap();
-    let warned = |text: &str| stopped.warnings.iter().any(|w| w.contains(text));
-    assert!(warned("can by 0.100 mm"), "{:?}", stopped.warnings);
+    is_warned_of(&drive, "can by 0.100 mm");
 }
 
 /// A wheel over which a load hangs, carried by a tensioner with a spring.

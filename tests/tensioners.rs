@@ -6,11 +6,13 @@ mod common;
 
 use std::sync::Arc;
 
+use common::checks::{is_warned_of, rests_with};
 use common::layouts::{PITCH, three_shafts};
+use common::open::tensions;
 use rustchain::drive::{Drive, Motion, Tensioner};
 use rustchain::geometry::Vec2;
 use rustchain::state::Start;
-use rustchain::{Equilibrium, ForceLaws, Groups, Model, Simulation};
+use rustchain::{Equilibrium, ForceLaws, Model, Simulation};
 
 /// Tension of every strand of a drive at rest \[N\].
 fn tensions_at_rest(drive: &Drive) -> (Equilibrium, Vec<f64>) {
@@ -30,14 +32,7 @@ fn tensions_at_rest(drive: &Drive) -> (Equilibrium, Vec<f64>) {
     let model = Arc::new(Model::compile(&held, &laws, &start).unwrap());
     let control = rustchain::integrator::StepControl::default();
     let mut simulation = Simulation::new(model, &start, control).unwrap();
-    let groups = Groups {
-        hinges: true,
-        ..Groups::default()
-    };
-    let recording = common::record(&mut simulation, 1e-6, 1e-6, groups);
-    let strands = drive.sprockets.len();
-    let tension = common::channel(&recording, "strand_tension")[..strands].to_vec();
-    (rest, tension)
+    (rest, tensions(&mut simulation, drive.sprockets.len()))
 }
 
 fn tensioner(number: usize, pretension: f64) -> Tensioner {
@@ -66,16 +61,7 @@ fn every_tensioner_gives_its_strands_the_tension_it_is_asked_for() {
         ("spring", spring),
     ] {
         drive.tensioner = Some(tensioner);
-        let (rest, tension) = tensions_at_rest(&drive);
-        assert!(rest.residual < 1e-4, "{name}: {} N left", rest.residual);
-        // Bushings are pushed up the flanks of the teeth: with the play of the seats the strands pull on slightly other arms.
-        for (i, tension) in tension.iter().enumerate() {
-            assert!(
-                (tension - 80.0).abs() < 4.0,
-                "{name}, strand {}: {tension} N",
-                i + 1
-            );
-        }
+        rests_with(80.0, name, tensions_at_rest(&drive));
     }
 }
 
@@ -88,8 +74,7 @@ fn a_stop_before_the_slack_is_taken_up_is_warned_of_and_bears_the_pull() {
         ..tensioner(4, 80.0)
     });
     let (_, layout) = Start::generate(&drive).unwrap();
-    let warned = |text: &str| layout.warnings.iter().any(|warning| warning.contains(text));
-    assert!(warned("can by 5.000 mm"), "{:?}", layout.warnings);
+    is_warned_of(&drive, "can by 5.000 mm");
     let (rest, tension) = tensions_at_rest(&drive);
     let sprocket = rest.start.positions[drive.chain.links as usize + 3];
     let moved = (Vec2::new(sprocket[0], sprocket[1]) - drive.sprockets[3].center).norm();

@@ -30,5 +30,5 @@ axes = figure.axes[0]
 figure.set_layout_engine("none")
 figure.set_size_inches(8.0, 3.4)
 axes.set(xlim=(-0.12, 0.45), ylim=(-0.11, 0.11))
-axes.set_title("head of the conveyor, t = 0.02 s", loc="left")
+axes.set_title("head of the conveyor, t = 0.02 s", loc="left", fontsize=9.5, weight="bold")
 figure.savefig("conveyor.png")

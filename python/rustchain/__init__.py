@@ -73,7 +73,8 @@ from rustchain.mechanism_result import MechanismResult
 from rustchain.mechanism_simulation import MechanismSimulation
 from rustchain.mechanism_stop import ContactForceAbove, JointForceAbove
 from rustchain.report import DriveReport
-from rustchain.result import Result, load_result
+from rustchain.result import Result
+from rustchain.result_file import load_result
 from rustchain.scene import Scene, load_scene
 from rustchain.simulation import Evaluation, Simulation, Solver
 from rustchain.stop import (

@@ -50,7 +50,7 @@ class Source:
             msg = f"{path}: cannot be read ({error.strerror}): give the path of a drive file"
             raise InvalidInput(msg) from error
         except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-            msg = f"{path}: is no TOML: {error}"
+            msg = f"{path}: is no TOML ({error}): give a drive file, as docs/files.md has them"
             raise InvalidInput(msg) from error
         return cls(path, content, _lines_of(text))
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 import numpy as np
 
 from rustchain._description import Description
+from rustchain._paths import check_there
 from rustchain.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -80,6 +81,7 @@ def write(path: str | Path, scene: Mapping[str, Any], state: Mapping[str, Any]) 
 
 def read(path: str | Path) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the scene and the state that `write` wrote."""
+    check_there(path, "Simulation.save_state")
     packed = Path(path).read_bytes()
     try:
         with np.load(io.BytesIO(packed), allow_pickle=False) as file:
@@ -88,7 +90,10 @@ def read(path: str | Path) -> tuple[dict[str, Any], dict[str, Any]]:
         if found == _FORMAT:
             return _scene_of(members), _state_of(members)
     except Exception as error:  # a damaged archive raises what it likes
-        msg = f"path = {path}: holds no state of rustchain, or is damaged; copy or save it again"
+        msg = (
+            f"path = {path}: holds no state of rustchain, or is damaged: give a file that "
+            "Simulation.save_state wrote, or copy or save it again"
+        )
         raise InvalidInput(msg) from error
     msg = (
         f"path = {path}: has format {found}, this rustchain reads {_FORMAT}: load it with the one "

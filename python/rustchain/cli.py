@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,6 +14,7 @@ import typer
 
 import rustchain as rc
 from rustchain._names import suggest
+from rustchain._paths import unwritable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -78,9 +80,12 @@ def rustchain(
 _NETCDF = ("", ".nc", ".nc4", ".cdf", ".h5", ".hdf5")
 
 
+_SOME_HINGES = (6, 11)  # those that the published figures show
+
+
 def _check_file(path: Path) -> None:
-    """Refuse what no result can be written to, before anything runs."""
-    if path.is_dir():
+    """Refuse what is no file of results by its name."""
+    if os.path.isdir(path):  # noqa: PTH112, Path.is_dir raises for a name that is too long
         msg = f"out = {path}: is a folder; name a file in it, such as {path / 'run.nc'}"
         raise rc.InvalidInput(msg)
     if path.suffix.lower() not in _NETCDF:
@@ -89,6 +94,27 @@ def _check_file(path: Path) -> None:
             "(load_result(...).to_pandas() makes tables of it)"
         )
         raise rc.InvalidInput(msg)
+
+
+def _make_room(path: Path) -> None:
+    """Make the folder of a file and see that it can be written, before anything runs."""
+    _make_folder(path.parent)
+    try:
+        new = not path.exists()
+        path.open("ab").close()
+    except OSError as error:
+        raise OSError(f"out = {path}: {unwritable(error)}") from error
+    if new:
+        path.unlink()
+
+
+def _make_folder(path: Path) -> None:
+    """Make a folder for what is written."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        reason = "there is a file of that name" if path.exists() else error.strerror
+        raise OSError(f"out: the folder {path} cannot be made ({reason}): name another") from error
 
 
 Drive = Annotated[str, typer.Argument(help="A drive file, such as my_drive.toml; or paper.")]
@@ -123,7 +149,7 @@ def run(
         float | None, typer.Option(help="Time between two rows [s]; 1e-4 by default.")
     ] = None,
     record: Annotated[
-        str | None, typer.Option(help="What to record, of hinges,teeth,sprockets,bodies.")
+        str | None, typer.Option(help="What to record, of hinges,teeth,sprockets,bodies,energy.")
     ] = None,
     energy: Annotated[
         bool | None,
@@ -158,7 +184,7 @@ def run(
         scene = scene.changed(simulation, solver, _given(reports))
         path = out or scene.out or Path("run.nc")
         _check_file(path)
-        path.parent.mkdir(parents=True, exist_ok=True)
+        _make_room(path)
         try:
             result = scene.run_simulation(scene.simulate())
         except rc.SimulationError as error:
@@ -192,18 +218,23 @@ def plot(
     ],
     out: Annotated[Path, typer.Option(help="Folder for the figures.")] = Path("figures"),
     hinges: Annotated[
-        str, typer.Option(help="Numbers of the hinges and bushings to draw.")
-    ] = "6,11",
+        str | None,
+        typer.Option(help="Numbers of the hinges and bushings to draw; 6,11 by default."),
+    ] = None,
     form: Annotated[str, typer.Option("--format", help="png, pdf or svg.")] = "png",
 ) -> None:
     """Draw the figures that a file has the data for."""
     with _clear_errors():
         import matplotlib as mpl
         import matplotlib.pyplot as plt
+        from matplotlib.backend_bases import FigureCanvasBase
 
         mpl.use("Agg")
-        draw = rc.load_result(file).plot
-        first, *more = _numbers(hinges)
+        if form not in FigureCanvasBase.get_supported_filetypes():
+            _fail(f"--format = {form}: cannot be drawn; take png, pdf or svg")
+        result = rc.load_result(file)
+        draw = result.plot
+        first, *more = _numbers(hinges, result.drive.hinge_count)
         figures: dict[str, Callable[[], Figure]] = {
             "drive": draw.drive,
             "tension": draw.tension,
@@ -226,7 +257,7 @@ def plot(
             "contact_pressure": draw.contact_pressure,
             "engagements": draw.engagements,
         }
-        out.mkdir(parents=True, exist_ok=True)
+        _make_folder(out)
         for name, figure_of in figures.items():
             path = out / f"{name}.{form}"
             try:
@@ -251,9 +282,10 @@ def catalogue(
         if name is not None:
             typer.echo(sizes[rc.catalogue_chain(name, links=8).name])
             return
-        typer.echo(
-            f"{'chain':<10}{'pitch':>9}{'roller':>9}{'width':>9}{'pin':>9}{'kg/m':>9}{'kN':>9}"
-        )
+        columns = ("pitch", "roller", "width", "pin", "mass", "strength")
+        units = ("mm", "mm", "mm", "mm", "kg/m", "kN")
+        for label, head in (("chain", columns), ("", units)):
+            typer.echo(f"{label:<10}" + "".join(f"{one:>9}" for one in head))
         for size in sizes.values():
             lengths = (size.pitch, size.roller_diameter, size.inner_width, size.pin_diameter)
             row = "".join(f"{1e3 * length:9.3f}" for length in lengths)
@@ -268,9 +300,12 @@ def _scene(drive: str, pretension: float | None) -> rc.Scene:
         return rc.Scene(rc.paper_drive(pretension or 0.0))
     path = Path(drive)
     if not path.exists():
-        _fail(f"drive: {drive!r} is no file, and no drive; {suggest(drive, ['paper'])}")
+        hint = suggest(drive, ["paper"])
+        if hint.startswith("known"):
+            hint = "give the path of a drive file, or paper"
+        _fail(f"drive = {drive!r}: is no file, and no drive; {hint}")
     if pretension is not None:
-        _fail(f"--pretension: is for the paper's drive; write it into {drive}")
+        _fail(f"--pretension = {pretension:g}: is for the paper's drive; write it into {drive}")
     return rc.load_scene(path)
 
 
@@ -279,12 +314,18 @@ def _given(options: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in options.items() if value is not None}
 
 
-def _numbers(text: str) -> list[int]:
-    """Return the numbers in a text such as "6,11"."""
+def _numbers(text: str | None, count: int) -> list[int]:
+    """Return the numbers in a text such as "6,11", or those that are drawn without one."""
+    if text is None:
+        return [number for number in _SOME_HINGES if number <= count] or [1]
     try:
-        return [int(number) for number in text.split(",")]
+        numbers = [int(number) for number in text.split(",")]
     except ValueError:
-        _fail(f"hinges: {text!r} is no list of numbers, such as 6,11")
+        _fail(f"--hinges = {text!r}: is no list of numbers, such as 6,11")
+    for number in numbers:
+        if not 1 <= number <= count:
+            _fail(f"--hinges = {number}: there is none; hinges are numbered 1 to {count}")
+    return numbers
 
 
 def _save(result: rc.Result, out: Path) -> None:
@@ -300,8 +341,8 @@ def _save(result: rc.Result, out: Path) -> None:
     if "energy" in result.groups:
         energy = result.energy
         typer.echo(
-            f"energy: {energy.dissipated[-1]:.3e} J dissipated, "
-            f"{energy.residual[-1]:.1e} J missing from the balance"
+            f"energy: {energy.dissipated[-1] + 0.0:.3e} J dissipated, "  # zero without a sign
+            f"{energy.residual[-1] + 0.0:.1e} J missing from the balance"
         )
     typer.echo(f"{result.message}: {len(result.time)} rows in {out}")
 

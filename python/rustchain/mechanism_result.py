@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from importlib.metadata import version
-from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from rustchain import _netcdf, _result_tables
+from rustchain._channels import Variable
 from rustchain._names import suggest
 from rustchain.errors import InvalidInput
 from rustchain.mechanism_views import BodyMotion, ContactHistory, JointHistory
-from rustchain.result import Array, Energy, Status, _Variable
+from rustchain.result import Array, Status
+from rustchain.result_views import Energy
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,40 +25,40 @@ if TYPE_CHECKING:
     from rustchain.plot.mechanism import MechanismPlots
 
 _VARIABLES = {
-    "positions": _Variable("bodies", ("body", "coordinate"), "m, m, rad", "positions"),
-    "velocities": _Variable("bodies", ("body", "coordinate"), "m/s, m/s, rad/s", "velocities"),
-    "accelerations": _Variable(
+    "positions": Variable("bodies", ("body", "coordinate"), "m, m, rad", "positions"),
+    "velocities": Variable("bodies", ("body", "coordinate"), "m/s, m/s, rad/s", "velocities"),
+    "accelerations": Variable(
         "bodies", ("body", "coordinate"), "m/s^2, m/s^2, rad/s^2", "accelerations"
     ),
-    "joint_reaction": _Variable(
+    "joint_reaction": Variable(
         "joints",
         ("joint", "component"),
         "N, N, N m",
         "force and torque on body b, about its point",
     ),
-    "joint_position_residual": _Variable("joints", ("joint",), "m or rad", "constraint residual"),
-    "joint_velocity_residual": _Variable(
+    "joint_position_residual": Variable("joints", ("joint",), "m or rad", "constraint residual"),
+    "joint_velocity_residual": Variable(
         "joints", ("joint",), "m/s or rad/s", "rate of the constraint residual"
     ),
-    "contact_force": _Variable("contacts", ("contact",), "N", "normal force"),
-    "contact_penetration": _Variable("contacts", ("contact",), "m", "penetration"),
-    "contact_gap": _Variable("contacts", ("contact",), "1", "gap of teeth near, -1: none"),
-    "contact_region": _Variable("contacts", ("contact",), "1", "region of tooth near, 0: none"),
-    "peak_joint_force": _Variable("joints", ("joint",), "N", "largest force since the last row"),
-    "peak_joint_impulse": _Variable("joints", ("joint",), "N s", "impulse since the last row"),
-    "peak_contact_force": _Variable(
+    "contact_force": Variable("contacts", ("contact",), "N", "normal force"),
+    "contact_penetration": Variable("contacts", ("contact",), "m", "penetration"),
+    "contact_gap": Variable("contacts", ("contact",), "1", "gap of teeth near, -1: none"),
+    "contact_region": Variable("contacts", ("contact",), "1", "region of tooth near, 0: none"),
+    "peak_joint_force": Variable("joints", ("joint",), "N", "largest force since the last row"),
+    "peak_joint_impulse": Variable("joints", ("joint",), "N s", "impulse since the last row"),
+    "peak_contact_force": Variable(
         "contacts", ("contact",), "N", "largest normal force since the last row"
     ),
-    "peak_contact_impulse": _Variable(
-        "contacts", ("contact",), "N s", "impulse since the last row"
-    ),
-    "energy_kinetic": _Variable("energy", (), "J", "kinetic energy"),
-    "energy_gravity": _Variable("energy", (), "J", "potential energy of gravity"),
-    "energy_elastic": _Variable("energy", (), "J", "energy of springs and contacts"),
-    "energy_dissipated": _Variable("energy", (), "J", "energy dissipated since the first row"),
-    "energy_worked_in": _Variable("energy", (), "J", "work put in since the first row"),
-    "energy_residual": _Variable("energy", (), "J", "residual of the energy balance"),
+    "peak_contact_impulse": Variable("contacts", ("contact",), "N s", "impulse since the last row"),
+    "energy_kinetic": Variable("energy", (), "J", "kinetic energy"),
+    "energy_gravity": Variable("energy", (), "J", "potential energy of gravity"),
+    "energy_elastic": Variable("energy", (), "J", "energy of springs and contacts"),
+    "energy_dissipated": Variable("energy", (), "J", "energy dissipated since the first row"),
+    "energy_worked_in": Variable("energy", (), "J", "work put in since the first row"),
+    "energy_residual": Variable("energy", (), "J", "residual of the energy balance"),
 }
+
+_OF_MECHANISMS = ("MechanismResult.save", "a mechanism")  # what writes files, what they are of
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -165,86 +166,58 @@ class MechanismResult:
             "coordinate": ["x", "y", "theta"],
             "component": ["x", "y", "torque"],
         }
-        variables = {
-            name: (
-                ("time", *v.dims),
-                self.arrays[name],
-                {"units": v.units, "long_name": v.long_name},
-            )
-            for name, v in _VARIABLES.items()
-            if self.arrays[name].size
-        }
-        used = {"time"}.union(*(dims for dims, *_ in variables.values()))
-        return xr.Dataset(
-            variables,
-            {name: values for name, values in coordinates.items() if name in used},
+        there = {name: array for name, array in self.arrays.items() if array.size}
+        return _result_tables.dataset(
+            _result_tables.variables_of(there, _VARIABLES),
+            coordinates,
             {
                 "mechanism": self.name,
                 "status": self.status,
                 "message": self.message,
                 "stats": json.dumps(self.stats),
-                "rustchain_version": version("rustchain"),
             },
         )
 
     def to_pandas(self) -> pd.DataFrame:
         """Return a row for each time and a column for each number: ``positions_crank_x``."""
-        import pandas as pd
-
-        dataset = self.to_xarray()
-        columns: dict[str, npt.NDArray[Any]] = {}
-        for name in (name for name in _VARIABLES if name in dataset):
-            labels = product([name], *(dataset[d].values for d in _VARIABLES[name].dims))
-            series = self.arrays[name].reshape(len(self.time), -1).T
-            columns |= {
-                "_".join(map(str, label)): one for label, one in zip(labels, series, strict=True)
-            }
-        return pd.DataFrame(columns, index=pd.Index(self.time, name="time"))
+        return _result_tables.table_of(self.to_xarray(), _VARIABLES)
 
     def save(self, path: str | Path) -> None:
         """Write everything to a netCDF file, for `load` and for xarray."""
-        dataset = self.to_xarray()
-        packed = {name: {"zlib": True, "complevel": 1} for name in dataset.data_vars}
-        dataset.to_netcdf(path, engine="h5netcdf", encoding=packed)
+        _netcdf.write(self.to_xarray(), path)
 
     @classmethod
     def load(cls, path: str | Path) -> MechanismResult:
-        """Return the result that `save` wrote to `path`."""
-        import xarray as xr
-
-        try:
-            data = xr.load_dataset(path, engine="h5netcdf", decode_times=False)
-        except Exception as error:  # what is no netCDF file, or is damaged, raises what it likes
-            if isinstance(error, OSError) and not Path(path).is_file():
-                raise
-            msg = (
-                f"path = {path}: is no result of a mechanism, or is damaged ({error}): give a file "
-                "that MechanismResult.save wrote, or copy or save it again"
-            )
-            raise InvalidInput(msg) from error
+        """Return the result that `save` wrote to `path`; errors are those of `load_result`."""
+        data = _netcdf.read(path, *_OF_MECHANISMS)
         if "mechanism" not in data.attrs:
-            msg = f"path: {path} holds no result of a mechanism; load_result reads those of drives"
+            msg = (
+                f"path = {path}: holds no result of a mechanism; load_result reads those of drives"
+            )
             raise InvalidInput(msg)
-        names = {
-            part: tuple(map(str, data[part].values)) if part in data else ()
-            for part in ("body", "joint", "contact")
-        }
-        sizes = {part: len(listed) for part, listed in names.items()}
-        sizes |= {"coordinate": 3, "component": 3}
-        arrays = {"time": data["time"].values}
-        for name, v in _VARIABLES.items():
-            shape = (len(arrays["time"]), *(sizes[d] for d in v.dims))
-            arrays[name] = data[name].values if name in data else np.zeros(shape)
-        return cls(
-            arrays=arrays,
-            name=data.attrs["mechanism"],
-            body_names=names["body"],
-            joint_names=names["joint"],
-            contact_names=names["contact"],
-            status=data.attrs["status"],
-            message=data.attrs["message"],
-            stats=json.loads(data.attrs["stats"]),
-        )
+        try:
+            names = {
+                part: tuple(map(str, data[part].values)) if part in data else ()
+                for part in ("body", "joint", "contact")
+            }
+            sizes = {part: len(listed) for part, listed in names.items()}
+            sizes |= {"coordinate": 3, "component": 3}
+            arrays = {"time": data["time"].values}
+            for name, v in _VARIABLES.items():
+                shape = (len(arrays["time"]), *(sizes[d] for d in v.dims))
+                arrays[name] = data[name].values if name in data else np.zeros(shape)
+            return cls(
+                arrays=arrays,
+                name=data.attrs["mechanism"],
+                body_names=names["body"],
+                joint_names=names["joint"],
+                contact_names=names["contact"],
+                status=data.attrs["status"],
+                message=data.attrs["message"],
+                stats=json.loads(data.attrs["stats"]),
+            )
+        except Exception as error:  # so does what is damaged within
+            raise _netcdf.damaged(path, *_OF_MECHANISMS, error) from error
 
 
 def _place(part: str, name: str, names: tuple[str, ...]) -> int:

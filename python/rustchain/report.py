@@ -140,12 +140,12 @@ class DriveReport:
 
     def __str__(self) -> str:
         """Return the report as a table, lengths in mm and angles in degrees."""
-        spare = self.links - self.belt_pitches
+        spare = _text(1e3 * (self.links - self.belt_pitches) * self.pitch, ".3f")
         rows = [
             ("chain", f"{self.links} links of {1e3 * self.pitch:.4f} mm"),
             (
                 "  taut",
-                f"{self.belt_pitches:.4f} pitches; {1e3 * spare * self.pitch:.3f} mm to spare",
+                f"{self.belt_pitches:.4f} pitches; {spare} mm to spare",
             ),
         ]
         if self.roller_play is not None:
@@ -172,9 +172,9 @@ class DriveReport:
             _row("phase [deg]", _scaled(self.phase, degrees(1), ".6f")),
         ]
         rows += [
-            ("hinge stretch", f"{1e6 * self.hinge_stretch:.3f} um"),
-            ("smallest gap at the start", f"{1e6 * self.start_gap:.3f} um"),
-            ("tensioner's pull", f"{self.tension_force:.3f} N"),
+            ("hinge stretch", f"{_text(1e6 * self.hinge_stretch, '.3f')} um"),
+            ("smallest gap at the start", f"{_text(1e6 * self.start_gap, '.3f')} um"),
+            ("tensioner's pull", f"{_text(self.tension_force, '.3f')} N"),
             *(of_sprockets if self.teeth else ()),
             ("", ""),
             _row("strand", self.strands),
@@ -212,7 +212,13 @@ def _row(label: str, values: Iterable[object]) -> tuple[str, str]:
 
 def _scaled(values: Numbers, factor: float, form: str) -> list[str]:
     """Return numbers in another unit, as text."""
-    return [format(factor * value, form) for value in values]
+    return [_text(factor * value, form) for value in values]
+
+
+def _text(value: float, form: str) -> str:
+    """Return a number as text; what rounds to zero has no sign."""
+    text = format(value, form)
+    return text.lstrip("-") if float(text) == 0.0 else text
 
 
 def _pull_without_play(drive: ChainDrive, stretch: float) -> float:

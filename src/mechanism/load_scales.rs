@@ -21,7 +21,7 @@ const RIGID: f64 = 1e8;
 const DAMPING: [f64; 2] = [1e-4, 30.0];
 /// Length without force over the length as placed, and over the size.
 const REST: [f64; 2] = [0.01, 100.0];
-/// A force over the largest of the weights, the inertia forces of drivers and the other forces.
+/// A force over the largest of the weights and the other forces; a large one over springs and the inertia forces of drivers, too.
 const FORCE: [f64; 2] = [1e-3, 300.0];
 /// Fastest that a rim moves \[m/s\]: the speed of sound in air.
 const RIM: f64 = 343.0;
@@ -194,16 +194,22 @@ fn odd_force(model: &MechanismModel, name: &str, force: &Force, size: f64) -> Op
         .iter()
         .filter(|other| !std::ptr::eq(*other, force));
     let others = others.map(|other| force_of(other, size));
+    // A force may be as small as it likes beside a stiff bush, and beside what makes masses go round, which needs no torque.
     let least = others
         .filter(|value| value.is_finite())
-        .fold(weight(model).max(inertia_force(model, size)), f64::max);
+        .fold(weight(model), f64::max);
     let most = springs
         .filter(|value| value.is_finite())
-        .fold(least, f64::max);
-    // A force may be as small as it likes beside a stiff bush.
-    let beside = if own < FORCE[0] * most { least } else { most };
+        .fold(least.max(inertia_force(model, size)), f64::max);
+    let beside = if own < FORCE[0] * least {
+        least
+    } else if own > FORCE[1] * most {
+        most
+    } else {
+        return None;
+    };
     let ratio = own / beside;
-    (beside > 0.0 && ratio.is_finite() && outside(ratio, FORCE)).then(|| {
+    (beside > 0.0 && ratio.is_finite()).then(|| {
         let (kind, unit, per) = match force.kind {
             ForceKind::Force { .. } => ("force", "N", 1.0),
             _ => ("torque", "N m", size),

@@ -1,6 +1,6 @@
 //! What an open chain does to its ends, where they are, and the tensions of its strands.
 
-use super::Row;
+use super::rows::Row;
 use crate::dynamics::Dynamics;
 use crate::geometry::{Vec2, turned_left};
 use crate::model::OpenEnds;

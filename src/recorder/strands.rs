@@ -1,4 +1,4 @@
-//! Tensions of the strands between any number of sprockets.
+//! Tensions of the strands between two sprockets, and between any number of them.
 
 use crate::dynamics::Dynamics;
 use crate::geometry::Vec2;
@@ -61,4 +61,42 @@ fn beside(span: &Span, point: Vec2) -> Option<f64> {
     (0.0..=span.length)
         .contains(&along)
         .then(|| (offset - along * span.direction).norm())
+}
+
+/// Mean pull along the chain of the hinges between the two sprockets: upper strand (left of the line from the first to the
+/// second centre), lower strand \[N\].
+pub(super) fn two_strand_tensions(dynamics: &Dynamics) -> [f64; 2] {
+    let (model, motion, hinges) = (dynamics.model(), &dynamics.motion, &dynamics.hinges);
+    let n = model.links;
+    let center = |s: usize| {
+        let body = model.wheel_body(s);
+        Vec2::new(motion.x[body], motion.y[body])
+    };
+    let line = center(1) - center(0);
+    let distance = line.norm();
+    let axis = line / distance;
+    let [r1, r2] = [0, 1].map(|s| model.sprockets[s].profile.pitch_radius);
+    // A common tangent leaves each pitch circle where its normal does.
+    let cos = (r1 - r2) / distance;
+    let between = (r1 * cos)..=(distance + r2 * cos);
+    let (mut sums, mut counts) = ([0.0; 2], [0.0; 2]);
+    for k in 0..n {
+        let offset = hinges.bushing(k).0 - center(0);
+        if !between.contains(&offset.dot(&axis)) {
+            continue;
+        }
+        let next = (k + 1) % n;
+        let along =
+            Vec2::new(motion.x[next] - motion.x[k], motion.y[next] - motion.y[k]).normalize();
+        let strand = usize::from(axis.x * offset.y - axis.y * offset.x < 0.0);
+        sums[strand] += hinges.force_on_front(k).dot(&along);
+        counts[strand] += 1.0;
+    }
+    [0, 1].map(|i| {
+        if counts[i] > 0.0 {
+            sums[i] / counts[i]
+        } else {
+            0.0
+        }
+    })
 }

@@ -268,8 +268,9 @@ impl Layout {
                     ));
                 }
             } else if self.seated[i] < FEW_IN_MESH {
+                let plural = if self.seated[i] == 1 { "" } else { "es" };
                 warnings.push(format!(
-                    "sprocket {} has {} pitches in mesh; {FEW_IN_MESH} are usual for an idler",
+                    "sprocket {} has {} pitch{plural} in mesh; {FEW_IN_MESH} are usual for an idler",
                     i + 1,
                     self.seated[i]
                 ));

@@ -1,10 +1,12 @@
 //! Laws that all forces obey: momentum, and Newton's matrix as their derivative.
 
+use rustchain::drive::Drive;
 use rustchain::dynamics::{Dynamics, Losses};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, OdeSystem, SecondOrderSystem, StepControl};
+use rustchain::state::Start;
 use rustchain::vector::InstructionSet;
-use rustchain::{ForceLaws, Simulation};
+use rustchain::{Equilibrium, ForceLaws, Simulation};
 
 /// The largest of all, whatever its sign.
 pub fn largest(numbers: &[f64]) -> f64 {
@@ -37,6 +39,26 @@ pub fn keeps_momentum(run: &Simulation) -> Losses {
     assert!(force.norm() <= 1e-13 * size, "{force} of {size}");
     assert!(moment.abs() <= 1e-14 * size, "{moment} of {size}");
     powers.losses
+}
+
+/// Asserts that a drive rests, and that all of its strands have the tension that is asked for.
+pub fn rests_with(asked: f64, name: &str, (rest, tensions): (Equilibrium, Vec<f64>)) {
+    assert!(rest.residual < 1e-4, "{name}: {} N left", rest.residual);
+    // Bushings are pushed up the flanks of the teeth: with the play of the seats the strands pull on slightly other arms.
+    for (i, tension) in tensions.iter().enumerate() {
+        assert!(
+            (tension - asked).abs() < 4.0,
+            "{name}, strand {}: {tension} N",
+            i + 1
+        );
+    }
+}
+
+/// Asserts that the layout of a drive is warned of with this text.
+pub fn is_warned_of(drive: &Drive, text: &str) {
+    let (_, layout) = Start::generate(drive).unwrap();
+    let warned = layout.warnings.iter().any(|found| found.contains(text));
+    assert!(warned, "{:?}", layout.warnings);
 }
 
 /// What a correction lacks: the residual that is left by it over the one before, as norms, for random residuals.
@@ -101,7 +123,7 @@ pub fn newton(accuracy: f64) -> StepControl {
 }
 
 /// The paper's drive on two floating shafts, free and without gravity: nothing outside acts on it.
-pub fn floating(laws: &ForceLaws) -> Simulation {
+pub fn floating(laws: &ForceLaws, how: StepControl) -> Simulation {
     let mut drive = super::paper_drive();
     drive.gravity = Vec2::zeros();
     for (sprocket, speed) in drive.sprockets.iter_mut().zip([12.0, 18.0]) {
@@ -109,7 +131,7 @@ pub fn floating(laws: &ForceLaws) -> Simulation {
         sprocket.initial_speed = Some(speed);
         sprocket.bearing = rustchain::drive::Bearing::Floating;
     }
-    super::simulation(&drive, laws, newton(1e-10))
+    super::simulation(&drive, laws, how)
 }
 
 /// Residuals of all coordinates, a few of them.

@@ -6,6 +6,7 @@
 pub mod checks;
 pub mod layouts;
 pub mod open;
+pub mod rubbing;
 pub mod scenes;
 pub mod twins;
 

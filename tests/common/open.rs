@@ -56,6 +56,11 @@ pub fn first_row(simulation: &mut Simulation) -> rustchain::Recording {
     super::record(simulation, 1e-9, 1e-9, groups)
 }
 
+/// Tension of every strand in a run's first row, of so many \[N\].
+pub fn tensions(simulation: &mut Simulation, strands: usize) -> Vec<f64> {
+    super::channel(&first_row(simulation), "strand_tension")[..strands].to_vec()
+}
+
 /// Between two pins over two wheels, of which a tensioner lifts the second one, free to turn.
 pub fn tightened(tension: f64) -> Drive {
     let mut drive = drive_of(

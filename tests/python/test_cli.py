@@ -88,6 +88,46 @@ def test_numbers_out_of_range_are_answered_with_the_range(file, tmp_path):
     assert "numbered 1 to 38" in done.output
 
 
+def test_a_place_that_cannot_be_written_is_told_before_anything_runs(tmp_path, monkeypatch):
+    def never(*arguments, **keywords):
+        pytest.fail("it ran")
+
+    monkeypatch.setattr(rc.Simulation, "run", never)
+    taken = tmp_path / "taken"
+    taken.write_text("a file")
+    for out, message in (
+        (taken / "run.nc", f"the folder {taken} cannot be made (there is a file of that name)"),
+        (tmp_path / f"{'long' * 80}.nc", "cannot be written"),
+        (tmp_path, "is a folder; name a file in it"),
+    ):
+        done = rustchain("run", "paper", "--out", out)
+        assert done.exit_code == 1
+        assert message in done.output
+    done = rustchain("plot", taken, "--format", "doc")
+    assert "--format = doc: cannot be drawn; take png, pdf or svg" in done.output
+
+
+def test_a_look_at_the_place_leaves_what_is_there(tmp_path, monkeypatch):
+    def fails(*arguments, **keywords):
+        raise rc.InvalidInput("refused")
+
+    monkeypatch.setattr(rc.Simulation, "run", fails)
+    old = tmp_path / "old.nc"
+    old.write_text("of before")
+    for path in (old, tmp_path / "new.nc"):
+        assert rustchain("run", "paper", "--out", path).exit_code == 1
+    assert old.read_text() == "of before"
+    assert not (tmp_path / "new.nc").exists()
+
+
+def test_a_short_chain_is_drawn_without_a_word_on_its_hinges(tmp_path):
+    drive = rc.open_chain("ANSI 40", (rc.Anchor((0.0, 0.0)), rc.LooseEnd()), links=4)
+    rc.Simulation(drive).run(1e-3, progress=False).save(tmp_path / "run.nc")
+    done = rustchain("plot", tmp_path / "run.nc", "--out", tmp_path)
+    assert done.exit_code == 0, done.output
+    assert (tmp_path / "orbit.png").exists()
+
+
 def test_ctrl_c_saves_what_there_is(monkeypatch, tmp_path):
     def interrupted(self, duration, progress):
         self._core.advance(0.0)

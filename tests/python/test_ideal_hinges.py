@@ -122,6 +122,23 @@ def test_every_figure_can_be_drawn(result):
     mpl.pyplot.close("all")
 
 
+def test_joint_loads_are_those_of_the_joints_by_their_names(result):
+    plot = result.plot
+    upper, lower = plot.joint_loads("hinge_6", ["hinge_11", "motor_1"]).axes
+    np.testing.assert_array_equal(upper.lines[1].get_ydata(), result.hinge(11).force)
+    np.testing.assert_array_equal(lower.lines[0].get_ydata(), result.sprocket(1).torque)
+    largest, mean = plot.joint_loads(start=1e-3).axes[0].lines
+    assert np.all(largest.get_ydata() >= mean.get_ydata())
+    assert largest.get_ydata().max() == result.array("hinge_force")[10:].max()
+    assert len(plot.joint_loads("motor_1").axes) == 1
+    with pytest.raises(rc.InvalidInput, match=r"joint: 'hinge_39' is no joint .* did you mean"):
+        plot.joint_loads("hinge_39")
+    clearance = rc.Simulation(rc.paper_drive()).run(2e-4, progress=False)
+    with pytest.raises(rc.InvalidInput, match=r"hinges = 'clearance': .* hinge_force .* draw them"):
+        clearance.plot.joint_loads()
+    mpl.pyplot.close("all")
+
+
 def test_results_come_back_from_their_file(result, tmp_path):
     result.save(tmp_path / "run.nc")
     loaded = rc.load_result(tmp_path / "run.nc")

@@ -93,6 +93,15 @@ def test_a_given_number_of_links_is_met_by_the_sprocket_that_moves():
         four_sprockets(links=400, adjust=4)
 
 
+def test_what_rounds_to_zero_is_printed_without_a_sign():
+    drive = four_sprockets()
+    report = replace(drive.check(), strand_slack=(-1e-18, 0.0, -0.002, 0.5), start_gap=-1e-12)
+    text = str(report)
+    (slack,) = (line.split()[2:] for line in text.splitlines() if line.startswith("slack"))
+    assert slack == ["0.000", "0.000", "-2000.000", "500000.000"]
+    assert "smallest gap at the start 0.000 um" in text
+
+
 def test_strands_have_names_numbers_and_a_tension():
     result = rc.Simulation(four_sprockets(adjust=2)).run(
         duration=0.004, report_step=1e-3, record=["hinges", "sprockets", "bodies"]

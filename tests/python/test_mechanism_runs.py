@@ -115,8 +115,10 @@ def test_a_file_that_is_no_result_is_told(tmp_path):
     path.write_bytes(b"no netCDF")
     with pytest.raises(rc.InvalidInput, match=r"junk\.nc: is no result of a mechanism"):
         rc.MechanismResult.load(path)
-    with pytest.raises(FileNotFoundError):
+    with pytest.raises(FileNotFoundError, match=r"none\.nc: there is no .* MechanismResult\.save"):
         rc.MechanismResult.load(tmp_path / "none.nc")
+    with pytest.raises(IsADirectoryError, match=r"is a folder: give .* MechanismResult"):
+        rc.MechanismResult.load(tmp_path)
 
 
 def test_a_result_that_was_cut_short_is_told(tmp_path, whole):

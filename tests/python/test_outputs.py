@@ -430,6 +430,7 @@ def test_runs_before_and_after_the_first_contact_have_all_outputs(hinges, durati
     assert (found["tooth_force_largest"] > 0.0) == (duration > 4e-3)
     assert len(result.engagements()) == (result.array("tooth_sprocket")[1:] > 0).any(0).sum()
     names = ("hinge_loads", "tooth_loads", "wrap_loads", "power_balance", "engagements")
+    names += ("transmission_error", "speed_ripple")
     for figure in (
         *(getattr(result.plot, name)() for name in names),
         result.plot.contact_pressure("hinge"),

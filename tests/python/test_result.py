@@ -278,8 +278,27 @@ def test_a_file_that_is_no_result_is_told_with_its_name_and_the_remedy(tmp_path,
     for path in (junk, cut):
         with pytest.raises(rc.InvalidInput, match=rf"{path.name}: is no result .* copy or save"):
             rc.load_result(path)
-    with pytest.raises(FileNotFoundError):
+    with pytest.raises(FileNotFoundError, match=r"path = .*none\.nc: there is no .* Result\.save"):
         rc.load_result(tmp_path / "none.nc")
+    with pytest.raises(IsADirectoryError, match=r"path = .*: is a folder: give .* Result\.save"):
+        rc.load_result(tmp_path)
+
+
+def test_a_file_that_is_damaged_within_is_told(tmp_path, result):
+    """The drive's description is text, of which a byte may be another."""
+    result.save(tmp_path / "whole.nc")
+    whole = (tmp_path / "whole.nc").read_bytes()
+    for other in (b'"piiich"', b'"pitch\x00', b'"pitch";'):
+        assert whole.count(b'"pitch"') == 1
+        path = tmp_path / "other.nc"
+        path.write_bytes(whole.replace(b'"pitch": ', other.ljust(9)))
+        with pytest.raises(rc.InvalidInput, match=r"path = .*other\.nc: .* is damaged"):
+            rc.load_result(path)
+
+
+def test_a_place_that_cannot_be_written_is_told_with_the_remedy(tmp_path, result):
+    with pytest.raises(OSError, match=r"path = .*: cannot be written \(Is a dir.*: name a file"):
+        result.save(tmp_path)
 
 
 def test_more_rows_than_memory_holds_are_refused():

@@ -409,7 +409,7 @@ def test_a_file_that_holds_no_state_is_refused(tmp_path):
     for path in (text, archive, result):
         with pytest.raises(rc.InvalidInput, match="holds no state of rustchain"):
             rc.Simulation.load_state(path)
-    with pytest.raises(FileNotFoundError):
+    with pytest.raises(FileNotFoundError, match=r"none\.npz: there is no .*\.save_state"):
         rc.Simulation.load_state(tmp_path / "none.npz")
 
 

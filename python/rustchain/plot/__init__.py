@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rustchain.plot.contacts import ContactFigures
 from rustchain.plot.histories import HistoryFigures
+from rustchain.plot.joints import JointFigures
 from rustchain.plot.loads import LoadFigures
 from rustchain.plot.motion import MotionFigures
 from rustchain.plot.picture import DrivePicture
@@ -12,7 +13,7 @@ from rustchain.plot.studies import draw_loss_map
 __all__ = ["Plots", "draw_loss_map"]
 
 
-class Plots(ContactFigures, LoadFigures, MotionFigures, HistoryFigures, DrivePicture):
+class Plots(ContactFigures, JointFigures, LoadFigures, MotionFigures, HistoryFigures, DrivePicture):
     """The figures of a result; every method returns a matplotlib figure.
 
     `start` and `end` [s] choose a part of the time, by default all of it. Several hinges or

@@ -25,7 +25,7 @@ from rustchain.plot.style import (
     panels,
     styled,
 )
-from rustchain.result import Bushing
+from rustchain.result_views import Bushing
 
 _SURFACES = (BLUE, ORANGE, GREEN, RED)  # of the tooth, from the seat outward
 

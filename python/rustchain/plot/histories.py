@@ -18,7 +18,7 @@ from rustchain.plot.style import (
     panels,
     styled,
 )
-from rustchain.result import Array, Energy
+from rustchain.result_views import Array, Energy
 
 
 class HistoryFigures(Figures):

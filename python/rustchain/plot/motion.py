@@ -45,7 +45,8 @@ class MotionFigures(Figures):
         left.plot(found["driver_angle"] / (2 * np.pi), 1e6 * found["error_length"], color=BLUE)
         left.set(xlabel=f"revolutions of sprocket {driver}")
         left.set(ylabel=f"error of sprocket {driven} [µm]")
-        radius = found.attrs["peak_to_peak_length"] / found.attrs["peak_to_peak"]
+        error = found.attrs["peak_to_peak"]  # none before anything touches
+        radius = found.attrs["peak_to_peak_length"] / error if error > 0.0 else 0.0
         _orders(right, found, 1e6 * radius, "amplitude [µm]", driver)
         return figure
 
@@ -191,7 +192,7 @@ class MotionFigures(Figures):
         for place, power in enumerate(powers):
             left = power >= 0.0
             axes.annotate(
-                f"{power + 0.0:.4g} W",
+                f"{power + 0.0:.4g} W".replace("-", "−"),
                 (power, place),
                 xytext=(4 if left else -4, 0),
                 textcoords="offset points",

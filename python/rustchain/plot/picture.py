@@ -12,6 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
+from matplotlib.path import Path
+from matplotlib.transforms import Bbox
 
 from rustchain import _rustchain
 from rustchain._names import known_keywords
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
 
 _INNER, _OUTER, _STEEL, _INK = "#5b8fb9", "#f0b35a", "#d5dae0", "#3b4048"
 _RAIL, _ARM = "#cfe3d0", "#e6dccb"
+_NUMBERS_APART = 0.15  # [inches] from their hinges
 
 
 class DrivePicture(Figures):
@@ -53,9 +56,11 @@ class DrivePicture(Figures):
         shown = _extent(drive, hinges, wheels, ends)
         low, high = shown.min(axis=0) - 1.6 * chain.pitch, shown.max(axis=0) + 1.6 * chain.pitch
         figure, axes = plt.subplots()
+        covered: list[Array] = []  # outlines on which a number would be hard to read
         for sprocket, pose in zip(drive.sprockets, wheels[:, None], strict=True):
-            outline = _rustchain.tooth_outline(sprocket, chain, 12)
-            _add_polygons(axes, _placed(pose, outline), _STEEL, GREY)
+            outline = _placed(pose, _rustchain.tooth_outline(sprocket, chain, 12))
+            covered += list(outline)
+            _add_polygons(axes, outline, _STEEL, GREY)
             _add_polygons(axes, _placed(pose, _circle(0.5 * chain.pitch)), "white", GREY)
             mark = chain.pitch * np.array([[0.5, 0.0], [1.1, 0.0]])  # points to gap 0
             axes.plot(*_placed(pose, mark)[0].T, color=GREY, linewidth=1.2)
@@ -68,9 +73,11 @@ class DrivePicture(Figures):
             low, high = np.minimum(low, start - width), np.maximum(high, start + width)
         for guide, pose in zip(drive.guides, guides[:, None], strict=True):
             outline = _placed(pose, guide.outline() + _from_bearing(guide))
+            covered += list(outline)
             _add_polygons(axes, outline, _RAIL, GREY)
             low = np.minimum(low, outline[0].min(axis=0) - 0.3 * chain.pitch)
             high = np.maximum(high, outline[0].max(axis=0) + 0.3 * chain.pitch)
+        covered += _add_ends(axes, drive, ends)
         # First link, height of the drawn plate over the pitch, colour.
         for kind, share, color in ((0, 0.8, _INNER), (1, 0.7, _OUTER)):
             plate = _plate_outline(chain.pitch, share * chain.pitch)
@@ -85,17 +92,22 @@ class DrivePicture(Figures):
                 axes.plot(*line.T, color=_INK, linewidth=0.7)
         for radius, face in ((chain.bushing_radius, "none"), (chain.hinge.pin_radius, "white")):
             _add_polygons(axes, hinges[:, None] + _circle(radius), face, _INK)
-        _add_ends(axes, drive, ends)
-        for number in (1, *range(6, chain.links + 1, 5 * max(1, chain.links // 200))):
+        scale = min(8.0 / (high - low)[0], 10.0 / (high - low)[1])  # inches a metre
+        apart = np.clip(_NUMBERS_APART / scale, chain.pitch, 1.5 * chain.pitch)
+        free = [Path(outline) for outline in covered]
+        # The last ones of a closed chain would stand in the way of the first.
+        last = chain.links + (1 if drive.ends is not None else -1)
+        for number in (1, *range(6, last, 5 * max(1, chain.links // 200))):
             here = hinges[number - 1]
             if len(wheels) == 2 and drive.ends is None:
-                x, y = _outside(here, wheels[:, :2], chain.pitch)
+                aside = _outward(here, wheels[:, :2])
             else:  # to the right of the chain, which runs counterclockwise
                 along = hinges[number % len(hinges)] - hinges[number - 2]
-                x, y = here + chain.pitch * np.array([along[1], -along[0]]) / np.hypot(*along)
+                aside = np.array([along[1], -along[0]]) / np.hypot(*along)
+            x, y = _clear_place(here, apart * aside, free, hinges)
             axes.text(x, y, str(number), fontsize=7.5, ha="center", va="center")
 
-        width, height = (high - low) * min(8.0 / (high - low)[0], 10.0 / (high - low)[1])
+        width, height = (high - low) * scale
         figure.set_size_inches(max(width, 3.0), max(height, 0.5) + 0.6)
         axes.set(aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]))
         axes.set(xlabel="x [mm]", ylabel="y [mm]", title=f"t = {time:.4g} s")
@@ -165,10 +177,14 @@ def _load_size(load: Load) -> float:
     return float(np.cbrt(load.mass / (7850.0 * 4.0 / 3.0 * np.pi)))
 
 
-def _add_ends(axes: Axes, drive: ChainDrive, ends: Array) -> None:
-    """Draw what an open chain ends in: anchors hatched, loads as balls of steel on their hooks."""
+def _add_ends(axes: Axes, drive: ChainDrive, ends: Array) -> list[Array]:
+    """Draw what an open chain ends in, and return the outlines of what is solid.
+
+    Anchors are hatched, loads are balls of steel on their hooks.
+    """
+    balls: list[Array] = []
     if drive.ends is None:
-        return
+        return balls
     pitch = drive.chain.pitch
     # The end behind the last link comes first in arrays.
     for end, pose, sign in zip(drive.ends[::-1], ends, (-1.0, 1.0), strict=True):
@@ -178,10 +194,11 @@ def _add_ends(axes: Axes, drive: ChainDrive, ends: Array) -> None:
             axes.plot(*(square[[0, 2]] + pose[:2]).T, color=_INK, linewidth=0.7)
             axes.plot(*(square[[1, 3]] + pose[:2]).T, color=_INK, linewidth=0.7)
         elif isinstance(end, Load):
-            ball = _circle(_load_size(end))
-            _add_polygons(axes, (ball + pose[:2])[None], _STEEL, _INK)
+            balls.append(_circle(_load_size(end)) + pose[:2])
+            _add_polygons(axes, balls[-1][None], _STEEL, _INK)
             pin = _placed(pose[None], np.array([[sign * end.arm, 0.0]]))[0, 0]
             axes.plot(*np.array([pin, pose[:2]]).T, color=_INK, linewidth=1.4)
+    return balls
 
 
 def _from_bearing(guide: GuideRail | SmoothIdler) -> Array:
@@ -237,10 +254,24 @@ def _plate_outline(pitch: float, height: float) -> Array:
     return np.concatenate([half, -half])
 
 
-def _outside(point: Array, centers: Array, distance: float) -> Array:
-    """Return the point moved by `distance` away from the line that joins `centers`."""
+def _outward(point: Array, centers: Array) -> Array:
+    """Return the direction at a point away from the line that joins `centers`."""
     along = centers[-1] - centers[0]
     share = np.clip((point - centers[0]) @ along / (along @ along), 0.0, 1.0)
     away = point - centers[0] - share * along
-    moved: Array = point + distance * away / np.linalg.norm(away)
-    return moved
+    outward: Array = away / np.linalg.norm(away)
+    return outward
+
+
+def _clear_place(point: Array, aside: Array, covered: list[Path], hinges: Array) -> Array:
+    """Return the place beside a point, or on its other side, where nothing is drawn, if any."""
+    apart = np.hypot(*aside)
+    room = apart * np.array([[-0.5, -0.35], [0.5, 0.35]])  # that two figures take
+    for place in (point + aside, point - aside):
+        if np.hypot(*(hinges - place).T).min() > 0.8 * apart and not any(
+            outline.intersects_bbox(Bbox(place + room)) for outline in covered
+        ):
+            clear: Array = place
+            return clear
+    beside: Array = point + aside
+    return beside

@@ -1,0 +1,85 @@
+"""The arrays that a drive's result may have: group, dimensions, unit and name of each."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Variable(NamedTuple):
+    """What an array of a result is."""
+
+    group: str
+    dims: tuple[str, ...]  # after "time"
+    units: str
+    long_name: str
+
+
+VARIABLES = {
+    "hinge_force": Variable("hinges", ("hinge",), "N", "force of pin on bushing"),
+    "hinge_force_vector": Variable("hinges", ("hinge", "axis"), "N", "force on the pin"),
+    "hinge_penetration": Variable("hinges", ("hinge",), "m", "penetration of pin into bushing"),
+    "hinge_eccentricity": Variable(
+        "hinges", ("hinge", "axis"), "m", "pin centre seen from the bushing"
+    ),
+    "roller_force": Variable("hinges", ("bushing",), "N", "force of bushing on roller"),
+    "roller_force_vector": Variable(
+        "hinges", ("bushing", "axis"), "N", "force of the bushing on the roller"
+    ),
+    "roller_penetration": Variable(
+        "hinges", ("bushing",), "m", "penetration of bushing into roller"
+    ),
+    "roller_eccentricity": Variable(
+        "hinges", ("bushing", "axis"), "m", "bushing's centre seen from the roller"
+    ),
+    "peak_roller_force": Variable(
+        "hinges", ("bushing",), "N", "largest force of bushing on roller since the last row"
+    ),
+    "peak_roller_impulse": Variable(
+        "hinges", ("bushing",), "N s", "impulse of the bushing on the roller since the last row"
+    ),
+    "strand_tension": Variable("hinges", ("strand",), "N", "mean tension of the strand's hinges"),
+    "peak_hinge_force": Variable(
+        "hinges", ("hinge",), "N", "largest hinge force since the last row"
+    ),
+    "peak_hinge_impulse": Variable(
+        "hinges", ("hinge",), "N s", "impulse of the hinge since the last row"
+    ),
+    "end_force": Variable("hinges", ("end", "axis"), "N", "force of the chain on its end"),
+    "end_position": Variable("hinges", ("end", "axis"), "m", "pin at the chain's end"),
+    "end_velocity": Variable("hinges", ("end", "axis"), "m/s", "its velocity"),
+    "hinge_film_force": Variable("hinges", ("hinge",), "N", "size of the film's force on the pin"),
+    "tooth_force": Variable("teeth", ("bushing",), "N", "force of tooth on bushing"),
+    "tooth_penetration": Variable("teeth", ("bushing",), "m", "penetration of bushing into tooth"),
+    "tooth_sprocket": Variable("teeth", ("bushing",), "1", "sprocket in contact, 0: none"),
+    "tooth_index": Variable("teeth", ("bushing",), "1", "tooth gap in contact, -1: none"),
+    "tooth_region": Variable("teeth", ("bushing",), "1", "region of the tooth in contact, 0: none"),
+    "peak_tooth_force": Variable(
+        "teeth", ("bushing",), "N", "largest tooth force since the last row"
+    ),
+    "peak_tooth_impulse": Variable(
+        "teeth", ("bushing",), "N s", "impulse of the tooth since the last row"
+    ),
+    "sprocket_angle": Variable("sprockets", ("sprocket",), "rad", "angle of the sprocket"),
+    "sprocket_speed": Variable("sprockets", ("sprocket",), "rad/s", "speed of the sprocket"),
+    "sprocket_torque": Variable(
+        "sprockets", ("sprocket",), "N m", "torque on the sprocket's shaft"
+    ),
+    "sprocket_center": Variable("sprockets", ("sprocket", "axis"), "m", "centre of the sprocket"),
+    "positions": Variable("bodies", ("body", "coordinate"), "m, m, rad", "positions of the bodies"),
+    "velocities": Variable(
+        "bodies", ("body", "coordinate"), "m/s, m/s, rad/s", "velocities of the bodies"
+    ),
+    "energy_kinetic": Variable("energy", (), "J", "kinetic energy"),
+    "energy_gravity": Variable("energy", (), "J", "potential energy of gravity"),
+    "energy_elastic": Variable("energy", (), "J", "elastic energy of the contacts"),
+    "energy_dissipated": Variable("energy", (), "J", "energy dissipated since the first row"),
+    "energy_worked_in": Variable("energy", (), "J", "work put in since the first row"),
+    "energy_residual": Variable("energy", (), "J", "residual of the energy balance"),
+    "energy_hinge_contact": Variable("energy", (), "J", "dissipated by damping in hinges"),
+    "energy_tooth_contact": Variable("energy", (), "J", "dissipated by damping on teeth"),
+    "energy_hinge_friction": Variable("energy", (), "J", "dissipated by friction in hinges"),
+    "energy_tooth_friction": Variable("energy", (), "J", "dissipated by friction on teeth"),
+    "energy_roller_contact": Variable("energy", (), "J", "dissipated by damping in rollers"),
+    "energy_roller_friction": Variable("energy", (), "J", "dissipated by friction in rollers"),
+    "energy_hinge_film": Variable("energy", (), "J", "dissipated by lubricant in hinges"),
+}

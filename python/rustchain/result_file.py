@@ -1,0 +1,52 @@
+"""Results of drives from their files."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from rustchain import _netcdf
+from rustchain._channels import VARIABLES
+from rustchain._description import Description
+from rustchain._names import known_keywords
+from rustchain._result_tables import ENDS, SCENE
+from rustchain.errors import InvalidInput
+from rustchain.result import Result
+
+_OF_DRIVES = ("Result.save", "a drive")  # what writes such files, and what they are of
+
+
+@known_keywords
+def load_result(path: str | Path) -> Result:
+    """Return the result that `Result.save` wrote to `path`.
+
+    Raises
+    ------
+    OSError
+        There is no such file (`FileNotFoundError`), or it is a folder (`IsADirectoryError`).
+    InvalidInput
+        The file holds no result of a drive, or is damaged.
+    """
+    data = _netcdf.read(path, *_OF_DRIVES)
+    if "rustchain_version" not in data.attrs:
+        msg = f"path = {path}: holds no result of rustchain: give a file that Result.save wrote"
+        raise InvalidInput(msg)
+    if "mechanism" in data.attrs:
+        msg = f"path = {path}: holds the result of a mechanism; MechanismResult.load reads it"
+        raise InvalidInput(msg)
+    try:
+        scene: dict[str, Any] = {name: Description.from_json(data.attrs[name]) for name in SCENE}
+        scene |= {name: data[name].values for name in ENDS}
+        return Result(
+            arrays={"time": data["time"].values}
+            | {name: data[name].values for name in VARIABLES if name in data},
+            **scene,
+            min_approach_speed=float(data.attrs["min_approach_speed"]),
+            body_names=tuple(map(str, data["body"].values)),
+            status=data.attrs["status"],
+            message=data.attrs["message"],
+            stats=json.loads(data.attrs["stats"]),
+        )
+    except Exception as error:  # so does what is damaged within
+        raise _netcdf.damaged(path, *_OF_DRIVES, error) from error

@@ -1,0 +1,128 @@
+//! What tests of friction, bristles and films share: drives under pull, kernels beside their twins, energy by place.
+
+use rustchain::drive::Drive;
+use rustchain::dynamics::{Dynamics, Losses};
+use rustchain::integrator::{OdeSystem, StepControl};
+use rustchain::vector::InstructionSet;
+use rustchain::{ForceLaws, Groups, Simulation};
+
+use super::checks::largest;
+
+/// With bushings on the teeth, and with rollers.
+pub fn both_chains() -> [Drive; 2] {
+    [super::paper_drive(), super::roller_drive()]
+}
+
+/// A drive whose tensioner has its full pull after two milliseconds; without a pull there is none.
+pub fn pulled(mut drive: Drive, laws: &ForceLaws, pretension: f64, how: StepControl) -> Simulation {
+    if pretension > 0.0 {
+        drive.tensioner = Some(super::tensioner(pretension, 2e-3));
+    }
+    super::simulation(&drive, laws, how)
+}
+
+/// What finds the forces of a run, with its contacts' memory; the time, and the state then.
+pub type Standing = (Dynamics, f64, Vec<f64>);
+
+/// How a run stands at a time.
+pub fn standing(mut run: Simulation, time: f64) -> Standing {
+    super::advance(&mut run, time);
+    let (t, y) = (run.integrator().time(), run.integrator().y().to_vec());
+    (run.dynamics().clone(), t, y)
+}
+
+/// What kernels and their twins make of one state.
+pub struct Beside {
+    /// Rates of the state, from the kernels.
+    pub slope: Vec<f64>,
+    /// The twins, evaluated.
+    pub twins: Dynamics,
+    pub losses: Losses,
+    pub twins_losses: Losses,
+}
+
+/// Asserts that each set of instructions gives the accelerations of links and rollers that the twins give, to 1e-7 of the largest
+/// along that axis or of `least`, and the losses to 1e-7; hands on each.
+pub fn kernels_beside_twins(
+    (dynamics, t, y): &Standing,
+    least: f64,
+) -> impl Iterator<Item = Beside> {
+    InstructionSet::available().into_iter().map(move |set| {
+        let mut dynamics = dynamics.clone();
+        dynamics.use_instructions(set);
+        dynamics.keep_energy(true);
+        let mut slope = vec![0.0; y.len()];
+        dynamics.derivative(*t, y, &mut slope);
+        let losses = dynamics.powers().losses;
+        let twins_losses = dynamics.evaluate(*t, y).losses;
+        let model = dynamics.model().clone();
+        let (n, rates) = (model.links, &slope[model.coordinates..]);
+        let rollers = model.rollers.as_ref().map(|rollers| rollers.first);
+        let twins = &dynamics.accelerations;
+        for (axis, twins) in [&twins.x, &twins.y, &twins.angle].into_iter().enumerate() {
+            for (first, body) in [(Some(0), 0), (rollers, n)] {
+                let Some(first) = first else { continue };
+                let own = &rates[first + axis * n..first + (axis + 1) * n];
+                let size = largest(own).max(least);
+                for (i, (rate, twin)) in own.iter().zip(&twins[body..]).enumerate() {
+                    assert!(
+                        (rate - twin).abs() <= 1e-7 * size,
+                        "{}, axis {axis}, {i}: {rate:e} for {twin:e}, of {size:e}",
+                        set.name()
+                    );
+                }
+            }
+        }
+        for (loss, twin) in losses.values().iter().zip(twins_losses.values()) {
+            assert!((loss - twin).abs() <= 1e-7 * twin.abs(), "{losses:?}");
+        }
+        Beside {
+            slope,
+            twins: dynamics,
+            losses,
+            twins_losses,
+        }
+    })
+}
+
+/// What a run has lost until each report.
+pub struct Lost {
+    /// By damping in hinges and on teeth, by friction in hinges and on teeth \[J\].
+    pub places: [Vec<f64>; 4],
+    /// Everywhere, in the end \[J\].
+    pub all: f64,
+    /// The largest residual of the balance over that.
+    pub missing: f64,
+}
+
+/// What is lost in some time from now on; asserts that the places together have no more than all, but for some \[J\].
+pub fn lost(run: &mut Simulation, span: f64, rounding: f64) -> Lost {
+    let groups = Groups {
+        energy: true,
+        ..Groups::default()
+    };
+    let recording = super::record(run, span, 1e-3, groups);
+    let of = |name| super::channel(&recording, name);
+    let dissipated = of("energy_dissipated");
+    let places = [
+        "energy_hinge_contact",
+        "energy_tooth_contact",
+        "energy_hinge_friction",
+        "energy_tooth_friction",
+    ]
+    .map(of);
+    for (i, &sum) in dissipated.iter().enumerate() {
+        // The rest is the tensioner's dashpot's.
+        let contacts: f64 = places.iter().map(|place| place[i]).sum();
+        assert!(
+            contacts <= sum * (1.0 + 1e-12) + rounding,
+            "{contacts} of {sum}"
+        );
+    }
+    let all = *dissipated.last().unwrap();
+    Lost {
+        places,
+        all,
+        missing: largest(&of("energy_residual")) / all,
+    }
+}
