@@ -107,7 +107,7 @@ impl RollerTerms {
         let registers = self.groups.len() * count;
         let held = of_column_mut::<S>(&mut teeth.held, registers);
         let spun = of_column_mut::<S>(&mut teeth.spun, registers);
-        let mut among = Held { simd, held, spun };
+        let mut on_teeth = OnTeeth { simd, held, spun };
         for (number, group) in self.groups.iter_mut().enumerate() {
             if !group.held {
                 continue;
@@ -120,9 +120,9 @@ impl RollerTerms {
                     let bears = slopes.force.at(simd, part).greater(zero);
                     let rubbing = Rubbing::new(simd, gamma, &slopes.normal, &rubs[number], part);
                     let rubbing = rubbing.where_it(bears);
-                    among.eliminate_rubbed(i, [mass, inertia], &bore, &rubbing, (group, part));
+                    on_teeth.eliminate_rubbed(i, [mass, inertia], &bore, &rubbing, (group, part));
                 } else {
-                    among.eliminate(i, mass, &bore, (group, part));
+                    on_teeth.eliminate(i, mass, &bore, (group, part));
                 }
             }
         }
@@ -443,7 +443,7 @@ impl<'a, S: Simd> EntriesMut<'a, S> {
 }
 
 /// What holds bushings on teeth, register by register: it is the teeth that hold rollers, and then the rollers that hold bushings.
-struct Held<'a, S: Simd> {
+struct OnTeeth<'a, S: Simd> {
     simd: S,
     held: [&'a mut [S::f64s]; 3],
     spun: [&'a mut [S::f64s]; 3],
@@ -485,7 +485,7 @@ fn bore<S: Simd>(simd: S, gamma: f64, slopes: &SlopeGroup, part: usize) -> Symme
     ])
 }
 
-impl<S: Simd> Held<'_, S> {
+impl<S: Simd> OnTeeth<'_, S> {
     /// Register `i` of rollers without friction: velocities x and y.
     #[inline(always)]
     fn eliminate(
