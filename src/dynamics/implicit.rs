@@ -16,6 +16,10 @@ use crate::model::RollerModel;
 /// thousandth. What they get wrong is a force, that of their share, and not a place.
 const WHOLE_DEFLECTION: f64 = 1e-7;
 
+/// How much faster than before corrections of a step in which a contact begins or ends are taken to grow with their size. In the published
+/// drive at 0, 25 and 100 N, with rollers and without, one step in a thousand of those let go by this would have been measured otherwise.
+const WHERE_CHANGED: f64 = 10.0;
+
 /// Force \[N\] and its slopes with penetration \[N/m\] and rate \[N s/m\].
 fn slopes<L: ElasticLaw>(
     pair: &L::Pair,
@@ -307,8 +311,12 @@ impl SecondOrderSystem for Dynamics {
         self.kernels.write_slopes(false);
     }
 
-    fn has_kinked(&self) -> bool {
-        self.kernels.changed()
+    fn doubt(&self) -> f64 {
+        if self.kernels.changed() {
+            WHERE_CHANGED
+        } else {
+            1.0
+        }
     }
 
     fn rings(&self) -> bool {

@@ -416,9 +416,14 @@ impl Dynamics {
 
     /// Finds the contacts that began in the step just made and their onset speeds; call after it, before another derivative.
     pub fn finish_step(&mut self, adams: &Adams, step: &Step) {
-        if self.kernels.changed() {
+        let changed = self.kernels.changes();
+        if changed.hinges {
             self.find_hinge_onsets(adams, step);
+        }
+        if changed.rollers {
             self.find_roller_onsets(adams, step);
+        }
+        if changed.teeth {
             self.find_tooth_onsets(adams, step);
         }
         if std::mem::take(&mut self.turned) {

@@ -66,10 +66,10 @@ pub trait SecondOrderSystem: OdeSystem {
         self.accelerations(t, y, dydt);
     }
 
-    /// Whether something began or ended between the start of the step and the last evaluation, so that corrections may converge
-    /// otherwise than in the steps before; true for systems that cannot tell.
-    fn has_kinked(&self) -> bool {
-        true
+    /// How many times worse than in the steps before corrections may converge at the last evaluation: once, or more where something began
+    /// or ended within the step; endless for systems that cannot tell.
+    fn doubt(&self) -> f64 {
+        f64::INFINITY
     }
 
     /// Velocities for which the system solves by itself, where a step of Newton's method asks for accelerations: none, unless they are

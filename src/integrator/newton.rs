@@ -25,6 +25,9 @@ const UNMEASURED: f64 = 0.01;
 /// Slower convergence is always measured.
 const SLOWEST_UNMEASURED: f64 = 0.3;
 
+/// First correction \[m\] above which one that is in doubt is measured: its contacts may have begun or ended in what it corrects.
+const LONGEST_IN_DOUBT: f64 = 2e-10;
+
 /// What was measured is taken to be so many times worse after each step that did not measure it.
 const DISTRUST: f64 = 1.2;
 
@@ -178,7 +181,7 @@ impl Adams {
                 if estimate.local > HOPELESS {
                     return Some(estimate);
                 }
-                if self.may_end_unmeasured(size, system.has_kinked()) {
+                if self.may_end_unmeasured(size, system.doubt()) {
                     return Some(self.finish_corrector(nq, gamma, applied.error));
                 }
                 size
@@ -226,18 +229,18 @@ impl Adams {
     }
 
     /// Whether the first correction, of `size`, is the last one by what earlier steps showed of the second: it is `bend` times the
-    /// square of the first. `kinked`: contacts have opened or closed, and it is not known.
-    fn may_end_unmeasured(&mut self, size: f64, kinked: bool) -> bool {
-        if kinked {
-            self.bend = f64::INFINITY;
-        }
+    /// square of the first, and `doubt` times that in this step.
+    fn may_end_unmeasured(&mut self, size: f64, doubt: f64) -> bool {
         let allowed = if self.control.is_by_component() {
             UNMEASURED
         } else {
             (UNMEASURED_LENGTH / self.control.accuracy).min(REMAINDER)
         };
-        let rate = self.bend * size;
-        let ends = rate < SLOWEST_UNMEASURED && rate * size <= allowed;
+        let is_short =
+            !self.control.is_by_component() && size * self.control.accuracy <= LONGEST_IN_DOUBT;
+        let rate = doubt * self.bend * size;
+        let ends =
+            rate < SLOWEST_UNMEASURED && rate * size <= allowed && (doubt <= 1.0 || is_short);
         if ends {
             self.bend *= DISTRUST;
         }

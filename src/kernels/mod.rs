@@ -59,6 +59,14 @@ fn bristling<'a>(
         .map(|(state, law)| state.lend(place, law, radius))
 }
 
+/// Kinds of contacts of which one began or ended.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Changed {
+    pub(crate) hinges: bool,
+    pub(crate) rollers: bool,
+    pub(crate) teeth: bool,
+}
+
 /// Arrays of the right-hand side and the instructions it runs with.
 #[derive(Debug, Clone)]
 pub(crate) struct Kernels {
@@ -76,8 +84,8 @@ pub(crate) struct Kernels {
     kind: Vec<usize>,
     poses: Vec<SprocketPose>,
     loads: Vec<SprocketLoad>,
-    /// Whether at the last evaluation some contact had no memory, or some memory no contact.
-    changed: bool,
+    /// Where at the last evaluation some contact had no memory, or some memory no contact.
+    changed: Changed,
     /// Newton's matrix, once it is asked for.
     newton: Option<Box<NewtonMatrix>>,
     /// Where friction is that of bristles.
@@ -110,7 +118,11 @@ impl Kernels {
             kind,
             poses: vec![SprocketPose::default(); sprockets],
             loads: vec![SprocketLoad::default(); sprockets],
-            changed: true,
+            changed: Changed {
+                hinges: true,
+                rollers: true,
+                teeth: true,
+            },
             newton: None,
             bristles: BristleState::of(model, Candidates::most_slots(model)).map(Box::new),
             writes_slopes: false,
@@ -177,6 +189,16 @@ impl Kernels {
 
     /// Whether at the last evaluation some contact had no memory, or some memory no contact.
     pub(crate) fn changed(&self) -> bool {
+        let Changed {
+            hinges,
+            rollers,
+            teeth,
+        } = self.changed;
+        hinges || rollers || teeth
+    }
+
+    /// Where that was.
+    pub(crate) fn changes(&self) -> Changed {
         self.changed
     }
 
@@ -321,7 +343,11 @@ impl Kernels {
         }
         let moved_squared = rolling.map_or(chain.moved_squared, |found| found.moved_squared);
         self.choose_candidates(model, memory, moved_squared);
-        self.changed = chain.changed || rolling.is_some_and(|found| found.changed);
+        self.changed = Changed {
+            hinges: chain.changed,
+            rollers: rolling.is_some_and(|found| found.changed),
+            teeth: false,
+        };
         let mut losses = Losses {
             hinge_contact: chain.dissipated,
             hinge_friction: chain.rubbed,
@@ -347,7 +373,7 @@ impl Kernels {
                 self.touch_teeth::<Law, ENERGY>(model, s)
             });
             self.put_tooth_bristles(model, s, rates);
-            self.changed |= teeth.changed;
+            self.changed.teeth |= teeth.changed;
             losses.tooth_contact += teeth.dissipated;
             losses.tooth_friction += teeth.rubbed;
             self.loads[s] = SprocketLoad {

@@ -57,7 +57,7 @@ pub(super) struct Hinges<
     pub(super) on_front: &'a [S::f64s],
     pub(super) there: &'a [S::f64s],
     reference: [&'a [S::f64s]; 2],
-    depth: &'a mut [S::f64s],
+    pub(super) depth: &'a mut [S::f64s],
     force: &'a mut [S::f64s],
     distance_squared: &'a mut [S::f64s],
     along: &'a mut [S::f64s],
@@ -190,9 +190,9 @@ impl<
         }
     }
 
-    /// One register of hinges.
+    /// One register of hinges; whether any of them may touch.
     #[inline(always)]
-    pub(super) fn join(&mut self, i: usize, front: &End<S>, rear: &End<S>) {
+    pub(super) fn join(&mut self, i: usize, front: &End<S>, rear: &End<S>) -> bool {
         let simd = self.clearance.simd();
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         self.place_bushings(i, front, rear);
@@ -221,7 +221,7 @@ impl<
                 bristles.rest(i);
             }
             self.changed |= remembered.any();
-            return;
+            return false;
         }
         let distance = distance_squared.sqrt();
         let inverse_distance = near.select(one / distance, zero);
@@ -290,6 +290,7 @@ impl<
         if EXTRA {
             self.fill(i, [front, rear], [ex, ey], velocity, distance_squared);
         }
+        true
     }
 
     /// Depth, force, and its direction as it acts on the rear ends.

@@ -13,7 +13,9 @@ use super::{ChainFound, RepeatBushings};
 use crate::force_law::VectorLaw;
 use crate::kernels::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::model::Model;
-use crate::vector::{Lanes, both, lane_numbers, load, partial_load, vectors, vectors_mut};
+use crate::vector::{
+    Lanes, Mask, both, both_mut, lane_numbers, load, partial_load, vectors, vectors_mut,
+};
 
 /// What the kernels have of rollers.
 #[derive(Debug, Clone)]
@@ -83,40 +85,51 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const BRISTLED: bool,
         let (mut joints, _) = Hinges::<S, L, DAMPED, RUBBED, BRISTLED, false, ENERGY>::new(
             simd, self.bores, constants, arrays, blocks,
         );
+        let ChainArrays {
+            bushing,
+            bushing_velocity,
+            bushing_spin,
+            front_force,
+            rear_force,
+            front_moment,
+            rear_moment,
+            ..
+        } = self.chain;
+        let mut pressed = PressedEnds {
+            on_front: vectors::<S>(&self.links.bushing_on_front, blocks),
+            front_force: both_mut::<S>(front_force, 0, blocks),
+            rear_force: both_mut::<S>(rear_force, FIRST + 1, blocks),
+            front_moment: vectors_mut::<S>(front_moment, blocks),
+            rear_moment: vectors_mut::<S>(&mut rear_moment[FIRST + 1..], blocks),
+        };
         let [x, y] = self.places;
         let [vx, vy, spin] = self.speeds;
-        let place = both::<S>(&self.chain.bushing, 0, blocks);
-        let velocity = both::<S>(&self.chain.bushing_velocity, 0, blocks);
-        let turning = vectors::<S>(&self.chain.bushing_spin, blocks);
+        let x = Column::<S>::of(simd, x);
+        let y = Column::<S>::of(simd, y);
+        let vx = Column::<S>::of(simd, vx);
+        let vy = Column::<S>::of(simd, vy);
+        let spin = Column::<S>::of(simd, spin);
+        let place = both::<S>(bushing, 0, blocks);
+        let velocity = both::<S>(bushing_velocity, 0, blocks);
+        let turning = vectors::<S>(bushing_spin, blocks);
         let zero = splat(0.0);
+        let there = lane_numbers(simd).less(splat((n - (blocks - 1) * S::F64_LANES) as f64));
         for i in 0..blocks {
-            let from = i * S::F64_LANES;
-            let (there, last) = (
-                lane_numbers(simd).less(splat((n - from) as f64)),
-                i + 1 == blocks,
-            );
-            let of_roller = |array: &[f64]| {
-                if last {
-                    partial_load(simd, &array[from..])
-                } else {
-                    load(simd, &vectors::<S>(&array[from..], 1)[0])
-                }
-            };
             // Behind the last bushing stands the first one again, or what was there once.
             let of_bushing = |array: &[S::f64s]| {
                 let value = load(simd, &array[i]);
-                if last {
-                    there.select(value, zero)
-                } else {
+                if i + 1 < blocks {
                     value
+                } else {
+                    there.select(value, zero)
                 }
             };
             let roller = End {
-                x: of_roller(x),
-                y: of_roller(y),
-                vx: of_roller(vx),
-                vy: of_roller(vy),
-                spin: if RUBBED { of_roller(spin) } else { zero },
+                x: x.at(i),
+                y: y.at(i),
+                vx: vx.at(i),
+                vy: vy.at(i),
+                spin: if RUBBED { spin.at(i) } else { zero },
             };
             let bushing = End {
                 x: of_bushing(place[0]),
@@ -125,67 +138,87 @@ impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const BRISTLED: bool,
                 vy: of_bushing(velocity[1]),
                 spin: if RUBBED { of_bushing(turning) } else { zero },
             };
-            joints.join(i, &roller, &bushing);
+            if joints.join(i, &roller, &bushing) {
+                let touching = load(simd, &joints.depth[i]).greater(zero);
+                let [felt_x, felt_y] = &joints.rear_force;
+                let felt = [load(simd, &felt_x[i]), load(simd, &felt_y[i])];
+                pressed.push(i, touching, felt);
+                if moments {
+                    pressed.twist(i, touching, load(simd, &joints.moments[1][i]));
+                }
+            }
         }
         let found = joints.found();
-        RepeatBushings {
-            links: n,
-            overhang: self.overhang,
-            arrays,
+        if self.overhang > 0 {
+            RepeatBushings {
+                links: n,
+                overhang: self.overhang,
+                arrays,
+            }
+            .with_simd(simd);
         }
-        .with_simd(simd);
-        press_bushings(simd, blocks, self.links, arrays, self.chain, moments);
         found
     }
 }
 
-/// Gives the ends of links what rollers do to their bushings.
-#[inline(always)]
-fn press_bushings<S: Simd>(
-    simd: S,
-    blocks: usize,
-    links: &LinkConstants,
-    rollers: &ChainArrays,
-    chain: &mut ChainArrays,
-    moments: bool,
-) {
-    let on_front = vectors::<S>(&links.bushing_on_front, blocks);
-    let ChainArrays {
-        front_force,
-        rear_force,
-        front_moment,
-        rear_moment,
-        ..
-    } = chain;
-    for (axis, from) in rollers.rear_force.iter().enumerate() {
-        let (front, rear) = (&mut front_force[axis], &mut rear_force[axis]);
-        add_to_ends::<S>(simd, on_front, &from[FIRST + 1..], front, rear);
+/// Ends of links, which feel what rollers do to the bushings on them.
+struct PressedEnds<'a, S: Simd> {
+    on_front: &'a [S::f64s],
+    front_force: [&'a mut [S::f64s]; 2],
+    rear_force: [&'a mut [S::f64s]; 2],
+    front_moment: &'a mut [S::f64s],
+    rear_moment: &'a mut [S::f64s],
+}
+
+impl<S: Simd> PressedEnds<'_, S> {
+    /// Adds forces on register `i` of bushings.
+    #[inline(always)]
+    fn push(&mut self, i: usize, touching: Mask<S>, [x, y]: [Lanes<S>; 2]) {
+        let on_front = load(x.simd(), &self.on_front[i]).greater(x.constant(0.0));
+        let (front, rear) = (touching.and(on_front), touching.and(on_front.not()));
+        add(front, x, &mut self.front_force[0][i]);
+        add(front, y, &mut self.front_force[1][i]);
+        add(rear, x, &mut self.rear_force[0][i]);
+        add(rear, y, &mut self.rear_force[1][i]);
     }
-    if moments {
-        let from = &rollers.rear_moment[FIRST + 1..];
-        add_to_ends::<S>(simd, on_front, from, front_moment, rear_moment);
+
+    /// Adds moments.
+    #[inline(always)]
+    fn twist(&mut self, i: usize, touching: Mask<S>, felt: Lanes<S>) {
+        let on_front = load(felt.simd(), &self.on_front[i]).greater(felt.constant(0.0));
+        add(touching.and(on_front), felt, &mut self.front_moment[i]);
+        add(touching.and(on_front.not()), felt, &mut self.rear_moment[i]);
     }
 }
 
-/// Adds what bushings feel to the ends that they are on.
+/// Adds where it `acts` and nowhere else: not even the sign of a zero depends on who else is in the register.
 #[inline(always)]
-fn add_to_ends<S: Simd>(
-    simd: S,
-    on_front: &[S::f64s],
-    from: &[f64],
-    front: &mut [f64],
-    rear: &mut [f64],
-) {
-    let blocks = on_front.len();
-    let zero = Lanes::splat(simd, 0.0);
-    let from = vectors::<S>(from, blocks);
-    let front = vectors_mut::<S>(front, blocks);
-    let rear = vectors_mut::<S>(&mut rear[FIRST + 1..], blocks);
-    for i in 0..blocks {
-        let at = |array: &[S::f64s]| load(simd, &array[i]);
-        let felt = at(from);
-        let on_front = at(on_front).greater(zero).select(felt, zero);
-        let (fronts, rears) = (at(front) + on_front, at(rear) + (felt - on_front));
-        (front[i], rear[i]) = (fronts.values(), rears.values());
+fn add<S: Simd>(acts: Mask<S>, felt: Lanes<S>, to: &mut S::f64s) {
+    let before = load(felt.simd(), to);
+    *to = acts.select(before + felt, before).values();
+}
+
+/// An array that may end within a register, with zeros behind its end.
+struct Column<'a, S: Simd> {
+    whole: &'a [S::f64s],
+    last: Lanes<S>,
+}
+
+impl<'a, S: Simd> Column<'a, S> {
+    #[inline(always)]
+    fn of(simd: S, array: &'a [f64]) -> Self {
+        let (whole, rest) = S::as_simd_f64s(array);
+        Self {
+            whole,
+            last: partial_load(simd, rest),
+        }
+    }
+
+    #[inline(always)]
+    fn at(&self, i: usize) -> Lanes<S> {
+        match self.whole.get(i) {
+            Some(values) => load(self.last.simd(), values),
+            None => self.last,
+        }
     }
 }

@@ -461,29 +461,37 @@ impl LinkTerms {
         }
     }
 
-    /// Velocities of fronts, x and y, of rears, and spins of links with these `unknowns`.
+    /// Velocities of fronts, x and y, of rears, and with friction spins of links with these `unknowns`.
     #[inline(always)]
-    pub(super) fn write_ends<S: Simd>(
+    pub(super) fn write_ends<S: Simd, const RUBBED: bool>(
         &self,
         simd: S,
         unknowns: &[[Octet; 3]],
         ends: &mut [Numbers; 5],
     ) {
         let count = parts::<S>().len();
+        let blocks = self.groups.len() * count;
+        let [front_x, front_y, rear_x, rear_y, spin] = ends;
+        let (front_x, front_y) = (
+            vectors_mut::<S>(front_x, blocks),
+            vectors_mut::<S>(front_y, blocks),
+        );
+        let (rear_x, rear_y) = (
+            vectors_mut::<S>(rear_x, blocks),
+            vectors_mut::<S>(rear_y, blocks),
+        );
+        let spin = vectors_mut::<S>(spin, blocks);
         for (number, (group, unknowns)) in self.groups.iter().zip(unknowns).enumerate() {
             for part in parts::<S>() {
                 let i = number * count + part;
                 let [x, y, turn] = read(simd, unknowns, part);
                 let [u, v] = read(simd, &group.lever, part);
-                let values = [
-                    u.mul_add(turn, x),
-                    v.mul_add(turn, y),
-                    u.negate_mul_add(turn, x),
-                    v.negate_mul_add(turn, y),
-                    turn,
-                ];
-                for (end, value) in ends.iter_mut().zip(values) {
-                    vectors_mut::<S>(end, i + 1)[i] = value.values();
+                front_x[i] = u.mul_add(turn, x).values();
+                front_y[i] = v.mul_add(turn, y).values();
+                rear_x[i] = u.negate_mul_add(turn, x).values();
+                rear_y[i] = v.negate_mul_add(turn, y).values();
+                if RUBBED {
+                    spin[i] = turn.values();
                 }
             }
         }

@@ -10,6 +10,7 @@ mod blocks;
 mod border;
 mod contacts;
 mod dense;
+mod entries;
 mod film;
 mod links;
 mod ring;
@@ -20,6 +21,7 @@ use pulp::{Simd, WithSimd};
 
 use border::{Corner, SprocketMotions};
 use contacts::{Arms, Closed, Rubbing, soften_hinges};
+use entries::{Entries, EntriesMut};
 use film::soften_filled_hinges;
 use links::{Border, LinkTerms, Linked, RightHand};
 use ring::{HingeBlocks, Ring};
@@ -31,9 +33,7 @@ use super::slopes::{FilmGroup, RubGroup, SlopeGroup, slope_groups};
 use super::teeth::SprocketPose;
 use crate::contact::Candidates;
 use crate::model::Model;
-use crate::vector::{
-    InstructionSet, Lanes, Octet, PartialSums, WIDTH, load, partial_load, parts, read, write,
-};
+use crate::vector::{InstructionSet, Lanes, Octet, PartialSums, WIDTH, parts, read, write};
 
 /// Share of a border coordinate's own entry that teeth may make up for the border to be swept instead of eliminated: what a
 /// correction then lacks is less than that share.
@@ -279,31 +279,19 @@ impl<S: Simd> RightHand<S> for Column<'_> {
 
 /// Accelerations times masses and inertias, less what the border does by itself.
 struct Residual<'a, S: Simd> {
-    /// x, y and θ of all links: whole registers, and the rest.
-    accelerations: [(&'a [S::f64s], Lanes<S>); 3],
+    /// x, y and θ of all links.
+    accelerations: [Entries<'a, S>; 3],
     columns: &'a [Border],
     /// What the border does; nothing where it is not swept.
     alone: &'a [f64],
-}
-
-/// Whole registers of a slice, and the rest with zeros behind it.
-#[inline(always)]
-fn whole_and_rest<S: Simd>(simd: S, slice: &[f64]) -> (&[S::f64s], Lanes<S>) {
-    let (whole, rest) = S::as_simd_f64s(slice);
-    (whole, partial_load(simd, rest))
 }
 
 impl<S: Simd> RightHand<S> for Residual<'_, S> {
     #[inline(always)]
     fn at(&self, simd: S, mass: [Lanes<S>; 3], held: bool, i: usize) -> [Lanes<S>; 3] {
         let mut right = mass;
-        for (right, (whole, rest)) in right.iter_mut().zip(&self.accelerations) {
-            let residual = match whole.get(i) {
-                Some(values) => load(simd, values),
-                None if i == whole.len() => *rest,
-                None => rest.constant(0.0),
-            };
-            *right = *right * residual;
+        for (right, accelerations) in right.iter_mut().zip(&self.accelerations) {
+            *right = *right * accelerations.at(i);
         }
         if held {
             let count = parts::<S>().len();
@@ -312,25 +300,6 @@ impl<S: Simd> RightHand<S> for Residual<'_, S> {
             }
         }
         right
-    }
-}
-
-/// Writes numbers that stand in octets; one for each of `to`.
-#[inline(always)]
-fn write_octets<'a, S: Simd>(simd: S, octets: impl Fn(usize) -> &'a Octet, to: &mut [f64]) {
-    let (whole, rest) = to.as_chunks_mut::<WIDTH>();
-    for (i, to) in whole.iter_mut().enumerate() {
-        *to = octets(i).0;
-    }
-    if !rest.is_empty() {
-        let octet = octets(whole.len());
-        let (whole, rest) = S::as_mut_simd_f64s(rest);
-        for (part, to) in whole.iter_mut().enumerate() {
-            *to = octet.at(simd, part).values();
-        }
-        if !rest.is_empty() {
-            simd.partial_store_f64s(rest, octet.at(simd, whole.len()).values());
-        }
     }
 }
 
@@ -461,9 +430,9 @@ impl<const RUBBED: bool> WithSimd for Correct<'_, RUBBED> {
         let swept = swept || !rollers.is_empty();
         let right = Residual {
             accelerations: [
-                whole_and_rest(simd, &links[..n]),
-                whole_and_rest(simd, &links[n..2 * n]),
-                whole_and_rest(simd, &links[2 * n..]),
+                Entries::of(simd, &links[..n]),
+                Entries::of(simd, &links[n..2 * n]),
+                Entries::of(simd, &links[2 * n..]),
             ],
             columns: &matrix.columns,
             alone: if swept { &matrix.alone } else { &[] },
@@ -499,13 +468,13 @@ impl<const RUBBED: bool> WithSimd for Correct<'_, RUBBED> {
             terms.solve_bound::<S, RUBBED>(simd, links, unknowns, border, rollers);
         }
         for (axis, residual) in links.chunks_exact_mut(n).enumerate() {
-            let unknowns = &matrix.unknowns;
-            write_octets(
-                simd,
-                #[inline(always)]
-                |i| &unknowns[i][axis],
-                residual,
-            );
+            let mut residual = EntriesMut::of(simd, residual);
+            for (number, unknowns) in matrix.unknowns.iter().enumerate() {
+                for part in parts::<S>() {
+                    let i = number * parts::<S>().len() + part;
+                    residual.set(i, unknowns[axis].at(simd, part));
+                }
+            }
         }
     }
 }

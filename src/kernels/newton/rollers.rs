@@ -10,13 +10,14 @@ use pulp::Simd;
 use super::blocks::{Block, Pair, Symmetric};
 use super::border::Corner;
 use super::contacts::{BASE, scaled};
+use super::entries::{Entries, EntriesMut};
 use super::links::{Border, LinkTerms, Spatial};
 use super::teeth::ToothTerms;
 use crate::kernels::slopes::{RubGroup, SlopeGroup};
 use crate::model::{Model, RollerModel};
 use crate::vector::{
-    Lanes, Mask, Numbers, Octet, PartialSums, WIDTH, load, padded_zeros, partial_load, parts, read,
-    vectors, vectors_mut, write,
+    Lanes, Mask, Numbers, Octet, PartialSums, WIDTH, load, padded_zeros, parts, read, vectors,
+    vectors_mut, write,
 };
 
 /// Eight rollers.
@@ -26,6 +27,8 @@ struct RollerGroup {
     front_bushing: Octet,
     /// Whether anything bears on one of them.
     held: bool,
+    /// Whether a tooth does.
+    meshes: bool,
     /// A; without friction xx, yy, xy alone.
     inverse: [Octet; 6],
     /// A C: rows, then columns; without friction four entries alone.
@@ -46,8 +49,6 @@ pub(super) struct RollerTerms {
     felt: [Numbers; 3],
     /// Scratch: velocities of fronts, of rears, the first one once more behind the last, and spins, likewise.
     ends: [Numbers; 5],
-    /// Scratch: entries of the border with itself, or its right-hand sides.
-    sums: Vec<PartialSums>,
 }
 
 impl RollerTerms {
@@ -60,6 +61,7 @@ impl RollerTerms {
             RollerGroup {
                 front_bushing: Octet(std::array::from_fn(|lane| on_front(first + lane))),
                 held: false,
+                meshes: false,
                 inverse: [none; 6],
                 follow: [none; 9],
                 free: [none; 3],
@@ -72,7 +74,6 @@ impl RollerTerms {
             solved: vec![vec![[none; 3]; n.div_ceil(WIDTH)]; border],
             felt: [(); 3].map(|()| padded_zeros(BASE + n)),
             ends: [(); 5].map(|()| padded_zeros(n + WIDTH)),
-            sums: vec![PartialSums::default(); (border * border).max(1)],
         }
     }
 
@@ -86,57 +87,117 @@ impl RollerTerms {
         teeth: &mut ToothTerms,
         corner: &mut Corner,
     ) {
-        let Self {
-            mass,
-            inertia,
-            groups,
-            solved,
-            sums,
-            ..
-        } = self;
-        let (mass, inertia) = (Lanes::splat(simd, *mass), Lanes::splat(simd, *inertia));
+        let (mass, inertia) = (
+            Lanes::splat(simd, self.mass),
+            Lanes::splat(simd, self.inertia),
+        );
         let zero = mass.constant(0.0);
         let count = parts::<S>().len();
-        let border = solved.len();
-        sums.fill(PartialSums::default());
-        for (number, group) in groups.iter_mut().enumerate() {
+        for (number, group) in self.groups.iter_mut().enumerate() {
             let slopes = &slopes[number];
             let mut bound = false;
             for part in parts::<S>() {
                 bound |= slopes.force.at(simd, part).exceeds(zero).any();
             }
-            group.held = bound || teeth.touches(number * WIDTH);
-            if !group.held {
-                continue;
-            }
+            group.meshes = teeth.touches(number * WIDTH);
+            group.held = bound || group.meshes;
             if bound {
                 teeth.touch(number * WIDTH);
             }
+        }
+        let registers = self.groups.len() * count;
+        let held = of_column_mut::<S>(&mut teeth.held, registers);
+        let spun = of_column_mut::<S>(&mut teeth.spun, registers);
+        let mut on_teeth = OnTeeth { simd, held, spun };
+        for (number, group) in self.groups.iter_mut().enumerate() {
+            if !group.held {
+                continue;
+            }
+            let slopes = &slopes[number];
             for part in parts::<S>() {
-                let own = Own {
-                    number,
-                    part,
-                    register: number * count + part,
-                    mass,
-                    inertia,
-                    bore: bore::<S>(simd, gamma, slopes, part),
-                };
-                let solved = (&mut *group, &mut solved[..], &mut sums[..]);
+                let i = number * count + part;
+                let bore = bore::<S>(simd, gamma, slopes, part);
                 if RUBBED {
                     let bears = slopes.force.at(simd, part).greater(zero);
                     let rubbing = Rubbing::new(simd, gamma, &slopes.normal, &rubs[number], part);
-                    own.eliminate_rubbed(simd, &rubbing.where_it(bears), teeth, solved);
+                    let rubbing = rubbing.where_it(bears);
+                    on_teeth.eliminate_rubbed(i, [mass, inertia], &bore, &rubbing, (group, part));
                 } else {
-                    own.eliminate(simd, teeth, solved);
+                    on_teeth.eliminate(i, mass, &bore, (group, part));
                 }
             }
         }
-        for above in 0..border {
-            for j in above..border {
-                let entry = -sums[above * border + j].total();
+        self.eliminate_from_border::<S, RUBBED>(simd, &mut teeth.column, corner);
+    }
+
+    /// Columns of the border: `A c`, what that leaves of them to the bushings, and on the border.
+    #[inline(always)]
+    fn eliminate_from_border<S: Simd, const RUBBED: bool>(
+        &mut self,
+        simd: S,
+        columns: &mut [[Numbers; 3]],
+        corner: &mut Corner,
+    ) {
+        let count = parts::<S>().len();
+        let registers = self.groups.len() * count;
+        let Self { groups, solved, .. } = self;
+        for j in 0..columns.len() {
+            let solved = &mut solved[j];
+            for above in 0..=j {
+                let left = of_column::<S>(&columns[above], registers);
+                let right = of_column::<S>(&columns[j], registers);
+                let mut sum = PartialSums::default();
+                for (number, group) in groups.iter().enumerate() {
+                    if !group.meshes {
+                        continue;
+                    }
+                    for part in parts::<S>() {
+                        let i = number * count + part;
+                        let own = |axis: usize| load(simd, &left[axis][i]);
+                        if above == 0 {
+                            let c = |axis: usize| load(simd, &right[axis][i]);
+                            let moved = if RUBBED {
+                                Spatial(read(simd, &group.inverse, part)).times([c(0), c(1), c(2)])
+                            } else {
+                                let [x, y] = group.alone(simd, part).of(&Pair([c(0), c(1)])).0;
+                                [x, y, x.constant(0.0)]
+                            };
+                            write(&mut solved[number], part, moved);
+                        }
+                        let [x, y, turn] = read(simd, &solved[number], part);
+                        let mut rest = own(1) * y;
+                        if RUBBED {
+                            rest = own(1).mul_add(y, own(2) * turn);
+                        }
+                        sum.add(i, own(0).mul_add(x, rest));
+                    }
+                }
+                let entry = -sum.total();
                 corner.add(above, j, entry);
                 if above < j {
                     corner.add(j, above, entry);
+                }
+            }
+        }
+        for column in columns {
+            let [x, y, turn] = of_column_mut::<S>(column, registers);
+            for (number, group) in groups.iter().enumerate() {
+                if !group.meshes {
+                    continue;
+                }
+                for part in parts::<S>() {
+                    let i = number * count + part;
+                    let c = [load(simd, &x[i]), load(simd, &y[i])];
+                    if RUBBED {
+                        let c = [c[0], c[1], load(simd, &turn[i])];
+                        let follow = read(simd, &group.follow, part);
+                        let felt = transposed_times(&follow, c);
+                        (x[i], y[i]) = (felt[0].values(), felt[1].values());
+                        turn[i] = felt[2].values();
+                    } else {
+                        let [felt_x, felt_y] = group.follows(simd, part).transposed_of(&Pair(c)).0;
+                        (x[i], y[i]) = (felt_x.values(), felt_y.values());
+                    }
                 }
             }
         }
@@ -153,72 +214,74 @@ impl RollerTerms {
         links: &LinkTerms,
         column: &mut [[Octet; 3]],
     ) {
-        let Self {
-            mass,
-            inertia,
-            groups,
-            solved,
-            felt,
-            sums,
-            ..
-        } = self;
-        let (mass, inertia) = (Lanes::splat(simd, *mass), Lanes::splat(simd, *inertia));
+        let (mass, inertia) = (
+            Lanes::splat(simd, self.mass),
+            Lanes::splat(simd, self.inertia),
+        );
         let zero = mass.constant(0.0);
         let n = right.len() / 3;
         let count = parts::<S>().len();
-        sums.fill(PartialSums::default());
-        for (number, group) in groups.iter_mut().enumerate() {
+        let registers = self.groups.len() * count;
+        let [felt_x, felt_y, felt_turn] = of_column_mut::<S>(&mut self.felt, registers);
+        let right_x = Entries::<S>::of(simd, &right[..n]);
+        let right_y = Entries::<S>::of(simd, &right[n..2 * n]);
+        let right_turn = Entries::<S>::of(simd, &right[2 * n..]);
+        for (number, group) in self.groups.iter_mut().enumerate() {
             for part in parts::<S>() {
                 let i = number * count + part;
-                let from = BASE + i * S::F64_LANES;
-                let x = residual(simd, &right[..n], i);
-                let y = residual(simd, &right[n..2 * n], i);
-                let turn = residual(simd, &right[2 * n..], i);
                 if !group.held {
-                    write(&mut group.free, part, [x, y, turn]);
-                    for felt in &mut *felt {
-                        put(felt, from, zero);
+                    (felt_x[i], felt_y[i]) = (zero.values(), zero.values());
+                    if RUBBED {
+                        felt_turn[i] = zero.values();
                     }
                     continue;
                 }
-                let (x, y) = (mass * x, mass * y);
+                let (x, y) = (mass * right_x.at(i), mass * right_y.at(i));
                 if RUBBED {
-                    let right = [x, y, inertia * turn];
+                    let right = [x, y, inertia * right_turn.at(i)];
                     let free = Spatial(read(simd, &group.inverse, part)).times(right);
                     write(&mut group.free, part, free);
-                    let pushes = transposed_times(&read(simd, &group.follow, part), right);
-                    for (felt, push) in felt.iter_mut().zip(pushes) {
-                        put(felt, from, push);
-                    }
-                    for (solved, sum) in solved.iter().zip(&mut *sums) {
-                        let [sx, sy, st] = read(simd, &solved[number], part);
-                        sum.add(i, sx.mul_add(right[0], sy.mul_add(right[1], st * right[2])));
-                    }
-                    continue;
-                }
-                let [xx, yy, xy, ..] = read(simd, &group.inverse, part);
-                let [free_x, free_y] = Symmetric([xx, yy, xy]).of(&Pair([x, y])).0;
-                write(&mut group.free, part, [free_x, free_y, turn]);
-                let [xx, xy, yx, yy, ..] = read(simd, &group.follow, part);
-                let [push_x, push_y] = Block([xx, xy, yx, yy]).transposed_of(&Pair([x, y])).0;
-                put(&mut felt[0], from, push_x);
-                put(&mut felt[1], from, push_y);
-                for (solved, sum) in solved.iter().zip(&mut *sums) {
-                    let [sx, sy, _] = read(simd, &solved[number], part);
-                    sum.add(i, sx.mul_add(x, sy * y));
+                    let follow = read(simd, &group.follow, part);
+                    let [push_x, push_y, twist] = transposed_times(&follow, right);
+                    (felt_x[i], felt_y[i]) = (push_x.values(), push_y.values());
+                    felt_turn[i] = twist.values();
+                } else {
+                    let right = Pair([x, y]);
+                    let [free_x, free_y] = group.alone(simd, part).of(&right).0;
+                    group.free[0].put(part, free_x);
+                    group.free[1].put(part, free_y);
+                    let [push_x, push_y] = group.follows(simd, part).transposed_of(&right).0;
+                    (felt_x[i], felt_y[i]) = (push_x.values(), push_y.values());
                 }
             }
         }
-        for (entry, sum) in border.iter_mut().zip(&*sums) {
+        for (solved, entry) in self.solved.iter().zip(border) {
+            let mut sum = PartialSums::default();
+            for (number, (group, solved)) in self.groups.iter().zip(solved).enumerate() {
+                if !group.meshes {
+                    continue;
+                }
+                for part in parts::<S>() {
+                    let i = number * count + part;
+                    let (x, y) = (mass * right_x.at(i), mass * right_y.at(i));
+                    let [solved_x, solved_y, solved_turn] = read(simd, solved, part);
+                    let mut rest = solved_y * y;
+                    if RUBBED {
+                        rest = solved_y.mul_add(y, solved_turn * (inertia * right_turn.at(i)));
+                    }
+                    sum.add(i, solved_x.mul_add(x, rest));
+                }
+            }
             *entry -= sum.total();
         }
-        for felt in &mut *felt {
+        for felt in &mut self.felt {
             felt[BASE - 1] = felt[BASE + n - 1];
         }
-        links.gather_column::<S, RUBBED>(simd, felt, column);
+        links.gather_column::<S, RUBBED>(simd, &self.felt, column);
     }
 
-    /// Rollers that feel links, which have these velocities, and the `border` too; written to `to`.
+    /// Rollers that feel links, which have these velocities, and the `border` too; written to `to`, which has [`Self::solve_free`]'s
+    /// right-hand side: what nothing holds keeps it.
     #[inline(always)]
     pub(super) fn solve_bound<S: Simd, const RUBBED: bool>(
         &mut self,
@@ -236,24 +299,45 @@ impl RollerTerms {
         } = self;
         let n = to.len() / 3;
         let count = parts::<S>().len();
-        links.write_ends(simd, unknowns, ends);
+        let registers = groups.len() * count;
+        links.write_ends::<S, RUBBED>(simd, unknowns, ends);
         for end in &mut ends[2..] {
             end[n] = end[0];
         }
-        let zero = Lanes::splat(simd, 0.0);
         let [front_x, front_y, rear_x, rear_y, spin] = &*ends;
-        for (number, group) in groups.iter_mut().enumerate() {
+        let fronts = [
+            vectors::<S>(front_x, registers),
+            vectors::<S>(front_y, registers),
+            vectors::<S>(spin, registers),
+        ];
+        let rears = [
+            vectors::<S>(&rear_x[1..], registers),
+            vectors::<S>(&rear_y[1..], registers),
+            vectors::<S>(&spin[1..], registers),
+        ];
+        let (to_x, to) = to.split_at_mut(n);
+        let (to_y, to_turn) = to.split_at_mut(n);
+        let mut to_x = EntriesMut::<S>::of(simd, to_x);
+        let mut to_y = EntriesMut::<S>::of(simd, to_y);
+        let mut to_turn = EntriesMut::<S>::of(simd, to_turn);
+        let zero = Lanes::splat(simd, 0.0);
+        for (number, group) in groups.iter().enumerate() {
             if !group.held {
                 continue;
             }
             for part in parts::<S>() {
-                let from = (number * count + part) * S::F64_LANES;
+                let i = number * count + part;
                 let on_front = group.front_bushing.at(simd, part).greater(zero);
-                let x = on_front.select(at(simd, front_x, from), at(simd, rear_x, from + 1));
-                let y = on_front.select(at(simd, front_y, from), at(simd, rear_y, from + 1));
-                let mut own = read(simd, &group.free, part);
+                let bushing = |axis: usize| {
+                    let (front, rear) = (&fronts[axis][i], &rears[axis][i]);
+                    on_front.select(load(simd, front), load(simd, rear))
+                };
+                let [free_x, free_y, free_turn] = &group.free;
+                let (x, y) = (bushing(0), bushing(1));
+                let mut own = [free_x.at(simd, part), free_y.at(simd, part), zero];
                 if RUBBED {
-                    let turn = on_front.select(at(simd, spin, from), at(simd, spin, from + 1));
+                    let turn = bushing(2);
+                    own[2] = free_turn.at(simd, part);
                     let [a, b, c, d, e, f, g, h, i] = read(simd, &group.follow, part);
                     own = [
                         a.mul_add(x, b.mul_add(y, c.mul_add(turn, own[0]))),
@@ -261,48 +345,80 @@ impl RollerTerms {
                         g.mul_add(x, h.mul_add(y, i.mul_add(turn, own[2]))),
                     ];
                 } else {
-                    let [xx, xy, yx, yy, ..] = read(simd, &group.follow, part);
+                    let [xx, xy, yx, yy] = group.follows(simd, part).0;
                     own[0] = xx.mul_add(x, xy.mul_add(y, own[0]));
                     own[1] = yx.mul_add(x, yy.mul_add(y, own[1]));
                 }
-                for (solved, &moved) in solved.iter().zip(border) {
-                    let moved = Lanes::splat(simd, moved);
-                    let [x, y, turn] = read(simd, &solved[number], part);
-                    own[0] = moved.negate_mul_add(x, own[0]);
-                    own[1] = moved.negate_mul_add(y, own[1]);
-                    if RUBBED {
-                        own[2] = moved.negate_mul_add(turn, own[2]);
+                if group.meshes {
+                    for (solved, &moved) in solved.iter().zip(border) {
+                        let moved = Lanes::splat(simd, moved);
+                        let [x, y, turn] = read(simd, &solved[number], part);
+                        own[0] = moved.negate_mul_add(x, own[0]);
+                        own[1] = moved.negate_mul_add(y, own[1]);
+                        if RUBBED {
+                            own[2] = moved.negate_mul_add(turn, own[2]);
+                        }
                     }
                 }
-                write(&mut group.free, part, own);
+                to_x.set(i, own[0]);
+                to_y.set(i, own[1]);
+                if RUBBED {
+                    to_turn.set(i, own[2]);
+                }
             }
-        }
-        for (axis, to) in to.chunks_exact_mut(n).enumerate() {
-            super::write_octets(
-                simd,
-                #[inline(always)]
-                |i| &groups[i].free[axis],
-                to,
-            );
         }
     }
 }
 
-/// A register of rollers that are being eliminated.
-struct Own<S: Simd> {
-    /// Number of their group, and of the register in it.
-    number: usize,
-    part: usize,
-    /// Number of the register among all.
-    register: usize,
-    mass: Lanes<S>,
-    inertia: Lanes<S>,
-    /// B without friction.
-    bore: Symmetric<S>,
+/// Registers of a column of the border.
+#[inline(always)]
+fn of_column<S: Simd>(column: &[Numbers; 3], registers: usize) -> [&[S::f64s]; 3] {
+    let [x, y, turn] = column;
+    [
+        vectors::<S>(&x[BASE..], registers),
+        vectors::<S>(&y[BASE..], registers),
+        vectors::<S>(&turn[BASE..], registers),
+    ]
 }
 
-/// Where what elimination leaves goes: the group, `A c` of every coordinate on the border, sums of the border's entries.
-type Solved<'a> = (&'a mut RollerGroup, &'a mut [Border], &'a mut [PartialSums]);
+/// The same to write to.
+#[inline(always)]
+fn of_column_mut<S: Simd>(column: &mut [Numbers; 3], registers: usize) -> [&mut [S::f64s]; 3] {
+    let [x, y, turn] = column;
+    [
+        vectors_mut::<S>(&mut x[BASE..], registers),
+        vectors_mut::<S>(&mut y[BASE..], registers),
+        vectors_mut::<S>(&mut turn[BASE..], registers),
+    ]
+}
+
+/// What holds bushings on teeth, register by register: it is the teeth that hold rollers, and then the rollers that hold bushings.
+struct OnTeeth<'a, S: Simd> {
+    simd: S,
+    held: [&'a mut [S::f64s]; 3],
+    spun: [&'a mut [S::f64s]; 3],
+}
+
+impl RollerGroup {
+    /// A without friction.
+    #[inline(always)]
+    fn alone<S: Simd>(&self, simd: S, part: usize) -> Symmetric<S> {
+        let [xx, yy, xy, ..] = &self.inverse;
+        Symmetric([xx.at(simd, part), yy.at(simd, part), xy.at(simd, part)])
+    }
+
+    /// A C without friction.
+    #[inline(always)]
+    fn follows<S: Simd>(&self, simd: S, part: usize) -> Block<S> {
+        let [xx, xy, yx, yy, ..] = &self.follow;
+        Block([
+            xx.at(simd, part),
+            xy.at(simd, part),
+            yx.at(simd, part),
+            yy.at(simd, part),
+        ])
+    }
+}
 
 /// How stiffly bores hold rollers to their bushings: xx, yy, xy.
 #[inline(always)]
@@ -319,163 +435,73 @@ fn bore<S: Simd>(simd: S, gamma: f64, slopes: &SlopeGroup, part: usize) -> Symme
     ])
 }
 
-impl<S: Simd> Own<S> {
-    /// Without friction: velocities x and y.
+impl<S: Simd> OnTeeth<'_, S> {
+    /// Register `i` of rollers without friction: velocities x and y.
     #[inline(always)]
-    fn eliminate(&self, simd: S, teeth: &mut ToothTerms, (group, solved, sums): Solved) {
-        let Self {
-            number,
-            part,
-            register: i,
-            mass,
-            bore,
-            ..
-        } = *self;
-        let (from, border) = (BASE + i * S::F64_LANES, solved.len());
-        let zero = mass.constant(0.0);
-        let ToothTerms { held, column, .. } = teeth;
-        let [held_xx, held_yy, held_xy] = held;
-        let tooth = [
-            at(simd, held_xx, from),
-            at(simd, held_yy, from),
-            at(simd, held_xy, from),
-        ];
-        let [xx, yy, xy] = tooth;
-        let (xx, yy) = (mass + xx, mass + yy);
+    fn eliminate(
+        &mut self,
+        i: usize,
+        mass: Lanes<S>,
+        bore: &Symmetric<S>,
+        (group, part): (&mut RollerGroup, usize),
+    ) {
+        let [held_xx, held_yy, held_xy] = &mut self.held;
+        let at = |array: &[S::f64s]| load(self.simd, &array[i]);
+        let (xx, yy, xy) = (mass + at(held_xx), mass + at(held_yy), at(held_xy));
         let [bore_xx, bore_yy, bore_xy] = bore.0;
-        let over = {
-            let (a, d, b) = (xx + bore_xx, yy + bore_yy, xy + bore_xy);
-            let over = mass.constant(1.0) / a.mul_add(d, -(b * b));
-            Symmetric([d * over, a * over, -(b * over)])
-        };
-        let coupling = Block([bore_xx, bore_xy, bore_xy, bore_yy]);
-        let follow = over.times_block(&coupling);
+        let (a, d, b) = (xx + bore_xx, yy + bore_yy, xy + bore_xy);
+        let over = mass.constant(1.0) / a.mul_add(d, -(b * b));
+        let inverse = Symmetric([d * over, a * over, -(b * over)]);
+        let follow = inverse.times_block(&Block([bore_xx, bore_xy, bore_xy, bore_yy]));
         // The bore and all that holds the roller in series: C A (M + T).
         let left = follow.transposed_times(&Block([xx, xy, xy, yy]));
-        put(held_xx, from, left.0[0]);
-        put(held_yy, from, left.0[1]);
-        put(held_xy, from, left.0[2]);
-        let [xx, yy, xy] = over.0;
-        write(&mut group.inverse, part, [xx, yy, xy, zero, zero, zero]);
-        let [xx, xy, yx, yy] = follow.0;
-        let follow = [xx, xy, yx, yy, zero, zero, zero, zero, zero];
-        write(&mut group.follow, part, follow);
-        for j in 0..border {
-            let [x, y, _] = &column[j];
-            let own = Pair([at(simd, x, from), at(simd, y, from)]);
-            let [moved_x, moved_y] = over.of(&own).0;
-            write(&mut solved[j][number], part, [moved_x, moved_y, zero]);
-            for (above, other) in column.iter().enumerate().take(j + 1) {
-                let product =
-                    at(simd, &other[0], from).mul_add(moved_x, at(simd, &other[1], from) * moved_y);
-                sums[above * border + j].add(i, product);
-            }
+        held_xx[i] = left.0[0].values();
+        held_yy[i] = left.0[1].values();
+        held_xy[i] = left.0[2].values();
+        for (octet, entry) in group.inverse.iter_mut().zip(inverse.0) {
+            octet.put(part, entry);
         }
-        for (column, solved) in column.iter_mut().zip(&*solved) {
-            let [x, y, _] = read(simd, &solved[number], part);
-            let [x, y] = bore.of(&Pair([x, y])).0;
-            put(&mut column[0], from, x);
-            put(&mut column[1], from, y);
+        for (octet, entry) in group.follow.iter_mut().zip(follow.0) {
+            octet.put(part, entry);
         }
     }
 
     /// With friction: velocities x, y and θ.
     #[inline(always)]
     fn eliminate_rubbed(
-        &self,
-        simd: S,
+        &mut self,
+        i: usize,
+        [mass, inertia]: [Lanes<S>; 2],
+        bore: &Symmetric<S>,
         rubbing: &Rubbing<S>,
-        teeth: &mut ToothTerms,
-        (group, solved, sums): Solved,
+        (group, part): (&mut RollerGroup, usize),
     ) {
-        let Self {
-            number,
-            part,
-            register: i,
-            mass,
-            inertia,
-            bore,
-        } = *self;
-        let (from, border) = (BASE + i * S::F64_LANES, solved.len());
-        let ToothTerms {
-            held, spun, column, ..
-        } = teeth;
-        let [held_xx, held_yy, held_xy] = held;
-        let tooth = [
-            at(simd, held_xx, from),
-            at(simd, held_yy, from),
-            at(simd, held_xy, from),
-        ];
-        let [spun_x, spun_y, spun_own] = spun;
+        let at = |array: &[S::f64s]| load(self.simd, &array[i]);
         let own = Spatial([
-            mass + tooth[0],
-            tooth[2],
-            at(simd, spun_x, from),
-            mass + tooth[1],
-            at(simd, spun_y, from),
-            inertia + at(simd, spun_own, from),
+            mass + at(self.held[0]),
+            at(self.held[2]),
+            at(self.spun[0]),
+            mass + at(self.held[1]),
+            at(self.spun[1]),
+            inertia + at(self.spun[2]),
         ]);
         let inverse = own
-            .plus(&rubbing.block(&bore, rubbing.of_roller, rubbing.of_roller))
+            .plus(&rubbing.block(bore, rubbing.of_roller, rubbing.of_roller))
             .inverse();
-        let coupling = rubbing.coupling(&bore);
+        let coupling = rubbing.coupling(bore);
         let follow = times_spatial(&inverse, &coupling);
         let left = rubbing
-            .block(&bore, rubbing.of_bushing, rubbing.of_bushing)
+            .block(bore, rubbing.of_bushing, rubbing.of_bushing)
             .less_product(&coupling, &follow);
         let [xx, xy, xz, yy, yz, zz] = left.0;
-        put(held_xx, from, xx);
-        put(held_yy, from, yy);
-        put(held_xy, from, xy);
-        put(spun_x, from, xz);
-        put(spun_y, from, yz);
-        put(spun_own, from, zz);
+        for (array, entry) in self.held.iter_mut().zip([xx, yy, xy]) {
+            array[i] = entry.values();
+        }
+        for (array, entry) in self.spun.iter_mut().zip([xz, yz, zz]) {
+            array[i] = entry.values();
+        }
         write(&mut group.inverse, part, inverse.0);
         write(&mut group.follow, part, follow);
-        for j in 0..border {
-            let [x, y, turn] = &column[j];
-            let own = [at(simd, x, from), at(simd, y, from), at(simd, turn, from)];
-            let moved = inverse.times(own);
-            write(&mut solved[j][number], part, moved);
-            for (above, other) in column.iter().enumerate().take(j + 1) {
-                let product = at(simd, &other[0], from).mul_add(
-                    moved[0],
-                    at(simd, &other[1], from)
-                        .mul_add(moved[1], at(simd, &other[2], from) * moved[2]),
-                );
-                sums[above * border + j].add(i, product);
-            }
-        }
-        for (column, solved) in column.iter_mut().zip(&*solved) {
-            let moved = read(simd, &solved[number], part);
-            let felt = transposed_times(&coupling, moved);
-            for (axis, felt) in felt.into_iter().enumerate() {
-                put(&mut column[axis], from, felt);
-            }
-        }
-    }
-}
-
-/// Numbers from entry `from` on.
-#[inline(always)]
-fn at<S: Simd>(simd: S, array: &[f64], from: usize) -> Lanes<S> {
-    load(simd, &vectors::<S>(&array[from..], 1)[0])
-}
-
-/// Writes them.
-#[inline(always)]
-fn put<S: Simd>(array: &mut [f64], from: usize, values: Lanes<S>) {
-    vectors_mut::<S>(&mut array[from..], 1)[0] = values.values();
-}
-
-/// Register `i` of an array that may end within it; zeros after that.
-#[inline(always)]
-fn residual<S: Simd>(simd: S, array: &[f64], i: usize) -> Lanes<S> {
-    let rest = &array[(i * S::F64_LANES).min(array.len())..];
-    if rest.len() >= S::F64_LANES {
-        at(simd, rest, 0)
-    } else {
-        partial_load(simd, rest)
     }
 }
 
