@@ -312,7 +312,9 @@ impl SecondOrderSystem for Dynamics {
     }
 
     fn doubt(&self) -> f64 {
-        if self.kernels.changed() {
+        if self.kernels.changed() && self.rings() {
+            f64::INFINITY
+        } else if self.kernels.changed() {
             WHERE_CHANGED
         } else {
             1.0

@@ -231,6 +231,9 @@ impl Adams {
     /// Whether the first correction, of `size`, is the last one by what earlier steps showed of the second: it is `bend` times the
     /// square of the first, and `doubt` times that in this step.
     fn may_end_unmeasured(&mut self, size: f64, doubt: f64) -> bool {
+        if doubt.is_infinite() {
+            self.bend = f64::INFINITY;
+        }
         let allowed = if self.control.is_by_component() {
             UNMEASURED
         } else {

@@ -328,15 +328,12 @@ impl RollerTerms {
             for part in parts::<S>() {
                 let i = number * count + part;
                 let on_front = group.front_bushing.at(simd, part).greater(zero);
-                let bushing = |axis: usize| {
-                    let (front, rear) = (&fronts[axis][i], &rears[axis][i]);
-                    on_front.select(load(simd, front), load(simd, rear))
-                };
                 let [free_x, free_y, free_turn] = &group.free;
-                let (x, y) = (bushing(0), bushing(1));
+                let x = end(simd, on_front, &fronts[0][i], &rears[0][i]);
+                let y = end(simd, on_front, &fronts[1][i], &rears[1][i]);
                 let mut own = [free_x.at(simd, part), free_y.at(simd, part), zero];
                 if RUBBED {
-                    let turn = bushing(2);
+                    let turn = end(simd, on_front, &fronts[2][i], &rears[2][i]);
                     own[2] = free_turn.at(simd, part);
                     let [a, b, c, d, e, f, g, h, i] = read(simd, &group.follow, part);
                     own = [
@@ -368,6 +365,12 @@ impl RollerTerms {
             }
         }
     }
+}
+
+/// Of the end that a bushing is on.
+#[inline(always)]
+fn end<S: Simd>(simd: S, on_front: Mask<S>, front: &S::f64s, rear: &S::f64s) -> Lanes<S> {
+    on_front.select(load(simd, front), load(simd, rear))
 }
 
 /// Registers of a column of the border.
