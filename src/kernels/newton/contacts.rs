@@ -14,7 +14,7 @@
 
 use pulp::Simd;
 
-use super::ring::HingeBlocks;
+use super::ring::{HingeBlocks, own_registers};
 use crate::kernels::slopes::{RubGroup, SlopeGroup};
 use crate::vector::{Lanes, Numbers, WIDTH, padded_zeros, parts, read, vectors_mut};
 
@@ -130,7 +130,7 @@ pub(super) fn soften_hinges<S: Simd, const RUBBED: bool>(
     closed.any = false;
     let count = parts::<S>().len();
     let bearing = vectors_mut::<S>(&mut closed.hinges[BASE..], slopes.len() * count);
-    let (mut own, _) = blocks.registers::<S>(slopes.len() * count);
+    let mut own = own_registers::<S>(&mut blocks.own, slopes.len() * count);
     for (number, slopes) in slopes.iter().enumerate() {
         for part in parts::<S>() {
             let i = number * count + part;

@@ -6,7 +6,7 @@
 use pulp::Simd;
 
 use super::contacts::{Closed, LEAST, LEAST_SHARE, Rubbing, scaled};
-use super::ring::HingeBlocks;
+use super::ring::{HingeBlocks, own_registers};
 use crate::kernels::slopes::{FilmGroup, SlopeGroup};
 use crate::vector::{Lanes, parts, read, vectors_mut};
 
@@ -36,7 +36,7 @@ pub(super) fn soften_filled_hinges<S: Simd>(
     let Some(Rubbing { slopes: rubs, arms }) = rubbing else {
         return;
     };
-    let (mut own, _) = blocks.registers::<S>(slopes.len() * count);
+    let mut own = own_registers::<S>(&mut blocks.own, slopes.len() * count);
     let each = slopes.iter().zip(films).zip(rubs);
     for (number, ((slopes, film), rubs)) in each.enumerate() {
         for part in parts::<S>() {

@@ -7,7 +7,7 @@
 use pulp::Simd;
 
 use super::contacts::{Arms, BASE, Closed};
-use super::ring::{HingeBlocks, hinge_numbers};
+use super::ring::{HingeBlocks, coupling_registers, hinge_numbers, own_registers};
 use super::teeth::ToothTerms;
 use crate::model::Model;
 use crate::vector::{
@@ -270,7 +270,8 @@ impl LinkTerms {
                 &Bushings::<S>::of_three(&of.teeth.held, blocks),
                 &Bushings::<S>::of_three(&of.teeth.spun, blocks),
             );
-            let (mut own, mut couplings) = ring.registers::<S>(blocks);
+            let mut own = own_registers::<S>(&mut ring.own, blocks);
+            let mut couplings = coupling_registers::<S>(&mut ring.before, blocks);
             let groups = self.groups.iter_mut().zip(&mut self.levers);
             for (number, (links, levers)) in groups.enumerate() {
                 links.held = touched(of.teeth, n, number);
@@ -327,16 +328,26 @@ impl LinkTerms {
                 }
             }
         }
+        self.add_rears(simd, n, closed, ring);
+    }
+
+    /// Adds to each hinge what the rear of the link behind it gives.
+    #[inline(always)]
+    fn add_rears<S: Simd>(
+        &mut self,
+        simd: S,
+        links: usize,
+        closed: &[S::f64s],
+        ring: &mut HingeBlocks,
+    ) {
         for array in &mut self.rear {
-            array[n] = array[0];
+            array[links] = array[0];
         }
-        let [xx, yy, xy] = &self.rear;
-        let behind = [
-            vectors::<S>(&xx[1..], blocks),
-            vectors::<S>(&yy[1..], blocks),
-            vectors::<S>(&xy[1..], blocks),
-        ];
-        for (own, rear) in ring.registers::<S>(blocks).0.into_iter().zip(behind) {
+        for (own, rear) in own_registers::<S>(&mut ring.own, closed.len())
+            .into_iter()
+            .zip(&self.rear)
+        {
+            let rear = vectors::<S>(&rear[1..], closed.len());
             for ((own, rear), closed) in own.iter_mut().zip(rear).zip(closed) {
                 let closed = load(simd, closed);
                 *own = closed.mul_add(load(simd, rear), load(simd, own)).values();

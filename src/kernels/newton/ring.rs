@@ -32,28 +32,33 @@ impl HingeBlocks {
             before: [(); 4].map(|()| hinge_numbers(hinges)),
         }
     }
+}
 
-    /// The first `count` registers of S, and of C.
-    #[inline(always)]
-    pub(super) fn registers<S: Simd>(
-        &mut self,
-        count: usize,
-    ) -> ([&mut [S::f64s]; 3], [&mut [S::f64s]; 4]) {
-        let [xx, yy, xy] = &mut self.own;
-        let own = [
-            vectors_mut::<S>(&mut xx[BASE..], count),
-            vectors_mut::<S>(&mut yy[BASE..], count),
-            vectors_mut::<S>(&mut xy[BASE..], count),
-        ];
-        let [xx, xy, yx, yy] = &mut self.before;
-        let before = [
-            vectors_mut::<S>(&mut xx[BASE..], count),
-            vectors_mut::<S>(&mut xy[BASE..], count),
-            vectors_mut::<S>(&mut yx[BASE..], count),
-            vectors_mut::<S>(&mut yy[BASE..], count),
-        ];
-        (own, before)
-    }
+/// The first `count` registers of S.
+#[inline(always)]
+pub(super) fn own_registers<S: Simd>(
+    [xx, yy, xy]: &mut [Numbers; 3],
+    count: usize,
+) -> [&mut [S::f64s]; 3] {
+    [
+        vectors_mut::<S>(&mut xx[BASE..], count),
+        vectors_mut::<S>(&mut yy[BASE..], count),
+        vectors_mut::<S>(&mut xy[BASE..], count),
+    ]
+}
+
+/// The first `count` registers of C.
+#[inline(always)]
+pub(super) fn coupling_registers<S: Simd>(
+    [xx, xy, yx, yy]: &mut [Numbers; 4],
+    count: usize,
+) -> [&mut [S::f64s]; 4] {
+    [
+        vectors_mut::<S>(&mut xx[BASE..], count),
+        vectors_mut::<S>(&mut xy[BASE..], count),
+        vectors_mut::<S>(&mut yx[BASE..], count),
+        vectors_mut::<S>(&mut yy[BASE..], count),
+    ]
 }
 
 /// Room for a number of each of `hinges`, hinge k at [`BASE`] + k, and for a register behind them.
