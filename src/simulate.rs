@@ -338,7 +338,8 @@ impl Simulation {
     }
 
     /// At a row of the velocity of an open chain's end, where its acceleration jumps: forgets the history, and puts the end where it
-    /// should be. Its path is exact between two rows; what the step that ends there misses would be a velocity for good.
+    /// should be. Its path is exact between two rows; what the step that ends there misses would be a velocity for good. A row is met by
+    /// the step that ends at it or just before: those that end behind it have it behind them, however short they are.
     fn begin_anew_where_an_end_kinks(&mut self) {
         if self.model().ends.is_none() {
             return;
@@ -346,8 +347,8 @@ impl Simulation {
         let model = Arc::clone(self.model());
         let Some(ends) = &model.ends else { return };
         let t = self.adams.time();
-        let row = ends.next_row(t - SHORTEST_TO_KINK);
-        if (row - t).abs() <= SHORTEST_TO_KINK && t > 0.0 {
+        let row = ends.next_row(t * (1.0 - 2.0 * f64::EPSILON));
+        if row - t <= SHORTEST_TO_KINK && t > 0.0 {
             self.adams.interpolate(t, &mut self.inside);
             let (n, coordinates) = (model.links, model.coordinates);
             for end in &ends.bodies {

@@ -25,7 +25,8 @@ const UNMEASURED: f64 = 0.01;
 /// Slower convergence is always measured.
 const SLOWEST_UNMEASURED: f64 = 0.3;
 
-/// First correction \[m\] above which one that is in doubt is measured: its contacts may have begun or ended in what it corrects.
+/// First correction \[m\], and accuracy, above which one that is in doubt is measured: its contacts may have begun or ended in what it
+/// corrects.
 const LONGEST_IN_DOUBT: f64 = 2e-10;
 
 /// What was measured is taken to be so many times worse after each step that did not measure it.
@@ -239,8 +240,8 @@ impl Adams {
         } else {
             (UNMEASURED_LENGTH / self.control.accuracy).min(REMAINDER)
         };
-        let is_short =
-            !self.control.is_by_component() && size * self.control.accuracy <= LONGEST_IN_DOUBT;
+        let longest = size.max(1.0) * self.control.accuracy;
+        let is_short = !self.control.is_by_component() && longest <= LONGEST_IN_DOUBT;
         let rate = doubt * self.bend * size;
         let ends =
             rate < SLOWEST_UNMEASURED && rate * size <= allowed && (doubt <= 1.0 || is_short);

@@ -43,12 +43,14 @@ impl Start {
             check_beside_sprockets(drive, number, (middle(rail.angle()), rail.angle()))?;
             let angle = clear_angle(rail, gap).ok_or_else(|| {
                 let inside = -1e3 * gap(rail.angle());
+                // A zero without a sign.
+                let back = |along: f64| (-1e4 * along).round() / 1e4 + 0.0;
                 Error::Impossible(format!(
                     "guide {} stands in the laid chain by {inside:.3} mm: move it back, out of its face's direction ({:.4}, \
                      {:.4}), or put it on an arm, which is swung clear",
                     number + 1,
-                    -rail.direction.x,
-                    -rail.direction.y
+                    back(rail.direction.x),
+                    back(rail.direction.y)
                 ))
             })?;
             let turn = angle - rail.angle();

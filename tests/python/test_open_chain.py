@@ -297,3 +297,55 @@ def test_a_hoist_has_pressures_and_key_figures():
     figures = result.summary()
     assert figures["tension_1-end_2"] == pytest.approx(98.1, abs=3.0)
     assert figures["tooth_force_largest"] > 0.0
+
+
+PITCH = 0.0127
+
+
+@pytest.mark.parametrize(
+    "solver",
+    [
+        rc.Solver(rtol=1e-10, atol=1e-12),
+        rc.Solver(method="pece", rtol=1e-10, atol=1e-12),
+        rc.Solver(method="newton", rtol=1e-10, atol=1e-12),
+        rc.Solver(max_step=5e-11),
+        rc.Solver(),
+    ],
+    ids=lambda solver: f"{solver.method} {solver.rtol} {solver.max_step}",
+)
+def test_a_free_wheel_beside_an_anchor_at_rest_turns_as_the_exact_curve(solver):
+    # Nothing touches it: J dw/dt = 2 (1 - w/50) about w = 0, by the torque's curve.
+    place = (-6 * PITCH, -2 * PITCH)
+    torque = rc.AppliedTorque(1.5, [(-50.0, 2.0), (50.0, -2.0)])
+    drive = rc.open_chain(
+        "ANSI 40",
+        ends=(rc.Anchor(place), rc.LooseEnd()),
+        links=40,
+        sprockets=[rc.Sprocket(9, (0.0, 0.0), torque)],
+    )
+    simulation = rc.Simulation(drive, solver=solver)
+    wheel = simulation.body_names.index("sprocket_1")
+    inertia = 1.5 / simulation.evaluate().accelerations[wheel, 2]
+    end = 2e-8 if solver.max_step < 1e-9 else 2e-6
+    simulation.step_to(end)
+    exact = 37.5 * -np.expm1(-0.04 / inertia * end)
+    assert_allclose(simulation.velocities[wheel, 2], exact, rtol=1e-9)
+
+
+def test_rows_that_change_nothing_of_an_anchor_change_nothing_of_the_chain():
+    def run(rows):
+        drive = rc.open_chain(
+            "ANSI 25",
+            ends=(rc.Anchor((-0.04, -0.01), velocity=rows), rc.Load(20.0)),
+            links=30,
+            sprockets=[rc.Sprocket(12, (0.0, 0.0), rc.AppliedTorque(-5.0))],
+        )
+        solver = rc.Solver(method="pece", rtol=1e-9, atol=1e-11)
+        simulation = rc.Simulation(drive, solver=solver, start="laid")
+        simulation.step_to(1.5e-4)
+        return simulation
+
+    still = run((0.0, 0.0))
+    moved = run([(1e-4 * k, 0.0, 0.0) for k in range(3)])
+    assert_allclose(moved.positions, still.positions, atol=1e-8)
+    assert_allclose(moved.velocities[:, :2], still.velocities[:, :2], atol=1e-3)
