@@ -121,6 +121,9 @@ def _load(record):
 
 
 def _errors(scene):
+    if scene == "0 N, 6 ms":
+        # Above, which contacts were grazed decides, not what a method costs.
+        return (1e-7, 1e-8)
     return (1e-6, 1e-8) if " N, " in scene else (1e-6, 1e-9)
 
 

@@ -200,12 +200,13 @@ def dissipated_by(start, end, runs=4):
 def path_scene(scene, start, end, plan):
     """Error in position at `end`, where the path does not yet depend on rounding.
 
-    Returns lines, and of the reference its two doubts [m] and the energy that it dissipates [J].
+    Root mean square of the timed runs, whose tolerances differ by a percent: one run may be near by
+    chance. Returns lines, and of the reference its two doubts [m] and the energy that it dissipates [J].
     """
     print(scene)
     expected, doubt, apart, dissipated = reference(start, end)
     points = points_of(start, end, plan)
-    take_turns(points, plan)
+    take_turns(points, plan, spread=0.01)
     for method, tolerances in plan.scipy.items():
         for tolerance in tolerances:
             run, _ = peers.scipy_solver(start, method, tolerance, end, plan.budget)
@@ -213,9 +214,10 @@ def path_scene(scene, start, end, plan):
             points.append(Point(method, tolerance, peers.scipy_solver, 1, 0.0, [run], metered))
     lines = []
     for point in points:
-        run = point.timed[0]
-        error = link_error(run.positions, expected) if run.finished else np.nan
+        errors = [link_error(run.positions, expected) for run in point.timed if run.finished]
+        error = float(np.sqrt(np.mean(np.square(errors)))) if errors else np.nan
         lines.append(line_of(scene, point, end, dissipated, error))
+        lines[-1].runs = max(len(errors), lines[-1].runs)
     return lines, [doubt, apart, dissipated]
 
 
