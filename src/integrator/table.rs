@@ -4,7 +4,7 @@ use pulp::{Simd, WithSimd};
 
 use super::coefficients::Coefficients;
 use super::column::{Column, each_register, registers};
-use super::{MAX_ORDER, StepControl};
+use super::StepControl;
 use crate::vector::{Lanes, Squares, load, vectors, vectors_mut};
 
 /// Rows of a table of differences, one after the other; each is as long as the arrays beside it.
@@ -58,9 +58,9 @@ impl WithSimd for Predict<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let mut beta = self.coefficients.beta;
-        beta[..self.coefficients.equal_steps.min(MAX_ORDER)].fill(1.0);
-        let (g, order, newest) = (&self.coefficients.g, self.order, self.newest);
+        let (c, order, newest) = (self.coefficients, self.order, self.newest);
+        let (beta, g) = (&c.beta[..order], &c.g[..order]);
+        debug_assert!(beta.iter().take(c.equal_steps).all(|&beta| beta == 1.0));
         let step = Lanes::splat(simd, self.step);
         let zero = Lanes::splat(simd, 0.0);
         let mut rows = Rows::<S>::new(simd, self.table, self.predicted.len());
@@ -77,17 +77,18 @@ impl WithSimd for Predict<'_> {
                 rows.set(i, b, rows.get(i, b) + latest);
             }
             let (mut sum, mut above) = (zero, zero);
-            for i in (newest.min(order)..order).rev() {
-                let phi = rows.get(i, b) * zero.constant(beta[i]);
-                sum = phi.mul_add(zero.constant(g[i]), sum);
+            let mut at = order * blocks + b;
+            for (i, (&beta, &g)) in beta.iter().zip(g).enumerate().rev() {
+                at -= blocks;
+                let row = &mut rows.table[at];
+                let mut phi = load(simd, row);
+                if i < newest {
+                    phi = phi + latest;
+                }
+                phi = phi * zero.constant(beta);
+                sum = phi.mul_add(zero.constant(g), sum);
                 above = above + phi;
-                rows.set(i, b, above);
-            }
-            for i in (0..newest.min(order)).rev() {
-                let phi = (rows.get(i, b) + latest) * zero.constant(beta[i]);
-                sum = phi.mul_add(zero.constant(g[i]), sum);
-                above = above + phi;
-                rows.set(i, b, above);
+                *row = above.values();
             }
             let increment = step * sum;
             let whole = y.map_or(increment, |y| increment + load(simd, &y[b]));
