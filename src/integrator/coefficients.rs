@@ -94,18 +94,30 @@ impl Coefficients {
                 }
             }
             let alpha = self.alpha[ns - 1];
-            for i in 0..=(k - ns) {
-                self.v[i] -= alpha * self.v[i + 1];
+            let v = &mut self.v[..k - ns + 2];
+            for i in 0..v.len() - 1 {
+                v[i] -= alpha * v[i + 1];
             }
             self.g[ns] = self.v[0];
         }
-        // Of each w so many entries count as are left of k; all are worked out, since a loop of one length stays in registers.
-        let mut w = self.v;
-        for (alpha, g) in self.alpha[ns..k].iter().zip(&mut self.g[ns + 1..=k]) {
-            for j in 0..MAX_ORDER - 1 {
-                w[j] -= alpha * w[j + 1];
+        self.update_g_behind(k, ns);
+    }
+
+    /// Each round of w turns `w_j` into `w_j - α w_{j+1}`, and its first entry is the next weight. Diagonal by diagonal, an entry
+    /// of v goes through all the rounds that it belongs to at once.
+    fn update_g_behind(&mut self, k: usize, ns: usize) {
+        // The last entries of all rounds before.
+        let mut diagonal = [self.v[0]; MAX_ORDER];
+        let alpha = &self.alpha[ns..k];
+        for (m, g) in self.g[ns + 1..=k].iter_mut().enumerate() {
+            let mut w = self.v[m + 1];
+            for (before, alpha) in diagonal[..=m].iter_mut().zip(alpha) {
+                let next = *before - alpha * w;
+                *before = w;
+                w = next;
             }
-            *g = w[0];
+            diagonal[m + 1] = w;
+            *g = w;
         }
     }
 

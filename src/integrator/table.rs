@@ -2,38 +2,44 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::coefficients::Coefficients;
-use super::column::{Column, each_register, registers};
 use super::StepControl;
+use super::coefficients::Coefficients;
+use super::column::{Column, ColumnMut, each_register, registers};
 use crate::vector::{Lanes, Squares, load, vectors, vectors_mut};
+
+/// Registers that hold `dimension` numbers, the last one padded.
+#[inline(always)]
+fn blocks<S: Simd>(dimension: usize) -> usize {
+    dimension.div_ceil(S::F64_LANES)
+}
 
 /// Rows of a table of differences, one after the other; each is as long as the arrays beside it.
 struct Rows<'a, S: Simd> {
     simd: S,
     table: &'a mut [S::f64s],
-    blocks: usize,
+    /// Registers of a row.
+    width: usize,
 }
 
 impl<'a, S: Simd> Rows<'a, S> {
     #[inline(always)]
-    fn new(simd: S, table: &'a mut [f64], dimension: usize) -> Self {
-        let blocks = dimension / S::F64_LANES;
+    fn new(simd: S, table: &'a mut [f64], width: usize) -> Self {
         let all = table.len() / S::F64_LANES;
         Self {
             simd,
             table: vectors_mut::<S>(table, all),
-            blocks,
+            width: width / S::F64_LANES,
         }
     }
 
     #[inline(always)]
     fn get(&self, row: usize, block: usize) -> Lanes<S> {
-        load(self.simd, &self.table[row * self.blocks + block])
+        load(self.simd, &self.table[row * self.width + block])
     }
 
     #[inline(always)]
     fn set(&mut self, row: usize, block: usize, values: Lanes<S>) {
-        self.table[row * self.blocks + block] = values.values();
+        self.table[row * self.width + block] = values.values();
     }
 }
 
@@ -47,6 +53,7 @@ pub(super) struct Predict<'a> {
     /// The row that the rows before it have not had added yet; zero when there is none.
     pub(super) newest: usize,
     pub(super) step: f64,
+    pub(super) dimension: usize,
     pub(super) table: &'a mut [f64],
     /// Left out where the sum with y is made elsewhere.
     pub(super) y: Option<&'a [f64]>,
@@ -58,42 +65,73 @@ impl WithSimd for Predict<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let (c, order, newest) = (self.coefficients, self.order, self.newest);
-        let (beta, g) = (&c.beta[..order], &c.g[..order]);
-        debug_assert!(beta.iter().take(c.equal_steps).all(|&beta| beta == 1.0));
+        let c = self.coefficients;
+        debug_assert!(
+            c.beta[..c.equal_steps.min(self.order)]
+                .iter()
+                .all(|&beta| beta == 1.0)
+        );
+        let mut stars = Stars {
+            beta: &c.beta[..self.order],
+            g: &c.g[..self.order],
+            newest: self.newest,
+            rows: Rows::<S>::new(simd, self.table, self.predicted.len()),
+        };
+        let blocks = blocks::<S>(self.dimension);
         let step = Lanes::splat(simd, self.step);
-        let zero = Lanes::splat(simd, 0.0);
-        let mut rows = Rows::<S>::new(simd, self.table, self.predicted.len());
-        let blocks = rows.blocks;
         let y = self.y.map(|y| vectors::<S>(y, blocks));
-        let predicted = vectors_mut::<S>(self.predicted, blocks);
-        for (b, predicted) in predicted.iter_mut().enumerate() {
-            let latest = if newest > 0 {
-                rows.get(newest, b)
-            } else {
-                zero
-            };
-            for i in order..newest {
-                rows.set(i, b, rows.get(i, b) + latest);
-            }
-            let (mut sum, mut above) = (zero, zero);
-            let mut at = order * blocks + b;
-            for (i, (&beta, &g)) in beta.iter().zip(g).enumerate().rev() {
-                at -= blocks;
-                let row = &mut rows.table[at];
-                let mut phi = load(simd, row);
-                if i < newest {
-                    phi = phi + latest;
-                }
-                phi = phi * zero.constant(beta);
-                sum = phi.mul_add(zero.constant(g), sum);
-                above = above + phi;
-                *row = above.values();
-            }
+        let predict = |sum: Lanes<S>, b: usize| {
             let increment = step * sum;
-            let whole = y.map_or(increment, |y| increment + load(simd, &y[b]));
-            *predicted = whole.values();
+            y.map_or(increment, |y| increment + load(simd, &y[b]))
+                .values()
+        };
+        let predicted = vectors_mut::<S>(self.predicted, blocks);
+        if let [predicted] = predicted {
+            // Small systems have no strides to prepare.
+            *predicted = predict(stars.sum(0), 0);
+            return;
         }
+        for (b, predicted) in predicted.iter_mut().enumerate() {
+            *predicted = predict(stars.sum(b), b);
+        }
+    }
+}
+
+/// What turns φ into φ*; see [`Predict`].
+struct Stars<'a, S: Simd> {
+    beta: &'a [f64],
+    g: &'a [f64],
+    newest: usize,
+    rows: Rows<'a, S>,
+}
+
+impl<S: Simd> Stars<'_, S> {
+    /// Turns register `b` of all rows into φ*; Σ g φ*.
+    #[inline(always)]
+    fn sum(&mut self, b: usize) -> Lanes<S> {
+        let (rows, order, newest) = (&mut self.rows, self.beta.len(), self.newest);
+        let zero = Lanes::splat(rows.simd, 0.0);
+        let latest = if newest > 0 {
+            rows.get(newest, b)
+        } else {
+            zero
+        };
+        for i in order..newest {
+            rows.set(i, b, rows.get(i, b) + latest);
+        }
+        let (mut sum, mut above) = (zero, zero);
+        let mut at = order * rows.width + b;
+        for (i, (&beta, &g)) in self.beta.iter().zip(self.g).enumerate().rev() {
+            at -= rows.width;
+            let row = &mut rows.table[at];
+            let phi = load(rows.simd, row);
+            let whole = if i < newest { phi + latest } else { phi };
+            let star = whole * zero.constant(beta);
+            sum = star.mul_add(zero.constant(g), sum);
+            above = above + star;
+            *row = above.values();
+        }
+        sum
     }
 }
 
@@ -101,7 +139,8 @@ impl WithSimd for Predict<'_> {
 pub(super) struct Retreat<'a> {
     pub(super) coefficients: &'a Coefficients,
     pub(super) order: usize,
-    pub(super) dimension: usize,
+    /// Components of a row, padded.
+    pub(super) width: usize,
     pub(super) table: &'a mut [f64],
 }
 
@@ -111,8 +150,8 @@ impl WithSimd for Retreat<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let inverse = self.coefficients.beta.map(|beta| 1.0 / beta);
-        let mut rows = Rows::<S>::new(simd, self.table, self.dimension);
-        for b in 0..rows.blocks {
+        let mut rows = Rows::<S>::new(simd, self.table, self.width);
+        for b in 0..rows.width {
             let mut here = rows.get(0, b);
             for (i, &inverse) in inverse.iter().enumerate().take(self.order) {
                 let below = if i + 1 < self.order {
@@ -131,6 +170,7 @@ impl WithSimd for Retreat<'_> {
 /// it, and φ_{k+2} with the sum of its squares over the weights, where the error one order up is asked for.
 pub(super) struct TakeIn<'a> {
     pub(super) order: usize,
+    pub(super) dimension: usize,
     pub(super) slope: &'a [f64],
     pub(super) table: &'a mut [f64],
     pub(super) inverse_weight: &'a [f64],
@@ -144,7 +184,7 @@ impl WithSimd for TakeIn<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let order = self.order;
         let mut rows = Rows::<S>::new(simd, self.table, self.slope.len());
-        let blocks = rows.blocks;
+        let blocks = blocks::<S>(self.dimension);
         let slope = vectors::<S>(self.slope, blocks);
         let inverse_weight = vectors::<S>(self.inverse_weight, blocks);
         let parts = Squares::<S>::PARTS;
@@ -170,6 +210,7 @@ impl WithSimd for TakeIn<'_> {
 
 /// Sums of squared weighted differences: of the slope from the predicted one, and had the orders been one and two lower.
 pub(super) struct Errors<'a> {
+    pub(super) dimension: usize,
     pub(super) slope: &'a [f64],
     /// φ*_1, and those of one and two orders below.
     pub(super) rows: [&'a [f64]; 3],
@@ -190,7 +231,7 @@ impl WithSimd for Errors<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> [f64; 3] {
-        let blocks = self.slope.len() / S::F64_LANES;
+        let blocks = blocks::<S>(self.dimension);
         let slope = vectors::<S>(self.slope, blocks);
         let [first, one_below, two_below] = self.rows.map(|row| vectors::<S>(row, blocks));
         let inverse_weight = vectors::<S>(self.inverse_weight, blocks);
@@ -259,7 +300,7 @@ impl WithSimd for WeightedSquares<'_> {
     }
 }
 
-/// 1/(atol + rtol |y|).
+/// 1/(atol + rtol |y|), of as many components as there are weights.
 pub(super) struct Weigh<'a> {
     pub(super) control: &'a StepControl,
     pub(super) y: &'a [f64],
@@ -271,16 +312,18 @@ impl WithSimd for Weigh<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let blocks = self.y.len() / S::F64_LANES;
+        let n = self.inverse_weight.len();
         let rtol = Lanes::splat(simd, self.control.rtol);
         let atol = Lanes::splat(simd, self.control.atol);
-        let y = vectors::<S>(self.y, blocks);
-        for (weight, y) in vectors_mut::<S>(self.inverse_weight, blocks)
-            .iter_mut()
-            .zip(y)
-        {
-            let tolerance = load(simd, y).abs().mul_add(rtol, atol);
-            *weight = (rtol.constant(1.0) / tolerance).values();
+        let y = Column::<S>::new(simd, self.y, n);
+        let mut inverse_weight = ColumnMut::<S>::new(simd, self.inverse_weight, n);
+        let weight = |y: Lanes<S>| rtol.constant(1.0) / y.abs().mul_add(rtol, atol);
+        let (whole, rest) = registers::<S>(n);
+        for b in 0..whole {
+            inverse_weight.set(b, weight(y.get(b)));
+        }
+        if rest > 0 {
+            inverse_weight.set_rest(weight(y.rest()));
         }
     }
 }
