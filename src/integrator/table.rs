@@ -13,6 +13,28 @@ fn blocks<S: Simd>(dimension: usize) -> usize {
     dimension.div_ceil(S::F64_LANES)
 }
 
+/// Does `$each` for every one of `$blocks` registers, with the part of a sum that it belongs to, a constant where the loop is
+/// unrolled. Small systems have one register and do without the loop.
+macro_rules! each_block {
+    ($simd:ty, $blocks:expr, |$part:ident, $block:ident| $each:expr) => {
+        if $blocks == 1 {
+            let ($part, $block) = (0, 0);
+            $each;
+        } else {
+            let parts = Squares::<$simd>::PARTS;
+            for group in (0..$blocks).step_by(parts) {
+                for $part in 0..parts {
+                    let $block = group + $part;
+                    if $block >= $blocks {
+                        break;
+                    }
+                    $each;
+                }
+            }
+        }
+    };
+}
+
 /// Rows of a table of differences, one after the other; each is as long as the arrays beside it.
 struct Rows<'a, S: Simd> {
     simd: S,
@@ -80,19 +102,14 @@ impl WithSimd for Predict<'_> {
         let blocks = blocks::<S>(self.dimension);
         let step = Lanes::splat(simd, self.step);
         let y = self.y.map(|y| vectors::<S>(y, blocks));
-        let predict = |sum: Lanes<S>, b: usize| {
-            let increment = step * sum;
-            y.map_or(increment, |y| increment + load(simd, &y[b]))
-                .values()
-        };
         let predicted = vectors_mut::<S>(self.predicted, blocks);
         if let [predicted] = predicted {
             // Small systems have no strides to prepare.
-            *predicted = predict(stars.sum(0), 0);
+            *predicted = stars.predict(step, y, 0);
             return;
         }
         for (b, predicted) in predicted.iter_mut().enumerate() {
-            *predicted = predict(stars.sum(b), b);
+            *predicted = stars.predict(step, y, b);
         }
     }
 }
@@ -106,7 +123,15 @@ struct Stars<'a, S: Simd> {
 }
 
 impl<S: Simd> Stars<'_, S> {
-    /// Turns register `b` of all rows into φ*; Σ g φ*.
+    /// Turns register `b` of all rows into φ*; h Σ g φ*, and y where it is given.
+    #[inline(always)]
+    fn predict(&mut self, step: Lanes<S>, y: Option<&[S::f64s]>, b: usize) -> S::f64s {
+        let increment = step * self.sum(b);
+        let y = y.map(|y| load(step.simd(), &y[b]));
+        y.map_or(increment, |y| increment + y).values()
+    }
+
+    /// The same without step and y.
     #[inline(always)]
     fn sum(&mut self, b: usize) -> Lanes<S> {
         let (rows, order, newest) = (&mut self.rows, self.beta.len(), self.newest);
@@ -187,23 +212,16 @@ impl WithSimd for TakeIn<'_> {
         let blocks = blocks::<S>(self.dimension);
         let slope = vectors::<S>(self.slope, blocks);
         let inverse_weight = vectors::<S>(self.inverse_weight, blocks);
-        let parts = Squares::<S>::PARTS;
         let mut sum = Squares::new(simd);
-        for group in (0..blocks).step_by(parts) {
-            for part in 0..parts {
-                let b = group + part;
-                if b >= blocks {
-                    break;
-                }
-                let newest = load(simd, &slope[b]) - rows.get(0, b);
-                if self.above {
-                    let above = newest - rows.get(order, b);
-                    rows.set(order + 1, b, above);
-                    sum.add(part, above * load(simd, &inverse_weight[b]));
-                }
-                rows.set(order, b, newest);
+        each_block!(S, blocks, |part, b| {
+            let newest = load(simd, &slope[b]) - rows.get(0, b);
+            if self.above {
+                let above = newest - rows.get(order, b);
+                rows.set(order + 1, b, above);
+                sum.add(part, above * load(simd, &inverse_weight[b]));
             }
-        }
+            rows.set(order, b, newest);
+        });
         if self.above { sum.total() } else { 0.0 }
     }
 }
@@ -235,7 +253,6 @@ impl WithSimd for Errors<'_> {
         let slope = vectors::<S>(self.slope, blocks);
         let [first, one_below, two_below] = self.rows.map(|row| vectors::<S>(row, blocks));
         let inverse_weight = vectors::<S>(self.inverse_weight, blocks);
-        let parts = Squares::<S>::PARTS;
         let (mut at, mut one, mut two) =
             (Squares::new(simd), Squares::new(simd), Squares::new(simd));
         let mut correction = self.correction.map(|correction| {
@@ -245,23 +262,17 @@ impl WithSimd for Errors<'_> {
                 vectors_mut::<S>(correction.corrected, blocks),
             )
         });
-        for group in (0..blocks).step_by(parts) {
-            for part in 0..parts {
-                let b = group + part;
-                if b >= blocks {
-                    break;
-                }
-                let weight = load(simd, &inverse_weight[b]);
-                let change = load(simd, &slope[b]) - load(simd, &first[b]);
-                at.add(part, change * weight);
-                one.add(part, (load(simd, &one_below[b]) + change) * weight);
-                two.add(part, (load(simd, &two_below[b]) + change) * weight);
-                if let Some((weight, predicted, corrected)) = &mut correction {
-                    let predicted = load(simd, &predicted[b]);
-                    corrected[b] = change.mul_add(*weight, predicted).values();
-                }
+        each_block!(S, blocks, |part, b| {
+            let weight = load(simd, &inverse_weight[b]);
+            let change = load(simd, &slope[b]) - load(simd, &first[b]);
+            at.add(part, change * weight);
+            one.add(part, (load(simd, &one_below[b]) + change) * weight);
+            two.add(part, (load(simd, &two_below[b]) + change) * weight);
+            if let Some((weight, predicted, corrected)) = &mut correction {
+                let predicted = load(simd, &predicted[b]);
+                corrected[b] = change.mul_add(*weight, predicted).values();
             }
-        }
+        });
         [at.total(), one.total(), two.total()]
     }
 }
@@ -317,13 +328,12 @@ impl WithSimd for Weigh<'_> {
         let atol = Lanes::splat(simd, self.control.atol);
         let y = Column::<S>::new(simd, self.y, n);
         let mut inverse_weight = ColumnMut::<S>::new(simd, self.inverse_weight, n);
-        let weight = |y: Lanes<S>| rtol.constant(1.0) / y.abs().mul_add(rtol, atol);
         let (whole, rest) = registers::<S>(n);
         for b in 0..whole {
-            inverse_weight.set(b, weight(y.get(b)));
+            inverse_weight.set(b, rtol.constant(1.0) / y.get(b).abs().mul_add(rtol, atol));
         }
         if rest > 0 {
-            inverse_weight.set_rest(weight(y.rest()));
+            inverse_weight.set_rest(rtol.constant(1.0) / y.rest().abs().mul_add(rtol, atol));
         }
     }
 }
