@@ -147,11 +147,11 @@ impl Adams {
             bend: f64::INFINITY,
             unmeasured: false,
             choice: Choice::new(),
-            instructions: InstructionSet::detect(),
+            instructions: InstructionSet::detect_for(dimension),
         }
     }
 
-    /// Goes on with other instructions than the widest ones that this machine has.
+    /// Goes on with other instructions than those that are best here for its dimension.
     pub fn use_instructions(&mut self, instructions: InstructionSet) {
         self.instructions = instructions;
     }

@@ -45,7 +45,7 @@ impl Differences {
     /// Whether it is a table of the same size.
     pub(super) fn is_like(&self, other: &Self) -> bool {
         let carries = |carry: &Carry| [carry.kept.len(), carry.predicted.len()];
-        self.width == other.width
+        (self.dimension, self.width) == (other.dimension, other.width)
             && self.table.len() == other.table.len()
             && self.newest <= MAX_ORDER
             && (self.carry.iter()).all(|carry| carries(carry) == [self.width; 2])

@@ -144,20 +144,35 @@ impl<S: Simd> Stars<'_, S> {
         for i in order..newest {
             rows.set(i, b, rows.get(i, b) + latest);
         }
-        let (mut sum, mut above) = (zero, zero);
+        // Those that the newest difference is in already, and those that lack it.
+        let (whole, lacking) = (newest.min(order)..order, 0..newest.min(order));
+        let mut sums = [zero; 2];
         let mut at = order * rows.width + b;
-        for (i, (&beta, &g)) in self.beta.iter().zip(self.g).enumerate().rev() {
+        for (beta, g) in self.beta[whole.clone()].iter().zip(&self.g[whole]).rev() {
             at -= rows.width;
-            let row = &mut rows.table[at];
-            let phi = load(rows.simd, row);
-            let whole = if i < newest { phi + latest } else { phi };
-            let star = whole * zero.constant(beta);
-            sum = star.mul_add(zero.constant(g), sum);
-            above = above + star;
-            *row = above.values();
+            let phi = load(rows.simd, &rows.table[at]);
+            rows.table[at] = star(phi, [*beta, *g], &mut sums);
         }
-        sum
+        for (beta, g) in self.beta[lacking.clone()]
+            .iter()
+            .zip(&self.g[lacking])
+            .rev()
+        {
+            at -= rows.width;
+            let phi = load(rows.simd, &rows.table[at]) + latest;
+            rows.table[at] = star(phi, [*beta, *g], &mut sums);
+        }
+        sums[0]
     }
+}
+
+/// φ* of one order from φ; adds to the sums Σ g β φ and Σ β φ over this order and those above, of which the latter is φ*.
+#[inline(always)]
+fn star<S: Simd>(phi: Lanes<S>, [beta, g]: [f64; 2], [sum, above]: &mut [Lanes<S>; 2]) -> S::f64s {
+    let term = phi * phi.constant(beta);
+    *sum = term.mul_add(phi.constant(g), *sum);
+    *above = *above + term;
+    above.values()
 }
 
 /// Takes back a prediction whose step failed.
