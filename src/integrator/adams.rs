@@ -147,11 +147,11 @@ impl Adams {
             bend: f64::INFINITY,
             unmeasured: false,
             choice: Choice::new(),
-            instructions: InstructionSet::detect(),
+            instructions: InstructionSet::detect_for(dimension),
         }
     }
 
-    /// Goes on with other instructions than the widest ones that this machine has.
+    /// Goes on with other instructions than those that are best here for its dimension.
     pub fn use_instructions(&mut self, instructions: InstructionSet) {
         self.instructions = instructions;
     }
@@ -318,19 +318,20 @@ impl Adams {
         }
         let begin = self.time;
         let mut failures = 0;
-        let estimate = loop {
+        let mut estimate;
+        loop {
             self.predict();
             self.evaluate_prediction(system);
-            let estimate = self.estimate_and_correct();
+            estimate = self.estimate_and_correct();
             if estimate.accepts() {
                 if system.stands(self.step_size, self.allowed()) {
-                    break estimate;
+                    break;
                 }
             } else {
                 failures += 1;
             }
             self.retreat(&estimate, failures, controlled)?;
-        };
+        }
         let above = self.correct_and_evaluate(system);
         self.choose_order_and_step(&estimate, above);
         Ok(Step {
@@ -432,6 +433,7 @@ impl Adams {
     pub(super) fn estimate_error(&self) -> ErrorEstimate {
         let rows = self.differences.rows_of_errors(self.order);
         self.estimate_from(self.instructions.run(Errors {
+            dimension: self.dimension,
             slope: &self.slope,
             rows,
             inverse_weight: &self.inverse_weight,
@@ -443,6 +445,7 @@ impl Adams {
     fn estimate_and_correct(&mut self) -> ErrorEstimate {
         let rows = self.differences.rows_of_errors(self.order);
         let sums = self.instructions.run(Errors {
+            dimension: self.dimension,
             slope: &self.slope,
             rows,
             inverse_weight: &self.inverse_weight,

@@ -6,6 +6,17 @@ use serde::{Deserialize, Serialize};
 
 use super::MAX_ORDER;
 
+/// `1/(i (i + 1))`, which `v_i` begins with.
+const FIRST: [f64; MAX_ORDER] = {
+    let mut first = [0.0; MAX_ORDER];
+    let mut i = 0;
+    while i < MAX_ORDER {
+        first[i] = 1.0 / ((i + 1) * (i + 2)) as f64;
+        i += 1;
+    }
+    first
+};
+
 /// Coefficients for one step of size h from the history of steps.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Coefficients {
@@ -20,7 +31,6 @@ pub(super) struct Coefficients {
     /// `g_i`, the weights of the differences in the step.
     pub(super) g: [f64; MAX_ORDER + 1],
     v: [f64; MAX_ORDER],
-    w: [f64; MAX_ORDER],
     /// Steps of the present size and order or lower, this one included.
     pub(super) equal_steps: usize,
 }
@@ -34,7 +44,6 @@ impl Coefficients {
             sigma: [0.0; MAX_ORDER + 1],
             g: [0.0; MAX_ORDER + 1],
             v: [0.0; MAX_ORDER],
-            w: [0.0; MAX_ORDER],
             equal_steps: 0,
         };
         new.sigma[0] = 1.0;
@@ -58,15 +67,16 @@ impl Coefficients {
         // Entries below ns stay as they were.
         self.beta[ns - 1] = 1.0;
         self.alpha[ns - 1] = 1.0 / ns as f64;
-        let mut sum = h * ns as f64;
         self.sigma[ns] = 1.0;
-        for i in ns..k {
+        let (mut sum, mut beta, mut sigma) = (h * ns as f64, 1.0, 1.0);
+        for i in ns..k.min(MAX_ORDER) {
             let previous = self.psi[i - 1];
-            self.psi[i - 1] = sum;
-            self.beta[i] = self.beta[i - 1] * self.psi[i - 1] / previous;
+            beta = beta * sum / previous;
+            (self.psi[i - 1], self.beta[i]) = (sum, beta);
             sum = previous + h;
             self.alpha[i] = h / sum;
-            self.sigma[i + 1] = (i + 1) as f64 * self.alpha[i] * self.sigma[i];
+            sigma *= (i + 1) as f64 * self.alpha[i];
+            self.sigma[i + 1] = sigma;
         }
         self.psi[k - 1] = sum;
         self.update_g(k, ns, last_order);
@@ -74,31 +84,40 @@ impl Coefficients {
 
     fn update_g(&mut self, k: usize, ns: usize, last_order: usize) {
         if ns <= 1 {
-            for i in 0..k {
-                self.v[i] = 1.0 / ((i + 1) * (i + 2)) as f64;
-                self.w[i] = self.v[i];
-            }
+            self.v = FIRST;
         } else {
             if k > last_order {
-                self.v[k - 1] = 1.0 / (k * (k + 1)) as f64;
+                self.v[k - 1] = FIRST[k - 1];
                 for j in 0..ns.saturating_sub(2) {
                     let i = k - 2 - j;
                     self.v[i] -= self.alpha[j + 1] * self.v[i + 1];
                 }
             }
             let alpha = self.alpha[ns - 1];
-            for i in 0..=(k - ns) {
-                self.v[i] -= alpha * self.v[i + 1];
-                self.w[i] = self.v[i];
+            let v = &mut self.v[..k - ns + 2];
+            for i in 0..v.len() - 1 {
+                v[i] -= alpha * v[i + 1];
             }
-            self.g[ns] = self.w[0];
+            self.g[ns] = self.v[0];
         }
-        for i in (ns + 1)..=k {
-            let alpha = self.alpha[i - 1];
-            for j in 0..=(k - i) {
-                self.w[j] -= alpha * self.w[j + 1];
+        self.update_g_behind(k, ns);
+    }
+
+    /// Each round of w turns `w_j` into `w_j - α w_{j+1}`, and its first entry is the next weight. Diagonal by diagonal, an entry
+    /// of v goes through all the rounds that it belongs to at once.
+    fn update_g_behind(&mut self, k: usize, ns: usize) {
+        // The last entries of all rounds before.
+        let mut diagonal = [self.v[0]; MAX_ORDER];
+        let alpha = &self.alpha[ns..k];
+        for (m, g) in self.g[ns + 1..=k].iter_mut().enumerate() {
+            let mut w = self.v[m + 1];
+            for (before, alpha) in diagonal[..=m].iter_mut().zip(alpha) {
+                let next = *before - alpha * w;
+                *before = w;
+                w = next;
             }
-            self.g[i] = self.w[0];
+            diagonal[m + 1] = w;
+            *g = w;
         }
     }
 

@@ -13,6 +13,7 @@ use crate::vector::{InstructionSet, Numbers, padded, padded_zeros};
 pub(super) struct Differences {
     /// Row i holds φ_{i+1} for every component, padded; the rows follow one another.
     table: Numbers,
+    dimension: usize,
     /// Components of a row, padded.
     width: usize,
     /// The newest row, which those before it have not had added yet; zero when they have.
@@ -34,6 +35,7 @@ impl Differences {
         let width = padded(dimension);
         Self {
             table: padded_zeros(width * (MAX_ORDER + 2)),
+            dimension,
             width,
             newest: 0,
             carry: None,
@@ -43,7 +45,7 @@ impl Differences {
     /// Whether it is a table of the same size.
     pub(super) fn is_like(&self, other: &Self) -> bool {
         let carries = |carry: &Carry| [carry.kept.len(), carry.predicted.len()];
-        self.width == other.width
+        (self.dimension, self.width) == (other.dimension, other.width)
             && self.table.len() == other.table.len()
             && self.newest <= MAX_ORDER
             && (self.carry.iter()).all(|carry| carries(carry) == [self.width; 2])
@@ -101,6 +103,7 @@ impl Differences {
             order,
             newest: std::mem::take(&mut self.newest),
             step: h,
+            dimension: self.dimension,
             table: &mut self.table,
             y: self.carry.is_none().then_some(y),
             predicted: &mut *predicted,
@@ -187,7 +190,7 @@ impl Differences {
         set.run(Retreat {
             coefficients: c,
             order,
-            dimension: self.width,
+            width: self.width,
             table: &mut self.table,
         });
     }
@@ -224,6 +227,7 @@ impl Differences {
         self.newest = order;
         set.run(TakeIn {
             order,
+            dimension: self.dimension,
             slope,
             table: &mut self.table,
             inverse_weight,

@@ -2,38 +2,66 @@
 
 use pulp::{Simd, WithSimd};
 
+use super::StepControl;
 use super::coefficients::Coefficients;
-use super::column::{Column, each_register, registers};
-use super::{MAX_ORDER, StepControl};
+use super::column::{Column, ColumnMut, each_register, registers};
 use crate::vector::{Lanes, Squares, load, vectors, vectors_mut};
+
+/// Registers that hold `dimension` numbers, the last one padded.
+#[inline(always)]
+fn blocks<S: Simd>(dimension: usize) -> usize {
+    dimension.div_ceil(S::F64_LANES)
+}
+
+/// Does `$each` for every one of `$blocks` registers, with the part of a sum that it belongs to, a constant where the loop is
+/// unrolled. Small systems have one register and do without the loop.
+macro_rules! each_block {
+    ($simd:ty, $blocks:expr, |$part:ident, $block:ident| $each:expr) => {
+        if $blocks == 1 {
+            let ($part, $block) = (0, 0);
+            $each;
+        } else {
+            let parts = Squares::<$simd>::PARTS;
+            for group in (0..$blocks).step_by(parts) {
+                for $part in 0..parts {
+                    let $block = group + $part;
+                    if $block >= $blocks {
+                        break;
+                    }
+                    $each;
+                }
+            }
+        }
+    };
+}
 
 /// Rows of a table of differences, one after the other; each is as long as the arrays beside it.
 struct Rows<'a, S: Simd> {
     simd: S,
     table: &'a mut [S::f64s],
-    blocks: usize,
+    /// Registers of a row.
+    width: usize,
 }
 
 impl<'a, S: Simd> Rows<'a, S> {
     #[inline(always)]
-    fn new(simd: S, table: &'a mut [f64], dimension: usize) -> Self {
-        let blocks = dimension / S::F64_LANES;
+    fn new(simd: S, table: &'a mut [f64], width: usize) -> Self {
         let all = table.len() / S::F64_LANES;
         Self {
             simd,
             table: vectors_mut::<S>(table, all),
-            blocks,
+            width: width / S::F64_LANES,
         }
     }
 
     #[inline(always)]
     fn get(&self, row: usize, block: usize) -> Lanes<S> {
-        load(self.simd, &self.table[row * self.blocks + block])
+        load(self.simd, &self.table[row * self.width + block])
     }
 
     #[inline(always)]
     fn set(&mut self, row: usize, block: usize, values: Lanes<S>) {
-        self.table[row * self.blocks + block] = values.values();
+        self.table[row * self.width + block] = values.values();
     }
 }
 
@@ -47,6 +75,7 @@ pub(super) struct Predict<'a> {
     /// The row that the rows before it have not had added yet; zero when there is none.
     pub(super) newest: usize,
     pub(super) step: f64,
+    pub(super) dimension: usize,
     pub(super) table: &'a mut [f64],
     /// Left out where the sum with y is made elsewhere.
     pub(super) y: Option<&'a [f64]>,
@@ -58,49 +87,100 @@ impl WithSimd for Predict<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let mut beta = self.coefficients.beta;
-        beta[..self.coefficients.equal_steps.min(MAX_ORDER)].fill(1.0);
-        let (g, order, newest) = (&self.coefficients.g, self.order, self.newest);
+        let c = self.coefficients;
+        debug_assert!(
+            c.beta[..c.equal_steps.min(self.order)]
+                .iter()
+                .all(|&beta| beta == 1.0)
+        );
+        let mut stars = Stars {
+            beta: &c.beta[..self.order],
+            g: &c.g[..self.order],
+            newest: self.newest,
+            rows: Rows::<S>::new(simd, self.table, self.predicted.len()),
+        };
+        let blocks = blocks::<S>(self.dimension);
         let step = Lanes::splat(simd, self.step);
-        let zero = Lanes::splat(simd, 0.0);
-        let mut rows = Rows::<S>::new(simd, self.table, self.predicted.len());
-        let blocks = rows.blocks;
         let y = self.y.map(|y| vectors::<S>(y, blocks));
         let predicted = vectors_mut::<S>(self.predicted, blocks);
+        if let [predicted] = predicted {
+            // Small systems have no strides to prepare.
+            *predicted = stars.predict(step, y, 0);
+            return;
+        }
         for (b, predicted) in predicted.iter_mut().enumerate() {
-            let latest = if newest > 0 {
-                rows.get(newest, b)
-            } else {
-                zero
-            };
-            for i in order..newest {
-                rows.set(i, b, rows.get(i, b) + latest);
-            }
-            let (mut sum, mut above) = (zero, zero);
-            for i in (newest.min(order)..order).rev() {
-                let phi = rows.get(i, b) * zero.constant(beta[i]);
-                sum = phi.mul_add(zero.constant(g[i]), sum);
-                above = above + phi;
-                rows.set(i, b, above);
-            }
-            for i in (0..newest.min(order)).rev() {
-                let phi = (rows.get(i, b) + latest) * zero.constant(beta[i]);
-                sum = phi.mul_add(zero.constant(g[i]), sum);
-                above = above + phi;
-                rows.set(i, b, above);
-            }
-            let increment = step * sum;
-            let whole = y.map_or(increment, |y| increment + load(simd, &y[b]));
-            *predicted = whole.values();
+            *predicted = stars.predict(step, y, b);
         }
     }
+}
+
+/// What turns φ into φ*; see [`Predict`].
+struct Stars<'a, S: Simd> {
+    beta: &'a [f64],
+    g: &'a [f64],
+    newest: usize,
+    rows: Rows<'a, S>,
+}
+
+impl<S: Simd> Stars<'_, S> {
+    /// Turns register `b` of all rows into φ*; h Σ g φ*, and y where it is given.
+    #[inline(always)]
+    fn predict(&mut self, step: Lanes<S>, y: Option<&[S::f64s]>, b: usize) -> S::f64s {
+        let increment = step * self.sum(b);
+        let y = y.map(|y| load(step.simd(), &y[b]));
+        y.map_or(increment, |y| increment + y).values()
+    }
+
+    /// The same without step and y.
+    #[inline(always)]
+    fn sum(&mut self, b: usize) -> Lanes<S> {
+        let (rows, order, newest) = (&mut self.rows, self.beta.len(), self.newest);
+        let zero = Lanes::splat(rows.simd, 0.0);
+        let latest = if newest > 0 {
+            rows.get(newest, b)
+        } else {
+            zero
+        };
+        for i in order..newest {
+            rows.set(i, b, rows.get(i, b) + latest);
+        }
+        // Those that the newest difference is in already, and those that lack it.
+        let (whole, lacking) = (newest.min(order)..order, 0..newest.min(order));
+        let mut sums = [zero; 2];
+        let mut at = order * rows.width + b;
+        for (beta, g) in self.beta[whole.clone()].iter().zip(&self.g[whole]).rev() {
+            at -= rows.width;
+            let phi = load(rows.simd, &rows.table[at]);
+            rows.table[at] = star(phi, [*beta, *g], &mut sums);
+        }
+        for (beta, g) in self.beta[lacking.clone()]
+            .iter()
+            .zip(&self.g[lacking])
+            .rev()
+        {
+            at -= rows.width;
+            let phi = load(rows.simd, &rows.table[at]) + latest;
+            rows.table[at] = star(phi, [*beta, *g], &mut sums);
+        }
+        sums[0]
+    }
+}
+
+/// φ* of one order from φ; adds to the sums Σ g β φ and Σ β φ over this order and those above, of which the latter is φ*.
+#[inline(always)]
+fn star<S: Simd>(phi: Lanes<S>, [beta, g]: [f64; 2], [sum, above]: &mut [Lanes<S>; 2]) -> S::f64s {
+    let term = phi * phi.constant(beta);
+    *sum = term.mul_add(phi.constant(g), *sum);
+    *above = *above + term;
+    above.values()
 }
 
 /// Takes back a prediction whose step failed.
 pub(super) struct Retreat<'a> {
     pub(super) coefficients: &'a Coefficients,
     pub(super) order: usize,
-    pub(super) dimension: usize,
+    /// Components of a row, padded.
+    pub(super) width: usize,
     pub(super) table: &'a mut [f64],
 }
 
@@ -110,8 +190,8 @@ impl WithSimd for Retreat<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let inverse = self.coefficients.beta.map(|beta| 1.0 / beta);
-        let mut rows = Rows::<S>::new(simd, self.table, self.dimension);
-        for b in 0..rows.blocks {
+        let mut rows = Rows::<S>::new(simd, self.table, self.width);
+        for b in 0..rows.width {
             let mut here = rows.get(0, b);
             for (i, &inverse) in inverse.iter().enumerate().take(self.order) {
                 let below = if i + 1 < self.order {
@@ -130,6 +210,7 @@ impl WithSimd for Retreat<'_> {
 /// it, and φ_{k+2} with the sum of its squares over the weights, where the error one order up is asked for.
 pub(super) struct TakeIn<'a> {
     pub(super) order: usize,
+    pub(super) dimension: usize,
     pub(super) slope: &'a [f64],
     pub(super) table: &'a mut [f64],
     pub(super) inverse_weight: &'a [f64],
@@ -143,32 +224,26 @@ impl WithSimd for TakeIn<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let order = self.order;
         let mut rows = Rows::<S>::new(simd, self.table, self.slope.len());
-        let blocks = rows.blocks;
+        let blocks = blocks::<S>(self.dimension);
         let slope = vectors::<S>(self.slope, blocks);
         let inverse_weight = vectors::<S>(self.inverse_weight, blocks);
-        let parts = Squares::<S>::PARTS;
         let mut sum = Squares::new(simd);
-        for group in (0..blocks).step_by(parts) {
-            for part in 0..parts {
-                let b = group + part;
-                if b >= blocks {
-                    break;
-                }
-                let newest = load(simd, &slope[b]) - rows.get(0, b);
-                if self.above {
-                    let above = newest - rows.get(order, b);
-                    rows.set(order + 1, b, above);
-                    sum.add(part, above * load(simd, &inverse_weight[b]));
-                }
-                rows.set(order, b, newest);
+        each_block!(S, blocks, |part, b| {
+            let newest = load(simd, &slope[b]) - rows.get(0, b);
+            if self.above {
+                let above = newest - rows.get(order, b);
+                rows.set(order + 1, b, above);
+                sum.add(part, above * load(simd, &inverse_weight[b]));
             }
-        }
+            rows.set(order, b, newest);
+        });
         if self.above { sum.total() } else { 0.0 }
     }
 }
 
 /// Sums of squared weighted differences: of the slope from the predicted one, and had the orders been one and two lower.
 pub(super) struct Errors<'a> {
+    pub(super) dimension: usize,
     pub(super) slope: &'a [f64],
     /// φ*_1, and those of one and two orders below.
     pub(super) rows: [&'a [f64]; 3],
@@ -189,11 +264,10 @@ impl WithSimd for Errors<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> [f64; 3] {
-        let blocks = self.slope.len() / S::F64_LANES;
+        let blocks = blocks::<S>(self.dimension);
         let slope = vectors::<S>(self.slope, blocks);
         let [first, one_below, two_below] = self.rows.map(|row| vectors::<S>(row, blocks));
         let inverse_weight = vectors::<S>(self.inverse_weight, blocks);
-        let parts = Squares::<S>::PARTS;
         let (mut at, mut one, mut two) =
             (Squares::new(simd), Squares::new(simd), Squares::new(simd));
         let mut correction = self.correction.map(|correction| {
@@ -203,23 +277,17 @@ impl WithSimd for Errors<'_> {
                 vectors_mut::<S>(correction.corrected, blocks),
             )
         });
-        for group in (0..blocks).step_by(parts) {
-            for part in 0..parts {
-                let b = group + part;
-                if b >= blocks {
-                    break;
-                }
-                let weight = load(simd, &inverse_weight[b]);
-                let change = load(simd, &slope[b]) - load(simd, &first[b]);
-                at.add(part, change * weight);
-                one.add(part, (load(simd, &one_below[b]) + change) * weight);
-                two.add(part, (load(simd, &two_below[b]) + change) * weight);
-                if let Some((weight, predicted, corrected)) = &mut correction {
-                    let predicted = load(simd, &predicted[b]);
-                    corrected[b] = change.mul_add(*weight, predicted).values();
-                }
+        each_block!(S, blocks, |part, b| {
+            let weight = load(simd, &inverse_weight[b]);
+            let change = load(simd, &slope[b]) - load(simd, &first[b]);
+            at.add(part, change * weight);
+            one.add(part, (load(simd, &one_below[b]) + change) * weight);
+            two.add(part, (load(simd, &two_below[b]) + change) * weight);
+            if let Some((weight, predicted, corrected)) = &mut correction {
+                let predicted = load(simd, &predicted[b]);
+                corrected[b] = change.mul_add(*weight, predicted).values();
             }
-        }
+        });
         [at.total(), one.total(), two.total()]
     }
 }
@@ -258,7 +326,7 @@ impl WithSimd for WeightedSquares<'_> {
     }
 }
 
-/// 1/(atol + rtol |y|).
+/// 1/(atol + rtol |y|), of as many components as there are weights.
 pub(super) struct Weigh<'a> {
     pub(super) control: &'a StepControl,
     pub(super) y: &'a [f64],
@@ -270,16 +338,17 @@ impl WithSimd for Weigh<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let blocks = self.y.len() / S::F64_LANES;
+        let n = self.inverse_weight.len();
         let rtol = Lanes::splat(simd, self.control.rtol);
         let atol = Lanes::splat(simd, self.control.atol);
-        let y = vectors::<S>(self.y, blocks);
-        for (weight, y) in vectors_mut::<S>(self.inverse_weight, blocks)
-            .iter_mut()
-            .zip(y)
-        {
-            let tolerance = load(simd, y).abs().mul_add(rtol, atol);
-            *weight = (rtol.constant(1.0) / tolerance).values();
+        let y = Column::<S>::new(simd, self.y, n);
+        let mut inverse_weight = ColumnMut::<S>::new(simd, self.inverse_weight, n);
+        let (whole, rest) = registers::<S>(n);
+        for b in 0..whole {
+            inverse_weight.set(b, rtol.constant(1.0) / y.get(b).abs().mul_add(rtol, atol));
+        }
+        if rest > 0 {
+            inverse_weight.set_rest(rtol.constant(1.0) / y.rest().abs().mul_add(rtol, atol));
         }
     }
 }

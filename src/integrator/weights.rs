@@ -53,12 +53,14 @@ impl Adams {
 
     /// 1/(atol + rtol |y|).
     fn weigh_by_component(&mut self, controlled: usize) {
+        if self.starting {
+            self.inverse_weight.fill(0.0);
+        }
         self.instructions.run(Weigh {
             control: &self.control,
             y: &self.y,
-            inverse_weight: &mut self.inverse_weight,
+            inverse_weight: &mut self.inverse_weight[..controlled],
         });
-        self.inverse_weight[controlled..].fill(0.0);
     }
 
     /// Norm of `values` over their weights.

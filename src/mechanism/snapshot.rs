@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::integrator::Adams;
 
 /// What the bytes begin with: a name and a version, another one for every change of what they hold.
-const MAGIC: &[u8; 24] = b"rustchain mechanism  003";
+const MAGIC: &[u8; 24] = b"rustchain mechanism  004";
 
 /// All that decides how a run goes on, and what it is of.
 #[derive(Debug, Clone, Serialize, Deserialize)]

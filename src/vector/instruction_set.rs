@@ -2,6 +2,10 @@
 
 use pulp::{Arch, WithSimd};
 
+/// Numbers in a register of AVX2.
+#[cfg(target_arch = "x86_64")]
+const AVX2_NUMBERS: usize = 4;
+
 /// An instruction set that this machine has.
 #[derive(Debug, Clone, Copy)]
 pub struct InstructionSet(Arch);
@@ -11,6 +15,21 @@ impl InstructionSet {
     #[must_use]
     pub fn detect() -> Self {
         Self(Arch::new())
+    }
+
+    /// The one here that is best for arrays of `length` numbers: what fits in one register of AVX2 gains nothing from a wider one, which
+    /// waits longer for numbers that were just stored one by one.
+    #[must_use]
+    pub fn detect_for(length: usize) -> Self {
+        #[cfg(target_arch = "x86_64")]
+        if length <= AVX2_NUMBERS
+            && let Some(v3) = pulp::x86::V3::try_new()
+        {
+            return Self(Arch::V3(v3));
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        let _ = length;
+        Self::detect()
     }
 
     /// All that this machine has, the widest first. The last one is the plain one, of one number at a time.

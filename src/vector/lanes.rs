@@ -170,6 +170,12 @@ impl<S: Simd> Lanes<S> {
         self.simd.reduce_max_f64s(self.values)
     }
 
+    /// The sum of all: halves are added until one number is left.
+    #[inline(always)]
+    pub(crate) fn sum(self) -> f64 {
+        self.simd.reduce_sum_f64s(self.values)
+    }
+
     /// The second to the last of `count` numbers, moved to the first place, and `next` behind them; zeros behind that.
     #[inline(always)]
     pub(crate) fn followed_by(self, next: f64, count: usize) -> Self {

@@ -45,14 +45,17 @@ impl<S: Simd> Squares<S> {
         self.0[part] = values.mul_add(values, self.0[part]);
     }
 
-    /// The sum, in one order for all widths.
+    /// The sum, in one order for all widths, that of [`PartialSums::total`]: halves are added until one number is left.
     #[inline(always)]
     pub(crate) fn total(&self) -> f64 {
-        let mut sums = PartialSums::default();
-        let half = Self::PARTS / 2;
-        for (part, &values) in self.0.iter().enumerate().take(half) {
-            sums.add(part, values + self.0[half + part]);
+        let mut sums = self.0;
+        for half in [8, 4, 2, 1] {
+            if half < Self::PARTS {
+                for part in 0..half {
+                    sums[part] = sums[part] + sums[part + half];
+                }
+            }
         }
-        sums.total()
+        sums[0].sum()
     }
 }
