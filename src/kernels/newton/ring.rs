@@ -131,19 +131,24 @@ impl Ring {
         }
     }
 
-    /// As many places as a register has lanes, from `place` on, of the parts in register `part`.
+    /// Where the parts in register `part` begin in an array, as many registers of each as its places take.
     #[inline(always)]
-    fn gather<S: Simd>(
-        &self,
-        simd: S,
-        from: &[f64],
-        place: usize,
-        part: usize,
-    ) -> [Lanes<S>; WIDTH] {
-        let mut rows = [Lanes::splat(simd, 0.0); WIDTH];
+    fn rows<'a, S: Simd>(&self, from: &'a [f64], part: usize) -> [&'a [S::f64s]; WIDTH] {
+        let mut rows: [&[S::f64s]; WIDTH] = [&[]; WIDTH];
         let starts = &self.starts[part * S::F64_LANES..(part + 1) * S::F64_LANES];
+        let blocks = self.count.div_ceil(S::F64_LANES);
         for (row, &start) in rows.iter_mut().zip(starts) {
-            *row = load(simd, &vectors::<S>(register(from, start + place), 1)[0]);
+            *row = vectors::<S>(&from[start..], blocks);
+        }
+        rows
+    }
+
+    /// Block `block` of as many places as a register has lanes.
+    #[inline(always)]
+    fn gather<S: Simd>(simd: S, from: &[&[S::f64s]; WIDTH], block: usize) -> [Lanes<S>; WIDTH] {
+        let mut rows = [Lanes::splat(simd, 0.0); WIDTH];
+        for (row, from) in rows.iter_mut().zip(from).take(S::F64_LANES) {
+            *row = load(simd, &from[block]);
         }
         transposed(simd, rows)
     }
@@ -158,18 +163,22 @@ impl Ring {
     /// Takes the blocks over.
     #[inline(always)]
     fn take_in<S: Simd>(&mut self, simd: S, blocks: &HingeBlocks) {
+        let lanes = S::F64_LANES;
+        let blocks_of_places = self.count.div_ceil(lanes);
         for part in parts::<S>() {
-            for place in (0..self.count).step_by(S::F64_LANES) {
-                for (entry, from) in blocks.own.iter().enumerate() {
-                    let columns = self.gather(simd, from, place, part);
-                    let places = &mut self.places[place..place + S::F64_LANES];
+            for (entry, from) in blocks.own.iter().enumerate() {
+                let from = self.rows::<S>(from, part);
+                for (block, places) in self.places.chunks_exact_mut(lanes).take(blocks_of_places).enumerate() {
+                    let columns = Self::gather(simd, &from, block);
                     for (place, column) in places.iter_mut().zip(columns) {
                         place.own[entry].put(part, column);
                     }
                 }
-                for (entry, from) in blocks.before.iter().enumerate() {
-                    let columns = self.gather(simd, from, place, part);
-                    let places = &mut self.places[place..place + S::F64_LANES];
+            }
+            for (entry, from) in blocks.before.iter().enumerate() {
+                let from = self.rows::<S>(from, part);
+                for (block, places) in self.places.chunks_exact_mut(lanes).take(blocks_of_places).enumerate() {
+                    let columns = Self::gather(simd, &from, block);
                     for (place, column) in places.iter_mut().zip(columns) {
                         place.before[entry].put(part, column);
                     }
@@ -318,9 +327,11 @@ impl Ring {
     #[inline(always)]
     fn take_right_hand_side<S: Simd>(&mut self, simd: S, axis: usize, from: &[f64]) {
         for part in parts::<S>() {
-            for place in (0..self.count).step_by(S::F64_LANES) {
-                let columns = self.gather(simd, from, place, part);
-                let places = &mut self.unknowns[place..place + S::F64_LANES];
+            let rows = self.rows::<S>(from, part);
+            let blocks = self.count.div_ceil(S::F64_LANES);
+            let places = self.unknowns.chunks_exact_mut(S::F64_LANES);
+            for (block, places) in places.take(blocks).enumerate() {
+                let columns = Self::gather(simd, &rows, block);
                 for (place, column) in places.iter_mut().zip(columns) {
                     place[axis].put(part, column);
                 }
@@ -438,12 +449,6 @@ impl<S: Simd> Left<S> {
             irregular: number.less(number),
         }
     }
-}
-
-/// A register of an array, and what is behind it where registers are shorter.
-#[inline(always)]
-fn register(array: &[f64], first: usize) -> &[f64] {
-    &array[first..first + WIDTH]
 }
 
 fn factorise_short(dense: &mut Dense, hinges: usize, blocks: &HingeBlocks) -> bool {
