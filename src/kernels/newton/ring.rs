@@ -131,26 +131,21 @@ impl Ring {
         }
     }
 
-    /// Where the parts in register `part` begin in an array, as many registers of each as its places take.
+    /// Registers that the places of one part take.
+    #[inline(always)]
+    fn registers<S: Simd>(&self) -> usize {
+        self.count.div_ceil(S::F64_LANES)
+    }
+
+    /// Of an array the places of each part in register `part`, and what is behind them.
     #[inline(always)]
     fn rows<'a, S: Simd>(&self, from: &'a [f64], part: usize) -> [&'a [S::f64s]; WIDTH] {
         let mut rows: [&[S::f64s]; WIDTH] = [&[]; WIDTH];
         let starts = &self.starts[part * S::F64_LANES..(part + 1) * S::F64_LANES];
-        let blocks = self.count.div_ceil(S::F64_LANES);
         for (row, &start) in rows.iter_mut().zip(starts) {
-            *row = vectors::<S>(&from[start..], blocks);
+            *row = vectors::<S>(&from[start..], self.registers::<S>());
         }
         rows
-    }
-
-    /// Block `block` of as many places as a register has lanes.
-    #[inline(always)]
-    fn gather<S: Simd>(simd: S, from: &[&[S::f64s]; WIDTH], block: usize) -> [Lanes<S>; WIDTH] {
-        let mut rows = [Lanes::splat(simd, 0.0); WIDTH];
-        for (row, from) in rows.iter_mut().zip(from).take(S::F64_LANES) {
-            *row = load(simd, &from[block]);
-        }
-        transposed(simd, rows)
     }
 
     /// Which parts of register `part` have all places.
@@ -163,22 +158,23 @@ impl Ring {
     /// Takes the blocks over.
     #[inline(always)]
     fn take_in<S: Simd>(&mut self, simd: S, blocks: &HingeBlocks) {
-        let lanes = S::F64_LANES;
-        let blocks_of_places = self.count.div_ceil(lanes);
+        let count = self.registers::<S>();
         for part in parts::<S>() {
             for (entry, from) in blocks.own.iter().enumerate() {
-                let from = self.rows::<S>(from, part);
-                for (block, places) in self.places.chunks_exact_mut(lanes).take(blocks_of_places).enumerate() {
-                    let columns = Self::gather(simd, &from, block);
+                let rows = self.rows::<S>(from, part);
+                let places = self.places.chunks_exact_mut(S::F64_LANES).take(count);
+                for (number, places) in places.enumerate() {
+                    let columns = gather(simd, &rows, number);
                     for (place, column) in places.iter_mut().zip(columns) {
                         place.own[entry].put(part, column);
                     }
                 }
             }
             for (entry, from) in blocks.before.iter().enumerate() {
-                let from = self.rows::<S>(from, part);
-                for (block, places) in self.places.chunks_exact_mut(lanes).take(blocks_of_places).enumerate() {
-                    let columns = Self::gather(simd, &from, block);
+                let rows = self.rows::<S>(from, part);
+                let places = self.places.chunks_exact_mut(S::F64_LANES).take(count);
+                for (number, places) in places.enumerate() {
+                    let columns = gather(simd, &rows, number);
                     for (place, column) in places.iter_mut().zip(columns) {
                         place.before[entry].put(part, column);
                     }
@@ -328,10 +324,10 @@ impl Ring {
     fn take_right_hand_side<S: Simd>(&mut self, simd: S, axis: usize, from: &[f64]) {
         for part in parts::<S>() {
             let rows = self.rows::<S>(from, part);
-            let blocks = self.count.div_ceil(S::F64_LANES);
-            let places = self.unknowns.chunks_exact_mut(S::F64_LANES);
-            for (block, places) in places.take(blocks).enumerate() {
-                let columns = Self::gather(simd, &rows, block);
+            let count = self.registers::<S>();
+            let places = self.unknowns.chunks_exact_mut(S::F64_LANES).take(count);
+            for (number, places) in places.enumerate() {
+                let columns = gather(simd, &rows, number);
                 for (place, column) in places.iter_mut().zip(columns) {
                     place[axis].put(part, column);
                 }
@@ -449,6 +445,16 @@ impl<S: Simd> Left<S> {
             irregular: number.less(number),
         }
     }
+}
+
+/// Register `number` of each row, as columns: as many places as a register has lanes.
+#[inline(always)]
+fn gather<S: Simd>(simd: S, rows: &[&[S::f64s]; WIDTH], number: usize) -> [Lanes<S>; WIDTH] {
+    let mut lanes = [Lanes::splat(simd, 0.0); WIDTH];
+    for (lanes, row) in lanes.iter_mut().zip(rows).take(S::F64_LANES) {
+        *lanes = load(simd, &row[number]);
+    }
+    transposed(simd, lanes)
 }
 
 fn factorise_short(dense: &mut Dense, hinges: usize, blocks: &HingeBlocks) -> bool {
