@@ -201,7 +201,7 @@ class Record:
         self.prepare = short if tried else (lambda plan: plan)
         blank = {"references": {}, "load": {}, "seconds": {}, "lines": [], "twins": [], "long": []}
         self.found = blank | (last_run() if merged else {})
-        self.found["machine"] = render.machine()
+        self.found.setdefault("machines", {})
 
     def paths(self, scene, start, end):
         """Keep a scene judged by positions."""
@@ -246,6 +246,7 @@ class Record:
         seconds, own_seconds = time.perf_counter() - begin[0], time.process_time() - begin[1]
         self.found["load"][name] = [before, os.getloadavg()[0]]
         self.found["seconds"][name] = seconds
+        self.found["machines"][name] = render.machine()
         print(
             f"  {seconds:.0f} s, {own_seconds:.0f} s of them at work; "
             f"load {before:.1f} before, {os.getloadavg()[0]:.1f} after",

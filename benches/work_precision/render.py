@@ -61,6 +61,16 @@ def machine():
     return f"{model}, one core, instructions {rc.instruction_set()}"
 
 
+def machines(record):
+    """Return the machine of all scenes, or each with its scenes: times compare within a scene."""
+    scenes = {}
+    for scene, name in record["machines"].items():
+        scenes.setdefault(name, []).append(scene)
+    if len(scenes) == 1:
+        return next(iter(scenes))
+    return "; ".join(f"{name}: {', '.join(of)}" for name, of in scenes.items())
+
+
 def error_of(line):
     """Error that a scene is judged by."""
     return line["residual"] if ", 0.2 s" in line["scene"] else line["position_error"]
@@ -78,7 +88,7 @@ def curves(record, scene, cost="wall"):
 
 def verdicts(record):
     """Return what the figures say, in words."""
-    said = [f"machine: {record['machine']}{_load(record)}"]
+    said = [f"machine: {machines(record)}{_load(record)}"]
     scenes = list(dict.fromkeys(line["scene"] for line in record["lines"]))
     for scene in scenes:
         found = curves(record, scene)
@@ -331,7 +341,7 @@ def draw(record, path):
         _mark_default(axis, record, scene)
     figure.suptitle(
         f"Run time against error: left and low is good. Ring: default accuracy, {DEFAULT:.0e} m.  "
-        f"{record['machine']}",
+        f"{'; '.join(dict.fromkeys(record['machines'].values()))}",
         fontsize=13,
     )
     path.parent.mkdir(exist_ok=True)

@@ -201,7 +201,8 @@ def path_scene(scene, start, end, plan):
     """Error in position at `end`, where the path does not yet depend on rounding.
 
     Root mean square of the timed runs, whose tolerances differ by a percent: one run may be near by
-    chance. Returns lines, and of the reference its two doubts [m] and the energy that it dissipates [J].
+    chance. Returns lines, and of the reference its two doubts [m] and the energy that it dissipates
+    [J].
     """
     print(scene)
     expected, doubt, apart, dissipated = reference(start, end)

@@ -273,7 +273,10 @@ pub(crate) fn run(
     };
     // The slope that the search for onsets needs is no part of the method.
     outcome = outcome.timed(budget);
-    outcome.wall -= outcome.steps as f64 * time_of_slope(system, t, y, &mut slope);
+    let slopes = outcome.steps as f64;
+    // No more than its share, should the machine have been slower while it was timed.
+    let most = outcome.wall / (outcome.evaluations as f64 + slopes);
+    outcome.wall -= slopes * time_of_slope(system, t, y, &mut slope).min(most);
     outcome.jacobians = user.jacobians;
     call!(lib, b"CVodeFree", (*mut Pointer) -> (), (&raw mut memory));
     if !solver.is_null() {
