@@ -71,9 +71,7 @@ def path_plan():
         "CVODE Adams": decades(-8, -13),
         "CVODE BDF": decades(-8, -13),
     }
-    return Plan(
-        methods, compiled, repeats=8, runs=1, rival_runs=1, budget=3.0, budget_of_point=1.0
-    )
+    return Plan(methods, compiled, repeats=8, runs=1, rival_runs=1, budget=3.0, budget_of_point=1.0)
 
 
 def loaded_path_plan():
