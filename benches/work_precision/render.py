@@ -340,7 +340,7 @@ def draw(record, path):
         _panel(axis, scene, curves(record, scene))
         _mark_default(axis, record, scene)
     figure.suptitle(
-        f"Run time against error: left and low is good. Ring: default accuracy, {DEFAULT:.0e} m.  "
+        f"Run time against error: left and low is good. Ring: default accuracy, {DEFAULT:.0e} m.\n"
         f"{'; '.join(dict.fromkeys(record['machines'].values()))}",
         fontsize=13,
     )
