@@ -1,6 +1,6 @@
 //! Slopes of the force laws against complex steps: `Im f(δ + ih)/h` has no difference that cancels, and is right to rounding.
 //!
-//! The laws are written here anew, as they are printed, for complex numbers.
+//! The laws are written here anew, as they are printed, for complex numbers; of the enhanced one only its form, K δ^n.
 
 use std::f64::consts::PI;
 
