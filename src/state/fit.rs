@@ -3,22 +3,26 @@
 use crate::drive::Chain;
 use crate::geometry::Vec2;
 
-/// Misfit that counts as none, over the longest link.
-const FITTING: f64 = 1e-15;
+/// Misfit of a link that counts as none, over the largest coordinate of its hinges: a length is the difference of two
+/// coordinates, each rounded by half an epsilon, so that a smaller one would never be met.
+const FITTING: f64 = 4.0 * f64::EPSILON;
 
-/// Moves hinges of a chain laid with its mean pitch until its links have their own lengths, where they differ; false when they cannot
-/// be.
-pub(super) fn fit_links(chain: &Chain, hinges: &mut [Vec2]) -> bool {
+/// The hinges of a chain laid with one pitch for all links, for links of their own lengths; the most wanted first.
+///
+/// They are moved until every hinge is as open as it was laid. Where teeth leave no room for that, they stay where they are, and
+/// every link lies in the middle between its hinges: half of what it is longer or shorter by is in the clearance of each.
+pub(super) fn for_own_lengths(chain: &Chain, hinges: Vec<Vec2>) -> Vec<Vec<Vec2>> {
     let (pitches, mean) = (chain.link_pitches(), chain.mean_pitch());
     if pitches.iter().all(|&pitch| (pitch - mean).abs() <= 1e-15) {
-        return true;
+        return vec![hinges];
     }
-    // Hinges that were laid open stay as open.
     let n = pitches.len();
     let lengths: Vec<f64> = (0..n)
         .map(|i| (hinges[i] - hinges[(i + n - 1) % n]).norm() + (pitches[i] - mean))
         .collect();
-    fit(hinges, &lengths)
+    let mut moved = hinges.clone();
+    let fits = fit(&mut moved, &lengths);
+    fits.then_some(moved).into_iter().chain([hinges]).collect()
 }
 
 /// What helps where a chain cannot be laid round centres that take `fewest` links.
@@ -41,6 +45,7 @@ pub(super) fn remedy(chain: &Chain, fewest: u32) -> String {
 fn fit(hinges: &mut [Vec2], lengths: &[f64]) -> bool {
     let n = hinges.len();
     let longest = lengths.iter().copied().fold(0.0, f64::max);
+    let farthest = hinges.iter().map(Vec2::amax).fold(0.0, f64::max);
     for _ in 0..50 {
         let links: Vec<Vec2> = (0..n)
             .map(|i| hinges[i] - hinges[(i + n - 1) % n])
@@ -51,7 +56,7 @@ fn fit(hinges: &mut [Vec2], lengths: &[f64]) -> bool {
             .map(|(d, l)| l - d.norm())
             .collect();
         let worst = misfit.iter().fold(0.0, |most: f64, m| most.max(m.abs()));
-        if worst <= 4.0 * FITTING * longest {
+        if worst <= FITTING * farthest {
             return true;
         }
         let along: Vec<Vec2> = links.iter().map(Vec2::normalize).collect();

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::fit::{fit_links, remedy};
+use super::fit::{for_own_lengths, remedy};
 use super::layout::{
     LARGEST_STRETCH, Layout, Lie, START_GAPS, even_links, given_speed, phase, strand_name,
     tension_force, wheel,
@@ -111,14 +111,10 @@ impl<'a> Around<'a> {
             };
             let mut stretched: Option<Found> = None;
             for slack in self.slack_strands() {
-                for mut polygon in Self::by_merit(&course, slack, clearance) {
-                    if !fit_links(chain, &mut polygon.hinges) {
+                for polygon in Self::by_merit(&course, slack, clearance) {
+                    let Some(polygon) = self.fitted(polygon, slack, &mut why) else {
                         continue;
-                    }
-                    if let Some(fault) = self.fault(&polygon, slack) {
-                        why.get_or_insert(fault);
-                        continue;
-                    }
+                    };
                     let found = Found {
                         course: course.clone(),
                         polygon,
@@ -152,6 +148,24 @@ impl<'a> Around<'a> {
                 "no whole numbers of pitches fit the strands".to_string()
             }
         }))
+    }
+
+    /// The polygon with links of their own lengths, where that has no fault; the first fault is kept in `why`.
+    fn fitted(
+        &self,
+        mut polygon: Polygon,
+        slack: usize,
+        why: &mut Option<String>,
+    ) -> Option<Polygon> {
+        let hinges = std::mem::take(&mut polygon.hinges);
+        for own in for_own_lengths(&self.drive.chain, hinges) {
+            polygon.hinges = own;
+            let Some(fault) = self.fault(&polygon, slack) else {
+                return Some(polygon);
+            };
+            why.get_or_insert(fault);
+        }
+        None
     }
 
     /// Polygons with the slack in one strand: the least stretched first, then those with seats nearest to the tangent points.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::fit::{fit_links, remedy};
+use super::fit::{for_own_lengths, remedy};
 use super::layout::{
     LARGEST_STRETCH, Layout, Lie, START_GAPS, closing_center_distance, given_speed, links_for,
     phase, tension_force, wheel,
@@ -153,13 +153,9 @@ impl<'a> Place<'a> {
             let mut best: Option<(f64, Path)> = None;
             for split in self.splits(wheels, slack_strand) {
                 let path = wrap::path_at(pitch, wheels, split, self.center_distance, slack_strand);
-                let Some(path) = path.and_then(|path| self.fitted(path)) else {
+                let Some(path) = path.and_then(|path| self.fitted(path, &mut why)) else {
                     continue;
                 };
-                if let Some(fault) = self.fault(&path) {
-                    why.get_or_insert(fault);
-                    continue;
-                }
                 // Taut or slack as it should be; a stretched one waits for a better split.
                 let stretch = [0, 1]
                     .map(|i| -path.slack[i] / f64::from(path.split.strands[i]))
@@ -179,9 +175,17 @@ impl<'a> Place<'a> {
         refuse(why.unwrap_or_else(|| "no whole numbers of pitches fit the strands".to_string()))
     }
 
-    /// The path with links of their own lengths, where they differ.
-    fn fitted(&self, mut path: Path) -> Option<Path> {
-        fit_links(&self.drive.chain, &mut path.hinges).then_some(path)
+    /// The path with links of their own lengths, where that has no fault; the first fault is kept in `why`.
+    fn fitted(&self, mut path: Path, why: &mut Option<String>) -> Option<Path> {
+        let hinges = std::mem::take(&mut path.hinges);
+        for own in for_own_lengths(&self.drive.chain, hinges) {
+            path.hinges = own;
+            let Some(fault) = self.fault(&path) else {
+                return Some(path);
+            };
+            why.get_or_insert(fault);
+        }
+        None
     }
 
     /// Wheels whose seated bushings start `gap` \[m\] off their seats at least.
