@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias, get_args
 
 from rustchain import _rustchain
 from rustchain._names import known_keywords, suggest
-from rustchain.chain_sizes import SIZES, ChainSize
+from rustchain.chain_sizes import OTHER_NAMES, SIZES, ChainSize
 from rustchain.drive import (
     AnsiTooth,
     AppliedTorque,
@@ -135,11 +135,11 @@ def two_sprocket_drive(
     """
     if links is None and isinstance(chain, Chain):
         links = chain.links
-    iso = isinstance(chain, str) and _size(chain).standard == "ISO 606"
+    iso = isinstance(chain, str) and _size(chain)[0].standard == "ISO 606"
     if isinstance(chain, Chain):
         pitch = (chain if links is None else replace(chain, links=links)).mean_pitch
     else:
-        pitch = _size(chain).pitch
+        pitch = _size(chain)[0].pitch
     if links is None:
         if center_distance is None:
             msg = (
@@ -184,7 +184,7 @@ def catalogue() -> dict[str, ChainSize]:
 def catalogue_chain(
     name: str,
     links: int,
-    strands: int = 1,
+    strands: int | None = None,
     rollers: Rollers = "fixed",
     plates: Stretch = "rigid",
 ) -> Chain:
@@ -195,11 +195,13 @@ def catalogue_chain(
     Parameters
     ----------
     name : str
-        Name in `catalogue()`, or the number alone, such as "40" or "08B".
+        Name in `catalogue()`, or what the size is called elsewhere: the number alone ("40", "08B"),
+        "#40", "RS40", and of ANSI sizes that of ISO 606 ("ISO 08A" is "ANSI 40"). Behind it "-1",
+        "-2" or "-3" gives the strands, as in "08B-2".
     links : int
         Number of links.
-    strands : int
-        Parallel strands on common pins.
+    strands : int, optional
+        Parallel strands on common pins; by default those of the name, or 1.
     rollers : {"fixed", "bodies"}
         "fixed": a roller chain as a bushing chain of the roller's outside diameter, whose inner
         links carry the rollers' mass. "bodies": every roller a body that turns on its bushing with
@@ -207,7 +209,10 @@ def catalogue_chain(
     plates : {"rigid", "elastic"}
         "elastic": links stretch as their plates do, whose cross-sections are derived.
     """
-    size = _size(name)
+    size, named = _size(name)
+    if strands is not None and named not in (None, strands):
+        msg = f"strands = {strands}: the name {name!r} says {named}; leave one of them"
+        raise InvalidInput(msg)
     _check_plates_word(plates)
     inner, outer = size.links()
     fixed = Chain(
@@ -223,7 +228,7 @@ def catalogue_chain(
         ),
         bushing_radius=size.roller_diameter / 2,
         tooth_contact_length=size.tooth_width,
-        strands=strands,
+        strands=(named or 1) if strands is None else strands,
         link_stiffness=Plates(*size.plate_sections) if plates == "elastic" else None,
     )
     return _rolling(fixed, size, rollers)
@@ -291,11 +296,10 @@ def _tensioner(pretension: float | None) -> Tensioner | None:
     return Tensioner(sprocket=2, pretension=pretension) if pretension else None
 
 
-def _size(name: str) -> ChainSize:
-    """Return the size of this name, whatever its case, or of this number alone."""
-    folded = str(name).casefold()
-    for listed, size in SIZES.items():
-        if isinstance(name, str) and folded in (listed.casefold(), listed.split()[1].casefold()):
-            return size
+def _size(name: str) -> tuple[ChainSize, int | None]:
+    """Return the size of this name, whatever its case, and the strands that it says."""
+    folded, dash, strands = str(name).casefold().partition("-")
+    if isinstance(name, str) and folded in OTHER_NAMES and (not dash or strands in ("1", "2", "3")):
+        return SIZES[OTHER_NAMES[folded]], int(strands) if dash else None
     msg = f"chain: {name!r} is not in the catalogue; {suggest(name, SIZES)}"
     raise InvalidInput(msg)

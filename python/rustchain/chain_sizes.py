@@ -331,3 +331,20 @@ def _iso(number: str) -> ChainSize:
 
 
 SIZES: dict[str, ChainSize] = {size.name: size for size in (*map(_ansi, _ANSI), *map(_iso, _ISO))}
+
+# ISO 606 lists the ANSI sizes too: their pitch in sixteenths of an inch and "A", but for these.
+_ISO_OF_ANSI = {"25": "04C", "35": "06C", "41": "085"}
+
+
+def _other_names(name: str) -> list[str]:
+    """Return the names that a size goes by, in small letters."""
+    standard, number = name.split()
+    names = [name, number]
+    if standard == "ANSI":
+        iso = _ISO_OF_ANSI.get(number) or f"{int(number) // 5:02d}A"
+        names += [f"#{number}", f"RS{number}", f"ISO {iso}", iso]
+    return [other.casefold() for other in names]
+
+
+# What makers and standards call the sizes -> the name in the catalogue.
+OTHER_NAMES: dict[str, str] = {other: name for name in SIZES for other in _other_names(name)}

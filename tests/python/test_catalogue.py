@@ -83,6 +83,41 @@ def test_a_chain_is_found_by_its_number_and_refused_with_the_nearest_name():
         rc.catalogue_chain("ISO08B", 60)
 
 
+@pytest.mark.parametrize(
+    ("name", "listed", "strands"),
+    [
+        ("#40", "ANSI 40", 1),
+        ("RS40", "ANSI 40", 1),
+        ("rs60-2", "ANSI 60", 2),
+        ("40-3", "ANSI 40", 3),
+        ("ISO 08A", "ANSI 40", 1),
+        ("48a-2", "ANSI 240", 2),
+        ("04C", "ANSI 25", 1),
+        ("06C", "ANSI 35", 1),
+        ("ISO 085", "ANSI 41", 1),
+        ("08B-1", "ISO 08B", 1),
+        ("iso 32B-3", "ISO 32B", 3),
+    ],
+)
+def test_a_chain_is_found_by_the_names_of_makers_and_of_both_standards(name, listed, strands):
+    assert rc.catalogue_chain(name, 60) == rc.catalogue_chain(listed, 60, strands=strands)
+
+
+def test_the_sizes_of_the_a_series_have_the_pitch_that_their_name_says():
+    for number in (8, 10, 12, 16, 20, 24, 28, 32, 36, 40, 48):
+        found = rc.catalogue_chain(f"ISO {number:02d}A", 60)
+        assert found.pitch == pytest.approx(number * INCH / 16, rel=1e-12)
+        assert found.name.startswith("ANSI")
+
+
+def test_strands_that_the_name_does_not_say_are_refused():
+    assert rc.catalogue_chain("08B-2", 60, strands=2).strands == 2
+    with pytest.raises(rc.InvalidInput, match="strands = 3: the name '08B-2' says 2"):
+        rc.catalogue_chain("08B-2", 60, strands=3)
+    with pytest.raises(rc.InvalidInput, match="'08B-4' is not in the catalogue"):
+        rc.catalogue_chain("08B-4", 60)
+
+
 def test_an_iso_chain_gets_iso_teeth():
     drive = rc.two_sprocket_drive(chain="ISO 08B", teeth=(17, 25), links=60)
     assert all(sprocket.profile == rc.IsoTooth() for sprocket in drive.sprockets)
