@@ -292,6 +292,48 @@ def test_a_spread_too_large_for_a_taut_chain_is_refused_and_fits_a_slack_one():
     assert np.max(hinge_openings(slack, rc.Simulation(slack).positions)) < 2.3e-5
 
 
+@pytest.mark.parametrize(
+    ("name", "teeth", "links"),
+    [("ANSI 60", (55, 31), 182), ("ISO 06B", (17, 36), 174), ("ANSI 40", (19, 38), 120)],
+)
+def test_a_spread_of_nanometres_leaves_the_chain_where_the_nominal_one_is(name, teeth, links):
+    drive = rc.two_sprocket_drive(name, teeth, links=links)
+    nominal, report = rc.Simulation(drive).positions, drive.check()
+    for seed in range(20):
+        worn = replace(drive, chain=replace(drive.chain, pitch_spread=1e-7, seed=seed))
+        assert worn.check().wrap_pitches == report.wrap_pitches
+        moved = np.linalg.norm((rc.Simulation(worn).positions - nominal)[:, :2], axis=1)
+        # Five standard deviations of the sum of `links` deviations of 1e-7 pitches, by which a
+        # straight strand may bow.
+        length = 5e-7 * np.sqrt(links) * drive.chain.pitch
+        assert np.max(moved) < length + np.sqrt(0.375 * max(report.strand_span) * length)
+
+
+def test_a_spread_is_refused_only_where_the_nominal_chain_is_or_clearances_are_used_up():
+    draw = np.random.default_rng(17)
+    names, laid = list(rc.catalogue()), 0
+    while laid < 30:
+        teeth = tuple(int(n) for n in draw.integers(11, 60, 2))
+        chain = rc.catalogue_chain(draw.choice(names), int(sum(teeth) / 2 + draw.integers(10, 120)))
+        seat = draw.choice(["bottom-diameter", "pitch-circle"])
+        try:
+            drive = rc.two_sprocket_drive(chain, teeth, seat=str(seat))
+            drive = shifted(drive, -float(draw.choice([0.0, 1e-3, 0.2])) * chain.pitch)
+            report = drive.check()
+        except rc.InvalidInput:
+            continue  # of the nominal chain: overlapping sprockets, too few links
+        laid += 1
+        for share in (1e-9, 1e-6, 1e-3, 0.05, 0.2):
+            deviation = share * chain.hinge.clearance / chain.pitch
+            for elongation in (0.0, -deviation, deviation):
+                seed = int(draw.integers(1000))
+                worn = replace(chain, pitch_spread=deviation, elongation=elongation, seed=seed)
+                off = np.array(worn.link_pitches) - chain.pitch
+                opening = report.hinge_stretch + np.max(np.abs(off + np.roll(off, 1))) / 2
+                if opening < 0.85 * chain.hinge.clearance:
+                    replace(drive, chain=worn).check()
+
+
 def test_the_spread_is_drawn_with_a_seed_and_has_its_deviation():
     chain = replace(PAPER, links=2000, pitch_spread=1e-3)
     pitches = chain.link_pitches
