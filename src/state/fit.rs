@@ -135,6 +135,21 @@ mod tests {
     }
 
     #[test]
+    fn lengths_are_met_to_the_rounding_of_coordinates_far_from_the_origin() {
+        let n: usize = 182;
+        let angle = 2.0 * std::f64::consts::PI / n as f64;
+        let far = Vec2::new(1e3, -2e3);
+        let mut hinges: Vec<Vec2> = (0..n)
+            .map(|i| far + 0.5 * unit(i as f64 * angle))
+            .collect();
+        let link = (hinges[1] - hinges[0]).norm();
+        let lengths: Vec<f64> = (0..n)
+            .map(|i| link * (1.0 + 1e-7 * ((i % 5) as f64 - 2.0)))
+            .collect();
+        assert!(fit(&mut hinges, &lengths));
+    }
+
+    #[test]
     fn a_link_longer_than_all_others_together_does_not_fit() {
         let mut square =
             [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x, y)| Vec2::new(x, y));

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::layout::wheel;
+use super::layout::{LARGEST_STRETCH, wheel};
 use crate::drive::{ChainEnd, Drive, OpenLine};
 use crate::geometry::hanging::{Hanging, HangingLink, hang};
 use crate::geometry::{ToothProfile, Vec2, turned_left, unit};
@@ -204,7 +204,10 @@ impl<'a> Course<'a> {
 
     /// How many links lie between the ends and the first and the last seat, where `between` lie from the one to the other.
     fn links_of_ends(&self, seats: [Vec2; 2], between: u32) -> Result<[u32; 2], String> {
-        let (links, pitch) = (self.drive.chain.links, self.drive.chain.mean_pitch());
+        let chain = &self.drive.chain;
+        // Counted as for the nominal chain, where shorter links reach as far with half of their clearance open.
+        let (links, mean) = (chain.links, chain.mean_pitch());
+        let pitch = mean + (chain.pitch - mean).clamp(0.0, 0.5 * chain.hinge.clearance());
         let needed = [0, 1].map(|end: usize| {
             let apart = self.ends[end]
                 .position()
@@ -305,6 +308,12 @@ impl<'a> Course<'a> {
             None if apart.norm() >= length && apart.norm() < length * (1.0 + JUST) => {
                 Ok(straight(from, apart.normalize(), links))
             }
+            // Short by what its hinges open: every link takes its share of the distance.
+            None if apart.norm() >= length && apart.norm() < length + self.opening(links) => {
+                let mut points = straight(from, apart / length, links);
+                points[links.len()] = to;
+                Ok(points)
+            }
             None if apart.norm() >= length => Err(format!(
                 "it is too short: {} links reach {:.6} m, and its ends are {:.6} m apart; {} links would do",
                 links.len(),
@@ -321,6 +330,11 @@ impl<'a> Course<'a> {
                 (apart.x * down.y - apart.y * down.x).abs()
             )),
         }
+    }
+
+    /// How far the hinges of these links may open at the start \[m\].
+    fn opening(&self, links: &[HangingLink]) -> f64 {
+        LARGEST_STRETCH * self.drive.chain.hinge.clearance() * links.len() as f64
     }
 
     /// A chain without sprockets.
