@@ -31,6 +31,12 @@ def started(scene: Mapping[str, Any]) -> dict[str, Any]:
         rollers = 0 if drive.chain.roller is None else drive.hinge_count
         bodies = drive.hinge_count + rollers + len(drive.sprockets) + len(drive.guides)
         rows = {name: rows_of(name, value, bodies) for name, value in given.items()}
+        if rows["positions"] is not None and rows["velocities"] is None:
+            msg = (
+                "velocities = None: must be given when positions are; those of the generated start "
+                "belong to its own positions"
+            )
+            raise InvalidInput(msg)
         return {"drive": drive, "rest": None} | rows
     if any(value is not None for value in given.values()):
         msg = "start = 'static': there is no room for positions and velocities of one's own"

@@ -115,7 +115,7 @@ class Chain(Description):
     pitch : float
         Nominal distance between the hinges of a link [m].
     links : int
-        Number of links.
+        Number of links, at least four.
     inner, outer : Link
         The inner link (two bushings) and the outer link (two pins).
     hinge : ClearanceHinge

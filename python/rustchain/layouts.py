@@ -120,7 +120,8 @@ def open_chain(
         What is before the first link and behind the last one, each an `Anchor`, a `Load` or a
         `LooseEnd`.
     links : int
-        Number of links, even or odd: inner and outer ones alternate, the first is an inner one.
+        Number of links, even or odd, at least four: inner and outer ones alternate, the first is an
+        inner one. Fewer, such as a tie bar, are bodies of a `Mechanism`.
     sprockets : sequence of Sprocket
         In their order from the first end to the second; by default none.
     gravity, name, guides, tensioner

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 Numbers: TypeAlias = tuple[float, ...]
 
 _LITTLE_PLAY = 1e-6  # [m]
+# A chain that is shorter by less is not warned of [m]: bushings begin that far off their seats.
+_LEAST_SHORTAGE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -130,6 +132,8 @@ class DriveReport:
         chain, found = drive.chain, _rustchain.layout(drive)
         if drive.hinges == "ideal" and drive.tensioner is not None and drive.tensioner.stiffness:
             found["tension_force"] = _pull_without_play(drive, found["hinge_stretch"])
+        if drive.hinges == "ideal":
+            found["warnings"] = [*found["warnings"], *_too_tight(drive)]
         play = None if chain.roller is None else chain.roller.bore_radius - chain.bushing_radius
         return cls(**{name: plain(value) for name, value in found.items()}, roller_play=play)
 
@@ -219,6 +223,25 @@ def _text(value: float, form: str) -> str:
     """Return a number as text; what rounds to zero has no sign."""
     text = format(value, form)
     return text.lstrip("-") if float(text) == 0.0 else text
+
+
+def _too_tight(drive: ChainDrive) -> list[str]:
+    """Return what to say of ideal hinges that leave a chain too short somewhere on its way round.
+
+    A tensioner or a floating sprocket gives way; so does a chain with clearance in its hinges.
+    """
+    if drive.tensioner is not None or any(s.bearing == "floating" for s in drive.sprockets):
+        return []
+    shortage, tension = _rustchain.tightness(drive)
+    if shortage < _LEAST_SHORTAGE:
+        return []
+    return [
+        f"ideal hinges do not open: where the polygon effect tightens it most, the chain is "
+        f"{1e6 * shortage:.1f} um too short for these centres, and bushings pressed into their "
+        f"seats then pull it with about {tension:.0f} N; move a centre in until the strands have "
+        "so much more length, or take a tensioner, hinges='clearance', or sprockets with room in "
+        "their seats (AnsiTooth(seat='pitch-circle'))"
+    ]
 
 
 def _pull_without_play(drive: ChainDrive, stretch: float) -> float:

@@ -56,6 +56,8 @@ class Simulation(Present):
         slowly would be damped without limit.
     positions, velocities : array_like, (bodies, 3), optional
         A start of one's own [m, m, rad] and [m/s, m/s, rad/s]; by default the generated one.
+        Positions need velocities with them; velocities alone go with the generated positions. What
+        the drive holds in a place must be there: sprockets on fixed bearings, guides, anchors.
     solver : Solver
         Method and tolerances.
     start : {"laid", "static"}

@@ -247,7 +247,9 @@ pub fn check_links(field: &str, links: u32) -> Result<()> {
     if (4..=MOST_LINKS).contains(&links) {
         return Ok(());
     }
-    let expected = format!("must be between 4 and {MOST_LINKS}");
+    let expected = format!(
+        "must be between 4 and {MOST_LINKS}; one to three links, such as a tie bar, are bodies of a Mechanism"
+    );
     Err(Error::invalid(field, links, expected))
 }
 

@@ -2,6 +2,7 @@
 
 use super::bristles::{BristlePlaces, doubts};
 use super::guide::STOP_STIFFNESS;
+use super::places::check_places;
 use super::rail::place_rail;
 use super::{
     ContactLaw, EndKind, Guide, IMMOVABLE, Model, OpenEnds, Ratchet, RollerModel, Rotation,
@@ -133,6 +134,7 @@ impl Model {
                 format!("needs one row for each of the {} bodies", drive.bodies()),
             ));
         }
+        check_places(drive, start)?;
         let mut coordinates = Coordinates(3 * links);
         let sprockets = place_wheels(drive, start, &mut coordinates)?;
 
@@ -485,7 +487,7 @@ pub(crate) fn open_strands(sprockets: usize) -> Vec<[usize; 2]> {
 }
 
 /// A cylinder of `radius` against every surface of a profile.
-fn tooth_surfaces(
+pub(crate) fn tooth_surfaces(
     profile: &ToothProfile,
     radius: f64,
     length: f64,

@@ -5,11 +5,12 @@ mod compile;
 mod ends;
 mod guide;
 mod input;
+mod places;
 mod rail;
 
 pub use bristles::BristlePlaces;
-pub(crate) use compile::open_strands;
 pub use compile::{ForceLaws, strands};
+pub(crate) use compile::{open_strands, tooth_surfaces};
 pub(crate) use ends::IMMOVABLE;
 pub use ends::{EndKind, EndModel, OpenEnds};
 pub use guide::{Guide, Ratchet};

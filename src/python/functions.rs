@@ -168,6 +168,14 @@ pub(super) fn closing_move(
     )
 }
 
+/// How far a drive's chain is too short at its tightest if its hinges do not open \[m\], and the tension that the teeth then carry \[N\].
+#[pyfunction]
+pub(super) fn tightness(drive: &Bound<'_, PyAny>) -> PyResult<(f64, f64)> {
+    let description = describe::drive(drive)?;
+    let found = describe::checked(drive.py(), state::tightness(&description))?;
+    Ok((found.shortage, found.tension))
+}
+
 /// Unit vector along which sprocket `number` of a drive tightens both strands beside it alike.
 #[pyfunction]
 pub(super) fn bisector(drive: &Bound<'_, PyAny>, number: usize) -> PyResult<(f64, f64)> {

@@ -119,16 +119,25 @@ fn tensioner_warning(drive: &Drive) -> Option<String> {
 
 /// The wheel of a sprocket whose seated bushings start `gap` \[m\] off their seats at least.
 pub(super) fn wheel(profile: &ToothProfile, chain: &Chain, gap: f64) -> Wheel {
-    // A chain that is longer than its pitch lies farther out.
-    let hinge_circle = wrap::pitch_radius(chain.mean_pitch(), profile.teeth);
-    let on_hinge_circle = Vec2::new(0.0, hinge_circle - profile.seat_center_radius);
-    let depth = profile
-        .contact(on_hinge_circle, chain.contact_radius())
-        .penetration;
+    let depth = seat_depth(profile, chain);
     Wheel {
         teeth: profile.teeth,
-        hinge_radius: hinge_circle + (depth + gap).max(0.0),
+        hinge_radius: hinge_circle(profile, chain) + (depth + gap).max(0.0),
     }
+}
+
+/// How far the bushing of a hinge on the hinge circle is in its seat \[m\]; negative: room.
+pub(super) fn seat_depth(profile: &ToothProfile, chain: &Chain) -> f64 {
+    let middle = Vec2::new(
+        0.0,
+        hinge_circle(profile, chain) - profile.seat_center_radius,
+    );
+    profile.contact(middle, chain.contact_radius()).penetration
+}
+
+/// Radius of the hinges of links that are seated all round \[m\]: longer links lie farther out.
+fn hinge_circle(profile: &ToothProfile, chain: &Chain) -> f64 {
+    wrap::pitch_radius(chain.mean_pitch(), profile.teeth)
 }
 
 /// θ of a sprocket with a gap centre at `angle`: the nearest to zero.

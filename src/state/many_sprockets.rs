@@ -24,7 +24,7 @@ pub(super) struct Around<'a> {
     drive: &'a Drive,
     pub(super) line: BeltLine,
     /// Of each sprocket, as listed.
-    profiles: Vec<ToothProfile>,
+    pub(super) profiles: Vec<ToothProfile>,
 }
 
 /// A chain that lies round its sprockets.

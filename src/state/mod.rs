@@ -10,6 +10,7 @@ mod motion;
 mod open_chain;
 mod open_layout;
 mod strand_motion;
+mod tightness;
 mod two_sprockets;
 
 pub use closing::{closing_move, links_around};
@@ -17,3 +18,4 @@ pub use initial::Start;
 pub use layout::{GuideLie, Layout, closing_center_distance, links_for, strand_name};
 pub use motion::Motion;
 pub(crate) use motion::sprocket_motion;
+pub use tightness::{Tightness, tightness};

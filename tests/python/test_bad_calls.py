@@ -118,6 +118,49 @@ def test_a_number_that_is_none_is_refused_by_body(
 def test_positions_need_velocities(start):
     with pytest.raises(rc.InvalidInput, match="velocities = None: must be given when positions"):
         rc.Simulation(TENSIONED, positions=start["positions"])
+    with pytest.raises(rc.InvalidInput, match="velocities = None: must be given when positions"):
+        rc.Simulation(rc.paper_drive(hinges="ideal"), positions=start["positions"])
+
+
+SPROCKETS = [rc.Sprocket(17, (0.0, 0.0), rc.PrescribedSpeed(20.0)), rc.Sprocket(17, (0.3, 0.0))]
+GUIDED = rc.chain_drive(
+    "ANSI 40", SPROCKETS, adjust=2, guides=[rc.GuideRail((0.15, 0.06), (0.0, 1.0), 0.1)]
+)
+HANGING = rc.open_chain("ANSI 40", (rc.Anchor((0.0, 0.0)), rc.Load(1.0, 1e-3)), 8)
+
+
+@pytest.mark.parametrize(
+    ("drive", "body", "column", "message"),
+    [
+        (rc.paper_drive(), "sprocket_1", 0, r"must be \(0, 0\): its bearing is fixed"),
+        (rc.paper_drive(), "sprocket_2", 1, r"must be \(0.133348\d+, 0\): its bearing is fixed"),
+        (rc.paper_drive(hinges="ideal"), "sprocket_2", 0, "its bearing is fixed"),
+        (TENSIONED, "sprocket_2", 1, "its tensioner leads it past there"),
+        (GUIDED, "guide_1", 0, "it is held there"),
+        (GUIDED, "guide_1", 2, "rad: it does not turn"),
+        (HANGING, "end_1", 1, r"must be \(0, 0\): it is anchored there"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_positions_that_move_what_is_held_in_its_place_are_refused(drive, body, column, message):
+    simulation = rc.Simulation(drive)
+    row = simulation.body_names.index(body)
+    for off in (1e-9, 1e-4):
+        positions = simulation.positions.copy()
+        positions[row, column] += off
+        given = {"positions": positions, "velocities": simulation.velocities}
+        if off < 1e-8:  # the rounding of a file
+            rc.Simulation(drive, **given)
+            continue
+        with pytest.raises(rc.InvalidInput, match=f"positions of {body} = .*{message}"):
+            rc.Simulation(drive, **given)
+
+
+def test_positions_that_the_supports_allow_are_taken(start):
+    positions = start["positions"].copy()
+    positions[39, 0] -= 1e-6  # along the slide
+    simulation = rc.Simulation(TENSIONED, positions=positions, velocities=start["velocities"])
+    np.testing.assert_array_equal(simulation.positions, positions)
 
 
 @pytest.mark.parametrize(

@@ -196,6 +196,28 @@ def test_a_drive_says_itself_which_hinges_it_has():
         dataclasses.replace(DRIVE, hinges="rigid")
 
 
+def test_ideal_hinges_that_the_polygon_effect_leaves_too_short_are_told():
+    """17:17, 38 links, seats without room: the largest hinge force grows to kilonewtons."""
+
+    def warnings_of(**keywords):
+        given = {"links": 38, "hinges": "ideal"} | keywords
+        drive = rc.two_sprocket_drive("ANSI 40", (17, 17), **given)
+        return [text for text in drive.check().warnings if "too short for these centres" in text]
+
+    (text,) = warnings_of()
+    shortage, tension = (float(text.split(unit)[0].split()[-1]) for unit in (" um", " N;"))
+    # By the polygons of both sprockets, over a pitch of turning.
+    assert shortage == pytest.approx(51.8, abs=0.5)
+    assert 5e3 < tension < 5e4
+    for remedy in ({"hinges": "clearance"}, {"pretension": 50.0}, {"seat": "pitch-circle"}):
+        assert warnings_of(**remedy) == []
+    distance = rc.two_sprocket_drive("ANSI 40", (17, 17), links=38).sprockets[1].center[0]
+    # Both strands share what a centre is moved in by.
+    assert len(warnings_of(center_distance=distance - 20e-6)) == 1
+    assert warnings_of(center_distance=distance - 27e-6) == []
+    assert rc.paper_drive(hinges="ideal").check().warnings == ()
+
+
 def test_a_sweep_refuses_ideal_hinges():
     with pytest.raises(
         rc.InvalidInput, match=r"ChainDrive.hinges = 'ideal': a sweep runs clearance"

@@ -152,7 +152,8 @@ def test_an_ideal_drive_tells_of_its_balance_where_it_is_recorded():
 
 def test_links_that_have_to_be_moved_far_to_close_ideal_hinges_are_told():
     drive = rc.paper_drive(hinges="ideal")
-    positions = rc.Simulation(drive).positions.copy()
+    start = rc.Simulation(drive)
+    positions = start.positions.copy()
     positions[3, 0] += 1e-3
     with pytest.warns(UserWarning, match="links had to be moved by up to"):
-        rc.Simulation(drive, positions=positions)
+        rc.Simulation(drive, positions=positions, velocities=start.velocities)
