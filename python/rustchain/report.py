@@ -238,9 +238,9 @@ def _too_tight(drive: ChainDrive) -> list[str]:
     return [
         f"ideal hinges do not open: where the polygon effect tightens it most, the chain is "
         f"{1e6 * shortage:.1f} um too short for these centres, and bushings pressed into their "
-        f"seats then pull it with about {tension:.0f} N; move a centre in until the strands have "
-        "so much more length, or take a tensioner, hinges='clearance', or sprockets with room in "
-        "their seats (AnsiTooth(seat='pitch-circle'))"
+        f"seats pull it with about {tension:.0f} N, more at speed; move a centre in until the "
+        "strands have so much more length, or take a tensioner, hinges='clearance', or sprockets "
+        "with room in their seats (AnsiTooth(seat='pitch-circle'))"
     ]
 
 

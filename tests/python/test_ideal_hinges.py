@@ -205,7 +205,7 @@ def test_ideal_hinges_that_the_polygon_effect_leaves_too_short_are_told():
         return [text for text in drive.check().warnings if "too short for these centres" in text]
 
     (text,) = warnings_of()
-    shortage, tension = (float(text.split(unit)[0].split()[-1]) for unit in (" um", " N;"))
+    shortage, tension = (float(text.split(unit)[0].split()[-1]) for unit in (" um", " N,"))
     # By the polygons of both sprockets, over a pitch of turning.
     assert shortage == pytest.approx(51.8, abs=0.5)
     assert 5e3 < tension < 5e4

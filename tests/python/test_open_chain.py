@@ -349,3 +349,31 @@ def test_rows_that_change_nothing_of_an_anchor_change_nothing_of_the_chain():
     moved = run([(1e-4 * k, 0.0, 0.0) for k in range(3)])
     assert_allclose(moved.positions, still.positions, atol=1e-8)
     assert_allclose(moved.velocities[:, :2], still.velocities[:, :2], atol=1e-3)
+
+
+@pytest.mark.parametrize("share", [1e-9, 1e-3, 0.2])
+def test_a_taut_open_chain_takes_a_spread_and_shorter_links_into_its_clearances(share):
+    chain = rc.catalogue_chain("ANSI 40", 20)
+    ends = (rc.Anchor((0.0, 0.0)), rc.Anchor((20 * chain.pitch, 0.0)))
+    deviation = share * chain.hinge.clearance / chain.pitch
+    for seed in range(10):
+        for elongation in (-deviation, 0.0, deviation):
+            worn = replace(chain, pitch_spread=deviation, elongation=elongation, seed=seed)
+            drive = rc.open_chain(worn, ends, 20)
+            assert drive.check().hinge_stretch < 0.9 * chain.hinge.clearance
+            assert np.max(rc.Simulation(drive).evaluate().hinge_penetration) < 0.0
+
+
+def test_an_open_chain_shorter_than_its_clearances_give_is_refused():
+    chain = rc.catalogue_chain("ANSI 40", 20)
+    ends = (rc.Anchor((0.0, 0.0)), rc.Anchor((20 * chain.pitch, 0.0)))
+    worn = replace(chain, elongation=-1.1 * chain.hinge.clearance / chain.pitch)
+    with pytest.raises(rc.InvalidInput, match="it is too short: 20 links reach"):
+        rc.open_chain(worn, ends, 20).check()
+
+
+def test_fewer_links_than_a_chain_needs_are_refused_with_what_takes_them():
+    for links in (1, 2, 3):
+        ends = (rc.Anchor((0.0, 0.0)), rc.LooseEnd())
+        with pytest.raises(rc.InvalidInput, match="between 4 and 1000000; .* of a Mechanism"):
+            rc.open_chain("ANSI 40", ends, links)
