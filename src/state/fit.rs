@@ -7,22 +7,28 @@ use crate::geometry::Vec2;
 /// coordinates, each rounded by half an epsilon, so that a smaller one would never be met.
 const FITTING: f64 = 4.0 * f64::EPSILON;
 
+/// How much of what a link is longer or shorter by its hinges are moved for, the most wanted first: a half is for chains whose
+/// clearances are nearly used up, and finer shares lay hardly any more of them.
+const SHARES: [f64; 3] = [1.0, 0.0, 0.5];
+
 /// The hinges of a chain laid with one pitch for all links, for links of their own lengths; the most wanted first.
 ///
-/// They are moved until every hinge is as open as it was laid. Where teeth leave no room for that, they stay where they are, and
-/// every link lies in the middle between its hinges: half of what it is longer or shorter by is in the clearance of each.
+/// They are moved until every hinge is as open as it was laid. Where teeth leave no room for that, they stay where they are, or go
+/// half as far, and every link lies in the middle between its hinges: half of the rest is in the clearance of each.
 pub(super) fn for_own_lengths(chain: &Chain, hinges: Vec<Vec2>) -> Vec<Vec<Vec2>> {
     let (pitches, mean) = (chain.link_pitches(), chain.mean_pitch());
     if pitches.iter().all(|&pitch| (pitch - mean).abs() <= 1e-15) {
         return vec![hinges];
     }
     let n = pitches.len();
-    let lengths: Vec<f64> = (0..n)
-        .map(|i| (hinges[i] - hinges[(i + n - 1) % n]).norm() + (pitches[i] - mean))
-        .collect();
-    let mut moved = hinges.clone();
-    let fits = fit(&mut moved, &lengths);
-    fits.then_some(moved).into_iter().chain([hinges]).collect()
+    let moved = |share: f64| {
+        let lengths: Vec<f64> = (0..n)
+            .map(|i| (hinges[i] - hinges[(i + n - 1) % n]).norm() + share * (pitches[i] - mean))
+            .collect();
+        let mut moved = hinges.clone();
+        fit(&mut moved, &lengths).then_some(moved)
+    };
+    SHARES.into_iter().filter_map(moved).collect()
 }
 
 /// What helps where a chain cannot be laid round centres that take `fewest` links.
@@ -139,9 +145,7 @@ mod tests {
         let n: usize = 182;
         let angle = 2.0 * std::f64::consts::PI / n as f64;
         let far = Vec2::new(1e3, -2e3);
-        let mut hinges: Vec<Vec2> = (0..n)
-            .map(|i| far + 0.5 * unit(i as f64 * angle))
-            .collect();
+        let mut hinges: Vec<Vec2> = (0..n).map(|i| far + 0.5 * unit(i as f64 * angle)).collect();
         let link = (hinges[1] - hinges[0]).norm();
         let lengths: Vec<f64> = (0..n)
             .map(|i| link * (1.0 + 1e-7 * ((i % 5) as f64 - 2.0)))

@@ -152,6 +152,21 @@ def test_elongations_of_each_link_count_for_the_links_that_are_there():
         rc.chain_drive(few, sprockets)
 
 
+@pytest.mark.parametrize("away", [0.0, 1e3])
+def test_a_spread_that_the_clearances_take_lays_a_taut_chain_round_many_sprockets(away):
+    sprockets = [
+        replace(s, center=(s.center[0] + away, s.center[1])) for s in four_sprockets().sprockets
+    ]
+    drive = rc.chain_drive("ANSI 40", sprockets, adjust=3)
+    clearance, pitch = drive.chain.hinge.clearance, drive.chain.pitch
+    for share in (1e-6, 1e-3, 0.1):
+        for seed in range(5):
+            worn = replace(drive.chain, pitch_spread=share * clearance / pitch, seed=seed)
+            report = replace(drive, chain=worn).check()
+            assert report.wrap_pitches == drive.check().wrap_pitches
+            assert report.hinge_stretch < 0.9 * clearance
+
+
 def test_a_chain_whose_links_press_into_teeth_is_not_told_to_take_as_many():
     links = four_sprockets().chain.links
     chain = replace(rc.catalogue_chain("ANSI 40", links), pitch_spread=5e-3)
