@@ -43,13 +43,13 @@ def drive_mechanism(
         raise InvalidInput(msg)
     drive = replace(drive, hinges=hinges)
     chain, law = drive.chain, force_law or LankaraniNikravesh()
-    played = replace(drive, hinges="clearance")
-    generated = Simulation(played)
+    with_clearance = replace(drive, hinges="clearance")
+    generated = Simulation(with_clearance)
     if placed[0] is not None:  # which must have what is held in its place, as with clearance
         places = placed[0].copy()
         if places.shape == generated.positions.shape:
             places[: chain.links] = generated.positions[: chain.links]
-        Simulation(played, positions=places, velocities=generated.velocities)
+        Simulation(with_clearance, positions=places, velocities=generated.velocities)
     start = (
         generated.positions if placed[0] is None else placed[0],
         generated.velocities if placed[1] is None else placed[1],
