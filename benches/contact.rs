@@ -80,10 +80,10 @@ fn onset(criterion: &mut Criterion) {
             let start = black_box(start);
             if kind == "tooth_onset" {
                 let path = ToothPath::new(model, &run.adams, k, s);
-                first_crossing(|t| path.at(t).map(|found| found.contact), start, end)
+                first_crossing(|t| path.at(t).contact, start, end)
             } else {
                 let path = HingePath::new(model, &run.adams, k);
-                first_crossing(|t| Some(path.at(t)), start, end)
+                first_crossing(|t| path.at(t), start, end)
             }
         };
         let (at, rate) = find();

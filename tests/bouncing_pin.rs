@@ -121,11 +121,11 @@ fn bounce(mut impact: Impact) -> Bounce {
         let crossing = |sign: f64| {
             let path = move |t: f64| {
                 let at = adams.dense(t);
-                Some(Contact {
+                Contact {
                     normal: Vec2::zeros(),
                     penetration: sign * at.value(0),
                     penetration_rate: sign * at.value(1),
-                })
+                }
             };
             first_crossing(path, step.start, step.end)
         };

@@ -54,7 +54,7 @@ fn run(scene: &Scene, control: StepControl, duration: f64, look: bool) -> Seen {
                 Box::new(move |t| path.at(t).penetration)
             } else {
                 let path = ToothPath::new(model, &adams, pair % n, pair / n - 1);
-                Box::new(move |t| path.at(t).map_or(0.0, |found| found.contact.penetration))
+                Box::new(move |t| path.at(t).contact.penetration)
             };
             for i in 1..16 {
                 let t = step.start + f64::from(i) / 16.0 * (step.end - step.start);
@@ -147,7 +147,7 @@ fn a_pair_along_a_step_is_where_the_whole_state_has_it() {
                 for &pair in &dynamics.teeth.near {
                     let (pair, found) = (pair as usize, &dynamics.teeth);
                     let path = ToothPath::new(model, &adams, pair % n, pair / n);
-                    let at = path.at(t).unwrap();
+                    let at = path.at(t);
                     same(&at.contact, found.penetration[pair], found.rate[pair]);
                     assert_eq!(at.gap, found.gap[pair]);
                     teeth += 1;

@@ -119,11 +119,11 @@ impl Pin {
         let crossing = |sign: f64| {
             let path = |t: f64| {
                 let [depth, rate] = at(t);
-                Some(Contact {
+                Contact {
                     normal: Vec2::zeros(),
                     penetration: sign * depth,
                     penetration_rate: sign * rate,
-                })
+                }
             };
             first_crossing(path, start, end).1
         };

@@ -7,12 +7,8 @@ const SETTLED: f64 = 1e-7;
 
 /// Time in (`start`, `end`] at which the penetration turned positive, and its rate there.
 ///
-/// `contact` is the pair along the last step, `None` when it is not even near; it is apart at `start` and deep at `end`.
-pub fn first_crossing(
-    contact: impl Fn(f64) -> Option<Contact>,
-    start: f64,
-    end: f64,
-) -> (f64, f64) {
+/// `contact` is the pair along the last step; it is apart at `start` and in contact at `end`.
+pub fn first_crossing(contact: impl Fn(f64) -> Contact, start: f64, end: f64) -> (f64, f64) {
     let ends = [depth(&contact, start), depth(&contact, end)];
     crossing_between(contact, [start, end], ends)
 }
@@ -22,7 +18,7 @@ pub fn first_crossing(
 /// Newton from the root of the cubic through both ends, kept inside the shrinking bracket by bisection. Where the cubic dips
 /// below zero inside the step, the last crossing is meant: what touches at the end began there.
 pub fn crossing_between(
-    contact: impl Fn(f64) -> Option<Contact>,
+    contact: impl Fn(f64) -> Contact,
     [start, end]: [f64; 2],
     [at_start, at_end]: [[f64; 2]; 2],
 ) -> (f64, f64) {
@@ -72,11 +68,10 @@ pub fn crossing_between(
     last
 }
 
-/// Depth \[m\] and its rate \[m/s\]; endless where the pair is not even near.
-fn depth(contact: &impl Fn(f64) -> Option<Contact>, t: f64) -> [f64; 2] {
-    contact(t).map_or([f64::NEG_INFINITY, 0.0], |c| {
-        [c.penetration, c.penetration_rate]
-    })
+/// Penetration \[m\], negative when apart, and its rate \[m/s\].
+fn depth(contact: &impl Fn(f64) -> Contact, t: f64) -> [f64; 2] {
+    let found = contact(t);
+    [found.penetration, found.penetration_rate]
 }
 
 /// A depth over a step, from its values and slopes at both ends; the step goes from 0 to 1.
@@ -170,11 +165,11 @@ mod tests {
         let contact = |t| {
             asked.set(asked.get() + 1);
             let [penetration, penetration_rate] = depth(t);
-            Some(Contact {
+            Contact {
                 normal: Vec2::zeros(),
                 penetration,
                 penetration_rate,
-            })
+            }
         };
         let (t, rate) = first_crossing(contact, start, end);
         ([t, rate], asked.get())

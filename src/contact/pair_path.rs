@@ -2,7 +2,7 @@
 
 use super::Contact;
 use super::clearance_joint::pin_in_bushing;
-use super::tooth_contact::{OnGap, SprocketFrame, bushing_near_gap, bushing_on_sprocket};
+use super::tooth_contact::{OnGap, SprocketFrame, bushing_near_gap};
 use crate::geometry::{Vec2, turned_left, unit};
 use crate::integrator::{Adams, Path};
 use crate::model::{Model, Rotation, SprocketModel, Support};
@@ -75,8 +75,8 @@ pub struct ToothPath<'a> {
     directions: [Vec2; 2],
     /// Angle of the sprocket there \[rad\].
     angle: f64,
-    /// The gap that the bushing is in there, when it is in reach.
-    gap: Option<u32>,
+    /// The gap that the bushing is in there.
+    gap: u32,
     /// From where a tensioner's coordinate counts along the tangent of its way at the end \[m\].
     origin: Vec2,
 }
@@ -122,16 +122,17 @@ impl<'a> ToothPath<'a> {
             path,
             directions: [unit(link_angle), unit(angle)],
             angle,
-            gap: None,
+            gap: 0,
             origin,
         };
-        at.gap = at.at(adams.time()).map(|found| found.gap);
+        at.gap = at.at(adams.time()).gap;
         at
     }
 
-    /// The contact at time `t` inside the step; `None` when out of reach.
+    /// The contact at time `t` inside the step, at any distance: a pair on whose outermost surface a contact begins is out of reach
+    /// until then, and has a surface all the same.
     #[must_use]
-    pub fn at(&self, t: f64) -> Option<OnGap> {
+    pub fn at(&self, t: f64) -> OnGap {
         let [x, y, .., vx, vy, link_spin, spin] = self.path.end();
         let [dx, dy, link_turn, turn, dvx, dvy, link_spun, spun] = self.path.change_at(t);
         let [turn, spin] = prescribed(self.sprocket, t)
@@ -155,11 +156,14 @@ impl<'a> ToothPath<'a> {
         };
         let point = Vec2::new(x + dx, y + dy) + arm;
         let velocity = Vec2::new(vx + dvx, vy + dvy) + (link_spin + link_spun) * turned_left(arm);
-        let (sprocket, radius) = (self.sprocket, self.bushing_radius);
-        match self.gap {
-            Some(gap) => bushing_near_gap(sprocket, &frame, point, velocity, radius, gap),
-            None => bushing_on_sprocket(sprocket, &frame, point, velocity, radius),
-        }
+        bushing_near_gap(
+            self.sprocket,
+            &frame,
+            point,
+            velocity,
+            self.bushing_radius,
+            self.gap,
+        )
     }
 }
 

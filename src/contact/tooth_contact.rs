@@ -160,7 +160,7 @@ pub fn bushing_on_sprocket(
     Some(on_gap(sprocket, frame, arm, velocity, radius))
 }
 
-/// The same where the bushing was near `gap`, which saves the angle that it would be found by.
+/// The same at any distance, for a bushing that was near `gap`, which saves the angle that it would be found by.
 pub(super) fn bushing_near_gap(
     sprocket: &SprocketModel,
     frame: &SprocketFrame,
@@ -168,11 +168,8 @@ pub(super) fn bushing_near_gap(
     velocity: Vec2,
     radius: f64,
     gap: u32,
-) -> Option<OnGap> {
+) -> OnGap {
     let arm = point - frame.center;
-    if arm.norm_squared() >= sprocket.reach * sprocket.reach {
-        return None;
-    }
     let gaps = &sprocket.gap_directions;
     let in_body = seen_from_teeth(sprocket, frame, arm);
     let towards = |gap: usize| in_body.x * gaps[gap].0 + in_body.y * gaps[gap].1;
@@ -180,11 +177,11 @@ pub(super) fn bushing_near_gap(
     let before = if here == 0 { last } else { here - 1 };
     let behind = if here == last { 0 } else { here + 1 };
     let own = towards(here);
-    Some(if own >= towards(before) && own >= towards(behind) {
+    if own >= towards(before) && own >= towards(behind) {
         in_gap(sprocket, frame, arm, velocity, radius, gap)
     } else {
         on_gap(sprocket, frame, arm, velocity, radius)
-    })
+    }
 }
 
 /// `arm` in the frame of the sprocket, from the centre of its teeth.

@@ -2,7 +2,6 @@
 
 use super::Dynamics;
 use crate::contact::{Cubic, HingePath, RollerPath, ToothPath, crossing_between};
-use crate::geometry::Surface;
 use crate::integrator::{Adams, Step};
 
 /// No step moves a bushing farther along a sprocket than this part of a pitch: a tooth is not passed unseen.
@@ -46,7 +45,7 @@ impl Dynamics {
                 continue;
             };
             let path = HingePath::new(model, adams, k);
-            let contact = |t| Some(path.at(t));
+            let contact = |t| path.at(t);
             if path.at(step.start + part * length).penetration < 0.0 {
                 let (_, rate) = crossing_between(contact, times, ends);
                 self.memory.begin_hinge(k, rate);
@@ -62,7 +61,7 @@ impl Dynamics {
             let Some(path) = RollerPath::new(model, adams, k) else {
                 continue;
             };
-            let contact = |t| Some(path.at(t));
+            let contact = |t| path.at(t);
             if path.at(step.start + part * length).penetration < 0.0 {
                 let (_, rate) = crossing_between(contact, times, ends);
                 self.memory.begin_roller(k, rate);
@@ -76,12 +75,10 @@ impl Dynamics {
                 continue;
             };
             let path = ToothPath::new(model, adams, k, s);
-            let contact = |t| path.at(t).map(|found| found.contact);
-            let between = contact(step.start + part * length);
-            if between.is_none_or(|between| between.penetration < 0.0) {
+            let contact = |t| path.at(t).contact;
+            if contact(step.start + part * length).penetration < 0.0 {
                 let (t, rate) = crossing_between(contact, times, ends);
-                let surface = path.at(t).map_or(Surface::TOPPING, |found| found.surface);
-                self.memory.begin_tooth(pair, rate, surface);
+                self.memory.begin_tooth(pair, rate, path.at(t).surface);
                 self.begun.push((s, k));
             }
         }

@@ -442,7 +442,7 @@ impl Dynamics {
             }
             if touching {
                 let path = HingePath::new(model, adams, k);
-                let (_, rate) = first_crossing(|t| Some(path.at(t)), step.start, step.end);
+                let (_, rate) = first_crossing(|t| path.at(t), step.start, step.end);
                 self.memory.begin_hinge(k, rate);
             } else {
                 self.parted.push(Pair::Hinge(k));
@@ -460,7 +460,7 @@ impl Dynamics {
             if !touching {
                 self.parted.push(Pair::Roller(k));
             } else if let Some(path) = RollerPath::new(model, adams, k) {
-                let (_, rate) = first_crossing(|t| Some(path.at(t)), step.start, step.end);
+                let (_, rate) = first_crossing(|t| path.at(t), step.start, step.end);
                 self.memory.begin_roller(k, rate);
             }
         }
@@ -477,10 +477,9 @@ impl Dynamics {
             }
             if touching {
                 let path = ToothPath::new(model, adams, k, s);
-                let at = |t| path.at(t).map(|found| found.contact);
-                let (t, rate) = first_crossing(at, step.start, step.end);
-                let surface = path.at(t).map_or(Surface::TOPPING, |found| found.surface);
-                self.memory.begin_tooth(pair, rate, surface);
+                let contact = |t| path.at(t).contact;
+                let (t, rate) = first_crossing(contact, step.start, step.end);
+                self.memory.begin_tooth(pair, rate, path.at(t).surface);
                 begun.push((s, k));
             } else {
                 self.parted.push(Pair::Tooth(pair));

@@ -54,7 +54,7 @@ impl MechanismSimulation {
     }
 
     fn find_onset(&mut self, k: usize, depth: f64, start: f64, end: f64) {
-        let (t, rate) = first_crossing(|t| Some(self.side_at(k, t).contact), start, end);
+        let (t, rate) = first_crossing(|t| self.side_at(k, t).contact, start, end);
         let begun = self.side_at(k, t);
         if begun.contact.penetration > SHALLOW * depth
             && let Some(speed) = self.speed_beside(k)

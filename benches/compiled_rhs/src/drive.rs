@@ -145,7 +145,7 @@ impl DriveSystem {
         first_crossing(
             |t| {
                 let (depth, rate) = own.borrow_mut().depth_at(step, t, &find);
-                Some(contact(depth, rate))
+                contact(depth, rate)
             },
             step.start,
             step.end,
