@@ -232,17 +232,21 @@ impl Layout {
 
     /// What hinge `hinge` is seated on, or the strand that it is in, in words.
     pub(super) fn place_of(&self, hinge: usize) -> String {
-        let around = self.seat_of.iter().cycle();
         if let Some(sprocket) = self.seat_of[hinge] {
             return format!("sprocket {}", sprocket + 1);
         }
-        let before = self.seat_of[..hinge].iter().rev();
-        let before = before
-            .chain(self.seat_of.iter().rev())
-            .find_map(|seat| *seat);
-        let behind = around.skip(hinge).find_map(|seat| *seat);
-        let ends = before.zip(behind).map(|(from, to)| [from, to]);
-        let strand = self.strands.iter().position(|strand| Some(*strand) == ends);
+        let first = |seats: &[Option<usize>]| seats.iter().find_map(|seat| *seat);
+        let last = |seats: &[Option<usize>]| seats.iter().rev().find_map(|seat| *seat);
+        let (before, behind) = self.seat_of.split_at(hinge);
+        let [mut from, mut to] = [last(before), first(behind)];
+        if is_open(&self.strands) {
+            // The first and the last strand lead to the ends of the chain.
+            [from, to] = [from, to].map(|sprocket| sprocket.or(Some(usize::MAX)));
+        } else {
+            [from, to] = [from.or(last(behind)), to.or(first(before))];
+        }
+        let joins = |&[a, b]: &[usize; 2]| [Some(a), Some(b)] == [from, to];
+        let strand = self.strands.iter().position(joins);
         strand.map_or(String::new(), |i| format!("strand {}", self.strand_name(i)))
     }
 
@@ -314,12 +318,16 @@ impl Layout {
     }
 }
 
+/// Whether strands lead to the ends of an open chain.
+fn is_open(strands: &[[usize; 2]]) -> bool {
+    strands[0][0] == usize::MAX
+}
+
 /// "upper" and "lower" of two sprockets, "1-3" from sprocket 1 to sprocket 3 of more; `"end_1-1"` from the end of an open chain.
 #[must_use]
 pub fn strand_name(strands: &[[usize; 2]], strand: usize) -> String {
     let [from, to] = strands[strand];
-    let is_open = strands[0][0] == usize::MAX;
-    if is_open {
+    if is_open(strands) {
         let name = |i: usize, end: &str| match i {
             usize::MAX => end.to_string(),
             i => (i + 1).to_string(),

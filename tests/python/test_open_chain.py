@@ -377,3 +377,15 @@ def test_fewer_links_than_a_chain_needs_are_refused_with_what_takes_them():
         ends = (rc.Anchor((0.0, 0.0)), rc.LooseEnd())
         with pytest.raises(rc.InvalidInput, match=r"between 4 and 1000000; .* of a Mechanism"):
             rc.open_chain("ANSI 40", ends, links)
+
+
+def test_the_place_of_a_guide_beside_an_open_chain_is_the_strand_that_is_nearest_to_it():
+    rail = rc.GuideRail((0.05, -0.3), (0.0, 1.0), 0.2)
+    ends = (rc.Anchor((0.0, 0.0)), rc.Anchor((0.09, 0.0)))
+    assert rc.open_chain("ANSI 40", ends, 8, guides=[rail]).check().guide_place == (
+        "strand end_1-end_2",
+    )
+    ends = (rc.Anchor((-0.2, -0.3)), rc.Anchor((0.2, -0.3)))
+    beside = [rc.GuideRail((x, -0.25), (1.0, 0.0), 0.05) for x in (-0.23, 0.23)]
+    drive = rc.open_chain("ANSI 40", ends, 64, [rc.Sprocket(17, (0.0, 0.0))], guides=beside)
+    assert drive.check().guide_place == ("strand end_1-1", "strand 1-end_2")
