@@ -1,8 +1,6 @@
 //! Many scenes at once: each is built, run and recorded on one thread of a pool, and none disturbs another.
 
-use std::any::Any;
 use std::num::NonZero;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
@@ -14,6 +12,7 @@ use crate::drive::Drive;
 use crate::error::{Error, Result};
 use crate::integrator::StepControl;
 use crate::model::{ForceLaws, Model};
+use crate::panics;
 use crate::recorder::Groups;
 use crate::simulate::{Simulation, check_reports};
 use crate::state::Start;
@@ -54,7 +53,7 @@ pub struct Run {
 pub struct Failure {
     /// What went wrong.
     pub error: Error,
-    /// The run with what it had recorded; `None` when it did not begin, or panicked.
+    /// The run with what it had recorded; `None` when it did not begin.
     pub run: Option<Box<Run>>,
 }
 
@@ -180,37 +179,13 @@ impl Case {
     }
 }
 
-/// What `work` comes to; a panic becomes a failure, and what it left half done is dropped.
+/// What `work` comes to; a panic becomes a failure.
 fn guarded(work: impl FnOnce() -> Option<Outcome>) -> Option<Outcome> {
-    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
-        Some(Err(Failure {
-            error: Error::Panicked(message_of(panic.as_ref())),
-            run: None,
-        }))
-    })
-}
-
-fn message_of(panic: &(dyn Any + Send)) -> String {
-    let text = panic.downcast_ref::<String>().map(String::as_str);
-    let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-    text.unwrap_or("without a message").to_string()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_panic_is_a_failure_with_its_message() {
-        let message = |work: fn() -> Option<Outcome>| match guarded(work) {
-            Some(Err(Failure { error, run: None })) => error.to_string(),
-            other => panic!("{other:?} is not the failure of a panic"),
+    panics::guarded(work).unwrap_or_else(|message| {
+        let error = Error::Panicked {
+            time: None,
+            message,
         };
-        let formatted = message(|| panic!("body {}", 7));
-        assert!(formatted.contains("body 7"), "{formatted}");
-        let fixed = message(|| panic!("index out of bounds"));
-        assert!(fixed.contains("index out of bounds"), "{fixed}");
-        let nothing = message(|| std::panic::resume_unwind(Box::new(1)));
-        assert!(nothing.contains("without a message"), "{nothing}");
-    }
+        Some(Err(Failure { error, run: None }))
+    })
 }

@@ -80,9 +80,14 @@ pub enum Error {
         /// Largest residuals by joint.
         residuals: String,
     },
-    /// A case of an ensemble met a defect of this crate.
-    #[error("the run panicked, a defect of rustchain that is worth a report: {0}")]
-    Panicked(String),
+    /// A panic, which is a defect of this crate.
+    #[error("defect of rustchain{}: {message}; please report it with the scene", at(*.time))]
+    Panicked {
+        /// Time reached in a run \[s\].
+        time: Option<f64>,
+        /// Message of the panic, and its place in the source where that is kept.
+        message: String,
+    },
 }
 
 impl Error {
@@ -110,6 +115,11 @@ fn legible(text: String) -> String {
         Ok(number) if text.len() > LONGEST_NUMBER => format!("{number:e}"),
         _ => text,
     }
+}
+
+/// The time of an error in a run, in words.
+fn at(time: Option<f64>) -> String {
+    time.map_or(String::new(), |time| format!(" at t = {time:.9} s"))
 }
 
 impl Error {

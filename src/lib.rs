@@ -22,6 +22,7 @@ pub mod integrator;
 mod kernels;
 pub mod mechanism;
 pub mod model;
+mod panics;
 mod recorder;
 mod simulate;
 pub mod state;

@@ -161,7 +161,16 @@ impl Recorder {
         &self.recording
     }
 
-    pub(crate) fn into_recording(self) -> Recording {
+    /// All whole rows.
+    pub(crate) fn into_recording(mut self) -> Recording {
+        let rows = self.recording.time.len();
+        for channel in &mut self.recording.channels {
+            let numbers = rows * channel.row_shape.iter().product::<usize>();
+            match &mut channel.values {
+                Values::Real(values) => values.truncate(numbers),
+                Values::Whole(values) => values.truncate(numbers),
+            }
+        }
         self.recording
     }
 
@@ -194,8 +203,6 @@ impl Recorder {
         let groups = self.groups;
         let energy = groups.energy.then(|| dynamics.energy());
         let first = self.recording.time.is_empty();
-        self.recording.time.push(t);
-        self.next += 1;
         let mut row = Row {
             channels: self.recording.channels.iter_mut(),
         };
@@ -239,5 +246,8 @@ impl Recorder {
             let stored = OF_STORED * (energy.kinetic + energy.elastic);
             self.balance.watch(energy, residual, stored);
         }
+        // Last of all: a row that a panic has cut short does not count.
+        self.recording.time.push(t);
+        self.next += 1;
     }
 }

@@ -17,6 +17,7 @@ use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
 use crate::integrator::{Adams, Corrector, Counts, OdeSystem, StepControl, StepFailure};
 use crate::model::{Input, Model, Rotation, Support};
+use crate::panics::guarded;
 use crate::recorder::{Groups, Recorder, Recording};
 use crate::state::{Motion, Start};
 
@@ -42,6 +43,8 @@ pub struct Simulation {
     watched: (u64, f64),
     /// Next kink of a speed or torque \[s\], once it is known.
     kink: f64,
+    /// The panic that the run ended with.
+    defect: Option<Error>,
 }
 
 /// What a run has cost so far.
@@ -117,6 +120,7 @@ impl Simulation {
             balance_note: None,
             watched: (0, 0.0),
             kink: f64::NEG_INFINITY,
+            defect: None,
         };
         simulation.limit_step();
         Ok(simulation)
@@ -282,10 +286,24 @@ impl Simulation {
             // Nobody reads the sums: a run that goes on without a recording does not make them.
             self.dynamics.keep_energy(false);
         }
+        self.check_intact()?;
         let begin = Instant::now();
-        let ended = self.advance_from(begin, target, budget);
+        let ended = guarded(|| self.advance_from(begin, target, budget));
         self.wall.runs += begin.elapsed();
-        ended
+        ended.unwrap_or_else(|message| {
+            self.now = self.adams.time();
+            let time = Some(self.now);
+            self.defect = Some(Error::Panicked { time, message });
+            self.check_intact().map(|()| false)
+        })
+    }
+
+    /// After a panic in a step the state is that of no time.
+    ///
+    /// # Errors
+    /// The panic that [`advance`](Self::advance) ended with, until another state is restored.
+    pub fn check_intact(&self) -> Result<()> {
+        self.defect.clone().map_or(Ok(()), Err)
     }
 
     fn advance_from(&mut self, begin: Instant, target: f64, budget: Duration) -> Result<bool> {
@@ -391,23 +409,30 @@ impl Simulation {
 
     /// Makes the reports that lie inside the last step; false when the budget ended before all were made, or at a pause.
     fn report(&mut self, start: Instant, budget: Duration) -> bool {
-        let Some(mut recorder) = self.recorder.take() else {
+        let Self {
+            recorder: Some(recorder),
+            adams,
+            dynamics,
+            inside,
+            ..
+        } = self
+        else {
             return true;
         };
-        let end = self.adams.time();
+        let end = adams.time();
         let mut paused = false;
         if recorder.next_report().is_some_and(|t| t <= end) {
             let begin = Instant::now();
-            let needs = recorder.needs(self.model());
+            let needs = recorder.needs(dynamics.model());
             while let Some(t) = recorder.next_report().filter(|&t| t <= end) {
-                self.adams.interpolate(t, &mut self.inside);
-                self.dynamics.evaluate_for(needs, t, &self.inside);
-                let sums = self.dynamics.energies_passed(t);
-                recorder.report(t, &self.dynamics, sums);
+                adams.interpolate(t, inside);
+                dynamics.evaluate_for(needs, t, inside);
+                let sums = dynamics.energies_passed(t);
+                recorder.report(t, dynamics, sums);
                 if self.balance_note.is_none()
                     && let Some(open) = recorder.open_balance()
                 {
-                    self.balance_note = Some(describe_open_balance(&self.adams.control(), t, open));
+                    self.balance_note = Some(describe_open_balance(&adams.control(), t, open));
                 }
                 self.now = t;
                 paused = recorder.pauses;
@@ -421,7 +446,6 @@ impl Simulation {
         if complete {
             recorder.take_step_forces(end);
         }
-        self.recorder = Some(recorder);
         complete
     }
 

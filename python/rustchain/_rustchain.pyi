@@ -36,6 +36,7 @@ __all__ = [
     "link_stiffness",
     "links_around",
     "links_for",
+    "panicked",
     "restitution_obtained",
     "static_start",
     "strand_names",
@@ -55,10 +56,13 @@ class InvalidInput(ValueError):
 class SimulationError(RuntimeError):
     """A run cannot go on."""
 
-    time: float | None  # [s]; all None for a case that panicked
+    time: float | None  # [s]
     step_size: float | None  # [s]
     contact: str | None
     result: Result | None  # what was recorded; set by run (of a mechanism its own) and sweep
+
+def panicked(message: str, time: float | None) -> SimulationError:
+    """Return the exception of a panic caught at the boundary, at a simulated time [s]."""
 
 def validate(description: Description) -> None:
     """Raise InvalidInput, naming the field, its value and what is allowed."""

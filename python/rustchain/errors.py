@@ -1,8 +1,12 @@
 """What can go wrong, as types."""
 
+from rustchain import _rustchain
+from rustchain._panics import guard
 from rustchain._rustchain import InvalidInput, SimulationError
 
 __all__ = ["EnergyWarning", "InvalidInput", "NotRecorded", "RangeWarning", "SimulationError"]
+
+guard(_rustchain)
 
 
 class NotRecorded(LookupError):

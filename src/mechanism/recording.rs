@@ -86,7 +86,6 @@ impl MechanismRecording {
 
     /// Adds a row: the dynamics as evaluated at `t`, and the sums of the energy balance.
     pub(super) fn report(&mut self, t: f64, dynamics: &MechanismDynamics, sums: [f64; 2]) {
-        self.time.push(t);
         for (body, first) in dynamics.model.first.iter().enumerate().skip(1) {
             let frame = &dynamics.frames[body];
             self.positions
@@ -162,6 +161,8 @@ impl MechanismRecording {
         };
         let small = SMALL * (kinetic + gravity.abs() + elastic);
         self.balance.watch(energy, passed, small);
+        // Last of all: a row that a panic has cut short does not count.
+        self.time.push(t);
     }
 
     /// Whether springs and contacts were being pressed between the last two rows: what is exchanged then is not all there yet,

@@ -12,6 +12,7 @@ use super::recording::MechanismRecording;
 use super::reports::Reports;
 use crate::error::{Error, Result};
 use crate::integrator::{Adams, Counts, OdeSystem, StepControl};
+use crate::panics::guarded;
 use crate::simulate::{STANDSTILL, STEPS_OF_STANDSTILL};
 
 /// A mechanism in motion.
@@ -36,6 +37,8 @@ pub struct MechanismSimulation {
     accepted: Accepted,
     /// Scratch: a state.
     pub(super) inside: Vec<f64>,
+    /// The panic that the run ended with.
+    pub(super) defect: Option<Error>,
 }
 
 /// Where the last accepted step ended.
@@ -91,6 +94,7 @@ impl MechanismSimulation {
             watched: (0, 0.0),
             accepted: Accepted::default(),
             inside: y,
+            defect: None,
             dynamics,
             adams,
             assembly,
@@ -151,6 +155,23 @@ impl MechanismSimulation {
     /// # Errors
     /// When the integrator or the joints cannot go on: time, step size and the body or joint.
     pub fn advance(&mut self, target: f64, budget: Duration) -> Result<bool> {
+        self.check_intact()?;
+        guarded(|| self.advance_for(target, budget)).unwrap_or_else(|message| {
+            let time = Some(self.adams.time());
+            self.defect = Some(Error::Panicked { time, message });
+            self.check_intact().map(|()| false)
+        })
+    }
+
+    /// After a panic in a step the state is that of no time.
+    ///
+    /// # Errors
+    /// The panic that [`advance`](Self::advance) ended with, until another state is restored.
+    pub fn check_intact(&self) -> Result<()> {
+        self.defect.clone().map_or(Ok(()), Err)
+    }
+
+    fn advance_for(&mut self, target: f64, budget: Duration) -> Result<bool> {
         let begin = Instant::now();
         let mut first = true;
         loop {

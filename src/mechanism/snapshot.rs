@@ -128,6 +128,7 @@ impl MechanismSimulation {
         let mut adams = snapshot.integrator.clone();
         adams.use_instructions(self.adams.instructions());
         self.adams = adams;
+        self.defect = None;
         self.forget_accepted();
         (self.now, self.step_start) = (snapshot.now, snapshot.step_start);
         self.onsets = snapshot.onsets;

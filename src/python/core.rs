@@ -13,6 +13,7 @@ use crate::drive::Drive;
 use crate::dynamics::Dynamics;
 use crate::error::Error;
 use crate::model::{Model, Quantity};
+use crate::panics::contained;
 use crate::recorder::Values;
 use crate::simulate::{Simulation, Snapshot, check_rows};
 use crate::state::Start;
@@ -46,13 +47,15 @@ impl Core {
         let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_approach_speed)?;
         let control = describe::solver(solver)?;
         let own = own_start(py, &description, positions.as_ref(), velocities.as_ref())?;
-        let start = match own {
-            Some(start) => start,
-            None => describe::checked(py, Start::generate(&description))?.0,
-        };
-        let model = describe::checked(py, Model::compile(&description, &laws, &start))?;
-        let simulation = describe::checked(py, Simulation::new(Arc::new(model), &start, control))?;
-        Ok(simulation.into())
+        let simulation = contained(|| {
+            let start = match own {
+                Some(start) => start,
+                None => Start::generate(&description)?.0,
+            };
+            let model = Model::compile(&description, &laws, &start)?;
+            Simulation::new(Arc::new(model), &start, control)
+        });
+        describe::checked(py, simulation).map(Self::from)
     }
 
     #[getter]
@@ -79,6 +82,7 @@ impl Core {
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (model, dynamics) = (self.simulation.model(), self.simulation.dynamics());
         let (memory, parted) = (&dynamics.memory, dynamics.parted());
+        describe::checked(py, self.simulation.check_intact())?;
         let state = PyDict::new(py);
         state.set_item("time", self.simulation.time())?;
         state.set_item("positions", self.positions(py)?)?;
@@ -316,7 +320,8 @@ pub(super) fn own_start(
             velocities,
         })),
         (None, Some(velocities)) => {
-            let (generated, _) = describe::checked(py, Start::generate(drive))?;
+            let generated = contained(|| Start::generate(drive));
+            let (generated, _) = describe::checked(py, generated)?;
             Ok(Some(Start {
                 positions: generated.positions,
                 velocities,

@@ -5,6 +5,7 @@ use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::error::Error;
+use crate::panics;
 
 create_exception!(
     rustchain._rustchain,
@@ -18,6 +19,14 @@ create_exception!(
     PyRuntimeError,
     "A run cannot go on."
 );
+
+/// The exception that stands for a panic caught at the boundary with this `message`, of an object whose present time is `time` \[s\].
+#[pyfunction]
+pub(super) fn panicked(py: Python<'_>, message: &str, time: Option<f64>) -> Py<PyAny> {
+    let message = message.to_string() + &panics::place();
+    let exception = to_python(py, &Error::Panicked { time, message });
+    exception.into_value(py).into_any()
+}
 
 /// The exception that stands for `error`.
 pub(super) fn to_python(py: Python<'_>, error: &Error) -> PyErr {
@@ -47,7 +56,7 @@ pub(super) fn to_python(py: Python<'_>, error: &Error) -> PyErr {
             ..
         } => (Some(*time), Some(*step_size), Some(culprit.as_str())),
         Error::JointsApart { time, residuals } => (Some(*time), None, Some(residuals.as_str())),
-        Error::Panicked(_) => (None, None, None),
+        Error::Panicked { time, .. } => (*time, None, None),
     };
     let exception = SimulationError::new_err(error.to_string());
     let value = exception.value(py);

@@ -15,8 +15,9 @@ pub(super) fn arrays<'py>(
     let (rows, joints) = (recording.time.len(), model.joint_names().len());
     let (bodies, contacts) = (model.body_names().len(), model.contact_names().len());
     let arrays = PyDict::new(py);
-    let set = |name: &str, values: Vec<f64>, shape: &[usize]| {
+    let set = |name: &str, mut values: Vec<f64>, shape: &[usize]| {
         let shape: Vec<usize> = std::iter::once(rows).chain(shape.iter().copied()).collect();
+        values.truncate(shape.iter().product());
         arrays.set_item(name, values.into_pyarray(py).reshape(shape)?)
     };
     set("time", recording.time, &[])?;
@@ -52,10 +53,11 @@ pub(super) fn arrays<'py>(
         recording.peak_contact_impulse,
         &[contacts],
     )?;
-    for (name, values) in [
+    for (name, mut values) in [
         ("contact_gap", recording.contact_gap),
         ("contact_region", recording.contact_region),
     ] {
+        values.truncate(rows * contacts);
         arrays.set_item(name, values.into_pyarray(py).reshape([rows, contacts])?)?;
     }
     let parts = [

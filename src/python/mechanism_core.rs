@@ -14,6 +14,7 @@ use super::mechanism_arrays::arrays;
 use super::mechanism_callable::Raised;
 use crate::error::{Error, Result};
 use crate::mechanism::{MechanismModel, MechanismSimulation, MechanismSnapshot, Stabilisation};
+use crate::panics::contained;
 use crate::simulate::check_reports;
 
 /// A compiled mechanism, its state and its integrator.
@@ -48,7 +49,8 @@ impl MechanismCore {
                 Stabilisation::Baumgarte(frequency)
             }
         };
-        let made = MechanismModel::compile(&description).and_then(|model| {
+        let made = contained(|| {
+            let model = MechanismModel::compile(&description)?;
             let give_up = || interrupted(py, &raised);
             MechanismSimulation::new_unless(Arc::new(model), control, stabilisation, &give_up)
         });
@@ -107,6 +109,7 @@ impl MechanismCore {
 
     /// The complete state, and what of it is worth a look.
     fn state<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        describe::checked(py, self.simulation.check_intact())?;
         let state = PyDict::new(py);
         state.set_item("time", self.simulation.time())?;
         state.set_item("positions", self.positions(py)?)?;

@@ -18,12 +18,14 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = module.py();
+    crate::panics::keep_places();
     module.add("InvalidInput", py.get_type::<errors::InvalidInput>())?;
     module.add("SimulationError", py.get_type::<errors::SimulationError>())?;
     module.add_class::<core::Core>()?;
     module.add_class::<ensemble::Case>()?;
     module.add_class::<ensemble::Ensemble>()?;
     module.add_class::<mechanism_core::MechanismCore>()?;
+    module.add_function(wrap_pyfunction!(errors::panicked, module)?)?;
     module.add_function(wrap_pyfunction!(describe::validate, module)?)?;
     module.add_function(wrap_pyfunction!(functions::instruction_set, module)?)?;
     module.add_function(wrap_pyfunction!(functions::layout, module)?)?;

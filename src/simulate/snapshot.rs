@@ -131,6 +131,7 @@ impl Simulation {
                 "contradicts itself: take the state once more",
             ));
         };
+        self.defect = None;
         dynamics.resume_metering(&adams);
         (self.dynamics, self.adams, self.now) = (dynamics, adams, snapshot.now);
         self.inputs.clone_from(&snapshot.inputs);
