@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import json
+from contextlib import suppress
 from dataclasses import dataclass
+from operator import index
 from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
@@ -41,10 +43,20 @@ class Description:
 
 
 def plain(value: Any) -> Any:  # noqa: ANN401
-    """Return `value` with arrays and lists as tuples, and NumPy numbers as Python's."""
+    """Return `value` with arrays and lists as tuples, and numbers of any kind as Python's.
+
+    Files hold the numbers of JSON only. What has no such number is left for the check to refuse.
+    """
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
-    return tuple(map(plain, value)) if isinstance(value, list | tuple) else value
+    if isinstance(value, list | tuple):
+        return tuple(map(plain, value))
+    if not isinstance(value, int | float):
+        for method, convert in (("__index__", index), ("__float__", float)):
+            if hasattr(type(value), method):
+                with suppress(ArithmeticError, TypeError, ValueError):
+                    return convert(value)
+    return value
 
 
 def _tagged(description: object) -> dict[str, object]:

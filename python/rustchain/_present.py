@@ -113,7 +113,7 @@ class Present:
         """Write the state and what it is of (drive, laws, solver, start) to a file.
 
         The file is a NumPy archive (.npz); one that is there already is replaced when the new one
-        is complete.
+        is complete. Parameters and errors are those of `Result.save`.
         """
         positions, velocities = self._core.start()
         _state_file.write(
@@ -202,7 +202,7 @@ class Present:
         self.drive = drive
         self.hinge_law = force_law if hinge_law is None else hinge_law
         self.tooth_law = force_law if tooth_law is None else tooth_law
-        self.min_approach_speed = min_approach_speed
+        self.min_approach_speed = float(min_approach_speed)  # whatever kind of number
         self.solver = solver
 
     def _warn(self) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import os
 from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
@@ -12,7 +11,8 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 import numpy as np
 
 from rustchain._description import Description
-from rustchain._paths import check_there
+from rustchain._paths import check_there, shown, write_whole
+from rustchain._start import rows_of
 from rustchain.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ _Core = TypeVar("_Core", bound=_HasState)
 
 _FORMAT = 1  # of the file; what its snapshot holds has a version of its own
 _DESCRIBED = ("drive", "hinge_law", "tooth_law", "solver")
-_NUMBERS = ("min_approach_speed", "positions", "velocities")
+_ROWS = ("positions", "velocities")
 
 
 def restored(
@@ -63,26 +63,17 @@ def write(path: str | Path, scene: Mapping[str, Any], state: Mapping[str, Any]) 
     """Write a scene, its start included, and a state; the file is there whole or not at all."""
     members: dict[str, Any] = {"format": _FORMAT, "rustchain_version": version("rustchain")}
     members |= {name: scene[name].to_json() for name in _DESCRIBED}
-    members |= {f"scene.{name}": scene[name] for name in _NUMBERS}
+    members |= {f"scene.{name}": scene[name] for name in ("min_approach_speed", *_ROWS)}
     members |= {f"state.{name}": value for name, value in state.items()}
     members["state.snapshot"] = np.frombuffer(state["snapshot"], dtype=np.uint8)
-    path = Path(path)
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with part.open("wb") as file:
-            np.savez(file, **members)
-            file.flush()
-            os.fsync(file.fileno())
-        part.replace(path)
-    except BaseException:
-        part.unlink(missing_ok=True)
-        raise
+    archive = io.BytesIO()
+    np.savez(archive, **members)
+    write_whole(path, archive.getbuffer())
 
 
 def read(path: str | Path) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the scene and the state that `write` wrote."""
-    check_there(path, "Simulation.save_state")
-    packed = Path(path).read_bytes()
+    packed = check_there(path, "Simulation.save_state").read_bytes()
     try:
         with np.load(io.BytesIO(packed), allow_pickle=False) as file:
             members = {name: file[name] for name in file.files}
@@ -91,13 +82,13 @@ def read(path: str | Path) -> tuple[dict[str, Any], dict[str, Any]]:
             return _scene_of(members), _state_of(members)
     except Exception as error:  # a damaged archive raises what it likes
         msg = (
-            f"path = {path}: holds no state of rustchain, or is damaged: give a file that "
+            f"path = {shown(path)}: holds no state of rustchain, or is damaged: give a file that "
             "Simulation.save_state wrote, or copy or save it again"
         )
         raise InvalidInput(msg) from error
     msg = (
-        f"path = {path}: has format {found}, this rustchain reads {_FORMAT}: load it with the one "
-        f"that wrote it, {members.get('rustchain_version', 'of another version')}"
+        f"path = {shown(path)}: has format {found}, this rustchain reads {_FORMAT}: load it with "
+        f"the one that wrote it, {members.get('rustchain_version', 'of another version')}"
     )
     raise InvalidInput(msg)
 
@@ -105,7 +96,8 @@ def read(path: str | Path) -> tuple[dict[str, Any], dict[str, Any]]:
 def _scene_of(members: Mapping[str, Any]) -> dict[str, Any]:
     """Return the keywords of the simulation."""
     scene = {name: Description.from_json(str(members[name])) for name in _DESCRIBED}
-    return scene | {name: members[f"scene.{name}"][()] for name in _NUMBERS}
+    scene["min_approach_speed"] = members["scene.min_approach_speed"].item()
+    return scene | {name: rows_of(name, members[f"scene.{name}"], "bodies") for name in _ROWS}
 
 
 def _state_of(members: Mapping[str, Any]) -> dict[str, Any]:

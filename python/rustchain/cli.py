@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from enum import Enum
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn, TextIO
 
@@ -14,7 +15,7 @@ import typer
 
 import rustchain as rc
 from rustchain._names import suggest
-from rustchain._paths import unwritable
+from rustchain._paths import check_writable, path_of, write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -85,6 +86,7 @@ _SOME_HINGES = (6, 11)  # those that the published figures show
 
 def _check_file(path: Path) -> None:
     """Refuse what is no file of results by its name."""
+    path_of(path, "out")
     if os.path.isdir(path):  # noqa: PTH112, Path.is_dir raises for a name that is too long
         msg = f"out = {path}: is a folder; name a file in it, such as {path / 'run.nc'}"
         raise rc.InvalidInput(msg)
@@ -99,13 +101,7 @@ def _check_file(path: Path) -> None:
 def _make_room(path: Path) -> None:
     """Make the folder of a file and see that it can be written, before anything runs."""
     _make_folder(path.parent)
-    try:
-        new = not path.exists()
-        path.open("ab").close()
-    except OSError as error:
-        raise OSError(f"out = {path}: {unwritable(error)}") from error
-    if new:
-        path.unlink()
+    check_writable(path, "out")
 
 
 def _make_folder(path: Path) -> None:
@@ -265,8 +261,10 @@ def plot(
             except (rc.NotRecorded, rc.InvalidInput) as error:
                 typer.echo(f"{path}: left out, {error}")
                 continue
-            figure.savefig(path)
+            image = BytesIO()
+            figure.savefig(image, format=form)
             plt.close(figure)
+            write_whole(path, image.getbuffer(), "out")
             typer.echo(path)
 
 

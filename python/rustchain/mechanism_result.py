@@ -183,7 +183,7 @@ class MechanismResult:
         return _result_tables.table_of(self.to_xarray(), _VARIABLES)
 
     def save(self, path: str | Path) -> None:
-        """Write everything to a netCDF file, for `load` and for xarray."""
+        """Write everything to a netCDF file, for `load` and for xarray; see `Result.save`."""
         _netcdf.write(self.to_xarray(), path)
 
     @classmethod

@@ -246,7 +246,23 @@ class Result(Outputs):
         return _result_tables.table_of(self.to_xarray(), VARIABLES)
 
     def save(self, path: str | Path) -> None:
-        """Write everything to a netCDF file, for `load_result`."""
+        """Write everything to a netCDF file, for `load_result`.
+
+        The file is there whole or not at all: one that is there already is replaced when the new
+        one is complete, and hands on its permissions.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file; a symbolic link is followed.
+
+        Raises
+        ------
+        OSError
+            The file cannot be written, or is a directory, a device or a FIFO.
+        InvalidInput
+            `path` is no name of a file, such as an open file, or has a NUL character.
+        """
         _netcdf.write(self.to_xarray(), path)
 
 

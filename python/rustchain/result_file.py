@@ -24,14 +24,12 @@ def load_result(path: str | Path) -> Result:
     Raises
     ------
     OSError
-        There is no such file (`FileNotFoundError`), or it is a folder (`IsADirectoryError`).
+        There is no such file (`FileNotFoundError`), it is a directory (`IsADirectoryError`), a
+        device or a FIFO, or cannot be read.
     InvalidInput
-        The file holds no result of a drive, or is damaged.
+        The file holds no result of a drive, or its content does not match its checksum.
     """
     data = _netcdf.read(path, *_OF_DRIVES)
-    if "rustchain_version" not in data.attrs:
-        msg = f"path = {path}: holds no result of rustchain: give a file that Result.save wrote"
-        raise InvalidInput(msg)
     if "mechanism" in data.attrs:
         msg = f"path = {path}: holds the result of a mechanism; MechanismResult.load reads it"
         raise InvalidInput(msg)
