@@ -126,7 +126,7 @@ def _tag(value: object, makers: Mapping[str, Maker]) -> str | None:
     if not isinstance(value, Mapping):
         return _VALUE
     if "type" in value:
-        return value["type"] if value["type"] in makers else None
+        return value["type"] if value["type"] in list(makers) else None  # a list has no hash
     if len(makers) == 1:
         return next(iter(makers))
     return _only([name for name, make in makers.items() if _fits(value, _fields(make))]) or _only(

@@ -9,8 +9,9 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from rustchain._file_models import MAKERS, file_model, makers_of
-from rustchain._file_source import Key, Source
+from rustchain._file_source import Key, Source, text_of
 from rustchain._names import suggest
+from rustchain._paths import reason, shown
 from rustchain.errors import InvalidInput
 from rustchain.force_law import ForceLaw
 from rustchain.stop import StopCondition
@@ -45,8 +46,9 @@ def _with_tables_read(source: Source, value: Any, key: Key) -> Any:  # noqa: ANN
     try:
         return _rows_of_numbers(path)
     except (OSError, ValueError) as error:
-        why = error.strerror if isinstance(error, OSError) else str(error)
-        msg = f"{str(value['file'])!r}: {why}: give a file of rows of numbers with commas between"
+        why = reason(error) if isinstance(error, OSError) else str(error)
+        name = shown(repr(str(value["file"])))
+        msg = f"{name}: {why}: give a file of rows of numbers with commas between"
         raise source.refusal_at((*key, "file"), msg) from error
 
 
@@ -54,7 +56,7 @@ def _rows_of_numbers(path: Path) -> list[list[float]]:
     """Return the rows of a table; what stands behind ``#`` is a comment."""
     rows: list[list[float]] = []
     first = 0
-    for number, line in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), 1):
+    for number, line in enumerate(text_of(path).splitlines(), 1):
         cells = line.partition("#")[0].strip()
         if not cells:
             continue
@@ -64,7 +66,7 @@ def _rows_of_numbers(path: Path) -> list[list[float]]:
                 row.append(float(cell))
             except ValueError:
                 hint = "; put '#' before a line of names" if not rows else ""
-                msg = f"line {number}: {cell.strip()!r} is no number{hint}"
+                msg = f"line {number}: {shown(repr(cell.strip()))} is no number{hint}"
                 raise ValueError(msg) from None
         first = first or number
         if rows and len(row) != len(rows[0]):
@@ -124,9 +126,10 @@ def _refusal(source: Source, content: Mapping[str, Any], error: ValidationError)
         if given is None:
             listed = " or ".join(f"type = {name!r}" for name in names)
             return source.refusal_at(key, f"its keys do not tell what it is: add {listed}")
-        return source.refusal_at((*key, "type"), f"{given!r} is not known; {suggest(given, names)}")
+        message = f"{shown(repr(given))} is not known; {suggest(given, names)}"
+        return source.refusal_at((*key, "type"), message)
     message = found["msg"].replace("Input should be", "must be")
-    return source.refusal_at(key, f"{value!r}: {message}")
+    return source.refusal_at(key, f"{shown(repr(value))}: {message}")
 
 
 def _key_of(content: Any, place: tuple[int | str, ...]) -> tuple[Key, str | None]:  # noqa: ANN401

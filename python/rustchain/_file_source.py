@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from rustchain._paths import check_regular, reason, shown
 from rustchain.errors import InvalidInput
 
 if sys.version_info >= (3, 11):
@@ -17,7 +18,11 @@ else:
 
 Key: TypeAlias = tuple[str | int, ...]
 
-_HEADER = re.compile(r"\s*(\[\[?)\s*([^\]]+?)\s*\]\]?\s*(#.*)?$")
+DEEPEST = 32
+"""Levels of tables and lists in a file; the deepest that a description has, the points of a tooth's
+pieces, are eight. Python's own recursion ends at about a thousand, less the caller's."""
+
+_HEADER = re.compile(r"(\[\[?)([^\]]+)\]\]?\s*(#.*)?$")
 _ENTRY = re.compile(r"\s*([A-Za-z0-9_.\"'-]+)\s*=")
 _FIELD = re.compile(r"(?:\w+\.)?(\w+)")  # what a refusal begins with: Sprocket.teeth = ...
 
@@ -44,15 +49,27 @@ class Source:
     def of(cls, path: Path) -> Source:
         """Read a file."""
         try:
-            text = path.read_text(encoding="utf-8-sig")
+            text = text_of(path)
             content = tomllib.loads(text)
         except OSError as error:
-            msg = f"{path}: cannot be read ({error.strerror}): give the path of a drive file"
+            msg = f"{shown(path)}: cannot be read ({reason(error)}): give the path of a drive file"
             raise InvalidInput(msg) from error
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        except ValueError as error:  # of TOML, of UTF-8, or an integer of too many digits
             msg = f"{path}: is no TOML ({error}): give a drive file, as docs/files.md has them"
             raise InvalidInput(msg) from error
-        return cls(path, content, _lines_of(text))
+        except RecursionError as error:
+            raise cls(path, {}).too_deep() from error
+        source = cls(path, content, _lines_of(text))
+        if _is_deeper(content, DEEPEST):
+            raise source.too_deep()
+        return source
+
+    def too_deep(self) -> InvalidInput:
+        """Return the error of tables and lists that are nested without end."""
+        return InvalidInput(
+            f"{self.path}: has tables or lists nested more than {DEEPEST} deep; expected a drive "
+            "file, as docs/files.md has them; close the brackets where a value ends"
+        )
 
     def refusal(self, key: Key, message: str) -> InvalidInput:
         """Return the error that says where `key` stands, and what is wrong with it or below it."""
@@ -72,6 +89,25 @@ class Source:
         return f"{self.path}, line {self.lines[key]}" if key else str(self.path)
 
 
+def text_of(path: Path) -> str:
+    """Return the text of a regular file, or raise `OSError` or `UnicodeDecodeError`."""
+    check_regular(path)
+    return path.read_text(encoding="utf-8-sig")
+
+
+def _is_deeper(content: object, levels: int) -> bool:
+    """Return whether tables and lists are nested more than `levels` deep."""
+    inside = [content]
+    for _ in range(levels):
+        inside = [
+            each
+            for value in inside
+            if isinstance(value, dict | list)
+            for each in (value.values() if isinstance(value, dict) else value)
+        ]
+    return any(isinstance(value, dict | list) for value in inside)
+
+
 def name_of(key: Key) -> str:
     """Return a key as it is written in a path: drive.sprockets[1].teeth."""
     parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in key)
@@ -84,7 +120,7 @@ def _lines_of(text: str) -> dict[Key, int]:
     counts: dict[Key, int] = {}
     table: Key = ()
     for number, line in enumerate(text.splitlines(), 1):
-        if header := _HEADER.match(line):
+        if header := _HEADER.match(line.strip()):
             table = _resolved(_parts(header.group(2)), counts)
             if header.group(1) == "[[":
                 counts[table] = counts.get(table, -1) + 1

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rustchain._names import known_keywords
+from rustchain._paths import path_of
 from rustchain.drive import ChainDrive
 from rustchain.errors import InvalidInput
 from rustchain.result import Result
@@ -47,14 +48,22 @@ class Scene:
             return Simulation(self.drive, **self.simulation)
 
     def run_simulation(self, simulation: Simulation) -> Result:
-        """Run a simulation for as long as the scene says, and record."""
+        """Run a simulation for as long as the scene says, and record.
+
+        Raises
+        ------
+        InvalidInput
+            The scene has no duration, or an argument of the run is refused.
+        """
         with self._errors_located("run"):
+            self._check_duration()
             return simulation.run(**self.run)
 
     def check_run(self, simulation: Simulation) -> None:
         """Refuse what `run_simulation` would refuse: the run is made as far as its first row."""
         once = {"progress": False, "callback": lambda _: True}
         with self._errors_located("run"):
+            self._check_duration()
             simulation.run(**{**self.run, **once})
 
     def changed(
@@ -65,6 +74,15 @@ class Scene:
         if solver:
             keywords["solver"] = replace(keywords.get("solver", Solver()), **solver)
         return replace(self, simulation=keywords, run={**self.run, **run})
+
+    def _check_duration(self) -> None:
+        """Refuse a run without an end."""
+        if "duration" not in self.run:
+            msg = (
+                "duration: is missing; expected a time in s; write it in [run], or add it with "
+                'scene.changed({}, {}, {"duration": ...})'
+            )
+            raise InvalidInput(msg)
 
     @contextmanager
     def _errors_located(self, section: str) -> Iterator[None]:
@@ -97,6 +115,6 @@ def load_scene(path: str | Path) -> Scene:
     """
     from rustchain._file_reader import read  # with pydantic, which nothing else needs
 
-    source, found = read(Path(path))
+    source, found = read(path_of(path))
     run = dict(found["run"])
     return Scene(found["drive"], found["simulation"], run, run.pop("out", None), source)

@@ -2,6 +2,7 @@
 
 import dataclasses
 import inspect
+import os
 import re
 import runpy
 from pathlib import Path
@@ -319,3 +320,67 @@ def test_check_refuses_what_run_refuses(tmp_path, run, said):
         done = CliRunner().invoke(app, [command, str(path)])
         assert done.exit_code != 0
         assert said in done.output + str(done.stderr)
+
+
+SHORT = "[drive]\nteeth = [17, 17]\nlinks = 60\nspeed = 10.0\n"
+DEEP = 5000
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (SHORT + "gravity = " + "[" * DEEP + "]" * DEEP, "nested more than 32 deep"),
+        (SHORT + "gravity = " + "[" * 40 + "]" * 40, "nested more than 32 deep"),
+        ("drive = " + "{a = " * 500 + "1" + "}" * 500, "nested more than 32 deep"),
+        ("[drive." + ".".join("a" * 500) + "]\nb = 1", "nested more than 32 deep"),
+        (SHORT + "name = " + "1" * DEEP, "is no TOML"),
+        (SHORT + "type = ['a']", "line 5: drive.type: ['a'] is not known; known: 'ChainDrive'"),
+        (SHORT + "[run]\nstop = [{type = {}}]", "run.stop[0].type: {} is not known"),
+        (SHORT + f"[run]\nout = {DEEP}", f"run.out: {DEEP}: must be a valid string"),
+    ],
+)
+def test_a_file_that_nests_or_counts_without_end_is_refused_with_its_name(tmp_path, text, said):
+    path = written(tmp_path, text)
+    with pytest.raises(rc.InvalidInput) as refused:
+        rc.load_scene(path)
+    assert str(refused.value).startswith(str(path))
+    assert said in str(refused.value)
+
+
+def test_a_long_value_is_shortened_in_a_message(tmp_path):
+    path = written(tmp_path, SHORT + f"[run]\nout = {['long'] * 1000}")
+    with pytest.raises(rc.InvalidInput, match=r"run\.out: \['long'") as refused:
+        rc.load_scene(path)
+    assert len(str(refused.value)) < 600
+
+
+def test_brackets_in_a_text_of_many_lines_are_read_at_once(tmp_path):
+    """The expression that found headers took a time that grew with the third power of spaces."""
+    path = written(tmp_path, SHORT + 'type = "two_sprocket_drive"\nspeeds = """\n[' + " " * 30000)
+    with pytest.raises(rc.InvalidInput, match="is no TOML"):
+        rc.load_scene(path)
+    path.write_text(path.read_text() + '\n"""\n')
+    with pytest.raises(rc.InvalidInput, match=r"line 6: drive\.speeds: means nothing here"):
+        rc.load_scene(path)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no FIFOs here")
+def test_fifos_and_devices_are_no_drive_files_nor_tables(tmp_path):
+    os.mkfifo(tmp_path / "fifo")
+    for name, kind in ((tmp_path / "fifo", "FIFO"), ("/dev/zero", "device")):
+        with pytest.raises(rc.InvalidInput, match=rf"cannot be read \(Is a {kind}; expected"):
+            rc.load_scene(name)
+        path = written(tmp_path, SHORT.replace("10.0", f'{{ file = "{name}" }}'))
+        with pytest.raises(rc.InvalidInput, match=rf"line 4: drive\.speed\.file: .* Is a {kind}"):
+            rc.load_scene(path)
+
+
+def test_a_scene_without_a_duration_says_where_to_write_it(tmp_path):
+    for text in (SHORT, SHORT + "[run]\nreport_step = 1e-4\n"):
+        path = written(tmp_path, text + '[simulation]\nforce_law = { type = "Hertz" }\n')
+        scene = rc.load_scene(path)
+        simulation = scene.simulate()
+        for call in (scene.run_simulation, scene.check_run):
+            with pytest.raises(rc.InvalidInput, match=r"drive\.toml.*run: duration: is missing;"):
+                call(simulation)
+        assert simulation.time == 0.0

@@ -443,3 +443,20 @@ def test_a_file_is_replaced_whole_or_not_at_all(tmp_path, under_way, monkeypatch
     assert path.read_bytes() == before
     rc.Simulation(rc.paper_drive()).save_state(path)
     assert rc.Simulation.load_state(path).time == 0.0
+
+
+@pytest.mark.parametrize(
+    ("name", "changed"),
+    [
+        ("scene.positions", lambda rows: rows[0]),
+        ("scene.positions", lambda rows: rows[None]),
+        ("scene.positions", lambda rows: rows.astype(str)),
+        ("scene.velocities", np.ravel),
+        ("scene.velocities", lambda rows: rows + 1j),
+        ("scene.min_approach_speed", lambda speed: np.full(2, speed)),
+    ],
+)
+def test_a_start_of_another_shape_or_kind_is_refused(name, changed, file, tmp_path):
+    other = changed(np.load(file)[name])
+    with pytest.raises(rc.InvalidInput, match=r"other\.npz: holds no state .* or is damaged"):
+        rc.Simulation.load_state(rewritten(file, tmp_path / "other.npz", **{name: other}))
