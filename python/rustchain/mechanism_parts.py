@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TypeAlias
 
 from rustchain._description import Description, plain
 from rustchain._names import known_keywords
 from rustchain.drive import Chain, Sprocket
+from rustchain.errors import InvalidInput
 from rustchain.force_law import ForceLaw, LankaraniNikravesh
 from rustchain.material import Material
 
@@ -29,6 +31,18 @@ class _Part(Description):
         """Turn lists and arrays into tuples."""
         for field in dataclasses.fields(self):
             object.__setattr__(self, field.name, plain(getattr(self, field.name)))
+        check_name(f"name of a {type(self).__name__.lower()}", getattr(self, "name", None))
+
+
+def check_name(field: str, name: object) -> None:
+    """Refuse a name that a file of results cannot hold; what is no text is refused elsewhere."""
+    if not isinstance(name, str):
+        return
+    with suppress(UnicodeEncodeError):
+        if b"\0" not in name.encode():
+            return
+    msg = f"{field} = {name!r}: cannot be saved; expected text without NUL and lone surrogates"
+    raise InvalidInput(msg)
 
 
 @known_keywords
