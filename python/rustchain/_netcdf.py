@@ -60,7 +60,11 @@ def _beside(work: Callable[[_Given], _Made], given: _Given) -> _Made:
     swallow it: exceptions in their callbacks are printed and ignored.
     """
     with ThreadPoolExecutor(1) as thread:
-        return thread.submit(work, given).result()
+        try:
+            made = thread.submit(work, given)
+        except RuntimeError:  # in a function of `atexit`: no thread begins any more
+            return work(given)
+        return made.result()
 
 
 def _dataset(content: bytes) -> xr.Dataset:

@@ -249,7 +249,8 @@ class Result(Outputs):
         """Write everything to a netCDF file, for `load_result`.
 
         The file is there whole or not at all: one that is there already is replaced when the new
-        one is complete, and hands on its permissions.
+        one is complete, and hands on its permissions. A process that is killed meanwhile may leave
+        a hidden file that ends in ``.part``. Ctrl-C is answered when the content is packed.
 
         Parameters
         ----------

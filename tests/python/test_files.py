@@ -207,7 +207,7 @@ def test_writers_at_once_leave_one_of_their_files_whole(tmp_path, save_and_load)
 
     def write():
         try:
-            for _ in range(5):
+            for _ in range(2):
                 save(path)
                 load(path)
         except Exception as error:
@@ -252,6 +252,16 @@ def test_a_kill_during_a_save_leaves_a_whole_file(tmp_path):
         assert child.returncode == -signal.SIGKILL
         rc.load_result(result)
         rc.Simulation.load_state(state)
+
+
+def test_a_result_is_saved_when_python_ends(tmp_path):
+    path = tmp_path / "run.nc"
+    # h5py crashes after the last function of `atexit` when it is imported in one.
+    code = "import atexit, sys, h5py, rustchain as rc\n"
+    code += "run = rc.Simulation(rc.paper_drive()).run(1e-4)\n"
+    code += "atexit.register(run.save, sys.argv[1])"
+    subprocess.run([sys.executable, "-c", code, str(path)], check=True, capture_output=True)
+    assert rc.load_result(path).success
 
 
 HEARS = """
