@@ -117,7 +117,9 @@ def test_a_file_that_is_no_result_is_told(tmp_path):
         rc.MechanismResult.load(path)
     with pytest.raises(FileNotFoundError, match=r"none\.nc: there is no .* MechanismResult\.save"):
         rc.MechanismResult.load(tmp_path / "none.nc")
-    with pytest.raises(IsADirectoryError, match=r"Is a directory; expected a regular file\): give .* MechanismResult"):
+    with pytest.raises(
+        IsADirectoryError, match=r"Is a directory; expected .* give .* MechanismResult"
+    ):
         rc.MechanismResult.load(tmp_path)
 
 
