@@ -45,13 +45,18 @@ for coefficient in coefficients:
     powers = ", ".join(f"{name} {values[-1]:.3f} W" for name, values in lost.items())
     print(f"μ = {coefficient:.2f}: efficiency {efficiencies[-1]:.4f}; {powers}")
 
-figure, (powers, whole) = plt.subplots(1, 2, figsize=(9.0, 3.8), layout="constrained")
-powers.stackplot(coefficients, lost.values(), labels=lost, alpha=0.8)
-base = np.add(lost["damping in hinges"], lost["damping on teeth"])
-powers.plot(coefficients, base + articulation, "k--", label="work of articulation")
-powers.set(xlabel="friction coefficient", ylabel="power lost [W]", xlim=(0.0, 0.2))
-powers.legend(loc="upper left")
-whole.plot(coefficients, efficiencies, "o-")
-whole.set(xlabel="friction coefficient", ylabel="efficiency", xlim=(0.0, 0.2))
-whole.grid(alpha=0.3)
+# Damping takes a thousandth of what friction takes: a logarithmic axis shows both.
+figure, (powers, whole) = plt.subplots(1, 2, figsize=(9.0, 4.2), layout="constrained")
+for name, values in lost.items():
+    rubs = np.array(values) > 0.0
+    powers.semilogy(coefficients[rubs], np.array(values)[rubs], "o-", label=name)
+powers.semilogy(coefficients[1:], articulation[1:], "k--", label="work of articulation")
+powers.set(xlabel="friction coefficient", ylabel="power lost [W]")
+powers.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)
+whole.plot(coefficients, 100.0 * (1.0 - np.array(efficiencies)), "o-")
+whole.set(xlabel="friction coefficient", ylabel="share of the power that is lost [%]")
+whole.set_ylim(0.0, None)
+for axes in (powers, whole):
+    axes.set_xticks(coefficients)
+    axes.grid(alpha=0.3)
 figure.savefig("friction.png")

@@ -376,7 +376,7 @@ def test_what_was_not_recorded_is_named():
         (lambda plot: plot.transmission_error(), 2),
         (lambda plot: plot.speed_ripple(2), 2),
         (lambda plot: plot.strand_spectrum("upper"), 2),
-        (lambda plot: plot.power_balance(), 1),
+        (lambda plot: plot.power_balance(), 2),
     ],
 )
 def test_figures_show_what_was_found(run, draw, panels):

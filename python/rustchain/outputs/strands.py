@@ -114,7 +114,8 @@ def strand_spectrum(
     tension = float(result.strand(name).tension[rows].mean())
     radius = result.drive.check().pitch_radius[0]
     speed = radius * float(np.abs(result.array("sprocket_speed")[rows, 0]).mean())
-    pitches = motion.attrs["length"] / result.drive.chain.mean_pitch
+    pitch = result.drive.chain.mean_pitch
+    pitches = motion.attrs["length"] / pitch
     mode = np.arange(1, modes + 1)
     natural = natural_frequencies(result.drive.chain, pitches, tension, speed, modes)
     return xr.Dataset(
@@ -127,7 +128,13 @@ def strand_spectrum(
             "frequency": ("frequency", frequency, {"units": "Hz"}),
             "mode": mode,
         },
-        {"strand": name, "tension": tension, "speed": speed, "pitches": pitches},
+        {
+            "strand": name,
+            "tension": tension,
+            "speed": speed,
+            "pitches": pitches,
+            "tooth_frequency": speed / pitch,
+        },
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import matplotlib.pyplot as plt
@@ -98,7 +99,7 @@ class MotionFigures(Figures):
         start: float | None = None,
         end: float | None = None,
     ) -> Figure:
-        """Draw a strand's transverse motion, its spectrum, and its natural frequencies."""
+        """Draw a strand's transverse motion and its spectrum, with the frequencies to expect."""
         motion = self.result.strand_motion(strand, start=start, end=end)
         found = self.result.strand_spectrum(strand, segment=segment, modes=5, start=start, end=end)
         figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 2.9))
@@ -115,12 +116,18 @@ class MotionFigures(Figures):
         natural = found["natural_frequency"].to_numpy()
         known = natural[np.isfinite(natural)]
         for number, frequency in enumerate(known, 1):
-            right.axvline(frequency, color=GREY, linestyle="--", linewidth=0.7)
+            label = "natural frequencies" if number == 1 else None
+            right.axvline(frequency, color=GREY, linestyle="--", linewidth=0.7, label=label)
             right.text(
-                frequency, 1.0, f"{number}", ha="center", va="bottom", fontsize=7.5, color=GREY,
+                frequency, 0.99, f" {number}", va="top", fontsize=7.5, color=GREY,
                 transform=right.get_xaxis_transform(),
             )  # fmt: skip
         highest = 1.5 * known.max() if known.size else float(found["frequency"].max())
+        teeth = found.attrs["tooth_frequency"]
+        for multiple in range(1, 1 + int(highest / teeth) if teeth > 0.0 else 1):
+            label = "tooth frequency, multiples" if multiple == 1 else None
+            right.axvline(multiple * teeth, color=RED, linestyle=":", label=label)
+        legend_above(right)
         shown = found["density"].where(found["frequency"] <= highest)
         right.set(yscale="log", xlim=(0.0, highest))
         right.set_ylim(max(1e-7 * float(shown.max()), 1e-30), 3.0 * float(shown.max()))
@@ -168,15 +175,15 @@ class MotionFigures(Figures):
     @known_keywords
     @styled
     def power_balance(self, *, start: float | None = None, end: float | None = None) -> Figure:
-        """Draw mean powers: shafts, losses by channel, stored energy, residual."""
+        """Draw mean powers: shafts; below, on a scale of their own, what is lost and stored."""
         found = self.result.power_balance(start=start, end=end)
-        bars = [
-            *(
-                (f"sprocket {number}", float(power), BLUE)
-                for number, power in zip(
-                    found["sprocket"].to_numpy(), found["shaft_power"].to_numpy(), strict=True
-                )
-            ),
+        shafts = [
+            (f"sprocket {number}", float(power), BLUE)
+            for number, power in zip(
+                found["sprocket"].to_numpy(), found["shaft_power"].to_numpy(), strict=True
+            )
+        ]
+        small = [
             *(
                 (f"lost: {name}".replace("_", " "), -float(power), RED)
                 for name, power in zip(
@@ -186,28 +193,37 @@ class MotionFigures(Figures):
             ("stored", -float(found["stored"].sum()), GREEN),
             ("residual", float(found["residual"]), GREY),
         ]
-        figure, axes = plt.subplots(figsize=(7.0, 0.9 + 0.32 * len(bars)))
-        names, powers, colors = zip(*bars, strict=True)
-        axes.barh(names, powers, color=colors, height=0.6)
-        for place, power in enumerate(powers):
-            left = power >= 0.0
-            axes.annotate(
-                f"{power + 0.0:.4g} W".replace("-", "−"),
-                (power, place),
-                xytext=(4 if left else -4, 0),
-                textcoords="offset points",
-                ha="left" if left else "right",
-                va="center",
-                fontsize=8.0,
-            )
-        axes.invert_yaxis()
-        axes.margins(x=0.25)
-        axes.axvline(0.0, color=GREY, linewidth=0.7)
-        axes.set(xlabel="power into the drive [W]")
+        counts = (len(shafts), len(small))
+        figure, (above, below) = plt.subplots(
+            2, 1, figsize=(7.0, 1.3 + 0.32 * sum(counts)), height_ratios=counts
+        )
+        _bars(above, shafts)
+        _bars(below, small)
+        below.set(xlabel="power into the drive [W]")
         efficiency = float(found["efficiency"])
         if np.isfinite(efficiency):
-            axes.set_title(f"efficiency {efficiency:.4f}")
+            above.set_title(f"efficiency {efficiency:.4f}")
         return figure
+
+
+def _bars(axes: Axes, bars: Sequence[tuple[str, float, str]]) -> None:
+    """Draw powers [W] as bars with their names, numbers and colours."""
+    names, powers, colors = zip(*bars, strict=True)
+    axes.barh(names, powers, color=colors, height=0.6)
+    for place, power in enumerate(powers):
+        left = power >= 0.0
+        axes.annotate(
+            f"{power + 0.0:.4g} W".replace("-", "−"),
+            (power, place),
+            xytext=(4 if left else -4, 0),
+            textcoords="offset points",
+            ha="left" if left else "right",
+            va="center",
+            fontsize=8.0,
+        )
+    axes.invert_yaxis()
+    axes.margins(x=0.25)
+    axes.axvline(0.0, color=GREY, linewidth=0.7)
 
 
 def _orders(axes: Axes, found: xr.Dataset, scale: float, label: str, number: int) -> None:

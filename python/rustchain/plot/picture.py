@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 _INNER, _OUTER, _STEEL, _INK = "#5b8fb9", "#f0b35a", "#d5dae0", "#3b4048"
 _RAIL, _ARM = "#cfe3d0", "#e6dccb"
 _NUMBERS_APART = 0.15  # [inches] from their hinges
+_LABELS = (0.75, 0.65)  # [in] that ticks, labels and title take; less leaves empty margins
 
 
 class DrivePicture(Figures):
@@ -108,7 +109,7 @@ class DrivePicture(Figures):
             axes.text(x, y, str(number), fontsize=7.5, ha="center", va="center")
 
         width, height = (high - low) * scale
-        figure.set_size_inches(max(width, 3.0), max(height, 0.5) + 0.6)
+        figure.set_size_inches(max(width, 3.0) + _LABELS[0], max(height, 0.5) + _LABELS[1])
         axes.set(aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]))
         axes.set(xlabel="x [mm]", ylabel="y [mm]", title=f"t = {time:.4g} s")
         axes.grid(visible=False)
