@@ -223,12 +223,7 @@ impl Recorder {
                 .close(t, &dynamics.rollers.force, first, &mut row);
         }
         if groups.teeth {
-            write_teeth(
-                &mut row,
-                &dynamics.teeth,
-                model.links,
-                model.sprockets.len(),
-            );
+            write_teeth(&mut row, dynamics);
             gather_by_bushing(&dynamics.teeth, model.links, &mut self.tooth_forces);
             self.tooth_peaks
                 .close(t, &self.tooth_forces, first, &mut row);

@@ -12,6 +12,7 @@ pub(crate) use balance::describe_open_balance;
 pub use snapshot::Snapshot;
 use wall::Wall;
 
+use crate::contact::ToothJump;
 use crate::dynamics::Dynamics;
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
@@ -188,6 +189,14 @@ impl Simulation {
             wall_onsets,
             wall_reports: self.wall.reports.as_secs_f64(),
         }
+    }
+
+    /// Teeth that the chain has jumped up to the present time, in the order of time.
+    #[must_use]
+    pub fn tooth_jumps(&self) -> &[ToothJump] {
+        let jumps = self.dynamics.tooth_jumps();
+        // The integrator may be ahead of the present time.
+        &jumps[..jumps.partition_point(|jump| jump.time <= self.now)]
     }
 
     /// Which laws left their range, a line each.

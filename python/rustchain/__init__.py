@@ -37,6 +37,7 @@ from rustchain.errors import (
     NotRecorded,
     RangeWarning,
     SimulationError,
+    ToothJumpWarning,
 )
 from rustchain.film import Film
 from rustchain.force_law import (
@@ -83,6 +84,7 @@ from rustchain.stop import (
     StrandSlack,
     TimeReached,
     ToothForceAbove,
+    ToothJump,
 )
 from rustchain.study import StudyResult, study
 from rustchain.sweep import sweep
@@ -160,6 +162,8 @@ __all__ = [
     "TimeReached",
     "ToothArc",
     "ToothForceAbove",
+    "ToothJump",
+    "ToothJumpWarning",
     "ToothLine",
     "catalogue",
     "catalogue_chain",

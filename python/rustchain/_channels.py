@@ -21,6 +21,9 @@ VARIABLES = {
     "hinge_eccentricity": Variable(
         "hinges", ("hinge", "axis"), "m", "pin centre seen from the bushing"
     ),
+    "hinge_onset_speed": Variable(
+        "hinges", ("hinge",), "m/s", "initial impact velocity of the present contact"
+    ),
     "roller_force": Variable("hinges", ("bushing",), "N", "force of bushing on roller"),
     "roller_force_vector": Variable(
         "hinges", ("bushing", "axis"), "N", "force of the bushing on the roller"
@@ -30,6 +33,9 @@ VARIABLES = {
     ),
     "roller_eccentricity": Variable(
         "hinges", ("bushing", "axis"), "m", "bushing's centre seen from the roller"
+    ),
+    "roller_onset_speed": Variable(
+        "hinges", ("bushing",), "m/s", "initial impact velocity of the present contact"
     ),
     "peak_roller_force": Variable(
         "hinges", ("bushing",), "N", "largest force of bushing on roller since the last row"
@@ -49,7 +55,13 @@ VARIABLES = {
     "end_velocity": Variable("hinges", ("end", "axis"), "m/s", "its velocity"),
     "hinge_film_force": Variable("hinges", ("hinge",), "N", "size of the film's force on the pin"),
     "tooth_force": Variable("teeth", ("bushing",), "N", "force of tooth on bushing"),
+    "tooth_force_vector": Variable(
+        "teeth", ("bushing", "axis"), "N", "force of the tooth on the bushing"
+    ),
     "tooth_penetration": Variable("teeth", ("bushing",), "m", "penetration of bushing into tooth"),
+    "tooth_onset_speed": Variable(
+        "teeth", ("bushing",), "m/s", "initial impact velocity of the present contact"
+    ),
     "tooth_sprocket": Variable("teeth", ("bushing",), "1", "sprocket in contact, 0: none"),
     "tooth_index": Variable("teeth", ("bushing",), "1", "tooth gap in contact, -1: none"),
     "tooth_region": Variable("teeth", ("bushing",), "1", "region of the tooth in contact, 0: none"),

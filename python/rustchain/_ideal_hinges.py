@@ -229,10 +229,13 @@ class IdealHingeCore(IdealHingeChannels):
         """Return the counts of the run."""
         return self._core.stats()
 
-    def take_warnings(self) -> tuple[list[str], list[str]]:
+    def tooth_jumps(self) -> None:
+        """Return nothing: a mechanism does not count the jumps of its chain."""
+
+    def take_warnings(self) -> tuple[list[str], list[str], list[str]]:
         """Return what was not told yet: no law, but the energy balance where it is recorded."""
         text = self._core.take_warnings() if self._energy else None
-        return [], [] if text is None else [text]
+        return [], [] if text is None else [text], []
 
     def take_recording(self) -> dict[str, npt.NDArray[Any]]:
         """Return the rows recorded up to now, as the channels of a drive."""

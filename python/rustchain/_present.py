@@ -13,7 +13,7 @@ from rustchain import _rustchain, _state_file
 from rustchain._names import known_keywords
 from rustchain._start import rows_of
 from rustchain.drive import ChainDrive
-from rustchain.errors import EnergyWarning, RangeWarning
+from rustchain.errors import EnergyWarning, RangeWarning, ToothJumpWarning
 from rustchain.evaluation import Evaluation
 from rustchain.force_law import ForceLaw
 from rustchain.result import Array
@@ -207,11 +207,10 @@ class Present:
 
     def _warn(self) -> None:
         """Pass the core's warnings on, as if from the line that called the public method."""
-        range_notes, balance_notes = self._core.take_warnings()
-        for message in range_notes:
-            warnings.warn(message, RangeWarning, stacklevel=4)
-        for message in balance_notes:
-            warnings.warn(message, EnergyWarning, stacklevel=4)
+        categories = (RangeWarning, EnergyWarning, ToothJumpWarning)
+        for category, notes in zip(categories, self._core.take_warnings(), strict=True):
+            for message in notes:
+                warnings.warn(message, category, stacklevel=4)
 
 
 def core_for(drive: object) -> type[Core]:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from rustchain.result import Result
 
 SCENE = ("drive", "hinge_law", "tooth_law", "solver")
+JUMPS = ("jump_time", "jump_sprocket", "jump_direction")
 ENDS = ("initial_positions", "initial_velocities", "final_positions", "final_velocities")
 
 
@@ -45,6 +46,12 @@ def dataset_of(result: Result) -> xr.Dataset:
         units = VARIABLES[quantity].units
         attributes = {"units": units, "long_name": f"{end} {quantity} of the bodies"}
         variables[name] = (("body", "coordinate"), getattr(result, name), attributes)
+    attributes_of_jumps = {}
+    if result.jumps is not None:
+        attributes_of_jumps["tooth_jumps"] = len(result.jumps[0])
+        if len(result.jumps[0]):  # files have no empty variables
+            for name, values, units in zip(JUMPS, result.jumps, ("s", "1", "1"), strict=True):
+                variables[name] = ("jump", values, {"units": units})
     return dataset(
         variables,
         coordinates,
@@ -54,7 +61,8 @@ def dataset_of(result: Result) -> xr.Dataset:
             "status": result.status,
             "message": result.message,
             "stats": json.dumps(result.stats),
-        },
+        }
+        | attributes_of_jumps,
     )
 
 

@@ -232,8 +232,10 @@ class Core:
         """Go on towards exactly `t` [s]; return whether it is reached."""
     def stats(self) -> dict[str, float]:
         """Return the counts and wall times of the run."""
-    def take_warnings(self) -> tuple[list[str], list[str]]:
-        """Return what came up since the last call: laws out of their range; the energy balance."""
+    def tooth_jumps(self) -> tuple[_Array, npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+        """Return times [s], sprockets (from 1) and directions of all tooth jumps so far."""
+    def take_warnings(self) -> tuple[list[str], list[str], list[str]]:
+        """Return what is new: laws out of range; the energy balance; tooth jumps."""
 
 @final
 class Case:

@@ -26,6 +26,7 @@ class Ended:
     error: Exception | None
     range_notes: list[str]
     balance_notes: list[str]
+    jump_notes: list[str]
 
 
 class _Quiet(Simulation):
@@ -55,7 +56,7 @@ def run_looked_at(
     def run(number: int) -> Ended:
         scene = scenes[number]
         if given_up.is_set():
-            return Ended(number, None, None, [], [])
+            return Ended(number, None, None, [], [], [])
         given = {name: scene[name] for name in (*SCENE, "positions", "velocities")}
         simulation = _Quiet(**given)
 

@@ -4,7 +4,14 @@ from rustchain import _rustchain
 from rustchain._panics import guard
 from rustchain._rustchain import InvalidInput, SimulationError
 
-__all__ = ["EnergyWarning", "InvalidInput", "NotRecorded", "RangeWarning", "SimulationError"]
+__all__ = [
+    "EnergyWarning",
+    "InvalidInput",
+    "NotRecorded",
+    "RangeWarning",
+    "SimulationError",
+    "ToothJumpWarning",
+]
 
 guard(_rustchain)
 
@@ -19,3 +26,7 @@ class RangeWarning(UserWarning):
 
 class EnergyWarning(RuntimeWarning):
     """More energy is missing in a run than its accuracy should leave."""
+
+
+class ToothJumpWarning(RuntimeWarning):
+    """The chain has jumped teeth of a sprocket."""

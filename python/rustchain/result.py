@@ -16,12 +16,14 @@ from rustchain.drive import ChainDrive
 from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.force_law import ForceLaw
 from rustchain.outputs import Outputs
+from rustchain.outputs.jumps import check_seated, tooth_jumps
 from rustchain.result_views import Array as Array
 from rustchain.result_views import (
     Bushing,
     ChainEnd,
     Energy,
     Hinge,
+    Jumps,
     Peaks,
     RollerOnBushing,
     SprocketMotion,
@@ -62,6 +64,9 @@ class Result(Outputs):
         The same in words.
     stats : dict
         Steps, evaluations, onsets of contacts and wall time by phase [s] of this run.
+    jumps : tuple of ndarray, optional
+        Times [s], sprockets (from 1) and directions of the tooth jumps since the simulation began;
+        see `tooth_jumps`. None where they are not counted: with ``hinges="ideal"``.
     """
 
     arrays: dict[str, npt.NDArray[Any]]
@@ -78,6 +83,7 @@ class Result(Outputs):
     status: Status
     message: str
     stats: dict[str, Any]
+    jumps: Jumps | None = None
 
     def __repr__(self) -> str:
         """Return how the run ended and what is there."""
@@ -125,15 +131,20 @@ class Result(Outputs):
             self.array(f"hinge_{name}")[:, k]
             for name in ("force", "force_vector", "penetration", "eccentricity")
         )
-        film = self.arrays.get("hinge_film_force")
-        film = None if film is None else film[:, k]
-        return Hinge(self.time, force, vector, penetration, eccentricity, film)
+        more = (self.arrays.get(f"hinge_{name}") for name in ("film_force", "onset_speed"))
+        more = (None if array is None else array[:, k] for array in more)
+        return Hinge(self.time, force, vector, penetration, eccentricity, *more)
 
     def bushing(self, number: int) -> Bushing:
         """Return bushing `number`, that of the hinge with the same number."""
         k = _position("bushing", number, self.drive.hinge_count)
         names = ("force", "penetration", "sprocket", "index", "region")
-        return Bushing(self.time, *(self.array(f"tooth_{name}")[:, k] for name in names))
+        more = (self.arrays.get(f"tooth_{name}") for name in ("force_vector", "onset_speed"))
+        return Bushing(
+            self.time,
+            *(self.array(f"tooth_{name}")[:, k] for name in names),
+            *(None if array is None else array[:, k] for array in more),
+        )
 
     def roller(self, number: int) -> RollerOnBushing:
         """Return roller `number`, on the bushing with the same number, where rollers are bodies."""
@@ -141,13 +152,17 @@ class Result(Outputs):
             msg = "roller: the chain's rollers are no bodies of their own; see Chain.roller"
             raise NotRecorded(msg)
         k = _position("roller", number, self.drive.hinge_count)
-        names = ("force", "force_vector", "penetration", "eccentricity")
+        force, vector, penetration, eccentricity, onset_speed = (
+            self.array(f"roller_{name}")[:, k]
+            for name in ("force", "force_vector", "penetration", "eccentricity", "onset_speed")
+        )
         body = self.drive.hinge_count + k
-        moved = (self.arrays.get(name) for name in ("positions", "velocities"))
+        position, velocity = (
+            None if array is None else array[:, body]
+            for array in map(self.arrays.get, ("positions", "velocities"))
+        )
         return RollerOnBushing(
-            self.time,
-            *(self.array(f"roller_{name}")[:, k] for name in names),
-            *(None if array is None else array[:, body] for array in moved),
+            self.time, force, vector, penetration, eccentricity, position, velocity, onset_speed
         )
 
     @property
@@ -221,9 +236,27 @@ class Result(Outputs):
         Raises
         ------
         InvalidInput
-            No two rows lie after that time.
+            No two rows lie after that time, or the chain jumped teeth after it.
         """
+        check_seated(self.between(start=after), "efficiency")
         return float(self.power_balance(start=after)["efficiency"])
+
+    @property
+    def tooth_jumps(self) -> pd.DataFrame:
+        """The jumps of the chain over teeth in this run, a row for each tooth.
+
+        Columns: ``time`` [s] of the end of the first step after which all seated bushings of the
+        sprocket are in other gaps than before; ``sprocket``, from 1; ``direction``, 1 where the
+        sprocket has turned counterclockwise by a tooth against the chain, -1 clockwise. A bushing
+        is seated where its centre is less than halfway from the pitch circle to where it passes
+        over the tips.
+
+        Raises
+        ------
+        NotRecorded
+            The drive has ideal hinges, for which jumps are not counted.
+        """
+        return tooth_jumps(self)
 
     @property
     def peaks(self) -> Peaks:

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from rustchain import _netcdf
 from rustchain._channels import VARIABLES
 from rustchain._description import Description
 from rustchain._names import known_keywords
-from rustchain._result_tables import ENDS, SCENE
+from rustchain._result_tables import ENDS, JUMPS, SCENE
 from rustchain.errors import InvalidInput
 from rustchain.result import Result
+from rustchain.result_views import Jumps
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _OF_DRIVES = ("Result.save", "a drive")  # what writes such files, and what they are of
 
@@ -45,6 +51,17 @@ def load_result(path: str | Path) -> Result:
             status=data.attrs["status"],
             message=data.attrs["message"],
             stats=json.loads(data.attrs["stats"]),
+            jumps=_jumps_of(data),
         )
     except Exception as error:  # so does what is damaged within
         raise _netcdf.damaged(path, *_OF_DRIVES, error) from error
+
+
+def _jumps_of(data: xr.Dataset) -> Jumps | None:
+    """Return times, sprockets and directions of the tooth jumps; None where none were counted."""
+    if "tooth_jumps" not in data.attrs:
+        return None
+    if not data.attrs["tooth_jumps"]:
+        return np.empty(0), np.empty(0, np.int64), np.empty(0, np.int64)
+    time, sprocket, direction = (data[name].values for name in JUMPS)
+    return time, sprocket, direction

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 Array: TypeAlias = npt.NDArray[np.float64]
 IntArray: TypeAlias = npt.NDArray[np.int32]
+Jumps: TypeAlias = tuple[Array, npt.NDArray[np.int64], npt.NDArray[np.int64]]
+"""Times [s], sprockets from 1 and directions of tooth jumps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +33,9 @@ class Hinge:
         Pin centre seen from the bushing [m].
     film_force : ndarray, (times,), optional
         Size of what lubricant does [N], where there is any.
+    onset_speed : ndarray, (times,), optional
+        Initial impact velocity of the present contact [m/s], not below the floor of the law; 0
+        when apart. Not with ideal hinges.
     """
 
     time: Array
@@ -39,6 +44,7 @@ class Hinge:
     penetration: Array
     eccentricity: Array
     film_force: Array | None = None
+    onset_speed: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +60,11 @@ class Bushing:
     sprocket, tooth, region : ndarray of int, (times,)
         Sprocket from 1 (0: none), tooth gap from 0 (-1: none), region of the gap from 1
         (0: none); an ANSI gap has seven, the fourth is the seat.
+    tooth_force_vector : ndarray, (times, 2), optional
+        Force on the bushing, friction included [N]. Not with ideal hinges.
+    tooth_onset_speed : ndarray, (times,), optional
+        Initial impact velocity of the present contact [m/s], not below the floor of the law; 0
+        when apart. Not with ideal hinges.
     """
 
     time: Array
@@ -62,6 +73,8 @@ class Bushing:
     sprocket: IntArray
     tooth: IntArray
     region: IntArray
+    tooth_force_vector: Array | None = None
+    tooth_onset_speed: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +93,9 @@ class RollerOnBushing:
         Bushing's centre seen from the roller's [m].
     position, velocity : ndarray, (times, 3), optional
         The roller itself [m, m, rad] and [m/s, m/s, rad/s], where bodies were recorded.
+    onset_speed : ndarray, (times,), optional
+        Initial impact velocity of the present contact [m/s], not below the floor of the law; 0
+        when apart.
     """
 
     time: Array
@@ -89,6 +105,7 @@ class RollerOnBushing:
     eccentricity: Array
     position: Array | None = None
     velocity: Array | None = None
+    onset_speed: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -221,7 +221,7 @@ class Simulation(Present):
             Whether to show a progress bar, where a terminal is there to show it.
         stop : StopCondition or sequence of them
             Ends the run, with status "stopped", at the first row at which one holds:
-            `HingeForceAbove`, `ToothForceAbove`, `StrandSlack`, `TimeReached`.
+            `HingeForceAbove`, `ToothForceAbove`, `StrandSlack`, `ToothJump`, `TimeReached`.
         callback : function of the simulation, optional
             Called when a row has been recorded, with the simulation at that time. When it returns
             True, the run stops there. It may look at everything and set speeds and torques; it must
@@ -245,6 +245,8 @@ class Simulation(Present):
             that dissipated, a hundredth of that exchanged (dissipated, worked in, moved in and out
             of kinetic and elastic energy) and a hundred-thousandth of that stored.
             ``result.stats["largest_residual"]`` has the largest of all reports [J].
+        ToothJumpWarning
+            The chain has jumped teeth: how many, and the first; see `Result.tooth_jumps`.
         """
         self._check_idle("run")
         groups, energy = known_groups(record, energy)
@@ -276,7 +278,7 @@ class Simulation(Present):
         links, sprockets = self.drive.hinge_count, len(self.drive.sprockets)
         if self.drive.hinges == "ideal":  # all of the mechanism
             return 7 + (16 + 6 * sprockets) * links
-        each = {"hinges": 9 * links, "teeth": 6 * links, "sprockets": 5 * sprockets}
+        each = {"hinges": 10 * links, "teeth": 9 * links, "sprockets": 5 * sprockets}
         each["bodies"] = 6 * len(self.body_names)
         return 1 + sum(each.get(group, 0) for group in groups) + (6 if energy else 0)
 
@@ -314,6 +316,7 @@ class Simulation(Present):
             status=status,
             message=messages[status],
             stats=stats,
+            jumps=self._core.tooth_jumps(),
         )
 
     def _advance(self, duration: float, progress: bool) -> None:

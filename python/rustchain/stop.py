@@ -212,6 +212,46 @@ class StrandSlack(StopCondition):
 
 @known_keywords
 @dataclass(frozen=True)
+class ToothJump(StopCondition):
+    """The chain has jumped a tooth in this run; see `Result.tooth_jumps`.
+
+    Attributes
+    ----------
+    sprocket : int, optional
+        Number of the sprocket, from 1; by default any.
+    """
+
+    sprocket: int | None = None
+
+    def _check(self) -> None:
+        self._check_count("sprocket")
+
+    def look_at(self, simulation: Simulation) -> Look:
+        """Return what looks at each report of `simulation`."""
+        which = self._one_of("sprocket", len(simulation.drive.sprockets))
+        jumps = simulation._core.tooth_jumps()
+        if jumps is None:
+            msg = (
+                "stop: ToothJump needs the tooth jumps (none counted with hinges='ideal'); "
+                "expected a drive with hinges='clearance'"
+            )
+            raise InvalidInput(msg)
+        before = len(jumps[0])
+
+        def look() -> str | None:
+            jumps = simulation._core.tooth_jumps() or ()
+            time, sprocket, _ = (column[before:] for column in jumps)
+            own = (sprocket > which.start) & (sprocket <= which.stop)
+            if not own.any():
+                return None
+            number, at = sprocket[own][0], time[own][0]
+            return f"the chain jumped a tooth of sprocket {number} at {at:.6g} s"
+
+        return look
+
+
+@known_keywords
+@dataclass(frozen=True)
 class TimeReached(StopCondition):
     """The simulation's time, which goes on from run to run, has reached a value.
 

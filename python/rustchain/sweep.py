@@ -18,7 +18,13 @@ from rustchain._run import WALL_BUDGET, Group, known_groups, seconds_bar
 from rustchain._start import Start, started
 from rustchain._stoppable import run_looked_at
 from rustchain.drive import ChainDrive
-from rustchain.errors import EnergyWarning, InvalidInput, RangeWarning, SimulationError
+from rustchain.errors import (
+    EnergyWarning,
+    InvalidInput,
+    RangeWarning,
+    SimulationError,
+    ToothJumpWarning,
+)
 from rustchain.film import Film
 from rustchain.force_law import ForceLaw, with_friction
 from rustchain.friction import Coulomb, LuGre
@@ -117,6 +123,8 @@ def sweep(
         Contacts have left the range of their law: in how many cases, and the first.
     EnergyWarning
         The energy balance does not close: in how many cases, and the first.
+    ToothJumpWarning
+        The chain has jumped teeth: in how many cases, and the first.
     """
     scene: Parameters = {
         "duration": duration,
@@ -163,6 +171,7 @@ def sweep(
     found.errors = dict(sorted(found.errors.items()))
     found.range_notes = dict(sorted(found.range_notes.items()))
     found.balance_notes = dict(sorted(found.balance_notes.items()))
+    found.jump_notes = dict(sorted(found.jump_notes.items()))
     _warn(found)
     return found
 
@@ -239,10 +248,7 @@ def _run_looked_at(
         ):
             for ended in filter(None, running):
                 number, error = ended.number, ended.error
-                if ended.range_notes:
-                    found.range_notes[number] = ended.range_notes
-                if ended.balance_notes:
-                    found.balance_notes[number] = ended.balance_notes
+                _note(found, number, ended.range_notes, ended.balance_notes, ended.jump_notes)
                 if ended.result is not None:
                     error = _measured(found, number, ended.result, measure)
                 if error is not None:
@@ -275,11 +281,7 @@ def _take(
     """Take what came of a case: its measured value, or its error."""
     if run is not None:
         core, start = run
-        range_notes, balance_notes = core.take_warnings()
-        if range_notes:
-            found.range_notes[number] = range_notes
-        if balance_notes:
-            found.balance_notes[number] = balance_notes
+        _note(found, number, *core.take_warnings())
         simulation = Simulation._around(core, scene)
         if error is None:
             result = simulation._result("finished", start, {})
@@ -288,6 +290,19 @@ def _take(
             error.result = simulation._result("failed", start, {}, str(error))
     if error is not None:
         _fail(found, number, error)
+
+
+def _note(
+    found: SweepResult, number: int, ranges: list[str], balances: list[str], jumps: list[str]
+) -> None:
+    """Keep what there was to warn of in a case."""
+    for notes, new in (
+        (found.range_notes, ranges),
+        (found.balance_notes, balances),
+        (found.jump_notes, jumps),
+    ):
+        if new:
+            notes[number] = new
 
 
 def _fail(found: SweepResult, number: int, error: Exception) -> None:
@@ -314,6 +329,7 @@ def _warn(found: SweepResult) -> None:
     for notes, category in (
         (found.range_notes, RangeWarning),
         (found.balance_notes, EnergyWarning),
+        (found.jump_notes, ToothJumpWarning),
     ):
         for number, lines in list(notes.items())[:1]:
             which = f"{len(notes)} of {len(found.cases)} cases, first {_name(found, number)}"

@@ -44,6 +44,8 @@ class SweepResult:
         Which laws left their range, by the number of the case.
     balance_notes : dict of list of str
         Where the energy balance does not close, by the number of the case.
+    jump_notes : dict of list of str
+        How many teeth the chain jumped, by the number of the case.
     status : {"finished", "interrupted"}
         How the sweep ended.
     """
@@ -54,6 +56,7 @@ class SweepResult:
     errors: dict[int, Exception] = field(default_factory=dict)
     range_notes: dict[int, list[str]] = field(default_factory=dict)
     balance_notes: dict[int, list[str]] = field(default_factory=dict)
+    jump_notes: dict[int, list[str]] = field(default_factory=dict)
     status: Literal["finished", "interrupted"] = "finished"
     _measured: bool = True
     _ended: set[int] = field(default_factory=set)

@@ -8,6 +8,7 @@ mod pair_path;
 mod roller_joint;
 mod roller_path;
 mod tooth_contact;
+mod tooth_jumps;
 
 pub(crate) use candidates::{
     Candidates, CarriedCandidates, Run, SprocketCandidates, gap_direction, surface_constants,
@@ -19,7 +20,10 @@ pub use onset::{crossing_between, first_crossing};
 pub use pair_path::{HingePath, ToothPath};
 pub use roller_joint::{RollerContacts, on_teeth};
 pub use roller_path::RollerPath;
+pub(crate) use tooth_contact::seen_from_teeth;
 pub use tooth_contact::{OnGap, SprocketFrame, ToothContacts, bushing_on_sprocket};
+pub use tooth_jumps::ToothJump;
+pub(crate) use tooth_jumps::{Seated, ToothJumps};
 
 use crate::geometry::Vec2;
 

@@ -1,7 +1,7 @@
 //! Bushing on the surfaces of a tooth gap.
 
 use super::{Contact, HingeContacts, on_teeth};
-use crate::geometry::{Surface, Vec2};
+use crate::geometry::{Surface, Vec2, turned_left};
 use crate::model::{Model, SprocketModel};
 use crate::state::Motion;
 
@@ -54,6 +54,13 @@ impl ToothContacts {
             force: zeros(),
             friction: zeros(),
         }
+    }
+
+    /// Force of the sprocket on the bushing of a near pair, friction included \[N\].
+    #[must_use]
+    pub fn force_on_bushing(&self, pair: usize) -> Vec2 {
+        let normal = Vec2::new(self.normal_x[pair], self.normal_y[pair]);
+        -self.force[pair] * normal - self.friction[pair] * turned_left(normal)
     }
 
     /// Finds the depth of every bushing on every sprocket that is near enough.
@@ -185,7 +192,7 @@ pub(super) fn bushing_near_gap(
 }
 
 /// `arm` in the frame of the sprocket, from the centre of its teeth.
-fn seen_from_teeth(sprocket: &SprocketModel, frame: &SprocketFrame, arm: Vec2) -> Vec2 {
+pub(crate) fn seen_from_teeth(sprocket: &SprocketModel, frame: &SprocketFrame, arm: Vec2) -> Vec2 {
     Vec2::new(
         arm.x * frame.cos + arm.y * frame.sin,
         arm.y * frame.cos - arm.x * frame.sin,

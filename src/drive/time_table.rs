@@ -77,6 +77,11 @@ impl TimeTable {
         self.times.partition_point(|&time| time <= t).checked_sub(1)
     }
 
+    /// The values of all rows.
+    pub(crate) fn values(&self) -> &[f64] {
+        &self.values
+    }
+
     /// The value at time `t` \[s\].
     #[must_use]
     pub fn value(&self, t: f64) -> f64 {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::meter::EnergyMeter;
 use super::{Dynamics, Pair};
-use crate::contact::{CarriedCandidates, ImpactMemory};
+use crate::contact::{CarriedCandidates, ImpactMemory, ToothJumps};
 use crate::geometry::Surface;
 use crate::kernels::Watch;
 use crate::model::Model;
@@ -23,6 +23,8 @@ pub(crate) struct Carried {
     parted: Vec<Pair>,
     hinge_past_range: Option<String>,
     tooth_past_range: Option<String>,
+    tooth_jumps: ToothJumps,
+    jumps_looked_for: u64,
 }
 
 impl Dynamics {
@@ -38,6 +40,8 @@ impl Dynamics {
             parted: self.parted.clone(),
             hinge_past_range: self.hinge_past_range.clone(),
             tooth_past_range: self.tooth_past_range.clone(),
+            tooth_jumps: self.tooth_jumps.clone(),
+            jumps_looked_for: self.jumps_looked_for,
         }
     }
 
@@ -62,6 +66,7 @@ impl Dynamics {
             || !surfaces.all(exists)
             || !carried.parted.iter().all(there)
             || !carried.meter.is_like(&dynamics.meter)
+            || !carried.tooth_jumps.is_like(&dynamics.model)
             || !(carried.watch).is_like(&dynamics.kernels.watch, dynamics.model.links)
         {
             return None;
@@ -81,6 +86,8 @@ impl Dynamics {
         dynamics
             .tooth_past_range
             .clone_from(&carried.tooth_past_range);
+        dynamics.tooth_jumps.clone_from(&carried.tooth_jumps);
+        dynamics.jumps_looked_for = carried.jumps_looked_for;
         Some(dynamics)
     }
 }

@@ -34,8 +34,8 @@ pub(crate) use needs::{Needs, Want};
 pub use powers::{Losses, Powers};
 
 use crate::contact::{
-    HingeContacts, HingePath, ImpactMemory, RollerContacts, RollerPath, ToothContacts, ToothPath,
-    first_crossing,
+    HingeContacts, HingePath, ImpactMemory, RollerContacts, RollerPath, ToothContacts, ToothJump,
+    ToothJumps, ToothPath, first_crossing,
 };
 use crate::force_law::{Elastic, Regions, with_law};
 use crate::geometry::Surface;
@@ -91,6 +91,10 @@ pub struct Dynamics {
     hinge_past_range: Option<String>,
     /// The first tooth contact that did.
     tooth_past_range: Option<String>,
+    /// Jumps of the chain over teeth.
+    tooth_jumps: ToothJumps,
+    /// How often the list of candidates had been made when those were last looked for.
+    jumps_looked_for: u64,
 }
 
 /// A hinge, or a bushing and a sprocket.
@@ -133,6 +137,8 @@ impl Dynamics {
             begun: Vec::with_capacity(links * sprockets),
             hinge_past_range: None,
             tooth_past_range: None,
+            tooth_jumps: ToothJumps::new(&model),
+            jumps_looked_for: 0,
             model,
         }
     }
@@ -384,6 +390,7 @@ impl Dynamics {
         self.differentiate(t, y);
         self.fastest = self.kernels.watch(&self.model, 0.0).speed;
         self.kernels.watch.advance();
+        self.look_for_jumps(t);
     }
 
     /// Lets the pawls of ratchets fall behind the teeth that have passed them in the last step, whose end is `y`; call before the next
@@ -431,6 +438,23 @@ impl Dynamics {
         }
         self.kernels.watch.advance();
         self.watch_ranges(adams);
+        if changed.teeth || self.jumps_looked_for != self.candidate_refreshes() {
+            self.look_for_jumps(step.end);
+        }
+    }
+
+    /// Looks for jumps over teeth at the last evaluation, that of time `t` \[s\]. No bushing changes gaps without contacts that begin or end,
+    /// or a way of half a pitch, after which the list of candidates is made anew.
+    fn look_for_jumps(&mut self, t: f64) {
+        self.jumps_looked_for = self.candidate_refreshes();
+        let jumps = &mut self.tooth_jumps;
+        self.kernels.look_for_jumps(&self.model, t, jumps);
+    }
+
+    /// Teeth that the chain has jumped so far, in the order of time.
+    #[must_use]
+    pub fn tooth_jumps(&self) -> &[ToothJump] {
+        self.tooth_jumps.jumps()
     }
 
     fn find_hinge_onsets(&mut self, adams: &Adams, step: &Step) {

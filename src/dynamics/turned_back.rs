@@ -44,6 +44,7 @@ impl Dynamics {
             }
         }
         self.parted.clear();
+        self.tooth_jumps.take_back(&self.model, t);
         self.kernels.candidates.invalidate();
         let mut slope = std::mem::take(&mut self.slope);
         crate::integrator::OdeSystem::derivative(self, t, y, &mut slope);

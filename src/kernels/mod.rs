@@ -35,7 +35,9 @@ use teeth::{SprocketPose, TeethFound, ToothFriction, TouchTeeth};
 pub(crate) use watch::{Watch, Watched};
 use watch::{WatchHinges, WatchTeeth};
 
-use crate::contact::{Candidates, ImpactMemory, SprocketFrame};
+use crate::contact::{
+    Candidates, ImpactMemory, Seated, SprocketFrame, ToothJumps, seen_from_teeth,
+};
 use crate::dynamics::{Losses, Powers, SprocketLoad, outside_powers, sprocket_acceleration};
 use crate::force_law::{LuGre, VectorLaw, with_law};
 use crate::geometry::Vec2;
@@ -92,6 +94,8 @@ pub(crate) struct Kernels {
     bristles: Option<Box<BristleState>>,
     /// Whether evaluations write the slopes that it is made from.
     writes_slopes: bool,
+    /// Scratch: bushings that are seated on one sprocket.
+    seated: Vec<Seated>,
 }
 
 impl Kernels {
@@ -126,6 +130,7 @@ impl Kernels {
             newton: None,
             bristles: BristleState::of(model, Candidates::most_slots(model)).map(Box::new),
             writes_slopes: false,
+            seated: Vec::with_capacity(model.links),
         }
     }
 
@@ -253,6 +258,32 @@ impl Kernels {
                 .bushings(links)
                 .map(move |(slot, k)| (s, k, candidates.depth[slot], candidates.force[slot]))
         })
+    }
+
+    /// Centre of bushing `k` at the last evaluation \[m\], or of its roller.
+    fn place_on_teeth(&self, k: usize) -> Vec2 {
+        let [x, y] = &on_teeth(&self.chain, self.rollers.as_deref()).bushing;
+        Vec2::new(x[k], y[k])
+    }
+
+    /// Looks for jumps over the teeth of any sprocket at the last evaluation, that of time `t` \[s\].
+    pub(crate) fn look_for_jumps(&mut self, model: &Model, t: f64, jumps: &mut ToothJumps) {
+        for s in 0..model.toothed() {
+            let (sprocket, frame) = (&model.sprockets[s], self.sprocket_frame(s));
+            let limit = sprocket.seated_within();
+            self.seated.clear();
+            for (_, bushing) in self.candidates.sprockets[s].bushings(model.links) {
+                let arm = self.place_on_teeth(bushing) - frame.center;
+                let in_body = seen_from_teeth(sprocket, &frame, arm);
+                if in_body.norm_squared() < limit * limit {
+                    let gap = sprocket.profile.nearest_gap(in_body.y.atan2(in_body.x));
+                    self.seated.push(Seated { bushing, gap });
+                }
+            }
+            jumps.look(model, (t, s), &self.seated, |k| {
+                self.place_on_teeth(k) - frame.center
+            });
+        }
     }
 
     /// Watches all contacts at the end of a step of `length` \[s\], where the last evaluation was.

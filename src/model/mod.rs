@@ -391,6 +391,13 @@ impl SprocketModel {
         }
     }
 
+    /// Distance from the centre of the teeth \[m\] within which a bushing is seated: halfway from the pitch circle to where it passes
+    /// over the tips. A bushing cannot change gaps within it.
+    #[must_use]
+    pub fn seated_within(&self) -> f64 {
+        0.5 * (self.profile.pitch_radius + self.reach - self.offset.norm())
+    }
+
     /// Torque applied from outside at time `t` and angular speed `spin` \[N m\]; zero where the rotation is prescribed or free.
     #[must_use]
     pub fn applied_torque(&self, t: f64, spin: f64) -> f64 {

@@ -9,6 +9,7 @@ use pyo3::types::{PyBytes, PyDict};
 
 use super::describe;
 use super::errors::to_python;
+use crate::contact::ToothJump;
 use crate::drive::Drive;
 use crate::dynamics::Dynamics;
 use crate::error::Error;
@@ -24,6 +25,8 @@ pub(super) struct Core {
     simulation: Simulation,
     /// What was warned of, so that each is said once.
     warned: Vec<String>,
+    /// How many tooth jumps were warned of.
+    jumps_warned: usize,
 }
 
 pub(super) type Rows = Vec<[f64; 3]>;
@@ -122,6 +125,7 @@ impl Core {
         let mut simulation = self.simulation.clone();
         describe::checked(py, simulation.restore(&snapshot))?;
         Ok(Self {
+            jumps_warned: simulation.tooth_jumps().len(),
             simulation,
             warned: self.warned.clone(),
         })
@@ -279,8 +283,32 @@ impl Core {
         Ok(stats)
     }
 
-    /// What was not warned of yet: laws that left their range; the energy balance.
-    fn take_warnings(&mut self) -> (Vec<String>, Vec<String>) {
+    /// Times \[s\], sprockets (from 1) and directions of all tooth jumps so far.
+    #[allow(clippy::type_complexity)] // three columns
+    fn tooth_jumps<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> (
+        Bound<'py, PyArray1<f64>>,
+        Bound<'py, PyArray1<i64>>,
+        Bound<'py, PyArray1<i64>>,
+    ) {
+        let jumps = self.simulation.tooth_jumps();
+        let column = |value: fn(&ToothJump) -> i64| {
+            let values: Vec<i64> = jumps.iter().map(value).collect();
+            values.into_pyarray(py)
+        };
+        let times: Vec<f64> = jumps.iter().map(|jump| jump.time).collect();
+        (
+            times.into_pyarray(py),
+            #[allow(clippy::cast_possible_wrap)] // sprockets are few
+            column(|jump| jump.sprocket as i64 + 1),
+            column(|jump| jump.direction.into()),
+        )
+    }
+
+    /// What was not warned of yet: laws that left their range; the energy balance; tooth jumps.
+    fn take_warnings(&mut self) -> (Vec<String>, Vec<String>, Vec<String>) {
         let balance = self.simulation.balance_note().map(str::to_string);
         let range = self.simulation.range_notes();
         let mut new = |notes: Vec<String>| {
@@ -291,7 +319,11 @@ impl Core {
             self.warned.extend_from_slice(&new);
             new
         };
-        (new(range), new(balance.into_iter().collect()))
+        let (range, balance) = (new(range), new(balance.into_iter().collect()));
+        let jumps = self.simulation.tooth_jumps().split_at(self.jumps_warned).1;
+        let jumped = describe_tooth_jumps(jumps).into_iter().collect();
+        self.jumps_warned += jumps.len();
+        (range, balance, jumped)
     }
 }
 
@@ -300,8 +332,21 @@ impl From<Simulation> for Core {
         Self {
             simulation,
             warned: Vec::new(),
+            jumps_warned: 0,
         }
     }
+}
+
+/// Tooth jumps in words: how many, and the first; nothing where there are none.
+fn describe_tooth_jumps(jumps: &[ToothJump]) -> Option<String> {
+    let first = jumps.first()?;
+    let teeth = if jumps.len() == 1 { "tooth" } else { "teeth" };
+    let (number, time) = (first.sprocket + 1, first.time);
+    Some(format!(
+        "the chain jumped {} {teeth}, first on sprocket {number} at t = {time:.6} s: outputs that need a \
+         seated chain do not hold there; raise the pretension or lower the load, see Result.tooth_jumps",
+        jumps.len()
+    ))
 }
 
 /// A start of the caller's own; of velocities alone, with the generated positions. `None` where nothing is given.
@@ -426,10 +471,11 @@ fn evaluation<'py>(py: Python<'py>, dynamics: &Dynamics) -> PyResult<Bound<'py, 
     )?;
     found.set_item("tooth_penetration", real(&|p| teeth.penetration[p])?)?;
     let vectors: Vec<f64> = by_bushing(model, |p| {
-        let force = if near(p) { teeth.force[p] } else { 0.0 };
-        let friction = if near(p) { teeth.friction[p] } else { 0.0 };
-        let (x, y) = (teeth.normal_x[p], teeth.normal_y[p]);
-        [friction * y - force * x, -friction * x - force * y]
+        if near(p) {
+            <[f64; 2]>::from(teeth.force_on_bushing(p))
+        } else {
+            [0.0; 2]
+        }
     })
     .into_iter()
     .flatten()

@@ -23,6 +23,7 @@ pub(super) fn chosen(model: &Model, groups: Groups) -> Recording {
         add("hinge_force_vector", &[n, 2], false);
         add("hinge_penetration", &[n], false);
         add("hinge_eccentricity", &[n, 2], false);
+        add("hinge_onset_speed", &[n], false);
         add("strand_tension", &[model.strands.len()], false);
         add("peak_hinge_force", &[n], false);
         add("peak_hinge_impulse", &[n], false);
@@ -40,12 +41,15 @@ pub(super) fn chosen(model: &Model, groups: Groups) -> Recording {
         add("roller_force_vector", &[n, 2], false);
         add("roller_penetration", &[n], false);
         add("roller_eccentricity", &[n, 2], false);
+        add("roller_onset_speed", &[n], false);
         add("peak_roller_force", &[n], false);
         add("peak_roller_impulse", &[n], false);
     }
     if groups.teeth {
         add("tooth_force", &[n], false);
+        add("tooth_force_vector", &[n, 2], false);
         add("tooth_penetration", &[n], false);
+        add("tooth_onset_speed", &[n], false);
         add("tooth_sprocket", &[n], true);
         add("tooth_index", &[n], true);
         add("tooth_region", &[n], true);

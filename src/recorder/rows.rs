@@ -38,6 +38,10 @@ pub(super) fn write_hinges(row: &mut Row, dynamics: &Dynamics) {
     row.real((0..n).flat_map(|k| <[f64; 2]>::from(hinges.force_on_pin(k))));
     row.real(hinges.penetration.iter().copied());
     row.real((0..n).flat_map(|k| <[f64; 2]>::from(hinges.eccentricity(k))));
+    row.real(onset_speeds(
+        &hinges.penetration,
+        dynamics.memory.hinge_speed(),
+    ));
     if dynamics.model().ends.is_some() {
         row.real(ends::tensions(dynamics));
     } else if dynamics.model().strands.len() == 2 {
@@ -59,11 +63,23 @@ pub(super) fn write_rollers(row: &mut Row, dynamics: &Dynamics) {
             .iter()
             .flat_map(|&e| <[f64; 2]>::from(e)),
     );
+    row.real(onset_speeds(
+        &rollers.penetration,
+        dynamics.memory.roller_speed(),
+    ));
+}
+
+/// The onset speeds of the contacts that are closed, 0 of the others \[m/s\].
+fn onset_speeds<'a>(depths: &'a [f64], speeds: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+    let pairs = depths.iter().zip(speeds);
+    pairs.map(|(&depth, &speed)| if depth > 0.0 { speed } else { 0.0 })
 }
 
 /// The deepest contact of every bushing.
 #[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap)] // few sprockets, gaps and regions
-pub(super) fn write_teeth(row: &mut Row, teeth: &ToothContacts, links: usize, sprockets: usize) {
+pub(super) fn write_teeth(row: &mut Row, dynamics: &Dynamics) {
+    let (teeth, model) = (&dynamics.teeth, dynamics.model());
+    let (links, sprockets) = (model.links, model.sprockets.len());
     let deepest: Vec<(usize, f64)> = (0..links)
         .map(|k| {
             (0..sprockets)
@@ -76,7 +92,21 @@ pub(super) fn write_teeth(row: &mut Row, teeth: &ToothContacts, links: usize, sp
             .iter()
             .map(|&(pair, depth)| if depth > 0.0 { teeth.force[pair] } else { 0.0 }),
     );
+    row.real(deepest.iter().flat_map(|&(pair, depth)| {
+        if depth > 0.0 {
+            <[f64; 2]>::from(teeth.force_on_bushing(pair))
+        } else {
+            [0.0; 2]
+        }
+    }));
     row.real(deepest.iter().map(|&(_, depth)| depth));
+    row.real(deepest.iter().map(|&(pair, depth)| {
+        if depth > 0.0 {
+            dynamics.memory.tooth_speed[pair]
+        } else {
+            0.0
+        }
+    }));
     row.whole(deepest.iter().map(|&(pair, depth)| {
         if depth > 0.0 {
             (pair / links + 1) as i32

@@ -213,6 +213,7 @@ STOPS = {
     "HingeForceAbove": "force = 1.0",
     "ToothForceAbove": "force = 1.0",
     "StrandSlack": "",
+    "ToothJump": "",
     "TimeReached": "time = 1.0",
 }
 LAWS = {law.__name__: "" for law in rc.ForceLaw.__subclasses__()} | {"Linear": "stiffness = 1e8"}

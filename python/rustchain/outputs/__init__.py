@@ -34,7 +34,10 @@ class Outputs(LoadOutputs, MotionOutputs):
 
     @known_keywords
     def summary(self, *, start: float | None = None, end: float | None = None) -> dict[str, float]:
-        """Return key figures of what was recorded, by name: the default measures of a study."""
+        """Return key figures of what was recorded, by name: the default measures of a study.
+
+        Efficiency and transmission errors are left out where the chain jumped teeth.
+        """
         from rustchain.outputs.summary import summary
 
         return summary(self._result, start, end)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from rustchain.errors import InvalidInput
+from rustchain.outputs.jumps import teeth_jumped
 
 if TYPE_CHECKING:
     from rustchain.drive import ChainDrive
@@ -55,6 +56,7 @@ class Circuit:
     links: int
     sections: tuple[Section, ...]
     _first: int  # number of the sprocket whose angle tells how far the chain has moved
+    _teeth: int  # its teeth
     _pitches_per_radian: float
     _phase: float
 
@@ -93,6 +95,7 @@ class Circuit:
             drive.chain.links,
             tuple(Section(*each) for each in sections),
             first,
+            drive.sprockets[first - 1].teeth,
             (1.0 if report.sides[first - 1] == "inside" else -1.0)
             * drive.sprockets[first - 1].teeth
             / (2 * math.pi),
@@ -102,7 +105,8 @@ class Circuit:
     def moved(self, result: Result) -> Array:
         """Return how far the chain has moved since it was laid [pitches], (times,)."""
         angle: Array = result.array("sprocket_angle")[:, self._first - 1]
-        moved: Array = (angle - self._phase) * self._pitches_per_radian
+        jumped = 2 * math.pi / self._teeth * teeth_jumped(result, self._first)
+        moved: Array = (angle - jumped - self._phase) * self._pitches_per_radian
         return moved
 
     def positions(self, result: Result) -> Array:

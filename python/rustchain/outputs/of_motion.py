@@ -42,6 +42,11 @@ class MotionOutputs(Itself):
             ``order``, cycles per revolution of the driver: ``amplitude`` [rad] (Hann's window).
             ``attrs``: ``peak_to_peak`` [rad], ``peak_to_peak_length`` [m], ``ratio``,
             ``tooth_order``.
+
+        Raises
+        ------
+        InvalidInput
+            The chain jumped teeth of one of them: the error then grows by a gap for each tooth.
         """
         from rustchain.outputs.transmission import transmission_error
 
@@ -84,6 +89,7 @@ class MotionOutputs(Itself):
             [W]: what the energy balance misses. ``efficiency``: power delivered by the shafts over
             power delivered and lost, NaN where nothing is delivered; growth of stored energy does
             not enter. The power of the only motor of prescribed speed holds the tensioner's work.
+            ``attrs``: ``span`` [s]; ``tooth_jumps``, how many teeth the chain jumped meanwhile.
         """
         from rustchain.outputs.power import power_balance
 
@@ -144,7 +150,8 @@ class MotionOutputs(Itself):
             ``density`` [m^2/Hz], (station, frequency [Hz]): `scipy.signal.welch`, Hann's window.
             ``natural_frequency`` [Hz], (mode): of a string of rigid links between fixed ends, at
             the strand's mean tension and speed (`rustchain.outputs.strands.natural_frequencies`).
-            ``attrs``: ``tension`` [N], ``speed`` [m/s], ``pitches``.
+            ``attrs``: ``tension`` [N], ``speed`` [m/s], ``pitches``, ``tooth_frequency`` [Hz]: that
+            of the engagements, pitches a second.
         """
         from rustchain.outputs.strands import strand_spectrum
 

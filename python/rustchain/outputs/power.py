@@ -42,6 +42,8 @@ def power_balance(result: Result, start: float | None, end: float | None) -> xr.
     # Where no shaft puts work in, what is stored runs down: there is no efficiency to speak of.
     works = delivered > 0.0 and bool(np.any(shafts > 0.0))
     efficiency = delivered / (delivered + lost) if works else np.nan
+    part = result.between(start, end)
+    jumped = {} if part.jumps is None else {"tooth_jumps": len(part.tooth_jumps)}
     watts = {"units": "W"}
     return xr.Dataset(
         {
@@ -56,7 +58,7 @@ def power_balance(result: Result, start: float | None, end: float | None) -> xr.
             "channel": list(losses),
             "store": list(_STORED),
         },
-        {"span": span},
+        {"span": span} | jumped,
     )
 
 

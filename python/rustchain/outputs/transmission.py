@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rustchain.errors import InvalidInput
+from rustchain.outputs.jumps import check_seated
 from rustchain.outputs.loads import check_sprocket
 from rustchain.outputs.window import rows_between
 
@@ -33,6 +34,7 @@ def transmission_error(
     rows = rows_between(result, start, end)
     check_sprocket(result, driven)
     check_sprocket(result, driver)
+    check_seated(result.between(start, end), "transmission_error", (driven, driver))
     angle = result.array("sprocket_angle")[rows]
     turned = angle[:, driver - 1] - angle[0, driver - 1]
     ratio = mean_ratio(result.drive, driven, driver)

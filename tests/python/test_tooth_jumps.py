@@ -1,0 +1,216 @@
+"""Tooth jumps: counted, warned of, stopped at, and refused by outputs of a seated chain."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import rustchain as rc
+
+RECORD = ("hinges", "teeth", "sprockets")
+
+
+def overloaded(torque=-10.0):
+    """Return a drive whose load needs 197 N of difference, and whose tensioner keeps 100 N."""
+    return rc.two_sprocket_drive(
+        "ANSI 40", (17, 25), links=60, speed=20, torque=torque, pretension=50
+    )
+
+
+def simulation():
+    return rc.Simulation(overloaded(), friction=rc.Coulomb(0.1))
+
+
+@pytest.fixture(scope="module")
+def jumped():
+    """Return a run in which the overloaded drive jumps, and the warnings of it."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        result = simulation().run(0.5, report_step=1e-3, record=RECORD)
+    return result, caught
+
+
+def test_an_overloaded_drive_jumps_teeth_as_often_as_its_sprockets_get_out_of_step(jumped):
+    result, _ = jumped
+    jumps = result.tooth_jumps
+    assert result.status == "finished"
+    # The load holds sprocket 2 back, so that it lags; where sprocket 1 jumps, it leads.
+    assert len(jumps) >= 2
+    assert set(zip(jumps["sprocket"], jumps["direction"], strict=True)) <= {(1, 1), (2, -1)}
+    angle, center = result.array("sprocket_angle"), result.array("sprocket_center")
+    turned = angle - angle[0]
+    lag = (turned[:, 0] * 17 - turned[:, 1] * 25) / (2 * np.pi)
+    # The tight strand takes up what the centre has come nearer.
+    nearer = (center[0, 1, 0] - center[:, 1, 0]) / result.drive.chain.pitch
+    counted = np.searchsorted(jumps["time"], result.time, "right")
+    settled = np.abs(result.time[:, None] - np.array(jumps["time"])).min(axis=1) > 0.02
+    assert np.abs(lag - nearer - counted)[settled].max() < 0.3
+
+
+def test_a_run_warns_once_of_its_tooth_jumps(jumped):
+    result, caught = jumped
+    told = [str(w.message) for w in caught if w.category is rc.ToothJumpWarning]
+    assert len(told) == 1
+    first = result.tooth_jumps.iloc[0]
+    assert told[0].startswith(f"the chain jumped {len(result.tooth_jumps)} teeth")
+    assert f"sprocket {first['sprocket']:.0f} at t = {first['time']:.6f} s" in told[0]
+
+
+def test_outputs_of_a_seated_chain_say_that_it_jumped_instead_of_giving_nan(jumped):
+    result, _ = jumped
+    for output in (result.transmission_error, result.efficiency):
+        with pytest.raises(rc.InvalidInput, match=r"the chain jumped \d teeth .*tooth_jumps"):
+            output()
+    summary = result.summary()
+    assert summary["tooth_jumps"] == len(result.tooth_jumps)
+    assert not {"efficiency", "transmission_error_2"} & set(summary)
+    assert np.isfinite(list(summary.values())).all()
+    assert result.power_balance().attrs["tooth_jumps"] == len(result.tooth_jumps)
+
+
+def test_a_part_without_jumps_is_that_of_a_seated_chain(jumped):
+    result, _ = jumped
+    before = float(result.tooth_jumps["time"].iloc[0]) - 1e-3
+    assert len(result.between(end=before).tooth_jumps) == 0
+    assert np.isfinite(result.transmission_error(start=0.1, end=before)["error"]).all()
+    assert 0.5 < result.between(end=before).efficiency(after=0.1) < 1.0
+
+
+def test_hinges_are_where_they_were_on_the_way_after_a_jump_of_the_first_sprocket(jumped):
+    from dataclasses import replace
+
+    from rustchain.outputs.circuit import Circuit
+
+    result, _ = jumped
+    way = Circuit.of(result.drive)
+    one = (np.array([result.time[100]]), np.array([1]), np.array([1]))
+    none = tuple(column[:0] for column in one)
+    moved, seated = (way.moved(replace(result, jumps=each)) for each in (one, none))
+    np.testing.assert_array_equal(moved[:100], seated[:100])
+    np.testing.assert_allclose(seated[100:] - moved[100:], 1.0, rtol=1e-12)
+
+
+def test_a_saved_result_keeps_its_tooth_jumps(jumped, tmp_path):
+    result, _ = jumped
+    result.save(tmp_path / "jumped.nc")
+    found = rc.load_result(tmp_path / "jumped.nc")
+    assert found.tooth_jumps.equals(result.tooth_jumps)
+    seated = result.between(end=0.1)
+    seated.save(tmp_path / "seated.nc")
+    assert len(rc.load_result(tmp_path / "seated.nc").tooth_jumps) == 0
+
+
+def test_a_run_stops_at_the_first_jump_and_a_state_keeps_the_count(tmp_path):
+    whole = simulation()
+    with pytest.warns(rc.ToothJumpWarning, match="jumped 1 tooth"):
+        first = whole.run(1.0, report_step=1e-3, record=RECORD, stop=rc.ToothJump())
+    assert first.status == "stopped"
+    assert "jumped a tooth of sprocket" in first.message
+    assert len(first.tooth_jumps) == 1
+    assert first.time[-1] - first.tooth_jumps["time"][0] < 1e-3
+    whole.save_state(tmp_path / "state.npz")
+    successor = rc.Simulation.load_state(tmp_path / "state.npz")
+    results = []
+    for each in (whole, successor):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", rc.ToothJumpWarning)
+            results.append(each.run(0.2, report_step=1e-3, record=RECORD))
+    for one, other in zip(results[0].jumps, results[1].jumps, strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert len(results[0].jumps[0]) == 1 + len(results[0].tooth_jumps)
+
+
+def test_a_sweep_warns_of_tooth_jumps_and_measures_the_others():
+    with pytest.warns(rc.ToothJumpWarning, match=r"1 of 2 cases, first case 1 \(torque=-10\.0\)"):
+        found = rc.sweep(
+            overloaded,
+            {"torque": [-1.0, -10.0]},
+            rc.Result.summary,
+            duration=0.4,
+            report_step=1e-3,
+            friction=rc.Coulomb(0.1),
+        )
+    assert found.success
+    assert list(found.jump_notes) == [1]
+    data = found.to_xarray()
+    assert data["tooth_jumps"][0] == 0
+    assert data["tooth_jumps"][1] > 0
+    np.testing.assert_array_equal(np.isnan(data["transmission_error_2"]), [False, True])
+
+
+@pytest.mark.parametrize("pretension", [0.0, 25.0, 100.0])
+def test_the_published_drive_never_jumps(pretension):
+    result = rc.Simulation(rc.paper_drive(pretension)).run(0.2, report_step=1e-3, energy=False)
+    assert len(result.tooth_jumps) == 0
+
+
+def test_no_jump_is_counted_outside_the_chain_nor_where_it_is_open():
+    open_chain = rc.open_chain(
+        "ANSI 40",
+        ends=(rc.Anchor((-0.16, -0.02), links=30), rc.Load(5.0, arm=0.08)),
+        links=60,
+        sprockets=[rc.Sprocket(17, motion=rc.PrescribedSpeed([(0.0, 0.0), (0.02, 20.0)]))],
+    )
+    idler = rc.chain_drive(
+        "ANSI 40",
+        [
+            rc.Sprocket(17, (0.0, 0.0), rc.PrescribedSpeed(40.0)),
+            rc.Sprocket(25, (0.3, 0.0)),
+            rc.Sprocket(13, (0.15, 0.03), side="outside"),
+        ],
+        adjust=2,
+    )
+    for drive in (open_chain, idler):
+        result = rc.Simulation(drive).run(0.15, report_step=1e-3, energy=False)
+        assert np.ptp(result.sprocket(1).angle) > 4 * 2 * np.pi / 17
+        assert len(result.tooth_jumps) == 0
+
+
+def test_ideal_hinges_say_that_jumps_are_not_counted():
+    ideal = rc.Simulation(rc.paper_drive(hinges="ideal"))
+    with pytest.raises(rc.InvalidInput, match="hinges='clearance'"):
+        ideal.run(1e-3, stop=rc.ToothJump())
+    with pytest.raises(rc.NotRecorded, match="hinges='clearance'"):
+        _ = ideal.run(1e-3).tooth_jumps
+
+
+def test_check_warns_of_a_load_that_the_pretension_cannot_hold():
+    (told,) = [w for w in overloaded().check().warnings if "jump" in w]
+    for number in ("10.0000 N m on sprocket 2", "197.4 N", "100.0 N", "98.7 N"):
+        assert number in told
+    for drive in (overloaded(torque=-4.0), rc.paper_drive(25.0), rc.paper_drive()):
+        assert not [w for w in drive.check().warnings if "jump" in w]
+
+
+@pytest.mark.parametrize(
+    "stop", [{"sprocket": 0}, {"sprocket": 1.5}, {"sprocket": "driver"}, {"sprocket": True}]
+)
+def test_a_stop_at_a_jump_refuses_what_is_no_sprocket(stop):
+    with pytest.raises(rc.InvalidInput, match=r"ToothJump\.sprocket"):
+        rc.ToothJump(**stop)
+
+
+def test_onset_speeds_and_force_vectors_are_those_of_the_state():
+    simulation = rc.Simulation(rc.paper_drive(25.0), friction=rc.Coulomb(0.1))
+    result = simulation.run(0.03, report_step=1e-4, energy=False)
+    present, state = simulation.evaluate(), simulation.state()
+    vector = result.array("tooth_force_vector")
+    np.testing.assert_allclose(vector[-1], present.tooth_force_vector.sum(axis=1), atol=1e-9)
+    touching = result.array("tooth_penetration") > 0.0
+    assert touching[-1].any()
+    assert (vector[~touching] == 0.0).all()
+    speed = result.array("tooth_onset_speed")
+    assert (speed[~touching] == 0.0).all()
+    assert (speed[touching] >= simulation.min_approach_speed).all()
+    np.testing.assert_array_equal(
+        speed[-1], np.where(touching[-1], state["tooth_onset_speed"].max(axis=1), 0.0)
+    )
+    closed = result.array("hinge_penetration") > 0.0
+    speed = result.array("hinge_onset_speed")
+    assert (speed[~closed] == 0.0).all()
+    np.testing.assert_array_equal(speed[-1], np.where(closed[-1], state["hinge_onset_speed"], 0.0))
+    # What a contact began with stays while it lasts.
+    lasting = closed[1:] & closed[:-1]
+    assert (speed[1:] == speed[:-1])[lasting].mean() > 0.9
+    assert result.hinge(6).onset_speed is not None
+    assert result.bushing(6).tooth_force_vector.shape == (len(result.time), 2)
