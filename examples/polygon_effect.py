@@ -31,7 +31,7 @@ print(study.to_pandas())
 
 found = study.statistics
 figure, panels = plt.subplots(1, 2, figsize=(8.0, 3.8), layout="constrained")
-figure.suptitle("Polygon effect: ANSI 40 at 1.3 m/s, driven sprocket of 34 teeth")
+figure.suptitle("Polygon effect: ANSI 40 at 0.43 m/s, driven sprocket of 34 teeth")
 labels = {
     "ripple": "rms ripple of the driven speed [%]",
     "force": "engagement force, 95th percentile [N]",

@@ -98,6 +98,11 @@ impl ToothJumps {
         }
     }
 
+    /// Forgets where the chain is seated: it counts from where it is found next.
+    pub(crate) fn lose_seatings(&mut self) {
+        self.seatings.fill(None);
+    }
+
     /// Takes back the jumps after `t` \[s\], where the run goes on from there.
     pub(crate) fn take_back(&mut self, model: &Model, t: f64) {
         while let Some(jump) = self.jumps.pop_if(|jump| jump.time > t) {

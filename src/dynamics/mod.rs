@@ -438,7 +438,11 @@ impl Dynamics {
         }
         self.kernels.watch.advance();
         self.watch_ranges(adams);
-        if changed.teeth || self.jumps_looked_for != self.candidate_refreshes() {
+        // Steps are far shorter than a gap; of one that is not, nobody knows how many teeth it has passed.
+        let farthest = self.fastest * (step.end - step.start);
+        if farthest.is_nan() || farthest > self.model.half_pitch {
+            self.tooth_jumps.lose_seatings();
+        } else if changed.teeth || self.jumps_looked_for != self.candidate_refreshes() {
             self.look_for_jumps(step.end);
         }
     }
