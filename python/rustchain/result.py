@@ -114,7 +114,12 @@ class Result(Outputs):
             msg = f"no array {name!r}; {suggest(name, VARIABLES)}"
             raise NotRecorded(msg)
         group = VARIABLES[name].group
-        if group == "energy":
+        if group in self.groups:
+            msg = (
+                f"{name}: this drive has no such channel; expected hinges='clearance', and for "
+                "channels of rollers, film or ends a drive that has them"
+            )
+        elif group == "energy":
             msg = "the energy balance was not recorded; pass energy=True to run"
         else:
             msg = f"{group} were not recorded; pass record=(..., {group!r}) to run"
