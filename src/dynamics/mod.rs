@@ -442,13 +442,13 @@ impl Dynamics {
         let farthest = self.fastest * (step.end - step.start);
         if farthest.is_nan() || farthest > self.model.half_pitch {
             self.tooth_jumps.lose_seatings();
-        } else if changed.teeth || self.jumps_looked_for != self.candidate_refreshes() {
+        } else if self.jumps_looked_for != self.candidate_refreshes() {
             self.look_for_jumps(step.end);
         }
     }
 
-    /// Looks for jumps over teeth at the last evaluation, that of time `t` \[s\]. No bushing changes gaps without contacts that begin or end,
-    /// or a way of half a pitch, after which the list of candidates is made anew.
+    /// Looks for jumps over teeth at the last evaluation, that of time `t` \[s\]. A bushing that has changed gaps has moved by more than the
+    /// margin of the list of candidates against its sprocket, so that this is done only where that list was made again.
     fn look_for_jumps(&mut self, t: f64) {
         self.jumps_looked_for = self.candidate_refreshes();
         let jumps = &mut self.tooth_jumps;
