@@ -1,6 +1,6 @@
 //! Whether a start has the bodies that are held at a place where the drive's description has them.
 
-use crate::drive::{Bearing, ChainEnd, Drive, Mount, Sprocket};
+use crate::drive::{Bearing, ChainEnd, Drive, Mount, Sprocket, TimeTable};
 use crate::error::{Error, Result};
 use crate::geometry::{Vec2, way};
 use crate::state::Start;
@@ -60,7 +60,7 @@ pub(super) fn check_places(drive: &Drive, start: &Start) -> Result<()> {
             continue;
         };
         let (found, _) = at(links + 2 - number);
-        if velocity.iter().all(|table| table.is_zero()) && is_off(found, *position) {
+        if velocity.iter().all(TimeTable::is_zero) && is_off(found, *position) {
             return refuse(
                 format!("end_{number}"),
                 found,
