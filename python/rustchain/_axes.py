@@ -13,6 +13,7 @@ from typing import Any, TypeAlias, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
+from rustchain._bounds import items_within
 from rustchain._description import Description, plain
 from rustchain._names import suggest
 from rustchain.drive import ChainDrive, PrescribedSpeed, Sprocket, Tensioner
@@ -27,6 +28,8 @@ Path: TypeAlias = tuple[str, ...]
 
 _SOLVER_FIELDS = tuple(field.name for field in dataclasses.fields(Solver))
 _SHORTHANDS = ("disturbance", "pretension", "speed")
+# Each case holds its scene and its result: a few kilobytes at the least.
+MOST_CASES = 100_000
 _DISTURBANCE = 1e-4  # of a speed at the start
 
 
@@ -37,6 +40,7 @@ def axes_of(axes: Mapping[str, Iterable[Any]]) -> dict[str, tuple[Any, ...]]:
         if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
             msg = f"axes[{name!r}] = {values!r}: must be a sequence of values, one for each case"
             raise InvalidInput(msg)
+        values = items_within(f"axes[{name!r}]", values, MOST_CASES)
         found[name] = tuple(map(plain, values))
         if not found[name]:
             msg = f"axes[{name!r}] = {values!r}: must hold at least one value"
@@ -46,7 +50,9 @@ def axes_of(axes: Mapping[str, Iterable[Any]]) -> dict[str, tuple[Any, ...]]:
 
 def cases_of(cases: object) -> list[Parameters]:
     """Return the parameters of each case of a list of cases."""
-    listed = list(cases) if isinstance(cases, Iterable) and not isinstance(cases, str) else []
+    listed: list[Any] = []
+    if isinstance(cases, Iterable) and not isinstance(cases, str):
+        listed = items_within("axes", cases, MOST_CASES)
     if not listed or not all(isinstance(case, Mapping) for case in listed):
         msg = (
             f"axes = {cases!r}: must map names to sequences of values, "

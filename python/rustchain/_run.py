@@ -13,6 +13,8 @@ from rustchain.errors import InvalidInput
 if TYPE_CHECKING:
     from tqdm import tqdm
 
+    from rustchain.drive import ChainDrive
+
 
 Group = Literal["hinges", "teeth", "sprockets", "bodies", "energy"]
 
@@ -31,6 +33,17 @@ def known_groups(record: Sequence[str], energy: bool) -> tuple[list[str], bool]:
             msg = f"record: {group!r} is no group; {suggest(group, get_args(Group))}"
             raise InvalidInput(msg)
     return groups, True if "energy" in groups else energy
+
+
+def numbers_of_a_row(drive: ChainDrive, groups: Sequence[str], energy: bool) -> int:
+    """Return how many numbers a row of the result has, about."""
+    links, sprockets = drive.hinge_count, len(drive.sprockets)
+    if drive.hinges == "ideal":  # all of the mechanism
+        return 7 + (16 + 6 * sprockets) * links
+    rollers = 0 if drive.chain.roller is None else links
+    each = {"hinges": 10 * links, "teeth": 9 * links, "sprockets": 5 * sprockets}
+    each["bodies"] = 6 * (links + rollers + sprockets + len(drive.guides))
+    return 1 + sum(each.get(group, 0) for group in groups) + (6 if energy else 0)
 
 
 def check_rows_fit(duration: object, report_step: object, numbers: int) -> None:

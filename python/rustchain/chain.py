@@ -115,7 +115,7 @@ class Chain(Description):
     pitch : float
         Nominal distance between the hinges of a link [m].
     links : int
-        Number of links, at least four.
+        Number of links, 4 to 100,000.
     inner, outer : Link
         The inner link (two bushings) and the outer link (two pins).
     hinge : ClearanceHinge

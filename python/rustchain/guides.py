@@ -98,7 +98,8 @@ class GuideRail(Description):
     def outline(self, points: int = 24) -> npt.NDArray[np.float64]:
         """Return the closed outline [m], shape (points in all, 2), counterclockwise.
 
-        About `center`; the x axis points out of the face. Arcs have `points` points each.
+        About `center`; the x axis points out of the face. Arcs have `points` points each, 2
+        to 1000.
         """
         return _rustchain.guide_outline(self, points)
 

@@ -11,7 +11,14 @@ import numpy.typing as npt
 from rustchain._description import plain
 from rustchain._names import known_keywords
 from rustchain._present import SCENE, Present, core_for
-from rustchain._run import WALL_BUDGET, Group, check_rows_fit, known_groups, seconds_bar
+from rustchain._run import (
+    WALL_BUDGET,
+    Group,
+    check_rows_fit,
+    known_groups,
+    numbers_of_a_row,
+    seconds_bar,
+)
 from rustchain._start import Start, started
 from rustchain.drive import ChainDrive, TimeTable
 from rustchain.errors import InvalidInput, SimulationError
@@ -252,7 +259,7 @@ class Simulation(Present):
         groups, energy = known_groups(record, energy)
         looks = looks_of(self, stop, callback, groups)
         start = (self.positions, self.velocities)
-        check_rows_fit(duration, report_step, self._numbers_of_a_row(groups, energy))
+        check_rows_fit(duration, report_step, numbers_of_a_row(self.drive, groups, energy))
         before = self._core.stats()
         self._core.start_recording(duration, report_step, groups, energy)
         self._running = True
@@ -272,15 +279,6 @@ class Simulation(Present):
             self._running = False
             self._core.take_recording()  # whatever else ended the run
             self._warn()
-
-    def _numbers_of_a_row(self, groups: Sequence[str], energy: bool) -> int:
-        """Return how many numbers a row of the result has, about."""
-        links, sprockets = self.drive.hinge_count, len(self.drive.sprockets)
-        if self.drive.hinges == "ideal":  # all of the mechanism
-            return 7 + (16 + 6 * sprockets) * links
-        each = {"hinges": 10 * links, "teeth": 9 * links, "sprockets": 5 * sprockets}
-        each["bodies"] = 6 * len(self.body_names)
-        return 1 + sum(each.get(group, 0) for group in groups) + (6 if energy else 0)
 
     def _result(
         self,

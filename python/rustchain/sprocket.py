@@ -118,7 +118,7 @@ class Sprocket(Description):
         chain : Chain
             The chain they are cut for.
         points : int
-            Points on each curve.
+            Points on each curve, 2 to 1000.
 
         Returns
         -------

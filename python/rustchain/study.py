@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rustchain._axes import Drive
+from rustchain._axes import MOST_CASES, Drive
+from rustchain._bounds import count_within
 from rustchain._measure import numbers_of
 from rustchain._names import known_keywords
 from rustchain._run import Group
@@ -160,7 +161,7 @@ def study(
         run has none; the result that it is given begins after `burn_in` (its ``stats`` are those of
         the whole run). By default `Result.summary`.
     runs : int
-        How many runs, at least 2.
+        How many runs, 2 to 100,000.
     duration : float
         Simulated time of each [s].
     burn_in : float
@@ -190,9 +191,7 @@ def study(
         A number is out of its range, or a parameter is not known.
     """
     axes = {} if axes is None else axes
-    if isinstance(runs, bool) or not isinstance(runs, int) or runs < 2:
-        msg = f"runs = {runs!r}: must be a whole number of at least 2, for there to be a spread"
-        raise InvalidInput(msg)
+    runs = count_within("study.runs", runs, 2, MOST_CASES)  # one has no spread
     if measure is not None and not callable(measure):
         msg = f"measure = {measure!r}: must be a function of a Result, or None"
         raise InvalidInput(msg)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
@@ -11,10 +12,26 @@ from typing import Any
 import numpy.typing as npt
 
 from rustchain import _rustchain
-from rustchain._axes import Drive, Parameters, axes_of, cases_of, check_names, scene_of
+from rustchain._axes import (
+    MOST_CASES,
+    Drive,
+    Parameters,
+    axes_of,
+    cases_of,
+    check_names,
+    scene_of,
+)
+from rustchain._bounds import count_within
 from rustchain._names import known_keywords
 from rustchain._present import SCENE
-from rustchain._run import WALL_BUDGET, Group, known_groups, seconds_bar
+from rustchain._run import (
+    WALL_BUDGET,
+    Group,
+    check_rows_fit,
+    known_groups,
+    numbers_of_a_row,
+    seconds_bar,
+)
 from rustchain._start import Start, started
 from rustchain._stoppable import run_looked_at
 from rustchain.drive import ChainDrive
@@ -148,6 +165,7 @@ def sweep(
     if grid is None:
         cases = cases_of(axes)
     else:
+        count_within("cases of the sweep", math.prod(map(len, grid.values())), 1, MOST_CASES)
         cases = [dict(zip(grid, values, strict=True)) for values in product(*grid.values())]
     check_names(drive, scene, cases)
     looked_at = len(check_looks(stop, callback)) > 0 or callback is not None
@@ -197,7 +215,10 @@ def _ready(scene: Parameters) -> _rustchain.Case:
     scene |= started(scene)
     names = (*SCENE, "duration", "report_step", "positions", "velocities")
     given = {name: scene[name] for name in names}
-    return _rustchain.Case(**given, groups=groups, energy=energy)
+    case = _rustchain.Case(**given, groups=groups, energy=energy)
+    numbers = numbers_of_a_row(scene["drive"], groups, energy)
+    check_rows_fit(scene["duration"], scene["report_step"], numbers)
+    return case
 
 
 def _run_all(

@@ -161,8 +161,12 @@ pub(super) fn check_ends(ends: &[ChainEnd; 2], chain: &Chain) -> Result<()> {
             "must be absent in an open chain: any number of links alternates from end to end",
         ));
     }
-    let counted = ends.iter().filter_map(ChainEnd::links).sum::<u32>();
-    if counted > chain.links {
+    let counted = ends
+        .iter()
+        .filter_map(ChainEnd::links)
+        .map(u64::from)
+        .sum::<u64>();
+    if counted > u64::from(chain.links) {
         return Err(Error::invalid(
             "links of the ends",
             counted,

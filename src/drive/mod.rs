@@ -14,6 +14,7 @@ mod time_table;
 mod variation;
 
 pub use belt_line::BeltLine;
+pub(crate) use chain::MOST_LINKS;
 pub use chain::{Chain, ClearanceHinge, Link, Roller, check_links};
 pub use ends::ChainEnd;
 pub use material::Material;
@@ -29,6 +30,9 @@ pub use variation::Variation;
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
 use crate::geometry::belt::Side;
+
+/// Most pairs of a bushing and a sprocket or guide: they take 150 bytes each.
+const MOST_PAIRS: f64 = 1e7;
 
 /// A chain drive.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,6 +96,46 @@ impl Drive {
         Ok(())
     }
 
+    /// What the chain runs along lies within the length of the longest chain: the pitches along it are a number of links.
+    fn check_extent(&self) -> Result<()> {
+        let longest = f64::from(MOST_LINKS) * self.chain.pitch;
+        let sprockets = self.sprockets.iter().enumerate();
+        let sprockets = sprockets.map(|(i, s)| (format!("sprockets[{i}].center"), s.center));
+        let guides = self.guides.iter().enumerate();
+        let guides = guides.map(|(i, guide)| (format!("guides[{i}].center"), guide.center));
+        let ends = self.ends.iter().flatten().enumerate();
+        let ends =
+            ends.filter_map(|(i, end)| Some((format!("ends[{i}].position"), end.position()?)));
+        let mut places = sprockets.chain(ends).chain(guides).peekable();
+        let origin = places.peek().map_or(Vec2::zeros(), |(_, origin)| *origin);
+        for (name, place) in places {
+            let apart = (place - origin).norm();
+            if apart > longest || apart.is_nan() {
+                return Err(Error::invalid(
+                    format!("ChainDrive.{name}"),
+                    format!("{:?}", (place.x, place.y)),
+                    format!(
+                        "must lie within {longest} m of {:?}, {MOST_LINKS} pitches; lengths are in metres",
+                        (origin.x, origin.y)
+                    ),
+                ));
+            }
+        }
+        for (i, guide) in self.guides.iter().enumerate() {
+            let field = format!("ChainDrive.guides[{i}], its largest extent");
+            let extent = 2.0 * guide.profile()?.outside_radius;
+            check::within(&field, extent, 0.0, longest)?;
+        }
+        Ok(())
+    }
+
+    fn check_pairs(&self) -> Result<()> {
+        let wheels = self.sprockets.len() + self.guides.len();
+        let field = "hinges times sprockets and guides of the ChainDrive";
+        let pairs = self.hinges() as f64 * wheels as f64;
+        check::within(field, pairs, 0.0, MOST_PAIRS)
+    }
+
     /// Checks every part and that the parts fit together.
     ///
     /// # Errors
@@ -113,6 +157,8 @@ impl Drive {
             guide.validate()?;
             guide.validate_for(self.chain.contact_radius())?;
         }
+        self.check_extent()?;
+        self.check_pairs()?;
         if let Some(tensioner) = &self.tensioner {
             tensioner.validate()?;
             let Some(sprocket) = self.sprockets.get(tensioner.sprocket.wrapping_sub(1)) else {

@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 
 use super::describe;
 use super::errors::{InvalidInput, to_python};
-use crate::drive::{BeltLine, Drive, check_links};
+use crate::drive::{BeltLine, Drive, MOST_LINKS, check_links};
 use crate::equilibrium::Equilibrium;
 use crate::error::{Error, check};
 use crate::force_law::{SurfacePair, elastic_forces, restitution_obtained as obtained};
@@ -156,6 +156,8 @@ pub(super) fn closing_move(
 ) -> PyResult<f64> {
     let py = drive.py();
     let description = one_of(drive, number)?;
+    let farthest = f64::from(MOST_LINKS) * description.chain.pitch;
+    describe::checked(py, check::within("reach", reach, 0.0, farthest))?;
     let along = Vec2::new(direction.0, direction.1);
     if !(along.norm().is_finite() && along.norm() > 0.0) {
         let expected = "must be two finite numbers, not both zero";
@@ -249,23 +251,20 @@ pub(super) fn links_for(
     let pitch = positive(pitch, "pitch", "m")?;
     let teeth = describe::two_teeth(teeth)?;
     let center_distance = positive(center_distance, "center_distance", "m")?;
-    if center_distance > 1e5 * pitch {
-        return Err(to_python(
-            py,
-            &Error::invalid(
-                "center_distance",
-                center_distance,
-                format!("must be below 100000 pitches, {} m", 1e5 * pitch),
-            ),
-        ));
-    }
+    // Two strands of so many pitches make the longest chain.
+    let farthest = 0.5 * f64::from(MOST_LINKS) * pitch;
+    let allowed = check::within("center_distance", center_distance, 0.0, farthest);
+    describe::checked(py, allowed)?;
     Ok(state::links_for(pitch, teeth, center_distance))
 }
+
+/// Most points of each arc of an outline: 14 million of a whole sprocket, of 1000 teeth of 14 arcs.
+const MOST_POINTS: f64 = 1e3;
 
 /// How many points each arc of an outline is to have.
 fn points_of_arcs(points: &Bound<'_, PyAny>) -> PyResult<usize> {
     let count = describe::count(points, "points")?;
-    let allowed = check::within("points", f64::from(count), 2.0, 1e5);
+    let allowed = check::within("points", f64::from(count), 2.0, MOST_POINTS);
     describe::checked(points.py(), allowed).map(|()| count as usize)
 }
 
@@ -518,6 +517,9 @@ impl OdeSystem for Callable<'_> {
     }
 }
 
+/// Most values that [`integrate`] returns: a gigabyte.
+const MOST_VALUES: f64 = 1.25e8;
+
 /// Integrates y' = fun(t, y) with the embedded Adams-Bashforth-Moulton method.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, clippy::needless_pass_by_value)] // SciPy's; PyO3 hands arrays over
@@ -566,6 +568,11 @@ pub(super) fn integrate<'py>(
             &Error::invalid("t_eval", "its times", "must rise and lie within t_span"),
         ));
     }
+    let values = times.len() as f64 * y0.len() as f64;
+    describe::checked(
+        py,
+        check::within("t_eval times y0", values, 0.0, MOST_VALUES),
+    )?;
     let mut system = Callable {
         function: fun.clone(),
         dimension: y0.len(),

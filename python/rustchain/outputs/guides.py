@@ -13,7 +13,7 @@ from rustchain.errors import InvalidInput
 from rustchain.guides import SmoothIdler
 from rustchain.outputs.circuit import Circuit
 from rustchain.outputs.loads import nearest_contact
-from rustchain.outputs.phases import bins_of, intervals, midway, share, statistics
+from rustchain.outputs.phases import bins_of, checked_bins, intervals, midway, share, statistics
 from rustchain.outputs.window import rows_between
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ def guide_loads(
     """Return what `Outputs.guide_loads` promises."""
     import xarray as xr
 
+    bins_per_pitch = checked_bins("guide_loads.bins_per_pitch", bins_per_pitch)
     rows = rows_between(result, start, end)
     number = guide_number(result, guide)
     wheel = result.array("tooth_sprocket")

@@ -9,7 +9,7 @@ import numpy as np
 
 from rustchain.errors import InvalidInput
 from rustchain.outputs.circuit import Circuit
-from rustchain.outputs.phases import bins_of, intervals, midway, share, statistics
+from rustchain.outputs.phases import bins_of, checked_bins, intervals, midway, share, statistics
 from rustchain.outputs.window import rows_between
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ def hinge_loads(
     """Return what `Outputs.hinge_loads` promises."""
     import xarray as xr
 
+    bins_per_pitch = checked_bins("hinge_loads.bins_per_pitch", bins_per_pitch)
     rows = rows_between(result, start, end)
     circuit = Circuit.of(result.drive)
     where = midway(circuit.moved(result))[rows, None] + np.arange(circuit.links)
@@ -77,6 +78,7 @@ def wrap_loads(
     """Return what `Outputs.wrap_loads` promises."""
     import xarray as xr
 
+    bins_per_pitch = checked_bins("wrap_loads.bins_per_pitch", bins_per_pitch)
     rows = rows_between(result, start, end)
     check_sprocket(result, sprocket)
     circuit = Circuit.of(result.drive)
@@ -119,6 +121,7 @@ def tooth_loads(
     """Return what `Outputs.tooth_loads` promises."""
     import xarray as xr
 
+    bins_per_pitch = checked_bins("tooth_loads.bins_per_pitch", bins_per_pitch)
     rows = rows_between(result, start, end)
     check_sprocket(result, sprocket)
     teeth = result.drive.sprockets[sprocket - 1].teeth

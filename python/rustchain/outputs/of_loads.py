@@ -46,7 +46,7 @@ class LoadOutputs(Itself):
         quantiles : sequence of float
             Shares, 0 to 1, of the reports that lie below the values of ``quantiles``.
         bins_per_pitch : int
-            How finely the chain's way is divided.
+            How finely the chain's way is divided, 1 to 1000.
 
         Returns
         -------
@@ -213,7 +213,7 @@ class LoadOutputs(Itself):
             With "tooth": count in the gaps of this sprocket, per revolution of it; by default on
             the bushings, per revolution of the chain.
         bins : int
-            Number of classes of the range, from 0 to the largest.
+            Number of classes of the range, from 0 to the largest; 1 to 1000.
 
         Returns
         -------

@@ -140,7 +140,7 @@ class MotionOutputs(Itself):
         strand, stations
             As in `strand_motion`.
         modes : int
-            How many natural frequencies to tell.
+            How many natural frequencies to tell, at most the number of hinges.
         segment : float, optional
             Length of Welch's segments [s]; by default one segment, the finest resolution.
 

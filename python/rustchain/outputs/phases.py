@@ -7,12 +7,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rustchain._bounds import count_within
+
 if TYPE_CHECKING:
     import numpy.typing as npt
 
     from rustchain.result import Array
 
 QUANTILES = (0.05, 0.5, 0.95)
+# Far finer than rows lie in a pitch: with more bins most are empty.
+_MOST_BINS = 1000
+
+
+def checked_bins(where: str, bins: object) -> int:
+    """Return a number of bins that an output was asked for, if it makes sense."""
+    return count_within(where, bins, 1, _MOST_BINS)
 
 
 def statistics(

@@ -12,6 +12,7 @@ from rustchain.errors import InvalidInput
 from rustchain.outputs import rainflow
 from rustchain.outputs.circuit import Circuit
 from rustchain.outputs.loads import check_sprocket, nearest_contact
+from rustchain.outputs.phases import checked_bins
 from rustchain.outputs.window import rows_between
 
 if TYPE_CHECKING:
@@ -92,6 +93,7 @@ def pressure_cycles(
     """Return what `Outputs.pressure_cycles` promises."""
     import xarray as xr
 
+    bins = checked_bins("pressure_cycles.bins", bins)
     rows = rows_between(result, start, end)
     found = contact_pressure(result, contact, start, end)
     now, most = found["pressure"].to_numpy(), found["peak_pressure"].to_numpy()

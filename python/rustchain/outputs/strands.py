@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rustchain import _rustchain
+from rustchain._bounds import count_within
 from rustchain.errors import InvalidInput
 from rustchain.outputs.circuit import Belt, Circuit
 from rustchain.outputs.spectrum import welch
@@ -106,6 +107,7 @@ def strand_spectrum(
     """Return what `Outputs.strand_spectrum` promises."""
     import xarray as xr
 
+    modes = count_within("strand_spectrum.modes", modes, 1, result.drive.hinge_count)
     motion = strand_motion(result, strand, stations, start, end)
     time = motion["time"].to_numpy()
     frequency, density = welch(time, motion.to_numpy().T, segment)

@@ -128,7 +128,7 @@ FIELDS = {
         "pitch": positive("m"),
         "links": [
             *[(value, "must be a whole number") for value in NO_COUNT],
-            *[(value, "must be between 4 and 1000000") for value in (0, 2)],
+            *[(value, "must be between 4 and 100000") for value in (0, 2)],
         ],
         "inner": instance("Link", None, DRIVE.chain.material),
         "outer": instance("Link", None, DRIVE.chain.hinge),
