@@ -19,7 +19,7 @@ def count_within(where: str, value: object, least: int, most: int) -> int:
     whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
     if whole and least <= value <= most:  # type: ignore[operator]
         return int(value)  # type: ignore[call-overload, no-any-return]
-    msg = f"{where}: got {reprlib.repr(value)}; expected a whole number from {least} to {most}"
+    msg = f"{where} = {reprlib.repr(value)}: must be a whole number from {least} to {most}"
     raise InvalidInput(msg)
 
 

@@ -191,7 +191,7 @@ def study(
         A number is out of its range, or a parameter is not known.
     """
     axes = {} if axes is None else axes
-    runs = count_within("study.runs", runs, 2, MOST_CASES)  # one has no spread
+    runs = count_within("runs", runs, 2, MOST_CASES)  # one has no spread
     if measure is not None and not callable(measure):
         msg = f"measure = {measure!r}: must be a function of a Result, or None"
         raise InvalidInput(msg)

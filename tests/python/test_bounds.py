@@ -82,7 +82,7 @@ CALLS = {
     "rows of a sweep": (long_rows, "report_step = 1.1e-07: gives"),
     "runs": (
         lambda: rc.study(DRIVE, runs=10**12, duration=1e-3),
-        "study.runs: got 1000000000000; expected a whole number from 2 to 100000",
+        "runs = 1000000000000: must be a whole number from 2 to 100000",
     ),
     "an axis": (
         lambda: rc.sweep(DRIVE, {"speed": itertools.count()}, duration=1e-3),
@@ -94,7 +94,7 @@ CALLS = {
     ),
     "product of axes": (
         lambda: rc.sweep(DRIVE, {"speed": range(10**4), "pretension": range(10**4)}, duration=1e-3),
-        "cases of the sweep: got 100000000; expected a whole number from 1 to 100000",
+        "cases of the sweep = 100000000: must be a whole number from 1 to 100000",
     ),
 }
 
@@ -125,6 +125,6 @@ OUTPUTS = {
 def test_an_output_of_too_many_parts_is_refused_with_its_bound(result, where):
     output, most = OUTPUTS[where]
     for count in (0, most + 1, 10**9, 1e9, True):
-        message = f"{where}: got {count}; expected a whole number from 1 to {most}"
+        message = f"{where} = {count}: must be a whole number from 1 to {most}"
         with pytest.raises(rc.InvalidInput, match=re.escape(message)):
             output(result, count)
