@@ -55,7 +55,7 @@ mod tests {
 
     #[test]
     fn a_panic_is_an_error_with_its_message() {
-        let message = |work: fn() -> ()| guarded(work).unwrap_err();
+        let message = |work: fn()| guarded(work).unwrap_err();
         assert_eq!(message(|| panic!("body {}", 7)), "body 7");
         assert_eq!(
             message(|| panic!("index out of bounds")),

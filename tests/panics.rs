@@ -1,5 +1,9 @@
 //! A panic in a run is an error with its time: the rows until then are kept, and the run does not go on.
-#![allow(clippy::unwrap_used)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss
+)] // rows are few
 
 mod common;
 
