@@ -5,10 +5,12 @@ use std::sync::Arc;
 use super::body::Frame;
 use super::constrained::Constrained;
 use super::equation::Row;
+use super::event_screening::ContactEnd;
 use super::implicit::ImplicitMatrix;
 use super::loads::Loads;
 use super::memory::{Memory, Touch};
 use super::model::MechanismModel;
+use super::touch::CompiledContact;
 use crate::geometry::Vec2;
 use crate::integrator::OdeSystem;
 
@@ -44,6 +46,8 @@ pub struct MechanismDynamics {
     pub(super) memory: Vec<Memory>,
     /// Whether each contact is near enough to bear: what is not leaves its sides alone.
     pub(super) near: Vec<bool>,
+    /// How each contact is where the step under way began.
+    pub(super) starts: Vec<ContactEnd>,
     pub(super) shift: Vec<f64>,
     /// When the shift of coordinates was what it says \[s\].
     pub(super) shift_time: f64,
@@ -84,6 +88,7 @@ impl MechanismDynamics {
             touches: vec![Touch::default(); model.sides.len()],
             memory: vec![Memory::default(); model.sides.len()],
             near: vec![true; model.contacts.len()],
+            starts: vec![ContactEnd::default(); model.contacts.len()],
             shift: vec![0.0; 2 * n],
             shift_time: 0.0,
             stabilisation,
@@ -241,8 +246,8 @@ impl MechanismDynamics {
         }
     }
 
-    /// Time from `t` on \[s\] in which nothing passes unseen: no circle a profile, from where the bodies are by their speeds
-    /// and accelerations; no bend of a driver or of a force, nor a change that would be over at once. What is longer than `within`
+    /// Time from `t` on \[s\] in which nothing passes unseen: no circle a profile that it is not near to, from where the bodies
+    /// are by their speeds and accelerations; no bend of a driver or of a force, nor a change that would be over at once. What is longer than `within`
     /// is not told from what is without limit.
     pub(super) fn longest_step(&self, t: f64, within: f64) -> f64 {
         let motions = self
@@ -253,17 +258,20 @@ impl MechanismDynamics {
         let motions = motions.map(|motion| motion.longest_step(t));
         let forces = self.model.forces.iter().map(|force| force.longest_step(t));
         let longest = motions.chain(forces).fold(f64::INFINITY, f64::min);
-        let rates = |body: usize| match self.model.first[body] {
-            None => [0.0; 3],
-            Some(i) => [0, 1, 2].map(|k| self.accelerations[i + k]),
-        };
         let contacts = self.model.contacts.iter().zip(&self.model.sides_of_contact);
         let times = contacts.map(|(contact, sides)| {
-            let ends = [contact.a.body, contact.b.body].map(rates);
             let touches = &self.touches[sides.clone()];
-            contact.free_time(&self.frames, ends, touches, within)
+            contact.free_time(&self.frames, self.rates_of(contact), touches, within)
         });
         times.fold(longest, f64::min)
+    }
+
+    /// Accelerations of the two bodies of a contact.
+    pub(super) fn rates_of(&self, contact: &CompiledContact) -> [[f64; 3]; 2] {
+        [contact.a.body, contact.b.body].map(|body| match self.model.first[body] {
+            None => [0.0; 3],
+            Some(i) => [0, 1, 2].map(|k| self.accelerations[i + k]),
+        })
     }
 
     /// What a side without penetration remembers: that the circle is behind it, or nothing.
@@ -300,6 +308,11 @@ impl MechanismDynamics {
 }
 
 impl OdeSystem for MechanismDynamics {
+    /// What is allowed does not go with the accuracy: energy that a contact keeps or loses is not of the order of its depth.
+    fn stands(&mut self, length: f64, _allowed: f64) -> bool {
+        !self.passes_contact(length)
+    }
+
     fn dimension(&self) -> usize {
         2 * self.model.coordinates() + 2
     }

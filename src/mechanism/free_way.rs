@@ -6,8 +6,9 @@ use super::outline::Place;
 use super::touch::CompiledContact;
 use crate::geometry::{Vec2, turned_left};
 
-/// Part of its radius that a circle near a profile may move by in one step: none passes through another unseen.
-const FARTHEST: f64 = 0.25;
+/// Part of its radius within which a circle counts as near a profile: from farther away no step carries it there, and from nearer
+/// by no more than that, along a path that is screened for contacts.
+pub(super) const FARTHEST: f64 = 0.25;
 
 impl CompiledContact {
     /// Time \[s\] in which the circle cannot move, by its speed and acceleration relative to the profile, through its gap or,
@@ -56,7 +57,7 @@ impl CompiledContact {
     }
 
     /// Velocity \[m/s\] and acceleration \[m/s²\] of the circle's centre as seen from the profile, of bodies that accelerate so.
-    fn relative_motion(&self, frames: &[Frame], rates: [[f64; 3]; 2]) -> (Vec2, Vec2) {
+    pub(super) fn relative_motion(&self, frames: &[Frame], rates: [[f64; 3]; 2]) -> (Vec2, Vec2) {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let center = fb.place(self.b.point);
         let speed = fb.velocity_at(center) - fa.velocity_at(center);

@@ -100,8 +100,7 @@ impl MechanismSimulation {
             assembly,
         };
         simulation.remember_present_contacts();
-        let longest = simulation.dynamics.longest_step(0.0, control.max_step);
-        simulation.adams.limit_step(longest);
+        simulation.begin_step(0.0, control.max_step);
         Ok(simulation)
     }
 
@@ -261,10 +260,14 @@ impl MechanismSimulation {
             self.project(step.end, at_hand)?;
         }
         // Twice the step that would be next: whether it is near to its limit is asked for, too.
-        let within = 2.0 * self.adams.step_size();
-        self.adams
-            .limit_step(self.dynamics.longest_step(step.end, within));
+        self.begin_step(step.end, 2.0 * self.adams.step_size());
         Ok(())
+    }
+
+    /// Bounds the next step by what is near where everything was evaluated last; a bound above `within` is none.
+    fn begin_step(&mut self, t: f64, within: f64) {
+        self.dynamics.begin_screening();
+        self.adams.limit_step(self.dynamics.longest_step(t, within));
     }
 
     /// An error when many steps have hardly led anywhere: what shrinks steps without end is named in bounded time.

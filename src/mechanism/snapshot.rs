@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::event_screening::ContactEnd;
 use super::memory::Memory;
 use super::model::MechanismModel;
 use super::simulation::MechanismSimulation;
@@ -9,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::integrator::Adams;
 
 /// What the bytes begin with: a name and a version, another one for every change of what they hold.
-const MAGIC: &[u8; 24] = b"rustchain mechanism  004";
+const MAGIC: &[u8; 24] = b"rustchain mechanism  005";
 
 /// All that decides how a run goes on, and what it is of.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -22,6 +23,7 @@ pub struct MechanismSnapshot {
     shift: Vec<f64>,
     shift_before: Vec<f64>,
     memory: Vec<Memory>,
+    starts: Vec<ContactEnd>,
     onsets: u64,
     integrator: Adams,
 }
@@ -77,6 +79,7 @@ impl MechanismSimulation {
             shift: dynamics.shift.clone(),
             shift_before: self.shift_before.clone(),
             memory: dynamics.memory.clone(),
+            starts: dynamics.starts.clone(),
             onsets: self.onsets,
             integrator: self.adams.clone(),
         }
@@ -117,6 +120,7 @@ impl MechanismSimulation {
         let whole = snapshot.integrator.is_like(&own.integrator)
             && snapshot.shift.len() == own.shift.len()
             && snapshot.shift_before.len() == own.shift_before.len()
+            && snapshot.starts.len() == own.starts.len()
             && snapshot.now <= snapshot.integrator.time();
         if !whole {
             return Err(Error::invalid(
@@ -137,6 +141,7 @@ impl MechanismSimulation {
         self.dynamics.shift_time = self.adams.time();
         self.shift_before.clone_from(&snapshot.shift_before);
         self.dynamics.memory.clone_from(&snapshot.memory);
+        self.dynamics.starts.clone_from(&snapshot.starts);
         Ok(())
     }
 }
