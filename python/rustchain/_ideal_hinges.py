@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -15,6 +14,7 @@ from rustchain import _rustchain
 from rustchain._drive_mechanism import drive_mechanism
 from rustchain._ideal_channels import IdealHingeChannels
 from rustchain._tensioner_mechanism import arm_rows
+from rustchain._warn import warn_caller
 from rustchain.drive import ChainDrive
 from rustchain.errors import InvalidInput
 from rustchain.force_law import ForceLaw
@@ -78,7 +78,7 @@ class IdealHingeCore(IdealHingeChannels):
                 f"positions: links had to be moved by up to {report['moved']:.3g} m to close the "
                 "ideal hinges: is each link placed where its hinges meet?"
             )
-            warnings.warn(msg, stacklevel=4)
+            warn_caller(msg)
         self._groups: Sequence[str] = ()
         self._energy = False
         # As placed: assembling moves them by rounding.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -12,6 +11,7 @@ from rustchain import _rustchain, _state_file
 from rustchain._names import known_keywords
 from rustchain._run import WALL_BUDGET, check_rows_fit, seconds_bar
 from rustchain._start import rows_of
+from rustchain._warn import warn_caller
 from rustchain.errors import EnergyWarning, InvalidInput, SimulationError
 from rustchain.mechanism import Mechanism
 from rustchain.mechanism_evaluation import MechanismEvaluation
@@ -63,7 +63,7 @@ class MechanismSimulation:
         self._running = False
         self._core = _rustchain.MechanismCore(mechanism, solver, baumgarte)
         for text in self.check().warnings:
-            warnings.warn(text, stacklevel=3)
+            warn_caller(text)
 
     def __repr__(self) -> str:
         """Return what moves, and the time."""
@@ -206,7 +206,7 @@ class MechanismSimulation:
         self._check_idle("run")
         looks = looks_of(self, stop, callback)
         bodies, joints, contacts = self.body_names, self.joint_names, self.contact_names
-        numbers = 7 + 9 * len(bodies) + 7 * len(joints) + 6 * len(contacts)
+        numbers = 7 + 9 * len(bodies) + 7 * len(joints) + 9 * len(contacts)
         check_rows_fit(duration, report_step, numbers)
         before = self._core.stats()
         self._core.start_recording(duration, report_step)
@@ -225,7 +225,7 @@ class MechanismSimulation:
             self._running = False
             self._core.take_recording()  # whatever else ended the run
             if (text := self._core.take_warnings()) is not None:
-                warnings.warn(text, EnergyWarning, stacklevel=3)
+                warn_caller(text, EnergyWarning)
 
     def _advance(self, duration: float, progress: bool, looks: Sequence[Look]) -> str | None:
         """Advance to the end of the recording, or to a row at which to stop: then return why."""

@@ -155,5 +155,6 @@ def test_links_that_have_to_be_moved_far_to_close_ideal_hinges_are_told():
     start = rc.Simulation(drive)
     positions = start.positions.copy()
     positions[3, 0] += 1e-3
-    with pytest.warns(UserWarning, match="links had to be moved by up to"):
+    with pytest.warns(UserWarning, match="links had to be moved by up to") as caught:
         rc.Simulation(drive, positions=positions, velocities=start.velocities)
+    assert [warning.filename for warning in caught] == [__file__]

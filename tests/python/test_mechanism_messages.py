@@ -88,6 +88,9 @@ def test_what_was_not_moved_is_not_said_to_be():
     assert "positions            changed by up to" in str(report)
     (text,) = report.warnings
     assert 'body "bar" had to be moved by' in text
+    with pytest.warns(UserWarning, match="had to be moved by") as caught:
+        rc.Simulation(mechanism)
+    assert [warning.filename for warning in caught] == [__file__]
     assert "turned by 3.000e-1 rad" in text
     assert "0.000e0" not in text
     assert "positions            as given" in str(pendulum().check())
