@@ -1,5 +1,9 @@
 """Contacts that begin and end between two steps: none is passed over, at any tolerance and step."""
 
+import re
+import warnings
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -116,18 +120,73 @@ def disc(mechanism, law):
     mechanism.add_disc_contact("stop", "ground", "ball", 0.3, 0.05, law, point_a=(0.0, 0.35))
 
 
-@pytest.mark.parametrize("stop", [ceiling, beam, edge, vault, disc])
+def teeth(mechanism, law):
+    """The seat of a gap that opens downwards, above a roller of the chain."""
+    chain = rc.catalogue_chain("ANSI 40", 40)
+    wheel = rc.Sprocket(17, (0.0, 0.0))
+    height = 0.5 * chain.pitch / np.sin(np.pi / 17)
+    mechanism.add_body("wheel", 1.0, 1.0, position=(0.0, height, -np.pi / 2), fixed=True)
+    mechanism.add_sprocket_contact("stop", "wheel", "ball", wheel, chain, law)
+
+
+@pytest.mark.parametrize("stop", [ceiling, beam, edge, vault, disc, teeth])
 @pytest.mark.parametrize("method", ["pece", "newton"])
 def test_a_ball_thrown_up_to_a_stop_bounces_off_it(stop, method):
     """The path without the stop would be out of it again within a step, by 1e-8 m to 1 mm."""
     rng = np.random.default_rng(4)
     for excess in 10.0 ** rng.uniform(-8.0, -3.0, 12):
         m = rc.Mechanism()
-        rise = 0.01 + excess
-        speed = np.sqrt(2.0 * 9.81 * rise)
-        m.add_body("ball", 1.0, 1e-3, position=(0.0, -0.01, 0.0), velocity=(0.0, speed, 0.0))
+        m.add_body("ball", 1.0, 1e-3, position=(0.0, -0.01, 0.0))
         stop(m, rc.LinearContact(1e6))
+        placed = rc.Simulation(m)
+        touching = placed.positions.copy()
+        touching[0] = 0.0
+        rise = 0.01 - placed.evaluate(touching).contact_penetration[0]
+        speed = np.sqrt(2.0 * 9.81 * (rise + excess))
+        m.bodies[0] = replace(m.bodies[0], velocity=(0.0, speed, 0.0))
         solver = {"method": method, "accuracy": 1e-11, "max_step": 0.1}
         result = simulation(m, solver).run(2.2 * speed / 9.81, 1e-3, progress=False)
         assert result.stats["onsets"] == 1, excess
         assert missing(result) < 1e-4, excess
+
+
+def test_onsets_and_forces_of_a_bounce_are_recorded_with_their_row():
+    m = rc.Mechanism()
+    m.add_body("ball", 1.0, 1e-3, position=(0.0, 0.15, 0.0))
+    line = [(1.0, 0.0), (-1.0, 0.0)]
+    law = rc.LinearContact(1e5)
+    m.add_outline_contact("floor", "ground", "ball", line, 0.05, law, closed=False)
+    result = rc.Simulation(m).run(0.4, 1e-3, progress=False)
+    floor = result.contact("floor")
+    begun = np.flatnonzero(floor.impact_velocity)
+    fall = np.sqrt(2.0 * 0.1 / 9.81)
+    assert [int(np.ceil(fall / 1e-3))] == begun.tolist()
+    np.testing.assert_allclose(floor.impact_velocity[begun], 9.81 * fall, rtol=1e-7)
+    np.testing.assert_allclose(floor.force_vector[:, 1], floor.force, rtol=1e-12)
+    assert floor.force.max() > 0.0
+    assert not floor.force_vector[:, 0].any()
+
+
+def test_the_accuracy_that_a_warning_advises_closes_the_balance():
+    rng = np.random.default_rng(5)
+    told = 0
+    for _ in range(12):
+        height, stiffness = rng.uniform(0.06, 0.3), 10.0 ** rng.uniform(4.0, 7.0)
+
+        def bounce(accuracy, height=height, stiffness=stiffness):
+            m = rc.Mechanism()
+            m.add_body("ball", 1.0, 1e-3, position=(0.0, height, 0.0))
+            line = [(1.0, 0.0), (-1.0, 0.0)]
+            law = rc.LinearContact(stiffness, 20.0)
+            m.add_outline_contact("floor", "ground", "ball", line, 0.05, law, closed=False)
+            solver = {"accuracy": accuracy, "max_step": 0.01}
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always")
+                simulation(m, solver).run(0.5, 1e-3, progress=False)
+            return [str(warning.message) for warning in caught]
+
+        for text in bounce(1e-6):
+            told += 1
+            advised = float(re.search(r"accuracy = (\S+) or less", text)[1])
+            assert bounce(advised) == []
+    assert told > 3

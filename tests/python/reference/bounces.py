@@ -1,9 +1,9 @@
 """A pin that bounces in a fixed bore: free flights in closed form, impacts integrated to round-off.
 
-Between two impacts the centre of the pin moves along a parabola; the next impact begins at a root of
-the polynomial of fourth degree |p + v t + g t^2 / 2|^2 = c^2, for the clearance c. During an impact the
-force F = K d^1.5 max(0, 1 + lambda d' / d'_0) acts along the line of centres, with the initial impact
-velocity d'_0.
+Between two impacts the centre of the pin moves along a parabola; the next impact begins at a root
+of the polynomial of fourth degree |p + v t + g t^2 / 2|^2 = c^2, for the clearance c. During an
+impact the force F = K d^1.5 max(0, 1 + lambda d' / d'_0) acts along the line of centres, with the
+initial impact velocity d'_0.
 """
 
 from __future__ import annotations
