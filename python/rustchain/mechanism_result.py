@@ -41,6 +41,13 @@ _VARIABLES = {
         "joints", ("joint",), "m/s or rad/s", "rate of the constraint residual"
     ),
     "contact_force": Variable("contacts", ("contact",), "N", "normal force"),
+    "contact_force_vector": Variable("contacts", ("contact", "axis"), "N", "force on the circle"),
+    "contact_impact_velocity": Variable(
+        "contacts",
+        ("contact",),
+        "m/s",
+        "largest initial impact velocity since the last row, 0: no onset",
+    ),
     "contact_penetration": Variable("contacts", ("contact",), "m", "penetration"),
     "contact_gap": Variable("contacts", ("contact",), "1", "gap of teeth near, -1: none"),
     "contact_region": Variable("contacts", ("contact",), "1", "region of tooth near, 0: none"),
@@ -138,6 +145,8 @@ class MechanismResult:
             "contact_region",
             "peak_contact_force",
             "peak_contact_impulse",
+            "contact_force_vector",
+            "contact_impact_velocity",
         )
         return ContactHistory(self.time, *(self.arrays[part][:, k] for part in names))
 
@@ -165,6 +174,7 @@ class MechanismResult:
             "contact": np.array(self.contact_names, dtype=str),
             "coordinate": ["x", "y", "theta"],
             "component": ["x", "y", "torque"],
+            "axis": ["x", "y"],
         }
         there = {name: array for name, array in self.arrays.items() if array.size}
         return _result_tables.dataset(
@@ -201,7 +211,7 @@ class MechanismResult:
                 for part in ("body", "joint", "contact")
             }
             sizes = {part: len(listed) for part, listed in names.items()}
-            sizes |= {"coordinate": 3, "component": 3}
+            sizes |= {"coordinate": 3, "component": 3, "axis": 2}
             arrays = {"time": data["time"].values}
             for name, v in _VARIABLES.items():
                 shape = (len(arrays["time"]), *(sizes[d] for d in v.dims))

@@ -65,6 +65,11 @@ class ContactHistory:
         (0: none; an ANSI gap has seven).
     peak_force, impulse : ndarray, (times,)
         Largest force [N] and impulse [N s] since the row before.
+    force_vector : ndarray, (times, 2)
+        Force on the circle [N], on body b, in the frame of the ground.
+    impact_velocity : ndarray, (times,)
+        Largest initial impact velocity [m/s] of the contacts that began since the row before; zero
+        where none did.
     """
 
     time: Array
@@ -74,3 +79,5 @@ class ContactHistory:
     region: IntArray
     peak_force: Array
     impulse: Array
+    force_vector: Array
+    impact_velocity: Array

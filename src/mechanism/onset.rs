@@ -70,6 +70,10 @@ impl MechanismSimulation {
         }
         self.begin_contact(k, begun.piece, rate);
         self.onsets += 1;
+        if self.reports.is_some() {
+            let (contact, _) = self.dynamics.model.sides[k];
+            self.recording.begin_contact(t, contact, rate);
+        }
     }
 
     fn begin_contact(&mut self, k: usize, piece: usize, rate: f64) {

@@ -24,6 +24,8 @@ pub struct MechanismRecording {
     pub velocity_residual: Vec<f64>,
     /// Force of each contact, of all sides together, (times, contacts) \[N\].
     pub contact_force: Vec<f64>,
+    /// The same on its circle, (times, contacts, 2) \[N\].
+    pub contact_force_vector: Vec<f64>,
     /// Penetration of each contact, negative when apart, (times, contacts) \[m\].
     pub penetration: Vec<f64>,
     /// Gap of the teeth that each contact is near, from 0; -1: none, (times, contacts).
@@ -38,12 +40,16 @@ pub struct MechanismRecording {
     pub peak_contact_force: Vec<f64>,
     /// Impulse of each contact since the row before, (times, contacts) \[N s\].
     pub peak_contact_impulse: Vec<f64>,
+    /// Largest initial impact velocity of each contact that began since the row before; 0: none did, (times, contacts) \[m/s\].
+    pub impact_velocity: Vec<f64>,
     /// Kinetic, gravity, elastic, dissipated, worked in, residual, (times, 6) \[J\].
     pub energy: Vec<f64>,
     /// Sums at the first row, and the energy that was there.
     reference: Option<[f64; 3]>,
     joints: Peaks,
     contacts: Peaks,
+    /// Onsets that no row has yet: time, contact, initial impact velocity.
+    onsets: Vec<(f64, usize, f64)>,
     balance: Balance,
 }
 
@@ -76,6 +82,24 @@ impl MechanismRecording {
         self.balance.watch(energy, NOTHING, 0.0);
         self.joints.arrive(joint_forces(dynamics));
         self.contacts.arrive(contact_forces(dynamics));
+    }
+
+    /// Notes the onset of a contact at `t`, for the first row from then on.
+    pub(super) fn begin_contact(&mut self, t: f64, contact: usize, velocity: f64) {
+        self.onsets.push((t, contact, velocity));
+    }
+
+    /// Writes the largest initial impact velocities up to a row at `t`.
+    fn write_impact_velocities(&mut self, t: f64, contacts: usize) {
+        let first = self.impact_velocity.len();
+        self.impact_velocity.resize(first + contacts, 0.0);
+        let row = &mut self.impact_velocity[first..];
+        self.onsets.retain(|&(begun, contact, velocity)| {
+            if begun <= t {
+                row[contact] = row[contact].max(velocity);
+            }
+            begun > t
+        });
     }
 
     /// Takes the forces set aside into the peaks: they belong to `t`.
@@ -113,6 +137,9 @@ impl MechanismRecording {
             self.velocity_residual[i] = self.velocity_residual[i].max(rate);
         }
         self.contact_force.extend(contact_forces(dynamics));
+        let pushes = dynamics.pushes().flat_map(<[f64; 2]>::from);
+        self.contact_force_vector.extend(pushes);
+        self.write_impact_velocities(t, dynamics.model.contacts.len());
         let contacts = dynamics.model.contacts.iter();
         for (contact, sides) in contacts.zip(&dynamics.model.sides_of_contact) {
             let touches = &dynamics.touches[sides.clone()];

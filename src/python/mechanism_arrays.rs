@@ -36,6 +36,16 @@ pub(super) fn arrays<'py>(
         &[joints],
     )?;
     set("contact_force", recording.contact_force, &[contacts])?;
+    set(
+        "contact_force_vector",
+        recording.contact_force_vector,
+        &[contacts, 2],
+    )?;
+    set(
+        "contact_impact_velocity",
+        recording.impact_velocity,
+        &[contacts],
+    )?;
     set("contact_penetration", recording.penetration, &[contacts])?;
     set("peak_joint_force", recording.peak_joint_force, &[joints])?;
     set(
