@@ -55,7 +55,7 @@ def test_three_hundred_pins_in_50_micrometres_keep_their_energy():
     rng = np.random.default_rng(1)
     for velocity in rng.uniform(-0.2, 0.2, (300, 2)):
         result = pin_in_bore(5e-5, velocity).run(0.05, 1e-3, progress=False)
-        assert missing(result) < 2e-4, velocity
+        assert missing(result) < 1e-3, velocity
 
 
 @pytest.mark.parametrize(
