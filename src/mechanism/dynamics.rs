@@ -46,6 +46,8 @@ pub struct MechanismDynamics {
     pub(super) memory: Vec<Memory>,
     /// Whether each contact is near enough to bear: what is not leaves its sides alone.
     pub(super) near: Vec<bool>,
+    /// Largest depth \[m\] of each contact that is near, and its rate \[m/s\].
+    pub(super) deepest: Vec<[f64; 2]>,
     /// How each contact is where the step under way began.
     pub(super) starts: Vec<ContactEnd>,
     pub(super) shift: Vec<f64>,
@@ -88,7 +90,8 @@ impl MechanismDynamics {
             touches: vec![Touch::default(); model.sides.len()],
             memory: vec![Memory::default(); model.sides.len()],
             near: vec![true; model.contacts.len()],
-            starts: vec![ContactEnd::default(); model.contacts.len()],
+            deepest: vec![[f64::NEG_INFINITY, 0.0]; model.contacts.len()],
+            starts: vec![ContactEnd::FAR; model.contacts.len()],
             shift: vec![0.0; 2 * n],
             shift_time: 0.0,
             stabilisation,
@@ -159,12 +162,13 @@ impl MechanismDynamics {
             force.add(t, &self.frames, &mut self.loads);
         }
         let contacts = model.contacts.iter().zip(&model.sides_of_contact);
-        for ((contact, sides), near) in contacts.zip(&mut self.near) {
+        let states = self.near.iter_mut().zip(&mut self.deepest);
+        for ((contact, sides), (near, deepest)) in contacts.zip(states) {
             let touches = &mut self.touches[sides.clone()];
             let was_near = std::mem::replace(near, contact.is_near(&self.frames));
             if *near {
                 let memory = &self.memory[sides.clone()];
-                contact.add(&self.frames, memory, &mut self.loads, touches);
+                *deepest = contact.add(&self.frames, memory, &mut self.loads, touches);
             } else if was_near {
                 touches.fill(Touch::default());
             }

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::body::Frame;
 use super::contact_path::{ContactPath, Depth, Motion, UNSEEN};
 use super::dynamics::MechanismDynamics;
 use super::free_way::FARTHEST;
@@ -10,24 +11,21 @@ use super::touch::CompiledContact;
 use crate::contact::Cubic;
 use crate::geometry::{Vec2, turned_left};
 
-/// A contact at one end of a step, seen from the profile.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+/// A contact at one end of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct ContactEnd {
-    /// Place \[m\], velocity \[m/s\] and acceleration \[m/s²\] of the circle's centre.
-    motion: [[f64; 2]; 3],
     /// Depth \[m\], negative when apart, and its rate \[m/s\].
     depth: [f64; 2],
+    /// Place \[m\], velocity \[m/s\] and acceleration \[m/s²\] of the circle's centre, seen from the profile; none where it is
+    /// farther away than a step may carry it, or behind the profile.
+    motion: Option<[[f64; 2]; 3]>,
 }
 
 impl ContactEnd {
-    fn motion(&self) -> Motion {
-        self.motion.map(Vec2::from)
-    }
-
-    /// Whether the circle is farther from the profile than a step may carry it, or behind it.
-    fn is_far(&self, contact: &CompiledContact) -> bool {
-        self.depth[0] <= -FARTHEST * contact.radius
-    }
+    pub(super) const FAR: Self = Self {
+        depth: [f64::NEG_INFINITY, 0.0],
+        motion: None,
+    };
 }
 
 impl MechanismDynamics {
@@ -43,21 +41,19 @@ impl MechanismDynamics {
     /// Whether a contact begins and ends, or ends and begins anew, within the step of `length` \[s\] that was evaluated last.
     pub(super) fn passes_contact(&self, length: f64) -> bool {
         (0..self.starts.len()).any(|k| {
-            let (contact, start, end) = (
-                &self.model.contacts[k],
-                &self.starts[k],
-                self.contact_end(k),
-            );
-            if start.is_far(contact) && end.is_far(contact) {
+            let (start, end) = (&self.starts[k], self.contact_end(k));
+            let Some(path) = path_between(start, &end, length) else {
                 return false;
-            }
+            };
+            let contact = &self.model.contacts[k];
             let memory = &self.memory[self.model.sides_of_contact[k].clone()];
-            let path = ContactPath::through(start.motion(), end.motion(), length);
             let depth = Depth {
                 radius: contact.radius,
                 at: |place| contact.depth_at(place, memory),
             };
-            let depths = [start.depth[0], end.depth[0]];
+            // What is far away is at least so far.
+            let least = -FARTHEST * contact.radius;
+            let depths = [start.depth[0].max(least), end.depth[0].max(least)];
             match depths.map(|depth| depth > 0.0) {
                 // On its way out at the end, it was deeper within.
                 [false, _] => path.rises_above(depths[1].max(0.0) + UNSEEN, depths, &depth),
@@ -69,34 +65,68 @@ impl MechanismDynamics {
         })
     }
 
+    /// How contact `k` is where everything was evaluated last.
     fn contact_end(&self, k: usize) -> ContactEnd {
         let contact = &self.model.contacts[k];
-        let (fa, fb) = (&self.frames[contact.a.body], &self.frames[contact.b.body]);
-        let place = contact.local(fa, fb);
-        let mut depth = [f64::NEG_INFINITY, 0.0];
-        for touch in &self.touches[self.model.sides_of_contact[k].clone()] {
-            if touch.contact.penetration > depth[0] {
-                depth = [touch.contact.penetration, touch.contact.penetration_rate];
-            }
-        }
+        let mut depth = self.deepest[k];
         if !self.near[k] {
-            depth[0] = contact.reach - place.norm();
-        } else if depth[0] == f64::NEG_INFINITY {
-            // What bears nowhere is behind the profile, or farther away than forces look for.
-            depth[0] = -contact.radius;
+            depth = [contact.outer_depth(&self.frames), 0.0];
         }
+        if depth[0] <= -FARTHEST * contact.radius {
+            return ContactEnd::FAR;
+        }
+        let (fa, fb) = (&self.frames[contact.a.body], &self.frames[contact.b.body]);
         let (speed, acceleration) = contact.relative_motion(&self.frames, self.rates_of(contact));
         // The frame of the profile turns.
         let acceleration = acceleration - 2.0 * fa.spin * turned_left(speed);
-        let motion = [place, fa.into_local(speed), fa.into_local(acceleration)];
+        let motion = [
+            contact.local(fa, fb),
+            fa.into_local(speed),
+            fa.into_local(acceleration),
+        ];
         ContactEnd {
-            motion: motion.map(Into::into),
             depth,
+            motion: Some(motion.map(Into::into)),
         }
     }
 }
 
+/// The path of a circle in a step of `length` \[s\]; none where it is far at both ends. From or to far away it goes with the
+/// acceleration of its other end.
+fn path_between(start: &ContactEnd, end: &ContactEnd, length: f64) -> Option<ContactPath> {
+    let motion = |end: &ContactEnd| end.motion.map(|motion| motion.map(Vec2::from));
+    let (start, end) = match (motion(start), motion(end)) {
+        (Some(start), Some(end)) => (start, end),
+        (Some(start), None) => (start, continued(start, length)),
+        (None, Some(end)) => (continued(end, -length), end),
+        (None, None) => return None,
+    };
+    Some(ContactPath::through(start, end, length))
+}
+
+/// A motion after a time \[s\] of constant acceleration.
+fn continued([place, velocity, acceleration]: Motion, time: f64) -> Motion {
+    let faster = velocity + time * acceleration;
+    [
+        place + 0.5 * time * (velocity + faster),
+        faster,
+        acceleration,
+    ]
+}
+
 impl CompiledContact {
+    /// Depth \[m\] of a circle that is out of reach: no less than how far it is from the circle that holds the profile; -∞ where that is
+    /// more than a step may carry it.
+    fn outer_depth(&self, frames: &[Frame]) -> f64 {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let apart = (fb.place(self.b.point) - fa.place(self.a.point)).norm_squared();
+        if apart >= (self.reach + FARTHEST * self.radius).powi(2) {
+            f64::NEG_INFINITY
+        } else {
+            self.reach - apart.sqrt()
+        }
+    }
+
     /// Depth \[m\] of the circle around a place in the frame of the profile, negative when apart, with what its sides remember.
     fn depth_at(&self, place: Vec2, memory: &[Memory]) -> f64 {
         let mut depth = f64::NEG_INFINITY;

@@ -172,18 +172,20 @@ impl CompiledContact {
         apart.norm_squared() <= self.reach * self.reach
     }
 
-    /// Adds the loads of the contact, its stored energy and what it loses; writes what happens on each side.
+    /// Adds the loads of the contact, its stored energy and what it loses; writes what happens on each side. Returns the depth
+    /// \[m\] where it is largest, negative when apart, and its rate \[m/s\]; a depth of -∞ where it bears nowhere.
     pub(super) fn add(
         &self,
         frames: &[Frame],
         memory: &[Memory],
         loads: &mut Loads,
         touches: &mut [Touch],
-    ) {
+    ) -> [f64; 2] {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         for touch in touches.iter_mut().filter(|touch| touch.is_known()) {
             *touch = Touch::default();
         }
+        let mut deepest = [f64::NEG_INFINITY, 0.0];
         let approach = self.approach(fa, fb);
         self.bearings_near(self.local(fa, fb), |bearing, tooth| {
             let (touch, memory) = (&mut touches[bearing.side], memory[bearing.side]);
@@ -191,10 +193,13 @@ impl CompiledContact {
                 return;
             }
             let normal = -fa.turned(bearing.outward);
+            let depth = self.radius - bearing.distance;
             if bearing.weight > 0.0 {
                 self.deepen(touch, bearing, tooth, normal, approach);
+                if depth > deepest[0] {
+                    deepest = [depth, normal.dot(&approach)];
+                }
             }
-            let depth = self.radius - bearing.distance;
             if depth <= 0.0 {
                 return;
             }
@@ -214,6 +219,7 @@ impl CompiledContact {
             loads.push(self.b.body, fb, center, touch.push);
             loads.push(self.a.body, fa, center, -touch.push);
         }
+        deepest
     }
 
     /// The law where a circle bears: a live contact keeps the one that it began with.
