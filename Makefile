@@ -4,6 +4,7 @@
 PYTHON ?= python3
 BENCH_ARGS ?=
 PYTEST_ARGS ?=
+STRESS_ARGS ?=
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -20,7 +21,7 @@ unexport CONDA_PREFIX
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help venv build demo test test-rust test-python lint lint-text lint-rust lint-python bench bench-smoke robustness work-precision dist clean
+.PHONY: help venv build demo test test-rust test-python lint lint-text lint-rust lint-python bench bench-smoke robustness work-precision stress dist clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -79,6 +80,9 @@ test-rust: ## cargo test
 
 test-python: build $(STAMPS)/test-tools ## pytest; PYTEST_ARGS="-k name" chooses
 	$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+stress: build ## Random legal scenes, 20 s each at most, and what came of them; STRESS_ARGS="--seeds 0:500"
+	$(BIN)/python tests/stress/run.py $(STRESS_ARGS)
 
 # --- lints
 
