@@ -76,6 +76,17 @@ impl ContactLaw {
         }
     }
 
+    /// Whether damping can take the whole force away while the surfaces are still pressed: what is stored then goes without a
+    /// force, and only the sums of the energy balance tell.
+    pub(super) fn lets_go(&self) -> bool {
+        match self {
+            Self::Linear { damping, .. } | Self::HuntCrossley { damping, .. } => *damping > 0.0,
+            Self::Surfaces {
+                law, restitution, ..
+            } => law.damping.lambda(*restitution) > 0.0,
+        }
+    }
+
     /// Constants for a circle of `radius` on a surface of a `curvature`.
     pub(super) fn prepare(
         &self,

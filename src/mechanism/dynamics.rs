@@ -321,7 +321,7 @@ impl OdeSystem for MechanismDynamics {
         2 * self.model.coordinates() + 2
     }
 
-    /// A linear contact that lets go stores energy without a force: only the sums see it go.
+    /// A damped contact that lets go stores energy without a force: only the sums see it go.
     fn controlled(&self) -> usize {
         let sums = if self.model.watches_energy { 2 } else { 0 };
         2 * self.model.coordinates() + sums

@@ -4,7 +4,6 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use super::body::{Body, End, Frame, Marker};
-use super::contact_law::ContactLaw;
 use super::equation::{Equation, Quantity};
 use super::force_element::{Force, ForceKind};
 use super::joint::{Joint, JointKind};
@@ -80,8 +79,7 @@ impl MechanismModel {
             joints: mechanism.joints.clone(),
             forces: Vec::new(),
             contacts: Vec::new(),
-            watches_energy: (mechanism.contacts.iter())
-                .any(|c| matches!(c.law, ContactLaw::Linear { damping, .. } if damping > 0.0)),
+            watches_energy: mechanism.contacts.iter().any(|c| c.law.lets_go()),
             numbers,
             equations_of_joint: Vec::new(),
             contact_names: mechanism.contacts.iter().map(|c| c.name.clone()).collect(),
