@@ -10,7 +10,7 @@ mod strands;
 use crate::dynamics::{Dynamics, Needs, Powers, Want};
 use crate::geometry::Vec2;
 use crate::model::{Model, Rotation};
-use balance::{EnergyAtStart, OF_STORED, dissipated_alone, write_energy};
+use balance::{EnergyAtStart, dissipated_alone, write_energy};
 use peaks::Peaks;
 use rows::{Row, gather_by_bushing, write_hinges, write_rollers, write_sprockets, write_teeth};
 
@@ -148,9 +148,10 @@ impl Recorder {
         }
     }
 
-    /// The energy balance at the last report, when more is missing than may be.
-    pub(crate) fn open_balance(&self) -> Option<OpenBalance> {
-        self.balance.open
+    /// The energy balance of the reports so far, when its residual is larger than it may be and the drive was not `at_rest`, with
+    /// no more kinetic energy than that \[J\].
+    pub(crate) fn open_balance(&self, at_rest: f64) -> Option<OpenBalance> {
+        self.balance.open(at_rest)
     }
 
     pub(crate) fn end(&self) -> f64 {
@@ -237,9 +238,8 @@ impl Recorder {
         }
         if let Some(energy) = energy {
             let sums = dissipated_alone(sums, dynamics);
-            let residual = write_energy(&mut row, model, energy, sums, &mut self.energy_at_start);
-            let stored = OF_STORED * (energy.kinetic + energy.elastic);
-            self.balance.watch(energy, residual, stored);
+            let passed = write_energy(&mut row, model, energy, sums, &mut self.energy_at_start);
+            self.balance.report(t, energy, passed);
         }
         // Last of all: a row that a panic has cut short does not count.
         self.recording.time.push(t);

@@ -8,18 +8,19 @@ mod wall;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-pub(crate) use balance::describe_open_balance;
+pub(crate) use balance::{describe_open_balance, tighter_accuracy};
 pub use snapshot::Snapshot;
 use wall::Wall;
 
 use crate::contact::ToothJump;
 use crate::dynamics::Dynamics;
 use crate::error::{Error, Result, check};
+use crate::force_law::Regions;
 use crate::geometry::Vec2;
 use crate::integrator::{Adams, Corrector, Counts, OdeSystem, StepControl, StepFailure};
 use crate::model::{Input, Model, Rotation, Support};
 use crate::panics::guarded;
-use crate::recorder::{Groups, Recorder, Recording};
+use crate::recorder::{Groups, OpenBalance, Recorder, Recording};
 use crate::state::{Motion, Start};
 
 /// A drive being run.
@@ -38,7 +39,7 @@ pub struct Simulation {
     /// Scratch: state at a time inside the last step.
     inside: Vec<f64>,
     wall: Wall,
-    /// Where the energy balance first did not close, in words.
+    /// The first recording whose energy balance did not close, in words.
     balance_note: Option<String>,
     /// Steps and time from which on the run is watched for standing still.
     watched: (u64, f64),
@@ -80,6 +81,10 @@ pub(crate) const STEPS_OF_STANDSTILL: u64 = 100_000;
 
 /// Time that so many steps must cover \[s\]: less than a single contact lasts.
 pub(crate) const STANDSTILL: f64 = 1e-7;
+
+/// Speed of links that counts as rest, over the error allowed to speeds: drives that rest in static equilibrium move at up to 1.5 times
+/// that error. At twice this number, drives that move at six times the error would not be judged by their energy.
+const SPEEDS_AT_REST: f64 = 3.0;
 
 /// A kink nearer than this is not stepped to \[s\].
 const SHORTEST_TO_KINK: f64 = 1e-10;
@@ -206,10 +211,11 @@ impl Simulation {
         model.chain(self.dynamics.past_range()).cloned().collect()
     }
 
-    /// When more energy was first missing than may be, how much, and what helps.
+    /// What the energy balance misses, in the first recording that has ended with more than it may, and what helps.
     ///
-    /// What may be missing at a report: a twentieth of the energy dissipated, a hundredth of that exchanged (dissipated,
-    /// worked in, moved in and out of kinetic and elastic energy) and a hundred-thousandth of that stored. Watched while energy is recorded.
+    /// The largest residual at a report may be a twentieth of the energy dissipated. Where less was dissipated than a hundredth of the
+    /// energy exchanged, or 2e-4 of the kinetic and elastic energy, it may be a twentieth of that. Energy exchanged is the largest of
+    /// the energies dissipated, worked in, and moved in and out of kinetic, gravitational and elastic energy.
     #[must_use]
     pub fn balance_note(&self) -> Option<&str> {
         self.balance_note.as_deref()
@@ -269,10 +275,32 @@ impl Simulation {
 
     /// Ends the recording and hands it over, with all rows made so far.
     pub fn take_recording(&mut self) -> Recording {
-        self.recorder
-            .take()
-            .map(Recorder::into_recording)
-            .unwrap_or_default()
+        let Some(recorder) = self.recorder.take() else {
+            return Recording::default();
+        };
+        if self.balance_note.is_none() {
+            let open = recorder.open_balance(self.kinetic_energy_at_rest());
+            self.balance_note = open.map(|open| self.describe_balance(&open));
+        }
+        recorder.into_recording()
+    }
+
+    /// Kinetic energy of links that move by no more than steps may be wrong \[J\].
+    fn kinetic_energy_at_rest(&self) -> f64 {
+        let speed = SPEEDS_AT_REST * self.adams.control().speed_error();
+        let model = self.model();
+        let links = (0..model.links).filter(|&i| !model.is_held(i));
+        let mass: f64 = links.map(|i| model.mass[i]).sum();
+        0.5 * mass * speed * speed
+    }
+
+    fn describe_balance(&self, open: &OpenBalance) -> String {
+        if self.model().tooth_law.regions == Regions::Sharp {
+            describe_open_balance(open, balance::KEPT_REGIONS)
+        } else {
+            let finer = tighter_accuracy(&self.adams.control(), open);
+            describe_open_balance(open, &finer)
+        }
     }
 
     /// Goes on with the recording for as long as `budget` of wall time allows; true when its end is reached.
@@ -438,11 +466,6 @@ impl Simulation {
                 dynamics.evaluate_for(needs, t, inside);
                 let sums = dynamics.energies_passed(t);
                 recorder.report(t, dynamics, sums);
-                if self.balance_note.is_none()
-                    && let Some(open) = recorder.open_balance()
-                {
-                    self.balance_note = Some(describe_open_balance(&adams.control(), t, open));
-                }
                 self.now = t;
                 paused = recorder.pauses;
                 if paused || start.elapsed() >= budget {

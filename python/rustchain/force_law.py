@@ -45,7 +45,7 @@ class ForceLaw(Description):
     regions : {"kept", "sharp"}
         "kept": a contact keeps the stiffness of the tooth region where it began, which closes the
         energy balance. "sharp": the stiffness changes where the bushing crosses into another
-        region.
+        region; under load, energy is not conserved there, at any accuracy.
     friction : Coulomb or LuGre, optional
         Friction of the contacts that have this law, in chain drives with clearance hinges. None:
         there is none, and it costs nothing.

@@ -201,7 +201,8 @@ class MechanismSimulation:
         Warns
         -----
         EnergyWarning
-            More energy is missing at a row than the tolerances should leave: once a simulation.
+            The energy balance does not close, once a simulation, when a run ends; by the same rule
+            as in `Simulation.run`.
         """
         self._check_idle("run")
         looks = looks_of(self, stop, callback)

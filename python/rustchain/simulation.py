@@ -248,10 +248,12 @@ class Simulation(Present):
         Warns
         -----
         EnergyWarning
-            With the energy balance kept: at some report more energy was missing than a twentieth of
-            that dissipated, a hundredth of that exchanged (dissipated, worked in, moved in and out
-            of kinetic and elastic energy) and a hundred-thousandth of that stored.
-            ``result.stats["largest_residual"]`` has the largest of all reports [J].
+            With the energy balance kept, once a simulation, when a run ends: its largest residual
+            at a report is more than 5 % of the energy dissipated. Where less was dissipated than a
+            hundredth of the energy exchanged, or 2e-4 of the kinetic and elastic energy, it is held
+            against that. Energy exchanged is the largest of the energies dissipated, worked in, and
+            moved in and out of kinetic, gravitational and elastic energy. With regions="sharp" no
+            accuracy helps. ``result.stats["largest_residual"]`` has the largest residual [J].
         ToothJumpWarning
             The chain has jumped teeth: how many, and the first; see `Result.tooth_jumps`.
         """

@@ -302,13 +302,14 @@ def _take(
     """Take what came of a case: its measured value, or its error."""
     if run is not None:
         core, start = run
-        _note(found, number, *core.take_warnings())
         simulation = Simulation._around(core, scene)
         if error is None:
             result = simulation._result("finished", start, {})
             error = _measured(found, number, result, measure)
         elif isinstance(error, SimulationError):
             error.result = simulation._result("failed", start, {}, str(error))
+        # The energy balance is judged when its recording has been taken.
+        _note(found, number, *core.take_warnings())
     if error is not None:
         _fail(found, number, error)
 

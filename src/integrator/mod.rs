@@ -170,6 +170,16 @@ impl StepControl {
         self.rtol > 0.0 || self.atol > 0.0
     }
 
+    /// Error that a step is allowed in speeds that are nearly zero \[m/s\].
+    #[must_use]
+    pub fn speed_error(&self) -> f64 {
+        if self.is_by_component() {
+            self.atol
+        } else {
+            self.accuracy * SPEED_PER_LENGTH
+        }
+    }
+
     /// Checks every field.
     ///
     /// # Errors

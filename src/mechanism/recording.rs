@@ -53,33 +53,16 @@ pub struct MechanismRecording {
     balance: Balance,
 }
 
-/// No residual is known between two reports.
-const NOTHING: Passed = Passed {
-    dissipated: 0.0,
-    worked_in: 0.0,
-    residual: 0.0,
-};
-
-/// Numbers of a row of energy.
-const ENERGIES: usize = 6;
-
-/// Relative growth of elastic energy from row to row that counts as pressing.
-const PRESSED: f64 = 1e-6;
-
-/// Share of all energy there is that may be missing where little is exchanged.
-const SMALL: f64 = 1e-6;
-
 impl MechanismRecording {
     /// Sets aside the forces at the end of a step, before reports inside it are evaluated; what is exchanged between two reports,
     /// as in a bounce, counts.
     pub(super) fn arrive(&mut self, dynamics: &MechanismDynamics) {
         let (kinetic, gravity) = dynamics.energy();
-        let energy = Energy {
+        self.balance.take_in(Energy {
             kinetic,
             gravity,
             elastic: dynamics.loads.elastic,
-        };
-        self.balance.watch(energy, NOTHING, 0.0);
+        });
         self.joints.arrive(joint_forces(dynamics));
         self.contacts.arrive(contact_forces(dynamics));
     }
@@ -186,24 +169,14 @@ impl MechanismRecording {
             worked_in,
             residual,
         };
-        let small = SMALL * (kinetic + gravity.abs() + elastic);
-        self.balance.watch(energy, passed, small);
+        self.balance.report(t, energy, passed);
         // Last of all: a row that a panic has cut short does not count.
         self.time.push(t);
     }
 
-    /// Whether springs and contacts were being pressed between the last two rows: what is exchanged then is not all there yet,
-    /// and nothing to hold against what is missing.
-    pub(super) fn presses(&self) -> bool {
-        let mut elastic = self.energy.chunks(ENERGIES).rev().map(|row| row[2]);
-        let (last, before) = (elastic.next(), elastic.next());
-        last.zip(before)
-            .is_some_and(|(last, before)| last > before * (1.0 + PRESSED))
-    }
-
-    /// The energy balance at the last row, where more is missing than should be.
+    /// The energy balance of the rows so far, when its residual is larger than it may be.
     pub(super) fn open_balance(&self) -> Option<OpenBalance> {
-        self.balance.open
+        self.balance.open(0.0)
     }
 }
 

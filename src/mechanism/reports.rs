@@ -2,7 +2,7 @@
 
 use super::recording::MechanismRecording;
 use super::simulation::MechanismSimulation;
-use crate::simulate::describe_open_balance;
+use crate::simulate::{describe_open_balance, tighter_accuracy};
 
 /// When reports are due.
 #[derive(Debug, Clone, Copy)]
@@ -62,6 +62,12 @@ impl MechanismSimulation {
     /// Ends the recording and hands it over, with all rows made so far.
     pub fn take_recording(&mut self) -> MechanismRecording {
         self.reports = None;
+        if self.balance_note.is_none() {
+            let control = self.adams.control();
+            let open = self.recording.open_balance();
+            self.balance_note =
+                open.map(|open| describe_open_balance(&open, &tighter_accuracy(&control, &open)));
+        }
         std::mem::take(&mut self.recording)
     }
 
@@ -73,15 +79,6 @@ impl MechanismSimulation {
             let sums = 2 * self.dynamics.model.coordinates();
             let sums = [self.inside[sums], self.inside[sums + 1]];
             self.recording.report(t, &self.dynamics, sums);
-            // At the last row there is no waiting.
-            let last = self.reports.is_some_and(|r| r.made + 1 == r.count);
-            if self.balance_note.is_none()
-                && (last || !self.recording.presses())
-                && let Some(open) = self.recording.open_balance()
-            {
-                let control = self.adams.control();
-                self.balance_note = Some(describe_open_balance(&control, t, open));
-            }
             self.now = t;
             if let Some(reports) = &mut self.reports {
                 reports.made += 1;

@@ -29,7 +29,7 @@ pub struct MechanismSimulation {
     /// Next report, time between two, last one; none when nothing is recorded.
     pub(super) reports: Option<Reports>,
     pub(super) onsets: u64,
-    /// Where the energy balance first did not close, in words.
+    /// The first recording whose energy balance did not close, in words.
     pub(super) balance_note: Option<String>,
     /// Steps and time from which on the run is watched for standing still.
     watched: (u64, f64),
@@ -128,7 +128,7 @@ impl MechanismSimulation {
         self.onsets
     }
 
-    /// Where more energy was first missing at a report than should be, in words.
+    /// The energy balance of the first recording that has ended with a larger residual than it may have, in words.
     #[must_use]
     pub fn balance_note(&self) -> Option<&str> {
         self.balance_note.as_deref()

@@ -164,20 +164,48 @@ def test_redundant_joints_are_told_in_one_message():
     assert "2 equations" in told[0]
 
 
-def test_a_contact_that_is_being_pressed_at_a_row_is_no_open_balance(recwarn):
-    """A ball in a star-shaped hole: what is exchanged is not all there while it is pressed."""
+def run_in_a_star(accuracy):
+    """Run a ball in a star-shaped hole, undamped."""
     angles = np.pi * np.arange(24) / 12
     radii = np.where(np.arange(24) % 2 == 0, 1.0, 0.6)
     star = np.stack([radii * np.cos(angles), radii * np.sin(angles)], axis=1)[::-1]
     m = rc.Mechanism(gravity=(0.0, 0.0))
     m.add_body("ball", 1.0, 1e-2, (0.1, 0.05, 0.0), (-3.0, 0.1, 0.0))
     m.add_outline_contact("hole", "ground", "ball", star.tolist(), 0.05, rc.LinearContact(1e5))
-    solver = rc.Solver(accuracy=1e-8, max_step=1e-3)
+    solver = rc.Solver(accuracy=accuracy, max_step=1e-3)
     result = rc.Simulation(m, solver=solver).run(0.6, report_step=1e-3, progress=False)
     assert result.stats["onsets"] >= 2
-    energy = result.energy
-    assert np.abs(energy.residual).max() < 0.01 * energy.kinetic[0]
-    assert not [w for w in recwarn if issubclass(w.category, rc.EnergyWarning)]
+    return np.abs(result.energy.residual).max() / result.energy.kinetic[0]
+
+
+def test_a_contact_that_is_being_pressed_at_a_row_is_no_open_balance():
+    """What is exchanged is not all there while it is pressed: a run is judged when it has ended."""
+    # Measured: 1.9e-4 of the kinetic energy.
+    assert run_in_a_star(1e-10) < 5e-4
+
+
+@pytest.mark.parametrize(
+    "law",
+    [rc.SurfaceContact(), rc.HuntCrossley(1e9, damping=10.0), rc.HuntCrossley(1e9, damping=300.0)],
+)
+def test_what_a_contact_dissipates_while_it_lets_go_stays_dissipated(law):
+    """A disc on another, pressed and then pulled: damping takes the force away before they part."""
+    m = rc.Mechanism(gravity=(0.0, 0.0))
+    m.add_body("table", 1.0, 1e-3, (0.0, -0.06, 0.0), fixed=True)
+    m.add_body("disc", 1.0, 1e-4)
+    m.add_disc_contact("contact", "table", "disc", 0.04, 0.02, law)
+    m.add_force("pull", "disc", (0.0, rc.SmoothStep(0.01, 0.0102, -1000.0, 10.0)))
+    energy = rc.Simulation(m).run(0.03, report_step=2e-5, progress=False).energy
+    loss = energy.dissipated[-1]
+    # Measured: 4e-6, 1e-7 and 3e-6; where the error test did not watch the sums 24, 6 and 18 %.
+    assert np.abs(energy.residual).max() < 1e-5 * loss
+    assert np.diff(energy.dissipated).min() > -1e-5 * loss
+
+
+def test_half_a_percent_of_the_energy_exchanged_without_a_loss_is_told():
+    # Measured: 4.6e-3.
+    with pytest.warns(rc.EnergyWarning, match="take accuracy = 1e-10 or less"):
+        assert run_in_a_star(1e-8) < 0.01
 
 
 def test_ideal_hinges_refuse_a_law_of_their_own():

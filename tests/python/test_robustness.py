@@ -77,3 +77,36 @@ def test_a_run_whose_balance_closes_does_not():
         warnings.simplefilter("error")
         result = rc.Simulation(rc.paper_drive()).run(DURATION, record=(), progress=False)
     assert 0.0 < result.stats["largest_residual"] < 0.01 * result.energy.dissipated[-1]
+
+
+def test_a_run_that_starts_from_rest_is_judged_by_all_that_passed():
+    """Its first rows have errors and next to no loss: at 3 ms the residual is a third of it."""
+    ramp = rc.PrescribedSpeed(((0.0, 0.0), (0.1, 5.0)))
+    sprockets = [rc.Sprocket(24, (0.0, 0.0), ramp), rc.Sprocket(24, (88 * 0.01905, 0.0))]
+    drive = rc.chain_drive("ANSI 60", sprockets, links=200, adjust=2, gravity=(0.0, 0.0))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        result = rc.Simulation(drive).run(DURATION, 5e-4, record=(), progress=False)
+    energy = result.energy
+    assert abs(energy.residual[6]) > 0.1 * energy.dissipated[6]
+    assert np.abs(energy.residual).max() < 0.01 * energy.dissipated[-1]
+
+
+def test_sharp_regions_are_named_where_they_leave_the_balance_open():
+    drive = rc.two_sprocket_drive(links=60, speed=12.0, pretension=50.0)
+    law = rc.LankaraniNikravesh(regions="sharp")
+    simulation = rc.Simulation(drive, force_law=law, start="static")
+    with pytest.warns(rc.EnergyWarning, match='take regions = "kept": .* at any accuracy'):
+        simulation.run(DURATION, record=(), progress=False)
+
+
+def test_energy_that_stays_stored_hides_no_residual():
+    """A chain under 1000 N that hardly turns: a thousand times what it loses stays pressed."""
+    drive = rc.two_sprocket_drive(teeth=(17, 17), links=38, speed=0.5, pretension=1000.0)
+    solver = rc.Solver("newton", accuracy=1e-9)
+    simulation = rc.Simulation(drive, solver=solver, start="static")
+    with pytest.warns(rc.EnergyWarning, match="take accuracy = 1e-1[0-9] or less"):
+        result = simulation.run(0.01, record=(), progress=False)
+    energy = result.energy
+    assert np.abs(energy.residual).max() > energy.dissipated[-1]
+    assert energy.elastic.min() > 1000.0 * energy.dissipated[-1]

@@ -37,6 +37,7 @@ def test_an_imbalance_without_a_warning_is_silent(residual, dissipated, exchange
         "dissipated": dissipated,
         "exchanged": exchanged,
         "stored": 1.0,
+        "kinetic": 1.0,
     }
     assert is_silent(Outcome(0, "", "finished", energy=energy)) is silent
     assert not is_silent(Outcome(0, "", "finished", warned=["EnergyWarning"], energy=energy))

@@ -20,6 +20,10 @@ CLASSES = ("finished", "refused", "SimulationError", *FAILURES)
 # than these shares of the energy exchanged and stored, it is held against them.
 SHARE, OF_EXCHANGED, OF_STORED = 0.05, 1e-2, 2e-4
 
+# Kinetic energy [J] of half a kilogram that moves at three times the error allowed to speeds, 1e-5 m/s
+# by default: what has no more is at rest, and all that passes in it is error.
+AT_REST = 2e-10
+
 
 @dataclass
 class Outcome:
@@ -32,7 +36,7 @@ class Outcome:
     features: list[str] = field(default_factory=list)
     warned: list[str] = field(default_factory=list)
     energy: dict[str, float] = field(default_factory=dict)
-    """Of a finished run [J]: largest residual; dissipated, exchanged and stored energy."""
+    """Of a finished run [J]: largest residual; dissipated, exchanged, kinetic and stored energy."""
 
     @property
     def failed(self) -> bool:
@@ -58,6 +62,7 @@ def energies(result: rc.Result | rc.MechanismResult) -> dict[str, float]:
         "residual": float(np.abs(energy.residual).max()),
         "dissipated": dissipated,
         "exchanged": max(dissipated, *map(spread, moved)),
+        "kinetic": float(energy.kinetic.max()),
         "stored": float((energy.kinetic + energy.elastic).max()),
     }
 
@@ -90,6 +95,8 @@ def outcome_of(seed: int, longest: float) -> Outcome:
 def is_silent(found: Outcome) -> bool:
     """Return whether more energy is missing than may be, and no warning says so."""
     energy = found.energy
+    if energy["kinetic"] <= AT_REST:
+        return False
     scale = max(
         energy["dissipated"], OF_EXCHANGED * energy["exchanged"], OF_STORED * energy["stored"]
     )
