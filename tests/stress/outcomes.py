@@ -20,8 +20,8 @@ CLASSES = ("finished", "refused", "SimulationError", *FAILURES)
 # than these shares of the energy exchanged and stored, it is held against them.
 SHARE, OF_EXCHANGED, OF_STORED = 0.05, 1e-2, 2e-4
 
-# Kinetic energy [J] of half a kilogram that moves at three times the error allowed to speeds, 1e-5 m/s
-# by default: what has no more is at rest, and all that passes in it is error.
+# Kinetic energy [J] of half a kilogram that moves at three times the default error of speeds, 1e-5
+# m/s: what has no more is at rest, and all that passes in it is error.
 AT_REST = 2e-10
 
 
