@@ -82,7 +82,7 @@ pub(crate) const STEPS_OF_STANDSTILL: u64 = 100_000;
 /// Time that so many steps must cover \[s\]: less than a single contact lasts.
 pub(crate) const STANDSTILL: f64 = 1e-7;
 
-/// Speed of links that counts as rest, over the error allowed to speeds: drives that rest in static equilibrium move at up to 1.5 times
+/// Speed of links that counts as rest, over the error allowed to speeds: drives that rest in static equilibrium move at up to 1.3 times
 /// that error. At twice this number, drives that move at six times the error would not be judged by their energy.
 const SPEEDS_AT_REST: f64 = 3.0;
 
