@@ -464,6 +464,7 @@ impl Simulation {
             while let Some(t) = recorder.next_report().filter(|&t| t <= end) {
                 adams.interpolate(t, inside);
                 dynamics.evaluate_for(needs, t, inside);
+                dynamics.watch_reported_ranges(needs);
                 let sums = dynamics.energies_passed(t);
                 recorder.report(t, dynamics, sums);
                 self.now = t;

@@ -521,40 +521,15 @@ impl Dynamics {
         self.begun = begun;
     }
 
-    /// Notes the first hinge and the first tooth contact that go past the end of their law.
+    /// Notes the first hinge and the first tooth contact that go past the end of their law at the end of a step.
     fn watch_ranges(&mut self, adams: &Adams) {
         let model = &self.model;
-        if model.hinge_law.elastic.has_an_end() && self.hinge_past_range.is_none() {
-            let (end, force) = with_law!(&model.hinge_law.pairs, Law, pairs => {
-                let end = range_end::<Law>(&pairs[0]);
-                (end, force_at::<Law>(&pairs[0], end))
-            });
-            let depths = self.kernels.hinge_depths(model);
-            let end_of = |k: usize| end + model.compliance_at(k).map_or(0.0, |given| given * force);
-            if let Some(k) = (0..depths.len()).find(|&k| depths[k] > end_of(k)) {
-                self.hinge_past_range = Some(past_range(
-                    model.hinge_law.elastic,
-                    &format!("hinge {}", k + 1),
-                    depths[k],
-                    end_of(k),
-                ));
-            }
+        if self.hinge_past_range.is_none() {
+            let hinges = self.kernels.hinge_depths(model);
+            let rollers = self.kernels.roller_depths(model);
+            self.hinge_past_range = self.joint_past_its_end(hinges, rollers);
         }
-        if let Some(rollers) = &model.rollers
-            && rollers.law.elastic.has_an_end()
-            && self.hinge_past_range.is_none()
-        {
-            let end = with_law!(&rollers.law.pairs, Law, pairs => range_end::<Law>(&pairs[0]));
-            let depths = self.kernels.roller_depths(model);
-            if let Some(k) = depths.iter().position(|&depth| depth > end) {
-                self.hinge_past_range = Some(past_range(
-                    rollers.law.elastic,
-                    &format!("bushing {0} in roller {0}", k + 1),
-                    depths[k],
-                    end,
-                ));
-            }
-        }
+        let model = &self.model;
         if model.tooth_law.elastic.has_an_end() && self.tooth_past_range.is_none() {
             let nearest_end = with_law!(&model.tooth_law.pairs, Law, pairs => {
                 pairs.iter().map(range_end::<Law>).fold(f64::INFINITY, f64::min)
@@ -565,6 +540,45 @@ impl Dynamics {
                 self.tooth_past_range = self.tooth_past_its_end();
             }
         }
+    }
+
+    /// The same as contacts were last evaluated, for a report with `needs`: inside a step they may be deeper than at its ends.
+    pub(crate) fn watch_reported_ranges(&mut self, needs: Needs) {
+        if needs.hinges != Want::Nothing && self.hinge_past_range.is_none() {
+            let (hinges, rollers) = (&self.hinges.penetration, &self.rollers.penetration);
+            self.hinge_past_range = self.joint_past_its_end(hinges, rollers);
+        }
+        if needs.teeth != Want::Nothing
+            && self.tooth_past_range.is_none()
+            && self.model.tooth_law.elastic.has_an_end()
+        {
+            self.tooth_past_range = self.tooth_past_its_end();
+        }
+    }
+
+    /// The first hinge, or bushing in its roller, that is deeper than its law goes.
+    fn joint_past_its_end(&self, hinges: &[f64], rollers: &[f64]) -> Option<String> {
+        let model = &self.model;
+        let law = &model.hinge_law;
+        if law.elastic.has_an_end() {
+            let (end, force) = with_law!(&law.pairs, Law, pairs => {
+                let end = range_end::<Law>(&pairs[0]);
+                (end, force_at::<Law>(&pairs[0], end))
+            });
+            let end_of = |k: usize| end + model.compliance_at(k).map_or(0.0, |given| given * force);
+            if let Some(k) = (0..hinges.len()).find(|&k| hinges[k] > end_of(k)) {
+                let name = format!("hinge {}", k + 1);
+                return Some(past_range(law.elastic, &name, hinges[k], end_of(k)));
+            }
+        }
+        let law = &model.rollers.as_ref()?.law;
+        if !law.elastic.has_an_end() {
+            return None;
+        }
+        let end = with_law!(&law.pairs, Law, pairs => range_end::<Law>(&pairs[0]));
+        let k = rollers.iter().position(|&depth| depth > end)?;
+        let name = format!("bushing {0} in roller {0}", k + 1);
+        Some(past_range(law.elastic, &name, rollers[k], end))
     }
 
     /// The first tooth contact of the last evaluation that is past the end of its own surface's law.
