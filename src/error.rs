@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::integrator::StepFailure;
+use crate::integrator::{MOST_STEPS, StepFailure};
 
 /// What went wrong.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -30,10 +30,12 @@ pub enum Error {
         /// Body whose error is largest, and the contact it is in.
         culprit: String,
     },
-    /// Step after step is made and time stands still.
+    /// At its present rate the run would take more steps than are worth waiting for.
     #[error(
-        "steps have fallen to {step_size:.1e} s on average at t = {time:.9} s and lead nowhere, {culprit}: raise \
-         min_approach_speed or the tolerances, or max_step where that is what holds them"
+        "steps have fallen to {step_size:.1e} s on average at t = {time:.9} s, {culprit}: one second, or the rest of the run, would \
+         take more than {most:e} steps; look for a mass, inertia, force, gravity or viscosity that is orders of magnitude \
+         from a real one, raise min_approach_speed or the tolerances, or max_step where that limits the steps, or run a shorter time",
+        most = MOST_STEPS
     )]
     Standstill {
         /// Time reached \[s\].

@@ -17,7 +17,7 @@ use crate::dynamics::Dynamics;
 use crate::error::{Error, Result, check};
 use crate::force_law::Regions;
 use crate::geometry::Vec2;
-use crate::integrator::{Adams, Corrector, Counts, OdeSystem, StepControl, StepFailure};
+use crate::integrator::{Adams, Corrector, Counts, OdeSystem, Progress, StepControl, StepFailure};
 use crate::model::{Input, Model, Rotation, Support};
 use crate::panics::guarded;
 use crate::recorder::{Groups, OpenBalance, Recorder, Recording};
@@ -41,8 +41,7 @@ pub struct Simulation {
     wall: Wall,
     /// The first recording whose energy balance did not close, in words.
     balance_note: Option<String>,
-    /// Steps and time from which on the run is watched for standing still.
-    watched: (u64, f64),
+    progress: Progress,
     /// Next kink of a speed or torque \[s\], once it is known.
     kink: f64,
     /// The panic that the run ended with.
@@ -75,12 +74,6 @@ const STEPS_BETWEEN_CLOCK_READINGS: u32 = 64;
 
 /// A step in so many is timed.
 const STEPS_FOR_ONE_TIMED: u32 = 16;
-
-/// A run that takes this many steps, rejected ones included, for [`STANDSTILL`] does not go on.
-pub(crate) const STEPS_OF_STANDSTILL: u64 = 100_000;
-
-/// Time that so many steps must cover \[s\]: less than a single contact lasts.
-pub(crate) const STANDSTILL: f64 = 1e-7;
 
 /// Speed of links that counts as rest, over the error allowed to speeds: drives that rest in static equilibrium move at up to 1.3 times
 /// that error. At twice this number, drives that move at six times the error would not be judged by their energy.
@@ -124,7 +117,7 @@ impl Simulation {
             inside: y,
             wall: Wall::default(),
             balance_note: None,
-            watched: (0, 0.0),
+            progress: Progress::default(),
             kink: f64::NEG_INFINITY,
             defect: None,
         };
@@ -361,6 +354,7 @@ impl Simulation {
                 return Ok(false);
             }
             self.step(steps.is_multiple_of(STEPS_FOR_ONE_TIMED))?;
+            self.watch_progress(target)?;
             steps += 1;
         }
     }
@@ -389,7 +383,7 @@ impl Simulation {
         if let (Some(begin), Some(stepped)) = (begin, stepped) {
             self.wall.take_in(stepped - begin, stepped.elapsed());
         }
-        self.watch_progress()
+        Ok(())
     }
 
     /// At a row of the velocity of an open chain's end, where its acceleration jumps: forgets the history, and puts the end where it
@@ -482,23 +476,17 @@ impl Simulation {
         complete
     }
 
-    /// An error when many steps have hardly led anywhere: what shrinks steps without end is named in bounded time.
-    fn watch_progress(&mut self) -> Result<()> {
-        let counts = self.adams.counts();
-        let (tried, time) = (counts.steps + counts.rejected, self.adams.time());
-        let (since, begin) = self.watched;
-        if tried < since + STEPS_OF_STANDSTILL && tried >= since {
+    /// An error where the way to `target` \[s\] would take more steps than are worth waiting for.
+    fn watch_progress(&mut self, target: f64) -> Result<()> {
+        let (counts, time) = (self.adams.counts(), self.adams.time());
+        let Some(step_size) = self.progress.stalled(counts, time, target) else {
             return Ok(());
-        }
-        self.watched = (tried, time);
-        if tried < since || time - begin > STANDSTILL {
-            return Ok(());
-        }
+        };
         self.now = time;
         let contact = self.dynamics.busiest_contact(self.model().links);
         Err(Error::Standstill {
             time,
-            step_size: (time - begin) / STEPS_OF_STANDSTILL as f64,
+            step_size,
             culprit: contact.unwrap_or_else(|| "nothing in contact".to_string()),
         })
     }

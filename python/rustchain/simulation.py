@@ -242,8 +242,9 @@ class Simulation(Present):
         Raises
         ------
         SimulationError
-            The run cannot go on; ``error.result`` holds the rows until then. The same holds of what
-            a callback raises.
+            The run cannot go on, or over the last 1e5 steps it was so slow that the rest of it (one
+            second of it, where it is longer) would take more than 1e9 steps; ``error.result`` holds
+            the rows until then. The same holds of what a callback raises.
 
         Warns
         -----
@@ -325,8 +326,12 @@ class Simulation(Present):
         with seconds_bar(duration, progress) as bar:
             finished = False
             while not finished:
-                finished = self._core.advance(WALL_BUDGET)
+                finished = self._slice()
                 bar.update(self.time - start - bar.n)
+
+    def _slice(self) -> bool:
+        """Go on with the recording for a moment of wall time; return whether its end is reached."""
+        return self._core.advance(WALL_BUDGET)
 
     def _advance_until(self, duration: float, progress: bool, looks: Sequence[Look]) -> str | None:
         """Advance from report to report, and return why to stop at one before the end."""
@@ -335,7 +340,7 @@ class Simulation(Present):
         with seconds_bar(duration, progress) as bar:
             finished = False
             while not finished:
-                finished = self._core.advance(WALL_BUDGET)
+                finished = self._slice()
                 bar.update(self.time - start - bar.n)
                 if self._core.rows == rows:
                     continue

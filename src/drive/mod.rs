@@ -3,6 +3,7 @@
 mod belt_line;
 mod chain;
 mod ends;
+mod loads;
 mod material;
 mod open_line;
 mod plates;
@@ -153,6 +154,7 @@ impl Drive {
         for (name, value) in [("x", self.gravity.x), ("y", self.gravity.y)] {
             check::finite(&format!("ChainDrive.gravity ({name})"), value, "m/s^2")?;
         }
+        self.check_loads()?;
         for guide in &self.guides {
             guide.validate()?;
             guide.validate_for(self.chain.contact_radius())?;

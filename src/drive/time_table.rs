@@ -82,6 +82,13 @@ impl TimeTable {
         &self.values
     }
 
+    /// Largest absolute value.
+    pub(super) fn largest(&self) -> f64 {
+        self.values
+            .iter()
+            .fold(0.0, |most, value| most.max(value.abs()))
+    }
+
     /// The value at time `t` \[s\].
     #[must_use]
     pub fn value(&self, t: f64) -> f64 {

@@ -15,6 +15,7 @@ mod differences;
 mod newton;
 mod newton_table;
 mod order_control;
+mod progress;
 mod stability;
 mod table;
 mod weights;
@@ -26,6 +27,7 @@ use serde::{Deserialize, Serialize};
 pub use adams::{Adams, Counts, Step, StepFailure};
 pub use dense_output::DenseOutput;
 pub(crate) use dense_output::Path;
+pub(crate) use progress::{MOST_STEPS, Progress};
 pub(crate) use weights::SPEED_PER_LENGTH;
 
 /// Highest order of the predictor.

@@ -11,9 +11,8 @@ use super::projection::AtHand;
 use super::recording::MechanismRecording;
 use super::reports::Reports;
 use crate::error::{Error, Result};
-use crate::integrator::{Adams, Counts, OdeSystem, StepControl};
+use crate::integrator::{Adams, Counts, OdeSystem, Progress, StepControl};
 use crate::panics::guarded;
-use crate::simulate::{STANDSTILL, STEPS_OF_STANDSTILL};
 
 /// A mechanism in motion.
 #[derive(Debug, Clone)]
@@ -31,8 +30,7 @@ pub struct MechanismSimulation {
     pub(super) onsets: u64,
     /// The first recording whose energy balance did not close, in words.
     pub(super) balance_note: Option<String>,
-    /// Steps and time from which on the run is watched for standing still.
-    watched: (u64, f64),
+    pub(super) progress: Progress,
     /// What to go back to when a step fails.
     accepted: Accepted,
     /// Scratch: a state.
@@ -91,7 +89,7 @@ impl MechanismSimulation {
             reports: None,
             onsets: 0,
             balance_note: None,
-            watched: (0, 0.0),
+            progress: Progress::default(),
             accepted: Accepted::default(),
             inside: y,
             defect: None,
@@ -187,7 +185,7 @@ impl MechanismSimulation {
                 return Ok(false);
             }
             self.keep();
-            if let Err(error) = self.step().and_then(|()| self.watch_progress()) {
+            if let Err(error) = self.step().and_then(|()| self.watch_progress(target)) {
                 self.go_back();
                 return Err(error);
             }
@@ -270,21 +268,15 @@ impl MechanismSimulation {
         self.adams.limit_step(self.dynamics.longest_step(t, within));
     }
 
-    /// An error when many steps have hardly led anywhere: what shrinks steps without end is named in bounded time.
-    fn watch_progress(&mut self) -> Result<()> {
-        let counts = self.adams.counts();
-        let (tried, time) = (counts.steps + counts.rejected, self.adams.time());
-        let (since, begin) = self.watched;
-        if tried < since + STEPS_OF_STANDSTILL && tried >= since {
+    /// An error where the way to `target` \[s\] would take more steps than are worth waiting for.
+    fn watch_progress(&mut self, target: f64) -> Result<()> {
+        let (counts, time) = (self.adams.counts(), self.adams.time());
+        let Some(step_size) = self.progress.stalled(counts, time, target) else {
             return Ok(());
-        }
-        self.watched = (tried, time);
-        if tried < since || time - begin > STANDSTILL {
-            return Ok(());
-        }
+        };
         Err(Error::Standstill {
             time,
-            step_size: (time - begin) / (tried - since) as f64,
+            step_size,
             culprit: format!("the mechanism{}", self.dynamics.hardest_pressed()),
         })
     }

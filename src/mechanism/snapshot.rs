@@ -7,7 +7,7 @@ use super::memory::Memory;
 use super::model::MechanismModel;
 use super::simulation::MechanismSimulation;
 use crate::error::{Error, Result};
-use crate::integrator::Adams;
+use crate::integrator::{Adams, Progress};
 
 /// What the bytes begin with: a name and a version, another one for every change of what they hold.
 const MAGIC: &[u8; 24] = b"rustchain mechanism  005";
@@ -133,6 +133,7 @@ impl MechanismSimulation {
         adams.use_instructions(self.adams.instructions());
         self.adams = adams;
         self.defect = None;
+        self.progress = Progress::from(self.adams.counts(), self.adams.time());
         self.forget_accepted();
         (self.now, self.step_start) = (snapshot.now, snapshot.step_start);
         self.onsets = snapshot.onsets;

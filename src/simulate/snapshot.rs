@@ -9,7 +9,7 @@ use super::Simulation;
 use crate::dynamics::Carried;
 use crate::error::{Error, Result};
 use crate::force_law::{Friction, LuGre};
-use crate::integrator::{Adams, StepControl};
+use crate::integrator::{Adams, Progress, StepControl};
 use crate::model::{ContactLaw, Input, Model};
 
 /// What the bytes begin with.
@@ -135,8 +135,7 @@ impl Simulation {
         dynamics.resume_metering(&adams);
         (self.dynamics, self.adams, self.now) = (dynamics, adams, snapshot.now);
         self.inputs.clone_from(&snapshot.inputs);
-        let counts = self.adams.counts();
-        self.watched = (counts.steps + counts.rejected, self.adams.time());
+        self.progress = Progress::from(self.adams.counts(), self.adams.time());
         self.kink = f64::NEG_INFINITY;
         Ok(())
     }
