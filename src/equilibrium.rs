@@ -4,9 +4,11 @@
 //! is Newton's step once γ is long, and a slow sag down the forces while it is short. γ grows while the forces fall. No hinge
 //! opens or turns by more than a share of its clearance in one iteration, because its normal would be another one.
 
+mod refusal;
+
 use std::sync::Arc;
 
-use crate::drive::{ChainEnd, Drive, Motion, Mount, Sprocket, Tensioner, TimeTable};
+use crate::drive::{ChainEnd, Drive, Motion, Mount, Tensioner, TimeTable};
 use crate::dynamics::Dynamics;
 use crate::error::{Error, Result};
 use crate::geometry::{Vec2, turned_left, unit, way};
@@ -41,8 +43,9 @@ const TRAVEL_ROUNDS: u32 = 10;
 const SMALL_MOVE: f64 = 1e-10;
 /// How far back from the place where the chain is taut the tensioner is put for one more try to lay it, in pitches.
 const STEP_BACK: f64 = 0.05;
-/// A drive that takes more does not come to rest.
-const MOST_ITERATIONS: u32 = 40_000;
+/// A drive that takes more does not come to rest. Of 61 random tensioned drives, those whose strands weigh four to eleven times
+/// their tension pull the tensioner far back and take most, 52,000 to 68,000. With twice as many a refusal takes twice as long.
+const MOST_ITERATIONS: u32 = 100_000;
 
 /// A drive at rest.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,14 +95,15 @@ fn held(drive: &Drive, layout: &Layout) -> Drive {
 
 /// Lays the chain with the tensioner where it has taken up the slack, or as near to that as it can be laid: a wheel that has far to
 /// go pulls the chain round all others, tooth by tooth.
-fn lay_taut(drive: &Drive) -> Result<(Start, Layout)> {
+fn lay_taut(drive: &Drive, give_up: &dyn Fn() -> bool) -> Result<(Start, Layout)> {
     let taut = |tensioner: &Tensioner| -> Option<(Start, Layout)> {
         let line = tensioner.line(drive).ok()?;
         let [_, forth] = tensioner.travel;
         let farthest = line.taut_at?.min(forth);
         let step = STEP_BACK * drive.chain.pitch;
         let mut places = (0..).map(|i| farthest - f64::from(i) * step);
-        places.by_ref().take_while(|&s| s > 0.0).find_map(|s| {
+        let mut places = places.by_ref().take_while(|&s| s > 0.0 && !give_up());
+        places.find_map(|s| {
             let mut there = drive.clone();
             there.tensioner = None;
             there.sprockets[tensioner.sprocket - 1].center +=
@@ -119,7 +123,19 @@ impl Equilibrium {
     /// # Errors
     /// When the chain cannot be laid, or there is no rest: a torque that nothing holds, with the force that is left.
     pub fn find(drive: &Drive, laws: &ForceLaws) -> Result<Self> {
-        let (laid, layout) = lay_taut(drive)?;
+        Self::find_unless(drive, laws, &|| false)
+    }
+
+    /// The same; `give_up` is asked before each iteration, and ends it with the force that is left by then.
+    ///
+    /// # Errors
+    /// As of [`Self::find`].
+    pub fn find_unless(
+        drive: &Drive,
+        laws: &ForceLaws,
+        give_up: &dyn Fn() -> bool,
+    ) -> Result<Self> {
+        let (laid, layout) = lay_taut(drive, give_up)?;
         let at_rest = Start {
             positions: laid.positions.clone(),
             velocities: vec![[0.0; 3]; laid.velocities.len()],
@@ -136,12 +152,14 @@ impl Equilibrium {
         let model = Model::compile(&held(drive, &layout), &frictionless, &at_rest)?;
         let model = Arc::new(model);
         let mut settling = Settling::new(model, &at_rest);
-        let residual = settling.settle().map_err(|error| match error {
-            Error::Impossible(why) => {
-                let light = light_strand(drive, &layout);
-                Error::Impossible(why + &light.unwrap_or_default())
-            }
-            other => other,
+        let residual = settling.settle(give_up).map_err(|residual| {
+            Error::Impossible(format!(
+                "start=\"static\": the drive does not come to rest: {residual:.3e} N are left unbalanced after {} iterations, beside \
+                 contacts of {:.3e} N; {}",
+                settling.iterations,
+                settling.largest_force(),
+                refusal::causes(drive, &layout)
+            ))
         })?;
         let largest_force = settling.largest_force();
         let positions = settling.places.positions();
@@ -163,60 +181,6 @@ impl Equilibrium {
             iterations: settling.iterations,
         })
     }
-}
-
-/// Share of a tension that frictionless bushings pass on from one tooth to the next: between the pulls of both strands and the push of
-/// a tooth at its pressure angle \[rad\], on a wheel of so many teeth.
-fn passed_on(pressure_angle: f64, teeth: u32) -> f64 {
-    let turn = std::f64::consts::TAU / f64::from(teeth);
-    pressure_angle.sin() / (pressure_angle + turn).sin()
-}
-
-/// What an open chain lacks on the side that is to hold its load on the teeth, if it is that: 35° - 120°/N is the new chain's pressure
-/// angle of ANSI B29.1, of which other forms have much the same.
-fn light_strand(drive: &Drive, layout: &Layout) -> Option<String> {
-    let (ends, chain) = (drive.ends.as_ref()?, &drive.chain);
-    let (first, last) = (
-        *layout.strand_pitches.first()?,
-        *layout.strand_pitches.last()?,
-    );
-    let links = chain.links as usize;
-    let weight = |end: usize| {
-        let strand = if end == 0 {
-            0..first as usize
-        } else {
-            links - last as usize..links
-        };
-        let own: f64 = strand.map(|i| chain.strand_link(i).mass).sum();
-        let load = match ends[end] {
-            ChainEnd::Load { mass, .. } => mass,
-            _ => 0.0,
-        };
-        drive.gravity.norm() * (own + load)
-    };
-    let share = |(sprocket, &seated): (&Sprocket, &u32)| {
-        let angle = (35.0 - 120.0 / f64::from(sprocket.teeth)).to_radians();
-        passed_on(angle, sprocket.teeth).powi(i32::try_from(seated).unwrap_or(i32::MAX))
-    };
-    let wraps = drive.sprockets.iter().zip(&layout.seated);
-    let shares: f64 = wraps.map(share).product();
-    let (light, heavy) = if weight(0) < weight(1) {
-        (0, 1)
-    } else {
-        (1, 0)
-    };
-    let needed = shares * weight(heavy);
-    (weight(light) < needed).then(|| {
-        format!(
-            "; the strand at end {} weighs {:.2} N, and without friction the teeth take the {:.1} N at end {} only where about {needed:.2} N \
-             hold the chain down there: hang more links or a load at end {}",
-            light + 1,
-            weight(light),
-            weight(heavy),
-            heavy + 1,
-            light + 1
-        )
-    })
 }
 
 /// Length that a coordinate of a sprocket stands for: the pitch radius where it is an angle \[m\], 1 where it is a length.
@@ -298,7 +262,8 @@ impl Settling {
         hinges.chain(rollers).chain(teeth).fold(0.0, f64::max)
     }
 
-    fn settle(&mut self) -> Result<f64> {
+    /// Moves the places to rest; the unbalanced force \[N\] that is left there, or when it ends before.
+    fn settle(&mut self, give_up: &dyn Fn() -> bool) -> std::result::Result<f64, f64> {
         let model = self.dynamics.model();
         let coordinates = model.coordinates;
         let applied = applied_force(model);
@@ -311,15 +276,8 @@ impl Settling {
                 self.places.read(self.dynamics.model(), 0.0, &self.y);
                 return Ok(residual);
             }
-            if self.iterations == MOST_ITERATIONS || !residual.is_finite() {
-                return Err(Error::Impossible(format!(
-                    "the drive does not come to rest: {residual:.3e} N are left unbalanced after {} iterations, beside contacts \
-                     of {:.3e} N; a torque that no sprocket of prescribed speed holds, a tensioner that nothing stops, or one with so much slack \
-                     to take up that the chain skips teeth? Then begin nearer to rest: fewer links, or the tensioner's sprocket \
-                     where it will stand",
-                    self.iterations,
-                    self.largest_force()
-                )));
+            if self.iterations == MOST_ITERATIONS || !residual.is_finite() || give_up() {
+                return Err(residual);
             }
             self.iterations += 1;
             if self.iterations == FIRST_TRY {
@@ -464,19 +422,5 @@ impl Settling {
             });
         }
         excess
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::passed_on;
-
-    #[test]
-    fn a_tooth_of_seventeen_passes_on_three_fifths_of_a_tension() {
-        let angle = (35.0_f64 - 120.0 / 17.0).to_radians();
-        assert!((passed_on(angle, 17) - 0.62).abs() < 1e-3);
-        // At a right angle to the mean of both strands they are alike.
-        let half = std::f64::consts::PI / 17.0;
-        assert!((passed_on(std::f64::consts::FRAC_PI_2 - half, 17) - 1.0).abs() < 1e-12);
     }
 }

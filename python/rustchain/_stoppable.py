@@ -30,10 +30,17 @@ class Ended:
 
 
 class _Quiet(Simulation):
-    """A simulation that leaves its warnings to the sweep."""
+    """A simulation that leaves its warnings to the sweep, and ends with it."""
+
+    _given_up: threading.Event | None = None
 
     def _warn(self) -> None:
         pass
+
+    def _slice(self) -> bool:
+        if self._given_up is not None and self._given_up.is_set():
+            raise KeyboardInterrupt
+        return super()._slice()
 
 
 def run_looked_at(
@@ -44,7 +51,7 @@ def run_looked_at(
 ) -> Generator[Ended | None, None, None]:
     """Run cases several at once, and yield each as it ends; None now and then, for Ctrl-C.
 
-    When the caller goes on no more, the cases under way stop at their next report.
+    When the caller goes on no more, the cases under way stop within a moment of wall time.
     """
     if threads is not None and (
         isinstance(threads, bool) or not isinstance(threads, int) or threads < 1
@@ -59,15 +66,13 @@ def run_looked_at(
             return Ended(number, None, None, [], [], [])
         given = {name: scene[name] for name in (*SCENE, "positions", "velocities")}
         simulation = _Quiet(**given)
-
-        def look(simulation: Simulation) -> object:
-            return True if given_up.is_set() else callback and callback(simulation)
+        simulation._given_up = given_up
 
         names = ("duration", "report_step", "record", "energy")
         result, error = None, None
         try:
             run = {name: scene[name] for name in names}
-            result = simulation.run(**run, progress=False, stop=stop, callback=look)
+            result = simulation.run(**run, progress=False, stop=stop, callback=callback)
         except Exception as raised:  # a callback of the user's may raise anything
             error = raised
         return Ended(number, result, error, *simulation._core.take_warnings())

@@ -6,6 +6,7 @@ use pyo3::types::PyDict;
 
 use super::describe;
 use super::errors::{InvalidInput, to_python};
+use super::interrupt::interruptible;
 use crate::drive::{BeltLine, Drive, MOST_LINKS, check_links};
 use crate::equilibrium::Equilibrium;
 use crate::error::{Error, check};
@@ -108,7 +109,9 @@ pub(super) fn static_start<'py>(
     let py = drive.py();
     let description = describe::drive(drive)?;
     let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_approach_speed)?;
-    let rest = py.detach(|| Equilibrium::find(&description, &laws));
+    let rest = interruptible(py, |give_up| {
+        Equilibrium::find_unless(&description, &laws, give_up)
+    })?;
     let rest = describe::checked(py, rest)?;
     let found = PyDict::new(py);
     for (name, rows) in [

@@ -5,6 +5,7 @@ mod describe;
 mod ensemble;
 mod errors;
 mod functions;
+mod interrupt;
 mod mechanism;
 mod mechanism_arrays;
 mod mechanism_callable;

@@ -127,6 +127,41 @@ def test_the_command_saves_its_file_and_says_how_it_ended(tmp_path):
     assert result.array("tooth_force").shape == (len(result.time), 38)
 
 
+# Calls that stay long in the compiled module, or in threads of their own.
+LONG_CALLS = {
+    "static start": "rc.Simulation(restless, start='static')",
+    "study from static starts": "rc.study(restless, start='static', progress=False)",
+    "sweep": f"rc.sweep(rc.paper_drive(), [dict(duration={FAR})], progress=False)",
+    "sweep that looks at rare reports": (
+        f"rc.sweep(rc.paper_drive(), [dict(duration={FAR})], report_step={FAR / 2}, "
+        "stop=rc.HingeForceAbove(1e9), progress=False)"
+    ),
+}
+
+
+@pytest.mark.parametrize("call", LONG_CALLS)
+def test_ctrl_c_ends_a_long_call_before_it_ends_by_itself(call):
+    done = child(
+        f"""
+import dataclasses, time
+drive = rc.paper_drive()
+# A torque that nothing holds has no static equilibrium: it is refused after 100,000 iterations.
+first = dataclasses.replace(drive.sprockets[0], motion=rc.AppliedTorque(1.0))
+restless = dataclasses.replace(drive, sprockets=(first, drive.sprockets[1]))
+threading.Timer(0.3, under_way.set).start()
+try:
+    said = {LONG_CALLS[call]}.status
+except KeyboardInterrupt as interrupted:
+    # A handler that only runs after a refusal has that for its context.
+    said = repr(interrupted.__context__)
+print(json.dumps(said))
+""",
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout) in ("interrupted", "None")
+
+
 @pytest.mark.skipif(not hasattr(signal, "SIGALRM"), reason="no interval timer here")
 def test_a_handler_of_ones_own_is_heard_during_a_run():
     """Python looks for signals between slices of the run, whoever handles them."""

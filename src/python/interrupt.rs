@@ -1,0 +1,35 @@
+//! Ctrl-C while the compiled module works.
+
+use std::cell::{Cell, RefCell};
+use std::time::{Duration, Instant};
+
+use pyo3::prelude::*;
+
+/// Wall time between two looks at whether Ctrl-C was pressed: well within the 0.2 s in which it is to act.
+const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
+
+/// Does `work` with the interpreter free. `work` ends soon when the function that it is handed returns true: Ctrl-C was pressed, or
+/// another signal's handler has raised, which is then raised here.
+pub(super) fn interruptible<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce(&dyn Fn() -> bool) -> T + Send,
+) -> PyResult<T> {
+    let (done, raised) = py.detach(|| {
+        let (looked, raised) = (Cell::new(Instant::now()), RefCell::new(None));
+        let done = work(&|| {
+            if raised.borrow().is_some() {
+                return true;
+            }
+            if looked.get().elapsed() < BETWEEN_LOOKS {
+                return false;
+            }
+            looked.set(Instant::now());
+            let error = Python::attach(|py| py.check_signals()).err();
+            let stops = error.is_some();
+            raised.replace(error);
+            stops
+        });
+        (done, raised.into_inner())
+    });
+    raised.map_or(Ok(done), Err)
+}
