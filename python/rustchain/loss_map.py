@@ -99,7 +99,7 @@ def loss_map(
         }
 
     motion = f"sprockets.{loaded - 1}.motion"
-    found = sweep(
+    swept = sweep(
         drive,
         {"speed": speeds, motion: [AppliedTorque(torque) for torque in torques]},
         measure,
@@ -114,7 +114,10 @@ def loss_map(
         hinge_film=hinge_film,
         threads=threads,
         progress=progress,
-    ).to_xarray()
+    )
+    if not channels:  # no case has ended
+        raise KeyboardInterrupt if swept.status == "interrupted" else swept.errors[0]
+    found = swept.to_xarray()
     watts = {"units": "W"}
     data = {name: found[name].to_numpy() for name in ("efficiency", "loss", "lost", "delivered")}
     return xr.Dataset(

@@ -131,6 +131,10 @@ def test_the_command_saves_its_file_and_says_how_it_ended(tmp_path):
 LONG_CALLS = {
     "static start": "rc.Simulation(restless, start='static')",
     "study from static starts": "rc.study(restless, start='static', progress=False)",
+    "loss map": (
+        "rc.loss_map(rc.two_sprocket_drive(links=38, torque=-1.0), speeds=[10.0], torques=[-1.0], "
+        f"duration={FAR}, friction=rc.Coulomb(0.1), progress=False)"
+    ),
     "sweep": f"rc.sweep(rc.paper_drive(), [dict(duration={FAR})], progress=False)",
     "sweep that looks at rare reports": (
         f"rc.sweep(rc.paper_drive(), [dict(duration={FAR})], report_step={FAR / 2}, "
@@ -143,7 +147,8 @@ LONG_CALLS = {
 def test_ctrl_c_ends_a_long_call_before_it_ends_by_itself(call):
     done = child(
         f"""
-import dataclasses, time
+import dataclasses
+import xarray  # a loss map imports it, which takes long the first time
 drive = rc.paper_drive()
 # A torque that nothing holds has no static equilibrium: it is refused after 100,000 iterations.
 first = dataclasses.replace(drive.sprockets[0], motion=rc.AppliedTorque(1.0))
