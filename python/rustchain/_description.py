@@ -7,9 +7,8 @@ import json
 from dataclasses import dataclass
 from typing import Any, ClassVar, TypeAlias
 
-import numpy as np
-
 from rustchain import _rustchain
+from rustchain._arguments import plain as plain
 
 Point: TypeAlias = tuple[float, float]
 
@@ -38,13 +37,6 @@ class Description:
     def from_json(text: str) -> Any:  # noqa: ANN401
         """Return the description that `to_json` wrote."""
         return json.loads(text, object_hook=_revived)
-
-
-def plain(value: Any) -> Any:  # noqa: ANN401
-    """Return `value` with arrays and lists as tuples, and NumPy numbers as Python's."""
-    if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    return tuple(map(plain, value)) if isinstance(value, list | tuple) else value
 
 
 def _tagged(description: object) -> dict[str, object]:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal, NoReturn, get_args
 
+import numpy as np
+
+from rustchain._arguments import shown, values_of
 from rustchain._names import suggest
 from rustchain.errors import InvalidInput
 
@@ -16,19 +19,22 @@ if TYPE_CHECKING:
 
 Group = Literal["hinges", "teeth", "sprockets", "bodies", "energy"]
 
+_MOST_GROUPS = 100  # far more than there are; what has more may have no end
 _MOST_ROWS = 1e9  # more are refused whatever they hold
 WALL_BUDGET = 0.05  # [s] between looks at the keyboard and the progress bar
 
 
 def known_groups(record: Sequence[str], energy: bool) -> tuple[list[str], bool]:
     """Return the groups to record, each of which must exist, and whether to keep the energy."""
-    if not isinstance(record, Iterable):
-        msg = f"record = {record!r}: must be a sequence of groups: {', '.join(get_args(Group))}"
+    groups = [record] if isinstance(record, str) else values_of(record, _MOST_GROUPS)
+    if groups is None:
+        msg = (
+            f"record = {shown(record)}: must be a sequence of groups: {', '.join(get_args(Group))}"
+        )
         raise InvalidInput(msg)
-    groups = [record] if isinstance(record, str) else list(record)
     for group in groups:
-        if group not in get_args(Group):
-            msg = f"record: {group!r} is no group; {suggest(group, get_args(Group))}"
+        if not isinstance(group, str) or group not in get_args(Group):
+            msg = f"record: {shown(group)} is no group; {suggest(group, get_args(Group))}"
             raise InvalidInput(msg)
     return groups, True if "energy" in groups else energy
 
@@ -61,6 +67,13 @@ def _memory() -> float:
     except (AttributeError, ValueError, OSError):  # not everywhere
         found = 0
     return float(found) if found > 0 else 2.0**36
+
+
+def check_progress(progress: object) -> None:
+    """Refuse what is neither True nor False."""
+    if not isinstance(progress, bool | np.bool_):
+        msg = f"progress = {shown(progress)}: must be True or False"
+        raise InvalidInput(msg)
 
 
 def seconds_bar(total: float, progress: bool, description: str | None = None) -> tqdm[NoReturn]:

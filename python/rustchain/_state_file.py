@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
+from rustchain._arguments import shown
 from rustchain._description import Description
 from rustchain._paths import check_there
 from rustchain.errors import InvalidInput
@@ -52,7 +53,8 @@ def restored(
         if name not in state or not np.array_equal(state[name], value):
             change = "was changed" if name in state else "is missing"
             msg = (
-                f"state[{name!r}] {change}: a state is set as it was taken; for a start of your "
+                f"state[{shown(name)}] {change}: a state is set as it was taken; for a start "
+                "of your "
                 f"own, make a {start}"
             )
             raise InvalidInput(msg)

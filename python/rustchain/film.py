@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain import _rustchain
+from rustchain._arguments import checked
 from rustchain._description import Description
 from rustchain._names import known_keywords
 
@@ -41,6 +42,7 @@ class Film(Description):
     handover: float = 0.9
     tension: float = 1e5
 
+    @checked
     def force(
         self,
         eccentricity: npt.ArrayLike,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from rustchain import _rustchain
 from rustchain._description import plain
+from rustchain._names import named_attributes
 
 if TYPE_CHECKING:
     from rustchain.drive import ChainDrive
@@ -18,6 +19,7 @@ Numbers: TypeAlias = tuple[float, ...]
 _LITTLE_PLAY = 1e-6  # [m]
 
 
+@named_attributes
 @dataclass(frozen=True)
 class DriveReport:
     """How a chain lies round its sprockets at the start; ``print(report)`` shows it as a table.
@@ -127,7 +129,8 @@ class DriveReport:
     @classmethod
     def of(cls, drive: ChainDrive) -> DriveReport:
         """Return the report on `drive`."""
-        chain, found = drive.chain, _rustchain.layout(drive)
+        found = _rustchain.layout(drive)  # which refuses what is no drive
+        chain = drive.chain
         if drive.hinges == "ideal" and drive.tensioner is not None and drive.tensioner.stiffness:
             found["tension_force"] = _pull_without_play(drive, found["hinge_stretch"])
         play = None if chain.roller is None else chain.roller.bore_radius - chain.bushing_radius

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from rustchain._names import named_attributes
+
 if TYPE_CHECKING:
     from rustchain.result import Result
 
@@ -15,6 +17,7 @@ Array: TypeAlias = npt.NDArray[np.float64]
 IntArray: TypeAlias = npt.NDArray[np.int32]
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class Hinge:
     """One hinge over time.
@@ -41,6 +44,7 @@ class Hinge:
     film_force: Array | None = None
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class Bushing:
     """One bushing's deepest contact with a tooth, over time.
@@ -64,6 +68,7 @@ class Bushing:
     region: IntArray
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class RollerOnBushing:
     """One roller on its bushing over time.
@@ -91,6 +96,7 @@ class RollerOnBushing:
     velocity: Array | None = None
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class Strand:
     """One strand over time.
@@ -107,6 +113,7 @@ class Strand:
     tension: Array
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class SprocketMotion:
     """One sprocket over time.
@@ -128,6 +135,7 @@ class SprocketMotion:
     center: Array
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class ChainEnd:
     """One end of an open chain over time.
@@ -148,6 +156,7 @@ class ChainEnd:
     velocity: Array
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class Energy:
     """The energy balance over time.
@@ -186,6 +195,7 @@ class Energy:
     hinge_film: Array | None = None
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class Peaks:
     """Largest forces [N] and impulses [N s] within each report interval; row i ends at time i.

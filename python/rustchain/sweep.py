@@ -11,10 +11,11 @@ from typing import Any
 import numpy.typing as npt
 
 from rustchain import _rustchain
+from rustchain._arguments import plain, shown
 from rustchain._axes import Drive, Parameters, axes_of, cases_of, check_names, scene_of
 from rustchain._names import known_keywords
 from rustchain._present import SCENE
-from rustchain._run import WALL_BUDGET, Group, known_groups, seconds_bar
+from rustchain._run import WALL_BUDGET, Group, check_progress, known_groups, seconds_bar
 from rustchain._start import Start, started
 from rustchain._stoppable import run_looked_at
 from rustchain.drive import ChainDrive
@@ -119,14 +120,14 @@ def sweep(
         The energy balance does not close: in how many cases, and the first.
     """
     scene: Parameters = {
-        "duration": duration,
-        "report_step": report_step,
+        "duration": plain(duration),
+        "report_step": plain(report_step),
         "record": record,
         "energy": energy,
         "force_law": force_law,
         "hinge_law": hinge_law,
         "tooth_law": tooth_law,
-        "min_approach_speed": min_approach_speed,
+        "min_approach_speed": plain(min_approach_speed),
         "solver": solver,
         "start": start,
         "positions": positions,
@@ -141,6 +142,10 @@ def sweep(
         cases = cases_of(axes)
     else:
         cases = [dict(zip(grid, values, strict=True)) for values in product(*grid.values())]
+    if measure is not None and not callable(measure):
+        msg = f"measure = {shown(measure)}: must be a function of a Result, or None"
+        raise InvalidInput(msg)
+    check_progress(progress)
     check_names(drive, scene, cases)
     looked_at = len(check_looks(stop, callback)) > 0 or callback is not None
 
@@ -181,7 +186,7 @@ def _ready(scene: Parameters) -> _rustchain.Case:
     drive = scene["drive"]
     if isinstance(drive, ChainDrive) and drive.hinges != "clearance":
         msg = (
-            f"ChainDrive.hinges = {drive.hinges!r}: a sweep runs clearance hinges only; "
+            f"ChainDrive.hinges = {shown(drive.hinges)}: a sweep runs clearance hinges only; "
             "run a Simulation of each drive"
         )
         raise InvalidInput(msg)
@@ -300,7 +305,7 @@ def _fail(found: SweepResult, number: int, error: Exception) -> None:
 
 def _name(found: SweepResult, number: int) -> str:
     """Return a case by its number and parameters, in words."""
-    parameters = ", ".join(f"{name}={value!r}" for name, value in found.cases[number].items())
+    parameters = ", ".join(f"{name}={shown(value)}" for name, value in found.cases[number].items())
     return f"case {number} ({parameters})"
 
 

@@ -91,7 +91,7 @@ def outcome(target: call_table.Target, replaced: dict[str, str]) -> Outcome:
         with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
             warnings.simplefilter("ignore")
             target.call(**target.arguments | values)
-    except BaseException as error:  # noqa: BLE001  a panic is a BaseException
+    except BaseException as error:
         hole = _hole(error, target, replaced)
         text = _text(error)
         return Outcome(said, "refused", text) if hole is None else Outcome(said, hole, text)
@@ -142,7 +142,7 @@ def _is_ours(error: Exception) -> bool:
 def _text(error: BaseException) -> str:
     try:
         return str(error)
-    except Exception:  # noqa: BLE001
+    except Exception:
         return "an error that cannot be printed"
 
 

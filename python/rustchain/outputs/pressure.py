@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from rustchain import _rustchain
+from rustchain._arguments import shown
 from rustchain._names import suggest
 from rustchain.errors import InvalidInput
 from rustchain.outputs import rainflow
@@ -184,7 +185,7 @@ def tooth_contacts(result: Result) -> tuple[Array, Array]:
 def check_contact(contact: str) -> None:
     """Raise where there is no such contact."""
     if contact not in ("hinge", "tooth"):
-        msg = f"contact: {contact!r} is no contact; {suggest(contact, ('hinge', 'tooth'))}"
+        msg = f"contact: {shown(contact)} is no contact; {suggest(contact, ('hinge', 'tooth'))}"
         raise InvalidInput(msg)
 
 
