@@ -48,10 +48,20 @@ def plain(value: Any) -> Any:  # noqa: ANN401
     return _plain(value, _DEEPEST)
 
 
+class _NoNumber:
+    """A date or a record of NumPy, which converts to a number and is none."""
+
+    def __init__(self, value: object) -> None:
+        self._shown = shown(value)
+
+    def __repr__(self) -> str:
+        return self._shown
+
+
 def _plain(value: Any, levels: int) -> Any:  # noqa: ANN401
     if isinstance(value, np.ndarray | np.generic):
-        if value.dtype.kind in "mMV":  # dates and records, which would become numbers
-            return value
+        if value.dtype.kind in "mMV":
+            return _NoNumber(value)
         value = value.tolist()
     if isinstance(value, list | tuple):
         return tuple(_plain(each, levels - 1) for each in value) if levels > 0 else value
@@ -210,7 +220,7 @@ def finite_array(value: Any) -> npt.NDArray[np.float64] | None:  # noqa: ANN401
     try:
         kind = getattr(getattr(value, "dtype", None), "kind", "")
         listed = isinstance(value, list | tuple) or kind == "O"
-        given = np.asarray(plain(value) if listed else value)
+        given = np.asarray(plain(value) if listed else value)  # a long array is not made a list
         array = given.astype(np.float64) if given.dtype.kind in "iuf" else None
     except Exception:
         return None

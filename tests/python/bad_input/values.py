@@ -65,7 +65,8 @@ def word(*allowed):
 
 def instance(kind, *others):
     wrong = [1.0, "x", (), object, *others]
-    return [(value, f"must be a {kind}") for value in wrong]
+    article = "an" if kind[0] in "AEIOU" else "a"
+    return [(value, f"must be {article} {kind}") for value in wrong]
 
 
 def table(unit):
