@@ -111,7 +111,9 @@ const LONGEST_VALUE: usize = 80;
 fn legible(text: String) -> String {
     match text.parse::<f64>() {
         Ok(number) if text.len() > LONGEST_NUMBER && number.is_finite() => format!("{number:e}"),
-        _ if text.chars().take(LONGEST_VALUE + 1).count() > LONGEST_VALUE || text.contains('\n') => {
+        _ if text.chars().take(LONGEST_VALUE + 1).count() > LONGEST_VALUE
+            || text.contains('\n') =>
+        {
             shortened(&text)
         }
         _ => text,
@@ -247,6 +249,9 @@ mod tests {
         assert_eq!(said("two\n  lines"), "name = two lines: is odd");
         let long = said(&"é".repeat(5000));
         assert_eq!(long, format!("name = {}...: is odd", "é".repeat(77)));
-        assert_eq!(said(&"9".repeat(400)), format!("name = {}...: is odd", "9".repeat(77)));
+        assert_eq!(
+            said(&"9".repeat(400)),
+            format!("name = {}...: is odd", "9".repeat(77))
+        );
     }
 }

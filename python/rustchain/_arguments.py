@@ -206,13 +206,15 @@ def _truth(value: object) -> bool | None:
 
 
 def _text(value: object) -> str | None:
-    """Return text, or None."""
-    return value if isinstance(value, str) else None
+    """Return text that can be encoded, or None."""
+    if not isinstance(value, str):
+        return None
+    return value if value.encode(errors="replace").decode() == value else None
 
 
 def _path(value: object) -> object | None:
     """Return what names a file, or None."""
-    return value if isinstance(value, os.PathLike) else None
+    return value if isinstance(value, str | os.PathLike) else None
 
 
 def finite_array(value: Any) -> npt.NDArray[np.float64] | None:  # noqa: ANN401

@@ -26,7 +26,7 @@ def started(scene: Mapping[str, Any]) -> dict[str, Any]:
         msg = f"start = {shown(start)}: must be 'laid' or 'static'"
         raise InvalidInput(msg)
     if not isinstance(drive, ChainDrive):  # which the core refuses
-        return {"drive": drive, "rest": None} | given
+        return {"drive": drive, "rest": None} | dict.fromkeys(given)
     if start == "laid":
         rollers = 0 if drive.chain.roller is None else drive.hinge_count
         bodies = drive.hinge_count + rollers + len(drive.sprockets) + len(drive.guides)

@@ -293,8 +293,9 @@ def _rolling(chain: Chain, size: ChainSize, rollers: Rollers) -> Chain:
 
 def _tensioner(pretension: float | None) -> Tensioner | None:
     """Return a tensioner on sprocket 2, or none where there is nothing to pull."""
-    none = pretension is None or finite_number(pretension) == 0
-    return None if none else Tensioner(sprocket=2, pretension=pretension)
+    if pretension is None or finite_number(pretension) == 0:
+        return None
+    return Tensioner(sprocket=2, pretension=pretension)
 
 
 def _size(name: str) -> ChainSize:

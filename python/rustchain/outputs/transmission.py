@@ -102,8 +102,9 @@ def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
 
     turned = np.abs(angle)
     if len(turned) < 8 or not turned[-1] > 0.0:
+        over = turned[-1] if len(turned) else 0.0
         msg = (
-            f"start, end: {len(turned)} rows over {turned[-1] if len(turned) else 0.0:.3g} rad: too "
+            f"start, end: {len(turned)} rows over {over:.3g} rad: too "
             "little to find orders in; take a longer part, or a smaller report_step"
         )
         raise InvalidInput(msg)

@@ -191,8 +191,17 @@ pub(in crate::python) fn table(
 
 /// Names of classes as alternatives: "a Coulomb or a LuGre".
 fn with_articles(kinds: &[&str]) -> String {
-    let article = |kind: &str| if kind.starts_with(['A', 'E', 'I', 'O', 'U']) { "an" } else { "a" };
-    let named: Vec<String> = kinds.iter().map(|kind| format!("{} {kind}", article(kind))).collect();
+    let article = |kind: &str| {
+        if kind.starts_with(['A', 'E', 'I', 'O', 'U']) {
+            "an"
+        } else {
+            "a"
+        }
+    };
+    let named: Vec<String> = kinds
+        .iter()
+        .map(|kind| format!("{} {kind}", article(kind)))
+        .collect();
     named.join(" or ")
 }
 
