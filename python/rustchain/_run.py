@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal, NoReturn, get_args
 
 import numpy as np
 
-from rustchain._arguments import shown, values_of
+from rustchain._arguments import finite_number, shown, values_of
 from rustchain._names import suggest
 from rustchain.errors import InvalidInput
 
@@ -44,9 +43,8 @@ def check_rows_fit(duration: object, report_step: object, numbers: int) -> None:
 
     What is no number, or makes no sense, is left to those who read it.
     """
-    if not (isinstance(duration, float | int) and isinstance(report_step, float | int)):
-        return
-    if not (0.0 < duration < math.inf and 0.0 < report_step < math.inf):
+    duration, report_step = finite_number(duration), finite_number(report_step)
+    if duration is None or report_step is None or min(duration, report_step) <= 0.0:
         return
     rows, size = duration / report_step, 8 * numbers
     memory = _memory()

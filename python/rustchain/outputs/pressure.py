@@ -111,7 +111,7 @@ def pressure_cycles(
         angle = result.array("sprocket_angle")[rows, sprocket - 1]
         turns = float(abs(angle[-1] - angle[0])) / (2 * np.pi)
     if turns == 0.0:
-        msg = "nothing has turned: there are no cycles of a revolution; take a longer part"
+        msg = "start, end: nothing has turned, so that no cycles can be counted; take a longer part"
         raise InvalidInput(msg)
     # Each interval's peak comes before the value of the row that ends it.
     history = np.stack([most, now], axis=1).reshape(-1, now.shape[1])

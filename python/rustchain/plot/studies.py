@@ -102,7 +102,8 @@ def _over_axis(axes: Any, values: xr.DataArray, found: xr.DataArray, over: str) 
 @styled
 def draw_loss_map(losses: xr.Dataset) -> Figure:
     """Draw efficiency and power lost over speed and load, from what `rustchain.loss_map` found."""
-    if not {"speed", "torque", "efficiency", "lost"} <= set(getattr(losses, "variables", ())):
+    names = set(map(str, losses.variables)) if type(losses).__name__ == "Dataset" else set()
+    if not {"speed", "torque", "efficiency", "lost"} <= names:
         msg = f"draw_loss_map(losses): got {shown(losses)}; expected what loss_map returned"
         raise InvalidInput(msg)
     figure, cells = plt.subplots(1, 2, figsize=(8.0, 3.2), sharey=True)
