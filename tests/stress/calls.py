@@ -113,6 +113,8 @@ def _hole(error: BaseException, target: call_table.Target, replaced: dict[str, s
     text = _text(error)
     if not isinstance(error, Exception):
         return "hole, no Exception"
+    if any("class" in replaced.get(name, "") for name in ("callback", "measure", "function")):
+        return None  # a class is a function, and what it raises is passed on
     if not _is_ours(error):
         frames = traceback.extract_tb(error.__traceback__)
         return f"hole, {type(error).__name__} from {frames[-1].filename}:{frames[-1].lineno}"
@@ -136,6 +138,7 @@ _SYNONYMS = {
     "Mechanism.add_position_driver": ("motion",),
     "Mechanism.add_disc_contact": ("radius",),
     "Mechanism.add_torque": ("table",),
+    "Plots.force_penetration": ("hinge", "bushing"),
     "two_sprocket_drive": ("center",),
     "Result.efficiency": ("start",),
     "catalogue_chain": ("chain",),
