@@ -138,6 +138,7 @@ _SYNONYMS = {
     "Mechanism.add_position_driver": ("motion",),
     "Mechanism.add_disc_contact": ("radius",),
     "Mechanism.add_torque": ("table",),
+    "Mechanism.add_torsion_spring": ("rest angle",),
     "Plots.force_penetration": ("hinge", "bushing"),
     "two_sprocket_drive": ("center",),
     "Result.efficiency": ("start",),
