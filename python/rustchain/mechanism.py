@@ -87,5 +87,5 @@ for _part in (WithJoints, WithForces, WithContacts):
             for _function in (_method, _method.__wrapped__):
                 _function.__qualname__ = f"Mechanism.{_name}"
             # What else is wrong is told of the part, when the mechanism is put together.
-            _only = (str, float, Point) if _part is WithContacts else (str,)
+            _only = (str, float, bool, Point) if _part is WithContacts else (str,)
             setattr(Mechanism, _name, checked(_method, _only))
