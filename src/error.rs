@@ -111,10 +111,18 @@ impl Error {
 /// Most characters of a number that is written without an exponent.
 const LONGEST_NUMBER: usize = 24;
 
-/// A text as it is, but a number of hundreds of digits with an exponent.
+/// Most characters of a value in a message: one line of a terminal. The Python package has the same number.
+const LONGEST_VALUE: usize = 80;
+
+/// A text on one line of at most 80 characters; a number of hundreds of digits with an exponent.
 fn legible(text: String) -> String {
     match text.parse::<f64>() {
-        Ok(number) if text.len() > LONGEST_NUMBER => format!("{number:e}"),
+        Ok(number) if text.len() > LONGEST_NUMBER && number.is_finite() => format!("{number:e}"),
+        _ if text.chars().take(LONGEST_VALUE + 1).count() > LONGEST_VALUE
+            || text.contains('\n') =>
+        {
+            shortened(&text)
+        }
         _ => text,
     }
 }
@@ -122,6 +130,17 @@ fn legible(text: String) -> String {
 /// The time of an error in a run, in words.
 fn at(time: Option<f64>) -> String {
     time.map_or(String::new(), |time| format!(" at t = {time:.9} s"))
+}
+
+/// The beginning of a text, its lines as one.
+fn shortened(text: &str) -> String {
+    let words: Vec<&str> = text.split_whitespace().take(LONGEST_VALUE).collect();
+    let line = words.join(" ");
+    if line.chars().count() <= LONGEST_VALUE {
+        return line;
+    }
+    let kept: String = line.chars().take(LONGEST_VALUE - 3).collect();
+    format!("{kept}...")
 }
 
 impl Error {
@@ -234,5 +253,17 @@ mod tests {
         let name = "a sprocket of forty characters or so".to_string();
         let error = Error::invalid("name", &name, "is odd");
         assert_eq!(error.to_string(), format!("name = {name}: is odd"));
+    }
+
+    #[test]
+    fn a_value_of_many_lines_is_said_on_one_line_of_eighty_characters() {
+        let said = |value: &str| Error::invalid("name", value, "is odd").to_string();
+        assert_eq!(said("two\n  lines"), "name = two lines: is odd");
+        let long = said(&"é".repeat(5000));
+        assert_eq!(long, format!("name = {}...: is odd", "é".repeat(77)));
+        assert_eq!(
+            said(&"9".repeat(400)),
+            format!("name = {}...: is odd", "9".repeat(77))
+        );
     }
 }

@@ -13,10 +13,10 @@ from typing import Any, TypeAlias, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from rustchain._bounds import items_within
+from rustchain._arguments import items_within, shown
 from rustchain._description import Description, plain
 from rustchain._names import suggest
-from rustchain.drive import ChainDrive, PrescribedSpeed, Sprocket, Tensioner
+from rustchain.drive import ChainDrive, PrescribedSpeed, Sprocket, Tensioner, drive_inside
 from rustchain.ends import Anchor, Load, LooseEnd
 from rustchain.errors import InvalidInput
 from rustchain.guides import GuideRail, SmoothIdler
@@ -37,25 +37,26 @@ def axes_of(axes: Mapping[str, Iterable[Any]]) -> dict[str, tuple[Any, ...]]:
     """Return the values of each axis as a tuple."""
     found = {}
     for name, values in axes.items():
-        if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
-            msg = f"axes[{name!r}] = {values!r}: must be a sequence of values, one for each case"
+        listed = items_within(f"axes[{shown(name)}]", values, MOST_CASES)
+        if listed is None:
+            msg = (
+                f"axes[{shown(name)}] = {shown(values)}: must be a sequence of values, one for "
+                "each case"
+            )
             raise InvalidInput(msg)
-        values = items_within(f"axes[{name!r}]", values, MOST_CASES)
-        found[name] = tuple(map(plain, values))
+        found[name] = tuple(map(plain, listed))
         if not found[name]:
-            msg = f"axes[{name!r}] = {values!r}: must hold at least one value"
+            msg = f"axes[{shown(name)}] = {shown(values)}: must hold at least one value"
             raise InvalidInput(msg)
     return found
 
 
 def cases_of(cases: object) -> list[Parameters]:
     """Return the parameters of each case of a list of cases."""
-    listed: list[Any] = []
-    if isinstance(cases, Iterable) and not isinstance(cases, str):
-        listed = items_within("axes", cases, MOST_CASES)
+    listed = items_within("axes", cases, MOST_CASES) or []
     if not listed or not all(isinstance(case, Mapping) for case in listed):
         msg = (
-            f"axes = {cases!r}: must map names to sequences of values, "
+            f"axes = {shown(cases)}: must map names to sequences of values, "
             "or be a list with a mapping of names to values for each case"
         )
         raise InvalidInput(msg)
@@ -64,11 +65,11 @@ def cases_of(cases: object) -> list[Parameters]:
 
 def check_names(drive: Drive, scene: Parameters, cases: Sequence[Parameters]) -> None:
     """Raise where a name of the cases means nothing, or the function `drive` lacks an argument."""
-    if isinstance(getattr(drive, "drive", None), ChainDrive):
+    if drive_inside(drive) is not None:
         msg = f"drive: a {type(drive).__name__} is no drive but has one: take its .drive"
         raise InvalidInput(msg)
     if not isinstance(drive, ChainDrive) and not callable(drive):
-        msg = f"drive = {drive!r}: must be a ChainDrive, or a function that returns one"
+        msg = f"drive = {shown(drive)}: must be a ChainDrive, or a function that returns one"
         raise InvalidInput(msg)
     own, needed, takes_all = _arguments(drive)
     known = [*own, *_SHORTHANDS, *scene, *_SOLVER_FIELDS, *_drive_fields()]
@@ -77,7 +78,7 @@ def check_names(drive: Drive, scene: Parameters, cases: Sequence[Parameters]) ->
             ends = [path for path in known if path.endswith(f".{name}")]
             main = [each for each in known if "." not in each] + ["chain.pitch", "..."]
             near = f"did you mean {ends[0]!r}?" if ends else suggest(name, known, main)
-            msg = f"axes: {name!r} is no parameter of this sweep; {near}"
+            msg = f"axes: {shown(name)} is no parameter of this sweep; {near}"
             raise InvalidInput(msg)
     for case in cases:
         missing = [name for name in needed if name not in case]
@@ -86,7 +87,7 @@ def check_names(drive: Drive, scene: Parameters, cases: Sequence[Parameters]) ->
             raise InvalidInput(msg)
         twice = _first_twice([name if name in own else _target(name) for name in case])
         if twice is not None:
-            msg = f"axes: {twice!r} is there twice, under two names"
+            msg = f"axes: {shown(twice)} is there twice, under two names"
             raise InvalidInput(msg)
 
 
@@ -112,7 +113,7 @@ def scene_of(drive: Drive, scene: Parameters, parameters: Parameters) -> Paramet
 def _with_fields(drive: ChainDrive, changes: Parameters) -> ChainDrive:
     """Return `drive` with other fields, all changed at once."""
     if not isinstance(drive, ChainDrive):
-        msg = f"drive = {drive!r}: the function must return a ChainDrive"
+        msg = f"drive = {shown(drive)}: the function must return a ChainDrive"
         raise InvalidInput(msg)
     seed = changes.get("disturbance", 0)
     changes = {name: value for name, value in changes.items() if name != "disturbance"}
@@ -124,7 +125,8 @@ def _with_fields(drive: ChainDrive, changes: Parameters) -> ChainDrive:
         driver = next((number for number, is_driver in enumerate(driven) if is_driver), None)
         if driver is None:
             msg = (
-                f"speed = {changes['speed']!r}: no sprocket of this drive has a PrescribedSpeed "
+                f"speed = {shown(changes['speed'])}: no sprocket of this drive has a "
+                "PrescribedSpeed "
                 "that could be changed"
             )
             raise InvalidInput(msg)
@@ -138,7 +140,10 @@ def _with_fields(drive: ChainDrive, changes: Parameters) -> ChainDrive:
 def _disturbed(drive: ChainDrive, seed: object) -> ChainDrive:
     """Return `drive` with slightly other speeds at the start of what no motor holds."""
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-        msg = f"disturbance = {seed!r}: must be a whole number from 0, the seed of the disturbance"
+        msg = (
+            f"disturbance = {shown(seed)}: must be a whole number from 0, the seed of the "
+            "disturbance"
+        )
         raise InvalidInput(msg)
     if seed == 0:
         return drive

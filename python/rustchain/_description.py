@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from contextlib import suppress
 from dataclasses import dataclass
-from operator import index
 from typing import Any, ClassVar, TypeAlias
 
-import numpy as np
-
 from rustchain import _rustchain
+from rustchain._arguments import plain as plain
 
 Point: TypeAlias = tuple[float, float]
 
@@ -40,23 +37,6 @@ class Description:
     def from_json(text: str) -> Any:  # noqa: ANN401
         """Return the description that `to_json` wrote."""
         return json.loads(text, object_hook=_revived)
-
-
-def plain(value: Any) -> Any:  # noqa: ANN401
-    """Return `value` with arrays and lists as tuples, and numbers of any kind as Python's.
-
-    Files hold the numbers of JSON only. What has no such number is left for the check to refuse.
-    """
-    if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    if isinstance(value, list | tuple):
-        return tuple(map(plain, value))
-    if not isinstance(value, int | float):
-        for method, convert in (("__index__", index), ("__float__", float)):
-            if hasattr(type(value), method):
-                with suppress(ArithmeticError, TypeError, ValueError):
-                    return convert(value)
-    return value
 
 
 def _tagged(description: object) -> dict[str, object]:

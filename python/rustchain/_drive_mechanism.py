@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 
 from rustchain import _rustchain
+from rustchain._arguments import admitted, shown
 from rustchain._tensioner_mechanism import add_tensioner, mass_beside_an_arm
 from rustchain.drive import AppliedTorque, ChainDrive, Hinges, PrescribedSpeed
 from rustchain.errors import InvalidInput
@@ -29,8 +30,9 @@ def drive_mechanism(
 
     `placed` holds positions and velocities, (bodies, 3) each, in place of the generated ones.
     """
+    force_law = admitted("to_mechanism(force_law)", force_law, ForceLaw | None)
     if hinges not in ("clearance", "ideal"):
-        msg = f"hinges = {hinges!r}: must be 'clearance' or 'ideal'"
+        msg = f"hinges = {shown(hinges)}: must be 'clearance' or 'ideal'"
         raise InvalidInput(msg)
     if drive.chain.roller is not None:
         msg = (

@@ -8,10 +8,11 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
+from rustchain._arguments import shown
 from rustchain._file_models import MAKERS, file_model, makers_of
 from rustchain._file_source import Key, Source, text_of
 from rustchain._names import suggest
-from rustchain._paths import reason, shown
+from rustchain._paths import reason
 from rustchain.errors import InvalidInput
 from rustchain.force_law import ForceLaw
 from rustchain.stop import StopCondition
@@ -66,7 +67,7 @@ def _rows_of_numbers(path: Path) -> list[list[float]]:
                 row.append(float(cell))
             except ValueError:
                 hint = "; put '#' before a line of names" if not rows else ""
-                msg = f"line {number}: {shown(repr(cell.strip()))} is no number{hint}"
+                msg = f"line {number}: {shown(cell.strip())} is no number{hint}"
                 raise ValueError(msg) from None
         first = first or number
         if rows and len(row) != len(rows[0]):
@@ -126,10 +127,10 @@ def _refusal(source: Source, content: Mapping[str, Any], error: ValidationError)
         if given is None:
             listed = " or ".join(f"type = {name!r}" for name in names)
             return source.refusal_at(key, f"its keys do not tell what it is: add {listed}")
-        message = f"{shown(repr(given))} is not known; {suggest(given, names)}"
+        message = f"{shown(given)} is not known; {suggest(given, names)}"
         return source.refusal_at((*key, "type"), message)
     message = found["msg"].replace("Input should be", "must be")
-    return source.refusal_at(key, f"{shown(repr(value))}: {message}")
+    return source.refusal_at(key, f"{shown(value)}: {message}")
 
 
 def _key_of(content: Any, place: tuple[int | str, ...]) -> tuple[Key, str | None]:  # noqa: ANN401

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from rustchain._paths import check_regular, reason, shown
+from rustchain._paths import check_regular, reason, shown_path
 from rustchain.errors import InvalidInput
 
 if sys.version_info >= (3, 11):
@@ -52,7 +52,7 @@ class Source:
             text = text_of(path)
             content = tomllib.loads(text)
         except OSError as error:
-            msg = f"{shown(path)}: cannot be read ({reason(error)}): give the path of a drive file"
+            msg = f"{shown_path(path)}: cannot be read ({reason(error)}): give the path of a drive file"
             raise InvalidInput(msg) from error
         except ValueError as error:  # of TOML, of UTF-8, or an integer of too many digits
             msg = f"{path}: is no TOML ({error}): give a drive file, as docs/files.md has them"

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from rustchain._arguments import shown
 from rustchain.errors import InvalidInput
 
 
@@ -23,21 +24,25 @@ def numbers_of(measured: Any, taken: Collection[str]) -> dict[str, Any]:  # noqa
     numbers = {}
     for name, value in found.items():
         if not isinstance(name, str) or not name:
-            msg = f"measure: {name!r} is no name: give each measured number a text of its own"
+            msg = f"measure: {shown(name)} is no name: give each measured number a text of its own"
             raise InvalidInput(msg)
         if name in taken:
-            msg = f"measure: {name!r} is what a study calls something else; name it otherwise"
+            msg = f"measure: {shown(name)} is what a study calls something else; name it otherwise"
             raise InvalidInput(msg)
         array = np.asarray(nan if value is None else value)
         if not (np.issubdtype(array.dtype, np.number) or np.issubdtype(array.dtype, np.bool_)):
-            what = "" if name == "value" and measured is value else f" for {name!r}"
+            what = "" if name == "value" and measured is value else f" for {shown(name)}"
             msg = (
-                f"measure: gave {value!r}{what}: must be a number, an array of numbers or a dict "
+                f"measure: gave {shown(value)}{what}: must be a number, an array of numbers or "
+                "a dict "
                 "of them, for there to be a mean"
             )
             raise InvalidInput(msg)
         if np.issubdtype(array.dtype, np.complexfloating):
-            msg = f"measure: gave complex numbers for {name!r}: take their sizes and angles apart"
+            msg = (
+                f"measure: gave complex numbers for {shown(name)}: take their sizes and angles "
+                "apart"
+            )
             raise InvalidInput(msg)
         numbers[name] = array
     return numbers

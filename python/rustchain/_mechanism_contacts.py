@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from rustchain._arguments import shown
 from rustchain._mechanism_input import arcs, rows
 from rustchain._names import known_keywords
 from rustchain.drive import Chain, Sprocket
@@ -99,7 +100,7 @@ class WithContacts:
             Whether the last point is joined to the first.
         """
         kind, pieces = "polyline", points
-        rows(f"points of contact {name!r}", points, 2)
+        rows(f"points of contact {shown(name)}", points, 2)
         if bulges is not None:
             kind, pieces = "arcs", arcs(name, points, bulges, closed)
         self.contacts.append(
@@ -131,7 +132,9 @@ class WithContacts:
         """Let a bushing of `chain` around a point of one body touch the teeth of another."""
         for field, given, kind in (("sprocket", sprocket, Sprocket), ("chain", chain, Chain)):
             if not isinstance(given, kind):
-                msg = f"{field} of contact {name!r} = {given!r}: must be a {kind.__name__}"
+                msg = (
+                    f"{field} of contact {shown(name)} = {shown(given)}: must be a {kind.__name__}"
+                )
                 raise InvalidInput(msg)
         self.contacts.append(
             Contact(

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from rustchain._arguments import shown
 from rustchain._mechanism_input import one_of
 from rustchain._names import known_keywords
 from rustchain.errors import InvalidInput
@@ -28,7 +29,7 @@ class WithForces:
     ) -> None:
         """Push a point of a body with a force (x, y) [N], which may turn with the body."""
         if not isinstance(force, Sequence | np.ndarray) or len(force) != 2:
-            msg = f"force of {name!r} = {force!r}: must be two components (x, y) [N]"
+            msg = f"force of {shown(name)} = {shown(force)}: must be two components (x, y) [N]"
             raise InvalidInput(msg)
         self.forces.append(
             Force(
@@ -143,7 +144,8 @@ class WithForces:
         """
         if not callable(function):
             msg = (
-                f"function of force {name!r} = {function!r}: must be callable: f(time, position, "
+                f"function of force {shown(name)} = {shown(function)}: must be callable: "
+                "f(time, position, "
                 "velocity) that returns (force x, force y, torque)"
             )
             raise InvalidInput(msg)

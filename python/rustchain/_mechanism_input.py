@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from rustchain._arguments import finite_array, shown
 from rustchain.errors import InvalidInput
 from rustchain.mechanism_parts import Rows, TimeFunction
 
@@ -17,46 +18,40 @@ def one_of(
 ) -> TimeFunction:
     """Return the one of two that is given."""
     if (one is None) == (other is None):
-        msg = f"{first}, {second} of {name!r}: exactly one of them must be given"
+        msg = f"{first}, {second} of {shown(name)}: exactly one of them must be given"
         raise InvalidInput(msg)
     return one if one is not None else other  # type: ignore[return-value]
 
 
 def numbers(field: str, given: object, count: int, names: str) -> tuple[float, ...]:
     """Return `given` as so many finite numbers, or tell what it must be."""
-    try:
-        values = np.asarray(given, dtype=float)
-    except (TypeError, ValueError):
-        values = np.empty(0)
-    if values.shape != (count,) or not np.isfinite(values).all():
+    values = finite_array(given)
+    if values is None or values.shape != (count,):
         words = {2: "two", 3: "three"}[count]
-        msg = f"{field} = {given!r}: must be {words} finite numbers {names}"
+        msg = f"{field} = {shown(given)}: must be {words} finite numbers {names}"
         raise InvalidInput(msg)
     return tuple(map(float, values))
 
 
 def rows(field: str, given: object, width: int) -> npt.NDArray[np.float64]:
     """Return `given` as an array of finite numbers, a row each, or tell what it must be."""
-    try:
-        values = np.asarray(given, dtype=float)
-    except (TypeError, ValueError):
-        values = np.empty(())
-    shape = values.shape[1:] == (2,) if width == 2 else values.ndim == 1
-    if values.ndim == 0 or not shape or not np.isfinite(values).all():
+    values = finite_array(given)
+    if values is None or (values.shape[1:] != (2,) if width == 2 else values.ndim != 1):
         kind = "rows of two finite numbers (x, y) [m]" if width == 2 else "a list of finite numbers"
-        msg = f"{field} = {given!r}: must be {kind}"
+        msg = f"{field} = {shown(given)}: must be {kind}"
         raise InvalidInput(msg)
     return values
 
 
 def arcs(name: str, points: Rows, bulges: Sequence[float], closed: bool) -> list[tuple[float, ...]]:
     """Return pieces (from, to, centre, convex) of an outline with bulges."""
-    corners = rows(f"points of contact {name!r}", points, 2)
+    corners = rows(f"points of contact {shown(name)}", points, 2)
     pieces = len(corners) if closed else len(corners) - 1
-    given = rows(f"bulges of contact {name!r}", bulges, 1)
+    given = rows(f"bulges of contact {shown(name)}", bulges, 1)
     if len(given) != pieces:
         msg = (
-            f"bulges of contact {name!r} = {bulges!r}: must be {pieces} numbers, one for each "
+            f"bulges of contact {shown(name)} = {shown(bulges)}: must be {pieces} numbers, one "
+            "for each "
             "piece between two points (0 for a straight one)"
         )
         raise InvalidInput(msg)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from rustchain._arguments import shown
 from rustchain._mechanism_input import numbers, one_of
 from rustchain._names import known_keywords, suggest
 from rustchain.errors import InvalidInput
@@ -204,16 +205,19 @@ class WithJoints:
         """Add a joint; `at` stands for both points."""
         if at is not None:
             if point_a is not None or point_b is not None:
-                msg = f"at of joint {name!r} = {at!r}: give it, or point_a and point_b, not both"
+                msg = (
+                    f"at of joint {shown(name)} = {shown(at)}: give it, or point_a and "
+                    "point_b, not both"
+                )
                 raise InvalidInput(msg)
-            at = numbers(f"at of joint {name!r}", at, 2, "(x, y) [m]")
+            at = numbers(f"at of joint {shown(name)}", at, 2, "(x, y) [m]")
             point_a, point_b = (self._local(name, body, at) for body in (body_a, body_b))
-        direction = numbers(f"direction of joint {name!r}", direction, 2, "(x, y)")
+        direction = numbers(f"direction of joint {shown(name)}", direction, 2, "(x, y)")
         points = (("a", point_a), ("b", point_b))
         place_a, place_b = (
             (0.0, 0.0)
             if point is None
-            else numbers(f"point_{end} of joint {name!r}", point, 2, "(x, y) [m]")
+            else numbers(f"point_{end} of joint {shown(name)}", point, 2, "(x, y) [m]")
             for end, point in points
         )
         self.joints.append(
@@ -243,5 +247,8 @@ class WithJoints:
                 cos, sin = math.cos(angle), math.sin(angle)
                 return (cos * dx + sin * dy, cos * dy - sin * dx)
         names = [GROUND, *(known.name for known in self.bodies)]
-        msg = f"body of joint {joint!r} = {body!r}: there is no such body; {suggest(body, names)}"
+        msg = (
+            f"body of joint {shown(joint)} = {shown(body)}: there is no such body; "
+            f"{suggest(body, names)}"
+        )
         raise InvalidInput(msg)

@@ -6,19 +6,45 @@ import functools
 import inspect
 from collections.abc import Callable, Iterable
 from difflib import get_close_matches
+from itertools import accumulate
 from typing import Any, TypeVar
 
+_FEWEST = 3  # known names that are listed, however long
+_LONGEST = 160  # [characters] of the list of known names: two lines of a terminal
+
 _Target = TypeVar("_Target", bound=Callable[..., object])
+_Class = TypeVar("_Class", bound=type)
 
 
 def suggest(word: object, known: Iterable[str], main: Iterable[str] | None = None) -> str:
     """Return ``did you mean 'x'?``, or the known names (of many, the `main` ones)."""
     names = list(known)
     folded = {name.casefold(): name for name in names}
-    near = get_close_matches(str(word).casefold(), folded, n=1)
+    near = get_close_matches(word.casefold(), folded, n=1) if isinstance(word, str) else []
     if near:
         return f"did you mean {folded[near[0]]!r}?"
-    return f"known: {', '.join(map(repr, names if main is None else main))}"
+    listed = list(map(repr, names if main is None else main))
+    kept = listed[: max(_FEWEST, sum(length <= _LONGEST for length in _lengths(listed)))]
+    return f"known: {', '.join(kept)}{', ...' if len(kept) < len(listed) else ''}"
+
+
+def _lengths(texts: Iterable[str]) -> Iterable[int]:
+    """Return how long a list is with each of its texts."""
+    return accumulate(len(text) + 2 for text in texts)
+
+
+def named_attributes(target: _Class) -> _Class:
+    """Let a class answer an unknown attribute with the nearest known one."""
+
+    def missing(self: object, name: str) -> object:
+        kind = type(self).__name__
+        if name.startswith("_"):  # what copying and pickling look for
+            raise AttributeError(f"{kind} has no attribute {name!r}")
+        known = [each for each in dir(self) if not each.startswith("_")]
+        raise AttributeError(f"{kind} has no attribute {name!r}; {suggest(name, known)}")
+
+    target.__getattr__ = missing  # type: ignore[attr-defined]
+    return target
 
 
 def known_keywords(target: _Target) -> _Target:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, TypeVar
 
-from rustchain._paths import check_there, shown, write_whole
+from rustchain._paths import check_there, shown_path, write_whole
 from rustchain.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def read(path: object, writer: str, other: str) -> xr.Dataset:
 def damaged(path: object, writer: str, other: str, error: object) -> InvalidInput:
     """Return the error that says why a file holds no whole result."""
     return InvalidInput(
-        f"path = {shown(path)}: is no result of {other}, or is damaged ({error}): give a file that "
+        f"path = {shown_path(path)}: is no result of {other}, or is damaged ({error}): give a file that "
         f"{writer} wrote, which is netCDF whatever its name, or copy or save it again"
     )
 

@@ -32,12 +32,12 @@ def path_of(path: object, field: str = "path") -> Path:
         raise InvalidInput(msg)
     name = os.fsdecode(path)
     if "\0" in name:
-        msg = f"{field} = {shown(name)}: has a NUL character; expected a file name without one"
+        msg = f"{field} = {shown_path(name)}: has a NUL character; expected a file name without one"
         raise InvalidInput(msg)
     return Path(name)
 
 
-def shown(path: object) -> str:
+def shown_path(path: object) -> str:
     """Return a path for a message: on one line, and not longer than a line or two."""
     name = str(path)
     name = name if name.isprintable() else repr(name)
@@ -67,10 +67,10 @@ def check_there(path: object, writer: str) -> Path:
         if not os.access(where, os.R_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
     except FileNotFoundError as error:
-        msg = f"path = {shown(where)}: there is no such file: {remedy}"
+        msg = f"path = {shown_path(where)}: there is no such file: {remedy}"
         raise FileNotFoundError(msg) from error
     except OSError as error:
-        msg = f"path = {shown(where)}: cannot be read ({reason(error)}): {remedy}"
+        msg = f"path = {shown_path(where)}: cannot be read ({reason(error)}): {remedy}"
         raise type(error)(msg) from error
     return where
 
@@ -138,7 +138,7 @@ def _hand_on_permissions(old: Path, new: Path) -> None:
 def _unwritable(path: object, field: str, error: OSError) -> OSError:
     """Return the error that says why a file cannot be written."""
     return type(error)(
-        f"{field} = {shown(path)}: cannot be written ({reason(error)}): "
+        f"{field} = {shown_path(path)}: cannot be written ({reason(error)}): "
         "name a file where there is room and you may write"
     )
 

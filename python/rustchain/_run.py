@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import math
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal, NoReturn, get_args
 
+import numpy as np
+
+from rustchain._arguments import finite_number, items_within, shown
 from rustchain._names import suggest
 from rustchain.errors import InvalidInput
 
@@ -18,19 +20,22 @@ if TYPE_CHECKING:
 
 Group = Literal["hinges", "teeth", "sprockets", "bodies", "energy"]
 
+_MOST_GROUPS = 100  # far more than there are; what has more may have no end
 _MOST_ROWS = 1e9  # more are refused whatever they hold
 WALL_BUDGET = 0.05  # [s] between looks at the keyboard and the progress bar
 
 
 def known_groups(record: Sequence[str], energy: bool) -> tuple[list[str], bool]:
     """Return the groups to record, each of which must exist, and whether to keep the energy."""
-    if not isinstance(record, Iterable):
-        msg = f"record = {record!r}: must be a sequence of groups: {', '.join(get_args(Group))}"
+    groups = [record] if isinstance(record, str) else items_within("record", record, _MOST_GROUPS)
+    if groups is None:
+        msg = (
+            f"record = {shown(record)}: must be a sequence of groups: {', '.join(get_args(Group))}"
+        )
         raise InvalidInput(msg)
-    groups = [record] if isinstance(record, str) else list(record)
     for group in groups:
-        if group not in get_args(Group):
-            msg = f"record: {group!r} is no group; {suggest(group, get_args(Group))}"
+        if not isinstance(group, str) or group not in get_args(Group):
+            msg = f"record: {shown(group)} is no group; {suggest(group, get_args(Group))}"
             raise InvalidInput(msg)
     return groups, True if "energy" in groups else energy
 
@@ -51,9 +56,8 @@ def check_rows_fit(duration: object, report_step: object, numbers: int) -> None:
 
     What is no number, or makes no sense, is left to those who read it.
     """
-    if not (isinstance(duration, float | int) and isinstance(report_step, float | int)):
-        return
-    if not (0.0 < duration < math.inf and 0.0 < report_step < math.inf):
+    duration, report_step = finite_number(duration), finite_number(report_step)
+    if duration is None or report_step is None or min(duration, report_step) <= 0.0:
         return
     rows, size = duration / report_step, 8 * numbers
     memory = _memory()
@@ -74,6 +78,13 @@ def _memory() -> float:
     except (AttributeError, ValueError, OSError):  # not everywhere
         found = 0
     return float(found) if found > 0 else 2.0**36
+
+
+def check_progress(progress: object) -> None:
+    """Refuse what is neither True nor False."""
+    if not isinstance(progress, bool | np.bool_):
+        msg = f"progress = {shown(progress)}: must be True or False"
+        raise InvalidInput(msg)
 
 
 def seconds_bar(total: float, progress: bool, description: str | None = None) -> tqdm[NoReturn]:

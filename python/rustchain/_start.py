@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import reprlib
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Literal, get_args
@@ -11,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain import _rustchain
+from rustchain._arguments import plain, shown
 from rustchain.drive import ChainDrive
 from rustchain.errors import InvalidInput
 from rustchain.result import Array
@@ -22,11 +22,11 @@ def started(scene: Mapping[str, Any]) -> dict[str, Any]:
     """Return what the start of a scene makes of it: drive, positions, velocities, and its rest."""
     drive, start = scene["drive"], scene["start"]
     given = {name: scene[name] for name in ("positions", "velocities")}
-    if start not in get_args(Start):
-        msg = f"start = {start!r}: must be 'laid' or 'static'"
+    if not isinstance(start, str) or start not in get_args(Start):
+        msg = f"start = {shown(start)}: must be 'laid' or 'static'"
         raise InvalidInput(msg)
     if not isinstance(drive, ChainDrive):  # which the core refuses
-        return {"drive": drive, "rest": None} | given
+        return {"drive": drive, "rest": None} | dict.fromkeys(given)
     if start == "laid":
         rollers = 0 if drive.chain.roller is None else drive.hinge_count
         bodies = drive.hinge_count + rollers + len(drive.sprockets) + len(drive.guides)
@@ -57,12 +57,12 @@ def rows_of(name: str, values: npt.ArrayLike | None, bodies: int | str) -> Array
     if values is None:
         return None
     try:
-        given = np.asarray(values)
+        given = np.asarray(plain(values) if isinstance(values, list | tuple) else values)
         array = np.ascontiguousarray(given, dtype=float) if given.dtype.kind in "iuf" else None
-    except ValueError:  # ragged
+    except Exception:
         given, array = np.empty(0, dtype=object), None
     if array is None or array.ndim != 2:
-        shown = reprlib.repr(values) if array is None else f"an array of shape {given.shape}"
-        msg = f"{name} = {shown}, {given.dtype}: must be numbers of shape ({bodies}, 3)"
+        said = shown(values) if array is None else f"an array of shape {given.shape}"
+        msg = f"{name} = {said}, {given.dtype}: must be numbers of shape ({bodies}, 3)"
         raise InvalidInput(msg)
     return array

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
+from rustchain._arguments import shown
 from rustchain._description import Description
-from rustchain._paths import check_there, shown, write_whole
+from rustchain._paths import check_there, shown_path, write_whole
 from rustchain._start import rows_of
 from rustchain.errors import InvalidInput
 
@@ -52,7 +53,8 @@ def restored(
         if name not in state or not np.array_equal(state[name], value):
             change = "was changed" if name in state else "is missing"
             msg = (
-                f"state[{name!r}] {change}: a state is set as it was taken; for a start of your "
+                f"state[{shown(name)}] {change}: a state is set as it was taken; for a start "
+                "of your "
                 f"own, make a {start}"
             )
             raise InvalidInput(msg)
@@ -82,12 +84,12 @@ def read(path: str | Path) -> tuple[dict[str, Any], dict[str, Any]]:
             return _scene_of(members), _state_of(members)
     except Exception as error:  # a damaged archive raises what it likes
         msg = (
-            f"path = {shown(path)}: holds no state of rustchain, or is damaged: give a file that "
+            f"path = {shown_path(path)}: holds no state of rustchain, or is damaged: give a file that "
             "Simulation.save_state wrote, or copy or save it again"
         )
         raise InvalidInput(msg) from error
     msg = (
-        f"path = {shown(path)}: has format {found}, this rustchain reads {_FORMAT}: load it with "
+        f"path = {shown_path(path)}: has format {found}, this rustchain reads {_FORMAT}: load it with "
         f"the one that wrote it, {members.get('rustchain_version', 'of another version')}"
     )
     raise InvalidInput(msg)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 
+from rustchain._arguments import shown
 from rustchain._axes import Parameters
 from rustchain._present import SCENE
 from rustchain._run import WALL_BUDGET
@@ -56,7 +57,7 @@ def run_looked_at(
     if threads is not None and (
         isinstance(threads, bool) or not isinstance(threads, int) or threads < 1
     ):
-        msg = f"threads = {threads!r}: must be a whole number of at least 1, or None"
+        msg = f"threads = {shown(threads)}: must be a whole number of at least 1, or None"
         raise InvalidInput(msg)
     given_up = threading.Event()
 

@@ -7,6 +7,7 @@ from math import pi
 from typing import Literal, TypeAlias, get_args
 
 from rustchain import _rustchain
+from rustchain._arguments import admitted, finite_number, shown
 from rustchain._names import known_keywords, suggest
 from rustchain.chain_sizes import OTHER_NAMES, SIZES, ChainSize
 from rustchain.drive import (
@@ -135,6 +136,7 @@ def two_sprocket_drive(
     """
     if links is None and isinstance(chain, Chain):
         links = chain.links
+    teeth = admitted("two_sprocket_drive(teeth)", teeth, tuple[int, int])
     iso = isinstance(chain, str) and _size(chain)[0].standard == "ISO 606"
     if isinstance(chain, Chain):
         pitch = (chain if links is None else replace(chain, links=links)).mean_pitch
@@ -235,7 +237,10 @@ def catalogue_chain(
 
 
 def check_rollers(chain: Chain, rollers: Rollers) -> None:
-    """Refuse rollers as bodies of a chain that is given as it is, with none."""
+    """Refuse what is no chain, and rollers as bodies of a chain that is given with none."""
+    if not isinstance(chain, Chain):
+        msg = f"chain = {shown(chain)}: must be a Chain, or the name of one in the catalogue"
+        raise InvalidInput(msg)
     _check_word(rollers)
     if rollers == "bodies" and chain.roller is None:
         msg = (
@@ -257,14 +262,14 @@ def check_plates(chain: Chain, plates: Stretch) -> None:
 
 
 def _check_plates_word(plates: Stretch) -> None:
-    if plates not in get_args(Stretch):
-        msg = f"plates = {plates!r}: must be 'rigid' or 'elastic'"
+    if not isinstance(plates, str) or plates not in get_args(Stretch):
+        msg = f"plates = {shown(plates)}: must be 'rigid' or 'elastic'"
         raise InvalidInput(msg)
 
 
 def _check_word(rollers: Rollers) -> None:
-    if rollers not in get_args(Rollers):
-        msg = f"rollers = {rollers!r}: must be 'fixed' or 'bodies'"
+    if not isinstance(rollers, str) or rollers not in get_args(Rollers):
+        msg = f"rollers = {shown(rollers)}: must be 'fixed' or 'bodies'"
         raise InvalidInput(msg)
 
 
@@ -293,13 +298,15 @@ def _rolling(chain: Chain, size: ChainSize, rollers: Rollers) -> Chain:
 
 def _tensioner(pretension: float | None) -> Tensioner | None:
     """Return a tensioner on sprocket 2, or none where there is nothing to pull."""
-    return Tensioner(sprocket=2, pretension=pretension) if pretension else None
+    if pretension is None or finite_number(pretension) == 0:
+        return None
+    return Tensioner(sprocket=2, pretension=pretension)
 
 
 def _size(name: str) -> tuple[ChainSize, int | None]:
     """Return the size of this name, whatever its case, and the strands that it says."""
-    folded, dash, strands = str(name).casefold().partition("-")
+    folded, dash, strands = (name if isinstance(name, str) else "").casefold().partition("-")
     if isinstance(name, str) and folded in OTHER_NAMES and (not dash or strands in ("1", "2", "3")):
         return SIZES[OTHER_NAMES[folded]], int(strands) if dash else None
-    msg = f"chain: {name!r} is not in the catalogue; {suggest(name, SIZES)}"
+    msg = f"chain: {shown(name)} is not in the catalogue; {suggest(name, SIZES)}"
     raise InvalidInput(msg)

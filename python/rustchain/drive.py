@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from rustchain._arguments import checked
 from rustchain._description import Description, Point
 from rustchain._names import known_keywords
 from rustchain.chain import Chain, ClearanceHinge, Link, Plates, Roller
@@ -114,6 +115,7 @@ class ChainDrive(Description):
         """Lay the chain out and return what was chosen; print the report to read it as a table."""
         return DriveReport.of(self)
 
+    @checked
     def to_mechanism(
         self,
         hinges: Hinges | None = None,
@@ -136,3 +138,12 @@ class ChainDrive(Description):
 
         wanted = self.hinges if hinges is None else hinges
         return drive_mechanism(self, wanted, force_law, min_approach_speed)
+
+
+def drive_inside(given: object) -> ChainDrive | None:
+    """Return the drive that a scene, a simulation or a result has; None for all else."""
+    try:
+        found = getattr(given, "drive", None)
+    except Exception:
+        return None
+    return found if isinstance(found, ChainDrive) else None

@@ -7,9 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from rustchain._names import named_attributes
 from rustchain.result import Array
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class Evaluation:
     """Accelerations and contacts of one state.

@@ -8,8 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain import _rustchain
+from rustchain._arguments import checked
 from rustchain._description import Description
 from rustchain._names import known_keywords
+from rustchain.errors import InvalidInput
 
 
 @known_keywords
@@ -41,6 +43,7 @@ class Film(Description):
     handover: float = 0.9
     tension: float = 1e5
 
+    @checked
     def force(
         self,
         eccentricity: npt.ArrayLike,
@@ -80,7 +83,16 @@ class Film(Description):
         -28.2
         """
         speeds = np.asarray(velocity, dtype=np.float64)
-        sizes = np.broadcast_to(np.asarray(eccentricity, dtype=np.float64), speeds.shape[:-1])
+        try:
+            sizes = np.broadcast_to(np.asarray(eccentricity, dtype=np.float64), speeds.shape[:-1])
+        except ValueError:
+            sizes = None
+        if sizes is None or speeds.shape[-1:] != (2,):
+            msg = (
+                f"force(velocity): got shape {speeds.shape} with eccentricity of shape "
+                f"{np.shape(eccentricity)}; expected (..., 2) and (...)"
+            )
+            raise InvalidInput(msg)
         force = _rustchain.film_forces(
             self, radii, length, np.ascontiguousarray(sizes.ravel()), speeds.reshape(-1, 2)
         )

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain import _rustchain
+from rustchain._arguments import admitted, checked
 from rustchain._description import Description
 from rustchain._names import known_keywords
 from rustchain.film import Film
@@ -71,6 +72,7 @@ class ForceLaw(Description):
     friction: Coulomb | LuGre | None = field(default=None, kw_only=True)
     film: Film | None = field(default=None, kw_only=True)
 
+    @checked
     def elastic_force(
         self,
         penetration: npt.ArrayLike,
@@ -227,6 +229,10 @@ def with_friction(
     `friction` is that of both; what is not given leaves a law as it is.
     """
     law, hinge_law, tooth_law = laws
+    given = {"friction": friction, "hinge_friction": hinge_friction}
+    for name, one in (given | {"tooth_friction": tooth_friction}).items():
+        admitted(name, one, Coulomb | LuGre | None)
+    admitted("hinge_film", hinge_film, Film | None)
 
     def rubbing(own: ForceLaw | None, given: Coulomb | LuGre | None) -> ForceLaw | None:
         base = law if own is None else own
@@ -243,6 +249,7 @@ def with_friction(
     return law, hinge, tooth
 
 
+@checked
 def restitution_obtained(damping: Damping, restitution: float) -> float:
     """Return the restitution that an impact really has when `restitution` is asked of a damping.
 

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain import _rustchain
+from rustchain._arguments import checked
 from rustchain._description import Description
 from rustchain._names import known_keywords
 from rustchain.material import Material
@@ -95,6 +96,7 @@ class GuideRail(Description):
     material: Material | None = None
     plate_height: float | None = None
 
+    @checked
     def outline(self, points: int = 24) -> npt.NDArray[np.float64]:
         """Return the closed outline [m], shape (points in all, 2), counterclockwise.
 
@@ -130,6 +132,7 @@ class SmoothIdler(Description):
     material: Material | None = None
     plate_height: float | None = None
 
+    @checked
     def outline(self, points: int = 24) -> npt.NDArray[np.float64]:
         """Return the closed outline [m], shape (points in all, 2), counterclockwise."""
         return _rustchain.guide_outline(self, points)

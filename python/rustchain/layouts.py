@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from rustchain import _rustchain
+from rustchain._arguments import admitted, items_within, plain, shown
 from rustchain._names import known_keywords
 from rustchain.catalogue import Rollers, Stretch, catalogue_chain, check_plates, check_rollers
 from rustchain.drive import Chain, ChainDrive, Hinges, Point, Sprocket, Tensioner
@@ -14,6 +15,7 @@ from rustchain.ends import Anchor, Load, LooseEnd
 from rustchain.errors import InvalidInput
 from rustchain.guides import GuideRail, SmoothIdler
 
+_MOST_SPROCKETS = 1000  # far more than there are; what has more may have no end
 _ANY_LINKS = 100  # of a chain whose links are still to be counted
 
 
@@ -64,7 +66,13 @@ def chain_drive(
     InvalidInput
         No chain can be laid round the sprockets, or no place of the moved one suits the links.
     """
-    sprockets = tuple(sprockets)
+    listed = items_within("sprockets", sprockets, _MOST_SPROCKETS)
+    if listed is None:
+        msg = f"sprockets = {shown(sprockets)}: must be a sequence of Sprocket"
+        raise InvalidInput(msg)
+    sprockets = tuple(listed)
+    direction = admitted("chain_drive(direction)", direction, tuple[float, float] | None)
+    reach = admitted("chain_drive(reach)", reach, float | None)
     adjust = None if adjust is None else _number(adjust, len(sprockets))
     known = _ANY_LINKS if links is None else links
     if isinstance(chain, str):
@@ -142,9 +150,10 @@ def open_chain(
 
 def _number(adjust: object, sprockets: int) -> int:
     """Return the number of the sprocket to adjust, which must be one of so many."""
+    adjust = plain(adjust)
     if isinstance(adjust, int) and not isinstance(adjust, bool) and 1 <= adjust <= sprockets:
         return adjust
-    msg = f"adjust = {adjust!r}: must be the number of a sprocket, 1 to {sprockets}"
+    msg = f"adjust = {shown(adjust)}: must be the number of a sprocket, 1 to {sprockets}"
     raise InvalidInput(msg)
 
 

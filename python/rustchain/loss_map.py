@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rustchain._arguments import checked, shown
 from rustchain._names import known_keywords
 from rustchain.drive import AppliedTorque, ChainDrive
 from rustchain.errors import InvalidInput
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 
 @known_keywords
+@checked
 def loss_map(
     drive: ChainDrive,
     speeds: Sequence[float],
@@ -72,10 +74,15 @@ def loss_map(
     import xarray as xr
 
     if loaded not in range(1, len(drive.sprockets) + 1):
-        msg = f"loaded = {loaded!r}: must be the number of a sprocket, 1 to {len(drive.sprockets)}"
+        msg = (
+            f"loaded = {shown(loaded)}: must be the number of a sprocket, 1 to "
+            f"{len(drive.sprockets)}"
+        )
         raise InvalidInput(msg)
     if not 0.0 <= burn_in < duration:
-        msg = f"burn_in = {burn_in!r}: must be from 0 to less than the duration, {duration:g} s"
+        msg = (
+            f"burn_in = {shown(burn_in)}: must be from 0 to less than the duration, {duration:g} s"
+        )
         raise InvalidInput(msg)
     if all(sprocket.side == "inside" for sprocket in drive.sprockets):  # all turn the same way
         helping = np.argwhere(np.multiply.outer(np.ravel(torques), np.ravel(speeds)) > 0.0)

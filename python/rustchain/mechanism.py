@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from rustchain._description import plain
+from rustchain._arguments import checked, shown
 from rustchain._mechanism_contacts import WithContacts
 from rustchain._mechanism_forces import WithForces
 from rustchain._mechanism_input import numbers
 from rustchain._mechanism_joints import WithJoints
 from rustchain._names import known_keywords
 from rustchain.errors import InvalidInput
-from rustchain.mechanism_parts import Body, Contact, Force, Joint, Point, check_name
+from rustchain.mechanism_parts import Body, Contact, Force, Joint, Point
 from rustchain.mechanism_report import MechanismReport
 
 
@@ -31,10 +31,9 @@ class Mechanism(WithJoints, WithForces, WithContacts):
 
     def __init__(self, gravity: Point = (0.0, -9.81), name: str = "") -> None:
         if not isinstance(name, str):
-            msg = f"name of the mechanism = {name!r}: must be text"
+            msg = f"name of the mechanism = {shown(name)}: must be text"
             raise InvalidInput(msg)
-        check_name("name of the mechanism", name)
-        self.gravity: tuple[float, ...] = plain(gravity)
+        self.gravity = numbers("gravity", gravity, 2, "(x, y) [m/s^2]")
         self.name = name
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
@@ -69,7 +68,7 @@ class Mechanism(WithJoints, WithForces, WithContacts):
             Whether the body is held where it is.
         """
         for field, given in (("position", position), ("velocity", velocity)):
-            numbers(f"{field} of body {name!r}", given, 3, "(x, y, angle)")
+            numbers(f"{field} of body {shown(name)}", given, 3, "(x, y, angle)")
         self.bodies.append(Body(name, mass, inertia, position, velocity, fixed))
         return name
 
@@ -87,3 +86,6 @@ for _part in (WithJoints, WithForces, WithContacts):
         if _name.startswith("add_"):
             for _function in (_method, _method.__wrapped__):
                 _function.__qualname__ = f"Mechanism.{_name}"
+            # What else is wrong is told of the part, when the mechanism is put together.
+            _only = (str, float, bool, Point) if _part is WithContacts else (str,)
+            setattr(Mechanism, _name, checked(_method, _only))

@@ -6,8 +6,9 @@ import dataclasses
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TypeAlias, get_type_hints
 
+from rustchain._arguments import admitted
 from rustchain._description import Description, plain
 from rustchain._names import known_keywords
 from rustchain.drive import Chain, Sprocket
@@ -25,7 +26,7 @@ _STEEL = Material()
 
 
 class _Part(Description):
-    """A description that is checked when the whole is put together."""
+    """A part of a mechanism, which is checked when the mechanism is put together."""
 
     def __post_init__(self) -> None:
         """Turn lists and arrays into tuples."""
@@ -45,9 +46,21 @@ def check_name(field: str, name: object) -> None:
     raise InvalidInput(msg)
 
 
+class _Function(_Part):
+    """A function of time or of penetration: the types of its fields are checked at once."""
+
+    def __post_init__(self) -> None:
+        """Turn lists and arrays into tuples, and check the type of every field."""
+        types = get_type_hints(type(self))
+        for field in dataclasses.fields(self):
+            where = f"{type(self).__name__}.{field.name}"
+            value = admitted(where, getattr(self, field.name), types[field.name])
+            object.__setattr__(self, field.name, value)
+
+
 @known_keywords
 @dataclass(frozen=True)
-class SmoothStep(_Part):
+class SmoothStep(_Function):
     """From one value to another with two continuous derivatives.
 
     Attributes
@@ -66,7 +79,7 @@ class SmoothStep(_Part):
 
 @known_keywords
 @dataclass(frozen=True)
-class Table(_Part):
+class Table(_Function):
     """Straight lines between rows of (time [s], value), held at both ends; a ramp has two rows."""
 
     rows: Rows
@@ -74,7 +87,7 @@ class Table(_Part):
 
 @known_keywords
 @dataclass(frozen=True)
-class Spline(_Part):
+class Spline(_Function):
     """A cubic spline with free ends through rows of (time [s], value)."""
 
     rows: Rows
@@ -82,7 +95,7 @@ class Spline(_Part):
 
 @known_keywords
 @dataclass(frozen=True)
-class Sines(_Part):
+class Sines(_Function):
     """A sum of sines: offset + sum of amplitude * sin(frequency * t + phase).
 
     Attributes
@@ -101,7 +114,7 @@ TimeFunction: TypeAlias = float | SmoothStep | Table | Spline | Sines
 
 @known_keywords
 @dataclass(frozen=True)
-class LinearContact(_Part):
+class LinearContact(_Function):
     """Contact force: stiffness * penetration + damping * its rate, never pulling.
 
     Attributes
@@ -119,7 +132,7 @@ class LinearContact(_Part):
 
 @known_keywords
 @dataclass(frozen=True)
-class HuntCrossley(_Part):
+class HuntCrossley(_Function):
     """Contact force: stiffness * penetration**exponent * (1 + damping * rate), never pulling.
 
     Attributes
@@ -139,7 +152,7 @@ class HuntCrossley(_Part):
 
 @known_keywords
 @dataclass(frozen=True)
-class SurfaceContact(_Part):
+class SurfaceContact(_Function):
     """Contact by a law of cylinders, its stiffness from radii, length and material.
 
     Attributes

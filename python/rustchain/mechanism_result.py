@@ -11,8 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain import _netcdf, _result_tables
+from rustchain._arguments import checked_methods, shown
 from rustchain._channels import Variable
-from rustchain._names import suggest
+from rustchain._names import named_attributes, suggest
 from rustchain.errors import InvalidInput
 from rustchain.mechanism_views import BodyMotion, ContactHistory, JointHistory
 from rustchain.result import Array, Status
@@ -68,6 +69,8 @@ _VARIABLES = {
 _OF_MECHANISMS = ("MechanismResult.save", "a mechanism")  # what writes files, what they are of
 
 
+@named_attributes
+@checked_methods
 @dataclass(frozen=True, eq=False, repr=False)
 class MechanismResult:
     """What a run of a mechanism recorded.
@@ -233,6 +236,6 @@ class MechanismResult:
 def _place(part: str, name: str, names: tuple[str, ...]) -> int:
     """Return the place in arrays of the part with this name."""
     if name not in names:
-        msg = f"{part}: {name!r} is no {part} of this mechanism; {suggest(name, names)}"
+        msg = f"{part}: {shown(name)} is no {part} of this mechanism; {suggest(name, names)}"
         raise InvalidInput(msg)
     return names.index(name)

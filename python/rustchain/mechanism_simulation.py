@@ -8,8 +8,9 @@ from typing import Any
 import numpy.typing as npt
 
 from rustchain import _rustchain, _state_file
+from rustchain._arguments import plain, shown
 from rustchain._names import known_keywords
-from rustchain._run import WALL_BUDGET, check_rows_fit, seconds_bar
+from rustchain._run import WALL_BUDGET, check_progress, check_rows_fit, seconds_bar
 from rustchain._start import rows_of
 from rustchain._warn import warn_caller
 from rustchain.errors import EnergyWarning, InvalidInput, SimulationError
@@ -56,7 +57,7 @@ class MechanismSimulation:
         baumgarte: float | None = None,
     ) -> None:
         if not isinstance(mechanism, Mechanism):
-            msg = f"mechanism = {mechanism!r}: must be a Mechanism"
+            msg = f"mechanism = {shown(mechanism)}: must be a Mechanism"
             raise InvalidInput(msg)
         self.name = mechanism.name
         self.solver = solver
@@ -208,6 +209,8 @@ class MechanismSimulation:
         looks = looks_of(self, stop, callback)
         bodies, joints, contacts = self.body_names, self.joint_names, self.contact_names
         numbers = 7 + 9 * len(bodies) + 7 * len(joints) + 9 * len(contacts)
+        check_progress(progress)
+        duration, report_step = plain(duration), plain(report_step)
         check_rows_fit(duration, report_step, numbers)
         before = self._core.stats()
         self._core.start_recording(duration, report_step)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
+import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
-import numpy as np
-
+from rustchain._arguments import admitted, finite_number, shown
 from rustchain._names import known_keywords, suggest
 from rustchain.errors import InvalidInput
 from rustchain.stop import TimeReached, look_of_callback
@@ -34,12 +33,16 @@ class MechanismStopCondition(ABC):
 
     def __post_init__(self) -> None:
         """Check the limit."""
-        number = isinstance(self.force, float | int | np.number) and not isinstance(
-            self.force, bool
-        )
-        if not (number and 0.0 < self.force < math.inf):
-            msg = f"{type(self).__name__}.force = {self.force!r}: must be a positive number in N"
+        force = finite_number(self.force)
+        if force is None or force <= 0.0:
+            msg = (
+                f"{type(self).__name__}.force = {shown(self.force)}: must be a positive number in N"
+            )
             raise InvalidInput(msg)
+        object.__setattr__(self, "force", force)
+        for field in dataclasses.fields(self)[1:]:  # the name of a part
+            where = f"{type(self).__name__}.{field.name}"
+            admitted(where, getattr(self, field.name), str | None)
 
     @abstractmethod
     def look_at(self, simulation: MechanismSimulation) -> Look:
@@ -51,8 +54,8 @@ class MechanismStopCondition(ABC):
         """Return what looks for a force above the limit, of one part or of all."""
         if name is not None and name not in names:
             msg = (
-                f"{type(self).__name__}.{part} = {name!r}: is no {part} of this mechanism; "
-                f"{suggest(str(name), names)}"
+                f"{type(self).__name__}.{part} = {shown(name)}: is no {part} of this mechanism; "
+                f"{suggest(name, names)}"
             )
             raise InvalidInput(msg)
         if not names:
@@ -134,20 +137,21 @@ def looks_of(
     wanted = "JointForceAbove, ContactForceAbove or TimeReached"
     conditions = [stop] if isinstance(stop, kinds) else stop
     if isinstance(conditions, str) or not isinstance(conditions, Sequence):
-        msg = f"stop = {stop!r}: must be {wanted}, or a list of them"
+        msg = f"stop = {shown(stop)}: must be {wanted}, or a list of them"
         raise InvalidInput(msg)
     looks: list[Look] = []
     for condition in conditions:
         if not isinstance(condition, kinds):
             msg = (
-                f"stop: {condition!r} is no stop condition of mechanisms, which are {wanted}; a "
+                f"stop: {shown(condition)} is no stop condition of mechanisms, which are "
+                f"{wanted}; a "
                 "function of your own goes into callback="
             )
             raise InvalidInput(msg)
         looks.append(condition.look_at(simulation))  # type: ignore[arg-type]
     if callback is not None:
         if not callable(callback):
-            msg = f"callback = {callback!r}: must be a function of the simulation"
+            msg = f"callback = {shown(callback)}: must be a function of the simulation"
             raise InvalidInput(msg)
         looks.append(look_of_callback(simulation, callback))
     return looks

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from rustchain._names import named_attributes
 from rustchain.result import Array, IntArray
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class BodyMotion:
     """One body over time.
@@ -25,6 +27,7 @@ class BodyMotion:
     acceleration: Array
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class JointHistory:
     """One joint over time.
@@ -52,6 +55,7 @@ class JointHistory:
     impulse: Array
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class ContactHistory:
     """One contact over time.

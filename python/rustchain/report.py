@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from rustchain import _rustchain
 from rustchain._description import plain
+from rustchain._names import named_attributes
 
 if TYPE_CHECKING:
     from rustchain.drive import ChainDrive
@@ -20,6 +21,7 @@ _LITTLE_PLAY = 1e-6  # [m]
 _LEAST_SHORTAGE = 1e-6
 
 
+@named_attributes
 @dataclass(frozen=True)
 class DriveReport:
     """How a chain lies round its sprockets at the start; ``print(report)`` shows it as a table.
@@ -129,7 +131,8 @@ class DriveReport:
     @classmethod
     def of(cls, drive: ChainDrive) -> DriveReport:
         """Return the report on `drive`."""
-        chain, found = drive.chain, _rustchain.layout(drive)
+        found = _rustchain.layout(drive)  # which refuses what is no drive
+        chain = drive.chain
         if drive.hinges == "ideal" and drive.tensioner is not None and drive.tensioner.stiffness:
             found["tension_force"] = _pull_without_play(drive, found["hinge_stretch"])
         if drive.hinges == "ideal":

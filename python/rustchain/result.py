@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from operator import index
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy.typing as npt
 
 from rustchain import _netcdf, _result_tables, _rustchain
+from rustchain._arguments import checked_methods, shown
 from rustchain._channels import VARIABLES
-from rustchain._names import suggest
+from rustchain._names import named_attributes, suggest
 from rustchain.drive import ChainDrive
 from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.force_law import ForceLaw
@@ -41,6 +41,8 @@ if TYPE_CHECKING:
 Status = Literal["finished", "stopped", "interrupted", "failed"]
 
 
+@named_attributes
+@checked_methods
 @dataclass(frozen=True, eq=False, repr=False)
 class Result(Outputs):
     """What a run recorded, and of what.
@@ -111,7 +113,7 @@ class Result(Outputs):
         if name in self.arrays:
             return self.arrays[name]
         if name not in VARIABLES:
-            msg = f"no array {name!r}; {suggest(name, VARIABLES)}"
+            msg = f"no array {shown(name)}; {suggest(name, VARIABLES)}"
             raise NotRecorded(msg)
         group = VARIABLES[name].group
         if group in self.groups:
@@ -122,7 +124,7 @@ class Result(Outputs):
         elif group == "energy":
             msg = "the energy balance was not recorded; pass energy=True to run"
         else:
-            msg = f"{group} were not recorded; pass record=(..., {group!r}) to run"
+            msg = f"{group} were not recorded; pass record=(..., {shown(group)}) to run"
         raise NotRecorded(msg)
 
     def hinge(self, number: int) -> Hinge:
@@ -188,7 +190,7 @@ class Result(Outputs):
         elif name in names:
             k = names.index(name)
         else:
-            msg = f"strand: {name!r} is no strand; {suggest(name, names)}"
+            msg = f"strand: {shown(name)} is no strand; {suggest(name, names)}"
             raise InvalidInput(msg)
         return Strand(self.time, self.array("strand_tension")[:, k])
 
@@ -307,9 +309,9 @@ class Result(Outputs):
 
 def _position(part: str, number: int, count: int) -> int:
     """Return the place in arrays of the part with this number."""
-    if not 1 <= index(number) <= count:
-        msg = f"{part} {number}: {part}s are numbered 1 to {count}"
+    if not 1 <= number <= count:
+        msg = f"{part} {shown(number)}: {part}s are numbered 1 to {count}"
         if count == 0:
-            msg = f"{part} {number}: there is none"
+            msg = f"{part} {shown(number)}: there is none"
         raise IndexError(msg)
-    return index(number) - 1
+    return number - 1

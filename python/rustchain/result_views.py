@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from rustchain._names import named_attributes
+
 if TYPE_CHECKING:
     from rustchain.result import Result
 
@@ -17,6 +19,7 @@ Jumps: TypeAlias = tuple[Array, npt.NDArray[np.int64], npt.NDArray[np.int64]]
 """Times [s], sprockets from 1 and directions of tooth jumps."""
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class Hinge:
     """One hinge over time.
@@ -47,6 +50,7 @@ class Hinge:
     onset_speed: Array | None = None
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class Bushing:
     """One bushing's deepest contact with a tooth, over time.
@@ -77,6 +81,7 @@ class Bushing:
     tooth_onset_speed: Array | None = None
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class RollerOnBushing:
     """One roller on its bushing over time.
@@ -108,6 +113,7 @@ class RollerOnBushing:
     onset_speed: Array | None = None
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class Strand:
     """One strand over time.
@@ -124,6 +130,7 @@ class Strand:
     tension: Array
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class SprocketMotion:
     """One sprocket over time.
@@ -145,6 +152,7 @@ class SprocketMotion:
     center: Array
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class ChainEnd:
     """One end of an open chain over time.
@@ -165,6 +173,7 @@ class ChainEnd:
     velocity: Array
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class Energy:
     """The energy balance over time.
@@ -203,6 +212,7 @@ class Energy:
     hinge_film: Array | None = None
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False)
 class Peaks:
     """Largest forces [N] and impulses [N s] within each report interval; row i ends at time i.

@@ -8,19 +8,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from rustchain._description import plain
+from rustchain._arguments import plain, shown
 from rustchain._names import known_keywords
 from rustchain._present import SCENE, Present, core_for
 from rustchain._run import (
     WALL_BUDGET,
     Group,
+    check_progress,
     check_rows_fit,
     known_groups,
     numbers_of_a_row,
     seconds_bar,
 )
 from rustchain._start import Start, started
-from rustchain.drive import ChainDrive, TimeTable
+from rustchain.drive import ChainDrive, TimeTable, drive_inside
 from rustchain.errors import InvalidInput, SimulationError
 from rustchain.evaluation import Evaluation as Evaluation
 from rustchain.film import Film
@@ -116,7 +117,7 @@ class Simulation(Present):
         tooth_friction: Coulomb | LuGre | None = None,
         hinge_film: Film | None = None,
     ) -> None:
-        if isinstance(getattr(drive, "drive", None), ChainDrive):  # a Scene, a Simulation, a Result
+        if drive_inside(drive) is not None:  # a Scene, a Simulation, a Result
             msg = (
                 f"drive: a {type(drive).__name__} is no drive but has one: take its .drive; of a "
                 "scene, scene.simulate() makes the simulation"
@@ -134,7 +135,7 @@ class Simulation(Present):
             "force_law": force_law,
             "hinge_law": hinge_law,
             "tooth_law": tooth_law,
-            "min_approach_speed": min_approach_speed,
+            "min_approach_speed": plain(min_approach_speed),
             "solver": solver,
         }
         scene |= started(scene | {"start": start, "positions": positions, "velocities": velocities})
@@ -262,6 +263,8 @@ class Simulation(Present):
         groups, energy = known_groups(record, energy)
         looks = looks_of(self, stop, callback, groups)
         start = (self.positions, self.velocities)
+        check_progress(progress)
+        duration, report_step = plain(duration), plain(report_step)
         check_rows_fit(duration, report_step, numbers_of_a_row(self.drive, groups, energy))
         before = self._core.stats()
         self._core.start_recording(duration, report_step, groups, energy)
@@ -363,11 +366,11 @@ class Simulation(Present):
 
 def _sprocket_number(sprocket: object) -> int:
     """Return the number, from 1, in a name such as "sprocket_2"; a number is one already."""
-    number = sprocket
+    number = plain(sprocket)
     if isinstance(sprocket, str) and sprocket.startswith("sprocket_"):
         digits = sprocket.removeprefix("sprocket_")
-        number = int(digits) if digits.isdecimal() else None
+        number = int(digits) if digits.isdecimal() and len(digits) < 10 else None
     if isinstance(number, bool) or not isinstance(number, int) or number < 1:
-        msg = f"sprocket = {sprocket!r}: must be such as 'sprocket_2', or 2"
+        msg = f"sprocket = {shown(sprocket)}: must be such as 'sprocket_2', or 2"
         raise InvalidInput(msg)
     return number

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain import _rustchain
+from rustchain._arguments import checked
 from rustchain._description import Description, Point
 from rustchain._names import known_keywords
 from rustchain.chain import Chain
@@ -110,6 +111,7 @@ class Sprocket(Description):
     eccentricity_angle: float = 0.0
     damaged_teeth: Sequence[tuple[int, float]] = ()
 
+    @checked
     def outline(self, chain: Chain, points: int = 24) -> npt.NDArray[np.float64]:
         """Return the closed outline of the teeth for `chain`, about their centre.
 

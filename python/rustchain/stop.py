@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 import numpy as np
 
 from rustchain import _rustchain
+from rustchain._arguments import finite_number, shown
 from rustchain._description import Description, plain
 from rustchain._names import known_keywords, suggest
 from rustchain.errors import InvalidInput
@@ -53,14 +53,18 @@ class StopCondition(Description, ABC):
         """Return what looks at each report of `simulation`."""
 
     def _refusal(self, field: str, value: object, expected: str) -> InvalidInput:
-        return InvalidInput(f"{type(self).__name__}.{field} = {value!r}: {expected}")
+        return InvalidInput(f"{type(self).__name__}.{field} = {shown(value)}: {expected}")
 
     def _check_number(self, field: str, unit: str, least: str = "a positive number") -> None:
         """Refuse what is no finite number, or below `least`: zero may be among them, or not."""
         value = getattr(self, field)
         if isinstance(value, bool) or not isinstance(value, float | int):
             raise self._refusal(field, value, f"must be a number in {unit}")
-        if not 0.0 <= value < math.inf or (value == 0 and least == "a positive number"):
+        if (
+            finite_number(value) is None
+            or value < 0.0
+            or (value == 0 and least == "a positive number")
+        ):
             raise self._refusal(field, value, f"must be {least} in {unit}")
 
     def _check_count(self, field: str) -> None:
@@ -286,25 +290,28 @@ def check_looks(
     conditions: Sequence[Any] = [stop] if alone else stop  # type: ignore[assignment]
     if isinstance(conditions, str) or not isinstance(conditions, Sequence):
         msg = (
-            f"stop = {stop!r}: must be a stop condition, such as HingeForceAbove, or a list of them"
+            f"stop = {shown(stop)}: must be a stop condition, such as HingeForceAbove, or a "
+            "list of them"
         )
         raise InvalidInput(msg)
     instead = {"JointForceAbove": "HingeForceAbove", "ContactForceAbove": "ToothForceAbove"}
     for condition in conditions:
         if (kind := type(condition).__name__) in instead:
             msg = (
-                f"stop: {condition!r} is for mechanisms and drives with hinges = 'ideal'; with "
+                f"stop: {shown(condition)} is for mechanisms and drives with hinges = 'ideal'; "
+                "with "
                 f"clearance hinges take {instead[kind]}"
             )
             raise InvalidInput(msg)
         if not isinstance(condition, StopCondition):
             msg = (
-                f"stop: {condition!r} is no stop condition, such as HingeForceAbove; a function of "
+                f"stop: {shown(condition)} is no stop condition, such as HingeForceAbove; a "
+                "function of "
                 "your own goes into callback="
             )
             raise InvalidInput(msg)
     if callback is not None and not callable(callback):
-        msg = f"callback = {callback!r}: must be a function of the simulation"
+        msg = f"callback = {shown(callback)}: must be a function of the simulation"
         raise InvalidInput(msg)
     return conditions
 
@@ -342,7 +349,7 @@ def looks_of(
         if condition.group is not None and condition.group not in groups:
             msg = (
                 f"stop: {type(condition).__name__} looks at what is recorded of the "
-                f"{condition.group}: add {condition.group!r} to record"
+                f"{condition.group}: add {shown(condition.group)} to record"
             )
             raise InvalidInput(msg)
         looks.append(condition.look_at(simulation))

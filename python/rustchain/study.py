@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rustchain._axes import MOST_CASES, Drive
-from rustchain._bounds import count_within
+from rustchain._arguments import count_within, finite_number, plain, shown
+from rustchain._axes import MOST_CASES, Drive, axes_of
 from rustchain._measure import numbers_of
-from rustchain._names import known_keywords
+from rustchain._names import known_keywords, named_attributes
 from rustchain._run import Group
 from rustchain._start import Start
 from rustchain.errors import InvalidInput, NotRecorded
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 _STATISTICS = ("mean", "std", "low", "high", "count")
 
 
+@named_attributes
 @dataclass(frozen=True, eq=False, repr=False)
 class StudyResult:
     """What several runs of each case came to.
@@ -60,7 +61,7 @@ class StudyResult:
         """What was measured of every run: the axes, then "run", then the dimensions of an array."""
         if self.sweep.errors and all(value is None for value in self.sweep.values):
             number, error = next(iter(self.sweep.errors.items()))
-            msg = f"no run has a value; the first error, of run {number}: {error!r}"
+            msg = f"no run has a value; the first error, of run {number}: {shown(error)}"
             raise NotRecorded(msg)
         return self.sweep.to_xarray().rename(disturbance="run")
 
@@ -193,27 +194,31 @@ def study(
     axes = {} if axes is None else axes
     runs = count_within("runs", runs, 2, MOST_CASES)  # one has no spread
     if measure is not None and not callable(measure):
-        msg = f"measure = {measure!r}: must be a function of a Result, or None"
+        msg = f"measure = {shown(measure)}: must be a function of a Result, or None"
         raise InvalidInput(msg)
+    duration, burn_in, confidence = map(plain, (duration, burn_in, confidence))
     for name, value in (("duration", duration), ("burn_in", burn_in), ("confidence", confidence)):
-        if isinstance(value, bool) or not isinstance(value, float | int | np.number):
-            msg = f"{name} = {value!r}: must be a number"
+        if isinstance(value, bool) or not isinstance(value, float | int):
+            msg = f"{name} = {shown(value)}: must be a number"
             raise InvalidInput(msg)
-    if not duration > 0.0:
-        msg = f"duration = {duration!r}: must be a positive number of seconds"
+    if finite_number(duration) is None or duration <= 0.0:
+        msg = f"duration = {shown(duration)}: must be a positive number of seconds"
         raise InvalidInput(msg)
     if not 0.0 < confidence < 1.0:
-        msg = f"confidence = {confidence!r}: must lie between 0 and 1"
+        msg = f"confidence = {shown(confidence)}: must lie between 0 and 1"
         raise InvalidInput(msg)
     if not isinstance(axes, Mapping):
-        msg = f"axes = {axes!r}: must map names to sequences of values"
+        msg = f"axes = {shown(axes)}: must map names to sequences of values"
         raise InvalidInput(msg)
     if "disturbance" in axes:
         msg = "axes: 'disturbance' is what makes the runs of a study; say how many by runs=..."
         raise InvalidInput(msg)
-    shortest = min([duration, *axes.get("duration", ())])
+    durations = map(finite_number, axes_of(axes).get("duration", ()))
+    shortest = min([duration, *(each for each in durations if each is not None)])
     if not 0.0 <= burn_in < shortest:
-        msg = f"burn_in = {burn_in!r}: must be from 0 to less than the duration, {shortest:g} s"
+        msg = (
+            f"burn_in = {shown(burn_in)}: must be from 0 to less than the duration, {shortest:g} s"
+        )
         raise InvalidInput(msg)
     of = Result.summary if measure is None else measure
     known = {*axes, "run", "disturbance", "statistic", "measure"}

@@ -12,6 +12,7 @@ from typing import Any
 import numpy.typing as npt
 
 from rustchain import _rustchain
+from rustchain._arguments import count_within, plain, shown
 from rustchain._axes import (
     MOST_CASES,
     Drive,
@@ -21,12 +22,12 @@ from rustchain._axes import (
     check_names,
     scene_of,
 )
-from rustchain._bounds import count_within
 from rustchain._names import known_keywords
 from rustchain._present import SCENE
 from rustchain._run import (
     WALL_BUDGET,
     Group,
+    check_progress,
     check_rows_fit,
     known_groups,
     numbers_of_a_row,
@@ -144,14 +145,14 @@ def sweep(
         The chain has jumped teeth: in how many cases, and the first.
     """
     scene: Parameters = {
-        "duration": duration,
-        "report_step": report_step,
+        "duration": plain(duration),
+        "report_step": plain(report_step),
         "record": record,
         "energy": energy,
         "force_law": force_law,
         "hinge_law": hinge_law,
         "tooth_law": tooth_law,
-        "min_approach_speed": min_approach_speed,
+        "min_approach_speed": plain(min_approach_speed),
         "solver": solver,
         "start": start,
         "positions": positions,
@@ -167,6 +168,10 @@ def sweep(
     else:
         count_within("cases of the sweep", math.prod(map(len, grid.values())), 1, MOST_CASES)
         cases = [dict(zip(grid, values, strict=True)) for values in product(*grid.values())]
+    if measure is not None and not callable(measure):
+        msg = f"measure = {shown(measure)}: must be a function of a Result, or None"
+        raise InvalidInput(msg)
+    check_progress(progress)
     check_names(drive, scene, cases)
     looked_at = len(check_looks(stop, callback)) > 0 or callback is not None
 
@@ -208,7 +213,7 @@ def _ready(scene: Parameters) -> _rustchain.Case:
     drive = scene["drive"]
     if isinstance(drive, ChainDrive) and drive.hinges != "clearance":
         msg = (
-            f"ChainDrive.hinges = {drive.hinges!r}: a sweep runs clearance hinges only; "
+            f"ChainDrive.hinges = {shown(drive.hinges)}: a sweep runs clearance hinges only; "
             "run a Simulation of each drive"
         )
         raise InvalidInput(msg)
@@ -337,7 +342,7 @@ def _fail(found: SweepResult, number: int, error: Exception) -> None:
 
 def _name(found: SweepResult, number: int) -> str:
     """Return a case by its number and parameters, in words."""
-    parameters = ", ".join(f"{name}={value!r}" for name, value in found.cases[number].items())
+    parameters = ", ".join(f"{name}={shown(value)}" for name, value in found.cases[number].items())
     return f"case {number} ({parameters})"
 
 

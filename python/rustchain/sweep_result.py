@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from rustchain._arguments import shown
 from rustchain._axes import Parameters
 from rustchain._description import Description
+from rustchain._names import named_attributes
 from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.result import Result
 
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
 _Values: TypeAlias = npt.NDArray[Any]
 
 
+@named_attributes
 @dataclass(eq=False, repr=False)
 class SweepResult:
     """What the cases of a sweep came to, in the order of the cases.
@@ -138,7 +141,7 @@ class SweepResult:
         )
         for name in names:
             if any(name in case for case in self.cases):
-                msg = f"measure: {name!r} is a parameter of the sweep too; name it otherwise"
+                msg = f"measure: {shown(name)} is a parameter of the sweep too; name it otherwise"
                 raise InvalidInput(msg)
         return {str(name): _stacked(str(name), [row.get(name) for row in rows]) for name in names}
 
@@ -150,7 +153,7 @@ def _stacked(name: str, values: Sequence[Any]) -> _Values:
     shapes = sorted({array.shape for array in there})
     if len(shapes) > 1:
         msg = (
-            f"measure: {name!r} has shape {shapes[0]} in one case and {shapes[1]} in another, "
+            f"measure: {shown(name)} has shape {shapes[0]} in one case and {shapes[1]} in another, "
             "which make no array; take .values instead"
         )
         raise InvalidInput(msg)

@@ -429,6 +429,13 @@ pub(super) fn law_force<'py>(
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let py = law.py();
     let modulus = describe::material(material, "material")?.contact_modulus();
+    for (value, name) in [
+        (radius_i, "radii[0]"),
+        (radius_j, "radii[1]"),
+        (length, "length"),
+    ] {
+        describe::checked(py, check::positive(name, value, "m"))?;
+    }
     let pair = match kind {
         "internal" if radius_j > radius_i => {
             SurfacePair::internal(radius_i, radius_j, length, modulus)
@@ -439,9 +446,9 @@ pub(super) fn law_force<'py>(
             return Err(to_python(
                 py,
                 &Error::invalid(
-                    "radius_j",
+                    "radii[1]",
                     radius_j,
-                    format!("must be larger than radius_i, {radius_i} m"),
+                    format!("must be larger than radii[0], {radius_i} m"),
                 ),
             ));
         }

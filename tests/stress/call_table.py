@@ -212,7 +212,11 @@ def _descriptions() -> Iterator[Target]:
     moved = {"eccentricity": 1e-5, "velocity": (1e-3, 0.0), **size}
     yield _target("Film.force", film.force, film.force, **moved)
     chain, rail = GOOD["Chain"], GOOD["GuideRail"]
-    for each, given in ((GOOD["Sprocket"], {"chain": chain}), (rail, {}), (GOOD["SmoothIdler"], {})):
+    for each, given in (
+        (GOOD["Sprocket"], {"chain": chain}),
+        (rail, {}),
+        (GOOD["SmoothIdler"], {}),
+    ):
         name = f"{type(each).__name__}.outline"
         yield _target(name, each.outline, each.outline, points=5, **given)
     drive = GOOD["ChainDrive"]
@@ -322,7 +326,9 @@ def _simulations() -> Iterator[Target]:
     for name, simulation in (("Simulation", shared.simulation), ("free", shared.free)):
         if name == "Simulation":
             state = {"state": simulation.state()}
-            yield _target("Simulation.set_state", simulation.set_state, simulation.set_state, **state)
+            yield _target(
+                "Simulation.set_state", simulation.set_state, simulation.set_state, **state
+            )
             yield _target("Simulation.run", simulation.run, simulation.run, **run)
             place = {"positions": simulation.positions, "velocities": simulation.velocities}
             yield _target(
@@ -331,7 +337,9 @@ def _simulations() -> Iterator[Target]:
             step = lambda t: rc.Simulation(paper).step_to(t)  # noqa: E731
             yield _target("Simulation.step_to", step, simulation.step_to, t=1e-5)
             speed = {"sprocket": 1, "speed": 20.0}
-            yield _target("Simulation.set_speed", simulation.set_speed, simulation.set_speed, **speed)
+            yield _target(
+                "Simulation.set_speed", simulation.set_speed, simulation.set_speed, **speed
+            )
         else:
             torque = {"sprocket": 2, "torque": 1.0}
             call = simulation.set_torque
@@ -468,9 +476,7 @@ def _outputs() -> Iterator[Target]:
 def _figures() -> Iterator[Target]:
     shared = scenes()
     yield from _methods("Plots", shared.result.plot, _public(Plots))
-    yield from _methods(
-        "MechanismPlots", shared.mechanism_result.plot, _public(MechanismPlots)
-    )
+    yield from _methods("MechanismPlots", shared.mechanism_result.plot, _public(MechanismPlots))
     draw = lambda measures="value": shared.study.plot(measures)  # noqa: E731
     yield _target("StudyResult.plot", draw, draw, measures="value")
 

@@ -77,7 +77,19 @@ def _deep(depth: int) -> list[Any]:
     return nested
 
 
-_SPECIAL = ("float", "index", "array", "repr", "str", "eq", "iter", "bool", "hash", "len", "getattr")
+_SPECIAL = (
+    "float",
+    "index",
+    "array",
+    "repr",
+    "str",
+    "eq",
+    "iter",
+    "bool",
+    "hash",
+    "len",
+    "getattr",
+)
 
 # What is no real number, whatever is asked for.
 NO_NUMBERS: dict[str, Callable[[], Any]] = {

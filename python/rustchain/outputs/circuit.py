@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from rustchain._arguments import shown
 from rustchain.errors import InvalidInput
 from rustchain.outputs.jumps import teeth_jumped
 
@@ -121,7 +122,7 @@ class Circuit:
             if wanted in (section.name, section.name.removeprefix("strand ")):
                 return section
         known = ", ".join(repr(section.name) for section in self.sections)
-        msg = f"section: {name!r} is no part of the chain's way; known: {known}"
+        msg = f"section: {shown(name)} is no part of the chain's way; known: {known}"
         raise InvalidInput(msg)
 
     def names(self, positions: Array) -> list[str]:

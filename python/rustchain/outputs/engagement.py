@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rustchain._arguments import shown
 from rustchain.errors import InvalidInput
 from rustchain.outputs.circuit import Circuit
 from rustchain.outputs.guides import guide_number
@@ -29,7 +30,7 @@ def engagements(
     import pandas as pd
 
     if not within > 0.0:
-        msg = f"within = {within!r}: must be a positive number of pitches"
+        msg = f"within = {shown(within)}: must be a positive number of pitches"
         raise InvalidInput(msg)
     count = len(result.drive.sprockets)
     numbers = range(1, count + 1)

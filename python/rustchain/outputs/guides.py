@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rustchain import _rustchain
+from rustchain._arguments import shown
 from rustchain.errors import InvalidInput
 from rustchain.guides import SmoothIdler
 from rustchain.outputs.circuit import Circuit
@@ -87,7 +88,7 @@ def guide_number(result: Result, guide: int | str) -> int:
         number = int(digits) if digits.isdecimal() else guide
     if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= count:
         known = f"1 to {count}, or 'guide_1' and so on" if count else "but the drive has none"
-        msg = f"guide = {guide!r}: must be the number of a guide, {known}"
+        msg = f"guide = {shown(guide)}: must be the number of a guide, {known}"
         raise InvalidInput(msg)
     return number
 

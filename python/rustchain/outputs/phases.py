@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rustchain._bounds import count_within
+from rustchain._arguments import count_within, shown
+from rustchain.errors import InvalidInput
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -36,6 +37,10 @@ def statistics(
     All arguments but `bins` and `quantiles` have the same shape; `place` is the bin of each value,
     negative for one that counts nowhere.
     """
+    for k, quantile in enumerate(quantiles):
+        if not 0.0 <= quantile <= 1.0:
+            msg = f"quantiles[{k}] = {shown(quantile)}: must be between 0 and 1"
+            raise InvalidInput(msg)
     place, values, largest = place.ravel(), values.ravel(), largest.ravel()
     order = np.argsort(place, kind="stable")
     order = order[place[order] >= 0]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from rustchain import _rustchain
+from rustchain._arguments import shown
 from rustchain._names import suggest
 from rustchain.errors import InvalidInput
 from rustchain.outputs import rainflow
@@ -112,7 +113,7 @@ def pressure_cycles(
         angle = result.array("sprocket_angle")[rows, sprocket - 1]
         turns = float(abs(angle[-1] - angle[0])) / (2 * np.pi)
     if turns == 0.0:
-        msg = "nothing has turned: there are no cycles of a revolution; take a longer part"
+        msg = "start, end: nothing has turned, so that no cycles can be counted; take a longer part"
         raise InvalidInput(msg)
     # Each interval's peak comes before the value of the row that ends it.
     history = np.stack([most, now], axis=1).reshape(-1, now.shape[1])
@@ -186,7 +187,7 @@ def tooth_contacts(result: Result) -> tuple[Array, Array]:
 def check_contact(contact: str) -> None:
     """Raise where there is no such contact."""
     if contact not in ("hinge", "tooth"):
-        msg = f"contact: {contact!r} is no contact; {suggest(contact, ('hinge', 'tooth'))}"
+        msg = f"contact: {shown(contact)} is no contact; {suggest(contact, ('hinge', 'tooth'))}"
         raise InvalidInput(msg)
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rustchain._arguments import shown
 from rustchain.errors import InvalidInput
 from rustchain.outputs.window import rows_between
 
@@ -25,7 +26,8 @@ def spectrum(
     values = result.array(name)[rows]
     if not np.isfinite(values).all():
         msg = (
-            f"name = {name!r}: has values that are no finite numbers, of contacts that are not "
+            f"name = {shown(name)}: has values that are no finite numbers, of contacts that "
+            "are not "
             "even near; take a force"
         )
         raise InvalidInput(msg)
@@ -55,12 +57,16 @@ def welch(time: Array, values: Array, segment: float | None) -> tuple[Array, Arr
     from scipy import signal
 
     if len(time) < 16:
-        msg = f"{len(time)} rows: too few for a spectrum; take a longer part"
+        msg = f"start, end: {len(time)} rows: too few for a spectrum; take a longer part"
+        raise InvalidInput(msg)
+    if segment is not None and segment <= 0.0:
+        msg = f"segment = {segment:g}: must be a positive number in s"
         raise InvalidInput(msg)
     step = float(np.median(np.diff(time)))
     even = time[0] + step * np.arange(int((time[-1] - time[0]) / step + 0.5) + 1)
     flat = values.reshape(-1, values.shape[-1])
     resampled = np.stack([np.interp(even, time, one) for one in flat])
-    points = len(even) if segment is None else min(max(round(segment / step), 16), len(even))
+    whole = len(even) * step if segment is None else min(segment, len(even) * step)
+    points = min(max(round(whole / step), 16), len(even))
     frequency, density = signal.welch(resampled, 1.0 / step, nperseg=points, detrend="linear")
     return frequency, density.reshape(*values.shape[:-1], -1)

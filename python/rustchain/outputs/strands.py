@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rustchain import _rustchain
-from rustchain._bounds import count_within
+from rustchain._arguments import count_within, shown
 from rustchain.errors import InvalidInput
 from rustchain.outputs.circuit import Belt, Circuit
 from rustchain.outputs.spectrum import welch
@@ -58,7 +58,7 @@ def strand_motion(
     import xarray as xr
 
     if not len(stations) or not all(0.0 < each < 1.0 for each in stations):
-        msg = f"stations = {stations!r}: must be shares of the strand's length between 0 and 1"
+        msg = f"stations = {shown(stations)}: must be shares of the strand's length between 0 and 1"
         raise InvalidInput(msg)
     rows = rows_between(result, start, end)
     drive = result.drive

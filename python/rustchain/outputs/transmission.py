@@ -32,8 +32,8 @@ def transmission_error(
     import xarray as xr
 
     rows = rows_between(result, start, end)
-    check_sprocket(result, driven)
-    check_sprocket(result, driver)
+    check_sprocket(result, driven, "driven")
+    check_sprocket(result, driver, "driver")
     check_seated(result.between(start, end), "transmission_error", (driven, driver))
     angle = result.array("sprocket_angle")[rows]
     turned = angle[:, driver - 1] - angle[0, driver - 1]
@@ -104,9 +104,10 @@ def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
 
     turned = np.abs(angle)
     if len(turned) < 8 or not turned[-1] > 0.0:
+        over = turned[-1] if len(turned) else 0.0
         msg = (
-            f"{len(turned)} rows over {turned[-1] if len(turned) else 0.0:.3g} rad: too little to "
-            "find orders in; take a longer part, or a smaller report_step"
+            f"start, end: {len(turned)} rows over {over:.3g} rad: too "
+            "little to find orders in; take a longer part, or a smaller report_step"
         )
         raise InvalidInput(msg)
     # A shaft that turns back for a moment is read in the order of its farthest angles.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rustchain._arguments import checked_methods
 from rustchain.plot.contacts import ContactFigures
 from rustchain.plot.histories import HistoryFigures
 from rustchain.plot.joints import JointFigures
@@ -13,6 +14,7 @@ from rustchain.plot.studies import draw_loss_map
 __all__ = ["Plots", "draw_loss_map"]
 
 
+@checked_methods
 class Plots(ContactFigures, JointFigures, LoadFigures, MotionFigures, HistoryFigures, DrivePicture):
     """The figures of a result; every method returns a matplotlib figure.
 

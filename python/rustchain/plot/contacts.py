@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from rustchain import _rustchain
+from rustchain._arguments import shown
 from rustchain._names import known_keywords, suggest
 from rustchain.errors import InvalidInput
 from rustchain.plot.style import (
@@ -97,7 +98,7 @@ class ContactFigures(Figures):
         colour may lie on two lines. Hinges are shown with the elastic part of their law.
         """
         if contact not in ("tooth", "hinge"):
-            msg = f"contact: {contact!r} is no contact; {suggest(contact, ('tooth', 'hinge'))}"
+            msg = f"contact: {shown(contact)} is no contact; {suggest(contact, ('tooth', 'hinge'))}"
             raise InvalidInput(msg)
         numbers = (number, *more)
         rows = self.rows(start, end)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
+from rustchain._arguments import shown
 from rustchain._names import known_keywords, suggest
 from rustchain.drive import PrescribedSpeed
 from rustchain.errors import InvalidInput
@@ -60,7 +61,8 @@ class JointFigures(Figures):
         hinges = self.result.drive.hinges
         if hinges != "ideal":
             msg = (
-                f"ChainDrive.hinges = {hinges!r}: the hinges of this drive are contacts and no "
+                f"ChainDrive.hinges = {shown(hinges)}: the hinges of this drive are contacts "
+                "and no "
                 "joints: hinge_force and hinge_loads draw them; hinges='ideal' makes joints of them"
             )
             raise InvalidInput(msg)
@@ -79,7 +81,10 @@ class JointFigures(Figures):
         for name in wanted:
             if name not in known:
                 some = (known[0], f"... hinge_{self.result.drive.hinge_count}", *self._motors())
-                msg = f"joint: {name!r} is no joint with a load here; {suggest(name, known, some)}"
+                msg = (
+                    f"joint: {shown(name)} is no joint with a load here; "
+                    f"{suggest(name, known, some)}"
+                )
                 raise InvalidInput(msg)
         return wanted
 

@@ -11,7 +11,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rustchain._names import known_keywords, suggest
+from rustchain._arguments import checked_methods, shown
+from rustchain._names import known_keywords, named_attributes, suggest
 from rustchain.errors import InvalidInput
 from rustchain.mechanism_result import MechanismResult
 from rustchain.outputs.window import rows_between
@@ -33,6 +34,8 @@ _RATES = {
 }
 
 
+@named_attributes
+@checked_methods
 @dataclass(frozen=True)
 class MechanismPlots:
     """The figures of a result of a mechanism; every method returns a matplotlib figure.
@@ -54,7 +57,7 @@ class MechanismPlots:
     ) -> Figure:
         """Draw positions of bodies, or their rates, over time: x, y and the angle."""
         if quantity not in _RATES:
-            msg = f"quantity = {quantity!r}: is none; {suggest(quantity, _RATES)}"
+            msg = f"quantity = {shown(quantity)}: is none; {suggest(quantity, _RATES)}"
             raise InvalidInput(msg)
         names = self._names("body", bodies)
         rows = rows_between(self.result, start, end)
@@ -186,7 +189,9 @@ class MechanismPlots:
             wanted += [one] if isinstance(one, str) or not isinstance(one, Sequence) else one
         for name in wanted:
             if name not in names:
-                msg = f"{part}: {name!r} is no {part} of this mechanism; {suggest(name, names)}"
+                msg = (
+                    f"{part}: {shown(name)} is no {part} of this mechanism; {suggest(name, names)}"
+                )
                 raise InvalidInput(msg)
         return tuple(wanted) or names
 

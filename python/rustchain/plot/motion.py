@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rustchain._arguments import shown
 from rustchain._names import known_keywords, suggest
 from rustchain.errors import InvalidInput
 from rustchain.plot.style import (
@@ -152,7 +153,7 @@ class MotionFigures(Figures):
         for dim in of:
             if dim not in found.dims:
                 known = [str(each) for each in found.dims if each != "frequency"]
-                msg = f"{dim}: {name!r} has no such parts; {suggest(dim, known)}"
+                msg = f"{dim}: {shown(name)} has no such parts; {suggest(dim, known)}"
                 raise InvalidInput(msg)
         chosen = found.sel(of)
         others = [dim for dim in chosen.dims if dim != "frequency"]

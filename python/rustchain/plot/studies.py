@@ -9,6 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
 
+from rustchain._arguments import shown
 from rustchain._names import suggest
 from rustchain.errors import InvalidInput
 from rustchain.plot.style import BLUE, GREY, RED, panels, styled
@@ -25,9 +26,9 @@ def draw_study(study: StudyResult, measures: Sequence[str]) -> Figure:
     samples, statistics = study.samples, study.statistics
     numbers = [str(name) for name, values in samples.items() if len(_own(values, study)) < 2]
     for name in measures:
-        if name not in numbers:
+        if not isinstance(name, str) or name not in numbers:
             msg = (
-                f"measures: {name!r} is no measured number or row of numbers; "
+                f"measures: {shown(name)} is no measured number or row of numbers; "
                 f"{suggest(name, numbers)}"
             )
             raise InvalidInput(msg)
@@ -101,6 +102,10 @@ def _over_axis(axes: Any, values: xr.DataArray, found: xr.DataArray, over: str) 
 @styled
 def draw_loss_map(losses: xr.Dataset) -> Figure:
     """Draw efficiency and power lost over speed and load, from what `rustchain.loss_map` found."""
+    names = set(map(str, losses.variables)) if type(losses).__name__ == "Dataset" else set()
+    if not {"speed", "torque", "efficiency", "lost"} <= names:
+        msg = f"draw_loss_map(losses): got {shown(losses)}; expected what loss_map returned"
+        raise InvalidInput(msg)
     figure, cells = plt.subplots(1, 2, figsize=(8.0, 3.2), sharey=True)
     speed, torque = losses["speed"].to_numpy(), losses["torque"].to_numpy()
     for axes, name, scale, label in (

@@ -10,6 +10,7 @@ from matplotlib import style
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rustchain._names import named_attributes
 from rustchain.outputs.window import rows_between
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ _STYLE: dict[str, Any] = {
 styled = style.context(_STYLE)
 
 
+@named_attributes
 @dataclass(frozen=True)
 class Figures:
     """A result to be drawn."""

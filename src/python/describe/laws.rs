@@ -38,9 +38,18 @@ pub(in crate::python) fn force_law(object: &Bound<'_, PyAny>, field: &str) -> Py
     Ok(law)
 }
 
+/// Reads an object that must be a force law.
+fn law_reader<'a, 'py>(object: &'a Bound<'py, PyAny>, field: &str) -> PyResult<Reader<'a, 'py>> {
+    if LAWS.contains(&kind_of(object).as_str()) {
+        return Reader::new(object, field, &LAWS);
+    }
+    let expected = "expected a force law such as LankaraniNikravesh() or Hertz()";
+    Err(refuse(object.py(), field, object, expected))
+}
+
 /// Reads the film of a force law, if it has one.
 pub(super) fn film_of(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Option<Film>> {
-    let fills = Reader::new(object, field, &LAWS)?.get("film")?;
+    let fills = law_reader(object, field)?.get("film")?;
     if fills.is_none() {
         return Ok(None);
     }
@@ -78,7 +87,7 @@ pub(in crate::python) fn law_and_friction(
     object: &Bound<'_, PyAny>,
     field: &str,
 ) -> PyResult<(ForceLaw, Option<Rubbing>)> {
-    let read = Reader::new(object, field, &LAWS)?;
+    let read = law_reader(object, field)?;
     let elastic = match read.kind.as_str() {
         "EnhancedCylinder" => read.word(
             "coefficients",
@@ -204,6 +213,9 @@ pub(in crate::python) fn force_laws(
         let remedy = "must be None in tooth_law: only hinges have a film";
         without_film(own, "tooth_law", remedy)?;
     }
+    let least = number(min_approach_speed, "min_approach_speed", "m/s")?;
+    let allowed = check::positive("min_approach_speed", least, "m/s");
+    checked(min_approach_speed.py(), allowed)?;
     Ok(ForceLaws {
         hinge,
         tooth,
@@ -212,6 +224,6 @@ pub(in crate::python) fn force_laws(
         hinge_bristles: hinge_friction.and_then(Rubbing::bristles),
         tooth_bristles: tooth_friction.and_then(Rubbing::bristles),
         hinge_film,
-        min_approach_speed: number(min_approach_speed, "min_approach_speed", "m/s")?,
+        min_approach_speed: least,
     })
 }

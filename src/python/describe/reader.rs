@@ -29,7 +29,7 @@ impl<'a, 'py> Reader<'a, 'py> {
             object.py(),
             field,
             object,
-            &format!("must be a {}", kinds.join(" or a ")),
+            &format!("must be {}", with_articles(kinds)),
         ))
     }
 
@@ -189,6 +189,22 @@ pub(in crate::python) fn table(
     checked(value.py(), TimeTable::against(name, axis, unit, &pairs))
 }
 
+/// Names of classes as alternatives: "a Coulomb or a LuGre".
+fn with_articles(kinds: &[&str]) -> String {
+    let article = |kind: &str| {
+        if kind.starts_with(['A', 'E', 'I', 'O', 'U']) {
+            "an"
+        } else {
+            "a"
+        }
+    };
+    let named: Vec<String> = kinds
+        .iter()
+        .map(|kind| format!("{} {kind}", article(kind)))
+        .collect();
+    named.join(" or ")
+}
+
 pub(super) fn kind_of(object: &Bound<'_, PyAny>) -> String {
     object
         .get_type()
@@ -271,7 +287,11 @@ pub(in crate::python) fn refuse(
     value: &Bound<'_, PyAny>,
     expected: &str,
 ) -> PyErr {
-    let shown = value.repr().map(|r| r.to_string()).unwrap_or_default();
+    // The representation of an object of the caller's may fail.
+    let shown = value.repr().map_or_else(
+        |_| format!("<{}>", kind_of(value)),
+        |text| text.to_string_lossy().into_owned(),
+    );
     to_python(py, &Error::invalid(field, shown, expected))
 }
 

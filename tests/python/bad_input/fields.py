@@ -227,10 +227,10 @@ FIELDS = {
         "teeth": count(5, 1000, 0, 4, 1001),
         "center": vector("m"),
         "motion": instance(
-            "PrescribedSpeed or a AppliedTorque or a Free", None, rc.Free, 12.566, rc.AnsiTooth()
+            "PrescribedSpeed or an AppliedTorque or a Free", None, rc.Free, 12.566, rc.AnsiTooth()
         ),
         "profile": instance(
-            "AnsiTooth or a IsoTooth or a StraightTooth or a CustomTooth", None, rc.AnsiTooth
+            "AnsiTooth or an IsoTooth or a StraightTooth or a CustomTooth", None, rc.AnsiTooth
         ),
         "mass": optional_positive("kg"),
         "inertia": optional_positive("kg m^2"),

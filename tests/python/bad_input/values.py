@@ -65,7 +65,8 @@ def word(*allowed):
 
 def instance(kind, *others):
     wrong = [1.0, "x", (), object, *others]
-    return [(value, f"must be a {kind}") for value in wrong]
+    article = "an" if kind[0] in "AEIOU" else "a"
+    return [(value, f"must be {article} {kind}") for value in wrong]
 
 
 def table(unit):
@@ -97,4 +98,6 @@ def assert_refused(error, name, value, allowed):
     assert said, message
     assert said[1] == name
     assert allowed in said[3], message
-    assert said[2] == repr(value) or numbers(said[2]) == numbers(repr(value)), message
+    whole = repr(value)
+    whole = whole if len(whole) <= 80 else f"{whole[:77]}..."
+    assert said[2] == whole or numbers(said[2]) == numbers(whole), message
