@@ -52,7 +52,8 @@ class Source:
             text = text_of(path)
             content = tomllib.loads(text)
         except OSError as error:
-            msg = f"{shown_path(path)}: cannot be read ({reason(error)}): give the path of a drive file"
+            where = shown_path(path)
+            msg = f"{where}: cannot be read ({reason(error)}): give the path of a drive file"
             raise InvalidInput(msg) from error
         except ValueError as error:  # of TOML, of UTF-8, or an integer of too many digits
             msg = f"{path}: is no TOML ({error}): give a drive file, as docs/files.md has them"

@@ -43,8 +43,8 @@ def read(path: object, writer: str, other: str) -> xr.Dataset:
 def damaged(path: object, writer: str, other: str, error: object) -> InvalidInput:
     """Return the error that says why a file holds no whole result."""
     return InvalidInput(
-        f"path = {shown_path(path)}: is no result of {other}, or is damaged ({error}): give a file that "
-        f"{writer} wrote, which is netCDF whatever its name, or copy or save it again"
+        f"path = {shown_path(path)}: is no result of {other}, or is damaged ({error}): give a file "
+        f"that {writer} wrote, which is netCDF whatever its name, or copy or save it again"
     )
 
 

@@ -84,13 +84,13 @@ def read(path: str | Path) -> tuple[dict[str, Any], dict[str, Any]]:
             return _scene_of(members), _state_of(members)
     except Exception as error:  # a damaged archive raises what it likes
         msg = (
-            f"path = {shown_path(path)}: holds no state of rustchain, or is damaged: give a file that "
-            "Simulation.save_state wrote, or copy or save it again"
+            f"path = {shown_path(path)}: holds no state of rustchain, or is damaged: give a file "
+            "that Simulation.save_state wrote, or copy or save it again"
         )
         raise InvalidInput(msg) from error
     msg = (
-        f"path = {shown_path(path)}: has format {found}, this rustchain reads {_FORMAT}: load it with "
-        f"the one that wrote it, {members.get('rustchain_version', 'of another version')}"
+        f"path = {shown_path(path)}: has format {found}, this rustchain reads {_FORMAT}: load it "
+        f"with the one that wrote it, {members.get('rustchain_version', 'of another version')}"
     )
     raise InvalidInput(msg)
 
