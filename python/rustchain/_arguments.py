@@ -23,6 +23,9 @@ from rustchain._rustchain import InvalidInput
 
 _Class = TypeVar("_Class", bound=type)
 
+# What a path may be, as messages have it.
+PATH_WORDS = "the name of a file, str or Path; open files and buffers are not supported"
+
 _LONGEST = 80  # characters of a value in a message: one line of a terminal; src/error.rs has it too
 _DEEPEST = 4  # levels of lists in an argument; rows of a table are two, no argument has more
 
@@ -137,7 +140,9 @@ def admitted(where: str, value: Any, hint: Any) -> Any:  # noqa: ANN401
         return _row(where, value, hint)
     elif _is_instance(value, hint):
         return value
-    raise InvalidInput(f"{where}: got {shown(value)}; expected {_words(hint)}")
+    broken = hint is str and isinstance(value, str)
+    expected = "text without lone surrogates" if broken else _words(hint)
+    raise InvalidInput(f"{where}: got {shown(value)}; expected {expected}")
 
 
 def _one_of(where: str, value: Any, hints: tuple[Any, ...]) -> Any:  # noqa: ANN401
@@ -152,6 +157,8 @@ def _one_of(where: str, value: Any, hints: tuple[Any, ...]) -> Any:  # noqa: ANN
             return admitted(where, value, hint)
         except InvalidInput:
             continue
+    if Path in hints:  # text is a path, too
+        hints = tuple(hint for hint in hints if hint is not str)
     expected = " or ".join(dict.fromkeys(map(_words, hints)))
     raise InvalidInput(f"{where}: got {shown(value)}; expected {expected}")
 
@@ -259,7 +266,7 @@ _WORDS = {
     int: "a whole number",
     bool: "True or False",
     str: "text",
-    Path: "a path",
+    Path: PATH_WORDS,
     npt.ArrayLike: "finite numbers",
     type(None): "None",
 }

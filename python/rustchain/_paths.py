@@ -10,6 +10,7 @@ import tempfile
 from contextlib import suppress
 from pathlib import Path
 
+from rustchain._arguments import PATH_WORDS, shown
 from rustchain.errors import InvalidInput
 
 _LONGEST = 300  # characters of a path in a message; the longest name of one file is 255
@@ -25,11 +26,7 @@ _KINDS = (
 def path_of(path: object, field: str = "path") -> Path:
     """Return a path, or raise `InvalidInput` where `path` cannot name a file."""
     if not isinstance(path, str | os.PathLike):
-        msg = (
-            f"{field}: got {type(path).__name__}; expected the name of a file, str or Path; "
-            "open files and buffers are not supported"
-        )
-        raise InvalidInput(msg)
+        raise InvalidInput(f"{field}: got {shown(path)}; expected {PATH_WORDS}")
     name = os.fsdecode(path)
     if "\0" in name:
         msg = f"{field} = {shown_path(name)}: has a NUL character; expected a file name without one"
