@@ -9,7 +9,7 @@ from rustchain._mechanism_input import numbers
 from rustchain._mechanism_joints import WithJoints
 from rustchain._names import known_keywords
 from rustchain.errors import InvalidInput
-from rustchain.mechanism_parts import Body, Contact, Force, Joint, Point
+from rustchain.mechanism_parts import Body, Contact, Force, Joint, Point, check_name
 from rustchain.mechanism_report import MechanismReport
 
 
@@ -33,6 +33,7 @@ class Mechanism(WithJoints, WithForces, WithContacts):
         if not isinstance(name, str):
             msg = f"name of the mechanism = {shown(name)}: must be text"
             raise InvalidInput(msg)
+        check_name("name of the mechanism", name)
         self.gravity = numbers("gravity", gravity, 2, "(x, y) [m/s^2]")
         self.name = name
         self.bodies: list[Body] = []

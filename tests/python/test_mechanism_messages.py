@@ -48,13 +48,16 @@ def with_pin(law, pin_radius=0.02):
         (lambda: blank("joint"), 'name of a joint = " "'),
         (lambda: blank("force"), 'name of a force = ""'),
         *[
-            (make, rf"name of {what} = '{shown}': cannot be saved; expected text without")
-            for name, shown in (("a\0b", r"a\\x00b"), ("\ud800", r"\\ud800"))
-            for make, what in (
-                (lambda name=name: rc.Mechanism(name=name), "the mechanism"),
-                (lambda name=name: pendulum().add_body(name, 1.0, 0.1), "a body"),
-                (lambda name=name: pendulum().add_revolute(name, "ground", "bar"), "a joint"),
-                (lambda name=name: pendulum().add_force(name, "bar", (1.0, 0.0)), "a force"),
+            (make, rf"{where}'{shown}'.*; expected text without")
+            for name, shown, joint, force in (
+                ("a\0b", r"a\\x00b", "name of a joint = ", "name of a force = "),
+                ("\ud800", r"\\ud800", r"add_revolute\(name\): got ", r"add_force\(name\): got "),
+            )
+            for make, where in (
+                (lambda name=name: rc.Mechanism(name=name), "name of the mechanism = "),
+                (lambda name=name: pendulum().add_body(name, 1.0, 0.1), "name of a body = "),
+                (lambda name=name: pendulum().add_revolute(name, "ground", "bar"), joint),
+                (lambda name=name: pendulum().add_force(name, "bar", (1.0, 0.0)), force),
             )
         ],
         (with_spring, 'stiffness of force "strut" = 0: .*does nothing'),
