@@ -48,7 +48,7 @@ def _with_tables_read(source: Source, value: Any, key: Key) -> Any:  # noqa: ANN
         return _rows_of_numbers(path)
     except (OSError, ValueError) as error:
         why = reason(error) if isinstance(error, OSError) else str(error)
-        name = shown(repr(str(value["file"])))
+        name = shown(str(value["file"]))
         msg = f"{name}: {why}: give a file of rows of numbers with commas between"
         raise source.refusal_at((*key, "file"), msg) from error
 
