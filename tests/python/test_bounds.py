@@ -124,7 +124,11 @@ OUTPUTS = {
 @pytest.mark.parametrize("where", OUTPUTS)
 def test_an_output_of_too_many_parts_is_refused_with_its_bound(result, where):
     output, most = OUTPUTS[where]
-    for count in (0, most + 1, 10**9, 1e9, True):
-        message = f"{where} = {count}: must be a whole number from 1 to {most}"
+    call, argument = where.split(".")
+    bound = {
+        n: f"{where} = {n}: must be a whole number from 1 to {most}" for n in (0, most + 1, 10**9)
+    }
+    kind = {n: f"{call}({argument}): got {n}; expected a whole number" for n in (1e9, True)}
+    for count, message in (*bound.items(), *kind.items()):
         with pytest.raises(rc.InvalidInput, match=re.escape(message)):
             output(result, count)

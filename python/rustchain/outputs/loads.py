@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rustchain._arguments import shown
+from rustchain._arguments import plain, shown
 from rustchain.errors import InvalidInput
 from rustchain.outputs.circuit import Circuit
 from rustchain.outputs.phases import bins_of, checked_bins, intervals, midway, share, statistics
@@ -193,7 +193,8 @@ def nearest_contact(result: Result) -> npt.NDArray[np.intp]:
 def check_sprocket(result: Result, number: object, argument: str = "sprocket") -> None:
     """Raise where there is no sprocket of this number."""
     count = len(result.drive.sprockets)
-    if number not in range(1, count + 1):
+    given = plain(number)
+    if type(given) is not int or given not in range(1, count + 1):
         msg = f"{argument} = {shown(number)}: must be the number of a sprocket, 1 to {count}"
         if result.drive.guides:
             msg += "; the loads of guides are those of guide_loads"

@@ -9,8 +9,14 @@ from rustchain._names import known_keywords
 from rustchain.outputs.itself import Itself
 
 if TYPE_CHECKING:
+    from typing import TypeAlias
+
     import pandas as pd
     import xarray as xr
+
+    SprocketNumber: TypeAlias = int
+else:  # left to `check_sprocket`, which tells what answers the name of a guide
+    SprocketNumber = object
 
 
 _QUANTILES = (0.05, 0.5, 0.95)
@@ -64,7 +70,7 @@ class LoadOutputs(Itself):
     @known_keywords
     def tooth_loads(
         self,
-        sprocket: int = 1,
+        sprocket: SprocketNumber = 1,
         *,
         quantiles: Sequence[float] = _QUANTILES,
         bins_per_pitch: int = 4,
@@ -97,7 +103,7 @@ class LoadOutputs(Itself):
     @known_keywords
     def wrap_loads(
         self,
-        sprocket: int = 1,
+        sprocket: SprocketNumber = 1,
         *,
         quantiles: Sequence[float] = _QUANTILES,
         bins_per_pitch: int = 4,
