@@ -194,12 +194,18 @@ class MotionFigures(Figures):
             ("stored", -float(found["stored"].sum()), GREEN),
             ("residual", float(found["residual"]), GREY),
         ]
-        counts = (len(shafts), len(small))
-        figure, (above, below) = plt.subplots(
-            2, 1, figsize=(7.0, 1.3 + 0.32 * sum(counts)), height_ratios=counts
+        parts = [bars for bars in (shafts, small) if bars]  # an open chain may have no sprocket
+        counts = [len(bars) for bars in parts]
+        figure, panels = plt.subplots(
+            len(parts),
+            1,
+            figsize=(7.0, 1.3 + 0.32 * sum(counts)),
+            height_ratios=counts,
+            squeeze=False,
         )
-        _bars(above, shafts)
-        _bars(below, small)
+        for axes, bars in zip(panels[:, 0], parts, strict=True):
+            _bars(axes, bars)
+        above, below = panels[0, 0], panels[-1, 0]
         below.set(xlabel="power into the drive [W]")
         efficiency = float(found["efficiency"])
         if np.isfinite(efficiency):
