@@ -163,6 +163,9 @@ impl Equilibrium {
         })?;
         let largest_force = settling.largest_force();
         let positions = settling.places.positions();
+        if let Some(why) = refusal::slid(drive, &layout, &laid.positions, &positions) {
+            return Err(Error::Impossible(format!("start=\"static\": {why}")));
+        }
         let mut start = if drive.ends.is_some() {
             Start { positions, ..laid }
         } else {

@@ -120,6 +120,26 @@ fn light_strand(drive: &Drive, layout: &Layout) -> Option<String> {
     })
 }
 
+/// What an open chain lacks that slides over held teeth until a strand is taut, and only then rests.
+pub(super) fn slid(
+    drive: &Drive,
+    layout: &Layout,
+    laid: &[[f64; 3]],
+    rest: &[[f64; 3]],
+) -> Option<String> {
+    let held = |sprocket: &Sprocket| matches!(sprocket.motion, Motion::PrescribedSpeed(_));
+    if drive.tensioner.is_some() || !drive.sprockets.iter().all(held) {
+        return None;
+    }
+    let light = light_strand(drive, layout)?;
+    // In the middle of the first wrap.
+    let link = *layout.strand_pitches.first()? as usize + *layout.seated.first()? as usize / 2;
+    let ([x, y, _], [to_x, to_y, _]) = (laid.get(link)?, rest.get(link)?);
+    let pitches = (to_x - x).hypot(to_y - y) / drive.chain.pitch;
+    (pitches > 0.5)
+        .then(|| format!("the chain slides over its teeth before it comes to rest; {light}"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::passed_on;
