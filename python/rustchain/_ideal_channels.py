@@ -86,6 +86,8 @@ class IdealHingeChannels:
         depth = np.where(near, found["contact_penetration"].reshape(shape), -np.inf)
         deepest = depth.argmax(-1)[..., None]
         depth = np.take_along_axis(depth, deepest, -1)[..., 0]
+        pushes = found["contact_force_vector"].reshape(*near.shape, 2)
+        push = np.take_along_axis(pushes, deepest[..., None], -2)[..., 0, :]
         touching = depth > 0.0
         of = {
             name: np.take_along_axis(values, deepest, -1)[..., 0]
@@ -93,6 +95,7 @@ class IdealHingeChannels:
         }
         return {
             "tooth_force": np.where(touching, of["contact_force"], 0.0),
+            "tooth_force_vector": np.where(touching[..., None], push, 0.0),
             "tooth_penetration": depth,
             "tooth_sprocket": np.where(touching, deepest[..., 0] + 1, 0).astype(np.int32),
             "tooth_index": np.where(touching, of["contact_gap"], -1).astype(np.int32),

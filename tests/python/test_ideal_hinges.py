@@ -31,11 +31,11 @@ def test_the_channels_are_those_of_a_drive_with_clearance(result):
     places = {
         f"energy_{part}_{how}" for part in ("hinge", "tooth") for how in ("contact", "friction")
     }
-    # A mechanism records sizes of contact forces, and no memory of its contacts.
-    places |= {"hinge_onset_speed", "tooth_onset_speed", "tooth_force_vector"}
+    # A mechanism records no memory of its contacts.
+    places |= {"hinge_onset_speed", "tooth_onset_speed"}
     assert set(result.arrays) == set(other.arrays) - places
     with pytest.raises(rc.NotRecorded, match="this drive has no such channel"):
-        result.array("tooth_force_vector")
+        result.array("tooth_onset_speed")
     for name, values in result.arrays.items():
         assert values.dtype == other.arrays[name].dtype, name
         assert values.shape[1:] == other.arrays[name].shape[1:], name

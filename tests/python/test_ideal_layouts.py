@@ -70,9 +70,23 @@ def test_the_channels_are_those_of_a_drive_with_clearance(pair):
     places = {
         f"energy_{part}_{how}" for part in ("hinge", "tooth") for how in ("contact", "friction")
     }
-    assert set(ideal.arrays) == set(clearance.arrays) - places
+    onsets = {"hinge_onset_speed", "tooth_onset_speed"}  # of present contacts, which none keeps
+    assert set(ideal.arrays) == set(clearance.arrays) - places - onsets
     for name, values in ideal.arrays.items():
         assert values.shape == clearance.arrays[name].shape, name
+
+
+def test_a_tooth_pushes_bushings_outwards_with_its_force(pair):
+    for run in pair:
+        force, vector = run.array("tooth_force"), run.array("tooth_force_vector")
+        np.testing.assert_allclose(np.hypot(*np.moveaxis(vector, -1, 0)), force, rtol=1e-9)
+        sprocket, positions = run.array("tooth_sprocket"), run.array("positions")
+        assert (sprocket > 0).any()
+        links = run.drive.chain.links
+        seat = positions[np.arange(len(sprocket))[:, None], links + np.maximum(sprocket, 1) - 1, :2]
+        rear = positions[:, :links, :2]  # half a pitch off, which leaves the sign
+        out = ((rear - seat) * vector).sum(-1)[sprocket > 0]
+        assert np.mean(out) > 0.0
 
 
 def far_from_the_chain(drive, way):
