@@ -111,7 +111,14 @@ RECORDS = {
 }
 FILES = {"load", "load_result", "load_scene", "load_state", "save", "save_state", "from_json"}
 _ABSTRACT = {"ForceLaw", "StopCondition"}
-_ERRORS = {"EnergyWarning", "InvalidInput", "NotRecorded", "RangeWarning", "SimulationError"}
+_ERRORS = {
+    "EnergyWarning",
+    "InvalidInput",
+    "NotRecorded",
+    "RangeWarning",
+    "SimulationError",
+    "ToothJumpWarning",
+}
 
 
 @dataclass(frozen=True)

@@ -72,6 +72,7 @@ GOOD = {
         rc.HingeForceAbove(1.0),
         rc.ToothForceAbove(1.0),
         rc.StrandSlack(),
+        rc.ToothJump(),
         rc.TimeReached(1.0),
     )
 }
@@ -389,5 +390,6 @@ FIELDS = {
         "lasting": not_negative("s"),
         "from_start": [(value, "must be True or False") for value in (None, 1, 0.0, "yes")],
     },
+    "ToothJump": {"sprocket": NUMBER_OR_NONE},
     "TimeReached": {"time": positive("s")},
 }
