@@ -295,6 +295,8 @@ def test_a_state_goes_on_to_the_same_bits():
         rc.Simulation(mechanism).set_state(broken.state())
 
 
+# Coarse on purpose, so that steps are long.
+@pytest.mark.filterwarnings("ignore:the energy balance is off:rustchain.EnergyWarning")
 @pytest.mark.parametrize("height", [0.2, 0.5, 1.0, 5.0])
 @pytest.mark.parametrize("method", ["pece", "newton"])
 def test_a_small_ball_does_not_fall_through_a_floor(height, method):
@@ -308,6 +310,8 @@ def test_a_small_ball_does_not_fall_through_a_floor(height, method):
     duration = 1.5 * math.sqrt(2 * height / GRAVITY)
     result = rc.Simulation(mechanism, solver=solver).run(duration=duration, progress=False)
     assert result.stats["onsets"] == 1
+    # Measured: up to 1.3 % of the energy of the fall.
+    assert np.abs(result.energy.residual).max() < 0.02 * 0.1 * GRAVITY * height
     # It rises as fast as it fell: after half the time of the fall, a quarter of the way is left.
     assert abs(result.body("ball").position[-1, 1] - 0.75 * height) < 0.01 * height + 0.01
 

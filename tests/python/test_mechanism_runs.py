@@ -204,7 +204,7 @@ def test_what_a_contact_dissipates_while_it_lets_go_stays_dissipated(law):
 
 def test_half_a_percent_of_the_energy_exchanged_without_a_loss_is_told():
     # Measured: 4.6e-3.
-    with pytest.warns(rc.EnergyWarning, match="take accuracy = 1e-10 or less"):
+    with pytest.warns(rc.EnergyWarning, match="take accuracy = 1e-12 or less"):
         assert run_in_a_star(1e-8) < 0.01
 
 
