@@ -48,7 +48,7 @@ rc.Simulation.__init__ = watched
 threading.Thread(target=interrupt, daemon=True).start()
 """
 
-FAR = 1000.0  # [s], hours of wall time away
+FAR = 1000.0  # [s], hours of wall time away; its rows have to fit into any machine's memory
 
 
 def child(script, *arguments, **keywords):
@@ -64,7 +64,7 @@ def test_an_interrupted_run_keeps_its_rows_and_can_go_on():
     done = child(
         f"""
 simulation = rc.Simulation(rc.paper_drive())
-result = simulation.run({FAR}, 1e-4, ("teeth",), progress=False)
+result = simulation.run({FAR}, 1e-3, ("teeth",), progress=False)
 stopped = simulation.time
 calls = simulation._core.calls
 more = simulation.run(1e-3, 1e-4, ("teeth",), progress=False)
@@ -85,7 +85,7 @@ print(json.dumps(dict(
     # All rows up to there, and no more.
     assert said["begin"] == 0.0
     assert said["rows"] == said["forces"] > 1
-    assert said["end"] <= said["stopped"] < said["end"] + 2e-4
+    assert said["end"] <= said["stopped"] < said["end"] + 2e-3
     assert said["finite"]
     assert said["more"] == "finished"
     assert said["again"] == said["stopped"]
@@ -135,7 +135,9 @@ LONG_CALLS = {
         "rc.loss_map(rc.two_sprocket_drive(links=38, torque=-1.0), speeds=[10.0], torques=[-1.0], "
         f"duration={FAR}, friction=rc.Coulomb(0.1), progress=False)"
     ),
-    "sweep": f"rc.sweep(rc.paper_drive(), [dict(duration={FAR})], progress=False)",
+    "sweep": (
+        f"rc.sweep(rc.paper_drive(), [dict(duration={FAR})], report_step=1e-2, progress=False)"
+    ),
     "sweep that looks at rare reports": (
         f"rc.sweep(rc.paper_drive(), [dict(duration={FAR})], report_step={FAR / 2}, "
         "stop=rc.HingeForceAbove(1e9), progress=False)"
