@@ -179,7 +179,7 @@ def test_what_an_open_chain_cannot_be_is_refused():
         rc.Anchor((0.0, 0.0), [(1.0, 0.0, 0.0), (0.0, 0.0, 0.0)])
     with pytest.raises(rc.InvalidInput, match=r"Anchor\.velocity = NaN"):
         rc.Anchor((0.0, 0.0), (float("nan"), 0.0))
-    with pytest.raises(rc.InvalidInput, match=r"ChainDrive\.ends\[1\] = 3: must be a Anchor"):
+    with pytest.raises(rc.InvalidInput, match=r"ChainDrive\.ends\[1\] = 3: must be an Anchor"):
         replace(strand(), ends=(rc.LooseEnd(), 3))
     with pytest.raises(rc.InvalidInput, match=r"LooseEnd\.links = 0"):
         rc.LooseEnd(links=0)
