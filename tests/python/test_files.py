@@ -271,6 +271,8 @@ HEARS = """
 import os, random, signal, sys, threading, time
 import rustchain as rc
 
+# Children of jobs in the background are born deaf to it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 path, times = sys.argv[1], int(sys.argv[2])
 result = rc.Simulation(rc.paper_drive()).run(2e-3, progress=False)
 result.save(path)
