@@ -3,8 +3,6 @@
 #![allow(unsafe_code)] // a counting allocator has to be one
 
 mod common;
-#[path = "common/mechanisms.rs"]
-mod mechanisms;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -20,6 +18,7 @@ use rustchain::mechanism::{
 use rustchain::vector::InstructionSet;
 use rustchain::{ForceLaws, Groups};
 
+use common::mechanisms;
 use common::scenes::{Scene, geared_drive, laws};
 
 /// Counts what this thread asks for.

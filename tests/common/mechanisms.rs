@@ -1,7 +1,5 @@
 //! Mechanisms with published or closed-form answers, shared by tests.
 
-#![allow(dead_code)] // each test file uses some of them
-
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -12,18 +10,18 @@ use rustchain::mechanism::{
     MechanismRecording, MechanismSimulation, Motion, SpringLaw, Stabilisation, TimeFunction,
 };
 
-pub(crate) const GRAVITY: f64 = 9.81;
+pub const GRAVITY: f64 = 9.81;
 
-pub(crate) fn ground(x: f64, y: f64) -> Marker {
+pub fn ground(x: f64, y: f64) -> Marker {
     Marker::new("ground", x, y)
 }
 
-pub(crate) fn revolute(name: &str, a: Marker, b: Marker) -> Joint {
+pub fn revolute(name: &str, a: Marker, b: Marker) -> Joint {
     Joint::new(name, a, b, JointKind::Revolute)
 }
 
 /// Tolerances of `tolerance` and no limit of the step but `max_step`.
-pub(crate) fn control(tolerance: f64, max_step: f64) -> StepControl {
+pub fn control(tolerance: f64, max_step: f64) -> StepControl {
     StepControl {
         rtol: tolerance,
         atol: tolerance,
@@ -32,11 +30,11 @@ pub(crate) fn control(tolerance: f64, max_step: f64) -> StepControl {
     }
 }
 
-pub(crate) fn simulation(mechanism: &Mechanism, tolerance: f64) -> MechanismSimulation {
+pub fn simulation(mechanism: &Mechanism, tolerance: f64) -> MechanismSimulation {
     with(mechanism, tolerance, Stabilisation::Projection)
 }
 
-pub(crate) fn with(
+pub fn with(
     mechanism: &Mechanism,
     tolerance: f64,
     stabilisation: Stabilisation,
@@ -46,7 +44,7 @@ pub(crate) fn with(
         .expect("joints that go together")
 }
 
-pub(crate) fn record(
+pub fn record(
     simulation: &mut MechanismSimulation,
     duration: f64,
     report_step: f64,
@@ -57,14 +55,14 @@ pub(crate) fn record(
 }
 
 /// A rod of length `l` between two points, a uniform bar.
-pub(crate) fn bar(name: &str, from: Vec2, to: Vec2, mass: f64) -> Body {
+pub fn bar(name: &str, from: Vec2, to: Vec2, mass: f64) -> Body {
     let (middle, d) = (0.5 * (from + to), to - from);
     let inertia = mass * d.norm_squared() / 12.0;
     Body::new(name, mass, inertia).at(middle.x, middle.y, d.y.atan2(d.x))
 }
 
 /// A chain of `count` uniform bars of 1 m hanging from the origin, laid out at `angle` from the x axis.
-pub(crate) fn bar_chain(count: usize, angle: f64) -> Mechanism {
+pub fn bar_chain(count: usize, angle: f64) -> Mechanism {
     let step = Vec2::new(angle.cos(), angle.sin());
     let mut mechanism = Mechanism {
         gravity: Vec2::new(0.0, -GRAVITY),
@@ -87,7 +85,7 @@ pub(crate) fn bar_chain(count: usize, angle: f64) -> Mechanism {
 
 /// A row of `windows` parallelograms of uniform bars, 1 m and 1 kg each, standing, its top moving at 1 m/s: every
 /// quarter of a turn all bars lie in one line, where the joints lose their rank.
-pub(crate) fn four_bars(windows: usize) -> Mechanism {
+pub fn four_bars(windows: usize) -> Mechanism {
     let mut mechanism = Mechanism {
         gravity: Vec2::new(0.0, -GRAVITY),
         ..Mechanism::default()
@@ -117,11 +115,11 @@ pub(crate) fn four_bars(windows: usize) -> Mechanism {
     mechanism
 }
 
-pub(crate) const CRANK: f64 = 0.05;
-pub(crate) const ROD: f64 = 0.12;
+pub const CRANK: f64 = 0.05;
+pub const ROD: f64 = 0.12;
 
 /// A crank driven at a constant speed \[rad/s\], a rod and a slider on the x axis; without gravity.
-pub(crate) fn slider_crank(speed: f64) -> Mechanism {
+pub fn slider_crank(speed: f64) -> Mechanism {
     let (pin, slider) = (Vec2::new(CRANK, 0.0), Vec2::new(CRANK + ROD, 0.0));
     let mut crank = bar("crank", Vec2::zeros(), pin, 0.3);
     crank = crank.moving(0.0, 0.5 * CRANK * speed, speed);
@@ -171,7 +169,7 @@ pub(crate) fn slider_crank(speed: f64) -> Mechanism {
 }
 
 /// The angles of Andrews' squeezing mechanism at the start: β, Θ, γ, Φ, δ, Ω, ε \[rad\].
-pub(crate) const ANDREWS_START: [f64; 7] = [
+pub const ANDREWS_START: [f64; 7] = [
     -0.061_713_890_014_276_45,
     0.0,
     0.455_279_819_163_070_4,
@@ -182,7 +180,7 @@ pub(crate) const ANDREWS_START: [f64; 7] = [
 ];
 
 /// The same at 0.03 s, of the test set for initial value problem solvers.
-pub(crate) const ANDREWS_END: [f64; 7] = [
+pub const ANDREWS_END: [f64; 7] = [
     15.810_771_196_299_04,
     -15.756_371_059_842_98,
     0.040_822_240_130_731_01,
@@ -193,9 +191,7 @@ pub(crate) const ANDREWS_END: [f64; 7] = [
 ];
 
 /// Angles of the seven bodies from those of the problem, which are taken between neighbours.
-pub(crate) fn andrews_angles(
-    [beta, theta, gamma, phi, delta, omega, epsilon]: [f64; 7],
-) -> [f64; 7] {
+pub fn andrews_angles([beta, theta, gamma, phi, delta, omega, epsilon]: [f64; 7]) -> [f64; 7] {
     [
         beta,
         beta + theta,
@@ -208,7 +204,7 @@ pub(crate) fn andrews_angles(
 }
 
 /// Andrews' squeezing mechanism (Schiehlen 1990; Hairer and Wanner 1996): seven bodies, a spring, a constant torque.
-pub(crate) fn andrews() -> Mechanism {
+pub fn andrews() -> Mechanism {
     let [a1, a2, a3, a4, a5, a6, a7] = andrews_angles(ANDREWS_START);
     let (fixed_a, fixed_b, fixed_c) = ((-0.06934, -0.00227), (-0.03635, 0.03273), (0.014, 0.072));
     // Points in each body's frame, its origin at the centre of mass; K1 and K2 have their x axis along the bar,
@@ -309,7 +305,7 @@ pub(crate) fn andrews() -> Mechanism {
     }
 }
 
-pub(crate) fn run_to(simulation: &mut MechanismSimulation, t: f64) {
+pub fn run_to(simulation: &mut MechanismSimulation, t: f64) {
     while !simulation
         .advance(t, Duration::MAX)
         .expect("a run to its end")

@@ -5,6 +5,7 @@
 
 pub mod checks;
 pub mod layouts;
+pub mod mechanisms;
 pub mod open;
 pub mod rubbing;
 pub mod scenes;

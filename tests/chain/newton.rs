@@ -1,0 +1,199 @@
+//! The implicit corrector: its matrix against finite differences, and runs with it.
+
+use crate::common;
+use crate::common::checks::{
+    exact_matrix_is_that_of_finite_differences, kernels_matrix_is_the_exact_one, newton,
+};
+use rustchain::dynamics::Dynamics;
+use rustchain::force_law::{Damping, Elastic, ForceLaw};
+use rustchain::integrator::{Adams, OdeSystem, SecondOrderSystem, StepControl};
+use rustchain::{ForceLaws, Simulation};
+
+fn simulation(
+    elastic: Elastic,
+    damping: Damping,
+    pretension: f64,
+    control: StepControl,
+) -> Simulation {
+    let mut drive = common::paper_drive();
+    if pretension > 0.0 {
+        drive.tensioner = Some(common::tensioner(pretension, 2e-3));
+    }
+    let law = ForceLaw {
+        elastic,
+        damping,
+        ..ForceLaw::default()
+    };
+    let laws = ForceLaws {
+        hinge: law,
+        tooth: law,
+        ..ForceLaws::default()
+    };
+    common::simulation(&drive, &laws, control)
+}
+
+/// Laws of all forms, each with two pretensions, when hinges and teeth are pressed.
+fn pressed_scenes() -> Vec<(String, Simulation)> {
+    let mut scenes = Vec::new();
+    for (elastic, damping) in [
+        (Elastic::Hertz, Damping::LankaraniNikravesh),
+        (Elastic::Hertz, Damping::None),
+        (Elastic::Johnson, Damping::LankaraniNikravesh),
+        (Elastic::EnhancedCylinder, Damping::LankaraniNikravesh),
+        (Elastic::LiuConformal, Damping::Flores),
+    ] {
+        for pretension in [25.0, 100.0] {
+            let mut run = simulation(elastic, damping, pretension, StepControl::default());
+            common::advance(&mut run, 8e-3);
+            scenes.push((format!("{elastic:?} {damping:?} {pretension} N"), run));
+        }
+    }
+    scenes
+}
+
+/// Whether some hinge or some bushing on a tooth touches.
+fn touches(dynamics: &Dynamics) -> bool {
+    dynamics.hinge_contacts().any(|(depth, _)| depth > 0.0)
+        || dynamics.candidates().any(|(_, _, depth, _)| depth > 0.0)
+}
+
+#[test]
+fn the_exact_matrix_is_that_of_finite_differences() {
+    for (scene, run) in pressed_scenes() {
+        exact_matrix_is_that_of_finite_differences(&scene, &run, touches);
+    }
+}
+
+#[test]
+fn the_kernels_matrix_is_the_exact_one_but_for_angles_turned_in_a_step() {
+    for (scene, run) in pressed_scenes() {
+        kernels_matrix_is_the_exact_one(&scene, &run);
+    }
+}
+
+/// Largest energy residual over energy dissipated in the first `duration`, as a root mean square over runs that differ slightly,
+/// and steps of all of them.
+fn balance(pretension: f64, duration: f64, accuracy: f64) -> (f64, u64) {
+    let (mut squares, mut steps, runs) = (0.0, 0, 4);
+    for i in 0..runs {
+        let mut drive = common::paper_drive();
+        drive.tensioner = Some(common::tensioner(
+            pretension,
+            2e-3 * (1.0 + 0.01 * f64::from(i)),
+        ));
+        let mut run = common::simulation(&drive, &ForceLaws::default(), newton(accuracy));
+        let energy = common::energies(&mut run, duration, 0.1 * duration);
+        let share = energy.largest_residual() / energy.dissipated.last().unwrap();
+        squares += share * share / f64::from(runs);
+        steps += run.statistics().counts.steps;
+    }
+    (squares.sqrt(), steps)
+}
+
+#[test]
+fn the_balance_closes_better_with_the_accuracy() {
+    for pretension in [25.0, 100.0] {
+        let [(loose, few), (tight, many)] =
+            [1e-9, 1e-11].map(|accuracy| balance(pretension, 0.05, accuracy));
+        assert!(
+            loose < 0.02 && tight < 2e-3,
+            "{pretension} N: {loose} {tight}"
+        );
+        assert!(tight < 0.5 * loose, "{pretension} N: {loose} {tight}");
+        // Steps grow as the cube root of one over the accuracy, or less where it is not what holds them.
+        assert!(many < 6 * few, "{pretension} N: {few} {many}");
+    }
+}
+
+#[test]
+fn stiff_contacts_do_not_hold_the_steps() {
+    let steps = |control| {
+        let mut run = simulation(Elastic::Hertz, Damping::LankaraniNikravesh, 100.0, control);
+        common::advance(&mut run, 0.01);
+        run.statistics().counts.steps
+    };
+    let (explicit, implicit) = (steps(common::control(1e-5)), steps(newton(1e-9)));
+    assert!(10 * implicit < explicit, "{implicit} {explicit}");
+}
+
+/// Largest distance of a link from where it is in a run at tight tolerances, at 5 ms without pretension \[m\].
+#[test]
+fn the_path_converges_to_that_of_the_explicit_method() {
+    let at_5_ms = |control| {
+        let mut run = simulation(Elastic::Hertz, Damping::LankaraniNikravesh, 0.0, control);
+        common::advance(&mut run, 5e-3);
+        run.motion().positions()
+    };
+    let reference = at_5_ms(common::control(1e-12));
+    let off = |accuracy| {
+        at_5_ms(newton(accuracy))
+            .iter()
+            .zip(&reference)
+            .map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]))
+            .fold(0.0, f64::max)
+    };
+    let errors = [1e-9, 1e-10, 1e-11, 1e-12].map(off);
+    assert!(errors[0] < 2e-6, "{errors:?}");
+    // Two paths differ in where the first onsets fall: single errors scatter threefold.
+    assert!(errors[2] < 0.2 * errors[0], "{errors:?}");
+    assert!(errors[3] < 2e-8, "{errors:?}");
+}
+
+/// q'' = -100 sin q - q'/2: smooth, with a velocity in it.
+struct Pendulum {
+    factor: f64,
+}
+
+impl OdeSystem for Pendulum {
+    fn dimension(&self) -> usize {
+        2
+    }
+    fn derivative(&mut self, _t: f64, y: &[f64], dydt: &mut [f64]) {
+        dydt[0] = y[1];
+        dydt[1] = -100.0 * y[0].sin() - 0.5 * y[1];
+    }
+}
+
+impl SecondOrderSystem for Pendulum {
+    fn coordinates(&self) -> usize {
+        1
+    }
+    fn factorise(&mut self, y: &[f64], gamma: f64) -> bool {
+        self.factor = 1.0 + 0.5 * gamma + gamma * gamma * 100.0 * y[0].cos();
+        true
+    }
+    fn correct(&mut self, residual: &mut [f64]) {
+        residual[0] /= self.factor;
+    }
+    fn scale(&self, lengths: &mut [f64]) {
+        lengths.fill(1.0);
+    }
+}
+
+#[test]
+fn a_smooth_motion_is_followed_at_order_two() {
+    let end = |accuracy: f64| {
+        let mut adams = Adams::new(
+            2,
+            StepControl {
+                max_step: 1.0,
+                max_order: 2,
+                ..newton(accuracy)
+            },
+        );
+        adams.restart(0.0, &[1.0, 0.0]);
+        let mut pendulum = Pendulum { factor: 1.0 };
+        while adams.time() < 2.0 {
+            adams.step_newton(&mut pendulum).unwrap();
+        }
+        (adams.dense(2.0).value(0), adams.counts().steps)
+    };
+    let (exact, _) = end(1e-11);
+    let [(rough, few), (fine, many)] = [1e-6, 1e-9].map(end);
+    let ratio = ((rough - exact) / (fine - exact)).abs().ln() / (many as f64 / few as f64).ln();
+    assert!(
+        (ratio - 2.0).abs() < 0.4,
+        "order {ratio}, {few} and {many} steps"
+    );
+    assert!((fine - exact).abs() < 1e-5);
+}

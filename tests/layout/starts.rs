@@ -1,0 +1,148 @@
+//! Where drives begin: eccentric teeth, slack that a tensioner takes up under load, and velocities of a start at rest.
+
+use crate::common;
+use std::sync::Arc;
+
+use crate::common::layouts::three_shafts;
+use rustchain::drive::{Drive, Motion, Tensioner};
+use rustchain::geometry::Vec2;
+use rustchain::state::Start;
+use rustchain::{Equilibrium, ForceLaws, Model, Simulation};
+
+fn tensioner(number: usize, pretension: f64) -> Tensioner {
+    Tensioner {
+        sprocket: number,
+        ..common::tensioner(pretension, 0.1)
+    }
+}
+
+#[test]
+fn eccentric_teeth_are_laid_whatever_their_angle() {
+    let mut refused = Vec::new();
+    for (name, drive) in [("two", common::paper_drive()), ("four", three_shafts())] {
+        for (i, sprocket) in [(0, 1), (1, 0)].into_iter().cycle().take(48).enumerate() {
+            let mut drive = drive.clone();
+            drive.chain.links += 2 * u32::from(name == "four");
+            let faults = &mut drive.sprockets[sprocket.0].faults;
+            faults.eccentricity = if i % 4 < 2 { 5e-5 } else { 2e-4 };
+            faults.eccentricity_angle = 0.131 * i as f64;
+            drive.sprockets[1].center.x -= 1e-4 + 1e-5 * i as f64;
+            match Start::generate(&drive) {
+                Ok((start, layout)) => {
+                    // The teeth are where their angle has them, and nothing touches.
+                    assert!(layout.start_gap > 0.0, "{name} {i}: {}", layout.start_gap);
+                    let model = Model::compile(&drive, &ForceLaws::default(), &start).unwrap();
+                    let mut simulation =
+                        Simulation::new(Arc::new(model), &start, common::control(1e-5)).unwrap();
+                    let present = simulation.present();
+                    let deepest = present.teeth.penetration.iter().copied();
+                    assert!(
+                        deepest.fold(f64::NEG_INFINITY, f64::max) < 0.0,
+                        "{name} {i}"
+                    );
+                }
+                Err(error) => refused.push(format!("{name} {i}: {error}")),
+            }
+        }
+    }
+    assert!(
+        refused.is_empty(),
+        "{} refused: {refused:#?}",
+        refused.len()
+    );
+}
+
+/// A drive of four sprockets with a load and an arm, or a slide, that has slack to take up.
+fn loaded(arm: bool, more_links: u32, load: f64, pretension: f64) -> Drive {
+    let mut drive = three_shafts();
+    drive.chain.links += more_links;
+    drive.sprockets[1].motion = Motion::AppliedTorque((-load).into());
+    drive.tensioner = Some(Tensioner {
+        pivot: arm.then(|| Vec2::new(0.0, 0.05)),
+        ..tensioner(4, pretension)
+    });
+    drive
+}
+
+#[test]
+fn much_slack_is_taken_up_under_load() {
+    // The strand that the load slackens keeps a part of the tension.
+    for (arm, more_links, load, pretension) in [
+        (false, 0, 3.0, 80.0),
+        (true, 0, 3.0, 80.0),
+        (false, 2, 3.0, 80.0),
+        (true, 2, 3.0, 80.0),
+        (false, 2, -3.0, 80.0),
+        (true, 2, 8.0, 250.0),
+    ] {
+        let drive = loaded(arm, more_links, load, pretension);
+        let line = drive.tensioner.unwrap().line(&drive).unwrap();
+        let rest = Equilibrium::find(&drive, &ForceLaws::default());
+        let rest = rest.unwrap_or_else(|error| {
+            panic!("{arm} {more_links} {load}: {:?} m: {error}", line.taut_at)
+        });
+        assert!(rest.iterations < 5_000, "{}", rest.iterations);
+    }
+}
+
+/// Fastest approach in a loaded contact of `drive` at the first instant of a start at rest, over the chain's speed.
+fn fastest_approach(drive: &Drive) -> f64 {
+    let laws = ForceLaws::default();
+    let rest = Equilibrium::find(drive, &laws).unwrap();
+    let model = Arc::new(Model::compile(drive, &laws, &rest.start).unwrap());
+    let control = rustchain::integrator::StepControl::default();
+    let mut simulation = Simulation::new(Arc::clone(&model), &rest.start, control).unwrap();
+    let present = simulation.present();
+    let hinges = (0..model.links).map(|k| (present.hinges.penetration[k], present.hinges.rate[k]));
+    let teeth = present.teeth.near.iter().map(|&pair| {
+        let pair = pair as usize;
+        (present.teeth.penetration[pair], present.teeth.rate[pair])
+    });
+    let fastest = hinges.chain(teeth).filter(|(depth, _)| *depth > 0.0);
+    let fastest = fastest.map(|(_, rate)| rate.abs()).fold(0.0, f64::max);
+    let Motion::PrescribedSpeed(speed) = &drive.sprockets[0].motion else {
+        panic!("a driver of prescribed speed");
+    };
+    fastest / (speed.value(0.0) * model.sprockets[0].profile.pitch_radius)
+}
+
+#[test]
+fn a_running_drive_that_starts_at_rest_moves_along_its_contacts() {
+    for (arm, load, pretension) in [(false, 0.0, 80.0), (true, 3.0, 80.0), (false, 8.0, 250.0)] {
+        let drive = loaded(arm, 0, load, pretension);
+        let fastest = fastest_approach(&drive);
+        assert!(
+            fastest < 0.01,
+            "{arm} {load}: {fastest} of the chain's speed"
+        );
+    }
+}
+
+#[test]
+fn an_arm_may_move_along_its_way_wherever_it_begins() {
+    let drive = loaded(true, 0, 0.0, 80.0);
+    let rest = Equilibrium::find(&drive, &ForceLaws::default()).unwrap();
+    let model = Arc::new(Model::compile(&drive, &ForceLaws::default(), &rest.start).unwrap());
+    let body = model.links + 3;
+    let [x, y, _] = rest.start.positions[body];
+    let (s, tangent) = model.sprockets[3].slide_at(Vec2::new(x, y)).unwrap();
+    assert!(s > 1e-3, "{s}");
+    let mut start = rest.start;
+    let control = rustchain::integrator::StepControl::default();
+    for (velocity, fits) in [
+        (0.1 * tangent, true),
+        (0.1 * model_direction(&model), false),
+    ] {
+        [start.velocities[body][0], start.velocities[body][1]] = velocity.into();
+        let made = Simulation::new(Arc::clone(&model), &start, control);
+        assert_eq!(made.is_ok(), fits, "{:?}", made.err());
+    }
+}
+
+/// Direction of the arm's way where it is described.
+fn model_direction(model: &Model) -> Vec2 {
+    match model.sprockets[3].support {
+        rustchain::model::Support::Slide { direction, .. } => direction,
+        _ => Vec2::zeros(),
+    }
+}

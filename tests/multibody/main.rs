@@ -1,0 +1,19 @@
+//! Mechanisms: joints, forces, contacts, runs.
+
+#![allow(clippy::unwrap_used)]
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod clearance;
+mod joints;
+mod large;
+mod load_scales;
+mod mechanism;
+mod newton;
+mod outlines;
+mod redundant;
+mod scales;
+mod singular;
+mod spin;
+mod starts;

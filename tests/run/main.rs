@@ -1,0 +1,13 @@
+//! What all runs share: energy balance, reports, states, ensembles.
+
+#![allow(clippy::unwrap_used)]
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod energy_balance;
+mod energy_meter;
+mod ensemble;
+mod panics;
+mod recorded_groups;
+mod state;
