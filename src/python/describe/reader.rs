@@ -189,7 +189,7 @@ pub(in crate::python) fn table(
     checked(value.py(), TimeTable::against(name, axis, unit, &pairs))
 }
 
-/// Names of classes as alternatives: "a Coulomb or a LuGre".
+/// Names of classes as alternatives: `a Coulomb or a LuGre`.
 fn with_articles(kinds: &[&str]) -> String {
     let article = |kind: &str| {
         if kind.starts_with(['A', 'E', 'I', 'O', 'U']) {
