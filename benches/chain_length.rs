@@ -15,10 +15,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use common::{Effort, Halves, laws, longer_drive, only_tried, pressed_into_seats, race};
 use rustchain::Simulation;
-use rustchain::dynamics::Dynamics;
+use rustchain::chain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic};
 use rustchain::integrator::OdeSystem;
-use rustchain::vector::InstructionSet;
+use rustchain::math::simd::InstructionSet;
 
 const LINKS: [u32; 5] = [38, 152, 608, 2432, 9728];
 

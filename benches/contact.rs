@@ -6,8 +6,9 @@ use std::hint::black_box;
 
 use common::{Halves, LAWS, contacts, print_counts};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use rustchain::contact::{HingePath, ToothPath, first_crossing};
+use rustchain::chain::contact::{HingePath, ToothPath};
 use rustchain::geometry::Vec2;
+use rustchain::integrator::event_location::first_crossing;
 
 /// Points to each of the curves of a flank.
 const POINTS: usize = 64;

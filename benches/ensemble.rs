@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 
 use common::{drives, print_counts};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use rustchain::ensemble::{Case, Ensemble};
 use rustchain::integrator::StepControl;
+use rustchain::run::ensemble::{Case, Ensemble};
 use rustchain::{ForceLaws, Groups, Statistics};
 
 /// Enough for two threads to end nearly together: at worst one case apart.

@@ -11,7 +11,7 @@ use rustchain::drive::Material;
 use rustchain::force_law::{
     Damping, Elastic, ElasticPair, RegisterForces, SurfacePair, damping_factor,
 };
-use rustchain::vector::InstructionSet;
+use rustchain::math::simd::InstructionSet;
 
 /// Penetrations in a batch.
 const COUNT: u32 = 1024;

@@ -13,10 +13,10 @@ use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
 use faer::sparse::{SparseColMat, Triplet};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{OdeSystem, StepControl};
-use rustchain::mechanism::{
-    Body, Joint, JointKind, Marker, Mechanism, MechanismDynamics, MechanismModel,
-    MechanismSimulation, Stabilisation,
+use rustchain::multibody::{
+    Body, Joint, JointKind, Marker, Mechanism, MechanismDynamics, MechanismModel, Stabilisation,
 };
+use rustchain::run::mechanism::MechanismSimulation;
 
 /// A chain of links of an ANSI 40's size hung level between two points, both ends held.
 fn hung(links: usize) -> Mechanism {

@@ -5,9 +5,9 @@ mod common;
 use std::hint::black_box;
 
 use common::{Effort, Halves, LAWS, contacts, race};
-use rustchain::dynamics::Dynamics;
+use rustchain::chain::dynamics::Dynamics;
 use rustchain::integrator::OdeSystem;
-use rustchain::vector::InstructionSet;
+use rustchain::math::simd::InstructionSet;
 
 #[allow(clippy::print_stdout)] // a benchmark's figures
 fn main() {

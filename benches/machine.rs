@@ -11,8 +11,8 @@ use std::hint::black_box;
 
 use common::{Effort, Halves, laws, longer_drive, race};
 use pulp::{Arch, Simd, WithSimd};
+use rustchain::chain::dynamics::Dynamics;
 use rustchain::drive::Drive;
-use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic};
 use rustchain::integrator::OdeSystem;
 use rustchain::{ForceLaws, Simulation};
@@ -292,7 +292,7 @@ fn right_hand_side(mut simulation: Simulation, lanes: usize) -> (Registers, f64)
 #[allow(clippy::print_stdout)] // a benchmark's figures
 fn limits(lanes: usize) -> Instructions<f64> {
     let arch = Arch::new();
-    let set = rustchain::vector::InstructionSet::detect();
+    let set = rustchain::math::simd::InstructionSet::detect();
     let array = aligned_vec::avec![[64]| 1.0; NUMBERS];
     let mut other = array.clone();
     let effort = Effort {

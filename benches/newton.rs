@@ -9,7 +9,7 @@ use common::{Effort, Halves, contacts, race};
 use rustchain::Simulation;
 use rustchain::force_law::{Damping, Elastic};
 use rustchain::integrator::{OdeSystem, SecondOrderSystem};
-use rustchain::vector::InstructionSet;
+use rustchain::math::simd::InstructionSet;
 
 /// Makes a state.
 type Build = fn() -> Simulation;

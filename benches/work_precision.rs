@@ -16,7 +16,7 @@ use problems::{Kepler, Pin};
 use rustchain::ForceLaws;
 use rustchain::force_law::{Damping, Elastic};
 use rustchain::integrator::{Adams, Corrector, OdeSystem, StepControl};
-use rustchain::vector::InstructionSet;
+use rustchain::math::simd::InstructionSet;
 
 /// Least of so many runs counts.
 const REPEATS: usize = 30;

@@ -2,8 +2,6 @@
 
 use thiserror::Error;
 
-use crate::integrator::{MOST_STEPS, StepFailure};
-
 /// What went wrong.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum Error {
@@ -33,15 +31,16 @@ pub enum Error {
     /// At its present rate the run would take more steps than are worth waiting for.
     #[error(
         "steps have fallen to {step_size:.1e} s on average at t = {time:.9} s, {culprit}: one second, or the rest of the run, would \
-         take more than {most:e} steps; look for a mass, inertia, force, gravity or viscosity that is orders of magnitude \
-         from a real one, raise min_approach_speed or the tolerances, or max_step where that limits the steps, or run a shorter time",
-        most = MOST_STEPS
+         take more than {most_steps:e} steps; look for a mass, inertia, force, gravity or viscosity that is orders of magnitude \
+         from a real one, raise min_approach_speed or the tolerances, or max_step where that limits the steps, or run a shorter time"
     )]
     Standstill {
         /// Time reached \[s\].
         time: f64,
         /// Mean of the last steps \[s\].
         step_size: f64,
+        /// Steps that would be too many.
+        most_steps: f64,
         /// The hardest pressed contact.
         culprit: String,
     },
@@ -141,46 +140,6 @@ fn shortened(text: &str) -> String {
     }
     let kept: String = line.chars().take(LONGEST_VALUE - 3).collect();
     format!("{kept}...")
-}
-
-impl Error {
-    /// What a failed step means; `name` turns time and component into words.
-    pub(crate) fn from_failure(
-        failure: StepFailure,
-        name: impl FnOnce(f64, usize) -> String,
-    ) -> Self {
-        match failure {
-            StepFailure::TooSmall {
-                time,
-                step_size,
-                component,
-            } => Self::StepTooSmall {
-                time,
-                step_size,
-                culprit: name(time, component),
-            },
-            StepFailure::NotFinite {
-                time,
-                step_size,
-                component,
-            } => Self::NotFinite {
-                time,
-                step_size,
-                culprit: name(time, component),
-            },
-            StepFailure::ToleranceTooSmall {
-                time,
-                step_size,
-                factor,
-                component,
-            } => Self::ToleranceTooSmall {
-                time,
-                step_size,
-                factor,
-                culprit: name(time, component),
-            },
-        }
-    }
 }
 
 /// Short for a result with this crate's error.

@@ -4,36 +4,30 @@
 //! The flow, each module importing from its left:
 //!
 //! ```text
-//! drive -> state::Start -> model -> contact -> dynamics -> integrator -> recorder -> simulate -> ensemble
+//! drive -> layout::Start -> model -> contact -> dynamics -> integrator -> recorder -> simulate -> ensemble
 //! ```
 //!
 //! Three leaves stand free of the chain and are tested without one: [`geometry`] (plane curves), [`force_law`] (numbers in,
 //! newtons out) and [`integrator`] (knows only [`integrator::OdeSystem`]).
 
-pub mod contact;
+pub mod chain;
 pub mod drive;
-pub mod dynamics;
-pub mod ensemble;
-mod equilibrium;
 mod error;
 pub mod force_law;
 pub mod geometry;
 pub mod integrator;
-mod kernels;
-pub mod mechanism;
-pub mod model;
+pub mod layout;
+pub mod math;
+pub mod multibody;
 mod panics;
-mod recorder;
-mod simulate;
-pub mod state;
-pub mod vector;
+pub mod run;
 
 #[cfg(feature = "python")]
 mod python;
 
+pub use chain::model::{ForceLaws, Model};
 pub use drive::Drive;
-pub use equilibrium::Equilibrium;
 pub use error::{Error, Result};
-pub use model::{ForceLaws, Model};
-pub use recorder::{Channel, Groups, Recording, Values};
-pub use simulate::{Simulation, Snapshot, Statistics, check_reports, check_rows};
+pub use run::equilibrium::Equilibrium;
+pub use run::recorder::{Channel, Groups, Recording, Values};
+pub use run::simulation::{Simulation, Snapshot, Statistics, check_reports, check_rows};

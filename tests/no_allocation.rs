@@ -12,10 +12,11 @@ use std::time::Duration;
 use rustchain::force_law::{Damping, Elastic, ForceLaw, Regions};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, OdeSystem, StepControl};
-use rustchain::mechanism::{
-    ContactLaw, ContactPair, Marker, MechanismModel, MechanismSimulation, Profile, Stabilisation,
+use rustchain::math::simd::InstructionSet;
+use rustchain::multibody::{
+    ContactLaw, ContactPair, Marker, MechanismModel, Profile, Stabilisation,
 };
-use rustchain::vector::InstructionSet;
+use rustchain::run::mechanism::MechanismSimulation;
 use rustchain::{ForceLaws, Groups};
 
 use common::mechanisms;

@@ -9,12 +9,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use criterion::Criterion;
+use rustchain::chain::dynamics::Dynamics;
 use rustchain::drive::{AnsiTooth, Drive};
-use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic, ForceLaw};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Adams, Corrector, StepControl};
-use rustchain::state::{Start, closing_center_distance};
+use rustchain::layout::{Start, closing_center_distance};
 use rustchain::{ForceLaws, Model, Simulation};
 
 /// One law of each form, as users know them.

@@ -1,8 +1,9 @@
 //! Problems with known answers: a planet, and a pin that bounces once.
 
-use rustchain::contact::{Contact, first_crossing};
 use rustchain::force_law::{ElasticLaw, Hertz, SurfacePair, damping_factor};
+use rustchain::geometry::Contact;
 use rustchain::geometry::Vec2;
+use rustchain::integrator::event_location::first_crossing;
 use rustchain::integrator::{OdeSystem, SecondOrderSystem};
 
 /// x'' = -x/|x|³ in the plane with eccentricity 0.6: after every period of 2π the planet is where it began.

@@ -4,8 +4,9 @@ use std::f64::consts::TAU;
 
 use super::{Drive, Sprocket};
 use crate::error::{Error, Result};
-use crate::geometry::belt::{self, Belt, NoTangent, Pulley, Side};
-use crate::geometry::wrap::pitch_radius;
+use crate::geometry::path::belt;
+use crate::geometry::path::belt::{Belt, NoTangent, Pulley, Side};
+use crate::geometry::path::wrap::pitch_radius;
 
 /// Up to this many sprockets, a list in the wrong order is answered with the right one.
 const MOST_TO_ORDER: usize = 8;

@@ -338,3 +338,9 @@ impl ClearanceHinge {
         check::positive("ClearanceHinge.length", self.length, "m")
     }
 }
+
+/// Whether link `i` (from 0) has a bushing at its front: an inner one, but not the offset link that ends an odd number.
+#[must_use]
+pub fn bushing_on_front(link: usize, links: usize) -> bool {
+    link.is_multiple_of(2) && (link + 1 < links || links.is_multiple_of(2))
+}

@@ -16,7 +16,7 @@ mod variation;
 
 pub use belt_line::BeltLine;
 pub(crate) use chain::MOST_LINKS;
-pub use chain::{Chain, ClearanceHinge, Link, Roller, check_links};
+pub use chain::{Chain, ClearanceHinge, Link, Roller, bushing_on_front, check_links};
 pub use ends::ChainEnd;
 pub use material::Material;
 pub(crate) use open_line::OpenLine;
@@ -30,7 +30,7 @@ pub use variation::Variation;
 
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
-use crate::geometry::belt::Side;
+use crate::geometry::path::belt::Side;
 
 /// Most pairs of a bushing and a sprocket or guide: they take 150 bytes each.
 const MOST_PAIRS: f64 = 1e7;

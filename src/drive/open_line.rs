@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::{ChainEnd, Drive};
-use crate::geometry::wrap::pitch_radius;
+use crate::geometry::path::wrap::pitch_radius;
 use crate::geometry::{Vec2, turned_left};
 
 /// Circles that a chain runs along from one end to the other.

@@ -2,9 +2,8 @@
 
 use super::Chain;
 use crate::error::{Error, Result, check};
-use crate::geometry::{
-    Blank, IsoGap, Misfit, OutlinePiece, Seat, ToothProfile, iso_tip_diameters, wrap,
-};
+use crate::geometry::path::wrap;
+use crate::geometry::{Blank, IsoGap, Misfit, OutlinePiece, Seat, ToothProfile, iso_tip_diameters};
 
 /// Radius of a broken edge over the roller diameter, where none is given.
 const EDGE_SHARE: f64 = 0.025;

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::{Chain, TimeTable, ToothForm};
 use crate::error::{Error, Result, check};
-use crate::geometry::belt::Side;
+use crate::geometry::path::belt::Side;
 use crate::geometry::{AnsiCurves, Damage, ToothProfile, Vec2, unit};
 
 /// Density of the disc whose mass a sprocket has when none is given \[kg/m³\].
@@ -207,7 +207,7 @@ impl Sprocket {
     /// thick as the chain's contact with the tooth is long; what turns with it is added.
     #[must_use]
     pub fn mass_properties(&self, chain: &Chain) -> (f64, f64) {
-        let radius = crate::geometry::wrap::pitch_radius(chain.pitch, self.teeth);
+        let radius = crate::geometry::path::wrap::pitch_radius(chain.pitch, self.teeth);
         let disc = STEEL_DENSITY * PI * radius * radius * chain.teeth_contact_length();
         let mass = self.mass.unwrap_or(disc);
         let own = self.inertia.unwrap_or(0.5 * mass * radius * radius);

@@ -3,9 +3,9 @@
 use super::belt_line::{BeltLine, pitches, pulleys};
 use super::{ChainEnd, Drive, OpenLine};
 use crate::error::{Error, Result, check};
-use crate::geometry::belt::Belt;
-use crate::geometry::way;
-use crate::geometry::wrap::pitch_radius;
+use crate::geometry::path::belt::Belt;
+use crate::geometry::path::guide_path;
+use crate::geometry::path::wrap::pitch_radius;
 use crate::geometry::{Vec2, turned_left};
 
 /// How far the place is looked for where a chain is taut, in tenths of a pitch.
@@ -257,7 +257,7 @@ impl Way<'_> {
 
     /// Force along the way (direction, curvature) at `s` \[m\] of it, per tension.
     fn share_at(&self, (direction, curvature): (Vec2, f64), s: f64) -> Option<f64> {
-        let (offset, tangent) = way::along(direction, curvature, s);
+        let (offset, tangent) = guide_path::along(direction, curvature, s);
         Some(-self.taut_at(offset).ok()?.pull.dot(&tangent))
     }
 
@@ -270,7 +270,9 @@ impl Way<'_> {
         let one_more = if self.line.is_none() { play } else { 0.0 };
         let links = f64::from(chain.links) * (1.0 + play) + one_more;
         let spare = |s: f64| -> Option<f64> {
-            let taut = self.taut_at(way::along(direction, curvature, s).0).ok()?;
+            let taut = self
+                .taut_at(guide_path::along(direction, curvature, s).0)
+                .ok()?;
             Some(taut.pitches.map_or(0.0, |along| links - along))
         };
         let first = spare(0.0)?;

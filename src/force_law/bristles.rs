@@ -12,7 +12,7 @@
 use pulp::Simd;
 
 use crate::error::{Error, Result, check};
-use crate::vector::{Lanes, exp, ln_of_quotient};
+use crate::math::simd::{Lanes, exp, ln_of_quotient};
 
 /// Least part of the Stribeck speed whose power is taken: a logarithm has none of zero.
 const LEAST_PART: f64 = 1e-300;
@@ -227,8 +227,8 @@ impl<S: Simd> LuGreLanes<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vector::InstructionSet;
-    use crate::vector::testing::{LaneFunction, assert_same_bits, map};
+    use crate::math::simd::InstructionSet;
+    use crate::math::simd::testing::{LaneFunction, assert_same_bits, map};
 
     fn laws() -> Vec<LuGre> {
         let mut laws = Vec::new();

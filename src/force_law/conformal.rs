@@ -7,7 +7,7 @@
 use pulp::Simd;
 
 use super::{Conformity, ElasticLaw, SurfacePair, VectorLaw};
-use crate::vector::Lanes;
+use crate::math::simd::Lanes;
 
 /// Liu's conformal law.
 #[derive(Debug, Clone, Copy)]

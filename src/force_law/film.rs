@@ -28,7 +28,7 @@ use std::f64::consts::PI;
 use pulp::Simd;
 
 use crate::error::{Error, Result, check};
-use crate::vector::{Lanes, arc_tangent};
+use crate::math::simd::{Lanes, arc_tangent};
 
 /// The lubricant of the hinges.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -342,7 +342,7 @@ mod tests {
     use pulp::WithSimd;
 
     use super::*;
-    use crate::vector::InstructionSet;
+    use crate::math::simd::InstructionSet;
 
     const LUBRICANT: Film = Film {
         viscosity: 0.1,

@@ -7,7 +7,7 @@
 use pulp::Simd;
 
 use crate::error::{Error, Result, check};
-use crate::vector::{Lanes, exp};
+use crate::math::simd::{Lanes, exp};
 
 /// How the share of μ f grows with the slip speed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -168,8 +168,8 @@ impl<S: Simd> FrictionLanes<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vector::InstructionSet;
-    use crate::vector::testing::{LaneFunction, assert_same_bits, map};
+    use crate::math::simd::InstructionSet;
+    use crate::math::simd::testing::{LaneFunction, assert_same_bits, map};
 
     fn friction(regularization: Regularization) -> Friction {
         Friction {

@@ -3,7 +3,7 @@
 use pulp::Simd;
 
 use super::{ElasticLaw, SurfacePair, VectorLaw};
-use crate::vector::Lanes;
+use crate::math::simd::Lanes;
 
 /// Hertz's law.
 #[derive(Debug, Clone, Copy)]

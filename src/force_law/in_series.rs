@@ -7,7 +7,7 @@
 use pulp::Simd;
 
 use super::{ElasticLaw, VectorLaw};
-use crate::vector::Lanes;
+use crate::math::simd::Lanes;
 
 /// Moves that are rounding, as a part of the depth.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
@@ -86,7 +86,7 @@ mod tests {
 
     use super::*;
     use crate::force_law::{Elastic, PairTable, SurfacePair, with_law};
-    use crate::vector::InstructionSet;
+    use crate::math::simd::InstructionSet;
 
     const COMPLIANCES: [f64; 4] = [1e-11, 3e-9, 1e-7, 1e-5];
 

@@ -7,7 +7,7 @@
 use pulp::Simd;
 
 use super::{ElasticLaw, VectorLaw};
-use crate::vector::{Lanes, ln_of_quotient};
+use crate::math::simd::{Lanes, ln_of_quotient};
 
 /// The logarithmic form; [`LineContact`](super::LineContact) names its laws.
 #[derive(Debug, Clone, Copy)]
@@ -152,7 +152,7 @@ mod tests {
     use super::*;
     use crate::force_law::testing::for_each_force;
     use crate::force_law::{LineContact, SurfacePair};
-    use crate::vector::testing::ulps;
+    use crate::math::simd::testing::ulps;
 
     fn pin_in_bushing() -> SurfacePair {
         SurfacePair::internal(2.22e-3, 2.245e-3, 0.011, 2.07e11 / 1.82)

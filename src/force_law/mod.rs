@@ -45,7 +45,7 @@ pub use registers::RegisterForces;
 use pulp::Simd;
 
 use crate::error::{Result, check};
-use crate::vector::Lanes;
+use crate::math::simd::Lanes;
 
 /// Inside (a cylinder in a bore or on a concave flank) or outside (two convex cylinders).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

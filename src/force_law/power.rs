@@ -3,7 +3,7 @@
 use pulp::Simd;
 
 use super::{ElasticLaw, VectorLaw};
-use crate::vector::{Lanes, exp_of_remainder, nearest_whole, octaves_of_quotient};
+use crate::math::simd::{Lanes, exp_of_remainder, nearest_whole, octaves_of_quotient};
 
 /// The power form. Hertz's exponent 1.5 has a form of its own, which needs a square root only.
 #[derive(Debug, Clone, Copy)]
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
     use crate::force_law::testing::for_each_force;
     use crate::force_law::{EnhancedCylinder, SurfacePair};
-    use crate::vector::testing::ulps;
+    use crate::math::simd::testing::ulps;
 
     fn pair(inner: f64, outer: f64) -> PowerPair {
         EnhancedCylinder::Of2010.prepare(&SurfacePair::internal(

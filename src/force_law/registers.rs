@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use pulp::{Simd, WithSimd};
 
 use super::{Elastic, PairTable, SurfacePair, VectorLaw, with_law};
-use crate::vector::{InstructionSet, Lanes, Numbers, load, padded_zeros, vectors, vectors_mut};
+use crate::math::simd::{InstructionSet, Lanes, Numbers, load, padded_zeros, vectors, vectors_mut};
 
 /// One law of one pair, its instructions, and room for its forces.
 #[derive(Debug, Clone)]

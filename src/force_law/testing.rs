@@ -5,8 +5,8 @@ use std::marker::PhantomData;
 use pulp::Simd;
 
 use super::VectorLaw;
-use crate::vector::testing::{LaneFunction, assert_same_bits, map};
-use crate::vector::{InstructionSet, Lanes};
+use crate::math::simd::testing::{LaneFunction, assert_same_bits, map};
+use crate::math::simd::{InstructionSet, Lanes};
 
 struct Forces<Law> {
     constants: [f64; 2],

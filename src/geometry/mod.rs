@@ -1,26 +1,15 @@
 //! Plane curves: no bodies, no forces, no time.
 
-mod ansi_tooth;
-mod arc;
-pub mod belt;
-mod custom_tooth;
-mod flank;
-pub mod hanging;
-mod iso_tooth;
-pub mod polygon;
-mod rail;
-mod segment;
-mod tooth_profile;
-pub mod way;
-pub mod wrap;
+pub mod path;
+pub(crate) mod tooth;
 
-pub use ansi_tooth::AnsiCurves;
-pub use arc::Arc;
-pub use custom_tooth::{Misfit, OutlinePiece};
-pub use flank::{Curve, Piece};
-pub use iso_tooth::{Blank, IsoGap, iso_tip_diameters};
-pub use segment::Segment;
-pub use tooth_profile::{Damage, Seat, Surface, ToothContact, ToothProfile};
+pub use tooth::ansi::AnsiCurves;
+pub use tooth::arc::Arc;
+pub use tooth::custom::{Misfit, OutlinePiece};
+pub use tooth::flank::{Curve, Piece};
+pub use tooth::iso::{Blank, IsoGap, iso_tip_diameters};
+pub use tooth::profile::{Damage, Seat, Surface, ToothContact, ToothProfile};
+pub use tooth::segment::Segment;
 
 /// A point or a direction in the plane, \[m\] or dimensionless.
 pub type Vec2 = nalgebra::Vector2<f64>;
@@ -36,4 +25,15 @@ pub fn unit(angle: f64) -> Vec2 {
 #[must_use]
 pub fn turned_left(v: Vec2) -> Vec2 {
     Vec2::new(-v.y, v.x)
+}
+
+/// One pair of surfaces, near or in contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// Unit vector in which the penetration grows.
+    pub normal: Vec2,
+    /// Penetration δ \[m\]; negative when apart.
+    pub penetration: f64,
+    /// dδ/dt \[m/s\].
+    pub penetration_rate: f64,
 }

@@ -1,5 +1,6 @@
 //! One step of the Adams-Bashforth-Moulton method, told as a story; the details wait in the files beside it.
 
+use crate::error::Error;
 use serde::{Deserialize, Serialize};
 
 use super::auto::{Choice, STEPS_A_LOOK};
@@ -10,7 +11,7 @@ use super::order_control::{ErrorEstimate, choose_order, choose_step, gamma_star}
 use super::stability::FastestRate;
 use super::table::{Correction, Errors};
 use super::{Corrector, MAX_ORDER, OdeSystem, SecondOrderSystem, StepControl};
-use crate::vector::{InstructionSet, Numbers, padded_zeros};
+use crate::math::simd::{InstructionSet, Numbers, padded_zeros};
 
 /// What is shorter \[m\] may be jumped over at any accuracy.
 const LEAST_ALLOWED: f64 = 1e-9;
@@ -58,6 +59,43 @@ pub enum StepFailure {
         /// Component that is largest beside its tolerance.
         component: usize,
     },
+}
+
+impl StepFailure {
+    /// What this failure means for a run; `name` turns time and component into words.
+    pub(crate) fn into_error(self, name: impl FnOnce(f64, usize) -> String) -> Error {
+        match self {
+            Self::TooSmall {
+                time,
+                step_size,
+                component,
+            } => Error::StepTooSmall {
+                time,
+                step_size,
+                culprit: name(time, component),
+            },
+            Self::NotFinite {
+                time,
+                step_size,
+                component,
+            } => Error::NotFinite {
+                time,
+                step_size,
+                culprit: name(time, component),
+            },
+            Self::ToleranceTooSmall {
+                time,
+                step_size,
+                factor,
+                component,
+            } => Error::ToleranceTooSmall {
+                time,
+                step_size,
+                factor,
+                culprit: name(time, component),
+            },
+        }
+    }
 }
 
 /// Work done so far.

@@ -3,7 +3,7 @@
 
 use pulp::Simd;
 
-use crate::vector::{Lanes, load, partial_load, vectors, vectors_mut};
+use crate::math::simd::{Lanes, load, partial_load, vectors, vectors_mut};
 
 /// Calls `$whole` for every whole register of `$length` numbers, and `$rest` for one partly filled behind them; both get
 /// the part of a sum that the register belongs to, a constant where the loop is unrolled.

@@ -6,7 +6,7 @@ use super::MAX_ORDER;
 use super::coefficients::Coefficients;
 use super::newton_table::{Foretell, Newest};
 use super::table::{Predict, Retreat, TakeIn};
-use crate::vector::{InstructionSet, Numbers, padded, padded_zeros};
+use crate::math::simd::{InstructionSet, Numbers, padded, padded_zeros};
 
 /// `φ_1` .. φ_{k+2} of the slopes, one row a difference, and the sums that keep rounding out of y at tight tolerances.
 #[derive(Debug, Clone, Serialize, Deserialize)]

@@ -12,6 +12,7 @@ mod coefficients;
 mod column;
 mod dense_output;
 mod differences;
+pub mod event_location;
 mod newton;
 mod newton_table;
 mod order_control;

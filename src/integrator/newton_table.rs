@@ -3,7 +3,7 @@
 use pulp::{Simd, WithSimd};
 
 use super::column::{Column, ColumnMut, each_register, registers};
-use crate::vector::{Lanes, Squares};
+use crate::math::simd::{Lanes, Squares};
 
 /// Where the iteration begins: the predicted velocities, and the coordinates that follow from them.
 pub(super) struct Begin<'a> {

@@ -5,7 +5,7 @@ use pulp::{Simd, WithSimd};
 use super::StepControl;
 use super::coefficients::Coefficients;
 use super::column::{Column, ColumnMut, each_register, registers};
-use crate::vector::{Lanes, Squares, load, vectors, vectors_mut};
+use crate::math::simd::{Lanes, Squares, load, vectors, vectors_mut};
 
 /// Registers that hold `dimension` numbers, the last one padded.
 #[inline(always)]

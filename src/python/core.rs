@@ -9,15 +9,15 @@ use pyo3::types::{PyBytes, PyDict};
 
 use super::describe;
 use super::errors::to_python;
-use crate::contact::ToothJump;
+use crate::chain::contact::ToothJump;
+use crate::chain::dynamics::Dynamics;
+use crate::chain::model::{Model, Quantity};
 use crate::drive::Drive;
-use crate::dynamics::Dynamics;
 use crate::error::Error;
-use crate::model::{Model, Quantity};
+use crate::layout::Start;
 use crate::panics::contained;
-use crate::recorder::Values;
-use crate::simulate::{Simulation, Snapshot, check_rows};
-use crate::state::Start;
+use crate::run::recorder::Values;
+use crate::run::simulation::{Simulation, Snapshot, check_rows};
 
 /// A compiled model, its state and its integrator.
 #[pyclass(module = "rustchain._rustchain")]

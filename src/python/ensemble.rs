@@ -12,8 +12,9 @@ use pyo3::prelude::*;
 use super::core::{Core, budget, own_start, table};
 use super::describe;
 use super::errors::to_python;
-use crate::ensemble::{self, Failure, Outcome, Run};
 use crate::error::Error;
+use crate::run::ensemble;
+use crate::run::ensemble::{Failure, Outcome, Run};
 
 /// A scene and what to record of it, checked and ready to run.
 #[pyclass(module = "rustchain._rustchain", frozen)]

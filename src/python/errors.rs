@@ -43,6 +43,7 @@ pub(super) fn to_python(py: Python<'_>, error: &Error) -> PyErr {
             time,
             step_size,
             culprit,
+            ..
         }
         | Error::NotFinite {
             time,

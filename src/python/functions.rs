@@ -7,15 +7,15 @@ use pyo3::types::PyDict;
 use super::describe;
 use super::errors::{InvalidInput, to_python};
 use super::interrupt::interruptible;
+use crate::drive::bushing_on_front;
 use crate::drive::{BeltLine, Drive, MOST_LINKS, check_links};
-use crate::equilibrium::Equilibrium;
 use crate::error::{Error, check};
 use crate::force_law::{SurfacePair, elastic_forces, restitution_obtained as obtained};
 use crate::geometry::{Vec2, unit};
 use crate::integrator::{Adams, OdeSystem, StepControl};
-use crate::model::Model;
-use crate::state::{self, Start};
-use crate::vector::InstructionSet;
+use crate::layout::Start;
+use crate::math::simd::InstructionSet;
+use crate::run::equilibrium::Equilibrium;
 
 /// The instructions that the kernels run with on this machine: "avx512", "avx2", "neon" or "plain".
 ///
@@ -135,9 +135,9 @@ pub(super) fn strand_names(drive: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
     if description.sprockets.len() == 2 && description.ends.is_none() {
         return Ok(vec!["upper".to_string(), "lower".to_string()]);
     }
-    let strands = crate::model::strands(&description);
+    let strands = crate::chain::model::strands(&description);
     Ok((0..strands.len())
-        .map(|i| state::strand_name(&strands, i))
+        .map(|i| crate::layout::strand_name(&strands, i))
         .collect())
 }
 
@@ -146,7 +146,7 @@ pub(super) fn strand_names(drive: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
 pub(super) fn links_around(drive: &Bound<'_, PyAny>) -> PyResult<u32> {
     let description = describe::drive(drive)?;
     describe::checked(drive.py(), description.validate())?;
-    describe::checked(drive.py(), state::links_around(&description))
+    describe::checked(drive.py(), crate::layout::links_around(&description))
 }
 
 /// How far sprocket `number` has to move along `direction` for a drive's chain to be taut \[m\], searched within `reach` \[m\].
@@ -169,7 +169,7 @@ pub(super) fn closing_move(
     }
     describe::checked(
         py,
-        state::closing_move(&description, number - 1, along, reach),
+        crate::layout::closing_move(&description, number - 1, along, reach),
     )
 }
 
@@ -177,7 +177,7 @@ pub(super) fn closing_move(
 #[pyfunction]
 pub(super) fn tightness(drive: &Bound<'_, PyAny>) -> PyResult<(f64, f64)> {
     let description = describe::drive(drive)?;
-    let found = describe::checked(drive.py(), state::tightness(&description))?;
+    let found = describe::checked(drive.py(), crate::layout::tightness(&description))?;
     Ok((found.shortage, found.tension))
 }
 
@@ -220,7 +220,7 @@ pub(super) fn closing_center_distance(
     let count = describe::count(links, "links")?;
     describe::checked(links.py(), check_links("links", count))?;
     let links = count;
-    state::closing_center_distance(pitch, teeth, links).ok_or_else(|| {
+    crate::layout::closing_center_distance(pitch, teeth, links).ok_or_else(|| {
         let fewest = fewest_links(pitch, teeth);
         InvalidInput::new_err(format!(
             "links = {links}: too few for sprockets of {} and {} teeth, which need at least {fewest} to stand clear of \
@@ -236,7 +236,7 @@ fn fewest_links(pitch: f64, teeth: [u32; 2]) -> u32 {
         let half = std::f64::consts::PI / f64::from(n);
         0.5 * pitch * (0.6 + 1.0 / half.tan())
     };
-    state::links_for(
+    crate::layout::links_for(
         pitch,
         teeth,
         1.001 * (outside(teeth[0]) + outside(teeth[1])),
@@ -258,7 +258,7 @@ pub(super) fn links_for(
     let farthest = 0.5 * f64::from(MOST_LINKS) * pitch;
     let allowed = check::within("center_distance", center_distance, 0.0, farthest);
     describe::checked(py, allowed)?;
-    Ok(state::links_for(pitch, teeth, center_distance))
+    Ok(crate::layout::links_for(pitch, teeth, center_distance))
 }
 
 /// Most points of each arc of an outline: 14 million of a whole sprocket, of 1000 teeth of 14 arcs.
@@ -330,7 +330,7 @@ pub(super) fn chain_links<'py>(chain: &Bound<'py, PyAny>) -> PyResult<Bound<'py,
     let count = pitches.len();
     let rows = pitches.into_iter().enumerate().flat_map(|(i, pitch)| {
         let link = described.link(i);
-        let on_front = f64::from(Model::bushing_on_front(i, count));
+        let on_front = f64::from(bushing_on_front(i, count));
         [pitch, link.mass, link.inertia, on_front]
     });
     let flat: Vec<f64> = rows.collect();
@@ -600,7 +600,7 @@ pub(super) fn integrate<'py>(
             py.check_signals()?;
             outcome.map_err(|failure| {
                 let name = |_, component| format!("component {component}");
-                to_python(py, &Error::from_failure(failure, name))
+                to_python(py, &failure.into_error(name))
             })?;
         }
         adams.interpolate(t, row);

@@ -24,7 +24,8 @@ pub(super) fn interruptible<T: Send>(
                 return false;
             }
             looked.set(Instant::now());
-            #[allow(clippy::redundant_closure_for_method_calls)] // the method's lifetime is too particular
+            #[allow(clippy::redundant_closure_for_method_calls)]
+            // the method's lifetime is too particular
             let error = Python::attach(|py| py.check_signals()).err();
             let stops = error.is_some();
             raised.replace(error);

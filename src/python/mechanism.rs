@@ -6,7 +6,7 @@ use super::describe::{Reader, checked, number, refuse, truth};
 use super::errors::InvalidInput;
 use super::mechanism_callable::{Raised, custom};
 use super::mechanism_contact::contact;
-use crate::mechanism::{
+use crate::multibody::{
     Body, Curve, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, Motion, Spline,
     SpringLaw, TimeFunction,
 };

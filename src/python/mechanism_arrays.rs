@@ -4,7 +4,8 @@ use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::mechanism::{MechanismModel, MechanismRecording};
+use crate::multibody::MechanismModel;
+use crate::run::mechanism::MechanismRecording;
 
 /// All channels, time first.
 pub(super) fn arrays<'py>(

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 use super::describe::refuse;
 use super::errors::InvalidInput;
-use crate::mechanism::{CustomForce, ForceKind};
+use crate::multibody::{CustomForce, ForceKind};
 
 /// The first exception that a callable raised.
 pub(super) type Raised = Arc<Mutex<Option<PyErr>>>;

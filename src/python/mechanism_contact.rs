@@ -7,7 +7,7 @@ use super::describe::{
 };
 use super::mechanism::{markers, pairs, text};
 use crate::geometry::Vec2;
-use crate::mechanism::{ContactLaw, ContactPair, Piece, Profile};
+use crate::multibody::{ContactLaw, ContactPair, Piece, Profile};
 
 fn points(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<Vec2>> {
     Ok(pairs(value, field)?

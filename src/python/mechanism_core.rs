@@ -13,9 +13,10 @@ use super::mechanism::mechanism;
 use super::mechanism_arrays::arrays;
 use super::mechanism_callable::Raised;
 use crate::error::{Error, Result};
-use crate::mechanism::{MechanismModel, MechanismSimulation, MechanismSnapshot, Stabilisation};
+use crate::multibody::{MechanismModel, Stabilisation};
 use crate::panics::contained;
-use crate::simulate::check_reports;
+use crate::run::mechanism::{MechanismSimulation, MechanismSnapshot};
+use crate::run::simulation::check_reports;
 
 /// A compiled mechanism, its state and its integrator.
 #[pyclass(module = "rustchain._rustchain")]

@@ -3,9 +3,9 @@
 use crate::common;
 use crate::common::checks::{floating, keeps_momentum, lacks, largest};
 use crate::common::rubbing::{Standing, both_chains, kernels_beside_twins, lost, pulled, standing};
+use rustchain::chain::model::Quantity;
 use rustchain::force_law::{Film, Friction, LuGre, Regularization};
 use rustchain::integrator::{Adams, Corrector, SecondOrderSystem, StepControl};
-use rustchain::model::Quantity;
 use rustchain::{ForceLaws, Simulation};
 
 fn bristles() -> LuGre {
@@ -221,7 +221,7 @@ fn two_frictions_in_one_place_are_refused() {
         ..ForceLaws::default()
     };
     let drive = common::paper_drive();
-    let (start, _) = rustchain::state::Start::generate(&drive).unwrap();
+    let (start, _) = rustchain::layout::Start::generate(&drive).unwrap();
     let refused = rustchain::Model::compile(&drive, &laws, &start).unwrap_err();
     assert!(refused.to_string().contains("hinge_friction"), "{refused}");
 }

@@ -8,12 +8,12 @@ use crate::common::{control, paper_drive, tensioner};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rustchain::ForceLaws;
+use rustchain::chain::dynamics::Dynamics;
 use rustchain::drive::{Bearing, Drive, Motion, TimeTable};
-use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic, Regions};
 use rustchain::geometry::{Seat, ToothProfile, Vec2, unit};
 use rustchain::integrator::OdeSystem;
-use rustchain::vector::InstructionSet;
+use rustchain::math::simd::InstructionSet;
 
 /// Depth \[m\] that a contact needs to be one beyond doubt: a hundred times the rounding of coordinates of a metre.
 const ROUNDING: f64 = 3e-14;

@@ -4,12 +4,12 @@ use crate::common;
 use std::sync::Arc;
 
 use crate::common::layouts::{PITCH, drive_of, sprocket};
+use rustchain::chain::dynamics::Dynamics;
 use rustchain::drive::{Arm, Drive, Material, Motion, Mount, Rail, RailShape};
-use rustchain::dynamics::Dynamics;
 use rustchain::geometry::Vec2;
-use rustchain::geometry::belt::Side;
+use rustchain::geometry::path::belt::Side;
 use rustchain::integrator::{Corrector, OdeSystem, StepControl};
-use rustchain::state::{Start, closing_center_distance};
+use rustchain::layout::{Start, closing_center_distance};
 use rustchain::{Equilibrium, ForceLaws, Model, Simulation};
 
 /// Two sprockets of 17 teeth on a level, the chain a little slack.
@@ -239,7 +239,7 @@ fn the_kernels_agree_with_their_scalar_twins_on_guides() {
     let rest = Equilibrium::find(&drive, &laws).unwrap();
     let model = Arc::new(Model::compile(&drive, &laws, &rest.start).unwrap());
     let mut dynamics = Dynamics::new(Arc::clone(&model));
-    let mut motion = rustchain::state::Motion::new(model.bodies());
+    let mut motion = rustchain::chain::motion::Motion::new(model.bodies());
     motion.set(&rest.start.positions, &rest.start.velocities);
     let mut y = vec![0.0; 2 * model.coordinates];
     motion.write(&model, &mut y);

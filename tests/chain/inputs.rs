@@ -2,9 +2,9 @@
 
 use crate::common;
 use crate::common::{advance, control, energies, paper_drive, simulation, tensioner};
+use rustchain::chain::model::Quantity;
 use rustchain::drive::{Drive, Motion, TimeTable};
 use rustchain::integrator::StepControl;
-use rustchain::model::Quantity;
 use rustchain::{ForceLaws, Simulation, Snapshot};
 
 const DRIVER: usize = 0;

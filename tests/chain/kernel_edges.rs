@@ -6,13 +6,13 @@ use crate::common::paper_drive;
 use crate::common::scenes::{Noise, Scene, laws};
 use crate::common::twins::{Agreement, compare};
 use rustchain::ForceLaws;
+use rustchain::chain::dynamics::Dynamics;
+use rustchain::chain::model::Support;
 use rustchain::drive::Bearing;
-use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic, Regions};
 use rustchain::geometry::{Vec2, unit};
 use rustchain::integrator::OdeSystem;
-use rustchain::model::Support;
-use rustchain::vector::InstructionSet;
+use rustchain::math::simd::InstructionSet;
 
 /// One law of each form.
 const LAWS: [Elastic; 4] = [

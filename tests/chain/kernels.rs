@@ -8,11 +8,11 @@ use crate::common::{control, paper_drive, roller_chain, roller_drive, tensioner}
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rustchain::ForceLaws;
+use rustchain::chain::dynamics::Dynamics;
 use rustchain::drive::{Bearing, Chain, Drive, Motion};
-use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic, Regions};
 use rustchain::integrator::{Adams, OdeSystem, Step};
-use rustchain::vector::InstructionSet;
+use rustchain::math::simd::InstructionSet;
 
 /// Drives of all kinds, by number.
 const DRIVES: usize = 13 + VARIED;

@@ -4,7 +4,7 @@ use crate::common;
 use crate::common::checks::{
     exact_matrix_is_that_of_finite_differences, kernels_matrix_is_the_exact_one, newton,
 };
-use rustchain::dynamics::Dynamics;
+use rustchain::chain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic, ForceLaw};
 use rustchain::integrator::{Adams, OdeSystem, SecondOrderSystem, StepControl};
 use rustchain::{ForceLaws, Simulation};

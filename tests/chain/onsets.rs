@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use crate::common::scenes::{Noise, Scene, geared_drive};
 use rustchain::ForceLaws;
-use rustchain::contact::{Contact, HingePath, ToothPath};
+use rustchain::chain::contact::{HingePath, ToothPath};
+use rustchain::chain::dynamics::Dynamics;
 use rustchain::drive::TimeTable;
-use rustchain::dynamics::Dynamics;
+use rustchain::geometry::Contact;
 use rustchain::integrator::{Corrector, StepControl};
 
 /// What a run has seen of its contacts.

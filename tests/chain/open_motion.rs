@@ -11,8 +11,8 @@ use rustchain::drive::{ChainEnd, Drive, LinkStiffness, Motion, TimeTable};
 use rustchain::force_law::{Damping, Elastic, Friction, Regions, Regularization};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{OdeSystem, SecondOrderSystem, StepControl};
-use rustchain::state::Start;
-use rustchain::vector::InstructionSet;
+use rustchain::layout::Start;
+use rustchain::math::simd::InstructionSet;
 use rustchain::{ForceLaws, Groups, Model, Simulation, Snapshot};
 
 const GRAVITY: f64 = 9.81;

@@ -7,7 +7,7 @@ use crate::common::{channel, energies};
 use rustchain::drive::{ChainEnd, Drive, Motion, Tensioner};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::StepControl;
-use rustchain::state::Start;
+use rustchain::layout::Start;
 use rustchain::{Equilibrium, ForceLaws};
 
 fn tensions_at_rest(drive: &Drive) -> (Equilibrium, Vec<f64>) {

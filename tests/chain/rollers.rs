@@ -5,11 +5,11 @@ use crate::common::checks::{
     exact_matrix_is_that_of_finite_differences, kernels_matrix_is_the_exact_one, newton,
 };
 use crate::common::scenes::Scene;
+use rustchain::chain::dynamics::Dynamics;
 use rustchain::drive::Chain;
-use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic, ForceLaw, Friction, Regularization};
 use rustchain::integrator::StepControl;
-use rustchain::vector::InstructionSet;
+use rustchain::math::simd::InstructionSet;
 use rustchain::{ForceLaws, Simulation, Snapshot};
 
 const RUBBED: Option<Friction> = Some(Friction {

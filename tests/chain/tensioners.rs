@@ -8,7 +8,7 @@ use crate::common::layouts::{PITCH, three_shafts};
 use crate::common::open::tensions;
 use rustchain::drive::{Drive, Motion, Tensioner};
 use rustchain::geometry::Vec2;
-use rustchain::state::Start;
+use rustchain::layout::Start;
 use rustchain::{Equilibrium, ForceLaws, Model, Simulation};
 
 /// Tension of every strand of a drive at rest \[N\].
@@ -88,7 +88,7 @@ fn a_stop_before_the_slack_is_taken_up_is_warned_of_and_bears_the_pull() {
 fn a_slack_strand_comes_to_rest_on_its_catenary() {
     let mut drive = common::paper_drive();
     drive.chain.links = 60;
-    let taut = rustchain::state::closing_center_distance(PITCH, [17, 17], 60).unwrap();
+    let taut = rustchain::layout::closing_center_distance(PITCH, [17, 17], 60).unwrap();
     drive.sprockets[1].center.x = taut - 2e-3;
     drive.sprockets[1].motion = Motion::AppliedTorque((-2.0).into());
     let (rest, _) = tensions_at_rest(&drive);
@@ -113,7 +113,7 @@ fn a_slack_strand_comes_to_rest_on_its_catenary() {
 #[test]
 fn slack_strands_of_any_sag_and_load_come_to_rest() {
     // 12 to 24 % of the span; with no load at all the wheels' weightless teeth find nothing to lean on but the chain's weight.
-    let taut = rustchain::state::closing_center_distance(PITCH, [17, 17], 60).unwrap();
+    let taut = rustchain::layout::closing_center_distance(PITCH, [17, 17], 60).unwrap();
     for slack in [5e-3, 11e-3, 19e-3] {
         for torque in [0.0, -5.0] {
             let mut drive = common::paper_drive();

@@ -8,7 +8,7 @@ use rustchain::drive::{
     AnsiTooth, Bearing, Chain, CustomTooth, Faults, IsoTooth, Motion, Sprocket, StraightTooth, Tip,
     ToothForm,
 };
-use rustchain::geometry::belt::Side;
+use rustchain::geometry::path::belt::Side;
 use rustchain::geometry::{
     Blank, Curve, Damage, IsoGap, OutlinePiece, Piece, Seat, ToothProfile, Vec2, iso_tip_diameters,
     unit,

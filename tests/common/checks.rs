@@ -1,11 +1,11 @@
 //! Laws that all forces obey: momentum, and Newton's matrix as their derivative.
 
+use rustchain::chain::dynamics::{Dynamics, Losses};
 use rustchain::drive::Drive;
-use rustchain::dynamics::{Dynamics, Losses};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, OdeSystem, SecondOrderSystem, StepControl};
-use rustchain::state::Start;
-use rustchain::vector::InstructionSet;
+use rustchain::layout::Start;
+use rustchain::math::simd::InstructionSet;
 use rustchain::{Equilibrium, ForceLaws, Simulation};
 
 /// The largest of all, whatever its sign.

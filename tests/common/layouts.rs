@@ -4,9 +4,9 @@ use rustchain::drive::{
     AnsiTooth, Arm, Bearing, Drive, Faults, Motion, Mount, Rail, RailShape, Sprocket, Tensioner,
     Tip,
 };
-use rustchain::geometry::belt::Side;
+use rustchain::geometry::path::belt::Side;
 use rustchain::geometry::{Seat, Vec2};
-use rustchain::state::links_around;
+use rustchain::layout::links_around;
 
 pub const PITCH: f64 = 0.0127;
 

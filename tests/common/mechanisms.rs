@@ -5,10 +5,11 @@ use std::time::Duration;
 
 use rustchain::geometry::Vec2;
 use rustchain::integrator::StepControl;
-use rustchain::mechanism::{
-    Body, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, MechanismModel,
-    MechanismRecording, MechanismSimulation, Motion, SpringLaw, Stabilisation, TimeFunction,
+use rustchain::multibody::{
+    Body, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, MechanismModel, Motion,
+    SpringLaw, Stabilisation, TimeFunction,
 };
+use rustchain::run::mechanism::{MechanismRecording, MechanismSimulation};
 
 pub const GRAVITY: f64 = 9.81;
 

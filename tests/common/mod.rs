@@ -18,10 +18,10 @@ use rustchain::drive::{
     AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Faults, Link, Material, Motion, Roller,
     Sprocket, Tensioner, Variation,
 };
-use rustchain::geometry::belt::Side;
+use rustchain::geometry::path::belt::Side;
 use rustchain::geometry::{Seat, Vec2};
 use rustchain::integrator::{Corrector, StepControl};
-use rustchain::state::{Start, closing_center_distance};
+use rustchain::layout::{Start, closing_center_distance};
 use rustchain::{ForceLaws, Groups, Model, Recording, Simulation, Values};
 
 /// The chain of the paper's drive.

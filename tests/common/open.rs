@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rustchain::drive::{ChainEnd, Drive, Motion};
 use rustchain::geometry::Vec2;
-use rustchain::geometry::belt::Side;
+use rustchain::geometry::path::belt::Side;
 use rustchain::integrator::StepControl;
 use rustchain::{Equilibrium, ForceLaws, Groups, Model, Simulation};
 

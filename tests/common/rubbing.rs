@@ -1,9 +1,9 @@
 //! What tests of friction, bristles and films share: drives under pull, kernels beside their twins, energy by place.
 
+use rustchain::chain::dynamics::{Dynamics, Losses};
 use rustchain::drive::Drive;
-use rustchain::dynamics::{Dynamics, Losses};
 use rustchain::integrator::{OdeSystem, StepControl};
-use rustchain::vector::InstructionSet;
+use rustchain::math::simd::InstructionSet;
 use rustchain::{ForceLaws, Groups, Simulation};
 
 use super::checks::largest;

@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
+use rustchain::chain::dynamics::Dynamics;
+use rustchain::chain::motion::Motion as Motions;
 use rustchain::drive::{
     AnsiTooth, Bearing, Drive, IsoTooth, Motion, StraightTooth, TimeTable, Tip, ToothForm,
 };
-use rustchain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic, ForceLaw, Regions};
 use rustchain::geometry::{Damage, Seat, Surface, Vec2, unit};
 use rustchain::integrator::{Adams, StepControl};
-use rustchain::state::{Motion as Motions, Start, closing_center_distance};
+use rustchain::layout::{Start, closing_center_distance};
 use rustchain::{ForceLaws, Model};
 
 /// The paper's chain round sprockets of other sizes, the first one driven at `speed` \[rad/s\].

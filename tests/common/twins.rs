@@ -5,12 +5,12 @@
 //! the speed, forces by what depth and rate make of them; the rest is counted in units of the quantity itself. All sums below are
 //! those of first order with every rounding taken as one unit; the ratios say how many units it were.
 
-use rustchain::contact::on_teeth;
-use rustchain::dynamics::Dynamics;
+use rustchain::chain::contact::on_teeth;
+use rustchain::chain::dynamics::Dynamics;
+use rustchain::chain::model::{Rotation, Support};
 use rustchain::force_law::{Conformal, ElasticLaw, Hertz, Logarithmic, PairTable, Power, Regions};
 use rustchain::geometry::{Curve, Surface};
 use rustchain::integrator::OdeSystem;
-use rustchain::model::{Rotation, Support};
 
 const UNIT: f64 = f64::EPSILON;
 

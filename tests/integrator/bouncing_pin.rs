@@ -1,10 +1,11 @@
 //! One mass against one pair of surfaces: what the force laws do through a whole impact, and single values of them.
 
-use rustchain::contact::{Contact, first_crossing};
 use rustchain::force_law::{
     Damping, Elastic, ElasticPair, SurfacePair, damping_factor, restitution_obtained,
 };
+use rustchain::geometry::Contact;
 use rustchain::geometry::Vec2;
+use rustchain::integrator::event_location::first_crossing;
 use rustchain::integrator::{Adams, OdeSystem, StepControl};
 
 /// E* \[Pa\] of steel on steel, E = 2.07e11 Pa and ν = 0.3.

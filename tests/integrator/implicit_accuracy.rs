@@ -6,10 +6,11 @@ use std::time::Duration;
 use crate::common::mechanisms::{GRAVITY, bar_chain, ground, run_to};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, StepControl};
-use rustchain::mechanism::{
+use rustchain::multibody::{
     Body, ContactLaw, ContactPair, ForceElement, ForceKind, Marker, Mechanism, MechanismModel,
-    MechanismSimulation, Profile, Stabilisation, TimeFunction,
+    Profile, Stabilisation, TimeFunction,
 };
+use rustchain::run::mechanism::MechanismSimulation;
 
 const LINEAR: ContactLaw = ContactLaw::Linear {
     stiffness: 1e7,

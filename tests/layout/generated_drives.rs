@@ -9,9 +9,9 @@ use rustchain::drive::{
     AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Faults, Link, Material, Motion, Sprocket,
     Variation,
 };
-use rustchain::geometry::belt::Side;
+use rustchain::geometry::path::belt::Side;
 use rustchain::geometry::{Seat, ToothProfile, Vec2, turned_left, unit};
-use rustchain::state::{Layout, Start, closing_center_distance, links_for};
+use rustchain::layout::{Layout, Start, closing_center_distance, links_for};
 use rustchain::{Error, ForceLaws, Simulation};
 
 /// A drive in a few numbers.

@@ -6,9 +6,9 @@ use crate::common::layouts::{PITCH, drive_of, sprocket, three_shafts};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rustchain::drive::{AnsiTooth, BeltLine, Drive, Motion, Sprocket, TimeTable};
-use rustchain::geometry::belt::Side;
+use rustchain::geometry::path::belt::Side;
 use rustchain::geometry::{Seat, Vec2, turned_left, unit};
-use rustchain::state::{Start, closing_move, links_around};
+use rustchain::layout::{Start, closing_move, links_around};
 use rustchain::{Error, ForceLaws, Simulation};
 use std::f64::consts::{PI, TAU};
 
@@ -84,7 +84,7 @@ impl Choice {
             let line = BeltLine::of(&drive).ok()?;
             let strand = strand % n;
             let span = line.belt.spans[strand];
-            let radius = rustchain::geometry::wrap::pitch_radius(PITCH, teeth);
+            let radius = rustchain::geometry::path::wrap::pitch_radius(PITCH, teeth);
             let point = span.from + share * span.length * span.direction;
             let center = point - (radius - depth * 3.0 * PITCH) * turned_left(span.direction);
             let mut idler = sprocket(teeth, center.x, center.y, Side::Outside, Motion::Free);

@@ -6,10 +6,10 @@ use crate::common::open::{at_rest, first_row, hoist, strand};
 use crate::common::{channel, paper_chain};
 use rustchain::drive::{ChainEnd, Drive, Motion, Variation};
 use rustchain::geometry::Vec2;
-use rustchain::geometry::belt::Side;
-use rustchain::geometry::hanging::{Hanging, HangingLink, hang};
+use rustchain::geometry::path::belt::Side;
+use rustchain::geometry::path::hanging::{Hanging, HangingLink, hang};
 use rustchain::integrator::StepControl;
-use rustchain::state::Start;
+use rustchain::layout::Start;
 use rustchain::{ForceLaws, Model};
 
 const GRAVITY: f64 = 9.81;
@@ -277,7 +277,7 @@ fn every_way_to_lay_a_chain_begins_with_nothing_in_contact() {
         assert_eq!(seated + strands, links);
         // As the model has it, too.
         let model = Model::compile(&drive, &ForceLaws::default(), &start).unwrap();
-        let mut dynamics = rustchain::dynamics::Dynamics::new(model.into());
+        let mut dynamics = rustchain::chain::dynamics::Dynamics::new(model.into());
         dynamics.motion.set(&start.positions, &start.velocities);
         dynamics.evaluate_motion(0.0);
         assert!(dynamics.hinges.penetration.iter().all(|&depth| depth < 0.0));

@@ -4,12 +4,12 @@ use crate::common;
 use std::sync::Arc;
 
 use crate::common::layouts::{PITCH, drive_of, sprocket, three_shafts};
+use rustchain::chain::dynamics::Dynamics;
 use rustchain::drive::{Arm, Drive, Motion, Mount, Rail, RailShape, Tensioner};
-use rustchain::dynamics::Dynamics;
 use rustchain::geometry::Vec2;
-use rustchain::geometry::belt::Side;
+use rustchain::geometry::path::belt::Side;
 use rustchain::integrator::{OdeSystem, StepControl};
-use rustchain::state::closing_center_distance;
+use rustchain::layout::closing_center_distance;
 use rustchain::{Equilibrium, ForceLaws, Model, Simulation};
 
 /// Stiffness of stops \[N/m\].
@@ -349,7 +349,7 @@ fn a_hydraulic_plunger_leaks_down_at_its_force_over_its_leak() {
         drive.sprockets[0].motion = Motion::PrescribedSpeed(0.0.into());
         drive.sprockets[1].motion = Motion::Free;
         drive.guides[0].center.y -= 0.05;
-        let (mut start, _) = rustchain::state::Start::generate(&drive).unwrap();
+        let (mut start, _) = rustchain::layout::Start::generate(&drive).unwrap();
         let Mount::Arm(arm) = drive.guides[0].mount else {
             panic!("an arm");
         };

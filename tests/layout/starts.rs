@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::common::layouts::three_shafts;
 use rustchain::drive::{Drive, Motion, Tensioner};
 use rustchain::geometry::Vec2;
-use rustchain::state::Start;
+use rustchain::layout::Start;
 use rustchain::{Equilibrium, ForceLaws, Model, Simulation};
 
 fn tensioner(number: usize, pretension: f64) -> Tensioner {
@@ -142,7 +142,7 @@ fn an_arm_may_move_along_its_way_wherever_it_begins() {
 /// Direction of the arm's way where it is described.
 fn model_direction(model: &Model) -> Vec2 {
     match model.sprockets[3].support {
-        rustchain::model::Support::Slide { direction, .. } => direction,
+        rustchain::chain::model::Support::Slide { direction, .. } => direction,
         _ => Vec2::zeros(),
     }
 }

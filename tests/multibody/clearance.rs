@@ -7,10 +7,11 @@ use crate::common::mechanisms::{CRANK, ROD, ground, record, simulation};
 use rustchain::force_law::{Damping, Elastic, ForceLaw, Regions};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, StepControl};
-use rustchain::mechanism::{
-    Body, ContactLaw, ContactPair, Joint, JointKind, Marker, Mechanism, MechanismModel,
-    MechanismRecording, MechanismSimulation, Motion, Profile, Stabilisation, TimeFunction,
+use rustchain::multibody::{
+    Body, ContactLaw, ContactPair, Joint, JointKind, Marker, Mechanism, MechanismModel, Motion,
+    Profile, Stabilisation, TimeFunction,
 };
+use rustchain::run::mechanism::{MechanismRecording, MechanismSimulation};
 
 const SPEED: f64 = 5000.0 * 2.0 * std::f64::consts::PI / 60.0;
 

@@ -7,11 +7,11 @@ use crate::common::mechanisms::{
     slider_crank,
 };
 use rustchain::geometry::Vec2;
-use rustchain::mechanism::{
+use rustchain::multibody::{
     Body, ContactLaw, ContactPair, Curve, ForceElement, ForceKind, Joint, JointKind, Marker,
-    Mechanism, MechanismModel, MechanismSimulation, Motion, Profile, Spline, SpringLaw,
-    Stabilisation, TimeFunction,
+    Mechanism, MechanismModel, Motion, Profile, Spline, SpringLaw, Stabilisation, TimeFunction,
 };
+use rustchain::run::mechanism::MechanismSimulation;
 use std::sync::Arc;
 
 fn without_gravity(bodies: Vec<Body>, joints: Vec<Joint>, forces: Vec<ForceElement>) -> Mechanism {

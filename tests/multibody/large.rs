@@ -4,7 +4,7 @@ use crate::common::mechanisms::{
     GRAVITY, bar, bar_chain, four_bars, ground, record, revolute, run_to, simulation,
 };
 use rustchain::geometry::Vec2;
-use rustchain::mechanism::{Body, Joint, JointKind, Marker, Mechanism};
+use rustchain::multibody::{Body, Joint, JointKind, Marker, Mechanism};
 
 /// A chain of bars between two points of the same height, hanging in a zigzag.
 fn hung(count: usize) -> Mechanism {

@@ -3,7 +3,7 @@
 use crate::common::mechanisms::{andrews, bar_chain, ground, simulation, slider_crank};
 use rustchain::force_law::ForceLaw;
 use rustchain::geometry::Vec2;
-use rustchain::mechanism::{
+use rustchain::multibody::{
     Body, ContactLaw, ContactPair, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism,
     Motion, Profile, SpringLaw, TimeFunction,
 };

@@ -4,7 +4,7 @@ use crate::common::mechanisms::{
     ANDREWS_END, CRANK, GRAVITY, ROD, andrews, andrews_angles, bar_chain, four_bars, record,
     run_to, simulation, slider_crank, with,
 };
-use rustchain::mechanism::Stabilisation;
+use rustchain::multibody::Stabilisation;
 
 /// Period of a pendulum by the arithmetic-geometric mean.
 fn pendulum_period(amplitude: f64, length: f64) -> f64 {

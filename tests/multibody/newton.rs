@@ -9,11 +9,12 @@ use rustchain::drive::Drive;
 use rustchain::force_law::{Damping, Elastic, ForceLaw};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, OdeSystem, SecondOrderSystem, StepControl};
-use rustchain::mechanism::{
+use rustchain::multibody::{
     Body, ContactLaw, ContactPair, Curve, CustomForce, ForceElement, ForceKind, Joint, JointKind,
-    Marker, Mechanism, MechanismDynamics, MechanismModel, MechanismSimulation, Motion, Piece,
-    Profile, SpringLaw, Stabilisation, TimeFunction,
+    Marker, Mechanism, MechanismDynamics, MechanismModel, Motion, Piece, Profile, SpringLaw,
+    Stabilisation, TimeFunction,
 };
+use rustchain::run::mechanism::MechanismSimulation;
 
 /// Numbers between -1 and 1, the same in every run.
 struct Random(u64);

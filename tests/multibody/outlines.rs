@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use crate::common::mechanisms::{GRAVITY, control, ground, record, simulation};
 use rustchain::geometry::Vec2;
-use rustchain::mechanism::{
+use rustchain::multibody::{
     Body, ContactLaw, ContactPair, ForceElement, ForceKind, Marker, Mechanism, MechanismModel,
-    MechanismSimulation, Piece, Profile, SpringLaw, Stabilisation,
+    Piece, Profile, SpringLaw, Stabilisation,
 };
+use rustchain::run::mechanism::MechanismSimulation;
 
 const RADIUS: f64 = 0.1;
 
@@ -243,7 +244,7 @@ fn what_acts_on_itself_or_contradicts_itself_is_refused() {
     assert_eq!(spring("ground", "ball", SpringLaw::linear(1.0, 0.0)), "");
     let text = spring("ball", "ball", SpringLaw::linear(1.0, 0.0));
     assert!(text.contains("\"ball\" twice"), "{text}");
-    let table = rustchain::mechanism::Curve::new("x", &[(0.0, 0.0), (1.0, 5.0)]).unwrap();
+    let table = rustchain::multibody::Curve::new("x", &[(0.0, 0.0), (1.0, 5.0)]).unwrap();
     let both = SpringLaw {
         stiffness: 3.0,
         table: Some(table),

@@ -7,10 +7,10 @@ use crate::common::mechanisms::{GRAVITY, bar, ground, record, revolute, run_to, 
 use nalgebra::{DMatrix, DVector};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, StepControl};
-use rustchain::mechanism::{
-    Body, Joint, JointKind, Marker, Mechanism, MechanismDynamics, MechanismModel,
-    MechanismSimulation, Stabilisation,
+use rustchain::multibody::{
+    Body, Joint, JointKind, Marker, Mechanism, MechanismDynamics, MechanismModel, Stabilisation,
 };
+use rustchain::run::mechanism::MechanismSimulation;
 
 /// A platform of 1 kg on parallel posts of 1 m and 0.1 kg, 0.1 m apart, which lean by `lean` and turn at `speed` \[rad/s\].
 fn posts(count: usize, lean: f64, speed: f64) -> Mechanism {

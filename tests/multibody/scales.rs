@@ -2,7 +2,7 @@
 
 use crate::common::mechanisms::{bar_chain, four_bars, ground, record, simulation, slider_crank};
 use rustchain::geometry::Vec2;
-use rustchain::mechanism::{
+use rustchain::multibody::{
     Body, ContactLaw, ContactPair, Curve, ForceElement, ForceKind, Joint, JointKind, Marker,
     Mechanism, Motion, Profile, TimeFunction,
 };

@@ -6,10 +6,10 @@ use std::time::Duration;
 
 use crate::common::mechanisms::{bar_chain, four_bars, ground, run_to};
 use rustchain::integrator::{Corrector, StepControl};
-use rustchain::mechanism::{
-    Joint, JointKind, Marker, Mechanism, MechanismModel, MechanismSimulation, Motion,
-    Stabilisation, TimeFunction,
+use rustchain::multibody::{
+    Joint, JointKind, Marker, Mechanism, MechanismModel, Motion, Stabilisation, TimeFunction,
 };
+use rustchain::run::mechanism::MechanismSimulation;
 
 const CORRECTORS: [Corrector; 3] = [Corrector::Newton, Corrector::Pece, Corrector::Auto];
 

@@ -5,9 +5,8 @@ use std::sync::Arc;
 use crate::common::mechanisms::{ground, revolute, run_to};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, StepControl};
-use rustchain::mechanism::{
-    Body, Marker, Mechanism, MechanismModel, MechanismSimulation, Stabilisation,
-};
+use rustchain::multibody::{Body, Marker, Mechanism, MechanismModel, Stabilisation};
+use rustchain::run::mechanism::MechanismSimulation;
 
 /// A body whose centre is held at a distance of `arm` \[m\] from the ground's origin and that turns freely at `speed` \[rad/s\].
 fn spinning(arm: f64, speed: f64) -> Mechanism {

@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use crate::common::mechanisms::{bar, bar_chain, control, ground, record, revolute, simulation};
 use rustchain::geometry::Vec2;
-use rustchain::mechanism::{
+use rustchain::multibody::{
     Body, ContactLaw, ContactPair, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism,
-    MechanismModel, MechanismSimulation, Motion, Profile, SpringLaw, Stabilisation,
+    MechanismModel, Motion, Profile, SpringLaw, Stabilisation,
 };
+use rustchain::run::mechanism::MechanismSimulation;
 
 fn warnings(mechanism: &Mechanism) -> Vec<String> {
     simulation(mechanism, 1e-8).assembly().warnings.clone()

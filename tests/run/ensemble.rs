@@ -5,8 +5,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::common::{control, paper_drive, tensioner};
-use rustchain::ensemble::{Case, Ensemble, Outcome};
 use rustchain::force_law::{Damping, ForceLaw};
+use rustchain::run::ensemble::{Case, Ensemble, Outcome};
 use rustchain::{Error, ForceLaws, Groups};
 
 const ALL: Groups = Groups {

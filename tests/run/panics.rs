@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use crate::common::{control, paper_drive};
 use rustchain::drive::Motion;
-use rustchain::state::Start;
+use rustchain::layout::Start;
 use rustchain::{Error, ForceLaws, Groups, Model, Simulation, Values};
 
 const REPORT_STEP: f64 = 1e-5;

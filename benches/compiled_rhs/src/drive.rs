@@ -3,11 +3,13 @@
 
 use std::sync::Arc;
 
-use rustchain::contact::{ImpactMemory, first_crossing};
+use rustchain::chain::contact::ImpactMemory;
+use rustchain::chain::dynamics::{Dynamics, Powers};
+use rustchain::chain::motion::Motion;
 use rustchain::drive::Drive;
-use rustchain::dynamics::{Dynamics, Powers};
 use rustchain::integrator::OdeSystem;
-use rustchain::state::{Motion, Start};
+use rustchain::integrator::event_location::first_crossing;
+use rustchain::layout::Start;
 use rustchain::{ForceLaws, Model};
 
 use crate::system::{Accepted, Evolving, Pattern};
@@ -136,7 +138,7 @@ impl DriveSystem {
 
     /// Time and speed at which a pair's depth turned positive in a step.
     fn onset(&mut self, step: &Accepted<'_>, find: impl Fn(&Dynamics) -> (f64, f64)) -> (f64, f64) {
-        let contact = |depth: f64, rate: f64| rustchain::contact::Contact {
+        let contact = |depth: f64, rate: f64| rustchain::geometry::Contact {
             normal: rustchain::geometry::Vec2::zeros(),
             penetration: depth,
             penetration_rate: rate,
@@ -174,7 +176,7 @@ impl Evolving for DriveSystem {
             if q < 3 * n {
                 *length = model.half_pitch;
             } else if matches!(model.sprockets[body - n].rotation,
-                rustchain::model::Rotation::Free { index, .. } if index == q)
+                rustchain::chain::model::Rotation::Free { index, .. } if index == q)
             {
                 let teeth = model.sprockets[body - n].gap_directions.len() as f64;
                 *length = model.half_pitch / (std::f64::consts::PI / teeth).sin();

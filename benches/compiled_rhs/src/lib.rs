@@ -21,7 +21,7 @@ use cpu_time::ThreadTime;
 use drive::DriveSystem;
 use problems::{Kepler, Pin};
 use rustchain::ForceLaws;
-use rustchain::state::Start;
+use rustchain::layout::Start;
 use system::{Accepted, Evolving};
 
 /// What a run came to; the same layout in C.

@@ -8,7 +8,7 @@ use crate::drive::{
     Chain, ClearanceHinge, Link, LinkStiffness, Material, Plates, Roller, Variation,
 };
 
-pub(in crate::python) fn material(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Material> {
+pub(crate) fn material(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Material> {
     let read = Reader::new(object, field, &["Material"])?;
     Ok(Material {
         elastic_modulus: read.number("elastic_modulus", "Pa")?,
@@ -89,7 +89,7 @@ fn link_stiffness(read: &Reader<'_, '_>) -> PyResult<Option<LinkStiffness>> {
     Ok(Some(LinkStiffness::Given(number)))
 }
 
-pub(in crate::python) fn chain(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Chain> {
+pub(crate) fn chain(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Chain> {
     let read = Reader::new(object, field, &["Chain"])?;
     read.check_text("name")?;
     Ok(Chain {

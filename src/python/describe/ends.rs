@@ -12,7 +12,7 @@ pub(super) const ENDS: [&str; 3] = ["Anchor", "Load", "LooseEnd"];
 const STEEL: f64 = 7850.0;
 
 /// Reads an end of an open chain.
-pub(in crate::python) fn chain_end(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ChainEnd> {
+pub(crate) fn chain_end(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ChainEnd> {
     let read = Reader::new(object, field, &ENDS)?;
     let links = if read.get("links")?.is_none() {
         None

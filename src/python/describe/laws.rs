@@ -3,11 +3,11 @@
 use pyo3::prelude::*;
 
 use super::reader::{Reader, checked, kind_of, number, refuse};
+use crate::chain::model::ForceLaws;
 use crate::error::{Error, check};
 use crate::force_law::{
     Damping, Elastic, Film, ForceLaw, Friction, LuGre, Regions, Regularization,
 };
-use crate::model::ForceLaws;
 use crate::python::errors::to_python;
 
 pub(super) const LAWS: [&str; 9] = [
@@ -23,7 +23,7 @@ pub(super) const LAWS: [&str; 9] = [
 ];
 
 /// Reads a force law of a contact that has neither friction nor film.
-pub(in crate::python) fn force_law(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ForceLaw> {
+pub(crate) fn force_law(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ForceLaw> {
     let (law, friction) = law_and_friction(object, field)?;
     if friction.is_some() {
         return Err(refuse(
@@ -57,7 +57,7 @@ pub(super) fn film_of(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Option
 }
 
 /// Reads a `Film` and checks it.
-pub(in crate::python) fn film(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Film> {
+pub(crate) fn film(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Film> {
     let read = Reader::new(object, field, &["Film"])?;
     let film = Film {
         viscosity: read.number("viscosity", "Pa s")?,
@@ -83,7 +83,7 @@ fn without_film(object: &Bound<'_, PyAny>, field: &str, remedy: &str) -> PyResul
 }
 
 /// Reads a force law and its friction.
-pub(in crate::python) fn law_and_friction(
+pub(crate) fn law_and_friction(
     object: &Bound<'_, PyAny>,
     field: &str,
 ) -> PyResult<(ForceLaw, Option<Rubbing>)> {
@@ -122,7 +122,7 @@ pub(in crate::python) fn law_and_friction(
 
 /// The friction of a contact: of the slip speed, or of bristles.
 #[derive(Clone, Copy)]
-pub(in crate::python) enum Rubbing {
+pub(crate) enum Rubbing {
     Coulomb(Friction),
     LuGre(LuGre),
 }
@@ -186,7 +186,7 @@ fn friction(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Friction> {
 }
 
 /// Reads a damping by its name.
-pub(in crate::python) fn damping(name: &str, py: Python<'_>) -> PyResult<Damping> {
+pub(crate) fn damping(name: &str, py: Python<'_>) -> PyResult<Damping> {
     let known = Damping::ALL.into_iter().find(|law| law.name() == name);
     known.ok_or_else(|| {
         let names = Damping::ALL.map(|law| format!("\"{}\"", law.name()));
@@ -196,7 +196,7 @@ pub(in crate::python) fn damping(name: &str, py: Python<'_>) -> PyResult<Damping
 }
 
 /// Reads the laws of a run; `None`: as `force_law`.
-pub(in crate::python) fn force_laws(
+pub(crate) fn force_laws(
     force_law: &Bound<'_, PyAny>,
     hinge_law: Option<&Bound<'_, PyAny>>,
     tooth_law: Option<&Bound<'_, PyAny>>,

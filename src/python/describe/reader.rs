@@ -9,14 +9,14 @@ use crate::geometry::Vec2;
 use crate::python::errors::to_python;
 
 /// One description object, whose fields are read by name.
-pub(in crate::python) struct Reader<'a, 'py> {
+pub(crate) struct Reader<'a, 'py> {
     object: &'a Bound<'py, PyAny>,
-    pub(in crate::python) kind: String,
+    pub(crate) kind: String,
 }
 
 impl<'a, 'py> Reader<'a, 'py> {
     /// Reads `object`, which must be a description of one of the `kinds`.
-    pub(in crate::python) fn new(
+    pub(crate) fn new(
         object: &'a Bound<'py, PyAny>,
         field: &str,
         kinds: &[&str],
@@ -37,19 +37,15 @@ impl<'a, 'py> Reader<'a, 'py> {
         format!("{}.{field}", self.kind)
     }
 
-    pub(in crate::python) fn get(&self, field: &str) -> PyResult<Bound<'py, PyAny>> {
+    pub(crate) fn get(&self, field: &str) -> PyResult<Bound<'py, PyAny>> {
         self.object.getattr(field)
     }
 
-    pub(in crate::python) fn number(&self, field: &str, unit: &str) -> PyResult<f64> {
+    pub(crate) fn number(&self, field: &str, unit: &str) -> PyResult<f64> {
         number(&self.get(field)?, &self.name(field), unit)
     }
 
-    pub(in crate::python) fn optional_number(
-        &self,
-        field: &str,
-        unit: &str,
-    ) -> PyResult<Option<f64>> {
+    pub(crate) fn optional_number(&self, field: &str, unit: &str) -> PyResult<Option<f64>> {
         let value = self.get(field)?;
         if value.is_none() {
             return Ok(None);
@@ -85,7 +81,7 @@ impl<'a, 'py> Reader<'a, 'py> {
         count(&self.get(field)?, &self.name(field))
     }
 
-    pub(in crate::python) fn vector(&self, field: &str, unit: &str) -> PyResult<Vec2> {
+    pub(crate) fn vector(&self, field: &str, unit: &str) -> PyResult<Vec2> {
         let value = self.get(field)?;
         if let Ok(pair) = value.cast::<PyTuple>()
             && pair.len() == 2
@@ -115,7 +111,7 @@ impl<'a, 'py> Reader<'a, 'py> {
     }
 
     /// One of several words, each standing for a value; `None` in Python is the word "None".
-    pub(in crate::python) fn word<T: Copy>(&self, field: &str, words: &[(&str, T)]) -> PyResult<T> {
+    pub(crate) fn word<T: Copy>(&self, field: &str, words: &[(&str, T)]) -> PyResult<T> {
         let value = self.get(field)?;
         let text = if value.is_none() {
             "None".to_string()
@@ -159,7 +155,7 @@ impl<'a, 'py> Reader<'a, 'py> {
 }
 
 /// A constant, or a tuple of rows (axis, value).
-pub(in crate::python) fn table(
+pub(crate) fn table(
     value: &Bound<'_, PyAny>,
     name: &str,
     axis: (&str, &str),
@@ -214,24 +210,20 @@ pub(super) fn kind_of(object: &Bound<'_, PyAny>) -> String {
 }
 
 /// A finite number.
-pub(in crate::python) fn finite(
-    value: &Bound<'_, PyAny>,
-    field: &str,
-    unit: &str,
-) -> PyResult<f64> {
+pub(crate) fn finite(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyResult<f64> {
     let found = number(value, field, unit)?;
     checked(value.py(), check::finite(field, found, unit)).map(|()| found)
 }
 
 /// True or False.
-pub(in crate::python) fn truth(value: &Bound<'_, PyAny>, field: &str) -> PyResult<bool> {
+pub(crate) fn truth(value: &Bound<'_, PyAny>, field: &str) -> PyResult<bool> {
     value
         .extract()
         .map_err(|_| refuse(value.py(), field, value, "must be True or False"))
 }
 
 /// A whole number, not negative.
-pub(in crate::python) fn count(value: &Bound<'_, PyAny>, field: &str) -> PyResult<u32> {
+pub(crate) fn count(value: &Bound<'_, PyAny>, field: &str) -> PyResult<u32> {
     if !value.is_instance_of::<PyBool>()
         && let Ok(count) = value.extract::<u32>()
     {
@@ -246,7 +238,7 @@ pub(in crate::python) fn count(value: &Bound<'_, PyAny>, field: &str) -> PyResul
 }
 
 /// The numbers of teeth of two sprockets.
-pub(in crate::python) fn two_teeth(value: &Bound<'_, PyAny>) -> PyResult<[u32; 2]> {
+pub(crate) fn two_teeth(value: &Bound<'_, PyAny>) -> PyResult<[u32; 2]> {
     if let Ok([first, second]) = value.extract::<[Bound<'_, PyAny>; 2]>()
         && let (Ok(first), Ok(second)) = (count(&first, "teeth"), count(&second, "teeth"))
         && [first, second].iter().all(|n| (5..=1000).contains(n))
@@ -262,11 +254,7 @@ pub(in crate::python) fn two_teeth(value: &Bound<'_, PyAny>) -> PyResult<[u32; 2
 }
 
 /// A number, which may be infinite or NaN.
-pub(in crate::python) fn number(
-    value: &Bound<'_, PyAny>,
-    field: &str,
-    unit: &str,
-) -> PyResult<f64> {
+pub(crate) fn number(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyResult<f64> {
     if !value.is_instance_of::<PyBool>()
         && !value.is_instance_of::<PyString>()
         && let Ok(number) = value.extract::<f64>()
@@ -281,7 +269,7 @@ pub(in crate::python) fn number(
     Err(refuse(value.py(), field, value, &expected))
 }
 
-pub(in crate::python) fn refuse(
+pub(crate) fn refuse(
     py: Python<'_>,
     field: &str,
     value: &Bound<'_, PyAny>,
@@ -295,6 +283,6 @@ pub(in crate::python) fn refuse(
     to_python(py, &Error::invalid(field, shown, expected))
 }
 
-pub(in crate::python) fn checked<T>(py: Python<'_>, result: Result<T>) -> PyResult<T> {
+pub(crate) fn checked<T>(py: Python<'_>, result: Result<T>) -> PyResult<T> {
     result.map_err(|error| to_python(py, &error))
 }

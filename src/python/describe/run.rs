@@ -5,11 +5,11 @@ use pyo3::prelude::*;
 use super::reader::{Reader, checked, number, truth};
 use crate::error::Error;
 use crate::integrator::{Corrector, StepControl};
-use crate::recorder::Groups;
-use crate::simulate::check_reports;
+use crate::run::recorder::Groups;
+use crate::run::simulation::check_reports;
 
 /// Reads and checks what to record: duration \[s\], time between two rows \[s\], and the groups by their names.
-pub(in crate::python) fn reports(
+pub(crate) fn reports(
     duration: &Bound<'_, PyAny>,
     report_step: &Bound<'_, PyAny>,
     groups: &[String],
@@ -35,7 +35,7 @@ pub(in crate::python) fn reports(
 const DEFAULT_TOLERANCE: f64 = 1e-5;
 
 /// Reads a `Solver` and checks it.
-pub(in crate::python) fn solver(object: &Bound<'_, PyAny>) -> PyResult<StepControl> {
+pub(crate) fn solver(object: &Bound<'_, PyAny>) -> PyResult<StepControl> {
     let read = Reader::new(object, "solver", &["Solver"])?;
     let corrector = read.word(
         "method",

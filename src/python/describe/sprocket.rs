@@ -7,7 +7,7 @@ use super::reader::{Reader, count, number, refuse};
 use super::teeth::tooth_form;
 use crate::drive::{Bearing, Faults, Motion, Sprocket};
 use crate::geometry::Damage;
-use crate::geometry::belt::Side;
+use crate::geometry::path::belt::Side;
 
 /// Rows (number of a tooth, share of its height that is left).
 fn damage(read: &Reader<'_, '_>) -> PyResult<Vec<Damage>> {
@@ -50,7 +50,7 @@ pub(super) fn motion(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Motion>
     })
 }
 
-pub(in crate::python) fn sprocket(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Sprocket> {
+pub(crate) fn sprocket(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Sprocket> {
     let read = Reader::new(object, field, &["Sprocket"])?;
     Ok(Sprocket {
         teeth: read.count("teeth")?,

@@ -47,7 +47,7 @@ pub(super) fn arm(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Arm> {
     })
 }
 
-pub(in crate::python) fn rail(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Rail> {
+pub(crate) fn rail(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Rail> {
     let read = Reader::new(object, field, &["GuideRail", "SmoothIdler"])?;
     let own = read.get("material")?;
     let of = if own.is_none() {

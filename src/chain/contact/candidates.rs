@@ -1,0 +1,357 @@
+//! Which bushings may touch which sprockets before anything has moved far, and in which gap each of them is.
+//!
+//! A list holds until a bushing, or a bushing seen from a sprocket, has moved by more than the margin with which it was made. Every evaluation
+//! measures that, so no contact can be missed whatever a step tries. A list made where something was nowhere holds for nothing.
+//! A pair that has a memory stays a candidate until the memory has ended. The gaps are hints: the kernel sees when a bushing has
+//! crossed to the next one and asks for it.
+
+mod carried;
+
+pub(crate) use carried::CarriedCandidates;
+
+use serde::{Deserialize, Serialize};
+
+use crate::chain::contact::ImpactMemory;
+use crate::chain::model::{Model, SprocketModel, Support};
+use crate::force_law::{VectorLaw, with_law};
+use crate::geometry::{Surface, Vec2};
+use crate::math::simd::{Numbers, WIDTH, padded, padded_zeros};
+
+/// Candidates of all sprockets.
+#[derive(Debug, Clone)]
+pub(crate) struct Candidates {
+    /// For each sprocket.
+    pub(crate) sprockets: Vec<SprocketCandidates>,
+    /// Where the bushings were when the list was made: x, y \[m\].
+    pub(crate) reference: [Numbers; 2],
+    /// The sprockets that can move, and where they were \[m\].
+    movable: Vec<(usize, Vec2)>,
+    /// How far anything may move before the list is made again \[m\].
+    margin: f64,
+    /// How many bushings runs go past the last one, beginning again with the first.
+    pub(crate) overhang: usize,
+    /// The list does not hold, whatever has moved.
+    stale: bool,
+    /// How often the list was made.
+    refreshes: u64,
+}
+
+/// Bushings that follow one another along the chain, all candidates of one sprocket.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Run {
+    /// First bushing.
+    pub(crate) first: usize,
+    /// How many; may go past the last bushing to the first.
+    pub(crate) length: usize,
+    /// Slot of the first one, a multiple of [`WIDTH`].
+    pub(crate) slot: usize,
+}
+
+/// Candidates of one sprocket: runs, and arrays over their slots.
+#[derive(Debug, Clone)]
+pub(crate) struct SprocketCandidates {
+    /// The runs.
+    pub(crate) runs: Vec<Run>,
+    /// Direction of the gap of each in the sprocket's own frame, cosine.
+    pub(crate) gap_cos: Numbers,
+    /// The same, sine.
+    pub(crate) gap_sin: Numbers,
+    /// 1/onset speed of each \[s/m\]; zero without memory.
+    pub(crate) inverse_onset: Numbers,
+    /// Law constants of the surface at onset.
+    pub(crate) kept_constants: [Numbers; 2],
+    /// Depth of each \[m\]; zero where apart. Written by the kernel.
+    pub(crate) depth: Numbers,
+    /// Normal force on each \[N\]. Written by the kernel.
+    pub(crate) force: Numbers,
+}
+
+impl SprocketCandidates {
+    fn with_room_for(slots: usize) -> Self {
+        let room = || Numbers::with_capacity(64, slots);
+        Self {
+            runs: Vec::with_capacity(slots / WIDTH),
+            gap_cos: room(),
+            gap_sin: room(),
+            inverse_onset: room(),
+            kept_constants: [room(), room()],
+            depth: room(),
+            force: room(),
+        }
+    }
+
+    /// Bushing of every slot that has one, in a chain of `links`.
+    pub(crate) fn bushings(&self, links: usize) -> impl Iterator<Item = (usize, usize)> {
+        self.runs.iter().flat_map(move |run| {
+            (0..run.length).map(move |i| (run.slot + i, (run.first + i) % links))
+        })
+    }
+
+    fn slot_of(&self, bushing: usize, links: usize) -> Option<usize> {
+        self.runs.iter().find_map(|run| {
+            let place = (bushing + links - run.first) % links;
+            (place < run.length).then_some(run.slot + place)
+        })
+    }
+
+    fn resize(&mut self, slots: usize) {
+        let Self {
+            gap_cos,
+            gap_sin,
+            inverse_onset,
+            kept_constants: [kept_0, kept_1],
+            depth,
+            force,
+            ..
+        } = self;
+        for array in [
+            gap_cos,
+            gap_sin,
+            inverse_onset,
+            kept_0,
+            kept_1,
+            depth,
+            force,
+        ] {
+            array.clear();
+            array.resize(slots, 0.0);
+        }
+    }
+}
+
+impl Candidates {
+    /// None yet: the first evaluation makes the list.
+    pub(crate) fn new(model: &Model) -> Self {
+        let sprocket = || SprocketCandidates::with_room_for(Self::most_slots(model));
+        Self {
+            sprockets: model.sprockets.iter().map(|_| sprocket()).collect(),
+            reference: [padded_zeros(model.links), padded_zeros(model.links)],
+            movable: (0..model.sprockets.len())
+                .filter(|&s| model.sprockets[s].support != Support::Fixed)
+                .map(|s| (s, Vec2::zeros()))
+                .collect(),
+            // With half a pitch a wrap and its strands' ends still fill the registers that they need anyway.
+            margin: model.half_pitch,
+            overhang: 0,
+            stale: true,
+            refreshes: 0,
+        }
+    }
+
+    /// Slots that the candidates of a sprocket may need.
+    pub(crate) fn most_slots(model: &Model) -> usize {
+        // Runs are a register apart at least: what they need beyond the links themselves lies in the gaps between them.
+        // Where an open chain is open, two may be nearer.
+        let open = if model.ends.is_some() { 2 } else { 0 };
+        padded(model.links) + (2 + open) * WIDTH
+    }
+
+    /// Forgets the list.
+    pub(crate) fn invalidate(&mut self) {
+        self.stale = true;
+    }
+
+    /// How often the list was made.
+    pub(crate) fn refreshes(&self) -> u64 {
+        self.refreshes
+    }
+
+    /// Whether the list holds when some bushing has moved by the square root of `moved_squared` \[m²\] and sprockets are at
+    /// `center`.
+    #[inline]
+    pub(crate) fn hold(&self, moved_squared: f64, center: impl Fn(usize) -> Vec2) -> bool {
+        let mut sprocket_moved: f64 = 0.0;
+        for &(s, reference) in &self.movable {
+            sprocket_moved = sprocket_moved.max((center(s) - reference).norm_squared());
+        }
+        // (a + b)² <= 2 (a² + b²)
+        !self.stale && 2.0 * (moved_squared + sprocket_moved) < self.margin * self.margin
+    }
+
+    /// Makes the list from the present places of bushings (`x`, `y`) and sprockets (centre; cosine and sine of the angle).
+    pub(crate) fn refresh(
+        &mut self,
+        model: &Model,
+        memory: &ImpactMemory,
+        [x, y]: [&[f64]; 2],
+        frames: impl Iterator<Item = (Vec2, [f64; 2])>,
+    ) {
+        let n = model.links;
+        self.reference[0][..n].copy_from_slice(&x[..n]);
+        self.reference[1][..n].copy_from_slice(&y[..n]);
+        // From a place that is no number nothing has moved by any number.
+        let finite = |places: &[f64]| places[..n].iter().all(|place| place.is_finite());
+        self.stale = !(finite(x) && finite(y));
+        self.refreshes += 1;
+        self.overhang = 0;
+        for (s, (center, direction)) in frames.enumerate() {
+            if let Some((_, reference)) = self.movable.iter_mut().find(|(movable, _)| *movable == s)
+            {
+                *reference = center;
+                self.stale |= !(center.x.is_finite() && center.y.is_finite());
+            }
+            let candidates = &mut self.sprockets[s];
+            let limit = model.sprockets[s].reach + self.margin;
+            let live = &memory.tooth_speed[s * n..(s + 1) * n];
+            let near = |k: usize| {
+                let distance_squared = (Vec2::new(x[k], y[k]) - center).norm_squared();
+                distance_squared < limit * limit || distance_squared.is_nan() || live[k] > 0.0
+            };
+            let there = |k: usize| model.bushing_is_there(k);
+            let slots = find_runs(n, near, there, &mut candidates.runs);
+            candidates.resize(slots);
+            for i in 0..candidates.runs.len() {
+                let run = candidates.runs[i];
+                self.overhang = self
+                    .overhang
+                    .max((run.first + run.length).saturating_sub(n));
+                for j in 0..run.length {
+                    let k = (run.first + j) % n;
+                    let arm = Vec2::new(x[k], y[k]) - center;
+                    let slot = run.slot + j;
+                    (candidates.gap_cos[slot], candidates.gap_sin[slot]) =
+                        gap_direction(&model.sprockets[s], arm, direction);
+                    candidates.remember(model, memory, s, run.slot + j, k);
+                }
+            }
+        }
+    }
+
+    /// The gap of sprocket `s` that bushing `k` was last seen in.
+    pub(crate) fn gap(&self, model: &Model, s: usize, k: usize) -> Option<u32> {
+        let candidates = &self.sprockets[s];
+        let slot = candidates.slot_of(k, model.links)?;
+        let angle = candidates.gap_sin[slot].atan2(candidates.gap_cos[slot]);
+        Some(model.sprockets[s].profile.nearest_gap(angle))
+    }
+
+    /// Brings what the slot of bushing `k` on sprocket `s` knows of its onset in line with `memory`.
+    pub(crate) fn update_memory(
+        &mut self,
+        model: &Model,
+        memory: &ImpactMemory,
+        s: usize,
+        k: usize,
+    ) {
+        if let Some(slot) = self.sprockets[s].slot_of(k, model.links) {
+            self.sprockets[s].remember(model, memory, s, slot, k);
+        }
+    }
+}
+
+impl SprocketCandidates {
+    fn remember(&mut self, model: &Model, memory: &ImpactMemory, s: usize, slot: usize, k: usize) {
+        let pair = s * model.links + k;
+        let speed = memory.tooth_speed[pair];
+        self.inverse_onset[slot] = if speed > 0.0 { 1.0 / speed } else { 0.0 };
+        let constants = surface_constants(model, s, memory.tooth_surface[pair]);
+        for (array, constant) in self.kept_constants.iter_mut().zip(constants) {
+            array[slot] = constant;
+        }
+    }
+}
+
+/// Direction, in the sprocket's own frame, of the gap that a bushing at `arm` from its centre is in.
+///
+/// `direction`: cosine and sine of the sprocket's angle.
+#[cold]
+#[inline(never)]
+pub(crate) fn gap_direction(
+    sprocket: &SprocketModel,
+    arm: Vec2,
+    [cos, sin]: [f64; 2],
+) -> (f64, f64) {
+    let (x, y) = (
+        arm.x * cos + arm.y * sin - sprocket.offset.x,
+        arm.y * cos - arm.x * sin - sprocket.offset.y,
+    );
+    sprocket.gap_directions[sprocket.profile.nearest_gap(y.atan2(x)) as usize]
+}
+
+/// Constants of the tooth law for a surface of sprocket `s`.
+pub(crate) fn surface_constants(model: &Model, s: usize, surface: Surface) -> [f64; 2] {
+    with_law!(&model.tooth_law.pairs, Law, pairs => Law::constants(&pairs[model.tooth_pair(s, surface)]))
+}
+
+/// Writes the runs of the `near` ones of `n` bushings and returns the number of their slots.
+///
+/// Runs with less than a register between them are joined: the register would be loaded anyway. The last one and the first
+/// one are joined where that saves a register. Bushings that are not `there` are in no run.
+fn find_runs(
+    n: usize,
+    near: impl Fn(usize) -> bool,
+    there: impl Fn(usize) -> bool,
+    runs: &mut Vec<Run>,
+) -> usize {
+    runs.clear();
+    let all_there = |from: usize, to: usize| (from..to).all(|k| there(k % n));
+    for k in (0..n).filter(|&k| near(k) && there(k)) {
+        match runs.last_mut() {
+            Some(run)
+                if k - (run.first + run.length) < WIDTH && all_there(run.first + run.length, k) =>
+            {
+                run.length = k + 1 - run.first;
+            }
+            _ => runs.push(Run {
+                first: k,
+                length: 1,
+                slot: 0,
+            }),
+        }
+    }
+    if let [first, .., last] = runs.as_mut_slice()
+        && first.first + n - (last.first + last.length) < WIDTH
+        && padded(first.first + n + first.length - last.first)
+            < padded(first.length) + padded(last.length)
+        && all_there(last.first + last.length, first.first + n)
+    {
+        last.length = first.first + n + first.length - last.first;
+        runs.remove(0);
+    }
+    lay_out(runs)
+}
+
+/// Gives the runs their slots and returns how many there are.
+fn lay_out(runs: &mut [Run]) -> usize {
+    let mut slots = 0;
+    for run in runs {
+        run.slot = slots;
+        slots += padded(run.length);
+    }
+    slots
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn runs_of(near: &[usize], n: usize) -> Vec<(usize, usize, usize)> {
+        let mut runs = Vec::new();
+        find_runs(n, |k| near.contains(&k), |_| true, &mut runs);
+        runs.iter().map(|r| (r.first, r.length, r.slot)).collect()
+    }
+
+    #[test]
+    fn no_run_goes_over_a_bushing_that_is_not_there() {
+        let mut runs = Vec::new();
+        let near = [0, 1, 2, 36, 37, 38, 39];
+        find_runs(40, |k| near.contains(&k), |k| k != 38, &mut runs);
+        let found: Vec<_> = runs.iter().map(|r| (r.first, r.length, r.slot)).collect();
+        assert_eq!(found, [(36, 2, 0), (39, 4, 8)]);
+    }
+
+    #[test]
+    fn neighbours_make_one_run_and_distant_ones_two() {
+        assert_eq!(runs_of(&[3, 4, 5, 9], 40), [(3, 7, 0)]);
+        assert_eq!(runs_of(&[3, 4, 20, 21], 40), [(3, 2, 0), (20, 2, 8)]);
+        assert_eq!(runs_of(&[], 40), []);
+    }
+
+    #[test]
+    fn a_run_goes_past_the_last_bushing_to_the_first() {
+        assert_eq!(runs_of(&[0, 1, 15, 38, 39], 40), [(15, 1, 0), (38, 4, 8)]);
+        let five_and_five = [0, 1, 2, 3, 4, 35, 36, 37, 38, 39];
+        assert_eq!(runs_of(&five_and_five, 40), [(0, 5, 0), (35, 5, 8)]);
+        assert_eq!(runs_of(&[0, 1, 2, 3], 4), [(0, 4, 0)]);
+    }
+}

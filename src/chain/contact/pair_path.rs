@@ -1,0 +1,213 @@
+//! A hinge, or a bushing and a sprocket, along the integrator's last step: what only its two bodies need.
+
+use super::clearance_joint::pin_in_bushing;
+use super::tooth_contact::{OnGap, SprocketFrame, bushing_near_gap};
+use crate::chain::model::{Model, Rotation, SprocketModel, Support};
+use crate::geometry::Contact;
+use crate::geometry::{Vec2, turned_left, unit};
+use crate::integrator::{Adams, Path};
+
+/// Turned by less \[rad\], a direction follows from a series.
+const SMALL_TURN: f64 = 0.0625;
+
+/// Hinge `k` along a step.
+#[derive(Debug)]
+pub struct HingePath<'a> {
+    clearance: f64,
+    /// From the centres of both links to the hinge \[m\].
+    arms: [f64; 2],
+    /// Centre of link k seen from that of the next one \[m\], their angles, and the rates of all four.
+    path: Path<'a, 8>,
+    /// Directions of both links at the end of the step.
+    directions: [Vec2; 2],
+}
+
+impl<'a> HingePath<'a> {
+    /// Hinge `k` of `model` along the last step of `adams`.
+    #[must_use]
+    pub fn new(model: &Model, adams: &'a Adams, k: usize) -> Self {
+        let n = model.links;
+        let next = if k + 1 == n { 0 } else { k + 1 };
+        let path = adams.path(|row| {
+            let (q, v) = row.split_at(model.coordinates);
+            let pair = |q: &[f64]| {
+                let (x, y) = (q[k] - q[next], q[n + k] - q[n + next]);
+                [x, y, q[2 * n + k], q[2 * n + next]]
+            };
+            join(pair(q), pair(v))
+        });
+        let [_, _, front, rear, ..] = path.end();
+        Self {
+            clearance: model.clearance,
+            arms: [k, next].map(|i| model.arms[i]),
+            path,
+            directions: [unit(front), unit(rear)],
+        }
+    }
+
+    /// The contact at time `t` inside the step.
+    #[must_use]
+    pub fn at(&self, t: f64) -> Contact {
+        let [x, y, .., vx, vy, front_spin, rear_spin] = self.path.end();
+        let [dx, dy, front, rear, dvx, dvy, front_spun, rear_spun] = self.path.change_at(t);
+        let front = self.arms[0] * turned(self.directions[0], front);
+        let rear = self.arms[1] * turned(self.directions[1], rear);
+        let turning = (front_spin + front_spun) * front + (rear_spin + rear_spun) * rear;
+        pin_in_bushing(
+            Vec2::new(x + dx, y + dy) + front + rear,
+            Vec2::new(vx + dvx, vy + dvy) + turned_left(turning),
+            self.clearance,
+        )
+    }
+}
+
+/// Bushing `k` on sprocket `s` along a step.
+#[derive(Debug)]
+pub struct ToothPath<'a> {
+    sprocket: &'a SprocketModel,
+    bushing_radius: f64,
+    /// From the link's centre to the bushing, along the link \[m\].
+    arm: f64,
+    /// Centre of the link seen from that of the sprocket \[m\], angles of link and sprocket, and the rates of all four. A
+    /// prescribed angle is not among them.
+    path: Path<'a, 8>,
+    /// Directions of link and sprocket at the end of the step.
+    directions: [Vec2; 2],
+    /// Angle of the sprocket there \[rad\].
+    angle: f64,
+    /// The gap that the bushing is in there.
+    gap: u32,
+    /// From where a tensioner's coordinate counts along the tangent of its way at the end \[m\].
+    origin: Vec2,
+}
+
+impl<'a> ToothPath<'a> {
+    /// Bushing `k` of `model` on sprocket `s` along the last step of `adams`.
+    #[must_use]
+    pub fn new(model: &'a Model, adams: &'a Adams, k: usize, s: usize) -> Self {
+        let n = model.links;
+        // A roller is what it is the centre of, whichever way it has turned.
+        let ([x_of, y_of, angle_of], arm) = if let Some(rollers) = &model.rollers {
+            ([0, 1, 2].map(|i| rollers.first + i * n + k), 0.0)
+        } else {
+            let link = model.link_of_bushing(k);
+            ([link, n + link, 2 * n + link], model.bushing_arm(k))
+        };
+        let sprocket = &model.sprockets[s];
+        // An arm turns by next to nothing in a step: its centre goes along the tangent of its end.
+        let (tangent, origin) = tangent_way(sprocket, adams.y());
+        let path = adams.path(|row| {
+            let (q, v) = row.split_at(model.coordinates);
+            let pair = |q: &[f64]| {
+                let center = match sprocket.support {
+                    Support::Fixed => Vec2::zeros(),
+                    Support::Slide { index, .. } => q[index] * tangent,
+                    Support::Floating { x, y } => Vec2::new(q[x], q[y]),
+                };
+                let angle = match sprocket.rotation {
+                    Rotation::Free { index, .. } => q[index],
+                    Rotation::Prescribed(_) => 0.0,
+                };
+                let (x, y) = (q[x_of] - center.x, q[y_of] - center.y);
+                [x, y, q[angle_of], angle]
+            };
+            join(pair(q), pair(v))
+        });
+        let [_, _, link_angle, free_angle, ..] = path.end();
+        let angle = prescribed(sprocket, adams.time()).map_or(free_angle, |[angle, _]| angle);
+        let mut at = Self {
+            sprocket,
+            bushing_radius: model.contact_radius,
+            arm,
+            path,
+            directions: [unit(link_angle), unit(angle)],
+            angle,
+            gap: 0,
+            origin,
+        };
+        at.gap = at.at(adams.time()).gap;
+        at
+    }
+
+    /// The contact at time `t` inside the step, at any distance: a pair on whose outermost surface a contact begins is out of reach
+    /// until then, and has a surface all the same.
+    #[must_use]
+    pub fn at(&self, t: f64) -> OnGap {
+        let [x, y, .., vx, vy, link_spin, spin] = self.path.end();
+        let [dx, dy, link_turn, turn, dvx, dvy, link_spun, spun] = self.path.change_at(t);
+        let [turn, spin] = prescribed(self.sprocket, t)
+            .map_or([turn, spin + spun], |[angle, spin]| {
+                [angle - self.angle, spin]
+            });
+        // Where a support holds the centre somewhere, its place is not among the coordinates.
+        let center = match self.sprocket.support {
+            Support::Fixed => self.sprocket.center,
+            Support::Slide { .. } => self.origin,
+            Support::Floating { .. } => Vec2::zeros(),
+        };
+        let arm = self.arm * turned(self.directions[0], link_turn);
+        let direction = turned(self.directions[1], turn);
+        let frame = SprocketFrame {
+            center,
+            velocity: Vec2::zeros(),
+            spin,
+            cos: direction.x,
+            sin: direction.y,
+        };
+        let point = Vec2::new(x + dx, y + dy) + arm;
+        let velocity = Vec2::new(vx + dvx, vy + dvy) + (link_spin + link_spun) * turned_left(arm);
+        bushing_near_gap(
+            self.sprocket,
+            &frame,
+            point,
+            velocity,
+            self.bushing_radius,
+            self.gap,
+        )
+    }
+}
+
+/// Unit vector of a tensioner's way where state `y` has its sprocket, and the point on that tangent from where the coordinate counts.
+fn tangent_way(sprocket: &SprocketModel, y: &[f64]) -> (Vec2, Vec2) {
+    let Support::Slide {
+        index,
+        direction,
+        guide,
+        ..
+    } = sprocket.support
+    else {
+        return (Vec2::zeros(), sprocket.center);
+    };
+    if guide.curvature == 0.0 {
+        return (direction, sprocket.center);
+    }
+    let tangent = guide.tangent(direction, y[index]);
+    let here = sprocket.center + guide.offset(direction, y[index]);
+    (tangent, here - y[index] * tangent)
+}
+
+/// Angle \[rad\] and angular speed \[rad/s\] of a sprocket that turns as prescribed.
+fn prescribed(sprocket: &SprocketModel, t: f64) -> Option<[f64; 2]> {
+    match &sprocket.rotation {
+        Rotation::Prescribed(speed) => Some([sprocket.phase + speed.integral(t), speed.value(t)]),
+        Rotation::Free { .. } => None,
+    }
+}
+
+pub(super) fn join([a, b, c, d]: [f64; 4], [e, f, g, h]: [f64; 4]) -> [f64; 8] {
+    [a, b, c, d, e, f, g, h]
+}
+
+/// `direction` turned by `angle` \[rad\], to round-off.
+pub(super) fn turned(direction: Vec2, angle: f64) -> Vec2 {
+    let (sin, cos) = if angle.abs() < SMALL_TURN {
+        let z = angle * angle;
+        // What is left out is below 1e-20.
+        let sin = 1.0 - z / 6.0 * (1.0 - z / 20.0 * (1.0 - z / 42.0 * (1.0 - z / 72.0)));
+        let cos = 1.0 - 0.5 * z * (1.0 - z / 12.0 * (1.0 - z / 30.0 * (1.0 - z / 56.0)));
+        (angle * sin, cos)
+    } else {
+        angle.sin_cos()
+    };
+    cos * direction + sin * turned_left(direction)
+}

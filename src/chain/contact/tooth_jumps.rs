@@ -1,0 +1,203 @@
+//! Tooth jumps: when the chain on a sprocket has moved on to other gaps than those in which it was seated.
+//!
+//! Bushings that follow one another sit in gaps that follow one another. The gap of one seated bushing therefore gives the gap of every
+//! other; a seated bushing in another gap than that is off by whole teeth. The chain has jumped when all seated bushings of a sprocket are
+//! off by the same number of teeth: while some of them still sit where they did, they may yet go back.
+
+use serde::{Deserialize, Serialize};
+
+use crate::chain::model::Model;
+use crate::geometry::Vec2;
+
+/// One tooth by which a sprocket has turned against its chain.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ToothJump {
+    /// End of the step after which no bushing was seated as before \[s\].
+    pub time: f64,
+    /// Sprocket, from 0.
+    pub sprocket: usize,
+    /// 1 where the sprocket turned counterclockwise against the chain, -1 where it turned clockwise.
+    pub direction: i32,
+}
+
+/// A bushing that is seated on a sprocket.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Seated {
+    pub(crate) bushing: usize,
+    pub(crate) gap: u32,
+}
+
+/// Where the chain is seated on one sprocket.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Seating {
+    /// A bushing near the middle of the wrap, and its gap.
+    middle: Seated,
+    /// Whether gaps are counted up from bushing to bushing.
+    rises: bool,
+}
+
+/// Where the chain is seated on each sprocket, and the jumps so far.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ToothJumps {
+    /// Nothing for a sprocket on which no bushing was seated yet.
+    seatings: Vec<Option<Seating>>,
+    jumps: Vec<ToothJump>,
+}
+
+impl ToothJumps {
+    /// No jumps, and no bushing seated yet.
+    pub(crate) fn new(model: &Model) -> Self {
+        Self {
+            seatings: vec![None; model.toothed()],
+            jumps: Vec::new(),
+        }
+    }
+
+    /// The jumps so far, in the order of time.
+    pub(crate) fn jumps(&self) -> &[ToothJump] {
+        &self.jumps
+    }
+
+    /// Looks at sprocket `s` at time `t` \[s\], on which the bushings `seated` sit, in their order along the chain; `place` gives the
+    /// centre of a bushing seen from the sprocket's.
+    pub(crate) fn look(
+        &mut self,
+        model: &Model,
+        (t, s): (f64, usize),
+        seated: &[Seated],
+        place: impl Fn(usize) -> Vec2,
+    ) {
+        let links = model.links;
+        let Some(&middle) = middle_of(seated, links) else {
+            return;
+        };
+        let seating = self.seatings[s].get_or_insert_with(|| {
+            let k = middle.bushing;
+            let along = place((k + 1) % links) - place((k + links - 1) % links);
+            let rises = place(k).perp(&along) > 0.0;
+            Seating { middle, rises }
+        });
+        let teeth = model.sprockets[s].profile.teeth;
+        let off = |bushing: &Seated| seating.off_by(bushing, links, teeth);
+        let teeth_moved = off(&middle);
+        let gap = i64::from(middle.gap);
+        if seated.iter().any(|bushing| off(bushing) != teeth_moved) {
+            // Not all of them have moved: the count goes on from where they were.
+            let gap = wrapped(gap - teeth_moved, teeth);
+            seating.middle = Seated { gap, ..middle };
+            return;
+        }
+        seating.middle = middle;
+        let direction = if teeth_moved > 0 { -1 } else { 1 };
+        for _ in 0..teeth_moved.unsigned_abs() {
+            self.jumps.push(ToothJump {
+                time: t,
+                sprocket: s,
+                direction,
+            });
+        }
+    }
+
+    /// Forgets where the chain is seated: it counts from where it is found next.
+    pub(crate) fn lose_seatings(&mut self) {
+        self.seatings.fill(None);
+    }
+
+    /// Takes back the jumps after `t` \[s\], where the run goes on from there.
+    pub(crate) fn take_back(&mut self, model: &Model, t: f64) {
+        while let Some(jump) = self.jumps.pop_if(|jump| jump.time > t) {
+            if let Some(seating) = &mut self.seatings[jump.sprocket] {
+                let teeth = model.sprockets[jump.sprocket].profile.teeth;
+                let gap = i64::from(seating.middle.gap) + i64::from(jump.direction);
+                seating.middle.gap = wrapped(gap, teeth);
+            }
+        }
+    }
+
+    /// Whether this can be of `model`.
+    pub(crate) fn is_like(&self, model: &Model) -> bool {
+        let toothed = model.toothed();
+        let fits = |(s, seating): (usize, &Option<Seating>)| {
+            seating.is_none_or(|seating| {
+                seating.middle.bushing < model.links
+                    && seating.middle.gap < model.sprockets[s].profile.teeth
+            })
+        };
+        self.seatings.len() == toothed
+            && self.seatings.iter().enumerate().all(fits)
+            && self.jumps.iter().all(|jump| jump.sprocket < toothed)
+    }
+}
+
+impl Seating {
+    /// By how many teeth counterclockwise a bushing sits from the gap that belongs to it.
+    #[allow(clippy::cast_possible_wrap)] // links are few
+    fn off_by(&self, seated: &Seated, links: usize, teeth: u32) -> i64 {
+        let (links, round) = (links as i64, i64::from(teeth));
+        let ahead = nearest_to_zero(seated.bushing as i64 - self.middle.bushing as i64, links);
+        let gaps = if self.rises { ahead } else { -ahead };
+        nearest_to_zero(
+            i64::from(seated.gap) - i64::from(self.middle.gap) - gaps,
+            round,
+        )
+    }
+}
+
+/// The bushing in the middle of a wrap: `seated` without its largest break, which lies on the other side.
+fn middle_of(seated: &[Seated], links: usize) -> Option<&Seated> {
+    let count = seated.len();
+    let break_behind = |&i: &usize| {
+        let next = seated[(i + 1) % count].bushing;
+        (next + links - seated[i].bushing - 1) % links
+    };
+    let last = (0..count).max_by_key(break_behind)?;
+    seated.get((last + 1 + count / 2) % count)
+}
+
+/// The number that differs from `value` by whole rounds and is nearest to zero.
+fn nearest_to_zero(value: i64, round: i64) -> i64 {
+    (value + round / 2).rem_euclid(round) - round / 2
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // below the number of teeth
+fn wrapped(gap: i64, teeth: u32) -> u32 {
+    gap.rem_euclid(i64::from(teeth)) as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seated(pairs: &[(usize, u32)]) -> Vec<Seated> {
+        let one = |&(bushing, gap)| Seated { bushing, gap };
+        pairs.iter().map(one).collect()
+    }
+
+    fn middle(bushings: &[usize], links: usize) -> Option<usize> {
+        let pairs: Vec<_> = bushings.iter().map(|&k| (k, 0)).collect();
+        middle_of(&seated(&pairs), links).map(|found| found.bushing)
+    }
+
+    #[test]
+    fn the_middle_of_a_wrap_lies_opposite_its_largest_break() {
+        assert_eq!(middle(&[3, 4, 5, 6, 7], 38), Some(5));
+        assert_eq!(middle(&[0, 1, 2, 36, 37], 38), Some(0));
+        assert_eq!(middle(&[9], 38), Some(9));
+        assert_eq!(middle(&[], 38), None);
+    }
+
+    #[test]
+    fn neighbours_in_neighbouring_gaps_are_off_by_nothing_whatever_the_wrap() {
+        let seating = |rises| Seating {
+            middle: Seated {
+                bushing: 1,
+                gap: 16,
+            },
+            rises,
+        };
+        let off = |rises, bushing, gap| seating(rises).off_by(&Seated { bushing, gap }, 38, 17);
+        assert_eq!((off(true, 2, 0), off(true, 37, 14)), (0, 0));
+        assert_eq!((off(false, 2, 15), off(false, 37, 1)), (0, 0));
+        assert_eq!((off(true, 2, 1), off(true, 2, 16)), (1, -1));
+    }
+}

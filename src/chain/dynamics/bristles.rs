@@ -1,0 +1,161 @@
+//! Scalar twin: bristles of all contacts, what they store, and how they begin and end.
+//!
+//! A contact's bristle is bent as long as it touches. When it has come apart its deflection has no part in anything; before the next
+//! step it is made zero, with a past in which it was never bent, so that nothing jumps.
+
+use super::{Dynamics, Losses, Pair};
+use crate::chain::model::Model;
+use crate::force_law::LuGre;
+use crate::integrator::Adams;
+
+/// Deflections of bristles and their rates, hinges first, then rollers, then teeth, as [`BristlePlaces`](crate::chain::model::BristlePlaces)
+/// has them; empty where friction is none of bristles.
+#[derive(Debug, Clone, Default)]
+pub struct Bristles {
+    /// z \[m\].
+    pub deflection: Vec<f64>,
+    /// dz/dt at the last evaluation \[m/s\].
+    pub rate: Vec<f64>,
+}
+
+impl Bristles {
+    pub(super) fn of(model: &Model) -> Self {
+        let zeros = || vec![0.0; model.bristles.all().len()];
+        Self {
+            deflection: zeros(),
+            rate: zeros(),
+        }
+    }
+
+    /// Takes the deflections of the state `y`.
+    pub(crate) fn read(&mut self, model: &Model, y: &[f64]) {
+        let all = &y[model.coordinates..2 * model.coordinates][model.bristles.all()];
+        self.deflection.copy_from_slice(all);
+    }
+
+    /// Unbends them all.
+    pub(crate) fn clear(&mut self) {
+        self.deflection.fill(0.0);
+    }
+
+    /// Friction of contact `number` among all that is pressed by `force` \[N\] and slips at `slip` \[m/s\].
+    pub(super) fn rub(&mut self, law: &LuGre, number: usize, force: f64, slip: f64) -> f64 {
+        let bent = law.bent(self.deflection[number], slip);
+        self.rate[number] = bent.rate;
+        force * bent.share
+    }
+}
+
+/// Energy stored by bristles \[J\].
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Stored {
+    /// In hinges.
+    pub hinges: f64,
+    /// In rollers.
+    pub rollers: f64,
+    /// On teeth.
+    pub teeth: f64,
+}
+
+impl Stored {
+    /// The sum.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.hinges + self.rollers + self.teeth
+    }
+
+    /// Losses without what is only stored so far: friction's work is both.
+    pub(crate) fn taken_off(&self, losses: Losses) -> Losses {
+        Losses {
+            hinge_friction: losses.hinge_friction - self.hinges,
+            roller_friction: losses.roller_friction - self.rollers,
+            tooth_friction: losses.tooth_friction - self.teeth,
+            ..losses
+        }
+    }
+}
+
+impl Dynamics {
+    /// What the bristles store at the last evaluation.
+    #[must_use]
+    pub fn stored(&self) -> Stored {
+        let places = &self.model.bristles;
+        let first = places.hinges.start;
+        let stored = |law: Option<LuGre>, number: usize, force: f64| {
+            law.map_or(0.0, |law| {
+                force * law.stored(self.bristles.deflection[number])
+            })
+        };
+        let hinge = self.model.hinge_bristles;
+        let of_hinges = places.hinges.clone().zip(&self.hinges.force);
+        let of_rollers = places.rollers.clone().zip(&self.rollers.force);
+        let mut all = Stored {
+            hinges: of_hinges
+                .map(|(i, &force)| stored(hinge, i - first, force))
+                .sum(),
+            rollers: of_rollers
+                .map(|(i, &force)| stored(hinge, i - first, force))
+                .sum(),
+            teeth: 0.0,
+        };
+        let law = self.model.tooth_bristles;
+        if law.is_some() {
+            for &pair in &self.teeth.near {
+                let pair = pair as usize;
+                let number = places.teeth.start - first + pair;
+                all.teeth += stored(law, number, self.teeth.force[pair]);
+            }
+        }
+        all
+    }
+
+    /// Unbends the bristles of contacts that came apart in the last step; call before [`Self::begin_step`].
+    pub(crate) fn unbend_parted(&mut self, adams: &mut Adams) {
+        if self.model.bristles.is_empty() {
+            return;
+        }
+        for i in 0..self.parted.len() {
+            if let Some(coordinate) = self.bristle_of(self.parted[i]) {
+                for component in [coordinate, self.model.coordinates + coordinate] {
+                    adams.put_to_rest(component);
+                    self.ends.put_to_rest(component);
+                }
+            }
+        }
+    }
+
+    /// The same in a state `y` at `t`, of all contacts that do not touch there.
+    pub(crate) fn unbend_open(&mut self, t: f64, y: &mut [f64]) {
+        if self.model.bristles.is_empty() {
+            return;
+        }
+        self.evaluate(t, y);
+        let places = &self.model.bristles;
+        let mut unbend = |coordinate: usize, depth: f64| {
+            if depth <= 0.0 {
+                y[coordinate] = 0.0;
+                y[self.model.coordinates + coordinate] = 0.0;
+            }
+        };
+        for (i, &depth) in places.hinges.clone().zip(&self.hinges.penetration) {
+            unbend(i, depth);
+        }
+        for (i, &depth) in places.rollers.clone().zip(&self.rollers.penetration) {
+            unbend(i, depth);
+        }
+        for (i, &depth) in places.teeth.clone().zip(&self.teeth.penetration) {
+            unbend(i, depth);
+        }
+    }
+
+    /// The coordinate of a pair's bristle, where it has one.
+    fn bristle_of(&self, pair: Pair) -> Option<usize> {
+        let places = &self.model.bristles;
+        let (range, number) = match pair {
+            Pair::Hinge(k) => (&places.hinges, k),
+            Pair::Roller(k) => (&places.rollers, k),
+            Pair::Tooth(pair) => (&places.teeth, pair),
+        };
+        (number < range.len()).then(|| range.start + number)
+    }
+}

@@ -1,0 +1,105 @@
+//! Kinetic, gravitational and elastic energy of the whole drive.
+
+use super::Dynamics;
+use crate::chain::model::{Rotation, Support};
+use crate::force_law::{ElasticLaw, depth_in_series, with_law};
+use crate::geometry::Vec2;
+
+/// Energies \[J\].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Energy {
+    /// Of all bodies but for the rotation of sprockets with prescribed speed.
+    pub kinetic: f64,
+    /// In the field of gravity, of all bodies that can move.
+    pub gravity: f64,
+    /// Stored in the contacts, in their bristles, in elastic links and in the tensioner's spring.
+    pub elastic: f64,
+}
+
+impl Energy {
+    /// The sum.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.gravity + self.elastic
+    }
+}
+
+pub(super) fn energy(dynamics: &Dynamics) -> Energy {
+    let (model, motion) = (dynamics.model(), &dynamics.motion);
+    let mut energy = Energy::default();
+    let mut add_body = |body: usize, mass: f64, inertia: f64| {
+        let (vx, vy, spin) = (motion.vx[body], motion.vy[body], motion.spin[body]);
+        energy.kinetic += 0.5 * mass * (vx * vx + vy * vy) + 0.5 * inertia * spin * spin;
+        energy.gravity -= mass
+            * model
+                .gravity
+                .dot(&Vec2::new(motion.x[body], motion.y[body]));
+    };
+    for i in (0..model.links).filter(|&i| !model.is_held(i)) {
+        add_body(i, model.mass[i], model.inertia[i]);
+    }
+    if let Some(rollers) = &model.rollers {
+        for k in (0..model.links).filter(|&k| model.bushing_is_there(k)) {
+            add_body(model.links + k, rollers.mass, rollers.inertia);
+        }
+    }
+    let (mut arms, mut springs) = (0.0, 0.0);
+    for (s, sprocket) in model.sprockets.iter().enumerate() {
+        let body = model.wheel_body(s);
+        let mass = if sprocket.support == Support::Fixed {
+            0.0
+        } else {
+            sprocket.mass
+        };
+        if let Support::Slide { guide, .. } = sprocket.support {
+            let center = Vec2::new(motion.x[body], motion.y[body]);
+            let (place, _) = sprocket.slide_at(center).unwrap_or_default();
+            let (vx, vy) = (motion.vx[body], motion.vy[body]);
+            arms += 0.5 * guide.extra_mass * (vx * vx + vy * vy);
+            springs += guide.energy(place, dynamics.memory.pawls[s]);
+        }
+        if let Some(swing) = sprocket.swing {
+            let turned = motion.angle[body] - sprocket.phase;
+            springs += swing.energy(turned, dynamics.memory.pawls[s]);
+        }
+        let inertia = if matches!(sprocket.rotation, Rotation::Prescribed(_)) {
+            0.0
+        } else {
+            sprocket.inertia
+        };
+        add_body(body, mass, inertia);
+    }
+    energy.kinetic += arms;
+    energy.elastic = elastic_energy(dynamics) + springs;
+    if !model.bristles.is_empty() {
+        energy.elastic += dynamics.stored().total();
+    }
+    energy
+}
+
+fn elastic_energy(dynamics: &Dynamics) -> f64 {
+    let model = dynamics.model();
+    let hinges: f64 = with_law!(&model.hinge_law.pairs, Law, pairs => {
+        dynamics.hinges.penetration.iter().enumerate().map(|(k, &depth)| match model.compliance_at(k) {
+            None => Law::energy(&pairs[0], depth),
+            Some(compliance) => {
+                let pressed = depth_in_series::<Law>(&pairs[0], compliance, depth);
+                let force = Law::force(&pairs[0], pressed);
+                Law::energy(&pairs[0], pressed) + 0.5 * compliance * force * force
+            }
+        }).sum()
+    });
+    let rollers: f64 = model.rollers.as_ref().map_or(0.0, |rollers| {
+        with_law!(&rollers.law.pairs, Law, pairs => {
+            dynamics.rollers.penetration.iter().map(|&depth| Law::energy(&pairs[0], depth)).sum()
+        })
+    });
+    let teeth: f64 = with_law!(&model.tooth_law.pairs, Law, pairs => {
+        dynamics.teeth.near.iter().map(|&pair| {
+            let pair = pair as usize;
+            let number = model.tooth_pair(pair / model.links, dynamics.stiffness_surface(pair));
+            Law::energy(&pairs[number], dynamics.teeth.penetration[pair])
+        }).sum()
+    });
+    hinges + teeth + rollers
+}

@@ -1,0 +1,66 @@
+//! Going back to a time inside the last step, from where other speeds and torques hold.
+
+use std::sync::Arc;
+
+use super::{Dynamics, Pair};
+use crate::chain::model::Model;
+
+impl Dynamics {
+    /// Goes on at (`t`, `y`) inside the last step with `model`, which differs in its speeds and torques only: contacts that began after
+    /// `t` have not begun, those that parted after it are still there, and the sums of energy are those of `t`.
+    pub(crate) fn turn_back(&mut self, model: Arc<Model>, t: f64, y: &[f64]) {
+        self.meter.cut(t);
+        self.model = model;
+        self.evaluate(t, y);
+        for k in 0..self.model.links {
+            let touching = self.hinges.penetration[k] > 0.0;
+            let speed = self.memory.hinge_speed()[k];
+            if touching && speed == 0.0 {
+                self.memory.begin_hinge(k, self.hinges.rate[k]);
+            } else if !touching && speed > 0.0 {
+                self.memory.end_hinge(k);
+                self.forget_onset(Pair::Hinge(k), speed);
+            }
+        }
+        for k in 0..self.model.roller_count() {
+            let touching = self.rollers.penetration[k] > 0.0;
+            let speed = self.memory.roller_speed()[k];
+            if touching && speed == 0.0 {
+                self.memory.begin_roller(k, self.rollers.rate[k]);
+            } else if !touching && speed > 0.0 {
+                self.memory.end_roller(k);
+                self.forget_onset(Pair::Roller(k), speed);
+            }
+        }
+        for pair in 0..self.memory.tooth_speed.len() {
+            let touching = self.teeth.penetration[pair] > 0.0;
+            let speed = self.memory.tooth_speed[pair];
+            if touching && speed == 0.0 {
+                let (rate, surface) = (self.teeth.rate[pair], self.teeth.surface[pair]);
+                self.memory.begin_tooth(pair, rate, surface);
+            } else if !touching && speed > 0.0 {
+                self.memory.end_tooth(pair);
+                self.forget_onset(Pair::Tooth(pair), speed);
+            }
+        }
+        self.parted.clear();
+        self.tooth_jumps.take_back(&self.model, t);
+        self.kernels.candidates.invalidate();
+        let mut slope = std::mem::take(&mut self.slope);
+        crate::integrator::OdeSystem::derivative(self, t, y, &mut slope);
+        self.fastest = self.kernels.watch(&self.model, 0.0).speed;
+        self.kernels.watch.advance();
+        if self.keeps_energy {
+            self.meter.begin(t, self.powers);
+            self.ends.begin(y, &slope);
+        }
+        self.slope = slope;
+    }
+
+    /// A contact that is not there at a time turned back to, nor was before it, has not begun.
+    fn forget_onset(&mut self, pair: Pair, speed: f64) {
+        if !self.parted.contains(&pair) {
+            self.memory.take_back(speed);
+        }
+    }
+}

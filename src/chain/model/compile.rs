@@ -1,0 +1,504 @@
+//! Drive and start -> `Model`: inertias, coordinates, pair constants.
+
+use super::bristles::{BristlePlaces, doubts};
+use super::guide::STOP_STIFFNESS;
+use super::places::check_places;
+use super::rail::place_rail;
+use super::{
+    ContactLaw, EndKind, Guide, IMMOVABLE, Model, OpenEnds, Ratchet, RollerModel, Rotation,
+    SprocketModel, Support,
+};
+use crate::drive::{Bearing, BeltLine, ChainEnd, Drive, Link, Motion, Sprocket};
+use crate::error::{Error, Result, check};
+use crate::force_law::{
+    Elastic, Film, ForceLaw, Friction, LuGre, PairTable, SurfacePair, range_note,
+};
+use crate::geometry::{Curve, ToothProfile, Vec2};
+use crate::layout::Start;
+use crate::layout::open_strands;
+
+/// The laws of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ForceLaws {
+    /// Pins in bushings.
+    pub hinge: ForceLaw,
+    /// Bushings on teeth.
+    pub tooth: ForceLaw,
+    /// Friction of pins in bushings; none: absent.
+    pub hinge_friction: Option<Friction>,
+    /// Friction of bushings on teeth.
+    pub tooth_friction: Option<Friction>,
+    /// Bristles of pins in bushings, in the place of their friction; none: absent.
+    pub hinge_bristles: Option<LuGre>,
+    /// Bristles of bushings on teeth.
+    pub tooth_bristles: Option<LuGre>,
+    /// Lubricant between pins and bushings; none: absent.
+    pub hinge_film: Option<Film>,
+    /// Floor of the approach speed at onset \[m/s\].
+    pub min_approach_speed: f64,
+}
+
+impl ForceLaws {
+    fn check(&self, restitution: f64) -> Result<()> {
+        check::positive("min_approach_speed", self.min_approach_speed, "m/s")?;
+        for (friction, name) in [
+            (&self.hinge_friction, "hinge_friction"),
+            (&self.tooth_friction, "tooth_friction"),
+        ] {
+            friction
+                .as_ref()
+                .map_or(Ok(()), |friction| friction.check(name))?;
+        }
+        for (friction, bristles, place) in [
+            (&self.hinge_friction, &self.hinge_bristles, "hinge"),
+            (&self.tooth_friction, &self.tooth_bristles, "tooth"),
+        ] {
+            let Some(law) = bristles else { continue };
+            law.check(&format!("{place}_bristles"))?;
+            if let Some(friction) = friction {
+                return Err(Error::invalid(
+                    format!("{place}_friction"),
+                    friction.coefficient,
+                    format!(
+                        "must be absent where there are {place}_bristles: a contact has one friction"
+                    ),
+                ));
+            }
+        }
+        if let Some(film) = &self.hinge_film {
+            film.check("hinge_film")?;
+        }
+        self.hinge.check("Material.restitution", restitution)?;
+        self.tooth.check("Material.restitution", restitution)
+    }
+}
+
+impl ForceLaws {
+    /// Coordinates of the bristles of a drive of so many hinges, rollers and wheels.
+    fn place_bristles(
+        &self,
+        coordinates: &mut Coordinates,
+        [hinges, rollers, wheels]: [usize; 3],
+    ) -> BristlePlaces {
+        let many = |law: Option<LuGre>, count: usize| law.map_or(0, |_| count);
+        let in_hinges = |count: usize| many(self.hinge_bristles, count);
+        let counts = [
+            in_hinges(hinges),
+            in_hinges(rollers),
+            many(self.tooth_bristles, hinges * wheels),
+        ];
+        let places = BristlePlaces::from(coordinates.0, counts);
+        coordinates.0 = places.all().end;
+        places
+    }
+}
+
+impl Default for ForceLaws {
+    fn default() -> Self {
+        Self {
+            hinge: ForceLaw::default(),
+            tooth: ForceLaw::default(),
+            hinge_friction: None,
+            tooth_friction: None,
+            hinge_bristles: None,
+            tooth_bristles: None,
+            hinge_film: None,
+            min_approach_speed: 1e-3,
+        }
+    }
+}
+
+/// Hands out generalized coordinates.
+struct Coordinates(usize);
+
+impl Coordinates {
+    fn take(&mut self) -> usize {
+        self.0 += 1;
+        self.0 - 1
+    }
+}
+
+impl Model {
+    /// Compiles a drive that begins at `start`.
+    ///
+    /// # Errors
+    /// When a description does not hold, or a law does not apply to a pair of surfaces.
+    pub fn compile(drive: &Drive, laws: &ForceLaws, start: &Start) -> Result<Self> {
+        drive.validate()?;
+        laws.check(drive.chain.material.restitution)?;
+        let chain = &drive.chain;
+        let links = drive.hinges();
+        if start.positions.len() != drive.bodies() {
+            return Err(Error::invalid(
+                "positions",
+                format!("{} rows", start.positions.len()),
+                format!("needs one row for each of the {} bodies", drive.bodies()),
+            ));
+        }
+        check_places(drive, start)?;
+        let mut coordinates = Coordinates(3 * links);
+        let sprockets = place_wheels(drive, start, &mut coordinates)?;
+
+        let modulus = chain.material.contact_modulus();
+        let hinge = &chain.hinge;
+        let hinge_pairs = [SurfacePair::internal(
+            hinge.pin_radius,
+            hinge.bore_radius,
+            chain.hinge_contact_length(),
+            modulus,
+        )];
+        let tooth_pairs = tooth_pairs(drive, &sprockets);
+        let roller_pairs = chain.roller.map(|roller| {
+            [SurfacePair::internal(
+                chain.bushing_radius,
+                roller.bore_radius,
+                f64::from(chain.strands) * roller.length,
+                modulus,
+            )]
+        });
+        let mut range_notes = range_notes(
+            laws,
+            &hinge_pairs,
+            &tooth_pairs,
+            &sprockets,
+            drive.sprockets.len(),
+        );
+        for pair in roller_pairs.iter().flatten() {
+            range_notes.extend(roller_note(laws.hinge.elastic, pair));
+        }
+        let ready = |law: ForceLaw, pairs: &[SurfacePair]| ContactLaw {
+            elastic: law.elastic,
+            pairs: PairTable::prepare(law.elastic, pairs),
+            lambda: law.damping.lambda(chain.material.restitution),
+            regions: law.regions,
+        };
+        let count = f64::from(chain.strands);
+        let rollers = chain.roller.zip(roller_pairs);
+        let rollers = rollers.map(|(roller, pairs)| RollerModel {
+            first: coordinates.0,
+            mass: count * roller.mass,
+            inertia: count * roller.inertia,
+            clearance: roller.clearance(chain.bushing_radius),
+            bushing_radius: chain.bushing_radius,
+            law: ready(laws.hinge, &pairs),
+        });
+        coordinates.0 += 3 * drive.rollers();
+        let counts = [links, drive.rollers(), sprockets.len()];
+        let bristles = laws.place_bristles(&mut coordinates, counts);
+        let ends = OpenEnds::of(drive, start);
+        let (bodies, arms) = ring(drive, ends.as_ref());
+        let mass: Vec<f64> = bodies.iter().map(|body| body.mass).collect();
+        let inertia: Vec<f64> = bodies.iter().map(|body| body.inertia).collect();
+        // What nothing moves has none: exactly.
+        let inverse = |value: &f64| if *value < IMMOVABLE { 1.0 / value } else { 0.0 };
+        Ok(Self {
+            links,
+            coordinates: coordinates.0,
+            half_pitch: 0.5 * chain.pitch,
+            arms,
+            inverse_mass: mass.iter().map(inverse).collect(),
+            inverse_inertia: inertia.iter().map(inverse).collect(),
+            mass,
+            inertia,
+            clearance: hinge.clearance(),
+            pin_radius: hinge.pin_radius,
+            contact_radius: chain.contact_radius(),
+            rollers,
+            hinge_friction: laws.hinge_friction,
+            tooth_friction: laws.tooth_friction,
+            hinge_bristles: laws.hinge_bristles,
+            tooth_bristles: laws.tooth_bristles,
+            bristles,
+            link_compliance: (chain.link_compliance())
+                .map(|whole| plates_at_hinges(whole, links, ends.as_ref())),
+            hinge_film: laws.hinge_film.map(|film| {
+                let length = chain.hinge_contact_length();
+                film.between(hinge.pin_radius, hinge.clearance(), length)
+            }),
+            hinge_law: ready(laws.hinge, &hinge_pairs),
+            tooth_law: ready(laws.tooth, &tooth_pairs),
+            min_approach_speed: laws.min_approach_speed,
+            ends,
+            gravity: drive.gravity,
+            strands: strands(drive),
+            guides: drive.guides.len(),
+            sprockets,
+            range_notes,
+        })
+    }
+}
+
+/// Mass properties of the links, and half their lengths; behind them those of an open chain's ends.
+fn ring(drive: &Drive, ends: Option<&OpenEnds>) -> (Vec<Link>, Vec<f64>) {
+    let chain = &drive.chain;
+    let links = 0..chain.links as usize;
+    let mut arms: Vec<f64> = chain.link_pitches().iter().map(|p| 0.5 * p).collect();
+    let (Some(ends), Some(described)) = (ends, &drive.ends) else {
+        return (links.map(|i| chain.link(i)).collect(), arms);
+    };
+    let mut bodies: Vec<Link> = links.map(|i| chain.strand_link(i)).collect();
+    // The end of the last link follows it; then comes that of the first.
+    for (end, described) in ends.bodies.iter().zip(described).rev() {
+        bodies.push(match described {
+            ChainEnd::Load { mass, inertia, .. } if end.kind == EndKind::Load => Link {
+                mass: *mass,
+                inertia: *inertia,
+            },
+            _ => Link {
+                mass: IMMOVABLE,
+                inertia: IMMOVABLE,
+            },
+        });
+        arms.push(described.arm());
+    }
+    (bodies, arms)
+}
+
+/// What the plates at each of so many hinges give way by \[m/N\]: half of either link, and what holds an end of an open chain does not.
+fn plates_at_hinges(whole: f64, hinges: usize, ends: Option<&OpenEnds>) -> Vec<f64> {
+    let mut compliance = vec![whole; hinges];
+    for end in ends.iter().flat_map(|ends| &ends.bodies) {
+        compliance[end.hinge] = 0.5 * whole;
+    }
+    compliance
+}
+
+/// Sprockets, then guides.
+fn place_wheels(
+    drive: &Drive,
+    start: &Start,
+    coordinates: &mut Coordinates,
+) -> Result<Vec<SprocketModel>> {
+    let mut wheels: Vec<SprocketModel> = Vec::new();
+    let mut add = |wheel: SprocketModel| {
+        let first_pair = wheels
+            .last()
+            .map_or(0, |last| last.first_pair + last.profile.surfaces().len());
+        wheels.push(SprocketModel {
+            first_pair,
+            ..wheel
+        });
+    };
+    for (number, sprocket) in drive.sprockets.iter().enumerate() {
+        add(place_sprocket(drive, number, sprocket, start, coordinates)?);
+    }
+    let first = drive.first_wheel() + drive.sprockets.len();
+    for (guide, [_, _, angle]) in drive.guides.iter().zip(&start.positions[first..]) {
+        add(place_rail(guide, &drive.chain, *angle, || {
+            coordinates.take()
+        })?);
+    }
+    Ok(wheels)
+}
+
+/// Bushings against every surface of all sprockets and guides.
+fn tooth_pairs(drive: &Drive, wheels: &[SprocketModel]) -> Vec<SurfacePair> {
+    let chain = &drive.chain;
+    let of_teeth = (drive.sprockets.iter()).map(|_| chain.material.contact_modulus());
+    let of_guides = drive.guides.iter().map(|guide| {
+        let other = guide.material.as_ref().unwrap_or(&chain.material);
+        chain.material.contact_modulus_with(other)
+    });
+    let moduli = of_teeth.chain(of_guides);
+    let mut pairs = Vec::new();
+    for (s, (wheel, modulus)) in wheels.iter().zip(moduli).enumerate() {
+        let guide = s.checked_sub(drive.sprockets.len());
+        // Of a rail that plates bear on, their ends and its own outline are pressed.
+        let plates = guide.and_then(|g| {
+            let rail = &drive.guides[g];
+            Some((rail.profile().ok()?, 0.5 * rail.plate_height?))
+        });
+        let (profile, radius) = match &plates {
+            Some((outline, radius)) => (outline, *radius),
+            None => (&wheel.profile, chain.contact_radius()),
+        };
+        pairs.extend(tooth_surfaces(
+            profile,
+            radius,
+            chain.teeth_contact_length(),
+            modulus,
+        ));
+    }
+    pairs
+}
+
+/// Why the law of bushings in rollers is outside its range.
+fn roller_note(law: Elastic, pair: &SurfacePair) -> Option<String> {
+    let note = range_note(law, pair)?;
+    Some(format!("{} law, bushing and roller: {note}", law.name()))
+}
+
+/// Why laws are outside their ranges, a line for each pair of surfaces.
+fn range_notes(
+    laws: &ForceLaws,
+    hinge_pairs: &[SurfacePair],
+    tooth_pairs: &[SurfacePair],
+    sprockets: &[SprocketModel],
+    toothed: usize,
+) -> Vec<String> {
+    let mut notes: Vec<String> = doubts([laws.hinge_bristles, laws.tooth_bristles]).collect();
+    for (law, pairs, name) in [
+        (laws.hinge, hinge_pairs, "pin and bushing"),
+        (laws.tooth, tooth_pairs, "bushing and"),
+    ] {
+        for (i, pair) in pairs.iter().enumerate() {
+            let Some(note) = range_note(law.elastic, pair) else {
+                continue;
+            };
+            let surface = if pairs.len() > 1 {
+                let owner = sprockets.iter().rposition(|s| s.first_pair <= i);
+                let number = owner.unwrap_or_default();
+                let SprocketModel {
+                    profile,
+                    first_pair,
+                    ..
+                } = &sprockets[number];
+                let name = profile.surfaces()[i - first_pair].name;
+                match number.checked_sub(toothed) {
+                    None => format!(" {name} of sprocket {}", number + 1),
+                    Some(guide) => format!(" {name} of guide {}", guide + 1),
+                }
+            } else {
+                String::new()
+            };
+            notes.push(format!(
+                "{} law, {name}{surface}: {note}",
+                law.elastic.name()
+            ));
+        }
+    }
+    notes
+}
+
+fn place_sprocket(
+    drive: &Drive,
+    number: usize,
+    sprocket: &Sprocket,
+    start: &Start,
+    coordinates: &mut Coordinates,
+) -> Result<SprocketModel> {
+    let chain = &drive.chain;
+    let profile = sprocket.tooth_profile(chain)?;
+    let (mass, inertia) = sprocket.mass_properties(chain);
+    let [x, y, angle] = start.positions[drive.first_wheel() + number];
+    let mut center = Vec2::new(x, y);
+    let tensioner = drive.tensioner.filter(|t| t.sprocket == number + 1);
+    let support = match (&tensioner, sprocket.bearing) {
+        (Some(tensioner), _) => {
+            let line = tensioner.line(drive)?;
+            let [back, forth] = tensioner.travel;
+            // The way, its spring and its stops begin where the sprocket is described, wherever the start has it.
+            let moved = center - sprocket.center;
+            center = if line.curvature == 0.0 {
+                center - moved.dot(&line.direction) * line.direction
+            } else {
+                sprocket.center
+            };
+            Support::Slide {
+                index: coordinates.take(),
+                direction: line.direction,
+                guide: Guide {
+                    curvature: line.curvature,
+                    stiffness: tensioner.stiffness,
+                    stops: [-back, forth],
+                    stop_stiffness: STOP_STIFFNESS,
+                    extra_mass: tensioner.arm_inertia * line.curvature * line.curvature,
+                    ratchet: tensioner.ratchet.map(|step| Ratchet { step, forward: 1.0 }),
+                    dashpots: [
+                        tensioner.damping_back.unwrap_or(tensioner.damping),
+                        tensioner.damping,
+                    ],
+                },
+                pull: line.pull,
+                ramp_time: tensioner.ramp_time,
+                // Newton's method converges with the harder one, whichever acts.
+                damping: tensioner.damping.max(tensioner.damping_back.unwrap_or(0.0)),
+            }
+        }
+        (None, Bearing::Fixed) => Support::Fixed,
+        (None, Bearing::Floating) => Support::Floating {
+            x: coordinates.take(),
+            y: coordinates.take(),
+        },
+    };
+    let rotation = match &sprocket.motion {
+        Motion::PrescribedSpeed(table) => Rotation::Prescribed(table.clone()),
+        Motion::AppliedTorque(table) => Rotation::Free {
+            index: coordinates.take(),
+            torque: (!table.is_zero()).then(|| table.clone()),
+            curve: None,
+        },
+        Motion::TorqueCurve { torque, curve } => Rotation::Free {
+            index: coordinates.take(),
+            torque: (!torque.is_zero()).then(|| torque.clone()),
+            curve: Some(curve.clone()),
+        },
+        Motion::Free => Rotation::Free {
+            index: coordinates.take(),
+            torque: None,
+            curve: None,
+        },
+    };
+    let gap_directions = (0..profile.teeth)
+        .map(|gap| {
+            let (sin, cos) = (f64::from(gap) * profile.gap_angle()).sin_cos();
+            (cos, sin)
+        })
+        .collect();
+    Ok(SprocketModel {
+        side: sprocket.side,
+        reach: profile.reach(chain.contact_radius()) + sprocket.faults.eccentricity,
+        offset: sprocket.faults.offset(),
+        profile,
+        first_pair: 0,
+        gap_directions,
+        mass,
+        inertia,
+        center,
+        phase: angle,
+        support,
+        rotation,
+        swing: None,
+    })
+}
+
+/// From which to which sprocket (from 0) the strands lead; where the centres make no belt line (with a start of the caller's own they need
+/// not), as the sprockets are listed.
+#[must_use]
+pub fn strands(drive: &Drive) -> Vec<[usize; 2]> {
+    let n = drive.sprockets.len();
+    if drive.ends.is_some() {
+        return open_strands(n);
+    }
+    if n == 2 {
+        return vec![[1, 0], [0, 1]];
+    }
+    BeltLine::of(drive).map_or_else(
+        |_| (0..n).map(|i| [i, (i + 1) % n]).collect(),
+        |line| line.strands(),
+    )
+}
+
+/// A cylinder of `radius` against every surface of a profile.
+pub(crate) fn tooth_surfaces(
+    profile: &ToothProfile,
+    radius: f64,
+    length: f64,
+    modulus: f64,
+) -> Vec<SurfacePair> {
+    let surfaces = profile.surfaces();
+    let pair = |(i, curve): (usize, &Curve)| match curve {
+        Curve::Concave(arc) => SurfacePair::internal(radius, arc.radius, length, modulus),
+        Curve::Convex(arc) => SurfacePair::external(radius, arc.radius, length, modulus),
+        Curve::Straight(_) => {
+            // An edge is no curve that the flat goes on as.
+            let next = match surfaces.get(i + 1).map(|next| next.curve) {
+                Some(Curve::Convex(arc)) if arc.radius >= radius => arc.radius,
+                _ => profile.pitch_radius,
+            };
+            SurfacePair::flat(radius, next, length, modulus)
+        }
+    };
+    let curves = surfaces.iter().map(|piece| &piece.curve);
+    curves.enumerate().map(pair).collect()
+}

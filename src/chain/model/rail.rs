@@ -1,0 +1,80 @@
+//! Guides as the run needs them: wheels without teeth, on bearings or arms.
+
+use super::guide::STOP_STIFFNESS;
+use super::{Guide, Ratchet, Rotation, SprocketModel, Support};
+use crate::drive::{Chain, Mount, Rail, TimeTable};
+use crate::error::Result;
+use crate::geometry::path::belt::Side;
+
+/// A guide: a wheel without teeth that stands, turns, or swings about the pivot of its arm.
+pub(super) fn place_rail(
+    rail: &Rail,
+    chain: &Chain,
+    angle: f64,
+    mut take: impl FnMut() -> usize,
+) -> Result<SprocketModel> {
+    let profile = rail.for_bushings(chain.contact_radius()).profile()?;
+    let gap_directions = vec![(1.0, 0.0), (-1.0, 0.0)];
+    let mut free = |torque: Option<TimeTable>| Rotation::Free {
+        index: take(),
+        torque,
+        curve: None,
+    };
+    let (rotation, inertia, swing) = match rail.mount {
+        Mount::Fixed => (Rotation::Prescribed(0.0.into()), 1.0, None),
+        Mount::Turning { inertia } => (free(None), inertia, None),
+        Mount::Arm(arm) => {
+            let lever = rail.lever(&arm);
+            let torque = arm.force * lever;
+            let table = if arm.ramp_time > 0.0 {
+                TimeTable::new(
+                    "GuideArm.force",
+                    "N",
+                    &[(0.0, 0.0), (arm.ramp_time, torque)],
+                )?
+            } else {
+                torque.into()
+            };
+            // Along the plunger's way and by the arm's angle are the same but for the lever, and its sign.
+            let [back, out] = arm.travel.map(|way| way / lever.abs());
+            let square = lever * lever;
+            let mut dashpots = [
+                square * arm.damping_back.unwrap_or(arm.damping),
+                square * arm.damping,
+            ];
+            let mut stops = [-back, out];
+            if lever < 0.0 {
+                dashpots.reverse();
+                stops = [-out, back];
+            }
+            let swing = Guide {
+                curvature: 0.0,
+                stiffness: square * arm.stiffness,
+                stops,
+                stop_stiffness: square * STOP_STIFFNESS,
+                dashpots,
+                extra_mass: 0.0,
+                ratchet: arm.ratchet.map(|step| Ratchet {
+                    step: step / lever.abs(),
+                    forward: lever.signum(),
+                }),
+            };
+            (free(Some(table)), arm.inertia, Some(swing))
+        }
+    };
+    Ok(SprocketModel {
+        side: Side::Inside,
+        reach: profile.reach(chain.contact_radius()) + rail.offset().norm(),
+        offset: rail.offset(),
+        profile,
+        first_pair: 0,
+        gap_directions,
+        mass: 1.0,
+        inertia,
+        center: rail.bearing(),
+        phase: if swing.is_some() { rail.angle() } else { angle },
+        support: Support::Fixed,
+        rotation,
+        swing,
+    })
+}

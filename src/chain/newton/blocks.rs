@@ -1,0 +1,281 @@
+//! 2x2 blocks of eight hinges side by side, in one register or several.
+
+use pulp::Simd;
+
+use crate::math::simd::{Lanes, Mask, Octet, WIDTH, load, parts, read, vectors, vectors_mut};
+
+/// The same in all registers.
+#[inline(always)]
+pub(super) fn all<T: Copy>(value: T) -> [T; WIDTH] {
+    [value; WIDTH]
+}
+
+/// A register of symmetric 2x2 blocks: xx, yy, xy.
+#[derive(Clone, Copy)]
+pub(super) struct Symmetric<S: Simd>(pub(super) [Lanes<S>; 3]);
+
+/// A register of 2x2 blocks: rows, then columns.
+#[derive(Clone, Copy)]
+pub(super) struct Block<S: Simd>(pub(super) [Lanes<S>; 4]);
+
+/// A register of pairs.
+#[derive(Clone, Copy)]
+pub(super) struct Pair<S: Simd>(pub(super) [Lanes<S>; 2]);
+
+/// Anything made of registers.
+pub(super) trait Registers<S: Simd, const N: usize>: Copy {
+    fn registers(self) -> [Lanes<S>; N];
+    fn of_registers(registers: [Lanes<S>; N]) -> Self;
+}
+
+macro_rules! registers {
+    ($name:ident, $count:literal) => {
+        impl<S: Simd> Registers<S, $count> for $name<S> {
+            #[inline(always)]
+            fn registers(self) -> [Lanes<S>; $count] {
+                self.0
+            }
+            #[inline(always)]
+            fn of_registers(registers: [Lanes<S>; $count]) -> Self {
+                Self(registers)
+            }
+        }
+
+        impl<S: Simd> $name<S> {
+            #[inline(always)]
+            pub(super) fn read(simd: S, octets: &[Octet; $count], part: usize) -> Self {
+                Self(read(simd, octets, part))
+            }
+
+            #[inline(always)]
+            pub(super) fn zero(simd: S) -> Self {
+                Self([Lanes::splat(simd, 0.0); $count])
+            }
+        }
+    };
+}
+
+registers!(Symmetric, 3);
+registers!(Block, 4);
+registers!(Pair, 2);
+
+/// Of every part what the one `distance` places before has.
+#[inline(always)]
+pub(super) fn from_left<S: Simd, T: Registers<S, N>, const N: usize>(
+    simd: S,
+    octet: [T; WIDTH],
+    distance: usize,
+) -> [T; WIDTH] {
+    from_right(simd, octet, WIDTH - distance)
+}
+
+/// Of every part what the one `distance` places behind has.
+#[inline(always)]
+pub(super) fn from_right<S: Simd, T: Registers<S, N>, const N: usize>(
+    simd: S,
+    octet: [T; WIDTH],
+    distance: usize,
+) -> [T; WIDTH] {
+    let mut turned = octet;
+    if S::F64_LANES == WIDTH {
+        let mut values = octet[0].registers();
+        for value in &mut values {
+            *value = value.turned_by(distance);
+        }
+        turned[0] = T::of_registers(values);
+        return turned;
+    }
+    let count = WIDTH / S::F64_LANES;
+    // Twice behind itself, so that every register of the turned octet is in one piece.
+    let mut twice = [[0.0; 2 * WIDTH]; N];
+    for part in parts::<S>() {
+        for (numbers, value) in twice.iter_mut().zip(octet[part].registers()) {
+            let registers = vectors_mut::<S>(numbers, 2 * count);
+            registers[part] = value.values();
+            registers[part + count] = value.values();
+        }
+    }
+    for part in parts::<S>() {
+        let mut values = octet[part].registers();
+        for (numbers, value) in twice.iter().zip(&mut values) {
+            let from = &numbers[distance + part * S::F64_LANES..];
+            *value = load(simd, &vectors::<S>(from, 1)[0]);
+        }
+        turned[part] = T::of_registers(values);
+    }
+    turned
+}
+
+impl<S: Simd> Symmetric<S> {
+    /// The inverse; `irregular` where the block is not positive definite.
+    #[inline(always)]
+    pub(super) fn inverse(&self, irregular: &mut Mask<S>) -> Self {
+        let [a, d, b] = self.0;
+        let determinant = a.mul_add(d, -(b * b));
+        let over = a.constant(1.0) / determinant;
+        let zero = a.constant(0.0);
+        // Also what is no number.
+        let regular = determinant
+            .greater(zero)
+            .and(over.greater(zero))
+            .and(a.greater(zero));
+        *irregular = irregular.or(regular.not());
+        Self([d * over, a * over, -(b * over)])
+    }
+
+    #[inline(always)]
+    pub(super) fn times_block(&self, m: &Block<S>) -> Block<S> {
+        let ([a, d, b], [xx, xy, yx, yy]) = (self.0, m.0);
+        Block([
+            a.mul_add(xx, b * yx),
+            a.mul_add(xy, b * yy),
+            b.mul_add(xx, d * yx),
+            b.mul_add(xy, d * yy),
+        ])
+    }
+
+    #[inline(always)]
+    pub(super) fn times_transposed(&self, m: &Block<S>) -> Block<S> {
+        self.times_block(&m.transposed())
+    }
+
+    #[inline(always)]
+    pub(super) fn of(&self, v: &Pair<S>) -> Pair<S> {
+        let ([a, d, b], [x, y]) = (self.0, v.0);
+        Pair([a.mul_add(x, b * y), b.mul_add(x, d * y)])
+    }
+
+    #[inline(always)]
+    pub(super) fn subtract(&mut self, other: &Self) {
+        for (entry, other) in self.0.iter_mut().zip(other.0) {
+            *entry = *entry - other;
+        }
+    }
+
+    /// Takes a product off that is symmetric.
+    #[inline(always)]
+    pub(super) fn take_off(&mut self, left: &Block<S>, right: &Block<S>) {
+        let ([a, b, c, d], [xx, xy, yx, yy]) = (left.0, right.0);
+        let [first, last, beside] = self.0;
+        self.0 = [
+            a.negate_mul_add(xx, b.negate_mul_add(yx, first)),
+            c.negate_mul_add(xy, d.negate_mul_add(yy, last)),
+            a.negate_mul_add(xy, b.negate_mul_add(yy, beside)),
+        ];
+    }
+
+    /// Adds the first one, transposed, times the other: a product that is symmetric.
+    #[inline(always)]
+    pub(super) fn add(&mut self, left: &Block<S>, right: &Block<S>) {
+        let ([a, b, c, d], [xx, xy, yx, yy]) = (left.0, right.0);
+        let [first, last, beside] = self.0;
+        self.0 = [
+            a.mul_add(xx, c.mul_add(yx, first)),
+            b.mul_add(xy, d.mul_add(yy, last)),
+            a.mul_add(xy, c.mul_add(yy, beside)),
+        ];
+    }
+}
+
+impl<S: Simd> Block<S> {
+    #[inline(always)]
+    pub(super) fn transposed(&self) -> Self {
+        let [xx, xy, yx, yy] = self.0;
+        Self([xx, yx, xy, yy])
+    }
+
+    #[inline(always)]
+    pub(super) fn negated(&self) -> Self {
+        let [xx, xy, yx, yy] = self.0;
+        Self([-xx, -xy, -yx, -yy])
+    }
+
+    #[inline(always)]
+    pub(super) fn plus(&self, other: &Self) -> Self {
+        let mut sum = *self;
+        for (entry, other) in sum.0.iter_mut().zip(other.0) {
+            *entry = *entry + other;
+        }
+        sum
+    }
+
+    #[inline(always)]
+    pub(super) fn times(&self, other: &Self) -> Self {
+        let ([a, b, c, d], [xx, xy, yx, yy]) = (self.0, other.0);
+        Self([
+            a.mul_add(xx, b * yx),
+            a.mul_add(xy, b * yy),
+            c.mul_add(xx, d * yx),
+            c.mul_add(xy, d * yy),
+        ])
+    }
+
+    #[inline(always)]
+    pub(super) fn times_symmetric(&self, other: &Symmetric<S>) -> Self {
+        let [a, d, b] = other.0;
+        self.times(&Self([a, b, b, d]))
+    }
+
+    /// self^T other, where that is symmetric.
+    #[inline(always)]
+    pub(super) fn transposed_times(&self, other: &Self) -> Symmetric<S> {
+        let ([a, b, c, d], [xx, xy, yx, yy]) = (self.0, other.0);
+        Symmetric([
+            a.mul_add(xx, c * yx),
+            b.mul_add(xy, d * yy),
+            a.mul_add(xy, c * yy),
+        ])
+    }
+
+    /// Takes a product off.
+    #[inline(always)]
+    pub(super) fn take_off(&mut self, left: &Self, right: &Self) {
+        let ([a, b, c, d], [xx, xy, yx, yy]) = (left.0, right.0);
+        let own = self.0;
+        self.0 = [
+            a.negate_mul_add(xx, b.negate_mul_add(yx, own[0])),
+            a.negate_mul_add(xy, b.negate_mul_add(yy, own[1])),
+            c.negate_mul_add(xx, d.negate_mul_add(yx, own[2])),
+            c.negate_mul_add(xy, d.negate_mul_add(yy, own[3])),
+        ];
+    }
+
+    /// from - self v
+    #[inline(always)]
+    pub(super) fn less(&self, from: &Pair<S>, v: &Pair<S>) -> Pair<S> {
+        let ([xx, xy, yx, yy], [x, y], [fx, fy]) = (self.0, v.0, from.0);
+        Pair([
+            xx.negate_mul_add(x, xy.negate_mul_add(y, fx)),
+            yx.negate_mul_add(x, yy.negate_mul_add(y, fy)),
+        ])
+    }
+
+    /// from - self^T v
+    #[inline(always)]
+    pub(super) fn transposed_less(&self, from: &Pair<S>, v: &Pair<S>) -> Pair<S> {
+        self.transposed().less(from, v)
+    }
+
+    /// self^T v
+    #[inline(always)]
+    pub(super) fn transposed_of(&self, v: &Pair<S>) -> Pair<S> {
+        let ([xx, xy, yx, yy], [x, y]) = (self.0, v.0);
+        Pair([xx.mul_add(x, yx * y), xy.mul_add(x, yy * y)])
+    }
+}
+
+impl<S: Simd> Pair<S> {
+    #[inline(always)]
+    pub(super) fn add(&mut self, other: &Self) {
+        for (entry, other) in self.0.iter_mut().zip(other.0) {
+            *entry = *entry + other;
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn subtract(&mut self, other: &Self) {
+        for (entry, other) in self.0.iter_mut().zip(other.0) {
+            *entry = *entry - other;
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! The sprockets' own coordinates on the border of Newton's matrix, and the small dense system that they leave.
+
+use crate::chain::model::{Model, Rotation, Support};
+
+use super::dense::Dense;
+use super::teeth::Motion;
+
+/// The coordinates of one sprocket: numbers `first`, `first` + 1, ... on the border.
+#[derive(Debug, Clone)]
+pub(super) struct SprocketMotions {
+    pub(super) first: usize,
+    pub(super) motions: Vec<Motion>,
+}
+
+impl SprocketMotions {
+    /// Those of all sprockets.
+    pub(super) fn of(model: &Model) -> Vec<Self> {
+        let start = 3 * model.links;
+        let mut all = Vec::with_capacity(model.sprockets.len());
+        for sprocket in &model.sprockets {
+            let mut found = Vec::new();
+            match sprocket.support {
+                Support::Fixed => {}
+                Support::Slide {
+                    index, direction, ..
+                } => found.push((index - start, Motion::Along(direction.into()))),
+                Support::Floating { x, y } => {
+                    found.push((x - start, Motion::Along([1.0, 0.0])));
+                    found.push((y - start, Motion::Along([0.0, 1.0])));
+                }
+            }
+            if let Rotation::Free { index, .. } = sprocket.rotation {
+                found.push((index - start, Motion::Turn));
+            }
+            let first = found.first().map_or(0, |(index, _)| *index);
+            debug_assert!(
+                found
+                    .iter()
+                    .enumerate()
+                    .all(|(i, (index, _))| *index == first + i)
+            );
+            all.push(Self {
+                first,
+                motions: found.into_iter().map(|(_, motion)| motion).collect(),
+            });
+        }
+        all
+    }
+}
+
+/// What the border's coordinates leave among themselves.
+#[derive(Debug, Clone)]
+pub(super) struct Corner {
+    matrix: Dense,
+    /// Its inverse, where it is no larger than 2x2: rows, then columns.
+    inverse: [f64; 4],
+    /// Entries on the diagonal without teeth.
+    own: Vec<f64>,
+}
+
+impl Corner {
+    pub(super) fn new(size: usize) -> Self {
+        Self {
+            matrix: Dense::new(size),
+            inverse: [0.0; 4],
+            own: vec![0.0; size],
+        }
+    }
+
+    /// Masses, and the tensioner's dashpot.
+    pub(super) fn start(&mut self, model: &Model, gamma: f64) {
+        self.matrix.clear();
+        let start = 3 * model.links;
+        for sprocket in &model.sprockets {
+            sprocket
+                .for_each_inertia(|index, inertia| self.add(index - start, index - start, inertia));
+            if let Support::Slide { index, damping, .. } = sprocket.support {
+                self.add(index - start, index - start, gamma * damping);
+            }
+            if let (Some(swing), Rotation::Free { index, .. }) =
+                (sprocket.swing, &sprocket.rotation)
+            {
+                // The harder dashpot, whichever acts; of the stops' stiffness nothing, which is small times the step's square.
+                let [back, forth] = swing.dashpots;
+                self.add(index - start, index - start, gamma * back.max(forth));
+            }
+        }
+        for (own, entry) in self.own.iter_mut().zip(self.matrix.diagonal()) {
+            *own = entry;
+        }
+    }
+
+    /// The greatest share of an entry on the diagonal that teeth make up.
+    pub(super) fn bound_by_teeth(&self) -> f64 {
+        let entries = self.own.iter().zip(self.matrix.diagonal());
+        let shares = entries.map(|(own, all)| (all - own).abs() / all.abs());
+        shares.fold(0.0, f64::max)
+    }
+
+    pub(super) fn add(&mut self, row: usize, column: usize, value: f64) {
+        self.matrix.add(row, column, value);
+    }
+
+    /// Factorises; false when singular.
+    pub(super) fn factorise(&mut self) -> bool {
+        match *self.matrix.entries() {
+            [a] => {
+                self.inverse[0] = 1.0 / a;
+                a != 0.0 && self.inverse[0].is_finite()
+            }
+            [a, b, c, d] => {
+                let over = 1.0 / (a * d - b * c);
+                self.inverse = [d * over, -b * over, -c * over, a * over];
+                over != 0.0 && over.is_finite()
+            }
+            _ => self.matrix.factorise(),
+        }
+    }
+
+    /// Solves in place.
+    pub(super) fn solve(&self, right: &mut [f64]) {
+        let [a, b, c, d] = self.inverse;
+        match right {
+            [x] => *x *= a,
+            [x, y] => (*x, *y) = (a * *x + b * *y, c * *x + d * *y),
+            _ => self.matrix.solve(right),
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! Registers of arrays that begin anywhere beside a cache line and may end within a register: residuals, axis by axis.
+
+use pulp::Simd;
+
+use crate::math::simd::{Lanes, load, partial_load};
+
+/// Registers of an array that may end within one; zeros after that.
+pub(super) struct Entries<'a, S: Simd> {
+    whole: &'a [S::f64s],
+    last: Lanes<S>,
+}
+
+impl<'a, S: Simd> Entries<'a, S> {
+    #[inline(always)]
+    pub(super) fn of(simd: S, array: &'a [f64]) -> Self {
+        let (whole, rest) = S::as_simd_f64s(array);
+        Self {
+            whole,
+            last: partial_load(simd, rest),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn at(&self, i: usize) -> Lanes<S> {
+        match self.whole.get(i) {
+            Some(values) => load(self.last.simd(), values),
+            None if i == self.whole.len() => self.last,
+            None => self.last.constant(0.0),
+        }
+    }
+}
+
+/// The same to write to; what would stand behind the end is dropped.
+pub(super) struct EntriesMut<'a, S: Simd> {
+    simd: S,
+    whole: &'a mut [S::f64s],
+    rest: &'a mut [f64],
+}
+
+impl<'a, S: Simd> EntriesMut<'a, S> {
+    #[inline(always)]
+    pub(super) fn of(simd: S, array: &'a mut [f64]) -> Self {
+        let (whole, rest) = S::as_mut_simd_f64s(array);
+        Self { simd, whole, rest }
+    }
+
+    #[inline(always)]
+    pub(super) fn set(&mut self, i: usize, values: Lanes<S>) {
+        let behind = self.whole.len();
+        if let Some(to) = self.whole.get_mut(i) {
+            *to = values.values();
+        } else if i == behind {
+            self.simd.partial_store_f64s(self.rest, values.values());
+        }
+    }
+}

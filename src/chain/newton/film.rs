@@ -1,0 +1,77 @@
+//! Compliances of hinges with lubricant: contact, friction and film side by side, each hinge a symmetric 2x2 block.
+//!
+//! A film's force changes by `-(γ D + γ² K)` for a change of the velocities by one, D and K its slopes. Left out is what is not symmetric
+//! in them, and that the ends' turning moves the frame in which the film is seen, which is the eccentricity over a lever.
+
+use pulp::Simd;
+
+use super::contacts::{Closed, LEAST, LEAST_SHARE, Rubbing, scaled};
+use super::ring::{HingeBlocks, own_registers};
+use crate::chain::rhs::slopes::{FilmGroup, SlopeGroup};
+use crate::math::simd::{Lanes, parts, read, vectors_mut};
+
+use super::contacts::BASE;
+
+/// Share of the product of both diagonal entries that the square of the one beside them may be: the rest keeps a block definite.
+const MOST_BESIDE: f64 = 0.9;
+
+/// Begins the ring's blocks with the compliance of each hinge, as `soften_hinges` does.
+#[inline(always)]
+pub(super) fn soften_filled_hinges<S: Simd>(
+    simd: S,
+    gamma: f64,
+    slopes: &[SlopeGroup],
+    films: &[FilmGroup],
+    closed: &mut Closed,
+    blocks: &mut HingeBlocks,
+    rubbing: Option<Rubbing>,
+) {
+    let splat = |value| Lanes::splat(simd, value);
+    let (zero, one) = (splat(0.0), splat(1.0));
+    let (least, least_share) = (splat(LEAST), splat(LEAST_SHARE));
+    let (once, twice) = (splat(gamma), splat(gamma * gamma));
+    closed.any = true;
+    let count = parts::<S>().len();
+    let bearing = vectors_mut::<S>(&mut closed.hinges[BASE..], slopes.len() * count);
+    let Some(Rubbing { slopes: rubs, arms }) = rubbing else {
+        return;
+    };
+    let mut own = own_registers::<S>(&mut blocks.own, slopes.len() * count);
+    let each = slopes.iter().zip(films).zip(rubs);
+    for (number, ((slopes, film), rubs)) in each.enumerate() {
+        for part in parts::<S>() {
+            let i = number * count + part;
+            let [dxx, dyy, dxy] = read(simd, &film.damping, part);
+            let [kxx, kyy, kxy] = read(simd, &film.stiffness, part);
+            let touches = slopes.force.at(simd, part).greater(zero);
+            let bears = dxx.greater(zero).or(touches);
+            bearing[i] = bears.select(one, zero).values();
+            let [alpha, eta] = scaled(gamma, simd, slopes, part);
+            let tau = once * rubs.slope.at(simd, part);
+            let film_xx = once.mul_add(dxx, (twice * kxx).positive_part());
+            let film_yy = once.mul_add(dyy, (twice * kyy).positive_part());
+            let xx = bears.select((alpha + film_xx).max(least), one);
+            let yy = bears.select((eta + tau + film_yy).max(xx * least_share), one);
+            let xy = once.mul_add(dxy, twice * kxy);
+            let definite = (xy * xy).less(splat(MOST_BESIDE) * xx * yy);
+            let xy = definite.select(xy, zero);
+            let (nx, ny) = (film.normal[0].at(simd, part), film.normal[1].at(simd, part));
+            let places = read(simd, &rubs.places, part);
+            arms.put(i, [nx, ny], tau / yy, places);
+            let over = one / xx.mul_add(yy, -(xy * xy));
+            let (along, across, beside) = (yy * over, xx * over, -(xy * over));
+            let crossed = (beside + beside) * (nx * ny);
+            let entries = [
+                bears.select(along.mul_add(nx * nx, across * (ny * ny)) - crossed, one),
+                bears.select(along.mul_add(ny * ny, across * (nx * nx)) + crossed, one),
+                bears.select(
+                    (along - across).mul_add(nx * ny, beside * nx.mul_add(nx, -(ny * ny))),
+                    zero,
+                ),
+            ];
+            for (own, entry) in own.iter_mut().zip(entries) {
+                own[i] = entry.values();
+            }
+        }
+    }
+}

@@ -1,0 +1,605 @@
+//! The hinges' part of Newton's matrix: a symmetric ring of 2x2 blocks, cut into eight parts that are eliminated side by side.
+//!
+//! Row k reads `S_k f_k + C_k f_(k-1) + C_(k+1)^T f_(k+1) = r_k`. Each place in a register has a part of the ring, hinges that
+//! follow one another. All but the last hinge of each part are eliminated one after the other (S. J. Wang's partition, as for
+//! tridiagonal systems); the eight that are left are a ring again, of which each round takes every other neighbour out
+//! (cyclic reduction by all rows at once). Hinges that bear nothing have the block one and are coupled with none.
+
+use pulp::Simd;
+
+use super::blocks::{Block, Pair, Symmetric, all, from_left, from_right};
+use super::contacts::BASE;
+use super::dense::Dense;
+use crate::math::simd::{
+    Lanes, Mask, Numbers, Octet, WIDTH, lane_numbers, load, padded_zeros, parts, transposed,
+    vectors, vectors_mut, write,
+};
+
+/// Blocks of all hinges, hinge k at [`BASE`] + k; what is behind the last one may be read, and means nothing.
+#[derive(Debug, Clone)]
+pub(super) struct HingeBlocks {
+    /// S: xx, yy, xy.
+    pub(super) own: [Numbers; 3],
+    /// C, which couples hinge k with hinge k - 1: rows, then columns.
+    pub(super) before: [Numbers; 4],
+}
+
+impl HingeBlocks {
+    /// Room for the blocks of `hinges`.
+    pub(super) fn new(hinges: usize) -> Self {
+        Self {
+            own: [(); 3].map(|()| hinge_numbers(hinges)),
+            before: [(); 4].map(|()| hinge_numbers(hinges)),
+        }
+    }
+}
+
+/// The first `count` registers of S.
+#[inline(always)]
+pub(super) fn own_registers<S: Simd>(
+    [xx, yy, xy]: &mut [Numbers; 3],
+    count: usize,
+) -> [&mut [S::f64s]; 3] {
+    [
+        vectors_mut::<S>(&mut xx[BASE..], count),
+        vectors_mut::<S>(&mut yy[BASE..], count),
+        vectors_mut::<S>(&mut xy[BASE..], count),
+    ]
+}
+
+/// The first `count` registers of C.
+#[inline(always)]
+pub(super) fn coupling_registers<S: Simd>(
+    [xx, xy, yx, yy]: &mut [Numbers; 4],
+    count: usize,
+) -> [&mut [S::f64s]; 4] {
+    [
+        vectors_mut::<S>(&mut xx[BASE..], count),
+        vectors_mut::<S>(&mut xy[BASE..], count),
+        vectors_mut::<S>(&mut yx[BASE..], count),
+        vectors_mut::<S>(&mut yy[BASE..], count),
+    ]
+}
+
+/// Room for a number of each of `hinges`, hinge k at [`BASE`] + k, and for a register behind them.
+pub(super) fn hinge_numbers(hinges: usize) -> Numbers {
+    padded_zeros(BASE + hinges + WIDTH)
+}
+
+/// One hinge of each part.
+#[derive(Debug, Clone, Copy, Default)]
+struct Place {
+    /// S, then its inverse when those before have been eliminated.
+    own: [Octet; 3],
+    /// C; then how the unknowns follow from those of the last hinge of the part before.
+    before: [Octet; 4],
+    /// How they follow from those of the next hinge.
+    next: [Octet; 4],
+}
+
+/// One round of the ring of eight.
+#[derive(Debug, Clone, Copy, Default)]
+struct Round {
+    /// How much of the row to the left each row takes.
+    left: [Octet; 4],
+    right: [Octet; 4],
+}
+
+/// The ring's factors.
+#[derive(Debug, Clone)]
+pub(super) struct Ring {
+    hinges: usize,
+    /// Entry of the first place of each part. The last ones may have one hinge less than the others: their first place is empty,
+    /// and this is the entry of the hinge before it.
+    starts: [usize; WIDTH],
+    /// How many parts have all places.
+    full: usize,
+    /// How many places there are; `places` and `unknowns` have some more, which mean nothing.
+    count: usize,
+    places: Vec<Place>,
+    /// Couplings of the second hinges of parts that have no first one, with the part before.
+    direct: [Octet; 4],
+    rounds: [Round; 2],
+    /// The last round, of which both neighbours are one.
+    opposite: [Octet; 4],
+    inverse: [Octet; 3],
+    /// Scratch of a solution, place by place.
+    unknowns: Vec<[Octet; 2]>,
+    /// Instead of all this in a chain of fewer hinges than parts.
+    dense: Option<Dense>,
+}
+
+impl Ring {
+    /// Room for `hinges`.
+    pub(super) fn new(hinges: usize) -> Self {
+        let count = hinges.div_ceil(WIDTH);
+        let full = hinges - (count - 1) * WIDTH;
+        let start = |part: usize| BASE + part * count - (part + 1).saturating_sub(full);
+        let none = [Octet::default(); 4];
+        Self {
+            hinges,
+            starts: std::array::from_fn(start),
+            full,
+            count,
+            places: vec![Place::default(); count + WIDTH],
+            direct: none,
+            rounds: [Round::default(); 2],
+            opposite: none,
+            inverse: [Octet::default(); 3],
+            unknowns: vec![[Octet::default(); 2]; count + WIDTH],
+            dense: (hinges < WIDTH).then(|| Dense::new(2 * hinges)),
+        }
+    }
+
+    /// Registers that the places of one part take.
+    #[inline(always)]
+    fn registers<S: Simd>(&self) -> usize {
+        self.count.div_ceil(S::F64_LANES)
+    }
+
+    /// Of an array the places of each part in register `part`, and what is behind them.
+    #[inline(always)]
+    fn rows<'a, S: Simd>(&self, from: &'a [f64], part: usize) -> [&'a [S::f64s]; WIDTH] {
+        let mut rows: [&[S::f64s]; WIDTH] = [&[]; WIDTH];
+        let starts = &self.starts[part * S::F64_LANES..(part + 1) * S::F64_LANES];
+        for (row, &start) in rows.iter_mut().zip(starts) {
+            *row = vectors::<S>(&from[start..], self.registers::<S>());
+        }
+        rows
+    }
+
+    /// Which parts of register `part` have all places.
+    #[inline(always)]
+    fn have_all<S: Simd>(&self, simd: S, part: usize) -> Mask<S> {
+        let full = self.full as f64 - (part * S::F64_LANES) as f64;
+        lane_numbers(simd).less(Lanes::splat(simd, full - 0.5))
+    }
+
+    /// Takes the blocks over.
+    #[inline(always)]
+    fn take_in<S: Simd>(&mut self, simd: S, blocks: &HingeBlocks) {
+        let count = self.registers::<S>();
+        for part in parts::<S>() {
+            for (entry, from) in blocks.own.iter().enumerate() {
+                let rows = self.rows::<S>(from, part);
+                let places = self.places.chunks_exact_mut(S::F64_LANES).take(count);
+                for (number, places) in places.enumerate() {
+                    let columns = gather(simd, &rows, number);
+                    for (place, column) in places.iter_mut().zip(columns) {
+                        place.own[entry].put(part, column);
+                    }
+                }
+            }
+            for (entry, from) in blocks.before.iter().enumerate() {
+                let rows = self.rows::<S>(from, part);
+                let places = self.places.chunks_exact_mut(S::F64_LANES).take(count);
+                for (number, places) in places.enumerate() {
+                    let columns = gather(simd, &rows, number);
+                    for (place, column) in places.iter_mut().zip(columns) {
+                        place.before[entry].put(part, column);
+                    }
+                }
+            }
+        }
+        if self.full < WIDTH {
+            self.leave_first_places_empty(simd);
+        }
+    }
+
+    /// Of parts that have a hinge less the first place bears nothing, and the second is coupled with the part before.
+    #[inline(always)]
+    fn leave_first_places_empty<S: Simd>(&mut self, simd: S) {
+        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        for part in parts::<S>() {
+            let all = self.have_all(simd, part);
+            for (octet, nothing) in self.places[0].own.iter_mut().zip([one, one, zero]) {
+                octet.put(part, all.select(octet.at(simd, part), nothing));
+            }
+            for octet in &mut self.places[0].before {
+                octet.put(part, all.select(octet.at(simd, part), zero));
+            }
+            for (direct, before) in self.direct.iter_mut().zip(&mut self.places[1].before) {
+                let coupling = before.at(simd, part);
+                direct.put(part, all.select(zero, coupling));
+                before.put(part, all.select(coupling, zero));
+            }
+        }
+    }
+
+    /// Eliminates all but the last place; what is left of that and its coupling with the part before goes to `left`.
+    #[inline(always)]
+    fn eliminate<S: Simd>(&mut self, simd: S, left: &mut Left<S>) {
+        let last = self.count - 1;
+        for part in parts::<S>() {
+            let mut own = Symmetric::read(simd, &self.places[0].own, part);
+            let mut edge = Block::read(simd, &self.places[0].before, part);
+            let mut to_last = Symmetric::zero(simd);
+            for j in 0..last {
+                let inverse = own.inverse(&mut left.irregular);
+                let coupling = Block::read(simd, &self.places[j + 1].before, part);
+                let next = inverse.times_transposed(&coupling);
+                let from_last = inverse.times_block(&edge);
+                own = Symmetric::read(simd, &self.places[j + 1].own, part);
+                own.take_off(&coupling, &next);
+                to_last.add(&edge, &from_last);
+                edge = if j == 0 {
+                    Block::read(simd, &self.direct, part)
+                } else {
+                    Block::zero(simd)
+                };
+                edge.take_off(&coupling, &from_last);
+                let place = &mut self.places[j];
+                write(&mut place.own, part, inverse.0);
+                write(&mut place.next, part, next.0);
+                write(&mut place.before, part, from_last.0);
+            }
+            left.own[part] = own;
+            left.edge[part] = edge;
+            left.to_last[part] = to_last;
+        }
+    }
+
+    /// Solves the ring of the eight that are left; false when a block has no inverse.
+    #[inline(always)]
+    fn reduce<S: Simd>(&mut self, simd: S, left: &mut Left<S>) -> bool {
+        let Left {
+            own,
+            edge: coupling,
+            to_last,
+            irregular,
+        } = left;
+        let taken = from_right(simd, *to_last, 1);
+        for part in parts::<S>() {
+            own[part].subtract(&taken[part]);
+        }
+        for (distance, round) in [1, 2].into_iter().zip(&mut self.rounds) {
+            let mut inverse = [Symmetric::zero(simd); WIDTH];
+            let mut follow = [Block::zero(simd); WIDTH];
+            let mut taken = [Symmetric::zero(simd); WIDTH];
+            for part in parts::<S>() {
+                inverse[part] = own[part].inverse(irregular);
+                follow[part] = inverse[part].times_block(&coupling[part]);
+                taken[part] = coupling[part].transposed_times(&follow[part]);
+            }
+            let inverse = from_left(simd, inverse, distance);
+            let beyond = from_left(simd, *coupling, distance);
+            let follow = from_right(simd, follow, distance);
+            let taken = from_right(simd, taken, distance);
+            for part in parts::<S>() {
+                let share = coupling[part].times_symmetric(&inverse[part]);
+                own[part].subtract(&taken[part]);
+                own[part].take_off(&share, &coupling[part].transposed());
+                coupling[part] = share.times(&beyond[part]).negated();
+                write(&mut round.left, part, share.0);
+                write(&mut round.right, part, follow[part].transposed().0);
+            }
+        }
+        let mut inverse = [Symmetric::zero(simd); WIDTH];
+        for part in parts::<S>() {
+            inverse[part] = own[part].inverse(irregular);
+        }
+        let inverse = from_left(simd, inverse, WIDTH / 2);
+        let across = from_left(simd, *coupling, WIDTH / 2);
+        for part in parts::<S>() {
+            let both = coupling[part].plus(&across[part].transposed());
+            let share = both.times_symmetric(&inverse[part]);
+            own[part].take_off(&share, &both.transposed());
+            write(&mut self.opposite, part, share.0);
+            let inverse = own[part].inverse(irregular);
+            write(&mut self.inverse, part, inverse.0);
+        }
+        !irregular.any()
+    }
+
+    /// Factorises the ring of these blocks; false when one has no inverse.
+    #[inline(always)]
+    pub(super) fn factorise<S: Simd>(&mut self, simd: S, blocks: &HingeBlocks) -> bool {
+        if let Some(dense) = &mut self.dense {
+            return factorise_short(dense, self.hinges, blocks);
+        }
+        self.take_in(simd, blocks);
+        let mut left = Left::nothing(simd);
+        self.eliminate(simd, &mut left);
+        self.reduce(simd, &mut left)
+    }
+
+    /// Solves in place: x and y of the unknowns of all hinges, hinge k at [`BASE`] + k.
+    #[inline(always)]
+    pub(super) fn solve<S: Simd>(&mut self, simd: S, unknowns: &mut [Numbers; 2]) {
+        if let Some(dense) = &self.dense {
+            let [x, y] = unknowns;
+            let hinges = BASE..BASE + self.hinges;
+            return solve_short(dense, &mut x[hinges.clone()], &mut y[hinges]);
+        }
+        for (axis, numbers) in unknowns.iter().enumerate() {
+            self.take_right_hand_side(simd, axis, numbers);
+        }
+        self.solve_places(simd);
+        for (axis, numbers) in unknowns.iter_mut().enumerate() {
+            self.give_back(simd, axis, numbers);
+        }
+    }
+
+    #[inline(always)]
+    fn take_right_hand_side<S: Simd>(&mut self, simd: S, axis: usize, from: &[f64]) {
+        for part in parts::<S>() {
+            let rows = self.rows::<S>(from, part);
+            let count = self.registers::<S>();
+            let places = self.unknowns.chunks_exact_mut(S::F64_LANES).take(count);
+            for (number, places) in places.enumerate() {
+                let columns = gather(simd, &rows, number);
+                for (place, column) in places.iter_mut().zip(columns) {
+                    place[axis].put(part, column);
+                }
+            }
+            let all = self.have_all(simd, part);
+            let first = &mut self.unknowns[0][axis];
+            first.put(
+                part,
+                all.select(first.at(simd, part), Lanes::splat(simd, 0.0)),
+            );
+        }
+    }
+
+    /// Writes the unknowns hinge by hinge.
+    #[inline(always)]
+    fn give_back<S: Simd>(&self, simd: S, axis: usize, to: &mut [f64]) {
+        let lanes = S::F64_LANES;
+        // The last registers end with the last place, unless there are fewer places than one has lanes: what they then have
+        // behind the last place is written over by the next part.
+        let most = self.count.saturating_sub(lanes);
+        for part in parts::<S>() {
+            let starts = &self.starts[part * lanes..(part + 1) * lanes];
+            for place in (0..self.count).step_by(lanes) {
+                let place = place.min(most);
+                let mut rows = [Lanes::splat(simd, 0.0); WIDTH];
+                let places = &self.unknowns[place..place + lanes];
+                for (row, place) in rows.iter_mut().zip(places) {
+                    *row = place[axis].at(simd, part);
+                }
+                for (&start, column) in starts.iter().zip(transposed(simd, rows)) {
+                    let to = &mut to[start + place..start + place + WIDTH];
+                    vectors_mut::<S>(to, WIDTH / lanes)[0] = column.values();
+                }
+            }
+        }
+        // Empty places were written over the hinges before them.
+        let last = &self.unknowns[self.count - 1][axis].0;
+        for part in self.full..WIDTH {
+            to[self.starts[part]] = last[part - 1];
+        }
+        let behind = &mut to[BASE + self.hinges..BASE + self.hinges + WIDTH];
+        behind.fill(0.0);
+    }
+
+    /// Solves for the unknowns, which hold the right-hand sides place by place.
+    #[inline(always)]
+    fn solve_places<S: Simd>(&mut self, simd: S) {
+        let last = self.count - 1;
+        let mut to_last = [Pair::zero(simd); WIDTH];
+        let mut unknowns = [Pair::zero(simd); WIDTH];
+        for part in parts::<S>() {
+            let mut right = Pair::read(simd, &self.unknowns[0], part);
+            for j in 0..last {
+                let place = &self.places[j];
+                to_last[part].add(&Block::read(simd, &place.before, part).transposed_of(&right));
+                let next = Pair::read(simd, &self.unknowns[j + 1], part);
+                right = Block::read(simd, &place.next, part).transposed_less(&next, &right);
+                write(&mut self.unknowns[j + 1], part, right.0);
+            }
+            unknowns[part] = right;
+        }
+        let taken = from_right(simd, to_last, 1);
+        for part in parts::<S>() {
+            unknowns[part].subtract(&taken[part]);
+        }
+        for (distance, round) in [1, 2].into_iter().zip(&self.rounds) {
+            let left = from_left(simd, unknowns, distance);
+            let right = from_right(simd, unknowns, distance);
+            for part in parts::<S>() {
+                let rest = Block::read(simd, &round.left, part).less(&unknowns[part], &left[part]);
+                unknowns[part] = Block::read(simd, &round.right, part).less(&rest, &right[part]);
+            }
+        }
+        let across = from_left(simd, unknowns, WIDTH / 2);
+        for part in parts::<S>() {
+            let right =
+                Block::read(simd, &self.opposite, part).less(&unknowns[part], &across[part]);
+            unknowns[part] = Symmetric::read(simd, &self.inverse, part).of(&right);
+        }
+        let before = from_left(simd, unknowns, 1);
+        for part in parts::<S>() {
+            let mut next = unknowns[part];
+            write(&mut self.unknowns[last], part, next.0);
+            for j in (0..last).rev() {
+                let place = &self.places[j];
+                let right = Pair::read(simd, &self.unknowns[j], part);
+                let own = Symmetric::read(simd, &place.own, part).of(&right);
+                let own = Block::read(simd, &place.before, part).less(&own, &before[part]);
+                next = Block::read(simd, &place.next, part).less(&own, &next);
+                write(&mut self.unknowns[j], part, next.0);
+            }
+        }
+    }
+}
+
+/// What elimination leaves of the eight parts.
+struct Left<S: Simd> {
+    /// Blocks of their last hinges.
+    own: [Symmetric<S>; WIDTH],
+    /// Couplings of each with the part before.
+    edge: [Block<S>; WIDTH],
+    /// What each takes off the last hinge of the part before.
+    to_last: [Symmetric<S>; WIDTH],
+    irregular: Mask<S>,
+}
+
+impl<S: Simd> Left<S> {
+    #[inline(always)]
+    fn nothing(simd: S) -> Self {
+        let number = lane_numbers(simd);
+        Self {
+            own: all(Symmetric::zero(simd)),
+            edge: all(Block::zero(simd)),
+            to_last: all(Symmetric::zero(simd)),
+            irregular: number.less(number),
+        }
+    }
+}
+
+/// Register `number` of each row, as columns: as many places as a register has lanes.
+#[inline(always)]
+fn gather<S: Simd>(simd: S, rows: &[&[S::f64s]; WIDTH], number: usize) -> [Lanes<S>; WIDTH] {
+    let mut lanes = [Lanes::splat(simd, 0.0); WIDTH];
+    for (lanes, row) in lanes.iter_mut().zip(rows).take(S::F64_LANES) {
+        *lanes = load(simd, &row[number]);
+    }
+    transposed(simd, lanes)
+}
+
+fn factorise_short(dense: &mut Dense, hinges: usize, blocks: &HingeBlocks) -> bool {
+    dense.clear();
+    for k in 0..hinges {
+        let before = (k + hinges - 1) % hinges;
+        for (entry, (i, j)) in [(0, 0), (1, 1), (0, 1)].into_iter().enumerate() {
+            let value = blocks.own[entry][BASE + k];
+            dense.add(2 * k + i, 2 * k + j, value);
+            if i != j {
+                dense.add(2 * k + j, 2 * k + i, value);
+            }
+        }
+        for (entry, coupling) in blocks.before.iter().enumerate() {
+            let value = coupling[BASE + k];
+            let (i, j) = (2 * k + entry / 2, 2 * before + entry % 2);
+            dense.add(i, j, value);
+            dense.add(j, i, value);
+        }
+    }
+    dense.factorise()
+}
+
+fn solve_short(dense: &Dense, x: &mut [f64], y: &mut [f64]) {
+    let mut unknowns = [0.0; 2 * WIDTH];
+    let count = x.len();
+    for (pair, (x, y)) in unknowns.chunks_exact_mut(2).zip(x.iter().zip(&*y)) {
+        pair.copy_from_slice(&[*x, *y]);
+    }
+    dense.solve(&mut unknowns[..2 * count]);
+    for (pair, (x, y)) in unknowns.chunks_exact(2).zip(x.iter_mut().zip(y)) {
+        (*x, *y) = (pair[0], pair[1]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+    use proptest::prelude::*;
+
+    use pulp::WithSimd;
+
+    use super::*;
+    use crate::math::simd::InstructionSet;
+
+    struct FactoriseRing<'a> {
+        ring: &'a mut Ring,
+        blocks: &'a HingeBlocks,
+    }
+
+    impl WithSimd for FactoriseRing<'_> {
+        type Output = bool;
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> bool {
+            self.ring.factorise(simd, self.blocks)
+        }
+    }
+
+    struct SolveRing<'a> {
+        ring: &'a mut Ring,
+        unknowns: &'a mut [Numbers; 2],
+    }
+
+    impl WithSimd for SolveRing<'_> {
+        type Output = ();
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            self.ring.solve(simd, self.unknowns);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn solutions_are_those_of_the_dense_matrix(
+            n in 2usize..90,
+            open in proptest::collection::vec(0u8..4, 90),
+            any_open in any::<bool>(),
+            numbers in proptest::collection::vec(-0.3f64..0.3, 800),
+        ) {
+            let closed = |k: usize| !any_open || open[k] > 0;
+            let mut next = numbers.iter().copied().cycle();
+            let mut blocks = HingeBlocks::new(n);
+            for k in 0..n {
+                let coupled = closed(k) && closed((k + n - 1) % n);
+                for (entry, own) in blocks.own.iter_mut().enumerate() {
+                    let one = f64::from(u8::from(entry < 2));
+                    own[BASE + k] = if closed(k) { 1.5 * one + next.next().unwrap() } else { one };
+                }
+                for before in &mut blocks.before {
+                    before[BASE + k] = if coupled { next.next().unwrap() } else { 0.0 };
+                }
+            }
+            let mut dense = DMatrix::<f64>::zeros(2 * n, 2 * n);
+            for k in 0..n {
+                let [a, d, b] = [0, 1, 2].map(|i| blocks.own[i][BASE + k]);
+                dense[(2 * k, 2 * k)] += a;
+                dense[(2 * k + 1, 2 * k + 1)] += d;
+                dense[(2 * k, 2 * k + 1)] += b;
+                dense[(2 * k + 1, 2 * k)] += b;
+                let before = (k + n - 1) % n;
+                for (i, entry) in blocks.before.iter().map(|coupling| coupling[BASE + k]).enumerate() {
+                    dense[(2 * k + i / 2, 2 * before + i % 2)] += entry;
+                    dense[(2 * before + i % 2, 2 * k + i / 2)] += entry;
+                }
+            }
+            let right = DVector::from_fn(2 * n, |i, _| if closed(i / 2) { 1.0 + (i % 7) as f64 } else { 0.0 });
+            prop_assume!(dense.clone().cholesky().is_some());
+            let mut bits: Option<Vec<f64>> = None;
+            for set in InstructionSet::available() {
+                let mut ring = Ring::new(n);
+                let regular = set.run(FactoriseRing { ring: &mut ring, blocks: &blocks });
+                prop_assert!(regular);
+                let mut unknowns = [hinge_numbers(n), hinge_numbers(n)];
+                for (i, &entry) in right.iter().enumerate() {
+                    unknowns[i % 2][BASE + i / 2] = entry;
+                }
+                set.run(SolveRing { ring: &mut ring, unknowns: &mut unknowns });
+                let found = DVector::from_fn(2 * n, |i, _| unknowns[i % 2][BASE + i / 2]);
+                let error = (&dense * &found - &right).amax() / found.amax().max(1e-3);
+                prop_assert!(error < 1e-12, "{} {}", set.name(), error);
+                if set.has_fused_multiply_add() {
+                    let same = bits.get_or_insert_with(|| found.as_slice().to_vec());
+                    prop_assert_eq!(&same[..], found.as_slice());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_block_without_an_inverse_is_reported() {
+        for hinge in [0, 3, 20, 37] {
+            for wrong in [0.0, f64::NAN, -1.0] {
+                let mut blocks = HingeBlocks::new(38);
+                blocks.own[0].fill(1.0);
+                blocks.own[1].fill(1.0);
+                blocks.own[0][BASE + hinge] = wrong;
+                for set in InstructionSet::available() {
+                    let mut ring = Ring::new(38);
+                    let regular = set.run(FactoriseRing {
+                        ring: &mut ring,
+                        blocks: &blocks,
+                    });
+                    assert!(!regular, "{hinge} {wrong} {}", set.name());
+                }
+            }
+        }
+    }
+}

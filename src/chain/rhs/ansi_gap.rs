@@ -1,0 +1,379 @@
+//! The gap of a whole ANSI tooth over a register of bushings: the nearest of its four surfaces, the depth there and the direction
+//! in which it grows.
+
+use pulp::Simd;
+
+use super::gap::{Gap, GapConstants, InGap};
+use crate::chain::contact::surface_constants;
+use crate::chain::model::Model;
+use crate::geometry::{AnsiCurves, Surface, ToothProfile, Vec2};
+use crate::math::simd::{Lanes, Mask};
+
+/// A tooth gap in numbers, and the constants of its four surfaces.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct AnsiGap {
+    seat_center_radius: f64,
+    seat_end_tangent: [f64; 2],
+    seating_clearance: f64,
+    working_center: [f64; 2],
+    working_clearance: f64,
+    flat_start: [f64; 2],
+    flat_tangent: [f64; 2],
+    flat_normal: [f64; 2],
+    flat_length: f64,
+    topping_center: [f64; 2],
+    topping_distance: f64,
+    bushing_radius: f64,
+    /// 1/(2 D) for the distance D of centres at which a bushing touches seat, working curve and tip \[1/m\].
+    half_over_touch: [f64; 3],
+    /// Cosine and sine of half the angle from gap to gap.
+    half_gap: [f64; 2],
+    /// Law constants: [constant][surface].
+    law: [[f64; 4]; 2],
+}
+
+impl AnsiGap {
+    pub(crate) fn new(model: &Model, s: usize, curves: &AnsiCurves) -> Self {
+        let law = Surface::ANSI.map(|surface| surface_constants(model, s, surface));
+        Self::of(
+            &model.sprockets[s].profile,
+            curves,
+            model.contact_radius,
+            law,
+        )
+    }
+
+    /// Cylinders of `radius` on `profile`, with the law constants of the four surfaces.
+    fn of(profile: &ToothProfile, curves: &AnsiCurves, radius: f64, law: [[f64; 2]; 4]) -> Self {
+        let pair = |v: Vec2| [v.x, v.y];
+        let (sin, cos) = (0.5 * profile.gap_angle()).sin_cos();
+        Self {
+            seat_center_radius: profile.seat_center_radius,
+            seat_end_tangent: pair(curves.seat_end_tangent),
+            seating_clearance: curves.seating.radius - radius,
+            working_center: pair(curves.working.center),
+            working_clearance: curves.working.radius - radius,
+            flat_start: pair(curves.flat.start),
+            flat_tangent: pair(curves.flat.tangent),
+            flat_normal: pair(curves.flat.normal),
+            flat_length: curves.flat.length,
+            topping_center: pair(curves.topping.center),
+            topping_distance: curves.topping.radius + radius,
+            bushing_radius: radius,
+            half_over_touch: [
+                0.5 / (curves.seating.radius - radius),
+                0.5 / (curves.working.radius - radius),
+                0.5 / (curves.topping.radius + radius),
+            ],
+            half_gap: [cos, sin],
+            law: [0, 1].map(|i| law.map(|constants| constants[i])),
+        }
+    }
+}
+
+/// A gap with its constants in registers.
+pub(crate) struct AnsiRegisters<'a, S: Simd> {
+    simd: S,
+    constants: &'a AnsiGap,
+}
+
+/// The surface nearest to each bushing, where its centre of curvature is seen from there, and whether it is within touch.
+pub(crate) struct NearestOfFour<S: Simd> {
+    seating: Mask<S>,
+    working: Mask<S>,
+    topping: Mask<S>,
+    /// Bushing seen from the centre of curvature, u on the right flank, v \[m\].
+    offset: [Lanes<S>; 2],
+    distance_squared: Lanes<S>,
+    /// Distance of the centres at which bushing and curve touch \[m\].
+    touch: Lanes<S>,
+    /// Bushings on the flat: depth there.
+    flat: Option<(Mask<S>, Lanes<S>)>,
+    near: Mask<S>,
+}
+
+impl GapConstants for AnsiGap {
+    type Of<'a, S: Simd> = AnsiRegisters<'a, S>;
+
+    #[inline(always)]
+    fn gap<S: Simd>(&self, simd: S) -> AnsiRegisters<'_, S> {
+        AnsiRegisters {
+            simd,
+            constants: self,
+        }
+    }
+}
+
+impl<S: Simd> AnsiRegisters<'_, S> {
+    #[inline(always)]
+    fn splat(&self, value: f64) -> Lanes<S> {
+        Lanes::splat(self.simd, value)
+    }
+}
+
+impl<S: Simd> Gap<S> for AnsiRegisters<'_, S> {
+    type Nearest = NearestOfFour<S>;
+
+    #[inline(always)]
+    fn place(&self, arm: [Lanes<S>; 2], direction: [Lanes<S>; 2], gap: [Lanes<S>; 2]) -> InGap<S> {
+        InGap::new(arm, direction, gap)
+    }
+
+    #[inline(always)]
+    fn half_gap(&self) -> [f64; 2] {
+        self.constants.half_gap
+    }
+
+    #[inline(always)]
+    fn near(&self, surface: &NearestOfFour<S>) -> Mask<S> {
+        surface.near
+    }
+
+    #[inline(always)]
+    fn nearest(&self, place: &InGap<S>) -> NearestOfFour<S> {
+        let c = self.constants;
+        let splat = |value| self.splat(value);
+        let zero = splat(0.0);
+        let right = place.u.abs();
+        let v = place.outward - splat(c.seat_center_radius);
+        let seating = right
+            .mul_add(
+                splat(c.seat_end_tangent[0]),
+                v * splat(c.seat_end_tangent[1]),
+            )
+            .less(zero);
+        let from_start = [right - splat(c.flat_start[0]), v - splat(c.flat_start[1])];
+        let along = from_start[0].mul_add(
+            splat(c.flat_tangent[0]),
+            from_start[1] * splat(c.flat_tangent[1]),
+        );
+        let working = along.less(zero);
+        let topping = along.greater(splat(c.flat_length)).and(seating.not());
+        let of = |seat: f64, work: f64, top: f64| {
+            seating.select(splat(seat), working.select(splat(work), splat(top)))
+        };
+        let offset = [
+            right - of(0.0, c.working_center[0], c.topping_center[0]),
+            v - of(0.0, c.working_center[1], c.topping_center[1]),
+        ];
+        let touch = of(c.seating_clearance, c.working_clearance, c.topping_distance);
+        let distance_squared = offset[0].mul_add(offset[0], offset[1] * offset[1]);
+        let beyond = distance_squared - touch * touch;
+        let near = topping.select(-beyond, beyond).exceeds(zero);
+        let flat = seating.or(working).or(topping).not();
+        if !flat.any() {
+            return NearestOfFour {
+                seating,
+                working,
+                topping,
+                offset,
+                distance_squared,
+                touch,
+                flat: None,
+                near,
+            };
+        }
+        let depth = from_start[0].mul_add(
+            splat(c.flat_normal[0]),
+            from_start[1] * splat(c.flat_normal[1]),
+        ) + splat(c.bushing_radius);
+        let near = flat.and(depth.exceeds(zero)).or(flat.not().and(near));
+        NearestOfFour {
+            seating,
+            working,
+            topping,
+            offset,
+            distance_squared,
+            touch,
+            flat: Some((flat, depth)),
+            near,
+        }
+    }
+
+    #[inline(always)]
+    fn depth(
+        &self,
+        surface: &NearestOfFour<S>,
+        place: &InGap<S>,
+    ) -> (Lanes<S>, [Lanes<S>; 2], Lanes<S>) {
+        let zero = self.splat(0.0);
+        let distance = surface.distance_squared.sqrt();
+        let inverse = distance
+            .exceeds(zero)
+            .select(self.splat(1.0) / distance, zero);
+        let outside = |value: Lanes<S>| surface.topping.select(-value, value);
+        let inverse = outside(inverse);
+        let mut curvature = inverse;
+        let mut depth = outside(distance - surface.touch);
+        let mut normal_u = surface.offset[0] * inverse;
+        let mut normal_v = surface.offset[1] * inverse;
+        if let Some((flat, flat_depth)) = surface.flat {
+            let [flat_u, flat_v] = self.constants.flat_normal;
+            depth = flat.select(flat_depth, depth);
+            curvature = flat.select(zero, curvature);
+            normal_u = flat.select(self.splat(flat_u), normal_u);
+            normal_v = flat.select(self.splat(flat_v), normal_v);
+        }
+        (
+            depth,
+            place.to_scene(place.on_left(), [normal_u, normal_v]),
+            curvature,
+        )
+    }
+
+    #[inline(always)]
+    fn gap_and_rate(
+        &self,
+        surface: &NearestOfFour<S>,
+        place: &InGap<S>,
+        velocity: [Lanes<S>; 2],
+    ) -> [Lanes<S>; 2] {
+        let [seat, work, top] = self.constants.half_over_touch;
+        let (seating, working) = (surface.seating, surface.working);
+        let rest = working.select(self.splat(work), self.splat(-top));
+        let scale = seating.select(self.splat(seat), rest);
+        let [right, outward] = place.in_gap(place.on_left(), velocity);
+        let touch = surface.touch;
+        let mut gap = (surface.distance_squared - touch * touch) * scale;
+        let mut rate =
+            surface.offset[0].mul_add(right, surface.offset[1] * outward) * (scale + scale);
+        if let Some((flat, depth)) = surface.flat {
+            let [flat_u, flat_v] = self.constants.flat_normal;
+            let on_flat = right.mul_add(self.splat(flat_u), outward * self.splat(flat_v));
+            gap = flat.select(depth, gap);
+            rate = flat.select(on_flat, rate);
+        }
+        [gap, rate]
+    }
+
+    #[inline(always)]
+    fn law_constants(&self, surface: &NearestOfFour<S>) -> [Lanes<S>; 2] {
+        let [first, second] = &self.constants.law;
+        [
+            self.of_surface(first, surface),
+            self.of_surface(second, surface),
+        ]
+    }
+}
+
+impl<S: Simd> AnsiRegisters<'_, S> {
+    /// The number of the surface: seating, working, flat, topping.
+    #[inline(always)]
+    fn of_surface(
+        &self,
+        &[seat, work, flat, top]: &[f64; 4],
+        surface: &NearestOfFour<S>,
+    ) -> Lanes<S> {
+        let rest = surface.topping.select(self.splat(top), self.splat(flat));
+        let rest = surface.working.select(self.splat(work), rest);
+        surface.seating.select(self.splat(seat), rest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use pulp::WithSimd;
+
+    use super::*;
+    use crate::geometry::Seat;
+    use crate::math::simd::InstructionSet;
+
+    const RADIUS: f64 = 3.968_75e-3;
+
+    fn profile(teeth: u32, seat: Seat) -> ToothProfile {
+        ToothProfile::ansi(0.0127, 2.0 * RADIUS, teeth, seat)
+    }
+
+    /// What the kernel finds at one point: surface, depth, normal (u, v), and whether it is near.
+    struct At<'a>(&'a AnsiGap, Vec2);
+
+    impl WithSimd for At<'_> {
+        type Output = (Surface, f64, Vec2, bool);
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+            let splat = |value| Lanes::splat(simd, value);
+            let gap = self.0.gap(simd);
+            let along_x = [splat(1.0), splat(0.0)];
+            // v along x, so that u is along -y.
+            let place = InGap::new([splat(self.1.y), splat(-self.1.x)], along_x, along_x);
+            let surface = gap.nearest(&place);
+            let (depth, [x, y], _) = gap.depth(&surface, &place);
+            let number = gap.law_constants(&surface)[0].greatest();
+            let surface_of = |s: &Surface| f64::from(s.0) == number;
+            (
+                Surface::ANSI.into_iter().find(surface_of).unwrap(),
+                depth.greatest(),
+                Vec2::new(-y.greatest(), x.greatest()),
+                gap.near(&surface).any(),
+            )
+        }
+    }
+
+    /// Points (u, outward) of both flanks on, and to a few numbers beside, the middle of the gap and the normals at the junctions.
+    fn points(profile: &ToothProfile) -> Vec<Vec2> {
+        let c = profile.ansi_curves().unwrap();
+        let [x, y] = [c.seat_end_tangent.x, c.seat_end_tangent.y];
+        let normals = [
+            (Vec2::zeros(), Vec2::new(y, -x)),
+            (c.flat.start, c.flat.normal),
+            (c.flat.end(), c.flat.normal),
+            (Vec2::zeros(), Vec2::new(0.0, -1.0)),
+        ];
+        let mut points = Vec::new();
+        for (foot, normal) in normals {
+            for i in -400..=100 {
+                let mut point = foot + 1e-5 * f64::from(i) * normal;
+                point.y += profile.seat_center_radius;
+                for beside in -3..=3 {
+                    let u = point.x + f64::from(beside) * f64::EPSILON * RADIUS;
+                    points.extend([Vec2::new(u, point.y), Vec2::new(-u, point.y)]);
+                }
+            }
+        }
+        points
+    }
+
+    /// With the same point for both: depths to 2 units of the distance of centres, normals to 4.
+    #[test]
+    fn a_point_on_every_surface_and_junction_has_the_depth_and_normal_of_the_twin() {
+        let law = [0.0, 1.0, 2.0, 3.0].map(|number| [number, 0.0]);
+        let mut seen = [0; 4];
+        for teeth in [6, 9, 17, 60, 150] {
+            for seat in [Seat::BottomDiameter, Seat::PitchCircle] {
+                let profile = profile(teeth, seat);
+                let curves = profile.ansi_curves().unwrap();
+                let constants = AnsiGap::of(&profile, curves, RADIUS, law);
+                for point in points(&profile) {
+                    let in_gap = point - Vec2::new(0.0, profile.seat_center_radius);
+                    let twin = profile.contact(in_gap, RADIUS);
+                    seen[twin.surface.index()] += 1;
+                    for set in InstructionSet::available() {
+                        let (surface, depth, normal, near) = set.run(At(&constants, point));
+                        let what =
+                            format!("{} {teeth} teeth at {in_gap:?}: {surface:?}", set.name());
+                        // On a junction either of the two is nearest; they meet there with one normal.
+                        let same = profile.contact_with(surface, in_gap, RADIUS);
+                        assert!(surface.0.abs_diff(twin.surface.0) <= 1, "{what}");
+                        assert!(
+                            (same.penetration - twin.penetration).abs() < 1e-17,
+                            "{what}"
+                        );
+                        let size = 4.0 * RADIUS;
+                        let off = (depth - same.penetration).abs();
+                        assert!(off <= 2.0 * f64::EPSILON * size, "{what}: {off:e}");
+                        let distance = (in_gap.norm() > 1e-4) || surface != Surface::SEATING;
+                        let turned = (normal - same.normal).amax();
+                        assert!(
+                            turned <= 4.0 * f64::EPSILON || !distance,
+                            "{what}: {turned:e}"
+                        );
+                        assert!(near || depth <= 0.0, "{what}: {depth:e} unseen");
+                        assert!(!near || depth >= 0.0, "{what}: {depth:e}");
+                    }
+                }
+            }
+        }
+        assert!(seen.iter().all(|&count| count > 1000), "{seen:?}");
+    }
+}

@@ -1,0 +1,224 @@
+//! The chain in one pass: directions and ends of the links, hinges between them, and where the bushings are.
+
+mod ends;
+mod hinges;
+mod losses;
+mod rollers;
+
+use std::marker::PhantomData;
+
+use pulp::{Simd, WithSimd};
+
+use super::layout::{ChainArrays, FIRST, LinkConstants};
+use crate::force_law::VectorLaw;
+use crate::math::simd::{
+    Lanes, WIDTH, lane_numbers, load, partial_load, sin_cos, vectors, vectors_mut,
+};
+use ends::{Arms, End, Links, behind_last, last_links};
+use hinges::Hinges;
+
+pub(crate) use hinges::Joints;
+pub(crate) use losses::{FilledHinges, HingeFriction};
+pub(crate) use rollers::{JoinRollers, Rollers};
+
+/// What the chain found besides its forces.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct ChainFound {
+    /// Largest squared distance of a bushing from its reference \[m²\].
+    pub(crate) moved_squared: f64,
+    /// Whether a hinge touches that has no memory, or has one and does not touch.
+    pub(crate) changed: bool,
+    /// Power dissipated by damping \[W\], when asked for.
+    pub(crate) dissipated: f64,
+    /// Power dissipated by friction \[W\], likewise.
+    pub(crate) rubbed: f64,
+    /// Power dissipated by lubricant, likewise.
+    pub(crate) sheared: f64,
+}
+
+/// One law, one loop. `DAMPED`: with the damping factor; `RUBBED`: with friction; `BRISTLED`: of bristles; `EXTRA`: with lubricant,
+/// elastic plates and friction, those that there are; `ENERGY`: with the power that they dissipate.
+pub(crate) struct JoinChain<
+    'a,
+    L,
+    const DAMPED: bool,
+    const RUBBED: bool,
+    const BRISTLED: bool,
+    const EXTRA: bool,
+    const ENERGY: bool,
+> {
+    pub(crate) law: PhantomData<L>,
+    pub(crate) hinges: Joints<'a>,
+    /// x, y \[m\] and θ \[rad\] of the links.
+    pub(crate) places: [&'a [f64]; 3],
+    /// Their rates.
+    pub(crate) speeds: [&'a [f64]; 3],
+    /// How many bushings are needed again behind the last one.
+    pub(crate) overhang: usize,
+    pub(crate) constants: &'a LinkConstants,
+    pub(crate) arrays: &'a mut ChainArrays,
+    /// What `EXTRA` needs.
+    pub(crate) lubricant: Option<FilledHinges<'a>>,
+    /// What the plates give way by at each hinge \[m/N\].
+    pub(crate) compliance: Option<&'a [f64]>,
+}
+
+impl<
+    L: VectorLaw,
+    const DAMPED: bool,
+    const RUBBED: bool,
+    const BRISTLED: bool,
+    const EXTRA: bool,
+    const ENERGY: bool,
+> WithSimd for JoinChain<'_, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>
+{
+    type Output = ChainFound;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> ChainFound {
+        let n = self.places[0].len();
+        let blocks = n.div_ceil(S::F64_LANES);
+        let whole = blocks - 1;
+        let splat = |value| Lanes::splat(simd, value);
+        let arrays = self.arrays;
+        point::<S>(simd, self.places[2], &mut arrays.cos, &mut arrays.sin);
+        point_sprockets::<S>(simd, arrays);
+        let (mut hinges, direction) = Hinges::<S, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>::new(
+            simd,
+            self.hinges,
+            self.constants,
+            arrays,
+            blocks,
+        );
+        hinges.lay_in(self.lubricant, self.compliance);
+        let [x, y, _] = self.places;
+        let [vx, vy, spin] = self.speeds;
+        let links = [x, y, vx, vy, spin];
+        let last = last_links(simd, links, whole * S::F64_LANES);
+        let fronts = Links::<S>::of(links, 0, whole);
+        let front_arms = Arms::<S>::of(&self.constants.front_arm, direction, 0, blocks);
+        let rear_arms = Arms::<S>::of(&self.constants.rear_arm, direction, 1, blocks);
+        if S::F64_LANES == WIDTH {
+            // Wide registers that do not begin at a cache line are slow to load: the rear ends are moved on by one link.
+            let last_lane = lane_numbers(simd).greater(splat(WIDTH as f64 - 1.5));
+            let here = if whole > 0 { fronts.at(simd, 0) } else { last };
+            let [arm, cos, sin] = front_arms.at(simd, 0);
+            let mut front = End::new(here, [arm, cos, sin]);
+            let mut rear = End::new(here, [-arm, cos, sin]);
+            for i in 0..whole {
+                let next = if i + 1 < whole {
+                    fronts.at(simd, i + 1)
+                } else {
+                    last
+                };
+                let [arm, cos, sin] = front_arms.at(simd, i + 1);
+                let next_rear = End::new(next, [-arm, cos, sin]);
+                hinges.join(i, &front, &End::moved_on(&rear, &next_rear, last_lane));
+                front = End::new(next, [arm, cos, sin]);
+                rear = next_rear;
+            }
+            let behind = behind_last(links, last, whole * S::F64_LANES);
+            let rear = End::new(behind, rear_arms.at(simd, whole));
+            hinges.join(whole, &front, &rear);
+        } else {
+            let rears = Links::<S>::of(links, 1, whole);
+            for i in 0..whole {
+                let front = End::new(fronts.at(simd, i), front_arms.at(simd, i));
+                let rear = End::new(rears.at(simd, i), rear_arms.at(simd, i));
+                hinges.join(i, &front, &rear);
+            }
+            let front = End::new(last, front_arms.at(simd, whole));
+            let behind = behind_last(links, last, whole * S::F64_LANES);
+            let rear = End::new(behind, rear_arms.at(simd, whole));
+            hinges.join(whole, &front, &rear);
+        }
+
+        let found = hinges.found();
+        RepeatBushings {
+            links: n,
+            overhang: self.overhang,
+            arrays,
+        }
+        .with_simd(simd);
+        found
+    }
+}
+
+/// Cosines and sines of the links' angles; the first once more behind the last.
+#[inline(always)]
+fn point<S: Simd>(simd: S, angle: &[f64], cos: &mut [f64], sin: &mut [f64]) {
+    let n = angle.len();
+    let (whole, rest) = S::as_simd_f64s(angle);
+    let blocks = whole.len() + usize::from(!rest.is_empty());
+    {
+        let (cos, sin) = (vectors_mut::<S>(cos, blocks), vectors_mut::<S>(sin, blocks));
+        for (i, angle) in whole.iter().enumerate() {
+            let (s, c) = sin_cos(load(simd, angle));
+            (cos[i], sin[i]) = (c.values(), s.values());
+        }
+        if !rest.is_empty() {
+            let (s, c) = sin_cos(partial_load(simd, rest));
+            (cos[blocks - 1], sin[blocks - 1]) = (c.values(), s.values());
+        }
+    }
+    cos[n] = cos[0];
+    sin[n] = sin[0];
+}
+
+/// The same of the sprockets.
+#[inline(always)]
+fn point_sprockets<S: Simd>(simd: S, arrays: &mut ChainArrays) {
+    let blocks = arrays.sprocket_angle.len() / S::F64_LANES;
+    let angle = vectors::<S>(&arrays.sprocket_angle, blocks);
+    let cos = vectors_mut::<S>(&mut arrays.sprocket_cos, blocks);
+    let sin = vectors_mut::<S>(&mut arrays.sprocket_sin, blocks);
+    for i in 0..blocks {
+        let (s, c) = sin_cos(load(simd, &angle[i]));
+        (cos[i], sin[i]) = (c.values(), s.values());
+    }
+}
+
+/// Writes the first bushings once more behind the last one, and zeros where teeth will add their forces.
+pub(crate) struct RepeatBushings<'a> {
+    pub(crate) links: usize,
+    pub(crate) overhang: usize,
+    pub(crate) arrays: &'a mut ChainArrays,
+}
+
+impl WithSimd for RepeatBushings<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (n, overhang) = (self.links, self.overhang);
+        let ChainArrays {
+            front_force,
+            rear_force,
+            bushing,
+            bushing_velocity,
+            ..
+        } = self.arrays;
+        for array in bushing.iter_mut().chain(bushing_velocity) {
+            repeat::<S>(array, n, overhang);
+        }
+        for (array, first) in front_force
+            .iter_mut()
+            .map(|array| (array, 0))
+            .chain(rear_force.iter_mut().map(|array| (array, FIRST + 1)))
+        {
+            for from in (0..overhang).step_by(S::F64_LANES) {
+                vectors_mut::<S>(&mut array[first + n + from..], 1)[0] =
+                    Lanes::splat(simd, 0.0).values();
+            }
+        }
+    }
+}
+
+/// Copies the first `overhang` entries behind entry `n`.
+#[inline(always)]
+fn repeat<S: Simd>(array: &mut [f64], n: usize, overhang: usize) {
+    for from in (0..overhang).step_by(S::F64_LANES) {
+        let values = vectors::<S>(&array[from..], 1)[0];
+        vectors_mut::<S>(&mut array[n + from..], 1)[0] = values;
+    }
+}

@@ -1,0 +1,322 @@
+//! Hinges as registers: who touches whom, how deep, and the normal forces. Links meet in them, and rollers with their bushings.
+
+use std::marker::PhantomData;
+
+use pulp::Simd;
+
+use super::ChainFound;
+use super::ends::End;
+use super::losses::{FilledHinges, HingeFriction};
+use crate::chain::rhs::bristles::{BristleLanes, Bristling};
+use crate::chain::rhs::layout::{ChainArrays, FIRST, LinkConstants};
+use crate::chain::rhs::slopes::{Damped, FilmGroup, RubGroup, SlopeGroup, Touch, group_of};
+use crate::force_law::{FilmLanes, FrictionLanes, VectorLaw, depths_in_series};
+use crate::math::simd::{
+    Lanes, Numbers, PartialSums, both, both_mut, load, splat_two, vectors, vectors_mut,
+};
+
+/// What is given for all hinges of one loop.
+pub(crate) struct Joints<'a> {
+    pub(crate) law_constants: [f64; 2],
+    pub(crate) clearance: f64,
+    pub(crate) lambda: f64,
+    pub(crate) floor: f64,
+    /// 1/onset speed of every one \[s/m\]; zero without memory.
+    pub(crate) inverse_onset: &'a [f64],
+    /// Where the bushings, or the rollers, were when the candidates were chosen, x and y \[m\].
+    pub(crate) reference: &'a [Numbers; 2],
+    /// Where the slopes of the forces go when they are asked for.
+    pub(crate) slopes: Option<&'a mut [SlopeGroup]>,
+    /// Those of friction.
+    pub(crate) rubs: Option<&'a mut [RubGroup]>,
+    /// What `RUBBED` needs; where rollers turn on them, bushings are the pins.
+    pub(crate) friction: Option<HingeFriction<'a>>,
+    /// What `BRISTLED` needs.
+    pub(crate) bristles: Option<Bristling<'a>>,
+}
+
+/// The hinges as registers.
+pub(super) struct Hinges<
+    'a,
+    S: Simd,
+    L,
+    const DAMPED: bool,
+    const RUBBED: bool,
+    const BRISTLED: bool,
+    const EXTRA: bool,
+    const ENERGY: bool,
+> {
+    law: PhantomData<L>,
+    law_constants: [Lanes<S>; 2],
+    pub(super) clearance: Lanes<S>,
+    lambda: Lanes<S>,
+    floor: Lanes<S>,
+    /// Infinite where an open chain is open.
+    clearance_squared: &'a [S::f64s],
+    onset: &'a [S::f64s],
+    pub(super) on_front: &'a [S::f64s],
+    pub(super) there: &'a [S::f64s],
+    reference: [&'a [S::f64s]; 2],
+    pub(super) depth: &'a mut [S::f64s],
+    force: &'a mut [S::f64s],
+    distance_squared: &'a mut [S::f64s],
+    along: &'a mut [S::f64s],
+    pub(super) front_force: [&'a mut [S::f64s]; 2],
+    pub(super) rear_force: [&'a mut [S::f64s]; 2],
+    bushing: [&'a mut [S::f64s]; 2],
+    bushing_velocity: [&'a mut [S::f64s]; 2],
+    pub(super) moved_squared: Lanes<S>,
+    pub(super) changed: bool,
+    pub(super) power: PartialSums,
+    /// Power dissipated by friction.
+    pub(super) rubbed: PartialSums,
+    slopes: Option<&'a mut [SlopeGroup]>,
+    pub(super) rubs: Option<&'a mut [RubGroup]>,
+    /// Friction and the pins' radius; some where `RUBBED`.
+    pub(super) rubbing: Option<(FrictionLanes<S>, Lanes<S>)>,
+    /// Some where `BRISTLED`.
+    pub(super) bristles: Option<BristleLanes<'a, S>>,
+    /// On fronts and rears.
+    pub(super) moments: [&'a mut [S::f64s]; 2],
+    /// Power dissipated by lubricant.
+    pub(super) sheared: PartialSums,
+    pub(super) film_slopes: Option<&'a mut [FilmGroup]>,
+    /// Some where `EXTRA` and lubricant.
+    pub(super) film: Option<FilmLanes<S>>,
+    /// Some where `EXTRA` and elastic plates.
+    pub(super) compliance: Option<&'a [S::f64s]>,
+}
+
+impl<
+    'a,
+    S: Simd,
+    L: VectorLaw,
+    const DAMPED: bool,
+    const RUBBED: bool,
+    const BRISTLED: bool,
+    const EXTRA: bool,
+    const ENERGY: bool,
+> Hinges<'a, S, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>
+{
+    /// Of these joints; also cosines and sines of links, which the rest of the arrays is separate from. Lubricant and elastic plates come
+    /// with [`Self::lay_in`].
+    #[inline(always)]
+    pub(super) fn new(
+        simd: S,
+        joints: Joints<'a>,
+        constants: &'a LinkConstants,
+        arrays: &'a mut ChainArrays,
+        blocks: usize,
+    ) -> (Self, [&'a [f64]; 2]) {
+        let splat = |value| Lanes::splat(simd, value);
+        let mut hinges = Self {
+            law: PhantomData,
+            law_constants: splat_two(simd, joints.law_constants),
+            clearance: splat(joints.clearance),
+            lambda: splat(joints.lambda),
+            floor: splat(joints.floor),
+            clearance_squared: vectors::<S>(&constants.clearance_squared, blocks),
+            onset: vectors::<S>(joints.inverse_onset, blocks),
+            on_front: vectors::<S>(&constants.bushing_on_front, blocks),
+            there: vectors::<S>(&constants.there, blocks),
+            reference: both::<S>(joints.reference, 0, blocks),
+            depth: vectors_mut::<S>(&mut arrays.depth, blocks),
+            force: vectors_mut::<S>(&mut arrays.force, blocks),
+            distance_squared: vectors_mut::<S>(&mut arrays.distance_squared, blocks),
+            along: vectors_mut::<S>(&mut arrays.along, blocks),
+            moments: [&mut [], &mut []],
+            front_force: both_mut::<S>(&mut arrays.front_force, 0, blocks),
+            rear_force: both_mut::<S>(&mut arrays.rear_force, FIRST + 1, blocks),
+            bushing: both_mut::<S>(&mut arrays.bushing, 0, blocks),
+            bushing_velocity: both_mut::<S>(&mut arrays.bushing_velocity, 0, blocks),
+            moved_squared: splat(0.0),
+            changed: false,
+            power: PartialSums::default(),
+            rubbed: PartialSums::default(),
+            slopes: joints.slopes,
+            rubs: None,
+            rubbing: None,
+            bristles: None,
+            sheared: PartialSums::default(),
+            film_slopes: None,
+            film: None,
+            compliance: None,
+        };
+        if RUBBED {
+            hinges.moments = [
+                vectors_mut::<S>(&mut arrays.front_moment, blocks),
+                vectors_mut::<S>(&mut arrays.rear_moment[FIRST + 1..], blocks),
+            ];
+        }
+        if BRISTLED && let Some(bristles) = joints.bristles {
+            hinges.rubs = joints.rubs;
+            hinges.bristles = Some(bristles.into_lanes(simd, blocks));
+        } else if RUBBED && let Some(friction) = joints.friction {
+            hinges.rubs = joints.rubs;
+            hinges.rubbing = Some((
+                FrictionLanes::new(simd, friction.law),
+                splat(friction.pin_radius),
+            ));
+        }
+        (hinges, [&arrays.cos, &arrays.sin])
+    }
+
+    /// Takes lubricant and elastic plates, where there are any.
+    #[inline(always)]
+    pub(super) fn lay_in(
+        &mut self,
+        lubricant: Option<FilledHinges<'a>>,
+        compliance: Option<&'a [f64]>,
+    ) {
+        let simd = self.clearance.simd();
+        if EXTRA && let Some(compliance) = compliance {
+            self.compliance = Some(vectors::<S>(compliance, self.onset.len()));
+        }
+        if EXTRA && let Some(lubricant) = lubricant {
+            self.film = Some(FilmLanes::new(simd, lubricant.film));
+            self.film_slopes = lubricant.slopes;
+        }
+    }
+
+    /// What they found besides their forces.
+    #[inline(always)]
+    pub(super) fn found(&self) -> ChainFound {
+        ChainFound {
+            moved_squared: self.moved_squared.greatest(),
+            changed: self.changed,
+            dissipated: self.power.total(),
+            rubbed: self.lost_to_friction(),
+            sheared: self.lost_to_lubricant(),
+        }
+    }
+
+    /// One register of hinges; whether any of them may touch.
+    #[inline(always)]
+    pub(super) fn join(&mut self, i: usize, front: &End<S>, rear: &End<S>) -> bool {
+        let simd = self.clearance.simd();
+        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        self.place_bushings(i, front, rear);
+        let (ex, ey) = (front.x - rear.x, front.y - rear.y);
+        let distance_squared = ex.mul_add(ex, ey * ey);
+        let velocity = [front.vx - rear.vx, front.vy - rear.vy];
+        self.distance_squared[i] = distance_squared.values();
+        self.along[i] = ex.mul_add(velocity[0], ey * velocity[1]).values();
+        let near = distance_squared.exceeds(load(simd, &self.clearance_squared[i]));
+        let inverse_onset = load(simd, &self.onset[i]);
+        let remembered = inverse_onset.greater(zero);
+        if !near.any() {
+            self.put(i, [zero; 4]);
+            if EXTRA {
+                self.fill(i, [front, rear], [ex, ey], velocity, distance_squared);
+            }
+            if let Some(slopes) = &mut self.slopes {
+                let (group, part) = group_of::<S, _>(slopes, i);
+                group.put_nothing(part, zero);
+            }
+            if RUBBED && let Some(rubs) = &mut self.rubs {
+                let (group, part) = group_of::<S, _>(rubs, i);
+                group.slope.put(part, zero);
+            }
+            if BRISTLED && let Some(bristles) = &mut self.bristles {
+                bristles.rest(i);
+            }
+            self.changed |= remembered.any();
+            return false;
+        }
+        let distance = distance_squared.sqrt();
+        let inverse_distance = near.select(one / distance, zero);
+        let depth = near.select((distance - self.clearance).positive_part(), zero);
+        let (nx, ny) = (ex * inverse_distance, ey * inverse_distance);
+        let touching = depth.exceeds(zero);
+        self.changed |= touching.differs(remembered).any();
+        let mut pressed = depth;
+        if EXTRA && let Some(compliance) = self.compliance {
+            let compliance = load(simd, &compliance[i]);
+            pressed = depths_in_series::<S, L>(self.law_constants, compliance, depth);
+        }
+        let elastic = L::forces(self.law_constants, pressed);
+        let mut force = elastic;
+        let touch = Touch {
+            normal: [nx, ny],
+            curvature: inverse_distance,
+            depth: pressed,
+            elastic,
+        };
+        if DAMPED {
+            let rate = nx.mul_add(velocity[0], ny * velocity[1]);
+            let mut inverse_onset = inverse_onset;
+            if touching.and(remembered.not()).any() {
+                inverse_onset = remembered.select(inverse_onset, one / self.floor.max(rate));
+            }
+            let factor = (self.lambda * rate)
+                .mul_add(inverse_onset, one)
+                .positive_part();
+            force = elastic * factor;
+            if ENERGY {
+                self.power.add(i, (force - elastic) * rate);
+            }
+            if let Some(slopes) = &mut self.slopes {
+                let damped = Damped {
+                    lambda: self.lambda,
+                    rate,
+                    inverse_onset,
+                    factor,
+                    remembered,
+                    floor: self.floor,
+                };
+                let (group, part) = group_of::<S, _>(slopes, i);
+                group.put_touch::<S, L>(part, self.law_constants, &touch, Some(&damped));
+            }
+        } else if let Some(slopes) = &mut self.slopes {
+            let (group, part) = group_of::<S, _>(slopes, i);
+            group.put_touch::<S, L>(part, self.law_constants, &touch, None);
+        }
+        if EXTRA
+            && let Some(compliance) = self.compliance
+            && let Some(slopes) = &mut self.slopes
+        {
+            let (group, part) = group_of::<S, _>(slopes, i);
+            let alone = L::slopes(self.law_constants, pressed, elastic);
+            let compliance = load(simd, &compliance[i]);
+            let stiffness = group.stiffness.at(simd, part) / compliance.mul_add(alone, one);
+            group.stiffness.put(part, stiffness);
+        }
+        let mut pull = [force * nx, force * ny];
+        if RUBBED {
+            let touch = Touch { depth, ..touch };
+            pull = self.rub(i, [front, rear], &touch, velocity, force);
+        }
+        self.put(i, [depth, force, pull[0], pull[1]]);
+        if EXTRA {
+            self.fill(i, [front, rear], [ex, ey], velocity, distance_squared);
+        }
+        true
+    }
+
+    /// Depth, force, and its direction as it acts on the rear ends.
+    #[inline(always)]
+    fn put(&mut self, i: usize, [depth, force, x, y]: [Lanes<S>; 4]) {
+        self.depth[i] = depth.values();
+        self.force[i] = force.values();
+        self.front_force[0][i] = (-x).values();
+        self.front_force[1][i] = (-y).values();
+        self.rear_force[0][i] = x.values();
+        self.rear_force[1][i] = y.values();
+    }
+
+    /// The bushings of these hinges, and how far they have moved from their references.
+    #[inline(always)]
+    fn place_bushings(&mut self, i: usize, front: &End<S>, rear: &End<S>) {
+        let simd = self.clearance.simd();
+        let on_front = load(simd, &self.on_front[i]).greater(Lanes::splat(simd, 0.0));
+        let x = on_front.select(front.x, rear.x);
+        let y = on_front.select(front.y, rear.y);
+        self.bushing[0][i] = x.values();
+        self.bushing[1][i] = y.values();
+        let dx = x - load(simd, &self.reference[0][i]);
+        let dy = y - load(simd, &self.reference[1][i]);
+        self.moved_squared = self.moved_squared.max(dx.mul_add(dx, dy * dy));
+        self.bushing_velocity[0][i] = on_front.select(front.vx, rear.vx).values();
+        self.bushing_velocity[1][i] = on_front.select(front.vy, rear.vy).values();
+    }
+}

@@ -1,0 +1,161 @@
+//! Friction and lubricant of a register of hinges, after their normal forces.
+
+use pulp::Simd;
+
+use super::ends::End;
+use super::hinges::Hinges;
+use crate::chain::rhs::slopes::{FilmGroup, Touch, group_of};
+use crate::force_law::{Friction, HingeFilm, VectorLaw};
+use crate::math::simd::{Lanes, load, write};
+
+/// Friction in hinges, where there is any.
+#[derive(Clone, Copy)]
+pub(crate) struct HingeFriction<'a> {
+    pub(crate) law: &'a Friction,
+    pub(crate) pin_radius: f64,
+}
+
+/// Lubricant in hinges, where there is any.
+pub(crate) struct FilledHinges<'a> {
+    pub(crate) film: &'a HingeFilm,
+    /// Where its slopes go when they are asked for.
+    pub(crate) slopes: Option<&'a mut [FilmGroup]>,
+}
+
+impl<
+    S: Simd,
+    L: VectorLaw,
+    const DAMPED: bool,
+    const RUBBED: bool,
+    const BRISTLED: bool,
+    const EXTRA: bool,
+    const ENERGY: bool,
+> Hinges<'_, S, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>
+{
+    /// Power dissipated by friction, when asked for \[W\].
+    #[inline(always)]
+    pub(super) fn lost_to_friction(&self) -> f64 {
+        if RUBBED && ENERGY {
+            self.rubbed.total()
+        } else {
+            0.0
+        }
+    }
+
+    /// Power dissipated by lubricant, when asked for \[W\].
+    #[inline(always)]
+    pub(super) fn lost_to_lubricant(&self) -> f64 {
+        if EXTRA && ENERGY {
+            self.sheared.total()
+        } else {
+            0.0
+        }
+    }
+
+    /// Adds the film to the forces and moments of these hinges.
+    #[inline(always)]
+    pub(super) fn fill(
+        &mut self,
+        i: usize,
+        [front, rear]: [&End<S>; 2],
+        [ex, ey]: [Lanes<S>; 2],
+        velocity: [Lanes<S>; 2],
+        distance_squared: Lanes<S>,
+    ) {
+        let simd = self.clearance.simd();
+        let splat = |value| Lanes::splat(simd, value);
+        let (zero, one, half) = (splat(0.0), splat(1.0), splat(0.5));
+        let Some(film) = self.film else { return };
+        let distance = distance_squared.sqrt();
+        // In the middle any direction will do.
+        let apart = distance.greater(zero);
+        let over_distance = one / apart.select(distance, one);
+        let (nx, ny) = (
+            apart.select(ex * over_distance, one),
+            apart.select(ey * over_distance, zero),
+        );
+        let along = nx.mul_add(velocity[0], ny * velocity[1]);
+        let mean_spin = half * (front.spin + rear.spin);
+        let across = nx.mul_add(velocity[1], -(ny * velocity[0]));
+        let across = mean_spin.negate_mul_add(distance, across);
+        let turning = rear.spin - front.spin;
+        let there = load(simd, &self.there[i]);
+        let filled = film.at(distance, [along, across], there);
+        let [push, drag] = filled.force;
+        let shear = filled.shear * turning;
+        if ENERGY {
+            let pressed = push.mul_add(along, drag * across);
+            self.sheared.add(i, shear.mul_add(turning, -pressed));
+        }
+        let force = [push.mul_add(nx, -(drag * ny)), push.mul_add(ny, drag * nx)];
+        for (axis, force) in force.into_iter().enumerate() {
+            let front = &mut self.front_force[axis][i];
+            *front = (load(simd, front) + force).values();
+            let rear = &mut self.rear_force[axis][i];
+            *rear = (load(simd, rear) - force).values();
+        }
+        // Half of what the forces' distance leaves goes to each end.
+        let lever = half * distance * drag;
+        let moments = [shear - lever, -(shear + lever)];
+        for (all, moment) in self.moments.iter_mut().zip(moments) {
+            all[i] = (load(simd, &all[i]) + moment).values();
+        }
+        if let Some(groups) = &mut self.film_slopes {
+            let slopes = film.slopes(&filled);
+            let (group, part) = group_of::<S, _>(groups, i);
+            write(&mut group.normal, part, [nx, ny]);
+            write(&mut group.damping, part, slopes.damping);
+            write(&mut group.stiffness, part, slopes.stiffness);
+        }
+    }
+
+    /// The force on the rear ends with friction, of which the moments are written.
+    #[inline(always)]
+    pub(super) fn rub(
+        &mut self,
+        i: usize,
+        [front, rear]: [&End<S>; 2],
+        touch: &Touch<S>,
+        velocity: [Lanes<S>; 2],
+        force: Lanes<S>,
+    ) -> [Lanes<S>; 2] {
+        let simd = force.simd();
+        let zero = force.constant(0.0);
+        let [nx, ny] = touch.normal;
+        let radius = if BRISTLED {
+            self.bristles.as_ref().map(|bristles| bristles.radius)
+        } else {
+            self.rubbing.map(|(_, radius)| radius)
+        };
+        let Some(pin_radius) = radius else {
+            return [force * nx, force * ny];
+        };
+        // The contact is the pin's outermost point: beyond the pin as the bushing sees it, whichever link has the pin.
+        let on_front = load(simd, &self.on_front[i]).greater(zero);
+        let distance = touch.depth + self.clearance;
+        let from_front = on_front.select(-(pin_radius + distance), pin_radius);
+        let from_rear = from_front + distance;
+        let across = nx.mul_add(velocity[1], -(ny * velocity[0]));
+        let turning = from_front.mul_add(front.spin, -(from_rear * rear.spin));
+        let slip = across + turning;
+        let [rub, slope] = if BRISTLED && let Some(bristles) = &mut self.bristles {
+            bristles.bend(i, touch.depth.exceeds(zero), force, slip)
+        } else if let Some((friction, _)) = &self.rubbing {
+            friction.force(force, slip)
+        } else {
+            [zero; 2]
+        };
+        if ENERGY {
+            self.rubbed.add(i, rub * slip);
+        }
+        self.moments[0][i] = (-(from_front * rub)).values();
+        self.moments[1][i] = (from_rear * rub).values();
+        if let Some(rubs) = &mut self.rubs {
+            let (group, part) = group_of::<S, _>(rubs, i);
+            group.slope.put(part, slope);
+            group.places[0].put(part, from_front);
+            group.places[1].put(part, from_rear);
+        }
+        [force.mul_add(nx, -(rub * ny)), force.mul_add(ny, rub * nx)]
+    }
+}

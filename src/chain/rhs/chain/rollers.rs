@@ -1,0 +1,224 @@
+//! Rollers on their bushings: the hinges' loop once more, between bushings, which are known, and rollers.
+//!
+//! Rollers have arrays like the chain's own: their centres stand in the place of the bushings', and the forces on them in the
+//! place of those on front ends. Teeth, candidates and watches read and write these as they would the chain's.
+
+use std::marker::PhantomData;
+
+use pulp::{Simd, WithSimd};
+
+use super::ends::End;
+use super::hinges::{Hinges, Joints};
+use super::{ChainFound, RepeatBushings};
+use crate::chain::model::Model;
+use crate::chain::rhs::layout::{ChainArrays, FIRST, LinkConstants};
+use crate::force_law::VectorLaw;
+use crate::math::simd::{
+    Lanes, Mask, both, both_mut, lane_numbers, load, partial_load, vectors, vectors_mut,
+};
+
+/// What the kernels have of rollers.
+#[derive(Debug, Clone)]
+pub(crate) struct Rollers {
+    /// To the teeth every roller is on a front.
+    pub(crate) constants: LinkConstants,
+    /// Rollers in the place of bushings.
+    pub(crate) arrays: ChainArrays,
+}
+
+impl Rollers {
+    /// Arrays for the rollers of `model`, where they are bodies.
+    pub(crate) fn of(model: &Model) -> Option<Self> {
+        model.rollers.as_ref().map(|rollers| {
+            let mut constants = LinkConstants::new(model);
+            constants.bushing_on_front.fill(1.0);
+            constants
+                .clearance_squared
+                .fill(rollers.clearance * rollers.clearance);
+            // Without a bushing there is nothing to touch.
+            for k in (0..model.links).filter(|&k| !model.bushing_is_there(k)) {
+                constants.clearance_squared[k] = f64::INFINITY;
+            }
+            Self {
+                constants,
+                arrays: ChainArrays::new(model),
+            }
+        })
+    }
+}
+
+/// One law, one loop; see the hinges.
+pub(crate) struct JoinRollers<
+    'a,
+    L,
+    const DAMPED: bool,
+    const RUBBED: bool,
+    const BRISTLED: bool,
+    const ENERGY: bool,
+> {
+    pub(crate) law: PhantomData<L>,
+    pub(crate) bores: Joints<'a>,
+    /// x and y \[m\] of the rollers.
+    pub(crate) places: [&'a [f64]; 2],
+    /// Their rates, and that of θ.
+    pub(crate) speeds: [&'a [f64]; 3],
+    /// How many rollers are needed again behind the last one.
+    pub(crate) overhang: usize,
+    pub(crate) links: &'a LinkConstants,
+    /// The chain, whose bushings are read and whose ends get the forces on them.
+    pub(crate) chain: &'a mut ChainArrays,
+    pub(crate) rollers: &'a mut Rollers,
+}
+
+impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const BRISTLED: bool, const ENERGY: bool>
+    WithSimd for JoinRollers<'_, L, DAMPED, RUBBED, BRISTLED, ENERGY>
+{
+    type Output = ChainFound;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> ChainFound {
+        let n = self.places[0].len();
+        let blocks = n.div_ceil(S::F64_LANES);
+        let splat = |value| Lanes::splat(simd, value);
+        let Rollers { constants, arrays } = self.rollers;
+        let moments = RUBBED && (BRISTLED || self.bores.friction.is_some());
+        let (mut joints, _) = Hinges::<S, L, DAMPED, RUBBED, BRISTLED, false, ENERGY>::new(
+            simd, self.bores, constants, arrays, blocks,
+        );
+        let ChainArrays {
+            bushing,
+            bushing_velocity,
+            bushing_spin,
+            front_force,
+            rear_force,
+            front_moment,
+            rear_moment,
+            ..
+        } = self.chain;
+        let mut pressed = PressedEnds {
+            on_front: vectors::<S>(&self.links.bushing_on_front, blocks),
+            front_force: both_mut::<S>(front_force, 0, blocks),
+            rear_force: both_mut::<S>(rear_force, FIRST + 1, blocks),
+            front_moment: vectors_mut::<S>(front_moment, blocks),
+            rear_moment: vectors_mut::<S>(&mut rear_moment[FIRST + 1..], blocks),
+        };
+        let [x, y] = self.places;
+        let [vx, vy, spin] = self.speeds;
+        let x = Column::<S>::of(simd, x);
+        let y = Column::<S>::of(simd, y);
+        let vx = Column::<S>::of(simd, vx);
+        let vy = Column::<S>::of(simd, vy);
+        let spin = Column::<S>::of(simd, spin);
+        let place = both::<S>(bushing, 0, blocks);
+        let velocity = both::<S>(bushing_velocity, 0, blocks);
+        let turning = vectors::<S>(bushing_spin, blocks);
+        let zero = splat(0.0);
+        let there = lane_numbers(simd).less(splat((n - (blocks - 1) * S::F64_LANES) as f64));
+        for i in 0..blocks {
+            // Behind the last bushing stands the first one again, or what was there once.
+            let of_bushing = |array: &[S::f64s]| {
+                let value = load(simd, &array[i]);
+                if i + 1 < blocks {
+                    value
+                } else {
+                    there.select(value, zero)
+                }
+            };
+            let roller = End {
+                x: x.at(i),
+                y: y.at(i),
+                vx: vx.at(i),
+                vy: vy.at(i),
+                spin: if RUBBED { spin.at(i) } else { zero },
+            };
+            let bushing = End {
+                x: of_bushing(place[0]),
+                y: of_bushing(place[1]),
+                vx: of_bushing(velocity[0]),
+                vy: of_bushing(velocity[1]),
+                spin: if RUBBED { of_bushing(turning) } else { zero },
+            };
+            if joints.join(i, &roller, &bushing) {
+                let touching = load(simd, &joints.depth[i]).greater(zero);
+                let [felt_x, felt_y] = &joints.rear_force;
+                let felt = [load(simd, &felt_x[i]), load(simd, &felt_y[i])];
+                pressed.push(i, touching, felt);
+                if moments {
+                    pressed.twist(i, touching, load(simd, &joints.moments[1][i]));
+                }
+            }
+        }
+        let found = joints.found();
+        if self.overhang > 0 {
+            RepeatBushings {
+                links: n,
+                overhang: self.overhang,
+                arrays,
+            }
+            .with_simd(simd);
+        }
+        found
+    }
+}
+
+/// Ends of links, which feel what rollers do to the bushings on them.
+struct PressedEnds<'a, S: Simd> {
+    on_front: &'a [S::f64s],
+    front_force: [&'a mut [S::f64s]; 2],
+    rear_force: [&'a mut [S::f64s]; 2],
+    front_moment: &'a mut [S::f64s],
+    rear_moment: &'a mut [S::f64s],
+}
+
+impl<S: Simd> PressedEnds<'_, S> {
+    /// Adds forces on register `i` of bushings.
+    #[inline(always)]
+    fn push(&mut self, i: usize, touching: Mask<S>, [x, y]: [Lanes<S>; 2]) {
+        let on_front = load(x.simd(), &self.on_front[i]).greater(x.constant(0.0));
+        let (front, rear) = (touching.and(on_front), touching.and(on_front.not()));
+        add(front, x, &mut self.front_force[0][i]);
+        add(front, y, &mut self.front_force[1][i]);
+        add(rear, x, &mut self.rear_force[0][i]);
+        add(rear, y, &mut self.rear_force[1][i]);
+    }
+
+    /// Adds moments.
+    #[inline(always)]
+    fn twist(&mut self, i: usize, touching: Mask<S>, felt: Lanes<S>) {
+        let on_front = load(felt.simd(), &self.on_front[i]).greater(felt.constant(0.0));
+        add(touching.and(on_front), felt, &mut self.front_moment[i]);
+        add(touching.and(on_front.not()), felt, &mut self.rear_moment[i]);
+    }
+}
+
+/// Adds where it `acts` and nowhere else: not even the sign of a zero depends on who else is in the register.
+#[inline(always)]
+fn add<S: Simd>(acts: Mask<S>, felt: Lanes<S>, to: &mut S::f64s) {
+    let before = load(felt.simd(), to);
+    *to = acts.select(before + felt, before).values();
+}
+
+/// An array that may end within a register, with zeros behind its end.
+struct Column<'a, S: Simd> {
+    whole: &'a [S::f64s],
+    last: Lanes<S>,
+}
+
+impl<'a, S: Simd> Column<'a, S> {
+    #[inline(always)]
+    fn of(simd: S, array: &'a [f64]) -> Self {
+        let (whole, rest) = S::as_simd_f64s(array);
+        Self {
+            whole,
+            last: partial_load(simd, rest),
+        }
+    }
+
+    #[inline(always)]
+    fn at(&self, i: usize) -> Lanes<S> {
+        match self.whole.get(i) {
+            Some(values) => load(self.last.simd(), values),
+            None => self.last,
+        }
+    }
+}

@@ -1,0 +1,307 @@
+//! Gaps and their rates at both ends of a step, for every hinge and candidate: which of them may have turned round inside.
+//!
+//! A gap is (d² - D²)/2D for the distance d of two centres and D, where they touch: without a root, smooth where the centres
+//! meet, and the depth itself near zero.
+
+use pulp::{Simd, WithSimd};
+use serde::{Deserialize, Serialize};
+
+use super::gap::{Gap, GapConstants};
+use super::layout::ChainArrays;
+use super::teeth::SprocketPose;
+use crate::chain::contact::{Candidates, Run, SprocketCandidates};
+use crate::chain::model::Model;
+use crate::math::simd::{
+    Lanes, Mask, Numbers, WIDTH, both, both_mut, lane_numbers, load, padded_zeros, splat_two,
+    vectors,
+};
+
+/// Where the slopes' part of a cubic is largest: 4/27 of the slope at one end.
+const REACH_OF_SLOPES: f64 = 4.0 / 27.0;
+
+/// Gaps \[m\], positive where touching, and their rates \[m/s\] at both ends of a step. Two zeros: not known.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Ends {
+    start: [Numbers; 2],
+    end: [Numbers; 2],
+}
+
+impl Ends {
+    fn new(room: usize) -> Self {
+        let zeros = || [padded_zeros(room), padded_zeros(room)];
+        Self {
+            start: zeros(),
+            end: zeros(),
+        }
+    }
+
+    /// Gap and rate at the start and at the end.
+    fn of(&self, i: usize) -> [[f64; 2]; 2] {
+        [&self.start, &self.end].map(|[gap, rate]| [gap[i], rate[i]])
+    }
+
+    fn advance(&mut self) {
+        std::mem::swap(&mut self.start, &mut self.end);
+    }
+
+    fn is_like(&self, other: &Self) -> bool {
+        let lengths = |ends: &Self| [&ends.start, &ends.end].map(|[g, r]| [g.len(), r.len()]);
+        lengths(self) == lengths(other)
+    }
+}
+
+/// All hinges and candidates, watched from step to step.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Watch {
+    pub(super) hinges: Ends,
+    /// Bushings in rollers; empty where rollers are no bodies of their own.
+    pub(super) rollers: Ends,
+    /// For each sprocket, slot by slot.
+    pub(super) teeth: Vec<Ends>,
+    /// Whom the slots are of: the runs of each sprocket.
+    runs: Vec<Vec<Run>>,
+    /// The number of the list with these slots.
+    list: u64,
+}
+
+impl Watch {
+    pub(super) fn new(model: &Model) -> Self {
+        let slots = Candidates::most_slots(model);
+        let sprockets = model.sprockets.iter();
+        Self {
+            hinges: Ends::new(model.links),
+            rollers: Ends::new(model.roller_count()),
+            teeth: sprockets.clone().map(|_| Ends::new(slots)).collect(),
+            runs: sprockets
+                .map(|_| Vec::with_capacity(slots / WIDTH))
+                .collect(),
+            list: 0,
+        }
+    }
+
+    /// Whether it can stand in the place of `other`, a watch of a chain of `links`.
+    pub(crate) fn is_like(&self, other: &Self, links: usize) -> bool {
+        let there = |run: &Run, slots: usize| {
+            run.first < links
+                && run.length <= links
+                && run
+                    .slot
+                    .checked_add(run.length)
+                    .is_some_and(|end| end <= slots)
+        };
+        self.hinges.is_like(&other.hinges)
+            && self.rollers.is_like(&other.rollers)
+            && self.teeth.len() == other.teeth.len()
+            && self.runs.len() == other.runs.len()
+            && (self.teeth.iter().zip(&other.teeth)).all(|(own, other)| own.is_like(other))
+            && (self.runs.iter().zip(&self.teeth).zip(&other.runs)).all(|((runs, ends), room)| {
+                runs.len() <= room.capacity()
+                    && runs.iter().all(|run| there(run, ends.start[0].len()))
+            })
+    }
+
+    /// Becomes what `other` is, within its own room.
+    pub(crate) fn carry_on(&mut self, other: &Self) {
+        self.hinges.clone_from(&other.hinges);
+        self.rollers.clone_from(&other.rollers);
+        self.teeth.clone_from(&other.teeth);
+        for (runs, others) in self.runs.iter_mut().zip(&other.runs) {
+            runs.clear();
+            runs.extend_from_slice(others);
+        }
+        self.list = other.list;
+    }
+
+    /// The end of this step is the start of the next one.
+    pub(crate) fn advance(&mut self) {
+        self.hinges.advance();
+        self.rollers.advance();
+        self.teeth.iter_mut().for_each(Ends::advance);
+    }
+
+    /// Gap and rate at both ends of the step of hinge `k`.
+    pub(crate) fn hinge(&self, k: usize) -> [[f64; 2]; 2] {
+        self.hinges.of(k)
+    }
+
+    /// The same of bushing `k` in its roller.
+    pub(crate) fn roller(&self, k: usize) -> [[f64; 2]; 2] {
+        self.rollers.of(k)
+    }
+
+    /// Sprocket, bushing, and gap and rate at both ends of every candidate.
+    pub(crate) fn candidates(
+        &self,
+        links: usize,
+    ) -> impl Iterator<Item = (usize, usize, [[f64; 2]; 2])> {
+        let sprockets = self.runs.iter().zip(&self.teeth).enumerate();
+        sprockets.flat_map(move |(s, (runs, ends))| {
+            runs.iter().flat_map(move |run| {
+                (0..run.length).map(move |i| (s, (run.first + i) % links, ends.of(run.slot + i)))
+            })
+        })
+    }
+
+    /// Moves what was known at the start to the slots of a new list; whom it did not have, nothing is known of.
+    pub(super) fn follow(&mut self, candidates: &Candidates, links: usize) {
+        if self.list == candidates.refreshes() {
+            return;
+        }
+        self.list = candidates.refreshes();
+        let sprockets = self.teeth.iter_mut().zip(&mut self.runs);
+        for ((ends, runs), candidates) in sprockets.zip(&candidates.sprockets) {
+            let Ends { start, end } = ends;
+            for (start, end) in start.iter().zip(end.iter_mut()) {
+                end.fill(0.0);
+                for (slot, bushing) in candidates.bushings(links) {
+                    let before = runs.iter().find_map(|run| {
+                        let place = (bushing + links - run.first) % links;
+                        (place < run.length).then_some(run.slot + place)
+                    });
+                    end[slot] = before.map_or(0.0, |before| start[before]);
+                }
+            }
+            std::mem::swap(start, end);
+            runs.clear();
+            runs.extend_from_slice(&candidates.runs);
+        }
+    }
+}
+
+/// Contacts that may have touched between two times apart, or have been apart between two times in touch.
+///
+/// A touch is judged by where the tangents at both ends meet, which is above every peak, also that of a tip; a gap by how far a
+/// cubic reaches.
+#[inline(always)]
+fn may_have_turned<S: Simd>(
+    length: Lanes<S>,
+    [start, start_rate]: [Lanes<S>; 2],
+    [end, end_rate]: [Lanes<S>; 2],
+) -> Mask<S> {
+    let zero = length.constant(0.0);
+    let least = -(-start).max(-end);
+    let rising = start_rate.greater(zero).and(end_rate.less(zero));
+    let falling = start_rate.less(zero).and(end_rate.greater(zero));
+    let slopes = start.mul_add(-end_rate, end * start_rate);
+    let peak = (length * start_rate).mul_add(-end_rate, slopes);
+    let touched = (start.max(end).less(zero))
+        .and(rising)
+        .and(peak.greater(zero));
+    let reach = length.constant(REACH_OF_SLOPES) * length;
+    let fall = reach.mul_add(start_rate - end_rate, least);
+    let parted = least.greater(zero).and(falling).and(fall.less(zero));
+    touched.or(parted)
+}
+
+/// What a watch found.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Watched {
+    /// Whether some contact may have turned round inside the step.
+    pub(crate) turned: bool,
+    /// No bushing is faster, seen from any tooth \[m/s\].
+    pub(crate) speed: f64,
+}
+
+/// All hinges at the end of a step of `length` \[s\], where the last evaluation was; the speed is that of the bushings.
+pub(super) struct WatchHinges<'a> {
+    pub(super) length: f64,
+    pub(super) links: usize,
+    pub(super) clearance: f64,
+    pub(super) arrays: &'a ChainArrays,
+    pub(super) ends: &'a mut Ends,
+}
+
+impl WithSimd for WatchHinges<'_> {
+    type Output = Watched;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Watched {
+        let splat = |value| Lanes::splat(simd, value);
+        let blocks = self.links.div_ceil(S::F64_LANES);
+        let length = splat(self.length);
+        let scale = splat(0.5 / self.clearance);
+        let half_clearance = splat(0.5 * self.clearance);
+        let start = both::<S>(&self.ends.start, 0, blocks);
+        let end = both_mut::<S>(&mut self.ends.end, 0, blocks);
+        let distance_squared = vectors::<S>(&self.arrays.distance_squared, blocks);
+        let along = vectors::<S>(&self.arrays.along, blocks);
+        let velocity = both::<S>(&self.arrays.bushing_velocity, 0, blocks);
+        let mut turned = false;
+        let mut speed_squared = splat(0.0);
+        for i in 0..blocks {
+            let at = |array: &[S::f64s]| load(simd, &array[i]);
+            let gap = at(distance_squared).mul_add(scale, -half_clearance);
+            let rate = at(along) * (scale + scale);
+            turned |= may_have_turned(length, two(simd, start, i), [gap, rate]).any();
+            (end[0][i], end[1][i]) = (gap.values(), rate.values());
+            let [vx, vy] = two(simd, velocity, i);
+            let left = splat((self.links - i * S::F64_LANES) as f64);
+            let own = lane_numbers(simd).less(left);
+            let squared = own.select(vx.mul_add(vx, vy * vy), splat(0.0));
+            speed_squared = speed_squared.max(squared);
+        }
+        Watched {
+            turned,
+            speed: speed_squared.greatest().sqrt(),
+        }
+    }
+}
+
+/// Register `i` of two arrays.
+#[inline(always)]
+fn two<S: Simd>(simd: S, arrays: [&[S::f64s]; 2], i: usize) -> [Lanes<S>; 2] {
+    [load(simd, &arrays[0][i]), load(simd, &arrays[1][i])]
+}
+
+/// The candidates of one sprocket, likewise; true when one of them may have turned round.
+pub(super) struct WatchTeeth<'a, C> {
+    pub(super) length: f64,
+    pub(super) constants: &'a C,
+    pub(super) pose: &'a SprocketPose,
+    pub(super) arrays: &'a ChainArrays,
+    pub(super) candidates: &'a SprocketCandidates,
+    pub(super) ends: &'a mut Ends,
+}
+
+impl<C: GapConstants> WithSimd for WatchTeeth<'_, C> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let splat = |value| Lanes::splat(simd, value);
+        let length = splat(self.length);
+        let gaps = self.constants.gap(simd);
+        let (center, own) = (
+            splat_two(simd, self.pose.center),
+            splat_two(simd, self.pose.velocity),
+        );
+        let (direction, spin) = (splat_two(simd, self.pose.direction), splat(self.pose.spin));
+        let mut named = false;
+        for run in &self.candidates.runs {
+            let blocks = run.length.div_ceil(S::F64_LANES);
+            let bushing = both::<S>(&self.arrays.bushing, run.first, blocks);
+            let velocity = both::<S>(&self.arrays.bushing_velocity, run.first, blocks);
+            let gap_cos = vectors::<S>(&self.candidates.gap_cos[run.slot..], blocks);
+            let gap_sin = vectors::<S>(&self.candidates.gap_sin[run.slot..], blocks);
+            let start = both::<S>(&self.ends.start, run.slot, blocks);
+            let end = both_mut::<S>(&mut self.ends.end, run.slot, blocks);
+            for b in 0..blocks {
+                let at = |array: &[S::f64s]| load(simd, &array[b]);
+                let left = splat((run.length - b * S::F64_LANES) as f64);
+                let valid = lane_numbers(simd).less(left);
+                let [x, y] = two(simd, bushing, b);
+                let [x, y] = [x - center[0], y - center[1]];
+                let [vx, vy] = two(simd, velocity, b);
+                let [vx, vy] = [vx - own[0], vy - own[1]];
+                let relative = [spin.mul_add(y, vx), spin.negate_mul_add(x, vy)];
+                let place = gaps.place([x, y], direction, [at(gap_cos), at(gap_sin)]);
+                let surface = gaps.nearest(&place);
+                let found = gaps.gap_and_rate(&surface, &place, relative);
+                let before = two(simd, start, b);
+                named |= may_have_turned(length, before, found).and(valid).any();
+                (end[0][b], end[1][b]) = (found[0].values(), found[1].values());
+            }
+        }
+        named
+    }
+}

@@ -1,0 +1,537 @@
+//! A gap of any surfaces over a register of bushings: from a table, whatever the tooth form; damaged and eccentric teeth too.
+
+use pulp::Simd;
+
+use super::gap::{Gap, GapConstants, InGap};
+use crate::chain::contact::surface_constants;
+use crate::chain::model::Model;
+use crate::geometry::{Curve, Piece, Surface, ToothProfile, Vec2};
+use crate::math::simd::{Lanes, Mask, splat_two};
+
+/// Depth on a flank that is not there \[m\].
+const NOWHERE: f64 = -1.0;
+
+/// A surface in numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Row {
+    /// What lies `from` or more along `tangent` is past the surface before \[m\].
+    tangent: [f64; 2],
+    from: f64,
+    /// Centre of curvature; of a straight line, its start \[m\].
+    center: [f64; 2],
+    /// Distance of the centres at which bushing and curve touch; of a straight line, the bushing's radius \[m\].
+    touch: f64,
+    /// 1: the bushing lies inside an arc; -1: outside; 0: on a straight line.
+    side: f64,
+    /// Of a straight line, into the material.
+    normal: [f64; 2],
+    /// Law constants.
+    law: [f64; 2],
+}
+
+impl Row {
+    fn new(piece: &Piece, before: Option<&Piece>, radius: f64, law: [f64; 2]) -> Self {
+        let pair = |v: Vec2| [v.x, v.y];
+        let (center, touch, side, normal) = match piece.curve {
+            Curve::Concave(arc) => (arc.center, arc.radius - radius, 1.0, Vec2::zeros()),
+            Curve::Convex(arc) => (arc.center, arc.radius + radius, -1.0, Vec2::zeros()),
+            Curve::Straight(segment) => (segment.start, radius, 0.0, segment.normal),
+        };
+        let (tangent, from) = before.map_or((Vec2::zeros(), 0.0), |before| {
+            let boundary = &before.boundary;
+            let from = boundary.foot.dot(&boundary.tangent) + boundary.limit;
+            (boundary.tangent, from)
+        });
+        Self {
+            tangent: pair(tangent),
+            from,
+            center: pair(center),
+            touch,
+            side,
+            normal: pair(normal),
+            law,
+        }
+    }
+}
+
+/// A damaged tooth and where its surfaces are in the table.
+#[derive(Debug, Clone, PartialEq)]
+struct Damaged {
+    /// Directions of the gaps whose left and whose right flank it is, in the sprocket's own frame.
+    gaps: [[f64; 2]; 2],
+    first: usize,
+    last: usize,
+}
+
+/// The surfaces of a sprocket's teeth, by their numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct SurfaceTable {
+    rows: Vec<Row>,
+    /// The last surface of whole teeth.
+    last: usize,
+    damaged: Vec<Damaged>,
+    has_lines: bool,
+    seat_center_radius: f64,
+    /// Cosine and sine of half the angle from gap to gap.
+    half_gap: [f64; 2],
+    /// The teeth's centre in the sprocket's own frame \[m\].
+    offset: [f64; 2],
+}
+
+impl SurfaceTable {
+    pub(crate) fn new(model: &Model, s: usize) -> Self {
+        let sprocket = &model.sprockets[s];
+        let law = |surface| surface_constants(model, s, surface);
+        Self::of(
+            &sprocket.profile,
+            model.contact_radius,
+            sprocket.offset,
+            law,
+        )
+    }
+
+    /// Cylinders of `radius` on `profile`, with the law constants of its surfaces.
+    fn of(
+        profile: &ToothProfile,
+        radius: f64,
+        offset: Vec2,
+        law: impl Fn(Surface) -> [f64; 2],
+    ) -> Self {
+        let surfaces = profile.surfaces();
+        let rows = (0..).zip(surfaces).map(|(number, piece)| {
+            let before = usize::from(number).checked_sub(1).map(|i| &surfaces[i]);
+            Row::new(piece, before, radius, law(Surface(number)))
+        });
+        let gap = |number: u32| {
+            let (sin, cos) = (f64::from(number % profile.teeth) * profile.gap_angle()).sin_cos();
+            [cos, sin]
+        };
+        let damaged = profile.damaged().map(|(tooth, surfaces)| Damaged {
+            gaps: [gap(tooth), gap(tooth + 1)],
+            first: surfaces.start,
+            last: surfaces.end - 1,
+        });
+        let (sin, cos) = (0.5 * profile.gap_angle()).sin_cos();
+        Self {
+            rows: rows.collect(),
+            last: profile.whole().len() - 1,
+            damaged: damaged.collect(),
+            has_lines: surfaces
+                .iter()
+                .any(|piece| matches!(piece.curve, Curve::Straight(_))),
+            seat_center_radius: profile.seat_center_radius,
+            half_gap: [cos, sin],
+            offset: [offset.x, offset.y],
+        }
+    }
+}
+
+/// The table at hand for a register of bushings.
+pub(crate) struct TableRegisters<'a, S: Simd> {
+    simd: S,
+    table: &'a SurfaceTable,
+}
+
+impl GapConstants for SurfaceTable {
+    type Of<'a, S: Simd> = TableRegisters<'a, S>;
+
+    #[inline(always)]
+    fn gap<S: Simd>(&self, simd: S) -> TableRegisters<'_, S> {
+        TableRegisters { simd, table: self }
+    }
+}
+
+/// The row nearest to each bushing.
+#[derive(Clone, Copy)]
+struct Found<S: Simd> {
+    number: Lanes<S>,
+    center: [Lanes<S>; 2],
+    touch: Lanes<S>,
+    side: Lanes<S>,
+}
+
+impl<S: Simd> Found<S> {
+    #[inline(always)]
+    fn of(simd: S, number: usize, row: &Row) -> Self {
+        let splat = |value| Lanes::splat(simd, value);
+        Self {
+            number: splat(number as f64),
+            center: splat_two(simd, row.center),
+            touch: splat(row.touch),
+            side: splat(row.side),
+        }
+    }
+
+    #[inline(always)]
+    fn replaced(self, where_true: Mask<S>, by: &Self) -> Self {
+        Self {
+            number: where_true.select(by.number, self.number),
+            center: where_true.select_two(by.center, self.center),
+            touch: where_true.select(by.touch, self.touch),
+            side: where_true.select(by.side, self.side),
+        }
+    }
+}
+
+/// Which bushings are nearest to a straight line, their depth and the line's normal.
+type OnLine<S> = (Mask<S>, Lanes<S>, [Lanes<S>; 2]);
+
+/// The surface nearest to each bushing, and where its centre of curvature is seen from there.
+pub(crate) struct NearestOfTable<S: Simd> {
+    found: Found<S>,
+    /// Bushings on left flanks.
+    left: Mask<S>,
+    /// Bushing seen from the centre of curvature, u on the right flank, v \[m\].
+    offset: [Lanes<S>; 2],
+    distance_squared: Lanes<S>,
+    /// Where a table has straight lines.
+    line: Option<OnLine<S>>,
+    near: Mask<S>,
+}
+
+impl<S: Simd> TableRegisters<'_, S> {
+    #[inline(always)]
+    fn splat(&self, value: f64) -> Lanes<S> {
+        Lanes::splat(self.simd, value)
+    }
+
+    /// The nearest of the rows `first` to `last`, whose surfaces follow one another.
+    #[inline(always)]
+    fn scan(&self, first: usize, last: usize, [right, v]: [Lanes<S>; 2]) -> Found<S> {
+        let rows = &self.table.rows;
+        let mut found = Found::of(self.simd, first, &rows[first]);
+        let mut past: Option<Mask<S>> = None;
+        for (number, row) in rows.iter().enumerate().take(last + 1).skip(first + 1) {
+            let [tangent_u, tangent_v] = splat_two(self.simd, row.tangent);
+            let along = right.mul_add(tangent_u, v * tangent_v);
+            let within = along.less(self.splat(row.from));
+            let here = match past {
+                Some(before) => before.and(within.not()),
+                None => within.not(),
+            };
+            found = found.replaced(here, &Found::of(self.simd, number, row));
+            past = Some(here);
+        }
+        found
+    }
+
+    /// Bushings in a gap, by its direction in the sprocket's own frame.
+    #[inline(always)]
+    fn within(&self, place: &InGap<S>, gap: [f64; 2]) -> Mask<S> {
+        let [cos, sin] = splat_two(self.simd, gap);
+        let [gap_cos, gap_sin] = place.gap;
+        let half = self.splat(self.table.half_gap[0]);
+        gap_cos.mul_add(cos, gap_sin * sin).greater(half)
+    }
+
+    /// The nearest row of one flank, whole or damaged, and the depth there.
+    #[inline(always)]
+    fn flank(&self, left: bool, place: &InGap<S>, v: Lanes<S>) -> (Found<S>, Lanes<S>) {
+        let table = self.table;
+        let across = [if left { -place.u } else { place.u }, v];
+        let mut found = self.scan(0, table.last, across);
+        let mut first = self.splat(0.0);
+        for damaged in &table.damaged {
+            let own = self.within(place, damaged.gaps[usize::from(!left)]);
+            if own.any() {
+                let other = self.scan(damaged.first, damaged.last, across);
+                found = found.replaced(own, &other);
+                first = own.select(self.splat(damaged.first as f64), first);
+            }
+        }
+        let nearest = self.measure(found, place.on_left(), across);
+        // The curve in the middle of the gap ends there.
+        let past_middle = across[0].less(self.splat(0.0));
+        let middle = (found.number - first).less(self.splat(0.5));
+        let depth = nearest.depth();
+        let depth = past_middle.and(middle).select(self.splat(NOWHERE), depth);
+        (found, depth)
+    }
+
+    /// What is known of bushings at `across` (u as on the right flank, v) from their nearest rows.
+    #[inline(always)]
+    fn measure(
+        &self,
+        found: Found<S>,
+        left: Mask<S>,
+        [across, v]: [Lanes<S>; 2],
+    ) -> NearestOfTable<S> {
+        let table = self.table;
+        let zero = self.splat(0.0);
+        let offset = [across - found.center[0], v - found.center[1]];
+        let distance_squared = offset[0].mul_add(offset[0], offset[1] * offset[1]);
+        let beyond = distance_squared - found.touch * found.touch;
+        let near = (found.side * beyond).exceeds(zero);
+        let mut nearest = NearestOfTable {
+            found,
+            left,
+            offset,
+            distance_squared,
+            line: None,
+            near,
+        };
+        if table.has_lines {
+            let lines = found.side.abs().less(self.splat(0.5));
+            let mut normal = [zero, zero];
+            for (number, row) in table.rows.iter().enumerate() {
+                if row.side == 0.0 {
+                    let own = (found.number - self.splat(number as f64)).abs();
+                    let own = own.less(self.splat(0.5));
+                    normal = own.select_two(splat_two(self.simd, row.normal), normal);
+                }
+            }
+            let depth = offset[0].mul_add(normal[0], offset[1] * normal[1]) + found.touch;
+            nearest.near = lines.and(depth.exceeds(zero)).or(lines.not().and(near));
+            nearest.line = Some((lines, depth, normal));
+        }
+        nearest
+    }
+}
+
+impl<S: Simd> NearestOfTable<S> {
+    #[inline(always)]
+    fn depth(&self) -> Lanes<S> {
+        let Found { touch, side, .. } = self.found;
+        let depth = side * (self.distance_squared.sqrt() - touch);
+        match self.line {
+            Some((lines, line_depth, _)) => lines.select(line_depth, depth),
+            None => depth,
+        }
+    }
+}
+
+impl<S: Simd> Gap<S> for TableRegisters<'_, S> {
+    type Nearest = NearestOfTable<S>;
+
+    #[inline(always)]
+    fn place(
+        &self,
+        [arm_x, arm_y]: [Lanes<S>; 2],
+        [cos, sin]: [Lanes<S>; 2],
+        gap: [Lanes<S>; 2],
+    ) -> InGap<S> {
+        let [x, y] = splat_two(self.simd, self.table.offset);
+        let from_teeth = [
+            arm_x - cos.mul_add(x, -(sin * y)),
+            arm_y - sin.mul_add(x, cos * y),
+        ];
+        InGap::new(from_teeth, [cos, sin], gap)
+    }
+
+    #[inline(always)]
+    fn half_gap(&self) -> [f64; 2] {
+        self.table.half_gap
+    }
+
+    #[inline(always)]
+    fn near(&self, surface: &NearestOfTable<S>) -> Mask<S> {
+        surface.near
+    }
+
+    #[inline(always)]
+    fn nearest(&self, place: &InGap<S>) -> NearestOfTable<S> {
+        let table = self.table;
+        let mut across = place.u.abs();
+        let mut left = place.on_left();
+        let v = place.outward - self.splat(table.seat_center_radius);
+        let mut found = self.scan(0, table.last, [across, v]);
+        // Between teeth that are not alike either flank may be the nearer one, wherever a bushing is.
+        let mut beside = place.u.less(place.u);
+        for damaged in &table.damaged {
+            for gap in damaged.gaps {
+                beside = beside.or(self.within(place, gap));
+            }
+        }
+        if !table.damaged.is_empty() && beside.any() {
+            let (on_right, right_depth) = self.flank(false, place, v);
+            let (on_left, left_depth) = self.flank(true, place, v);
+            let deeper = left_depth.greater(right_depth);
+            found = found.replaced(beside, &on_right.replaced(deeper, &on_left));
+            let nearer = deeper.select(-place.u, place.u);
+            across = beside.select(nearer, across);
+            left = beside.and(deeper).or(beside.not().and(left));
+        }
+        self.measure(found, left, [across, v])
+    }
+
+    #[inline(always)]
+    fn depth(
+        &self,
+        surface: &NearestOfTable<S>,
+        place: &InGap<S>,
+    ) -> (Lanes<S>, [Lanes<S>; 2], Lanes<S>) {
+        let zero = self.splat(0.0);
+        let side = surface.found.side;
+        let distance = surface.distance_squared.sqrt();
+        let apart = distance.exceeds(zero);
+        let mut curvature = apart.select(side / distance, zero);
+        let depth = surface.depth();
+        let mut normal = [surface.offset[0] * curvature, surface.offset[1] * curvature];
+        if let Some((lines, _, line_normal)) = surface.line {
+            curvature = lines.select(zero, curvature);
+            normal = lines.select_two(line_normal, normal);
+        }
+        (depth, place.to_scene(surface.left, normal), curvature)
+    }
+
+    #[inline(always)]
+    fn gap_and_rate(
+        &self,
+        surface: &NearestOfTable<S>,
+        place: &InGap<S>,
+        velocity: [Lanes<S>; 2],
+    ) -> [Lanes<S>; 2] {
+        let Found { touch, side, .. } = surface.found;
+        let [right, outward] = place.in_gap(surface.left, velocity);
+        let scale = side * (self.splat(0.5) / touch);
+        let mut gap = (surface.distance_squared - touch * touch) * scale;
+        let mut rate =
+            surface.offset[0].mul_add(right, surface.offset[1] * outward) * (scale + scale);
+        if let Some((lines, depth, normal)) = surface.line {
+            let on_line = right.mul_add(normal[0], outward * normal[1]);
+            gap = lines.select(depth, gap);
+            rate = lines.select(on_line, rate);
+        }
+        [gap, rate]
+    }
+
+    #[inline(always)]
+    fn law_constants(&self, surface: &NearestOfTable<S>) -> [Lanes<S>; 2] {
+        let rows = &self.table.rows;
+        let mut law = splat_two(self.simd, rows[0].law);
+        for (number, row) in rows.iter().enumerate().skip(1) {
+            let from_here = surface
+                .found
+                .number
+                .greater(self.splat(number as f64 - 0.5));
+            law = from_here.select_two(splat_two(self.simd, row.law), law);
+        }
+        law
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use pulp::WithSimd;
+
+    use super::*;
+    use crate::geometry::{Blank, Damage, IsoGap, Seat};
+    use crate::math::simd::InstructionSet;
+
+    const RADIUS: f64 = 3.968_75e-3;
+
+    /// What the kernel finds at one point of gap 0, (u, outward): surface, depth, normal (u, v), and whether it is near.
+    struct At<'a>(&'a SurfaceTable, Vec2);
+
+    impl WithSimd for At<'_> {
+        type Output = (Surface, f64, Vec2, bool);
+
+        #[inline(always)]
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a small whole number
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+            let splat = |value| Lanes::splat(simd, value);
+            let gap = self.0.gap(simd);
+            let along_x = [splat(1.0), splat(0.0)];
+            // v along x, so that u is along -y.
+            let place = gap.place([splat(self.1.y), splat(-self.1.x)], along_x, along_x);
+            let surface = gap.nearest(&place);
+            let (depth, [x, y], _) = gap.depth(&surface, &place);
+            let number = gap.law_constants(&surface)[0].greatest();
+            (
+                Surface(number as u8),
+                depth.greatest(),
+                Vec2::new(-y.greatest(), x.greatest()),
+                gap.near(&surface).any(),
+            )
+        }
+    }
+
+    fn profiles() -> Vec<ToothProfile> {
+        let mut profiles = Vec::new();
+        for teeth in [9, 17, 60] {
+            let full = ToothProfile::ansi(0.0127, 2.0 * RADIUS, teeth, Seat::BottomDiameter);
+            let blank = Blank {
+                pitch: 0.0127,
+                roller_diameter: 2.0 * RADIUS,
+                teeth,
+                seat: Seat::BottomDiameter,
+                outside_radius: full.pitch_radius + 2.8e-3,
+                edge_radius: 2e-4,
+            };
+            let iso = IsoGap::new(2.0 * RADIUS, teeth, 0.3);
+            for whole in [
+                full.cut(full.outside_radius, 2e-4).unwrap(),
+                ToothProfile::iso(&blank, &iso).unwrap(),
+                ToothProfile::straight(&blank, 4.01e-3, 0.4).unwrap(),
+            ] {
+                // Both flanks of gap 0 are damaged, and others that are not.
+                let damage = [(0, 0.5), (teeth - 1, 0.0), (3, 0.5)];
+                let damage = damage.map(|(tooth, height)| Damage { tooth, height });
+                profiles.push(whole.clone().with_damage(&damage, 2e-4).unwrap());
+                profiles.push(whole);
+            }
+            profiles.push(full);
+        }
+        profiles
+    }
+
+    /// Points (u, outward) of both flanks on, and to a few numbers beside, the normals at the ends of surfaces and in between.
+    fn points(profile: &ToothProfile) -> Vec<Vec2> {
+        let mut points = Vec::new();
+        for piece in profile.surfaces() {
+            let middle = piece.curve.sweep(piece.start, piece.end, 3);
+            for foot in [piece.start, piece.end].into_iter().chain(middle) {
+                let off = crate::geometry::turned_left(piece.curve.tangent(foot));
+                for i in (-100..=300).step_by(25) {
+                    let point = foot + (RADIUS + 1e-6 * f64::from(i)) * off - profile.center();
+                    for beside in -2..=2 {
+                        let u = point.x + f64::from(beside) * f64::EPSILON * RADIUS;
+                        points.extend([Vec2::new(u, point.y), Vec2::new(-u, point.y)]);
+                    }
+                }
+            }
+        }
+        points
+    }
+
+    /// With the same point for both: depths to 8 units of the distance of centres and of the straight lines' far starts.
+    #[test]
+    fn a_point_of_every_form_has_the_depth_and_normal_of_the_twin() {
+        for profile in profiles() {
+            let law = |surface: Surface| [f64::from(surface.0), 0.0];
+            let table = SurfaceTable::of(&profile, RADIUS, Vec2::zeros(), law);
+            let mut seen = vec![0; profile.surfaces().len()];
+            for point in points(&profile) {
+                let in_gap = point + profile.center();
+                let twin = profile.contact_in(0, in_gap, RADIUS);
+                seen[twin.surface.index()] += 1;
+                for set in InstructionSet::available() {
+                    let (surface, depth, normal, near) = set.run(At(&table, point));
+                    let what = format!(
+                        "{} {} teeth at {in_gap:?}: {surface:?}, {twin:?}",
+                        set.name(),
+                        profile.teeth
+                    );
+                    // On a joint either of the two is nearest; they meet there with one normal.
+                    let size = profile.outside_radius;
+                    let off = (depth - twin.penetration).abs();
+                    assert!(off <= 4.0 * f64::EPSILON * size, "{what}: {off:e}");
+                    let seat = profile.surfaces()[surface.index()].step == 0;
+                    let far = in_gap.norm() > 1e-4 || !seat;
+                    let turned = (normal - twin.normal).amax();
+                    let unit = f64::EPSILON * size / (RADIUS * 0.01);
+                    assert!(turned <= unit || !far, "{what}: {turned:e}");
+                    assert!(near || depth <= 0.0, "{what}: {depth:e} unseen");
+                    assert!(!near || depth >= -1e-18, "{what}: {depth:e}");
+                }
+            }
+            // Gap 0 has none of the whole surfaces where both of its flanks are damaged.
+            let first = profile
+                .damaged()
+                .next()
+                .map_or(0, |_| profile.whole().len());
+            let missing: Vec<usize> = (first..seen.len()).filter(|&i| seen[i] < 3).collect();
+            assert!(missing.is_empty(), "{missing:?} of {} teeth", profile.teeth);
+        }
+    }
+}

@@ -1,0 +1,260 @@
+//! The belt line: the closed line of tangents and arcs that a belt takes round any number of wheels, inside or outside it.
+//!
+//! Wheels come in the order in which the belt meets them. The belt runs counterclockwise: a wheel inside it lies on its left and
+//! turns counterclockwise, one outside lies on its right and turns clockwise.
+
+use std::f64::consts::TAU;
+
+use crate::geometry::{Vec2, turned_left};
+
+/// On which side of the loop a wheel stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Side {
+    /// Inside the loop, as sprockets mostly do; it turns with the driver.
+    #[default]
+    Inside,
+    /// Outside, pressing the chain inward: a reverse idler. It turns against the driver.
+    Outside,
+}
+
+impl Side {
+    /// Its name in descriptions.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Inside => "inside",
+            Self::Outside => "outside",
+        }
+    }
+
+    /// +1 inside, -1 outside: the sense in which the chain turns it when running counterclockwise.
+    #[must_use]
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Inside => 1.0,
+            Self::Outside => -1.0,
+        }
+    }
+}
+
+/// A wheel that a belt runs round.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pulley {
+    /// Centre \[m\].
+    pub center: Vec2,
+    /// Radius of the circle that the belt lies on \[m\].
+    pub radius: f64,
+    /// On which side of the belt it stands.
+    pub side: Side,
+}
+
+/// A straight part of the belt.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Span {
+    /// Where it leaves its first wheel \[m\].
+    pub from: Vec2,
+    /// Where it meets the next one \[m\].
+    pub to: Vec2,
+    /// Unit vector from one to the other.
+    pub direction: Vec2,
+    /// Distance between them \[m\].
+    pub length: f64,
+}
+
+/// A belt round wheels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Belt {
+    /// Straight part `i` leads from wheel `i` to the next one.
+    pub spans: Vec<Span>,
+    /// Angle that each wheel is wrapped by \[rad\].
+    pub wraps: Vec<f64>,
+    /// How often the belt goes round in all, counterclockwise positive: 1 for a loop that does not cross itself.
+    pub turns: f64,
+    /// Its length \[m\].
+    pub length: f64,
+}
+
+/// Between which wheels there is no tangent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NoTangent {
+    /// Their places in the order.
+    pub wheels: [usize; 2],
+    /// Distance of their centres \[m\].
+    pub distance: f64,
+    /// What it has to exceed \[m\].
+    pub needed: f64,
+}
+
+impl Belt {
+    /// The belt round `pulleys`, in the order in which it meets them.
+    ///
+    /// The common tangent of two wheels at distance L, with radii r counted negative for a wheel outside, is turned by
+    /// -asin((r₂ - r₁)/L) from the line of centres.
+    ///
+    /// # Errors
+    /// Where two wheels that follow one another are too near to have a common tangent.
+    pub fn around(pulleys: &[Pulley]) -> Result<Self, NoTangent> {
+        let n = pulleys.len();
+        let mut spans = Vec::with_capacity(n);
+        for (i, from) in pulleys.iter().enumerate() {
+            let next = (i + 1) % n;
+            spans.push(
+                tangent(from, &pulleys[next]).map_err(|(distance, needed)| NoTangent {
+                    wheels: [i, next],
+                    distance,
+                    needed,
+                })?,
+            );
+        }
+        let mut wraps = Vec::with_capacity(n);
+        for (i, pulley) in pulleys.iter().enumerate() {
+            let [before, after] = [spans[(i + n - 1) % n], spans[i]].map(|span| span.direction);
+            let turn = (before.x * after.y - before.y * after.x).atan2(before.dot(&after));
+            let wrap = (pulley.side.sign() * turn).rem_euclid(TAU);
+            // A wheel that is just touched is not wrapped all round.
+            wraps.push(if wrap > TAU - 1e-9 { 0.0 } else { wrap });
+        }
+        let turned = pulleys.iter().zip(&wraps).map(|(p, w)| p.side.sign() * w);
+        let arcs = pulleys.iter().zip(&wraps).map(|(p, w)| p.radius * w);
+        Ok(Self {
+            turns: turned.sum::<f64>() / TAU,
+            length: spans.iter().map(|span| span.length).sum::<f64>() + arcs.sum::<f64>(),
+            spans,
+            wraps,
+        })
+    }
+
+    /// Whether it is a loop that goes once round, counterclockwise.
+    #[must_use]
+    pub fn is_simple(&self) -> bool {
+        (self.turns - 1.0).abs() < 1e-6
+    }
+
+    /// What tension 1 N in both of its spans does to wheel `i` \[N\].
+    #[must_use]
+    pub fn pull(&self, i: usize) -> Vec2 {
+        let n = self.spans.len();
+        self.spans[i].direction - self.spans[(i + n - 1) % n].direction
+    }
+}
+
+/// The common tangent of two wheels, or their distance and what it has to exceed.
+fn tangent(from: &Pulley, to: &Pulley) -> Result<Span, (f64, f64)> {
+    let between = to.center - from.center;
+    let distance = between.norm();
+    let [r1, r2] = [from, to].map(|pulley| pulley.side.sign() * pulley.radius);
+    let step = r2 - r1;
+    if distance <= step.abs() || distance == 0.0 {
+        return Err((distance, step.abs()));
+    }
+    let along = between / distance;
+    let sin = -step / distance;
+    let cos = (1.0 - sin * sin).sqrt();
+    let direction = cos * along + sin * turned_left(along);
+    let right = -turned_left(direction);
+    Ok(Span {
+        from: from.center + r1 * right,
+        to: to.center + r2 * right,
+        direction,
+        length: distance * cos,
+    })
+}
+
+/// Distance of `point` from the straight part between its ends \[m\].
+#[must_use]
+pub fn distance_from(span: &Span, point: Vec2) -> f64 {
+    let along = (point - span.from)
+        .dot(&span.direction)
+        .clamp(0.0, span.length);
+    (point - span.from - along * span.direction).norm()
+}
+
+/// Whether two straight parts cross.
+#[must_use]
+pub fn cross(a: &Span, b: &Span) -> bool {
+    let side = |span: &Span, point: Vec2| {
+        let offset = point - span.from;
+        span.direction.x * offset.y - span.direction.y * offset.x
+    };
+    side(a, b.from) * side(a, b.to) < 0.0 && side(b, a.from) * side(b, a.to) < 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+
+    fn pulley(x: f64, y: f64, radius: f64, side: Side) -> Pulley {
+        Pulley {
+            center: Vec2::new(x, y),
+            radius,
+            side,
+        }
+    }
+
+    #[test]
+    fn two_wheels_have_the_textbook_length() {
+        let (distance, r1, r2): (f64, f64, f64) = (0.5, 0.1, 0.04);
+        let belt = Belt::around(&[
+            pulley(0.0, 0.0, r1, Side::Inside),
+            pulley(distance, 0.0, r2, Side::Inside),
+        ])
+        .unwrap();
+        let beta = ((r1 - r2) / distance).asin();
+        let expected = 2.0 * distance * beta.cos() + PI * (r1 + r2) + 2.0 * beta * (r1 - r2);
+        assert!((belt.length - expected).abs() < 1e-14);
+        assert!((belt.wraps[0] - (PI + 2.0 * beta)).abs() < 1e-14);
+        assert!(belt.is_simple());
+    }
+
+    #[test]
+    fn three_equal_wheels_have_the_length_of_their_triangle_and_one_circle() {
+        let corners = [(0.0, 0.0), (0.4, 0.0), (0.1, 0.3)];
+        let pulleys = corners.map(|(x, y)| pulley(x, y, 0.05, Side::Inside));
+        let belt = Belt::around(&pulleys).unwrap();
+        let sides: f64 = (0..3)
+            .map(|i| (pulleys[(i + 1) % 3].center - pulleys[i].center).norm())
+            .sum();
+        assert!((belt.length - (sides + TAU * 0.05)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_wheel_that_presses_a_straight_part_inward_lengthens_it_as_its_crossed_tangents_say() {
+        // Midway between two equal wheels, its edge `depth` below the upper straight part.
+        let (half, r, idler, depth): (f64, f64, f64, f64) = (0.3, 0.06, 0.03, 0.02);
+        let belt = Belt::around(&[
+            pulley(-half, 0.0, r, Side::Inside),
+            pulley(half, 0.0, r, Side::Inside),
+            pulley(0.0, r - depth + idler, idler, Side::Outside),
+        ])
+        .unwrap();
+        let (rise, run) = (r - depth + idler, half);
+        let apart = rise.hypot(run);
+        // Crossed tangent: its angle to the line of centres, and that line's own.
+        let wrap = 2.0 * (((r + idler) / apart).asin() - (rise / run).atan());
+        let straight = (apart * apart - (r + idler).powi(2)).sqrt();
+        let expected = 2.0 * half + 2.0 * straight + idler * wrap + r * (TAU + wrap);
+        assert!((belt.wraps[2] - wrap).abs() < 1e-14);
+        assert!((belt.length - expected).abs() < 1e-14);
+        assert!(belt.is_simple());
+    }
+
+    #[test]
+    fn listed_the_wrong_way_round_a_belt_does_not_go_round_once() {
+        let corners = [(0.0, 0.0), (0.1, 0.3), (0.4, 0.0)];
+        let belt = Belt::around(&corners.map(|(x, y)| pulley(x, y, 0.05, Side::Inside))).unwrap();
+        assert!(!belt.is_simple());
+    }
+
+    #[test]
+    fn wheels_within_one_another_have_no_tangent() {
+        let fault = Belt::around(&[
+            pulley(0.0, 0.0, 0.1, Side::Inside),
+            pulley(0.05, 0.0, 0.02, Side::Inside),
+        ])
+        .unwrap_err();
+        assert_eq!(fault.wheels, [0, 1]);
+        assert!((fault.needed - 0.08).abs() < 1e-15);
+    }
+}

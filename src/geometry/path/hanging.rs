@@ -1,0 +1,235 @@
+//! Rigid links that hang between two points: the exact polygon of a chain without friction at rest.
+//!
+//! A link is pulled by the tensions T at its two ends and by its weight in the middle. Without moments about its middle it lies along
+//! the mean of both, `T₀ - (W + w/2) d` with the tension `T₀` at the first end, the weight W of the links before it, its own w and
+//! the direction d of gravity. The links then reach from one point to the other: two equations for `T₀`, the gradient of a convex
+//! function, which Newton's method solves to round-off.
+
+use nalgebra::Matrix2;
+
+use crate::geometry::Vec2;
+
+/// Misfit of the ends that is let stand, over the length of all links.
+const FITTING: f64 = 1e-15;
+/// Misfit with which the method may end where round-off keeps it from better, likewise.
+const LARGEST_MISFIT: f64 = 1e-11;
+/// Share of the length below which slack counts as none: links that reach just so lie straight.
+const TAUT: f64 = 1e-12;
+
+/// One of the links.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HangingLink {
+    /// Distance of its ends \[m\].
+    pub length: f64,
+    /// Its weight, in its middle \[N\].
+    pub weight: f64,
+}
+
+/// Links at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hanging {
+    /// Both ends of every link, one more than links \[m\].
+    pub points: Vec<Vec2>,
+    /// Tension at each of them, along the chain \[N\]; infinite where the links are taut.
+    pub tensions: Vec<Vec2>,
+}
+
+/// Links that hang from `from` to `to` \[m\], with gravity along the unit vector `down`; nothing where they do not
+/// reach, or where the ends are so near, sideways, that a link would have to push: they would fold.
+#[must_use]
+pub fn hang(from: Vec2, to: Vec2, down: Vec2, links: &[HangingLink]) -> Option<Hanging> {
+    let length: f64 = links.iter().map(|link| link.length).sum();
+    let weight: f64 = links.iter().map(|link| link.weight).sum();
+    let reach = to - from;
+    let distance = reach.norm();
+    if distance > length * (1.0 + TAUT) {
+        return None;
+    }
+    if distance >= length * (1.0 - TAUT) {
+        return Some(taut(from, reach / distance, links));
+    }
+    let mut tension = first_guess(reach, down, length, weight);
+    let mut misfit = misfit_of(tension, reach, down, links);
+    for _ in 0..200 {
+        if misfit.0.norm() <= FITTING * length {
+            break;
+        }
+        let Some(step) = misfit.1.try_inverse().map(|inverse| inverse * misfit.0) else {
+            break;
+        };
+        let mut share = 1.0;
+        let better = loop {
+            let next = tension - share * step;
+            let found = misfit_of(next, reach, down, links);
+            if found.0.norm() < misfit.0.norm() {
+                break Some((next, found));
+            }
+            share *= 0.5;
+            if share < 1e-6 {
+                break None;
+            }
+        };
+        let Some((next, found)) = better else { break };
+        (tension, misfit) = (next, found);
+    }
+    (misfit.0.norm() <= LARGEST_MISFIT * length).then(|| lay(from, tension, down, links))
+}
+
+/// Where links go too far from where they should end \[m\], and how that changes with the tension at the first end.
+fn misfit_of(
+    tension: Vec2,
+    reach: Vec2,
+    down: Vec2,
+    links: &[HangingLink],
+) -> (Vec2, Matrix2<f64>) {
+    let (mut misfit, mut slope) = (-reach, Matrix2::zeros());
+    let mut pull = tension;
+    for link in links {
+        let middle = pull - 0.5 * link.weight * down;
+        let size = middle.norm();
+        let along = middle / size;
+        misfit += link.length * along;
+        slope += (Matrix2::identity() - along * along.transpose()) * (link.length / size);
+        pull -= link.weight * down;
+    }
+    (misfit, slope)
+}
+
+fn lay(from: Vec2, tension: Vec2, down: Vec2, links: &[HangingLink]) -> Hanging {
+    let mut hanging = Hanging {
+        points: vec![from],
+        tensions: vec![tension],
+    };
+    let (mut point, mut pull) = (from, tension);
+    for link in links {
+        point += link.length * (pull - 0.5 * link.weight * down).normalize();
+        pull -= link.weight * down;
+        hanging.points.push(point);
+        hanging.tensions.push(pull);
+    }
+    hanging
+}
+
+fn taut(from: Vec2, along: Vec2, links: &[HangingLink]) -> Hanging {
+    let mut points = vec![from];
+    let mut point = from;
+    for link in links {
+        point += link.length * along;
+        points.push(point);
+    }
+    Hanging {
+        tensions: vec![Vec2::repeat(f64::INFINITY); points.len()],
+        points,
+    }
+}
+
+/// Tension at the first end of a heavy string of that length and weight.
+fn first_guess(reach: Vec2, down: Vec2, length: f64, weight: f64) -> Vec2 {
+    let rise = -reach.dot(&down);
+    let across = reach + rise * down;
+    let span = across.norm().max(1e-6 * length);
+    let sideways = if across.norm() > 0.0 {
+        across.normalize()
+    } else {
+        Vec2::new(down.y, -down.x)
+    };
+    // sinh(x)/x is the length of the arc without its rise over the span.
+    let ratio = (length * length - rise * rise).sqrt() / span;
+    let mut x = if ratio < 3.0 {
+        (6.0 * (ratio - 1.0)).sqrt()
+    } else {
+        (2.0 * ratio * (2.0 * ratio).ln()).ln()
+    };
+    for _ in 0..30 {
+        let (value, slope) = (x.sinh() - ratio * x, x.cosh() - ratio);
+        let step = value / slope;
+        if !step.is_finite() || step.abs() < 1e-14 * x {
+            break;
+        }
+        x = (x - step).max(0.1 * x);
+    }
+    let per_meter = weight / length;
+    let upward = 0.5 * (per_meter * rise / x.tanh() - weight);
+    per_meter * span / (2.0 * x) * sideways - upward * down
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Unequal links that weigh 2 N or 3 N and a quarter.
+    fn links(count: usize) -> Vec<HangingLink> {
+        let link = |i: usize| HangingLink {
+            length: if i.is_multiple_of(2) { 0.1 } else { 0.11 },
+            weight: if i.is_multiple_of(2) { 2.0 } else { 3.25 },
+        };
+        (0..count).map(link).collect()
+    }
+
+    proptest! {
+        #[test]
+        fn links_reach_and_no_moment_is_left_on_any(
+            count in 3usize..200,
+            share in 0.05f64..0.9999,
+            angle in -1.3f64..1.3,
+        ) {
+            let links = links(count);
+            let length: f64 = links.iter().map(|l| l.length).sum();
+            let to = share * length * Vec2::new(angle.cos(), angle.sin());
+            let down = Vec2::new(0.0, -1.0);
+            let Some(found) = hang(Vec2::zeros(), to, down, &links) else {
+                // Ends nearer, sideways, than a link may leave it to push; hardly farther ones pull next to nothing. No others fail.
+                prop_assert!(to.x < 1.01 * 0.11, "{count} {to}");
+                return Ok(());
+            };
+            prop_assert!((found.points[count] - to).norm() < 1e-11 * length);
+            for (i, link) in links.iter().enumerate() {
+                let along = found.points[i + 1] - found.points[i];
+                prop_assert!((along.norm() - link.length).abs() < 1e-14 * length);
+                let pull = found.tensions[i] + found.tensions[i + 1];
+                let moment = along.x * pull.y - along.y * pull.x;
+                let weighs = 3.25 * count as f64;
+                prop_assert!(moment.abs() < 1e-12 * pull.norm() * length, "{moment}");
+                let weight = found.tensions[i + 1] - found.tensions[i] + link.weight * down;
+                prop_assert!(weight.norm() < 1e-12 * (weighs + pull.norm()));
+            }
+        }
+    }
+
+    #[test]
+    fn many_light_links_hang_on_the_catenary() {
+        // y = a cosh(x/a) with a = 0.5 over a span of 1: arc 2 a sinh(1), sag a (cosh(1) - 1), both of textbooks.
+        let a: f64 = 0.5;
+        let count: usize = 2000;
+        let length = 2.0 * a * 1.0_f64.sinh() / count as f64;
+        let links = vec![
+            HangingLink {
+                length,
+                weight: 1.0
+            };
+            count
+        ];
+        let found = hang(
+            Vec2::zeros(),
+            Vec2::new(1.0, 0.0),
+            Vec2::new(0.0, -1.0),
+            &links,
+        )
+        .unwrap();
+        let sag = -found.points[count / 2].y;
+        assert!((sag - a * (1.0_f64.cosh() - 1.0)).abs() < 1e-6, "{sag}");
+        // H = w a, with a link's weight over its length.
+        assert!((found.tensions[0].x * length - a).abs() < 1e-6);
+    }
+
+    #[test]
+    fn links_that_do_not_reach_do_not_hang() {
+        let to = Vec2::new(1.2, 0.0);
+        assert!(hang(Vec2::zeros(), to, -Vec2::y(), &links(10)).is_none());
+        let just = Vec2::new(1.05, 0.0);
+        let found = hang(Vec2::zeros(), just, -Vec2::y(), &links(10)).unwrap();
+        assert!(found.points.iter().all(|p| p.y == 0.0));
+    }
+}

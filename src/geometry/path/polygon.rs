@@ -1,0 +1,342 @@
+//! A chain laid as a polygon round any number of wheels: which pitches are seated where, how long each strand is, where every
+//! hinge lies.
+//!
+//! All strands but one are straight and taut; what is left over hangs in that one. The chain is laid strand by strand from the
+//! wheel behind the slack one: the seats of a wheel go on until the one that is nearest to where the belt line leaves it, and a
+//! strand has the number of pitches that ends nearest to where the belt line meets the next wheel. Its end is then the point
+//! of that wheel's circle at exactly so many pitches, so that the polygon effect of every wheel is in the lengths of the strands.
+
+use std::f64::consts::{PI, TAU};
+
+use super::belt::{Belt, NoTangent, Pulley, Side};
+use super::wrap::{Bow, Wheel};
+use crate::geometry::{Vec2, turned_left, unit};
+
+/// A wheel in its place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlacedWheel {
+    /// Teeth and radius of the seated hinges.
+    pub wheel: Wheel,
+    /// Centre \[m\].
+    pub center: Vec2,
+    /// On which side of the chain it stands.
+    pub side: Side,
+}
+
+impl PlacedWheel {
+    fn pulley(&self) -> Pulley {
+        Pulley {
+            center: self.center,
+            radius: self.wheel.hinge_radius,
+            side: self.side,
+        }
+    }
+
+    /// Angle of seat `index`, counted along the chain \[rad\].
+    fn seat_angle(&self, first: f64, index: u32) -> f64 {
+        first + self.side.sign() * f64::from(index) * self.wheel.gap_angle()
+    }
+
+    fn point(&self, angle: f64) -> Vec2 {
+        self.center + self.wheel.hinge_radius * unit(angle)
+    }
+}
+
+/// Wheels in the order in which the chain meets them, counterclockwise.
+#[derive(Debug, Clone)]
+pub struct Course {
+    /// Pitch of the chain \[m\].
+    pub pitch: f64,
+    /// Number of links.
+    pub links: u32,
+    /// The wheels.
+    pub wheels: Vec<PlacedWheel>,
+    belt: Belt,
+}
+
+/// A chain laid round wheels; strand `i` leads from wheel `i` to the next one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Polygon {
+    /// Pitches seated on each wheel.
+    pub seated: Vec<u32>,
+    /// Pitches in each strand.
+    pub strands: Vec<u32>,
+    /// Angle of the first seated hinge of each wheel, seen from its centre \[rad\].
+    pub first_seat: Vec<f64>,
+    /// Straight distance between the ends of each strand \[m\].
+    pub spans: Vec<f64>,
+    /// Chain length in each strand less that distance \[m\].
+    pub slack: Vec<f64>,
+    /// How far each strand bows out \[m\].
+    pub sag: Vec<f64>,
+    /// How much longer than a pitch a link of the taut strands would have to be, relative to the pitch; 0 for a chain that is long
+    /// enough.
+    pub stretch: f64,
+    /// How far a first or last seat is from the belt line's tangent point at most, in pitches.
+    pub off_tangent: f64,
+    /// Hinge positions \[m\]: those on the first wheel first.
+    pub hinges: Vec<Vec2>,
+    /// On which wheel each hinge is seated.
+    pub seat_of: Vec<Option<usize>>,
+}
+
+/// How the strands and seats follow one another before the hinges are placed.
+struct Laid {
+    seated: Vec<u32>,
+    strands: Vec<u32>,
+    first_seat: Vec<f64>,
+    off_tangent: f64,
+    /// Length of the slack strand less the distance that it spans \[m\].
+    spare: f64,
+}
+
+/// An angle between -π and π.
+fn wrapped(angle: f64) -> f64 {
+    angle - TAU * (angle / TAU).round()
+}
+
+impl Course {
+    /// The course of a chain round wheels.
+    ///
+    /// # Errors
+    /// Where two wheels that follow one another have no common tangent.
+    pub fn new(pitch: f64, links: u32, wheels: Vec<PlacedWheel>) -> Result<Self, NoTangent> {
+        let pulleys: Vec<Pulley> = wheels.iter().map(PlacedWheel::pulley).collect();
+        Ok(Self {
+            belt: Belt::around(&pulleys)?,
+            pitch,
+            links,
+            wheels,
+        })
+    }
+
+    /// The belt line on the circles of the seated hinges.
+    #[must_use]
+    pub fn belt(&self) -> &Belt {
+        &self.belt
+    }
+
+    /// Angle at which the belt line meets (or leaves) wheel `i`, seen from its centre \[rad\].
+    fn tangent_angle(&self, i: usize, leaving: bool) -> f64 {
+        let n = self.wheels.len();
+        let span = &self.belt.spans[if leaving { i } else { (i + n - 1) % n }];
+        let outward = -self.wheels[i].side.sign() * turned_left(span.direction);
+        outward.y.atan2(outward.x)
+    }
+
+    /// Lays the chain with the slack in strand `slack`, its first seat behind it `shift` pitches past the tangent point, links of
+    /// the strands longer by the share `stretch`.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // counts of pitches, not negative
+    fn lay(&self, slack: usize, shift: f64, stretch: f64) -> Option<Laid> {
+        let n = self.wheels.len();
+        let link = self.pitch * (1.0 + stretch);
+        let mut laid = Laid {
+            seated: vec![0; n],
+            strands: vec![0; n],
+            first_seat: vec![0.0; n],
+            off_tangent: shift.abs(),
+            spare: 0.0,
+        };
+        let begin = (slack + 1) % n;
+        let gap = |i: usize| self.wheels[i].wheel.gap_angle();
+        laid.first_seat[begin] =
+            self.tangent_angle(begin, false) + self.wheels[begin].side.sign() * shift * gap(begin);
+        let mut used = 0;
+        for step in 0..n {
+            let i = (begin + step) % n;
+            let wheel = &self.wheels[i];
+            let sign = wheel.side.sign();
+            let past = wrapped(sign * (laid.first_seat[i] - self.tangent_angle(i, false))) / gap(i);
+            let last = (self.belt.wraps[i] / gap(i) - past).round();
+            if last < 0.0 {
+                return None;
+            }
+            laid.seated[i] = last as u32;
+            used += laid.seated[i];
+            let beyond = past + last - self.belt.wraps[i] / gap(i);
+            laid.off_tangent = laid.off_tangent.max(past.abs()).max(beyond.abs());
+            let from = wheel.point(wheel.seat_angle(laid.first_seat[i], laid.seated[i]));
+            if i == slack {
+                laid.strands[i] = self.links.checked_sub(used).filter(|&left| left > 0)?;
+                let to = self.wheels[begin].point(laid.first_seat[begin]);
+                laid.spare = f64::from(laid.strands[i]) * link - (to - from).norm();
+                break;
+            }
+            let next = &self.wheels[(i + 1) % n];
+            let radius = next.wheel.hinge_radius;
+            let back = from - next.center;
+            let distance = back.norm();
+            let tangent = (distance * distance - radius * radius).max(0.0).sqrt();
+            let pitches = (tangent / link).round().max(1.0);
+            let length = pitches * link;
+            let cos = (distance * distance + radius * radius - length * length)
+                / (2.0 * distance * radius);
+            if !(-1.0..=1.0).contains(&cos) {
+                return None;
+            }
+            laid.strands[i] = pitches as u32;
+            used += laid.strands[i];
+            laid.first_seat[(i + 1) % n] = back.y.atan2(back.x) + next.side.sign() * cos.acos();
+        }
+        Some(laid)
+    }
+
+    /// The chain with the slack in strand `slack`, its first seat behind that `shift` pitches past the tangent point of the belt
+    /// line; stretched alike in all strands where it is short by up to `most` of a pitch a link. `None` when it does not fit so.
+    #[must_use]
+    pub fn polygon(&self, slack: usize, shift: f64, most: f64) -> Option<Polygon> {
+        let free = self.lay(slack, shift, 0.0)?;
+        let (mut laid, mut stretch) = (free, 0.0);
+        if laid.spare < 0.0 {
+            // The spare length grows by a link's share of every strand's length, until a strand takes another pitch.
+            let (mut low, mut high) = (0.0, most);
+            laid = self
+                .lay(slack, shift, most)
+                .filter(|laid| laid.spare >= 0.0)?;
+            stretch = most;
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                match self.lay(slack, shift, middle) {
+                    Some(found) if found.spare >= 0.0 => {
+                        (high, stretch, laid) = (middle, middle, found);
+                    }
+                    _ => low = middle,
+                }
+            }
+        }
+        Some(self.place(&laid, slack, stretch))
+    }
+
+    /// Length of the chain left over in strand `slack` \[m\], negative when it is short, all other strands being taut.
+    #[must_use]
+    pub fn spare(&self, slack: usize, shift: f64) -> Option<f64> {
+        self.lay(slack, shift, 0.0).map(|laid| laid.spare)
+    }
+
+    /// How far first and last seats are from the tangent points at most, in pitches.
+    #[must_use]
+    pub fn off_tangent(&self, slack: usize, shift: f64) -> Option<f64> {
+        self.lay(slack, shift, 0.0).map(|laid| laid.off_tangent)
+    }
+
+    fn place(&self, laid: &Laid, slack: usize, stretch: f64) -> Polygon {
+        let n = self.wheels.len();
+        let link = self.pitch * (1.0 + stretch);
+        let mut polygon = Polygon {
+            seated: laid.seated.clone(),
+            strands: laid.strands.clone(),
+            first_seat: laid.first_seat.clone(),
+            spans: Vec::with_capacity(n),
+            slack: Vec::with_capacity(n),
+            sag: Vec::with_capacity(n),
+            stretch,
+            off_tangent: laid.off_tangent,
+            hinges: Vec::with_capacity(self.links as usize),
+            seat_of: Vec::with_capacity(self.links as usize),
+        };
+        for (i, wheel) in self.wheels.iter().enumerate() {
+            for index in 0..=laid.seated[i] {
+                let angle = wheel.seat_angle(laid.first_seat[i], index);
+                polygon.hinges.push(wheel.point(angle));
+                polygon.seat_of.push(Some(i));
+            }
+            let next = (i + 1) % n;
+            let from = wheel.point(wheel.seat_angle(laid.first_seat[i], laid.seated[i]));
+            let to = self.wheels[next].point(laid.first_seat[next]);
+            let span = (to - from).norm();
+            // A strand that is not the slack one is straight, whatever rounding says.
+            let bow = Bow::new(span, laid.strands[i], if i == slack { link } else { 0.0 });
+            polygon.spans.push(span);
+            polygon
+                .slack
+                .push(f64::from(laid.strands[i]) * self.pitch - span);
+            polygon.sag.push(bow.height());
+            for index in 1..laid.strands[i] {
+                polygon.hinges.push(bow.point(from, to, index));
+                polygon.seat_of.push(None);
+            }
+        }
+        polygon
+    }
+}
+
+/// Angle by which a bow of this height over this span leaves the straight line at its ends \[rad\].
+#[must_use]
+pub fn bow_angle(sag: f64, span: f64) -> f64 {
+    (2.0 * (2.0 * sag / span).atan()).min(PI)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PITCH: f64 = 0.0127;
+
+    fn wheel(teeth: u32, x: f64, y: f64, side: Side) -> PlacedWheel {
+        PlacedWheel {
+            wheel: Wheel::on_pitch_circle(PITCH, teeth),
+            center: Vec2::new(x, y),
+            side,
+        }
+    }
+
+    fn course(links: u32) -> Course {
+        let wheels = vec![
+            wheel(17, 0.0, 0.0, Side::Inside),
+            wheel(31, 0.3, -0.04, Side::Inside),
+            wheel(13, 0.16, 0.05, Side::Outside),
+        ];
+        Course::new(PITCH, links, wheels).unwrap()
+    }
+
+    #[test]
+    fn neighbouring_hinges_are_one_pitch_apart_and_the_chain_closes() {
+        let needed = course(100).belt().length / PITCH;
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a count of links
+        let links = 2 * (0.5 * needed + 0.3).ceil() as u32;
+        let course = course(links);
+        assert!(course.belt().is_simple());
+        for slack in 0..3 {
+            for shift in [-0.4, 0.0, 0.3] {
+                let polygon = course.polygon(slack, shift, 1e-3).unwrap();
+                assert_eq!(polygon.hinges.len(), links as usize);
+                assert_eq!(polygon.stretch, 0.0);
+                let next = polygon.hinges.iter().cycle().skip(1);
+                for (a, b) in polygon.hinges.iter().zip(next) {
+                    assert!(((a - b).norm() - PITCH).abs() < 1e-13);
+                }
+                assert!(polygon.slack[slack] > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn a_chain_a_little_short_is_stretched_alike_in_all_strands() {
+        let mut wheels = course(90).wheels;
+        let needed = course(90).belt().length / PITCH;
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a count of links
+        let links = 2 * (0.5 * needed).floor() as u32;
+        // Moved in until nearly taut.
+        let taut = |x: f64, wheels: &mut Vec<PlacedWheel>| {
+            wheels[1].center.x = x;
+            Course::new(PITCH, links, wheels.clone()).unwrap()
+        };
+        let (mut low, mut high) = (0.2, 0.3);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            let laid = taut(middle, &mut wheels).lay(0, 0.1, 0.0);
+            if laid.is_some_and(|laid| laid.spare > 0.0) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let short = taut(high + 1e-4, &mut wheels);
+        let polygon = short.polygon(0, 0.1, 1e-2).unwrap();
+        assert!(polygon.stretch > 0.0);
+        for i in 0..3 {
+            let length = f64::from(polygon.strands[i]) * PITCH * (1.0 + polygon.stretch);
+            assert!((polygon.spans[i] - length).abs() < 1e-12);
+        }
+    }
+}

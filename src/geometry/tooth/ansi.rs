@@ -1,0 +1,154 @@
+//! The tooth gap of ANSI/ASME B29.1: seven regions from pitch, roller diameter and number of teeth.
+
+use std::f64::consts::PI;
+
+use super::flank::{Curve, Flank};
+use crate::geometry::{Arc, Seat, Segment, ToothProfile, Vec2, turned_left, unit};
+
+const INCH: f64 = 0.0254;
+
+/// The curves of an ANSI tooth in the frame of a gap.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AnsiCurves {
+    /// Seating curve: centre a, radius R.
+    pub seating: Arc,
+    /// Working curve of the right flank: centre c, radius E.
+    pub working: Arc,
+    /// Flat of the right flank, from y to z.
+    pub flat: Segment,
+    /// Topping curve of the right flank: centre b, radius F.
+    pub topping: Arc,
+    /// Unit tangent of the right flank where seating and working curve meet, (sin A, cos A).
+    pub seat_end_tangent: Vec2,
+}
+
+impl AnsiCurves {
+    /// The curves for roller diameter Dr \[m\] and N teeth (ANSI/ASME B29.1).
+    #[must_use]
+    pub fn new(roller_diameter: f64, teeth: u32) -> Self {
+        let n = f64::from(teeth);
+        let degree = PI / 180.0;
+        let dr = roller_diameter;
+        let allowance = 0.0015 * INCH;
+
+        let a_angle = (35.0 + 60.0 / n) * degree;
+        let b_angle = (18.0 - 56.0 / n) * degree;
+        let phi = (17.0 + 116.0 / n) * degree;
+        let flat_angle = (17.0 - 64.0 / n) * degree;
+        let (sin_a, cos_a) = a_angle.sin_cos();
+        let (sin_phi, cos_phi) = phi.sin_cos();
+        let (sin_h, cos_h) = (PI / n).sin_cos();
+
+        let working = Arc {
+            center: Vec2::new(-0.8 * dr * cos_a, 0.8 * dr * sin_a),
+            radius: 1.3025 * dr + allowance,
+        };
+        let normal = Vec2::new(cos_phi, -sin_phi);
+        Self {
+            seating: Arc {
+                center: Vec2::zeros(),
+                radius: 0.5025 * dr + allowance,
+            },
+            working,
+            flat: Segment {
+                start: working.point(normal),
+                tangent: Vec2::new(sin_phi, cos_phi),
+                normal,
+                length: dr * (1.4 * flat_angle.sin() - 0.8 * b_angle.sin()),
+            },
+            topping: Arc {
+                center: Vec2::new(1.4 * dr * cos_h, -1.4 * dr * sin_h),
+                radius: dr * (0.8 * b_angle.cos() + 1.4 * flat_angle.cos() - 1.3025) - allowance,
+            },
+            seat_end_tangent: Vec2::new(sin_a, cos_a),
+        }
+    }
+
+    /// Distance from the sprocket's centre \[m\] beyond which a cylinder of `radius` touches no tooth.
+    ///
+    /// There the circles of radius F + r about the topping centres of neighbouring gaps cross, on the tooth's centre line;
+    /// inside it a cylinder cannot pass from one gap to the next without deep contact. Rollers thinner than a third of the
+    /// pitch leave room for the topping's centre before that line: then its circle is farthest straight above the centre.
+    /// Cylinders much thinner than a roller of nearly the pitch meet the line on the flat.
+    pub(crate) fn reach(&self, seat_center_radius: f64, gap_angle: f64, radius: f64) -> f64 {
+        let (sin, cos) = (0.5 * gap_angle).sin_cos();
+        let b = self.topping.center + Vec2::new(0.0, seat_center_radius);
+        let beyond = b.x * cos - b.y * sin; // distance of b from the tooth's centre line
+        let along = b.x * sin + b.y * cos;
+        let touch = self.topping.radius + radius;
+        if beyond < 0.0 {
+            return b.norm() + touch;
+        }
+        let past_line = |p: Vec2| p.x * cos - p.y * sin;
+        let to_cylinder = Vec2::new(0.0, seat_center_radius) - radius * self.flat.normal;
+        let start = self.flat.start + to_cylinder;
+        if past_line(self.flat.end() + to_cylinder) > 0.0 {
+            // Where the flat meets the line, or where it begins, which is farther out than whatever lies before it.
+            let meets = -past_line(start) / past_line(self.flat.tangent);
+            return (start + meets.max(0.0) * self.flat.tangent).norm();
+        }
+        along + (touch * touch - beyond * beyond).max(0.0).sqrt()
+    }
+
+    /// Where the topping curve meets the circle of `outside` or, before that, the tooth's centre line (u, v) \[m\].
+    fn tip(&self, seat_center_radius: f64, gap_angle: f64, outside: f64) -> Vec2 {
+        let center = Vec2::new(0.0, -seat_center_radius);
+        let axis = unit(PI / 2.0 - 0.5 * gap_angle);
+        let b = self.topping.center - center;
+        let radius = self.topping.radius;
+        // Intersection of two circles: outside circle about the sprocket's centre, topping circle about b.
+        let distance = b.norm();
+        let along = (distance * distance + outside.powi(2) - radius * radius) / (2.0 * distance);
+        let half_chord = (outside.powi(2) - along * along).max(0.0).sqrt();
+        let e = b / distance;
+        let on_circle = along * e + half_chord * turned_left(e);
+        if on_circle.x * axis.y - on_circle.y * axis.x <= 0.0 {
+            return on_circle + center;
+        }
+        let beyond = b.x * axis.y - b.y * axis.x;
+        let height = (radius * radius - beyond * beyond).max(0.0).sqrt();
+        (b.dot(&axis) + height) * axis + center
+    }
+}
+
+impl ToothProfile {
+    /// The profile for chain `pitch` P and `roller_diameter` Dr, both \[m\] (ANSI/ASME B29.1).
+    ///
+    /// Its topping curves go on to the middle of the tooth; [`Self::cut`] ends them at the outside circle.
+    #[must_use]
+    pub fn ansi(pitch: f64, roller_diameter: f64, teeth: u32, seat: Seat) -> Self {
+        let curves = AnsiCurves::new(roller_diameter, teeth);
+        let half = PI / f64::from(teeth);
+        let pitch_radius = crate::geometry::path::wrap::pitch_radius(pitch, teeth);
+        let seat_center_radius = match seat {
+            Seat::BottomDiameter => pitch_radius + (curves.seating.radius - 0.5 * roller_diameter),
+            Seat::PitchCircle => pitch_radius,
+        };
+        let outside_radius = 0.5 * pitch * (0.6 + half.cos() / half.sin());
+        let AnsiCurves {
+            seating,
+            working,
+            flat,
+            topping,
+            seat_end_tangent,
+        } = curves;
+        let bottom = Vec2::new(0.0, -seating.radius);
+        let seat_end = seating.point(-turned_left(seat_end_tangent));
+        let flank = Flank::begin("seating curve", bottom, Curve::Concave(seating))
+            .then(
+                seat_end,
+                seat_end_tangent,
+                "working curve",
+                Curve::Concave(working),
+            )
+            .then(flat.start, flat.tangent, "flat", Curve::Straight(flat))
+            .then(
+                flat.end(),
+                flat.tangent,
+                "topping curve",
+                Curve::Convex(topping),
+            )
+            .end(curves.tip(seat_center_radius, 2.0 * half, outside_radius));
+        Self::of(teeth, pitch, seat_center_radius, outside_radius, flank).with_ansi(curves)
+    }
+}

@@ -1,0 +1,9 @@
+//! Tooth forms as rows of arcs and segments.
+
+pub(crate) mod ansi;
+pub(crate) mod arc;
+pub(crate) mod custom;
+pub(crate) mod flank;
+pub(crate) mod iso;
+pub(crate) mod profile;
+pub(crate) mod segment;

@@ -1,0 +1,471 @@
+//! The teeth of a sprocket: the surfaces of a gap, which of them is nearest to a cylinder, and how deep it is there.
+//!
+//! Everything here lives in the frame of one gap: `v` points radially outward through the middle of the gap, `u` is
+//! tangential towards the tooth on the right (clockwise), the origin is the centre of the seating curve. The left flank
+//! mirrors the right one, so only the right one is stored.
+
+use std::f64::consts::PI;
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+
+use super::flank::{Flank, Piece, nearest_piece};
+use crate::geometry::{AnsiCurves, Vec2, unit};
+
+/// Where the centre of the seating curve lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Seat {
+    /// The standards' bottom diameter, pitch diameter less roller diameter: a seated roller just touches.
+    BottomDiameter,
+    /// On the pitch circle: a roller on the pitch circle has clearance all round.
+    PitchCircle,
+}
+
+/// Number of a surface of a profile: both flanks of whole teeth share their surfaces, from the seat outward; those of damaged
+/// teeth follow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Surface(pub u8);
+
+impl Surface {
+    /// Seating curve; of every form the one in the middle of the gap.
+    pub const SEATING: Self = Self(0);
+    /// Working curve of an ANSI tooth.
+    pub const WORKING: Self = Self(1);
+    /// Flat of an ANSI tooth.
+    pub const FLAT: Self = Self(2);
+    /// Topping curve of an ANSI tooth.
+    pub const TOPPING: Self = Self(3);
+    /// The four of an ANSI tooth, in the order of their numbers.
+    pub const ANSI: [Self; 4] = [Self::SEATING, Self::WORKING, Self::FLAT, Self::TOPPING];
+
+    /// Its place in an array over the surfaces of a profile.
+    #[must_use]
+    pub fn index(self) -> usize {
+        usize::from(self.0)
+    }
+}
+
+/// A cylinder against one gap of a tooth profile, in the frame of the gap.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ToothContact {
+    /// The surface nearest to the cylinder.
+    pub surface: Surface,
+    /// The region that it belongs to, counted from 1 in the direction of +u; an ANSI gap has seven, the fourth is the seat.
+    pub region: u8,
+    /// Penetration δ \[m\]; negative when apart.
+    pub penetration: f64,
+    /// Unit vector in which the penetration grows, in the gap's (u, v).
+    pub normal: Vec2,
+}
+
+/// A tooth that is not whole.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Damage {
+    /// Number of the tooth, from 0: tooth k lies between gaps k and k + 1.
+    pub tooth: u32,
+    /// What is left of its height above the bottom of the gap, 0 (gone) to 1.
+    pub height: f64,
+}
+
+/// The gaps between the teeth of a sprocket.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ToothProfile {
+    /// Number of teeth N.
+    pub teeth: u32,
+    /// Radius of the pitch circle \[m\].
+    pub pitch_radius: f64,
+    /// Distance from the sprocket's centre to the origin of a gap's frame, the centre of the seating curve \[m\].
+    pub seat_center_radius: f64,
+    /// Radius of the outside circle \[m\], where the blank ends.
+    pub outside_radius: f64,
+    /// The curves of an ANSI tooth that nothing was cut off from.
+    ansi: Option<AnsiCurves>,
+    /// Surfaces by their number.
+    surfaces: Vec<Piece>,
+    /// Whole teeth first, then damaged ones: which surfaces each kind of flank has.
+    flanks: Vec<Range<usize>>,
+    /// Damaged teeth and their flanks.
+    damaged: Vec<(u32, usize)>,
+}
+
+impl ToothProfile {
+    pub(crate) fn of(
+        teeth: u32,
+        pitch: f64,
+        seat_center_radius: f64,
+        outside_radius: f64,
+        flank: Flank,
+    ) -> Self {
+        Self {
+            teeth,
+            pitch_radius: crate::geometry::path::wrap::pitch_radius(pitch, teeth),
+            seat_center_radius,
+            outside_radius,
+            ansi: None,
+            flanks: vec![0..flank.pieces.len(); 1],
+            surfaces: flank.pieces,
+            damaged: Vec::new(),
+        }
+    }
+
+    pub(crate) fn with_ansi(self, curves: AnsiCurves) -> Self {
+        Self {
+            ansi: Some(curves),
+            ..self
+        }
+    }
+
+    /// The curves of an ANSI tooth whose topping curves go on to the middle of the tooth.
+    #[must_use]
+    pub fn ansi_curves(&self) -> Option<&AnsiCurves> {
+        self.ansi.as_ref()
+    }
+
+    /// All surfaces by their number.
+    #[must_use]
+    pub fn surfaces(&self) -> &[Piece] {
+        &self.surfaces
+    }
+
+    /// Surfaces of whole teeth, from the seat outward.
+    #[must_use]
+    pub fn whole(&self) -> &[Piece] {
+        &self.surfaces[self.flanks[0].clone()]
+    }
+
+    /// Damaged teeth, each with the numbers of its surfaces.
+    pub fn damaged(&self) -> impl Iterator<Item = (u32, Range<usize>)> {
+        let flanks = &self.flanks;
+        self.damaged
+            .iter()
+            .map(|&(tooth, flank)| (tooth, flanks[flank].clone()))
+    }
+
+    /// The sprocket's centre in the frame of a gap \[m\].
+    #[must_use]
+    pub fn center(&self) -> Vec2 {
+        Vec2::new(0.0, -self.seat_center_radius)
+    }
+
+    /// Unit vector from the sprocket's centre along the middle of the tooth on the right.
+    pub(crate) fn axis(&self) -> Vec2 {
+        unit(PI / 2.0 - 0.5 * self.gap_angle())
+    }
+
+    /// The same teeth cut off at a circle of `outside` \[m\], their edges broken by a radius `edge` \[m\].
+    ///
+    /// # Errors
+    /// The radius \[m\] at which the flanks meet, when that is inside the circle.
+    pub fn cut(&self, outside: f64, edge: f64) -> Result<Self, f64> {
+        let whole = Flank {
+            pieces: self.whole().to_vec(),
+        };
+        let cut = whole.cut(self.center(), self.axis(), outside, edge);
+        let cut = cut.ok_or_else(|| self.point_radius())?;
+        let mut profile = Self {
+            outside_radius: outside,
+            ansi: None,
+            ..self.clone()
+        };
+        profile.flanks = vec![0..cut.pieces.len(); 1];
+        profile.surfaces = cut.pieces;
+        profile.damaged = Vec::new();
+        Ok(profile)
+    }
+
+    /// Radius \[m\] at which the flanks meet in the middle of a tooth, when they go on as they are.
+    fn point_radius(&self) -> f64 {
+        let (center, axis) = (self.center(), self.axis());
+        let outside = |radius: f64| self.contact(center + radius * axis, 0.0).penetration < 0.0;
+        let (mut low, mut high) = (0.8 * self.pitch_radius, 2.0 * self.pitch_radius);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if outside(middle) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        high
+    }
+
+    /// The same with damaged teeth, their edges broken by a radius `edge` \[m\]; `None` when more surfaces come of it than there
+    /// are numbers for.
+    #[must_use]
+    pub fn with_damage(mut self, damage: &[Damage], edge: f64) -> Option<Self> {
+        let bottom = self.seat_center_radius
+            + self
+                .contact_with(Surface::SEATING, Vec2::zeros(), 0.0)
+                .penetration;
+        let whole = Flank {
+            pieces: self.whole().to_vec(),
+        };
+        let last_step = whole.pieces.last().map_or(0, |piece| piece.step);
+        let mut heights: Vec<f64> = Vec::new();
+        for damage in damage {
+            let known = heights.iter().position(|&height| height == damage.height);
+            let flank = known.unwrap_or(heights.len());
+            if known.is_none() {
+                heights.push(damage.height);
+                let outside = bottom + damage.height * (self.outside_radius - bottom);
+                let (center, axis) = (self.center(), self.axis());
+                let stump = (damage.height > 0.0)
+                    .then(|| whole.cut(center, axis, outside, edge))
+                    .flatten();
+                let cut = stump.unwrap_or_else(|| Flank::level(center, axis, outside));
+                let first = self.surfaces.len();
+                self.surfaces
+                    .extend(cut.pieces.into_iter().map(|piece| Piece {
+                        step: piece.step.min(last_step),
+                        ..piece
+                    }));
+                self.flanks.push(first..self.surfaces.len());
+            }
+            self.damaged.push((damage.tooth, 1 + flank));
+        }
+        u8::try_from(self.surfaces.len()).is_ok().then_some(self)
+    }
+
+    /// Angle from one gap to the next \[rad\].
+    #[must_use]
+    pub fn gap_angle(&self) -> f64 {
+        2.0 * PI / f64::from(self.teeth)
+    }
+
+    /// The gap nearest to the direction `angle` \[rad\], between -π and π, in the sprocket's own frame.
+    #[must_use]
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_possible_wrap
+    )] // at most half the teeth either side
+    pub fn nearest_gap(&self, angle: f64) -> u32 {
+        let gap = (angle / self.gap_angle()).round() as i32;
+        (if gap < 0 {
+            gap + self.teeth as i32
+        } else {
+            gap
+        }) as u32
+    }
+
+    /// The surface of a gap between whole teeth that is nearest to a cylinder at `point` (u, v).
+    #[must_use]
+    pub fn surface_at(&self, point: Vec2) -> Surface {
+        self.nearest_of(0, Vec2::new(point.x.abs(), point.y))
+    }
+
+    /// The surface of a right flank that is nearest to `point`.
+    #[allow(clippy::cast_possible_truncation)] // surfaces are counted when teeth are damaged
+    fn nearest_of(&self, flank: usize, point: Vec2) -> Surface {
+        let Range { start, end } = self.flanks[flank];
+        Surface((start + nearest_piece(&self.surfaces[start..end], point)) as u8)
+    }
+
+    /// Contact of a cylinder of `radius` \[m\] centred at `point` (u, v) \[m\] with its nearest surface between whole teeth.
+    #[must_use]
+    pub fn contact(&self, point: Vec2, radius: f64) -> ToothContact {
+        self.contact_with(self.surface_at(point), point, radius)
+    }
+
+    /// The same in a gap of its own, whose teeth may be damaged: then either flank may be the nearer one, wherever the cylinder is.
+    #[must_use]
+    pub fn contact_in(&self, gap: u32, point: Vec2, radius: f64) -> ToothContact {
+        let flank_of = |tooth: u32| {
+            let damaged = self.damaged.iter().find(|(number, _)| *number == tooth);
+            damaged.map_or(0, |&(_, flank)| flank)
+        };
+        let flanks = [gap.checked_sub(1).unwrap_or(self.teeth - 1), gap].map(flank_of);
+        if flanks == [0, 0] {
+            return self.contact(point, radius);
+        }
+        let own_side = point.x < 0.0;
+        let on = |left: bool| {
+            let across = Vec2::new(if left { -point.x } else { point.x }, point.y);
+            let flank = flanks[usize::from(left)];
+            let surface = self.nearest_of(flank, across);
+            // The curve in the middle of the gap ends there.
+            let there = left == own_side || surface.index() > self.flanks[flank].start;
+            there.then(|| self.contact_on(surface, left, point, radius))
+        };
+        let deeper = |one: ToothContact, other: ToothContact| {
+            if other.penetration > one.penetration {
+                other
+            } else {
+                one
+            }
+        };
+        match [on(false), on(true)] {
+            [Some(right), Some(left)] => deeper(right, left),
+            [one, other] => one.or(other).unwrap_or_else(|| self.contact(point, radius)),
+        }
+    }
+
+    /// Contact with a given surface, continued past its ends, of the flank on whose side `point` lies.
+    #[must_use]
+    pub fn contact_with(&self, surface: Surface, point: Vec2, radius: f64) -> ToothContact {
+        self.contact_on(surface, point.x < 0.0, point, radius)
+    }
+
+    #[allow(clippy::cast_possible_truncation)] // regions are fewer than surfaces
+    fn contact_on(&self, surface: Surface, left: bool, point: Vec2, radius: f64) -> ToothContact {
+        let across = Vec2::new(if left { -point.x } else { point.x }, point.y);
+        let piece = &self.surfaces[surface.index()];
+        let (penetration, mut normal) = piece.curve.depth(across, radius);
+        if left {
+            normal.x = -normal.x;
+        }
+        let middle = self.flanks[0].len() as u8;
+        ToothContact {
+            surface,
+            region: if left {
+                middle - piece.step
+            } else {
+                middle + piece.step
+            },
+            penetration,
+            normal,
+        }
+    }
+
+    /// Distance from the sprocket's centre \[m\] beyond which a cylinder of `radius` touches no tooth.
+    #[must_use]
+    pub fn reach(&self, radius: f64) -> f64 {
+        match &self.ansi {
+            Some(curves) => curves.reach(self.seat_center_radius, self.gap_angle(), radius),
+            None => self.outside_radius + radius,
+        }
+    }
+
+    /// Where a cylinder of `radius` \[m\] that touches one surface between whole teeth is inside another one: the two surfaces,
+    /// the second one's depth \[m\]; `None` when it can roll along the whole gap.
+    #[must_use]
+    pub fn pinch(&self, radius: f64) -> Option<(Surface, f64)> {
+        const POINTS: usize = 24;
+        let outline = self.half_outline(4 * POINTS);
+        let deepest = |place: Vec2| {
+            let off = outline.iter().flat_map(|p| [*p, Vec2::new(-p.x, p.y)]);
+            off.map(|p| radius - (p - place).norm())
+                .fold(f64::NEG_INFINITY, f64::max)
+        };
+        let axis = self.axis();
+        for (number, piece) in (0..).zip(self.whole()) {
+            for point in piece.curve.sweep(piece.start, piece.end, POINTS) {
+                let tangent = piece.curve.tangent(point);
+                let place = point + radius * crate::geometry::turned_left(tangent);
+                let from_center = place - self.center();
+                if from_center.perp(&axis) > 0.0 {
+                    continue;
+                }
+                let depth = deepest(place).max(self.contact(place, radius).penetration);
+                if depth > 1e-4 * radius {
+                    return Some((Surface(number), depth));
+                }
+            }
+        }
+        None
+    }
+
+    /// The outline of the right half of a gap between whole teeth, from its middle to that of the tooth, `points` to a curve \[m\].
+    ///
+    /// In the gap's (u, v); for drawings. Uncut teeth end at the outside circle.
+    #[must_use]
+    pub fn half_outline(&self, points: usize) -> Vec<Vec2> {
+        self.outline_of(0, points)
+    }
+
+    fn outline_of(&self, flank: usize, points: usize) -> Vec<Vec2> {
+        let pieces = &self.surfaces[self.flanks[flank].clone()];
+        let sweep = |piece: &Piece| piece.curve.sweep(piece.start, piece.end, points.max(2));
+        pieces.iter().flat_map(sweep).collect()
+    }
+
+    /// The closed outline of the whole sprocket in its own frame, counterclockwise \[m\]; `points` to a curve.
+    #[must_use]
+    pub fn outline(&self, points: usize) -> Vec<Vec2> {
+        let halves: Vec<Vec<Vec2>> = (0..self.flanks.len())
+            .map(|flank| self.outline_of(flank, points))
+            .collect();
+        let half_of = |tooth: u32| {
+            let damaged = self.damaged.iter().find(|(number, _)| *number == tooth);
+            &halves[damaged.map_or(0, |&(_, flank)| flank)]
+        };
+        let mut outline = Vec::new();
+        for gap in 0..self.teeth {
+            let (sin, cos) = (f64::from(gap) * self.gap_angle()).sin_cos();
+            // Counterclockwise is -u: the right half is walked from tip to seat, then the left one from seat to tip.
+            let place = |p: Vec2| {
+                let (radial, tangential) = (p.y + self.seat_center_radius, -p.x);
+                Vec2::new(
+                    radial * cos - tangential * sin,
+                    radial * sin + tangential * cos,
+                )
+            };
+            let before = half_of(gap.checked_sub(1).unwrap_or(self.teeth - 1));
+            outline.extend(before.iter().rev().map(|&p| place(p)));
+            let behind = half_of(gap).iter().skip(1);
+            outline.extend(behind.map(|&p| place(Vec2::new(-p.x, p.y))));
+        }
+        outline
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn paper() -> ToothProfile {
+        ToothProfile::ansi(0.0127, 0.007_937_5, 17, Seat::BottomDiameter)
+    }
+
+    #[test]
+    fn profile_of_the_seventeen_tooth_sprocket_has_the_tabulated_numbers() {
+        let p = paper();
+        let c = p.ansi_curves().unwrap();
+        let mm = 1e-3;
+        let close = |a: f64, b: f64| (a - b).abs() < 6e-7 * mm;
+        assert!(close(2.0 * p.pitch_radius, 69.115_828 * mm));
+        assert!(close(c.seating.radius, 4.026_694 * mm));
+        assert!(close(c.working.radius, 10.376_694 * mm));
+        assert!(close(c.topping.radius, 6.582_621 * mm));
+        assert!(close(c.flat.length, 0.932_219 * mm));
+        assert!(close(2.0 * p.outside_radius, 75.558_999 * mm));
+        assert!(close(p.seat_center_radius, 34.615_858 * mm));
+        assert!(close(c.flat.start.x, 4.525_004 * mm) && close(c.flat.start.y, -0.235_846 * mm));
+        assert!(close(c.flat.end().x, 4.901_547 * mm) && close(c.flat.end().y, 0.616_943 * mm));
+        assert!(
+            close(c.topping.center.x, 10.923_289 * mm)
+                && close(c.topping.center.y, -2.041_917 * mm)
+        );
+        assert!((p.reach(0.003_968_75) - 43.4e-3).abs() < 0.1e-3);
+    }
+
+    #[test]
+    fn a_seated_roller_just_touches_with_the_standard_seat() {
+        let p = paper();
+        let on_pitch_circle = Vec2::new(0.0, p.pitch_radius - p.seat_center_radius);
+        let contact = p.contact(on_pitch_circle, 0.5 * 0.007_937_5);
+        assert_eq!(contact.region, 4);
+        assert!(contact.penetration.abs() < 1e-17);
+    }
+
+    #[test]
+    fn outline_is_closed_counterclockwise_and_inside_the_outside_circle() {
+        let p = paper();
+        let outline = p.outline(12);
+        let area: f64 = outline
+            .iter()
+            .zip(outline.iter().cycle().skip(1))
+            .map(|(a, b)| 0.5 * (a.x * b.y - a.y * b.x))
+            .sum();
+        assert!(area > 0.8 * PI * p.pitch_radius.powi(2));
+        assert!(
+            outline
+                .iter()
+                .all(|q| q.norm() <= p.outside_radius * (1.0 + 1e-12))
+        );
+        let reaches_tip = outline
+            .iter()
+            .any(|q| q.norm() > p.outside_radius * (1.0 - 1e-12));
+        assert!(reaches_tip);
+    }
+}

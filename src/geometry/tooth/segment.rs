@@ -1,0 +1,36 @@
+//! A straight piece of a profile and the depth of a cylinder against it.
+
+use crate::geometry::Vec2;
+
+/// A straight line piece with the material on the side of its normal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Segment {
+    /// First point \[m\].
+    pub start: Vec2,
+    /// Unit vector from the first to the last point.
+    pub tangent: Vec2,
+    /// Unit vector into the material.
+    pub normal: Vec2,
+    /// Length \[m\].
+    pub length: f64,
+}
+
+impl Segment {
+    /// Where `point` lies along the segment \[m\]: 0 at its start, `length` at its end.
+    #[must_use]
+    pub fn along(&self, point: Vec2) -> f64 {
+        (point - self.start).dot(&self.tangent)
+    }
+
+    /// Penetration \[m\] of a cylinder of `radius`, and the direction in which it grows.
+    #[must_use]
+    pub fn depth(&self, point: Vec2, radius: f64) -> (f64, Vec2) {
+        ((point - self.start).dot(&self.normal) + radius, self.normal)
+    }
+
+    /// Last point \[m\].
+    #[must_use]
+    pub fn end(&self) -> Vec2 {
+        self.start + self.length * self.tangent
+    }
+}

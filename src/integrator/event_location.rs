@@ -1,0 +1,219 @@
+//! When a pair came into contact within the last step, and how fast: the root of the dense output.
+
+use crate::geometry::Contact;
+
+/// A correction of this part of the step is the last one: the next would be its square.
+const SETTLED: f64 = 1e-7;
+
+/// Time in (`start`, `end`] at which the penetration turned positive, and its rate there.
+///
+/// `contact` is the pair along the last step; it is apart at `start` and in contact at `end`.
+pub fn first_crossing(contact: impl Fn(f64) -> Contact, start: f64, end: f64) -> (f64, f64) {
+    let ends = [depth(&contact, start), depth(&contact, end)];
+    crossing_between(contact, [start, end], ends)
+}
+
+/// The same where depth \[m\] and rate \[m/s\] are known at both times.
+///
+/// Newton from the root of the cubic through both ends, kept inside the shrinking bracket by bisection. Where the cubic dips
+/// below zero inside the step, the last crossing is meant: what touches at the end began there.
+pub fn crossing_between(
+    contact: impl Fn(f64) -> Contact,
+    [start, end]: [f64; 2],
+    [at_start, at_end]: [[f64; 2]; 2],
+) -> (f64, f64) {
+    let length = end - start;
+    let cubic = Cubic::through(at_start, at_end, length);
+    let apart = cubic.lowest_inside();
+    if at_start[0] >= 0.0 && apart.is_none() {
+        // The dense output meets the start of a step to within the tolerance only.
+        return (start, at_start[1]);
+    }
+    if at_end[0] <= 0.0 {
+        // Nor does the contact at the end of an implicit step, which is that of its last evaluation.
+        return (end, at_end[1]);
+    }
+    let mut low = start + apart.unwrap_or(0.0) * length;
+    let mut high = end;
+    let mut t = start + cubic.upward_root(apart.unwrap_or(0.0)) * length;
+    let mut last = (end, at_end[1]);
+    for _ in 0..100 {
+        let [value, rate] = depth(&contact, t);
+        let correction = -value / rate;
+        if rate > 0.0 && correction.abs() <= SETTLED * length {
+            let slope = if t == last.0 {
+                0.0
+            } else {
+                (rate - last.1) / (t - last.0)
+            };
+            let root = (t + correction).clamp(start, end);
+            return (root, rate + slope * (root - t));
+        }
+        if value > 0.0 {
+            high = t;
+        } else {
+            low = t;
+        }
+        last = (t, rate);
+        let newton = t + correction;
+        t = if newton > low && newton < high {
+            newton
+        } else {
+            0.5 * (low + high)
+        };
+        if t <= low || t >= high {
+            break;
+        }
+    }
+    last
+}
+
+/// Penetration \[m\], negative when apart, and its rate \[m/s\].
+fn depth(contact: &impl Fn(f64) -> Contact, t: f64) -> [f64; 2] {
+    let found = contact(t);
+    [found.penetration, found.penetration_rate]
+}
+
+/// A depth over a step, from its values and slopes at both ends; the step goes from 0 to 1.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Cubic([f64; 4]);
+
+impl Cubic {
+    /// Through depths \[m\] and rates \[m/s\] at the ends of a step of `length` \[s\].
+    pub(crate) fn through([d0, r0]: [f64; 2], [d1, r1]: [f64; 2], length: f64) -> Self {
+        let (rise, from, to) = (d1 - d0, r0 * length, r1 * length);
+        Self([
+            d0,
+            from,
+            3.0 * rise - 2.0 * from - to,
+            from + to - 2.0 * rise,
+        ])
+    }
+
+    fn value(&self, x: f64) -> f64 {
+        let [a, b, c, d] = self.0;
+        a + x * (b + x * (c + x * d))
+    }
+
+    fn slope(&self, x: f64) -> f64 {
+        let [_, b, c, d] = self.0;
+        b + x * (2.0 * c + x * 3.0 * d)
+    }
+
+    /// Where it is lowest inside the step, if that is below zero and a minimum.
+    pub(crate) fn lowest_inside(&self) -> Option<f64> {
+        self.minimum_inside().filter(|&x| self.value(x) < 0.0)
+    }
+
+    fn minimum_inside(&self) -> Option<f64> {
+        let [_, b, c, d] = self.0;
+        let root = (c * c - 3.0 * b * d).sqrt();
+        let x = if c > 0.0 {
+            -b / (c + root)
+        } else {
+            (root - c) / (3.0 * d)
+        };
+        (x > 0.0 && x < 1.0).then_some(x)
+    }
+
+    /// The highest value inside the step that is a maximum.
+    pub(crate) fn highest_inside(&self) -> Option<f64> {
+        let mirrored = Self(self.0.map(|coefficient| -coefficient));
+        mirrored.minimum_inside().map(|x| self.value(x))
+    }
+
+    /// A root between `low`, where it is not positive, and 1; within a thousandth as a rule.
+    fn upward_root(&self, mut low: f64) -> f64 {
+        let mut high = 1.0;
+        let (below, above) = (self.value(low), self.value(high));
+        let mut x = low + (high - low) * below / (below - above);
+        if !(x > low && x < high) {
+            return 0.5 * (low + high);
+        }
+        for _ in 0..4 {
+            let value = self.value(x);
+            if value > 0.0 {
+                high = x;
+            } else {
+                low = x;
+            }
+            let newton = x - value / self.slope(x);
+            let settled = (newton - x).abs() < 1e-4;
+            x = if newton > low && newton < high {
+                newton
+            } else {
+                0.5 * (low + high)
+            };
+            if settled {
+                break;
+            }
+        }
+        x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::*;
+    use crate::geometry::Vec2;
+
+    /// First crossing of a depth, time and rate, and how often it was asked for.
+    fn crossing(depth: impl Fn(f64) -> [f64; 2], start: f64, end: f64) -> ([f64; 2], u32) {
+        let asked = Cell::new(0);
+        let contact = |t| {
+            asked.set(asked.get() + 1);
+            let [penetration, penetration_rate] = depth(t);
+            Contact {
+                normal: Vec2::zeros(),
+                penetration,
+                penetration_rate,
+            }
+        };
+        let (t, rate) = first_crossing(contact, start, end);
+        ([t, rate], asked.get())
+    }
+
+    #[test]
+    fn a_crossing_is_found_to_round_off_in_few_looks() {
+        for part in [1e-6, 0.01, 0.3, 0.5, 0.9, 1.0 - 1e-9] {
+            // Through zero at `part` of the step, with a rate that doubles in it.
+            let depth = |t: f64| [(t - part).exp() - 1.0, (t - part).exp()];
+            let ([t, rate], asked) = crossing(depth, 0.0, 1.0);
+            assert!((t - part).abs() < 4e-15, "{part}: {t}");
+            assert!((rate - 1.0).abs() < 1e-10, "{part}: {rate}");
+            assert!(asked <= 5, "{part}: {asked}");
+        }
+    }
+
+    #[test]
+    fn a_grazing_crossing_is_found() {
+        let depth = |t: f64| [(t - 0.7).powi(3), 3.0 * (t - 0.7).powi(2)];
+        let ([t, rate], _) = crossing(depth, 0.0, 1.0);
+        assert!((t - 0.7).abs() < 1e-5 && rate < 1e-9, "{t} {rate}");
+    }
+
+    #[test]
+    fn of_two_crossings_the_last_one_counts() {
+        // Apart, touching from 0.1 on, apart from 0.2 on, touching from 0.8 on.
+        let root = |t: f64| [t - 0.1, t - 0.2, t - 0.8];
+        let depth = |t: f64| {
+            let [a, b, c] = root(t);
+            [a * b * c, a * b + a * c + b * c]
+        };
+        for start in [0.0, 0.15] {
+            let ([t, rate], _) = crossing(depth, start, 1.0);
+            assert!(
+                (t - 0.8).abs() < 1e-12 && (rate - 0.42).abs() < 1e-9,
+                "{t} {rate}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_pair_that_touches_at_the_start_began_there() {
+        let ([t, rate], _) = crossing(|t| [1e-12 + t, 1.0], 0.0, 1.0);
+        assert_eq!([t, rate], [0.0, 1.0]);
+    }
+}

@@ -1,0 +1,226 @@
+//! Where guides begin: clear of the laid chain, arms swung back until they are.
+
+use super::initial::Start;
+use super::report::{GuideLie, Layout, Lie, START_GAPS};
+use crate::drive::{Drive, Mount, Rail};
+use crate::error::{Error, Result};
+use crate::geometry::path::wrap::pitch_radius;
+use crate::geometry::{ToothProfile, Vec2, turned_left, unit};
+
+/// How far an arm may be swung back \[rad\].
+const FARTHEST_SWING: f64 = 1.0;
+/// Points of each arc of an outline that is held against sprockets.
+const OUTLINE_POINTS: usize = 24;
+/// In so many parts of that a place is looked for where the chain is clear.
+const SWINGS: u32 = 200;
+
+impl Start {
+    /// The same with the guides of `drive` at rest, clear of its chain; `layout` gets to know where they are.
+    ///
+    /// # Errors
+    /// When a guide stands in a sprocket, or in the chain where it is described, and no arm can be swung back, or not so far: by how
+    /// much.
+    pub(super) fn with_guides(mut self, drive: &Drive, layout: &mut Layout) -> Result<Self> {
+        if drive.guides.is_empty() {
+            return Ok(self);
+        }
+        let hinges = self.hinges(drive);
+        for (number, rail) in drive.guides.iter().enumerate() {
+            let profile = rail.for_bushings(drive.chain.contact_radius()).profile()?;
+            let (bearing, offset) = (rail.bearing(), rail.offset());
+            let middle = |angle: f64| {
+                let along = unit(angle);
+                bearing + offset.x * along + offset.y * turned_left(along)
+            };
+            let gap = |angle: f64| {
+                Lie {
+                    chain: &drive.chain,
+                    hinges: &hinges,
+                    sprockets: vec![(middle(angle), angle, &profile)],
+                }
+                .smallest_gap()
+            };
+            check_beside_sprockets(drive, number, (middle(rail.angle()), rail.angle()))?;
+            let angle = clear_angle(rail, gap).ok_or_else(|| {
+                let inside = -1e3 * gap(rail.angle());
+                // A zero without a sign.
+                let back = |along: f64| (-1e4 * along).round() / 1e4 + 0.0;
+                Error::Impossible(format!(
+                    "guide {} stands in the laid chain by {inside:.3} mm: move it back, out of its face's direction ({:.4}, \
+                     {:.4}), or put it on an arm, which is swung clear",
+                    number + 1,
+                    back(rail.direction.x),
+                    back(rail.direction.y)
+                ))
+            })?;
+            let turn = angle - rail.angle();
+            let mut travel = [0.0; 2];
+            if let Mount::Arm(arm) = rail.mount {
+                let out = turn * rail.lever(&arm);
+                if -out > arm.travel[0] {
+                    return Err(Error::Impossible(format!(
+                        "guide {}: for its arm to begin clear of the laid chain, its plunger would have to go back by {:.3} mm, past \
+                         its stop at {:.3} mm (GuideArm.travel): move it back, out of its face's direction, or let it go back farther",
+                        number + 1,
+                        -1e3 * out,
+                        1e3 * arm.travel[0]
+                    )));
+                }
+                travel = [arm.travel[0] + out, arm.travel[1] - out];
+            }
+            layout.start_gap = layout.start_gap.min(gap(angle));
+            let lie = Beside {
+                drive,
+                profile: &profile,
+                middle: middle(angle),
+                angle,
+            };
+            let (nearest, gap, bushings) = lie.of(&hinges);
+            if bushings == 0 && !matches!(rail.mount, Mount::Arm(_)) {
+                layout.warnings.push(format!(
+                    "guide {} has no bushing within half a pitch of it, the nearest at {:.1} mm: nothing bears on it",
+                    number + 1,
+                    1e3 * gap
+                ));
+            }
+            let place = layout.place_of(nearest);
+            layout.guides.push(GuideLie {
+                gap,
+                turn,
+                travel,
+                bushings,
+                place,
+            });
+            self.positions.push([bearing.x, bearing.y, angle]);
+            self.velocities.push([0.0; 3]);
+        }
+        Ok(self)
+    }
+
+    /// Hinges of the chain \[m\]: between the pin's and the bushing's centre.
+    fn hinges(&self, drive: &Drive) -> Vec<Vec2> {
+        let pitches = drive.chain.link_pitches();
+        let n = pitches.len();
+        let is_open = drive.ends.is_some();
+        let end = |i: usize, side: f64| {
+            let [x, y, angle] = self.positions[i];
+            Vec2::new(x, y) + 0.5 * side * pitches[i] * unit(angle)
+        };
+        let between = |k: usize| 0.5 * (end(k, 1.0) + end((k + 1) % n, -1.0));
+        if is_open {
+            let inside = (0..n - 1).map(between);
+            return std::iter::once(end(0, -1.0))
+                .chain(inside)
+                .chain([end(n - 1, 1.0)])
+                .collect();
+        }
+        (0..n).map(between).collect()
+    }
+}
+
+/// Refuses a guide, with its middle and its angle, that stands in the body of a sprocket, below the seats of its teeth.
+fn check_beside_sprockets(
+    drive: &Drive,
+    number: usize,
+    (middle, angle): (Vec2, f64),
+) -> Result<()> {
+    let along = unit(angle);
+    let outline: Vec<Vec2> = (drive.guides[number].profile()?.outline(OUTLINE_POINTS))
+        .into_iter()
+        .map(|p| middle + p.x * along + p.y * turned_left(along))
+        .collect();
+    for (i, sprocket) in drive.sprockets.iter().enumerate() {
+        let root = pitch_radius(drive.chain.pitch, sprocket.teeth) - drive.chain.contact_radius();
+        let inside = root - distance(&outline, sprocket.center);
+        if inside > 0.0 {
+            return Err(Error::Impossible(format!(
+                "guide {} stands in sprocket {} by {:.3} mm, below the roots of its teeth: move it away from ({:.4}, {:.4})",
+                number + 1,
+                i + 1,
+                1e3 * inside,
+                sprocket.center.x,
+                sprocket.center.y
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Distance of a point from a closed outline, counterclockwise \[m\]; negative inside.
+fn distance(outline: &[Vec2], point: Vec2) -> f64 {
+    let (mut nearest, mut turned) = (f64::INFINITY, 0.0);
+    for (from, to) in outline.iter().zip(outline.iter().cycle().skip(1)) {
+        let (side, off) = (to - from, point - from);
+        let share = off.dot(&side) / side.norm_squared().max(f64::MIN_POSITIVE);
+        nearest = nearest.min((off - share.clamp(0.0, 1.0) * side).norm());
+        let (one, other) = (from - point, to - point);
+        turned += one.perp(&other).atan2(one.dot(&other));
+    }
+    if turned.abs() > std::f64::consts::PI {
+        -nearest
+    } else {
+        nearest
+    }
+}
+
+/// A guide where it begins.
+struct Beside<'a> {
+    drive: &'a Drive,
+    profile: &'a ToothProfile,
+    middle: Vec2,
+    angle: f64,
+}
+
+impl Beside<'_> {
+    /// Of bushings at `hinges` the nearest one, its distance \[m\], and how many lie within half a pitch.
+    fn of(&self, hinges: &[Vec2]) -> (usize, f64, u32) {
+        let chain = &self.drive.chain;
+        let along = unit(self.angle);
+        let gaps = hinges.iter().map(|hinge| {
+            let offset = hinge - self.middle;
+            // The half on whose side of the middle it is, out of its face.
+            let out = if offset.dot(&along) < 0.0 {
+                -along
+            } else {
+                along
+            };
+            let place = Vec2::new(offset.perp(&out), offset.dot(&out));
+            -self
+                .profile
+                .contact(place, chain.contact_radius())
+                .penetration
+        });
+        let (mut nearest, mut least, mut beside) = (0, f64::INFINITY, 0);
+        for (k, gap) in gaps.enumerate() {
+            if gap < least {
+                (nearest, least) = (k, gap);
+            }
+            beside += u32::from(gap < 0.5 * chain.pitch);
+        }
+        (nearest, least, beside)
+    }
+}
+
+/// The angle \[rad\] nearest to where a guide is described at which it is clear of the chain, if there is one.
+fn clear_angle(rail: &Rail, gap: impl Fn(f64) -> f64) -> Option<f64> {
+    let described = rail.angle();
+    let clear = |angle: f64| gap(angle) > START_GAPS[0];
+    if clear(described) {
+        return Some(described);
+    }
+    let Mount::Arm(arm) = rail.mount else {
+        return None;
+    };
+    let back = -rail.lever(&arm).signum() * FARTHEST_SWING / f64::from(SWINGS);
+    let first = (1..=SWINGS).find(|&i| clear(described + f64::from(i) * back))?;
+    let (mut low, mut high) = (f64::from(first - 1), f64::from(first));
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if clear(described + middle * back) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    Some(described + high * back)
+}

@@ -1,0 +1,261 @@
+//! The start of a run: where every body lies and how it moves, with nothing in contact.
+
+use std::f64::consts::TAU;
+
+use super::many_sprockets::Around;
+use super::open_layout;
+use super::report::Layout;
+use super::strand_motion;
+use super::two_sprockets::Place;
+use crate::drive::Drive;
+use crate::drive::bushing_on_front;
+use crate::error::{Error, Result};
+use crate::geometry::path::belt::Side;
+use crate::geometry::path::wrap::Path;
+use crate::geometry::{Vec2, turned_left, unit};
+
+/// How often a chain is laid anew round eccentric teeth.
+const MOST_ROUNDS: usize = 30;
+/// By how many gaps the wheels are turned on where the places of eccentric teeth do not settle.
+const MOST_TURNS: u32 = 12;
+/// Share of the pitch by which they may move in the last round.
+const SETTLED: f64 = 1e-10;
+
+/// Positions and velocities of all bodies at time zero.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Start {
+    /// (x, y, θ) of every body \[m, m, rad\].
+    pub positions: Vec<[f64; 3]>,
+    /// Their rates \[m/s, m/s, rad/s\].
+    pub velocities: Vec<[f64; 3]>,
+}
+
+impl Start {
+    /// Lays the chain of `drive` round its sprockets, and brings its guides beside it.
+    ///
+    /// # Errors
+    /// When no such start exists: the numbers that show why, and the nearest that works.
+    pub fn generate(drive: &Drive) -> Result<(Self, Layout)> {
+        drive.validate()?;
+        let (start, mut layout) = Self::lay_round(drive)?;
+        let start = start.with_guides(drive, &mut layout)?;
+        Ok((start, layout))
+    }
+
+    fn lay_round(drive: &Drive) -> Result<(Self, Layout)> {
+        if (drive.sprockets.iter()).all(|sprocket| sprocket.faults.eccentricity == 0.0) {
+            return Self::lay(drive);
+        }
+        // Where eccentric teeth are follows from the angles that the chain is laid at, which jump where another way to lay it is
+        // the better one. Turned on by a gap the wheels meet that jump elsewhere.
+        let gaps = drive.sprockets.iter().map(|s| s.teeth).min().unwrap_or(1);
+        let mut why = None;
+        for turned in (0..gaps.min(MOST_TURNS)).map(f64::from) {
+            match Self::lay_eccentric(drive, turned) {
+                Ok(Some(laid)) => return Ok(laid),
+                Ok(None) => {}
+                Err(error) => {
+                    why.get_or_insert(error);
+                }
+            }
+        }
+        Err(why.unwrap_or_else(|| {
+            Error::Impossible(format!(
+                "the chain cannot be laid: the places of eccentric teeth, of eccentricities {:?} m, do not settle; take smaller \
+                 ones or other angles",
+                (drive.sprockets.iter())
+                    .map(|sprocket| sprocket.faults.eccentricity)
+                    .collect::<Vec<f64>>()
+            ))
+        }))
+    }
+
+    /// Lays the chain of `drive` round eccentric teeth, all wheels turned on by so many gaps; nothing where their places do not settle.
+    fn lay_eccentric(drive: &Drive, turned: f64) -> Result<Option<(Self, Layout)>> {
+        let gap = |i: usize| TAU / f64::from(drive.sprockets[i].teeth);
+        let mut centered = drive.clone();
+        let mut before: Option<Vec<f64>> = None;
+        for _ in 0..MOST_ROUNDS {
+            let (mut start, mut layout) = Self::lay(&centered)?;
+            for (i, phase) in layout.phase.iter_mut().enumerate() {
+                // The same gap in every round.
+                let near = before.as_ref().map_or(turned * gap(i), |phase| phase[i]);
+                *phase += ((near - *phase) / gap(i)).round() * gap(i);
+                start.positions[drive.first_wheel() + i][2] = *phase;
+            }
+            let mut moved: f64 = 0.0;
+            for (i, sprocket) in drive.sprockets.iter().enumerate() {
+                let offset = sprocket.faults.offset();
+                let angle = unit(layout.phase[i]);
+                let teeth = sprocket.center + offset.x * angle + offset.y * turned_left(angle);
+                moved = moved.max((teeth - centered.sprockets[i].center).norm());
+                centered.sprockets[i].center = teeth;
+                let body = drive.first_wheel() + i;
+                [start.positions[body][0], start.positions[body][1]] = sprocket.center.into();
+            }
+            if moved <= SETTLED * drive.chain.pitch {
+                return Ok(Some((start, layout)));
+            }
+            before = Some(layout.phase);
+        }
+        Ok(None)
+    }
+
+    fn lay(drive: &Drive) -> Result<(Self, Layout)> {
+        if let Some(ends) = &drive.ends {
+            return open_layout::lay(drive, ends);
+        }
+        if drive.sprockets.len() == 2 && drive.sprockets.iter().all(|s| s.side == Side::Inside) {
+            let place = Place::new(drive)?;
+            let path = place.find_path()?;
+            let layout = place.layout(&path)?;
+            return Ok((place.start(&path, &layout), layout));
+        }
+        let around = Around::new(drive)?;
+        let found = around.find()?;
+        let (speeds, velocities) = strand_motion::of(drive, &around.line, &found);
+        let layout = around.layout(&found, speeds)?;
+        let start = Self::of_bodies(drive, &found.polygon.hinges, &velocities, &layout);
+        Ok((start, layout))
+    }
+
+    /// The same drive with its bodies elsewhere: hinges keep their velocities but for what keeps the links' lengths.
+    #[must_use]
+    pub fn moved_to(
+        &self,
+        positions: Vec<[f64; 3]>,
+        layout: &Layout,
+        pitches: &[f64],
+        rollers: bool,
+    ) -> Self {
+        let n = layout.seat_of.len();
+        let hinges = |positions: &[[f64; 3]]| -> Vec<Vec2> {
+            let end = |i: usize, side: f64| {
+                let [x, y, angle] = positions[i];
+                Vec2::new(x, y) + 0.5 * side * pitches[i] * unit(angle)
+            };
+            (0..n)
+                .map(|k| 0.5 * (end(k, 1.0) + end((k + 1) % n, -1.0)))
+                .collect()
+        };
+        let velocity = |k: usize| {
+            let end = |i: usize, side: f64| {
+                let ([_, _, angle], [vx, vy, spin]) = (self.positions[i], self.velocities[i]);
+                Vec2::new(vx, vy) + 0.5 * side * pitches[i] * spin * turned_left(unit(angle))
+            };
+            0.5 * (end(k, 1.0) + end((k + 1) % n, -1.0))
+        };
+        let places = hinges(&positions);
+        let mut velocities: Vec<Vec2> = (0..n).map(velocity).collect();
+        strand_motion::keep_all_lengths(&layout.seat_of, &places, &mut velocities);
+        let moving = velocities;
+        let links = (0..n).map(|front| {
+            let velocities = &moving;
+            let rear = (front + n - 1) % n;
+            let along = places[front] - places[rear];
+            let apart = velocities[front] - velocities[rear];
+            let mean = 0.5 * (velocities[front] + velocities[rear]);
+            let spin = (along.x * apart.y - along.y * apart.x) / along.norm_squared();
+            [mean.x, mean.y, spin]
+        });
+        let mut velocities: Vec<[f64; 3]> =
+            links.chain(self.velocities[n..].iter().copied()).collect();
+        if rollers {
+            for (roller, hinge) in velocities[n..2 * n].iter_mut().zip(&moving) {
+                [roller[0], roller[1]] = (*hinge).into();
+            }
+        }
+        Self {
+            positions,
+            velocities,
+        }
+    }
+
+    /// Rollers in the middle of their play, on the bushings at these hinges, turning with the links that those are of.
+    fn add_rollers(&mut self, hinges: &[Vec2], velocities: &[Vec2]) {
+        let n = hinges.len();
+        for (k, (place, velocity)) in hinges.iter().zip(velocities).enumerate() {
+            let link = if bushing_on_front(k, n) {
+                k
+            } else {
+                (k + 1) % n
+            };
+            let spin = self.velocities[link][2];
+            self.positions.push([place.x, place.y, 0.0]);
+            self.velocities.push([velocity.x, velocity.y, spin]);
+        }
+    }
+
+    /// Bodies from hinges: a link's centre and velocity are the means of its two hinges, its rate is (d x dv)/d².
+    fn of_bodies(drive: &Drive, hinges: &[Vec2], velocities: &[Vec2], layout: &Layout) -> Self {
+        let mut start = Self {
+            positions: Vec::new(),
+            velocities: Vec::new(),
+        };
+        for front in 0..hinges.len() {
+            let rear = (front + hinges.len() - 1) % hinges.len();
+            let along = hinges[front] - hinges[rear];
+            let apart = velocities[front] - velocities[rear];
+            let center = 0.5 * (hinges[front] + hinges[rear]);
+            let velocity = 0.5 * (velocities[front] + velocities[rear]);
+            let spin = (along.x * apart.y - along.y * apart.x) / along.norm_squared();
+            start
+                .positions
+                .push([center.x, center.y, along.y.atan2(along.x)]);
+            start.velocities.push([velocity.x, velocity.y, spin]);
+        }
+        if drive.chain.roller.is_some() {
+            start.add_rollers(hinges, velocities);
+        }
+        let turns = layout.phase.iter().zip(&layout.speeds);
+        for (sprocket, (&phase, &speed)) in drive.sprockets.iter().zip(turns) {
+            start
+                .positions
+                .push([sprocket.center.x, sprocket.center.y, phase]);
+            start.velocities.push([0.0, 0.0, speed]);
+        }
+        start
+    }
+}
+
+impl Place<'_> {
+    fn start(&self, path: &Path, layout: &Layout) -> Start {
+        let origin = self.sprockets[0].center;
+        let to_world = |p: Vec2| p.x * self.axis + p.y * turned_left(self.axis);
+        let hinges: Vec<Vec2> = path.hinges.iter().map(|&p| origin + to_world(p)).collect();
+        let velocities = self.hinge_velocities(path, self.speeds());
+        let velocities: Vec<Vec2> = velocities.into_iter().map(to_world).collect();
+        Start::of_bodies(self.drive, &hinges, &velocities, layout)
+    }
+
+    /// Seated hinges turn with their sprocket; along a strand the velocity changes linearly from end to end.
+    fn hinge_velocities(&self, path: &Path, speeds: [f64; 2]) -> Vec<Vec2> {
+        let n = path.hinges.len();
+        let seated = |k: usize| {
+            path.seat_of[k].map(|i| {
+                let center = Vec2::new(if i == 0 { 0.0 } else { self.center_distance }, 0.0);
+                speeds[i] * turned_left(path.hinges[k] - center)
+            })
+        };
+        let mut velocities = vec![Vec2::zeros(); n];
+        let mut last_seat = (0, Vec2::zeros());
+        let mut k = 0;
+        while k < n {
+            if let Some(velocity) = seated(k) {
+                velocities[k] = velocity;
+                last_seat = (k, velocity);
+                k += 1;
+                continue;
+            }
+            let next = (k..n).find(|&j| path.seat_of[j].is_some()).unwrap_or(n);
+            let ahead = seated(next % n).unwrap_or_default();
+            let (from, behind) = last_seat;
+            for (j, velocity) in velocities.iter_mut().enumerate().take(next).skip(k) {
+                let share = (j - from) as f64 / (next - from) as f64;
+                *velocity = behind + share * (ahead - behind);
+            }
+            k = next;
+        }
+        velocities
+    }
+}

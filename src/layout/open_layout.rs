@@ -1,0 +1,301 @@
+//! The start of an open chain: the way it is laid that touches nothing, how it moves, and what was chosen.
+
+use super::initial::Start;
+use super::open_chain::{Course, Laid};
+use super::report::{LARGEST_STRETCH, Layout, Lie, START_GAPS, given_speed, phase, tension_force};
+use super::strand_motion::keep_strand_lengths;
+use crate::drive::bushing_on_front;
+use crate::drive::{ChainEnd, Drive};
+use crate::error::{Error, Result};
+use crate::geometry::{ToothProfile, Vec2, turned_left, unit};
+
+/// How many places of the first seat are tried within a pitch.
+const SHIFTS: u32 = 16;
+
+/// Lays the open chain of `drive`.
+pub(super) fn lay(drive: &Drive, ends: &[ChainEnd; 2]) -> Result<(Start, Layout)> {
+    let profiles = (drive.sprockets.iter())
+        .map(|sprocket| sprocket.tooth_profile(&drive.chain))
+        .collect::<Result<Vec<_>>>()?;
+    let laid = find(drive, ends, &profiles)
+        .map_err(|why| Error::Impossible(format!("the open chain cannot be laid: {why}")))?;
+    let forward = forward_rate(drive, &laid);
+    let velocities = hinge_velocities(drive, ends, &laid, forward);
+    let mut layout = layout(drive, &profiles, &laid, forward);
+    layout.tension_force = tension_force(drive)?;
+    Ok((start(drive, ends, &laid, &velocities, &layout), layout))
+}
+
+fn find(
+    drive: &Drive,
+    ends: &[ChainEnd; 2],
+    profiles: &[ToothProfile],
+) -> std::result::Result<Laid, String> {
+    let mut why = None;
+    for gap in START_GAPS {
+        for i in 0..=SHIFTS {
+            // 0, 1, -1, 2, ... sixteenths of a gap.
+            let shift = f64::from(i.div_ceil(2)) / f64::from(SHIFTS);
+            let shift = if i.is_multiple_of(2) { -shift } else { shift };
+            let course = Course::new(drive, ends, profiles, (gap, shift));
+            match course.and_then(|course| course.lay()) {
+                Ok(laid) => match fault(drive, profiles, &laid) {
+                    None => return Ok(laid),
+                    Some(fault) => {
+                        why.get_or_insert(fault);
+                    }
+                },
+                Err(refusal) => {
+                    why.get_or_insert(refusal);
+                }
+            }
+            if drive.sprockets.is_empty() {
+                break;
+            }
+        }
+    }
+    Err(why.unwrap_or_default())
+}
+
+fn lie<'a>(drive: &'a Drive, profiles: &'a [ToothProfile], laid: &'a Laid) -> Lie<'a> {
+    let sprockets = profiles.iter().enumerate().map(|(i, profile)| {
+        let center = drive.sprockets[i].center;
+        (center, laid.first_seat[i], profile)
+    });
+    Lie {
+        chain: &drive.chain,
+        hinges: &laid.hinges,
+        sprockets: sprockets.collect(),
+    }
+}
+
+/// Why it will not do.
+fn fault(drive: &Drive, profiles: &[ToothProfile], laid: &Laid) -> Option<String> {
+    let lie = lie(drive, profiles, laid);
+    let (stretch, clearance) = (lie.stretch(), drive.chain.hinge.clearance());
+    if stretch >= LARGEST_STRETCH * clearance {
+        return Some(format!(
+            "it would open hinges by {:.1} um, and their clearance is {:.1} um",
+            1e6 * stretch,
+            1e6 * clearance
+        ));
+    }
+    let gap = lie.smallest_gap();
+    (gap < 0.9 * START_GAPS[0]).then(|| {
+        format!(
+            "a bushing would start {:.3} um off a tooth (negative: inside); move the ends or the sprockets",
+            1e6 * gap
+        )
+    })
+}
+
+/// Pitches that pass in a second towards the last end, by the first speed that is given.
+fn forward_rate(drive: &Drive, laid: &Laid) -> f64 {
+    let rate = |i: usize| {
+        let turn = laid.sense[i] * f64::from(drive.sprockets[i].teeth) / std::f64::consts::TAU;
+        given_speed(drive, i).map(|speed| speed * turn)
+    };
+    (0..drive.sprockets.len()).find_map(rate).unwrap_or(0.0)
+}
+
+fn sprocket_speed(drive: &Drive, laid: &Laid, forward: f64, i: usize) -> f64 {
+    let follows =
+        laid.sense[i] * forward * std::f64::consts::TAU / f64::from(drive.sprockets[i].teeth);
+    given_speed(drive, i).unwrap_or(follows)
+}
+
+/// Seated hinges turn with their sprockets; a hanging strand moves along itself, others linearly from end to end, but for what
+/// keeps their links' lengths.
+fn hinge_velocities(drive: &Drive, ends: &[ChainEnd; 2], laid: &Laid, forward: f64) -> Vec<Vec2> {
+    let seated = |k: usize| {
+        laid.seat_of[k].map(|i| {
+            let arm = laid.hinges[k] - drive.sprockets[i].center;
+            sprocket_speed(drive, laid, forward, i) * turned_left(arm)
+        })
+    };
+    let count = laid.hinges.len();
+    let mut velocities: Vec<Vec2> = (0..count).map(|k| seated(k).unwrap_or_default()).collect();
+    let known = |end: usize| ends[end].position().map(|_| ends[end].velocity());
+    let last = count - 1;
+    if laid.sense.is_empty() {
+        // All of it follows the end that is somewhere.
+        let given = [known(0), known(1)];
+        let [first, final_one] = [given[0].or(given[1]), given[1].or(given[0])];
+        velocities[0] = first.unwrap_or_default();
+        velocities[last] = final_one.unwrap_or_default();
+        fill(&laid.hinges, &mut velocities, 0, last);
+        return velocities;
+    }
+    let mut from = 0;
+    for (strand, &pitches) in laid.strands.iter().enumerate() {
+        let to = from + pitches as usize;
+        // At an end: which, its hinge, the seat that it hangs from, and the hinge beside that.
+        let end = match (strand, to == last) {
+            (0, _) => Some((0, 0, to, to - 1)),
+            (_, true) => Some((1, last, from, from + 1)),
+            _ => None,
+        };
+        match end {
+            Some((end, hinge, seat, beside)) if known(end).is_none() => {
+                let along = (laid.hinges[beside] - laid.hinges[seat]).normalize();
+                let moved = velocities[seat].dot(&along) * along;
+                let strand = hinge.min(beside)..=hinge.max(beside);
+                velocities[strand].fill(moved);
+            }
+            Some((end, hinge, ..)) => {
+                velocities[hinge] = known(end).unwrap_or_default();
+                fill(&laid.hinges, &mut velocities, from, to);
+            }
+            None => fill(&laid.hinges, &mut velocities, from, to),
+        }
+        from = to + laid.seated.get(strand).map_or(0, |&seated| seated as usize);
+    }
+    velocities
+}
+
+/// Velocities between two hinges.
+fn fill(hinges: &[Vec2], velocities: &mut [Vec2], from: usize, to: usize) {
+    let ends = [velocities[from], velocities[to]];
+    let count = (to - from) as f64;
+    for (k, velocity) in velocities[from..to].iter_mut().enumerate().skip(1) {
+        *velocity = ends[0] + k as f64 / count * (ends[1] - ends[0]);
+    }
+    keep_strand_lengths(&hinges[from..=to], &mut velocities[from..=to]);
+}
+
+fn start(
+    drive: &Drive,
+    ends: &[ChainEnd; 2],
+    laid: &Laid,
+    velocities: &[Vec2],
+    layout: &Layout,
+) -> Start {
+    let mut start = Start {
+        positions: Vec::new(),
+        velocities: Vec::new(),
+    };
+    for (places, speeds) in laid.hinges.windows(2).zip(velocities.windows(2)) {
+        let (along, apart) = (places[1] - places[0], speeds[1] - speeds[0]);
+        let center = 0.5 * (places[0] + places[1]);
+        let velocity = 0.5 * (speeds[0] + speeds[1]);
+        let spin = (along.x * apart.y - along.y * apart.x) / along.norm_squared();
+        let angle = along.y.atan2(along.x);
+        start.positions.push([center.x, center.y, angle]);
+        start.velocities.push([velocity.x, velocity.y, spin]);
+    }
+    let last = laid.hinges.len() - 1;
+    // The end of the last link comes first; a load hangs down where there is gravity.
+    for (end, hinge, sign) in [(1, last, 1.0), (0, 0, -1.0)] {
+        let along = if drive.gravity.norm() > 0.0 {
+            sign * drive.gravity.normalize()
+        } else {
+            unit(start.positions[if end == 0 { 0 } else { last - 1 }][2])
+        };
+        let held = matches!(ends[end], ChainEnd::Anchor { .. } | ChainEnd::Loose { .. });
+        let center = laid.hinges[hinge] + sign * ends[end].arm() * along;
+        let angle = if held { 0.0 } else { along.y.atan2(along.x) };
+        let velocity = match ends[end] {
+            ChainEnd::Anchor { .. } => ends[end].velocity(),
+            ChainEnd::Load { .. } => velocities[hinge],
+            ChainEnd::Loose { .. } => Vec2::zeros(),
+        };
+        start.positions.push([center.x, center.y, angle]);
+        start.velocities.push([velocity.x, velocity.y, 0.0]);
+    }
+    if drive.chain.roller.is_some() {
+        add_rollers(&mut start, ends, laid, velocities);
+    }
+    let turns = layout.phase.iter().zip(&layout.speeds);
+    for (sprocket, (&phase, &speed)) in drive.sprockets.iter().zip(turns) {
+        let center = sprocket.center;
+        start.positions.push([center.x, center.y, phase]);
+        start.velocities.push([0.0, 0.0, speed]);
+    }
+    start
+}
+
+/// Rollers in the middle of their play, hinge by hinge; where there is no bushing one that stands still.
+fn add_rollers(start: &mut Start, ends: &[ChainEnd; 2], laid: &Laid, velocities: &[Vec2]) {
+    let links = laid.hinges.len() - 1;
+    let count = links + 2;
+    for k in 0..count {
+        // The hinge behind the last link is that of end 2, the last one that of end 1.
+        let place = if k == links + 1 {
+            0
+        } else {
+            (k + 1).min(links)
+        };
+        let on_front = bushing_on_front(k, count);
+        let loose = matches!(ends[1], ChainEnd::Loose { .. });
+        let there = k != links && (k + 1 != links || !loose || on_front);
+        let link = if on_front { k } else { (k + 1) % count };
+        let at = laid.hinges[place];
+        let (velocity, spin) = if there {
+            (velocities[place], start.velocities[link][2])
+        } else {
+            (Vec2::zeros(), 0.0)
+        };
+        start.positions.push([at.x, at.y, 0.0]);
+        start.velocities.push([velocity.x, velocity.y, spin]);
+    }
+}
+
+/// What was chosen, in the words of closed chains.
+fn layout(drive: &Drive, profiles: &[ToothProfile], laid: &Laid, forward: f64) -> Layout {
+    let count = drive.sprockets.len();
+    let by_sprocket = |value: &dyn Fn(usize) -> f64| (0..count).map(value).collect::<Vec<f64>>();
+    let pitches = drive.chain.link_pitches();
+    let (mut spans, mut slack, mut sag) = (Vec::new(), Vec::new(), Vec::new());
+    let mut from = 0;
+    for (strand, &links) in laid.strands.iter().enumerate() {
+        let to = from + links as usize;
+        let chord = laid.hinges[to] - laid.hinges[from];
+        let span = chord.norm();
+        let length: f64 = pitches[from..to].iter().sum();
+        let across = turned_left(chord / span);
+        let off = (from..=to).map(|k| (laid.hinges[k] - laid.hinges[from]).dot(&across).abs());
+        spans.push(span);
+        slack.push(length - span);
+        sag.push(off.fold(0.0, f64::max));
+        from = to + laid.seated.get(strand).map_or(0, |&seated| seated as usize);
+    }
+    let lie = lie(drive, profiles, laid);
+    let turn = |i: usize| laid.sense[i] / f64::from(drive.sprockets[i].teeth);
+    let seated: u32 = laid.seated.iter().sum();
+    let mut layout = Layout {
+        order: (0..count).collect(),
+        sides: drive.sprockets.iter().map(|s| s.side).collect(),
+        seat_of: laid.seat_of.clone(),
+        pitch_radius: by_sprocket(&|i| profiles[i].pitch_radius),
+        seat_offset: by_sprocket(&|i| laid.hinge_radius[i] - profiles[i].pitch_radius),
+        seated: laid.seated.clone(),
+        belt_wrap: laid.wraps.clone(),
+        first_seat: laid.first_seat.clone(),
+        phase: by_sprocket(&|i| phase(&profiles[i], laid.first_seat[i])),
+        speeds: by_sprocket(&|i| sprocket_speed(drive, laid, forward, i)),
+        speed_ratio: by_sprocket(&|i| turn(i) / turn(0)),
+        strands: open_strands(count),
+        strand_pitches: laid.strands.clone(),
+        belt_pitches: f64::from(seated) + spans.iter().sum::<f64>() / drive.chain.mean_pitch(),
+        spans,
+        slack,
+        sag,
+        center_distance: None,
+        closing_center_distance: None,
+        hinge_stretch: lie.stretch(),
+        start_gap: lie.smallest_gap(),
+        tension_force: 0.0,
+        guides: Vec::new(),
+        warnings: Vec::new(),
+    };
+    layout.warn(drive);
+    layout
+}
+
+/// Strands of an open chain along so many sprockets; its ends are [`usize::MAX`].
+pub(crate) fn open_strands(sprockets: usize) -> Vec<[usize; 2]> {
+    let at = |i: Option<usize>| i.filter(|&i| i < sprockets).unwrap_or(usize::MAX);
+    (0..=sprockets)
+        .map(|i| [at(i.checked_sub(1)), at(Some(i))])
+        .collect()
+}

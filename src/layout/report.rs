@@ -1,0 +1,424 @@
+//! What the generator chose for a drive, and what it measures on a chain laid round sprockets.
+
+use crate::drive::{Chain, Drive, Motion, TimeTable};
+use crate::error::Result;
+use crate::geometry::path::belt::Side;
+use crate::geometry::path::wrap;
+use crate::geometry::path::wrap::Wheel;
+use crate::geometry::{ToothProfile, Vec2, unit};
+
+/// How far off its seat a bushing starts that would otherwise touch \[m\]; a stretched chain, whose bushings stand beside
+/// the middle of their seats, may need more.
+pub(super) const START_GAPS: [f64; 4] = [1e-6, 3e-6, 1e-5, 3e-5];
+/// Share of the hinge clearance that a chain may be stretched by at the start.
+pub(super) const LARGEST_STRETCH: f64 = 0.9;
+
+/// What the generator chose. One entry for each sprocket as they are listed, or for each strand.
+///
+/// With two sprockets the strands are the upper one (left of the line from the first to the second centre) and the lower one.
+/// With more, strand `i` leads from `order[i]` to the next one, counterclockwise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layout {
+    /// Sprockets (from 0) in the order in which the chain meets them, counterclockwise.
+    pub order: Vec<usize>,
+    /// On which side of the chain each stands.
+    pub sides: Vec<Side>,
+    /// Which sprocket each hinge is seated on.
+    pub seat_of: Vec<Option<usize>>,
+    /// Pitch radii \[m\].
+    pub pitch_radius: Vec<f64>,
+    /// How far outside the pitch circle the seated hinges start \[m\].
+    pub seat_offset: Vec<f64>,
+    /// Pitches seated on each sprocket.
+    pub seated: Vec<u32>,
+    /// Angle that the belt line on the pitch circles wraps each sprocket by \[rad\].
+    pub belt_wrap: Vec<f64>,
+    /// Angle of the first seated hinge of each sprocket \[rad\]: seen from its centre; with two sprockets, from the line of centres.
+    pub first_seat: Vec<f64>,
+    /// θ of each sprocket \[rad\].
+    pub phase: Vec<f64>,
+    /// Angular speeds at the start \[rad/s\].
+    pub speeds: Vec<f64>,
+    /// Mean speed of each sprocket over that of the first; negative where it turns the other way.
+    pub speed_ratio: Vec<f64>,
+    /// From which to which sprocket (from 0) each strand leads.
+    pub strands: Vec<[usize; 2]>,
+    /// Pitches in each strand.
+    pub strand_pitches: Vec<u32>,
+    /// Straight distance between the ends of each strand \[m\].
+    pub spans: Vec<f64>,
+    /// Chain length in each strand less the straight distance \[m\]: positive when it sags, negative when it is stretched.
+    pub slack: Vec<f64>,
+    /// How far each strand bows outward \[m\].
+    pub sag: Vec<f64>,
+    /// Length of a taut chain along the belt line, in pitches.
+    pub belt_pitches: f64,
+    /// Distance of the centres of two sprockets \[m\].
+    pub center_distance: Option<f64>,
+    /// Centre distance of two sprockets at which the chain is taut \[m\], where there is one.
+    pub closing_center_distance: Option<f64>,
+    /// Largest opening of a hinge at the start \[m\]: the chain is stretched by this much a pitch.
+    pub hinge_stretch: f64,
+    /// Smallest distance of a bushing from a tooth at the start \[m\].
+    pub start_gap: f64,
+    /// Pull of the tensioner \[N\].
+    pub tension_force: f64,
+    /// Where the guides begin.
+    pub guides: Vec<GuideLie>,
+    /// What a designer should know.
+    pub warnings: Vec<String>,
+}
+
+/// Where a guide begins, beside the laid chain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GuideLie {
+    /// Smallest distance of a bushing, or of a plate where those bear on it \[m\].
+    pub gap: f64,
+    /// How far its arm is swung from where it is described \[rad\].
+    pub turn: f64,
+    /// How far its plunger can still go back and out until a stop \[m\]; infinite without one, zero without an arm.
+    pub travel: [f64; 2],
+    /// How many bushings lie within half a pitch of its face.
+    pub bushings: u32,
+    /// The strand or sprocket that the nearest bushing is at; nothing where none is near.
+    pub place: String,
+}
+
+/// Angular speed that a sprocket is given at the start \[rad/s\], if any.
+pub(super) fn given_speed(drive: &Drive, sprocket: usize) -> Option<f64> {
+    match &drive.sprockets[sprocket].motion {
+        Motion::PrescribedSpeed(table) => Some(table.value(0.0)),
+        _ => drive.sprockets[sprocket].initial_speed,
+    }
+}
+
+/// Full pull of the drive's tensioner \[N\]; zero without one.
+pub(super) fn tension_force(drive: &Drive) -> Result<f64> {
+    match &drive.tensioner {
+        Some(tensioner) => Ok(tensioner.line(drive)?.pull),
+        None => Ok(0.0),
+    }
+}
+
+/// What keeps the drive's tensioner from the tension that it is asked for.
+fn tensioner_warning(drive: &Drive) -> Option<String> {
+    let tensioner = drive.tensioner.as_ref()?;
+    let line = tensioner.line(drive).ok()?;
+    let way = match line.taut_at {
+        None => "anywhere on its way".to_string(),
+        Some(s) if s > tensioner.travel[1] => format!(
+            "before its stop: it would move by {:.3} mm and can by {:.3} mm",
+            1e3 * s,
+            1e3 * tensioner.travel[1]
+        ),
+        Some(_) => return None,
+    };
+    Some(format!(
+        "the tensioner does not take up the chain's slack {way}"
+    ))
+}
+
+/// How far a tensioner on a spring may give way under load, in pitches, and the chain still be called seated. Half a pitch is about the
+/// height of a tooth; runs of 17:25 teeth jump when the centre has given way by 1.4 pitches.
+const GIVES_WAY: f64 = 0.5;
+
+/// A load that the drive's tensioner lets jump the teeth: it needs a larger difference of both strands' tensions than the tensioner keeps
+/// as their sum.
+fn overload_warning(drive: &Drive, speeds: &[f64]) -> Option<String> {
+    let tensioner = drive.tensioner.as_ref().filter(|_| drive.ends.is_none())?;
+    // A ratchet or a stop holds the centre whatever the load.
+    if tensioner.ratchet.is_some() || tensioner.travel[0].is_finite() {
+        return None;
+    }
+    // Between more sprockets, strands away from the tensioner may be tight.
+    let loaded = match drive.sprockets.len() {
+        2 => 0..2,
+        _ => tensioner.sprocket - 1..tensioner.sprocket,
+    };
+    let need = |i: usize| {
+        let radius = wrap::pitch_radius(drive.chain.pitch, drive.sprockets[i].teeth);
+        largest_torque(&drive.sprockets[i].motion, speeds[i])
+            .map(|torque| (i, torque, torque / radius))
+    };
+    let (i, torque, needed) = loaded.filter_map(need).max_by(|a, b| a.2.total_cmp(&b.2))?;
+    let sum = 2.0 * tensioner.pretension + GIVES_WAY * drive.chain.pitch * tensioner.stiffness;
+    (needed > sum).then(|| {
+        format!(
+            "the load of {torque:.4} N m on sprocket {} needs {needed:.1} N more in one strand than in the other, and the tensioner keeps \
+             {sum:.1} N in both together: the chain will jump teeth; take a pretension of {:.1} N or more",
+            i + 1,
+            tensioner.pretension + 0.5 * (needed - sum)
+        )
+    })
+}
+
+/// Size of the largest torque that a sprocket is turned by at its initial speed \[N m\]; nothing where none is applied.
+fn largest_torque(motion: &Motion, speed: f64) -> Option<f64> {
+    let largest = |table: &TimeTable, of_speed: f64| {
+        let sizes = table
+            .values()
+            .iter()
+            .map(|torque| (torque + of_speed).abs());
+        sizes.fold(0.0, f64::max)
+    };
+    match motion {
+        Motion::AppliedTorque(table) => Some(largest(table, 0.0)),
+        Motion::TorqueCurve { torque, curve } => Some(largest(torque, curve.value(speed))),
+        Motion::PrescribedSpeed(_) | Motion::Free => None,
+    }
+}
+
+/// The wheel of a sprocket whose seated bushings start `gap` \[m\] off their seats at least.
+pub(super) fn wheel(profile: &ToothProfile, chain: &Chain, gap: f64) -> Wheel {
+    let depth = seat_depth(profile, chain);
+    Wheel {
+        teeth: profile.teeth,
+        hinge_radius: hinge_circle(profile, chain) + (depth + gap).max(0.0),
+    }
+}
+
+/// How far the bushing of a hinge on the hinge circle is in its seat \[m\]; negative: room.
+pub(super) fn seat_depth(profile: &ToothProfile, chain: &Chain) -> f64 {
+    let middle = Vec2::new(
+        0.0,
+        hinge_circle(profile, chain) - profile.seat_center_radius,
+    );
+    profile.contact(middle, chain.contact_radius()).penetration
+}
+
+/// Radius of the hinges of links that are seated all round \[m\]: longer links lie farther out.
+fn hinge_circle(profile: &ToothProfile, chain: &Chain) -> f64 {
+    wrap::pitch_radius(chain.mean_pitch(), profile.teeth)
+}
+
+/// θ of a sprocket with a gap centre at `angle`: the nearest to zero.
+pub(super) fn phase(profile: &ToothProfile, angle: f64) -> f64 {
+    let gap = profile.gap_angle();
+    angle - (angle / gap).round() * gap
+}
+
+/// A chain laid round sprockets, in one frame.
+pub(super) struct Lie<'a> {
+    pub(super) chain: &'a Chain,
+    pub(super) hinges: &'a [Vec2],
+    /// Centre, angle of a gap, and tooth profile of each sprocket.
+    pub(super) sprockets: Vec<(Vec2, f64, &'a ToothProfile)>,
+}
+
+impl Lie<'_> {
+    /// An open chain has a hinge at both of its ends.
+    fn is_open(&self) -> bool {
+        self.hinges.len() > self.chain.links as usize
+    }
+
+    /// Ends of every link as the model will have them, (rear, front): its hinges lie at half a pitch from its middle.
+    fn link_ends(&self) -> Vec<(Vec2, Vec2)> {
+        let pitches = self.chain.link_pitches();
+        let n = pitches.len();
+        (0..n)
+            .map(|i| {
+                let (rear, front) = if self.is_open() {
+                    (self.hinges[i], self.hinges[i + 1])
+                } else {
+                    (self.hinges[(i + n - 1) % n], self.hinges[i])
+                };
+                let middle = 0.5 * (rear + front);
+                let half = 0.5 * pitches[i] * (front - rear).normalize();
+                (middle - half, middle + half)
+            })
+            .collect()
+    }
+
+    /// Largest distance of a pin's centre from its bushing's \[m\].
+    pub(super) fn stretch(&self) -> f64 {
+        let ends = self.link_ends();
+        let next = ends.iter().cycle().skip(1);
+        let joined = ends.len() - usize::from(self.is_open());
+        ends.iter()
+            .zip(next)
+            .take(joined)
+            .map(|((_, front), (rear, _))| (front - rear).norm())
+            .fold(0.0, f64::max)
+    }
+
+    /// Smallest distance of a bushing from a tooth \[m\]; infinite when none is near.
+    pub(super) fn smallest_gap(&self) -> f64 {
+        let radius = self.chain.contact_radius();
+        let bushings: Vec<Vec2> = self
+            .link_ends()
+            .into_iter()
+            .step_by(2) // the inner links
+            .flat_map(|(rear, front)| [rear, front])
+            .collect();
+        let mut gap = f64::INFINITY;
+        for &(center, first_seat, profile) in &self.sprockets {
+            for bushing in &bushings {
+                let offset = bushing - center;
+                if offset.norm() >= profile.reach(radius) {
+                    continue;
+                }
+                let gap_angle = profile.gap_angle();
+                let nearest = ((offset.y.atan2(offset.x) - first_seat) / gap_angle).round();
+                let middle = unit(first_seat + nearest * gap_angle);
+                let point = Vec2::new(
+                    offset.x * middle.y - offset.y * middle.x,
+                    offset.dot(&middle) - profile.seat_center_radius,
+                );
+                gap = gap.min(-profile.contact(point, radius).penetration);
+            }
+        }
+        gap
+    }
+}
+
+/// Fewest pitches in mesh that go without a word.
+const FEW_IN_MESH: u32 = 3;
+
+impl Layout {
+    /// What a strand is called.
+    #[must_use]
+    pub fn strand_name(&self, strand: usize) -> String {
+        strand_name(&self.strands, strand)
+    }
+
+    /// What hinge `hinge` is seated on, or the strand that it is in, in words.
+    pub(super) fn place_of(&self, hinge: usize) -> String {
+        if let Some(sprocket) = self.seat_of[hinge] {
+            return format!("sprocket {}", sprocket + 1);
+        }
+        let first = |seats: &[Option<usize>]| seats.iter().find_map(|seat| *seat);
+        let last = |seats: &[Option<usize>]| seats.iter().rev().find_map(|seat| *seat);
+        let (before, behind) = self.seat_of.split_at(hinge);
+        let [mut from, mut to] = [last(before), first(behind)];
+        if is_open(&self.strands) {
+            // The first and the last strand lead to the ends of the chain.
+            [from, to] = [from, to].map(|sprocket| sprocket.or(Some(usize::MAX)));
+        } else {
+            [from, to] = [from.or(last(behind)), to.or(first(before))];
+        }
+        let joins = |&[a, b]: &[usize; 2]| [Some(a), Some(b)] == [from, to];
+        let strand = self.strands.iter().position(joins);
+        strand.map_or(String::new(), |i| format!("strand {}", self.strand_name(i)))
+    }
+
+    /// What a designer should know of these choices.
+    pub(super) fn warn(&mut self, drive: &Drive) {
+        let mut warnings = Vec::new();
+        // How far an open chain hangs is for its ends to say.
+        let closed = if drive.ends.is_none() {
+            self.strands.len()
+        } else {
+            0
+        };
+        for i in 0..closed {
+            let share = self.sag[i] / self.spans[i];
+            if share > 0.06 {
+                warnings.push(format!(
+                    "the {} strand sags by {:.1} % of its span; 4 to 6 % is usual",
+                    self.strand_name(i),
+                    100.0 * share
+                ));
+            }
+        }
+        for (i, sprocket) in drive.sprockets.iter().enumerate() {
+            let gap = std::f64::consts::TAU / f64::from(sprocket.teeth);
+            let wrap = (f64::from(self.seated[i]) * gap).to_degrees();
+            // Idlers carry no power: a few teeth will do.
+            if drive.sprockets.len() == 2 || !matches!(sprocket.motion, Motion::Free) {
+                if wrap < 120.0 - 1e-9 {
+                    warnings.push(format!(
+                        "sprocket {} is wrapped by {wrap:.0} degrees only; 120 is usual",
+                        i + 1
+                    ));
+                }
+            } else if self.seated[i] < FEW_IN_MESH {
+                let plural = if self.seated[i] == 1 { "" } else { "es" };
+                warnings.push(format!(
+                    "sprocket {} has {} pitch{plural} in mesh; {FEW_IN_MESH} are usual for an idler",
+                    i + 1,
+                    self.seated[i]
+                ));
+            }
+        }
+        self.warn_of_speeds(drive, &mut warnings);
+        warnings.extend(tensioner_warning(drive));
+        warnings.extend(overload_warning(drive, &self.speeds));
+        self.warnings = warnings;
+    }
+
+    fn warn_of_speeds(&self, drive: &Drive, warnings: &mut Vec<String>) {
+        // Speeds that are given must agree; the others follow.
+        let given: Vec<usize> = (0..drive.sprockets.len())
+            .filter(|&i| given_speed(drive, i).is_some())
+            .collect();
+        let chain_speed =
+            |i: usize| self.sides[i].sign() * self.speeds[i] * f64::from(drive.sprockets[i].teeth);
+        if let [first, others @ ..] = given.as_slice() {
+            for other in others {
+                let (one, two) = (chain_speed(*first), chain_speed(*other));
+                if (one - two).abs() > 0.01 * one.abs().max(two.abs()) {
+                    warnings.push(format!(
+                        "sprockets {} and {} start at {:.4} and {:.4} rad/s, which pull the chain at different speeds",
+                        first + 1,
+                        other + 1,
+                        self.speeds[*first],
+                        self.speeds[*other]
+                    ));
+                }
+            }
+        }
+    }
+}
+
+/// Whether strands lead to the ends of an open chain.
+fn is_open(strands: &[[usize; 2]]) -> bool {
+    strands[0][0] == usize::MAX
+}
+
+/// "upper" and "lower" of two sprockets, "1-3" from sprocket 1 to sprocket 3 of more; `"end_1-1"` from the end of an open chain.
+#[must_use]
+pub fn strand_name(strands: &[[usize; 2]], strand: usize) -> String {
+    let [from, to] = strands[strand];
+    if is_open(strands) {
+        let name = |i: usize, end: &str| match i {
+            usize::MAX => end.to_string(),
+            i => (i + 1).to_string(),
+        };
+        return format!("{}-{}", name(from, "end_1"), name(to, "end_2"));
+    }
+    if strands.len() == 2 {
+        return ["upper", "lower"][strand].to_string();
+    }
+    format!("{}-{}", from + 1, to + 1)
+}
+
+/// Smallest even number of links that is `pitches` or more but for a hair.
+#[must_use]
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a count of links
+pub(super) fn even_links(pitches: f64) -> u32 {
+    2 * (0.5 * pitches - 0.05).ceil().max(2.0) as u32
+}
+
+/// Centre distance \[m\] at which a chain of `links` lies taut round two sprockets, its hinges on the pitch circles.
+#[must_use]
+pub fn closing_center_distance(pitch: f64, teeth: [u32; 2], links: u32) -> Option<f64> {
+    wrap::taut_path(
+        pitch,
+        teeth.map(|n| Wheel::on_pitch_circle(pitch, n)),
+        links,
+    )
+    .map(|path| path.center_distance)
+}
+
+/// Smallest even number of links that closes at a centre distance \[m\].
+#[must_use]
+pub fn links_for(pitch: f64, teeth: [u32; 2], center_distance: f64) -> u32 {
+    let mut links = even_links(wrap::belt_length(pitch, teeth, center_distance));
+    // The chain is a polygon: a taut one of this many links may still fall a little short.
+    while closing_center_distance(pitch, teeth, links)
+        .is_some_and(|c| c < center_distance * (1.0 - 1e-12))
+    {
+        links += 2;
+    }
+    links
+}

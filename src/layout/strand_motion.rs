@@ -1,0 +1,170 @@
+//! How the sprockets turn and the hinges move at the start of a drive of many sprockets: links that keep their lengths.
+//!
+//! One speed that is given sets all others by the numbers of teeth: the mean speeds, which the polygon effect leaves by a little
+//! to both sides. Speeds that are given stay.
+
+use super::many_sprockets::Found;
+use super::report::given_speed;
+use crate::drive::{BeltLine, Drive};
+use crate::geometry::{Vec2, turned_left};
+
+/// What the links of a slack strand may lengthen, against what their hinges may move for it: a nearly straight strand would
+/// have to leap sideways to keep its length.
+const GIVE: f64 = 1e-4;
+
+/// Speeds of the sprockets as listed \[rad/s\], and velocities of all hinges \[m/s\].
+pub(super) fn of(drive: &Drive, line: &BeltLine, found: &Found) -> (Vec<f64>, Vec<Vec2>) {
+    let polygon = &found.polygon;
+    let n = line.order.len();
+    let starts = seat_starts(&polygon.seat_of, n);
+    let speeds = wheel_speeds(drive, line);
+    let center = |place: usize| found.course.wheels[place].center;
+    let mut velocities: Vec<Vec2> = polygon
+        .hinges
+        .iter()
+        .zip(&polygon.seat_of)
+        .map(|(hinge, seat)| {
+            seat.map_or(Vec2::zeros(), |place| {
+                speeds[place] * turned_left(hinge - center(place))
+            })
+        })
+        .collect();
+    for (place, start) in starts.iter().enumerate() {
+        let from = start + polygon.seated[place] as usize;
+        let count = polygon.strands[place] as usize;
+        let at = |k: usize| (from + k) % polygon.hinges.len();
+        let ends = [velocities[at(0)], velocities[at(count)]];
+        for k in 1..count {
+            let share = k as f64 / count as f64;
+            velocities[at(k)] = ends[0] + share * (ends[1] - ends[0]);
+        }
+        if place == found.slack && count > 1 {
+            let links: Vec<Vec2> = (0..count)
+                .map(|k| (polygon.hinges[at(k + 1)] - polygon.hinges[at(k)]).normalize())
+                .collect();
+            let lengthening = links
+                .iter()
+                .enumerate()
+                .map(|(k, along)| along.dot(&(velocities[at(k + 1)] - velocities[at(k)])));
+            for (k, change) in keep_lengths(&links, lengthening.collect())
+                .iter()
+                .enumerate()
+            {
+                velocities[at(k + 1)] += change;
+            }
+        }
+    }
+    let mut listed = vec![0.0; n];
+    for (place, &i) in line.order.iter().enumerate() {
+        listed[i] = speeds[place];
+    }
+    (listed, velocities)
+}
+
+/// Changes the velocities of all hinges that no sprocket seats so that their links keep their lengths.
+pub(super) fn keep_all_lengths(
+    seat_of: &[Option<usize>],
+    hinges: &[Vec2],
+    velocities: &mut [Vec2],
+) {
+    let n = hinges.len();
+    for before in (0..n).filter(|&k| seat_of[k].is_some() && seat_of[(k + 1) % n].is_none()) {
+        let count = (1..=n)
+            .find(|&k| seat_of[(before + k) % n].is_some())
+            .unwrap_or(n);
+        let at = |k: usize| (before + k) % n;
+        let links: Vec<Vec2> = (0..count)
+            .map(|k| (hinges[at(k + 1)] - hinges[at(k)]).normalize())
+            .collect();
+        let lengthening = (0..count)
+            .map(|k| links[k].dot(&(velocities[at(k + 1)] - velocities[at(k)])))
+            .collect();
+        for (k, change) in keep_lengths(&links, lengthening).iter().enumerate() {
+            velocities[at(k + 1)] += change;
+        }
+    }
+}
+
+/// Changes the velocities of a strand's hinges between its ends so that its links keep their lengths.
+pub(super) fn keep_strand_lengths(hinges: &[Vec2], velocities: &mut [Vec2]) {
+    let pairs = hinges.windows(2).zip(velocities.windows(2));
+    let (links, lengthening) = pairs
+        .map(|(places, speeds)| {
+            let along = (places[1] - places[0]).normalize();
+            (along, along.dot(&(speeds[1] - speeds[0])))
+        })
+        .unzip::<_, _, Vec<Vec2>, Vec<f64>>();
+    for (k, change) in keep_lengths(&links, lengthening).iter().enumerate() {
+        velocities[k + 1] += change;
+    }
+}
+
+/// The first hinge on each wheel.
+fn seat_starts(seat_of: &[Option<usize>], wheels: usize) -> Vec<usize> {
+    (0..wheels)
+        .map(|place| seat_of.iter().position(|&s| s == Some(place)).unwrap_or(0))
+        .collect()
+}
+
+/// Speeds of the wheels in the chain's order \[rad/s\].
+fn wheel_speeds(drive: &Drive, line: &BeltLine) -> Vec<f64> {
+    let turn = |i: usize| {
+        let sprocket = &drive.sprockets[i];
+        sprocket.side.sign() / f64::from(sprocket.teeth)
+    };
+    let first = (0..drive.sprockets.len())
+        .find_map(|i| given_speed(drive, i).map(|speed| speed / turn(i)))
+        .unwrap_or(0.0);
+    let speed = |&i: &usize| given_speed(drive, i).unwrap_or_else(|| first * turn(i));
+    line.order.iter().map(speed).collect()
+}
+
+/// The least changes of the inner hinges' velocities with which links along these directions, which lengthen at these rates, keep
+/// their lengths but for [`GIVE`].
+///
+/// With A the matrix of rates of length by velocities, the changes are -Aᵀ λ with (A Aᵀ + ε) λ = rates: one row a link, tridiagonal.
+fn keep_lengths(links: &[Vec2], lengthening: Vec<f64>) -> Vec<Vec2> {
+    let n = links.len();
+    let ends = |k: usize| if k == 0 || k == n - 1 { 1.0 } else { 2.0 };
+    let beside = |k: usize| -links[k].dot(&links[k + 1]);
+    let mut diagonal: Vec<f64> = (0..n).map(|k| ends(k) + GIVE).collect();
+    let mut lambda = lengthening;
+    for k in 1..n {
+        let factor = beside(k - 1) / diagonal[k - 1];
+        diagonal[k] -= factor * beside(k - 1);
+        lambda[k] -= factor * lambda[k - 1];
+    }
+    for k in (0..n).rev() {
+        if k + 1 < n {
+            lambda[k] -= beside(k) * lambda[k + 1];
+        }
+        lambda[k] /= diagonal[k];
+    }
+    (0..n - 1)
+        .map(|k| lambda[k + 1] * links[k + 1] - lambda[k] * links[k])
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::unit;
+
+    #[test]
+    fn a_bow_whose_ends_part_keeps_its_links_lengths() {
+        let links: Vec<Vec2> = (0..12).map(|k| unit(-0.6 + 0.1 * f64::from(k))).collect();
+        // Linear from end to end: every link lengthens by its share.
+        let lengthening: Vec<f64> = links.iter().map(|along| 0.01 * along.x).collect();
+        let changes = keep_lengths(&links, lengthening.clone());
+        for (k, link) in links.iter().enumerate() {
+            let before = if k == 0 {
+                Vec2::zeros()
+            } else {
+                changes[k - 1]
+            };
+            let after = changes.get(k).copied().unwrap_or_default();
+            let rate = lengthening[k] + link.dot(&(after - before));
+            assert!(rate.abs() < 0.05 * 0.01, "{rate}");
+        }
+    }
+}

@@ -1,0 +1,301 @@
+//! How a chain is laid round two sprockets: the choices of the generator, and what cannot be laid.
+
+use std::f64::consts::PI;
+
+use super::fit::{for_own_lengths, remedy};
+use super::report::{
+    LARGEST_STRETCH, Layout, Lie, START_GAPS, closing_center_distance, given_speed, links_for,
+    phase, tension_force, wheel,
+};
+use crate::drive::{Drive, Sprocket};
+use crate::error::{Error, Result};
+use crate::geometry::path::belt::Side;
+use crate::geometry::path::wrap;
+use crate::geometry::path::wrap::{Path, Split, Strand, Wheel};
+use crate::geometry::{ToothProfile, Vec2, turned_left};
+
+/// Share of the hinge clearance below which a stretched chain counts as taut.
+const TAUT_STRETCH: f64 = 0.02;
+/// Largest angle of a slack strand's bow at its ends \[rad\].
+const LARGEST_BOW: f64 = 0.45 * PI;
+
+/// A drive seen along its line of centres.
+pub(super) struct Place<'a> {
+    pub(super) drive: &'a Drive,
+    pub(super) sprockets: [&'a Sprocket; 2],
+    profiles: [ToothProfile; 2],
+    pub(super) center_distance: f64,
+    /// Unit vector from the first to the second centre.
+    pub(super) axis: Vec2,
+}
+
+impl<'a> Place<'a> {
+    pub(super) fn new(drive: &'a Drive) -> Result<Self> {
+        let chain = &drive.chain;
+        let sprockets = [&drive.sprockets[0], &drive.sprockets[1]];
+        let profiles = [
+            sprockets[0].tooth_profile(chain)?,
+            sprockets[1].tooth_profile(chain)?,
+        ];
+        let between = sprockets[1].center - sprockets[0].center;
+        let center_distance = between.norm();
+        let apart = profiles[0].outside_radius + profiles[1].outside_radius;
+        let place = Self {
+            drive,
+            sprockets,
+            profiles,
+            center_distance,
+            axis: if center_distance > 0.0 {
+                between / center_distance
+            } else {
+                Vec2::new(1.0, 0.0)
+            },
+        };
+        if center_distance <= apart {
+            return Err(Error::Impossible(format!(
+                "sprockets overlap: their centres are {center_distance:.6} m apart, their outside radii {:.6} m and {:.6} m \
+                 need more than {apart:.6} m{}",
+                place.profiles[0].outside_radius,
+                place.profiles[1].outside_radius,
+                place.suggestion()
+            )));
+        }
+        Ok(place)
+    }
+
+    fn teeth(&self) -> [u32; 2] {
+        self.sprockets.map(|s| s.teeth)
+    }
+
+    /// Angular speeds at the start \[rad/s\]: as given, else what turns both at one mean chain speed.
+    pub(super) fn speeds(&self) -> [f64; 2] {
+        let given = [0, 1].map(|i| given_speed(self.drive, i));
+        let [n1, n2] = self.teeth().map(f64::from);
+        match given {
+            [Some(first), Some(second)] => [first, second],
+            [Some(first), None] => [first, first * (n1 / n2)],
+            [None, Some(second)] => [second * (n2 / n1), second],
+            [None, None] => [0.0, 0.0],
+        }
+    }
+
+    /// The strand that hangs outward under gravity takes the slack; without gravity, the one that leaves the driver.
+    fn slack_strand(&self) -> Strand {
+        let up = turned_left(self.axis);
+        let pull = self.drive.gravity.dot(&up);
+        if pull.abs() > 1e-9 * self.drive.gravity.norm() {
+            return if pull < 0.0 {
+                Strand::Lower
+            } else {
+                Strand::Upper
+            };
+        }
+        if self.speeds()[0] >= 0.0 {
+            Strand::Lower
+        } else {
+            Strand::Upper
+        }
+    }
+
+    /// What would work instead, for messages.
+    fn suggestion(&self) -> String {
+        let (pitch, teeth, links) = (
+            self.drive.chain.mean_pitch(),
+            self.teeth(),
+            self.drive.chain.links,
+        );
+        let taut = match closing_center_distance(pitch, teeth, links) {
+            Some(distance) => {
+                format!("{links} links are taut at a centre distance of {distance:.6} m")
+            }
+            None => format!(
+                "{links} links are too few for {} and {} teeth at any centre distance",
+                teeth[0], teeth[1]
+            ),
+        };
+        let apart = self.profiles[0].outside_radius + self.profiles[1].outside_radius;
+        let distance = self.center_distance.max(1.02 * apart);
+        let fewest = links_for(pitch, teeth, distance);
+        let enough = if fewest == links {
+            remedy(&self.drive.chain, fewest)
+        } else {
+            format!("a centre distance of {distance:.6} m takes {fewest} links")
+        };
+        format!("; {taut}; {enough}")
+    }
+
+    pub(super) fn find_path(&self) -> Result<Path> {
+        let chain = &self.drive.chain;
+        let pitch = chain.mean_pitch();
+        let slack_strand = self.slack_strand();
+        let needed = wrap::belt_length(pitch, self.teeth(), self.center_distance);
+        let refuse = |why: String| {
+            Err(Error::Impossible(format!(
+                "the chain cannot be laid: {} links at a centre distance of {:.6} m, where a taut chain has {needed:.3} pitches: \
+                 {why}{}",
+                chain.links,
+                self.center_distance,
+                self.suggestion()
+            )))
+        };
+        let stretch = (needed - f64::from(chain.links)) * pitch / f64::from(chain.links);
+        let allowed = LARGEST_STRETCH * chain.hinge.clearance();
+        if stretch > 3.0 * allowed + 0.01 * pitch {
+            return refuse(format!(
+                "it is {:.3} mm too short, {:.1} um a hinge, and a hinge's clearance gives {:.1} um",
+                1e3 * (needed - f64::from(chain.links)) * pitch,
+                1e6 * stretch,
+                1e6 * chain.hinge.clearance()
+            ));
+        }
+        let mut why = None; // what is wrong with the most natural path
+        for gap in START_GAPS {
+            let wheels = self.wheels(gap);
+            let mut best: Option<(f64, Path)> = None;
+            for split in self.splits(wheels, slack_strand) {
+                let path = wrap::path_at(pitch, wheels, split, self.center_distance, slack_strand);
+                let Some(path) = path.and_then(|path| self.fitted(path, &mut why)) else {
+                    continue;
+                };
+                // Taut or slack as it should be; a stretched one waits for a better split.
+                let stretch = [0, 1]
+                    .map(|i| -path.slack[i] / f64::from(path.split.strands[i]))
+                    .into_iter()
+                    .fold(0.0, f64::max);
+                if stretch <= TAUT_STRETCH * chain.hinge.clearance() {
+                    return Ok(path);
+                }
+                if best.as_ref().is_none_or(|(least, _)| stretch < *least) {
+                    best = Some((stretch, path));
+                }
+            }
+            if let Some((_, path)) = best {
+                return Ok(path);
+            }
+        }
+        refuse(why.unwrap_or_else(|| "no whole numbers of pitches fit the strands".to_string()))
+    }
+
+    /// The path with links of their own lengths, where that has no fault; the first fault is kept in `why`.
+    fn fitted(&self, mut path: Path, why: &mut Option<String>) -> Option<Path> {
+        let hinges = std::mem::take(&mut path.hinges);
+        for own in for_own_lengths(&self.drive.chain, hinges) {
+            path.hinges = own;
+            let Some(fault) = self.fault(&path) else {
+                return Some(path);
+            };
+            why.get_or_insert(fault);
+        }
+        None
+    }
+
+    /// Wheels whose seated bushings start `gap` \[m\] off their seats at least.
+    fn wheels(&self, gap: f64) -> [Wheel; 2] {
+        [0, 1].map(|i| wheel(&self.profiles[i], &self.drive.chain, gap))
+    }
+
+    /// Splits to try: at the distance at which the chain is taut, the taut one first.
+    fn splits(&self, wheels: [Wheel; 2], slack_strand: Strand) -> Vec<Split> {
+        let chain = &self.drive.chain;
+        let pitch = chain.mean_pitch();
+        let taut = wrap::taut_path(pitch, wheels, chain.links)
+            .filter(|path| (path.center_distance - self.center_distance).abs() < 1e-3 * pitch)
+            .map(|path| path.split);
+        let others = wrap::splits_at(
+            pitch,
+            self.teeth(),
+            chain.links,
+            self.center_distance,
+            slack_strand,
+        );
+        taut.into_iter().chain(others).collect()
+    }
+
+    /// Why a path will not do.
+    fn fault(&self, path: &Path) -> Option<String> {
+        let chain = &self.drive.chain;
+        let stretch = self.lie(path).stretch();
+        if stretch >= LARGEST_STRETCH * chain.hinge.clearance() {
+            return Some(format!(
+                "it would open every hinge of a strand by {:.1} um, and their clearance is {:.1} um",
+                1e6 * stretch,
+                1e6 * chain.hinge.clearance()
+            ));
+        }
+        for (strand, name) in [(Strand::Upper, "upper"), (Strand::Lower, "lower")] {
+            let i = strand as usize;
+            let (span, sag) = (path.spans[i], path.sag[i]);
+            let bow = 2.0 * (2.0 * sag / span).atan();
+            if bow > LARGEST_BOW {
+                return Some(format!(
+                    "the {name} strand has {:.3} mm of slack over {:.3} mm and would bow out by {:.3} mm",
+                    1e3 * path.slack[i],
+                    1e3 * span,
+                    1e3 * sag
+                ));
+            }
+        }
+        let gap = self.lie(path).smallest_gap();
+        (gap < 0.9 * START_GAPS[0]).then(|| {
+            format!(
+                "a bushing would start {:.3} um off a tooth (negative: inside)",
+                1e6 * gap
+            )
+        })
+    }
+
+    /// The chain and both sprockets in the frame of the line of centres.
+    fn lie<'b>(&'b self, path: &'b Path) -> Lie<'b> {
+        let at = |i: usize| {
+            let x = if i == 0 { 0.0 } else { self.center_distance };
+            (Vec2::new(x, 0.0), path.first_seat[i], &self.profiles[i])
+        };
+        Lie {
+            chain: &self.drive.chain,
+            hinges: &path.hinges,
+            sprockets: vec![at(0), at(1)],
+        }
+    }
+
+    pub(super) fn layout(&self, path: &Path) -> Result<Layout> {
+        let chain = &self.drive.chain;
+        let pitch = chain.mean_pitch();
+        let pitch_radius = [0, 1].map(|i| self.profiles[i].pitch_radius);
+        let tilt = self.axis.y.atan2(self.axis.x);
+        let lie = self.lie(path);
+        let [n1, n2] = self.teeth().map(f64::from);
+        let tangent = ((pitch_radius[0] - pitch_radius[1]) / self.center_distance).acos();
+        let mut layout = Layout {
+            order: vec![0, 1],
+            sides: vec![Side::Inside; 2],
+            seat_of: path.seat_of.clone(),
+            closing_center_distance: closing_center_distance(pitch, self.teeth(), chain.links),
+            center_distance: Some(path.center_distance),
+            belt_pitches: wrap::belt_length(pitch, self.teeth(), self.center_distance),
+            belt_wrap: vec![2.0 * (PI - tangent), 2.0 * tangent],
+            seat_offset: [0, 1]
+                .map(|i| path.hinge_radius[i] - pitch_radius[i])
+                .to_vec(),
+            pitch_radius: pitch_radius.to_vec(),
+            seated: path.split.seated.to_vec(),
+            first_seat: path.first_seat.to_vec(),
+            phase: [0, 1]
+                .map(|i| phase(&self.profiles[i], path.first_seat[i] + tilt))
+                .to_vec(),
+            speeds: self.speeds().to_vec(),
+            speed_ratio: vec![1.0, n1 / n2],
+            strands: vec![[1, 0], [0, 1]],
+            strand_pitches: path.split.strands.to_vec(),
+            spans: path.spans.to_vec(),
+            slack: path.slack.to_vec(),
+            sag: path.sag.to_vec(),
+            hinge_stretch: lie.stretch(),
+            start_gap: lie.smallest_gap(),
+            tension_force: tension_force(self.drive)?,
+            guides: Vec::new(),
+            warnings: Vec::new(),
+        };
+        layout.warn(self.drive);
+        Ok(layout)
+    }
+}

@@ -1,0 +1,7 @@
+//! Numerics without physics: SIMD arithmetic, piecewise functions, factorisations, roots along a step.
+
+pub(crate) mod double_double;
+pub mod piecewise;
+pub(crate) mod pivoted_qr;
+pub mod simd;
+pub(crate) mod sparse_kkt;

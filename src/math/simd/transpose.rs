@@ -1,0 +1,151 @@
+//! Registers transposed: rows become columns without going through memory, where the machine has the instructions.
+
+#[cfg(target_arch = "x86_64")]
+use std::any::Any;
+
+use pulp::Simd;
+
+use super::{Lanes, WIDTH};
+
+/// Lane i of register j in lane j of register i, for as many registers as one has lanes; what is behind them is left as it is.
+#[inline(always)]
+pub(crate) fn transposed<S: Simd>(simd: S, rows: [Lanes<S>; WIDTH]) -> [Lanes<S>; WIDTH] {
+    #[cfg(target_arch = "x86_64")]
+    {
+        let any: &dyn Any = &simd;
+        if let Some(&instructions) = any.downcast_ref::<pulp::x86::V4>() {
+            return eight(simd, instructions, &rows);
+        }
+        if let Some(&instructions) = any.downcast_ref::<pulp::x86::V3>() {
+            return four(simd, instructions, rows);
+        }
+    }
+    let mut columns = rows;
+    let mut numbers = [[0.0; WIDTH]; WIDTH];
+    for (i, row) in rows.iter().enumerate().take(S::F64_LANES) {
+        let row = [row.values()];
+        let row: &[f64] = bytemuck::cast_slice(&row);
+        for (numbers, &number) in numbers.iter_mut().zip(row) {
+            numbers[i] = number;
+        }
+    }
+    for (column, numbers) in columns.iter_mut().zip(&numbers).take(S::F64_LANES) {
+        *column = super::load(simd, &super::vectors::<S>(numbers, 1)[0]);
+    }
+    columns
+}
+
+/// Pairs of rows, then pairs of pairs, then both halves.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn eight<S: Simd>(
+    simd: S,
+    instructions: pulp::x86::V4,
+    rows: &[Lanes<S>; WIDTH],
+) -> [Lanes<S>; WIDTH] {
+    use std::arch::x86_64::__m512d;
+    /// The first and third quarter of one register, then of another.
+    const FIRST_AND_THIRD: i32 = 0b10_00_10_00;
+    const SECOND_AND_FOURTH: i32 = 0b11_01_11_01;
+
+    let avx = instructions.avx512f;
+    let row = |i: usize| bytemuck::cast::<S::f64s, __m512d>(rows[i].values());
+    let even = |i: usize| avx._mm512_unpacklo_pd(row(i), row(i + 1));
+    let odd = |i: usize| avx._mm512_unpackhi_pd(row(i), row(i + 1));
+    let low = |a, b| avx._mm512_shuffle_f64x2::<FIRST_AND_THIRD>(a, b);
+    let high = |a, b| avx._mm512_shuffle_f64x2::<SECOND_AND_FOURTH>(a, b);
+    let even = [even(0), even(2), even(4), even(6)];
+    let odd = [odd(0), odd(2), odd(4), odd(6)];
+    // Columns 0 and 4, 1 and 5, 2 and 6, 3 and 7: of rows 0 to 3, and of rows 4 to 7.
+    let halves = [
+        [low(even[0], even[1]), low(even[2], even[3])],
+        [low(odd[0], odd[1]), low(odd[2], odd[3])],
+        [high(even[0], even[1]), high(even[2], even[3])],
+        [high(odd[0], odd[1]), high(odd[2], odd[3])],
+    ];
+    let column = |of| Lanes::new(simd, bytemuck::cast::<__m512d, S::f64s>(of));
+    let first = |i: usize| column(low(halves[i][0], halves[i][1]));
+    let last = |i: usize| column(high(halves[i][0], halves[i][1]));
+    [
+        first(0),
+        first(1),
+        first(2),
+        first(3),
+        last(0),
+        last(1),
+        last(2),
+        last(3),
+    ]
+}
+
+/// Pairs of rows, then both halves.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn four<S: Simd>(
+    simd: S,
+    instructions: pulp::x86::V3,
+    rows: [Lanes<S>; WIDTH],
+) -> [Lanes<S>; WIDTH] {
+    use std::arch::x86_64::__m256d;
+    /// The first half of one register, then of another.
+    const FIRST: i32 = 0b0010_0000;
+    const SECOND: i32 = 0b0011_0001;
+
+    let avx = instructions.avx;
+    let row = |i: usize| bytemuck::cast::<S::f64s, __m256d>(rows[i].values());
+    let even = [
+        avx._mm256_unpacklo_pd(row(0), row(1)),
+        avx._mm256_unpacklo_pd(row(2), row(3)),
+    ];
+    let odd = [
+        avx._mm256_unpackhi_pd(row(0), row(1)),
+        avx._mm256_unpackhi_pd(row(2), row(3)),
+    ];
+    let column = |of| Lanes::new(simd, bytemuck::cast::<__m256d, S::f64s>(of));
+    let mut columns = rows;
+    columns[0] = column(avx._mm256_permute2f128_pd::<FIRST>(even[0], even[1]));
+    columns[1] = column(avx._mm256_permute2f128_pd::<FIRST>(odd[0], odd[1]));
+    columns[2] = column(avx._mm256_permute2f128_pd::<SECOND>(even[0], even[1]));
+    columns[3] = column(avx._mm256_permute2f128_pd::<SECOND>(odd[0], odd[1]));
+    columns
+}
+
+#[cfg(test)]
+mod tests {
+    use pulp::WithSimd;
+
+    use super::*;
+    use crate::math::simd::{InstructionSet, load, vectors, vectors_mut};
+
+    struct Transpose<'a>(&'a [[f64; WIDTH]; WIDTH], &'a mut [[f64; WIDTH]; WIDTH]);
+
+    impl WithSimd for Transpose<'_> {
+        type Output = usize;
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> usize {
+            let mut rows = [Lanes::splat(simd, 0.0); WIDTH];
+            for (row, numbers) in rows.iter_mut().zip(self.0) {
+                *row = load(simd, &vectors::<S>(numbers, 1)[0]);
+            }
+            for (numbers, column) in self.1.iter_mut().zip(transposed(simd, rows)) {
+                vectors_mut::<S>(numbers, 1)[0] = column.values();
+            }
+            S::F64_LANES
+        }
+    }
+
+    #[test]
+    fn rows_become_columns_at_every_width() {
+        let rows: [[f64; WIDTH]; WIDTH] =
+            std::array::from_fn(|i| std::array::from_fn(|j| (10 * i + j) as f64));
+        for set in InstructionSet::available() {
+            let mut columns = [[-1.0; WIDTH]; WIDTH];
+            let lanes = set.run(Transpose(&rows, &mut columns));
+            for (i, column) in columns.iter().enumerate().take(lanes) {
+                for (j, &number) in column.iter().enumerate().take(lanes) {
+                    assert_eq!(number, rows[j][i], "{}", set.name());
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! Multipliers of redundant constraints that together do nothing: which constraints they belong to, and the least
+//! (Euclidean norm) of all multipliers that do the same.
+
+use crate::math::pivoted_qr::solve_positive;
+
+/// Independent vectors, each a set of multipliers in the order of elimination.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct NullSpace {
+    vectors: Vec<Vec<f64>>,
+}
+
+/// An entry counts as zero below this part of the largest of its vector.
+const ZERO: f64 = 1e-6;
+
+impl NullSpace {
+    pub(crate) fn add(&mut self, vector: Vec<f64>) {
+        self.vectors.push(vector);
+    }
+
+    /// Takes off `multipliers` what lies in this space: what remains does the same and is least.
+    pub(crate) fn take_off(&self, place: &[usize], multipliers: &mut [f64]) {
+        if self.vectors.is_empty() {
+            return;
+        }
+        let count = self.vectors.len();
+        let mut normal = Vec::with_capacity(count * count);
+        for a in &self.vectors {
+            let along = |b: &Vec<f64>| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            normal.extend(self.vectors.iter().map(along));
+        }
+        let along = |vector: &Vec<f64>| {
+            let terms = multipliers.iter().zip(place);
+            terms.map(|(lambda, &k)| lambda * vector[k]).sum::<f64>()
+        };
+        let mut parts: Vec<f64> = self.vectors.iter().map(along).collect();
+        if solve_positive(&mut normal, count, &mut parts) {
+            for (vector, part) in self.vectors.iter().zip(&parts) {
+                for (lambda, &k) in multipliers.iter_mut().zip(place) {
+                    *lambda -= part * vector[k];
+                }
+            }
+        }
+    }
+
+    /// For each vector a constraint without which the others stay as they are, as late in the description as can be.
+    pub(crate) fn last_rows(&self, place: &[usize]) -> Vec<usize> {
+        let mut vectors = self.vectors.clone();
+        let mut found = Vec::new();
+        for row in (0..place.len()).rev() {
+            let k = place[row];
+            let there = |vector: &Vec<f64>| {
+                let most = vector.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+                vector[k].abs() > ZERO * most
+            };
+            let Some(chosen) = vectors.iter().position(there) else {
+                continue;
+            };
+            let chosen = vectors.swap_remove(chosen);
+            for vector in &mut vectors {
+                let part = vector[k] / chosen[k];
+                vector
+                    .iter_mut()
+                    .zip(&chosen)
+                    .for_each(|(v, c)| *v -= part * c);
+                vector[k] = 0.0;
+            }
+            found.push(row);
+        }
+        found.reverse();
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_of_rows_that_say_the_same_is_named_and_all_share_the_load() {
+        // Rows 0, 1, 3 say the same; row 2 stands alone. Place and row are each other's reverse.
+        let place = [3, 2, 1, 0];
+        let mut space = NullSpace::default();
+        space.add(vec![-1.0, 0.0, 1.0, 0.0]);
+        space.add(vec![0.0, 0.0, -1.0, 1.0]);
+        assert_eq!(space.last_rows(&place), [1, 3]);
+        let mut multipliers = [6.0, 0.0, 5.0, 0.0];
+        space.take_off(&place, &mut multipliers);
+        for (found, expected) in multipliers.iter().zip([2.0, 2.0, 5.0, 2.0]) {
+            assert!((found - expected).abs() < 1e-14, "{multipliers:?}");
+        }
+    }
+}

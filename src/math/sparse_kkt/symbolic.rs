@@ -1,0 +1,80 @@
+//! The structure of sparse factors: the order of elimination, and the places of all entries.
+
+use std::collections::BTreeSet;
+
+/// For each body that is free, the constraints on it with their part of the row.
+pub(crate) fn rows_on_bodies(
+    first: &[Option<usize>],
+    bodies: &[[usize; 3]],
+) -> Vec<Vec<(usize, usize)>> {
+    let mut found = vec![Vec::new(); first.len()];
+    for (row, parts) in bodies.iter().enumerate() {
+        for (part, &body) in parts.iter().enumerate() {
+            if first[body].is_some() {
+                found[body].push((row, part));
+            }
+        }
+    }
+    found
+}
+
+/// Eliminates the one with the fewest neighbours first; those then become neighbours of each other.
+pub(crate) fn least_degree_order(mut neighbours: Vec<BTreeSet<usize>>) -> Vec<usize> {
+    let mut queue: BTreeSet<(usize, usize)> = (neighbours.iter().enumerate())
+        .map(|(i, n)| (n.len(), i))
+        .collect();
+    let mut order = Vec::with_capacity(neighbours.len());
+    while let Some((_, row)) = queue.pop_first() {
+        order.push(row);
+        let around = std::mem::take(&mut neighbours[row]);
+        for &i in &around {
+            queue.remove(&(neighbours[i].len(), i));
+            neighbours[i].remove(&row);
+            neighbours[i].extend(around.iter().copied().filter(|&j| j != i));
+            queue.insert((neighbours[i].len(), i));
+        }
+    }
+    order
+}
+
+pub(crate) fn upper_triangle(
+    order: &[usize],
+    place: &[usize],
+    neighbours: &[BTreeSet<usize>],
+) -> (Vec<usize>, Vec<usize>) {
+    let (mut start, mut above) = (vec![0], Vec::new());
+    for (k, &row) in order.iter().enumerate() {
+        let first = above.len();
+        above.extend(neighbours[row].iter().map(|&j| place[j]).filter(|&j| j < k));
+        above.push(k);
+        above[first..].sort_unstable();
+        start.push(above.len());
+    }
+    (start, above)
+}
+
+/// Columns of the entries of each row of L: from those of S up the tree of elimination.
+pub(crate) fn patterns(start: &[usize], above: &[usize]) -> (Vec<usize>, Vec<usize>) {
+    let m = start.len() - 1;
+    let mut parent = vec![usize::MAX; m];
+    let mut mark = vec![usize::MAX; m];
+    let (mut pattern_start, mut pattern) = (vec![0], Vec::new());
+    for k in 0..m {
+        mark[k] = k;
+        let first = pattern.len();
+        for &entry in &above[start[k]..start[k + 1]] {
+            let mut i = entry;
+            while mark[i] != k {
+                mark[i] = k;
+                pattern.push(i);
+                if parent[i] == usize::MAX {
+                    parent[i] = k;
+                }
+                i = parent[i];
+            }
+        }
+        pattern[first..].sort_unstable();
+        pattern_start.push(pattern.len());
+    }
+    (pattern_start, pattern)
+}

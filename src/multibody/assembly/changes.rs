@@ -1,0 +1,141 @@
+//! What assembly changed: how far bodies were moved and turned, and how much their velocities.
+
+use crate::multibody::description::body::Body;
+use crate::multibody::dynamics::MechanismDynamics;
+
+/// Way, as a part of the mechanism's size, and turn \[rad\] of a body that are worth a word.
+const MOVED_FAR: f64 = 0.1;
+const TURNED_FAR: f64 = 0.1;
+/// Change of a velocity that was given, as a part of the largest, that is worth a word.
+const SPED_FAR: f64 = 0.1;
+/// Parts of these below which a change is none: what rounding leaves.
+const NOTHING: f64 = 1e-9;
+/// Bodies that are told of, the farthest moved first.
+const MOST_TOLD: usize = 3;
+
+/// Largest changes of all bodies.
+pub(crate) struct Changes {
+    pub(crate) moved: f64,
+    pub(crate) turned: f64,
+    pub(crate) velocity: f64,
+    pub(crate) spin: f64,
+}
+
+impl Changes {
+    /// From one state (q, then v) to another.
+    pub(crate) fn between(placed: &[f64], state: &[f64]) -> Self {
+        let bodies = placed.len() / 6;
+        let mut found = [[0.0f64; 2]; 2];
+        for (i, (old, new)) in placed.chunks(3).zip(state.chunks(3)).enumerate() {
+            let [way, turn] = &mut found[usize::from(i >= bodies)];
+            *way = way.max((new[0] - old[0]).hypot(new[1] - old[1]));
+            *turn = turn.max((new[2] - old[2]).abs());
+        }
+        let [[moved, turned], [velocity, spin]] = found;
+        Self {
+            moved,
+            turned,
+            velocity,
+            spin,
+        }
+    }
+}
+
+impl MechanismDynamics {
+    /// Bodies whose positions, or whose velocities as far as they were given, had to be changed by much, in words.
+    pub(crate) fn far_moves(&self, state: &[f64]) -> Vec<String> {
+        let (n, size) = (self.model.coordinates(), self.size());
+        let bodies = self.model.bodies.iter().zip(&self.model.first);
+        let free: Vec<(&Body, usize)> = bodies
+            .filter_map(|(body, first)| first.map(|i| (body, i)))
+            .collect();
+        let speed = |v: &[f64]| v[0].hypot(v[1]).max(size * v[2].abs());
+        let fastest = free.iter().fold(0.0, |most: f64, (body, i)| {
+            most.max(speed(&body.velocity))
+                .max(speed(&state[n + i..n + i + 3]))
+        });
+        let mut placed = Vec::new();
+        let mut moving = Vec::new();
+        for (body, i) in free {
+            let (q, v) = (&state[i..i + 3], &state[n + i..n + i + 3]);
+            let change = |new: &[f64], old: &[f64; 3]| {
+                let way = (new[0] - old[0]).hypot(new[1] - old[1]);
+                (way, (new[2] - old[2]).abs())
+            };
+            let (way, turn) = change(q, &body.position);
+            let share = (way / (MOVED_FAR * size)).max(turn / TURNED_FAR);
+            if share > 1.0 {
+                let parts = [
+                    (way, MOVED_FAR * size, "moved", "m"),
+                    (turn, TURNED_FAR, "turned", "rad"),
+                ];
+                placed.push((
+                    share,
+                    format!("body {:?} had to be {}", body.name, told(&parts)),
+                ));
+            }
+            let (dv, dspin) = change(v, &body.velocity);
+            let share = dv.max(size * dspin) / (SPED_FAR * fastest);
+            if body.velocity != [0.0; 3] && share > 1.0 {
+                let parts = [
+                    (dv, fastest, "changed", "m/s"),
+                    (dspin, fastest / size, "changed", "rad/s"),
+                ];
+                moving.push((
+                    share,
+                    format!(
+                        "velocity of body {:?} had to be {}",
+                        body.name,
+                        told(&parts)
+                    ),
+                ));
+            }
+        }
+        let whole = [
+            (
+                placed,
+                "to assemble: are lengths and positions in the same unit, and is it placed as it should be?",
+            ),
+            (
+                moving,
+                "to fulfil joints and drivers: does it belong to them? Velocities of bodies that these lead may be \
+                 left out",
+            ),
+        ];
+        whole
+            .into_iter()
+            .flat_map(|(mut found, question)| {
+                found.sort_by(|a, b| b.0.total_cmp(&a.0));
+                let more = found.len().saturating_sub(MOST_TOLD);
+                let others = if more > 0 {
+                    format!(" (and {more} more bodies)")
+                } else {
+                    String::new()
+                };
+                found.truncate(MOST_TOLD);
+                let last = found.len().saturating_sub(1);
+                found.into_iter().enumerate().map(move |(k, (_, text))| {
+                    let others = if k == last { others.as_str() } else { "" };
+                    format!("{text} {question}{others}")
+                })
+            })
+            .collect()
+    }
+}
+
+/// The changes that are more than rounding, in words: (change, scale, verb, unit).
+fn told(parts: &[(f64, f64, &str, &str); 2]) -> String {
+    let mut words = Vec::new();
+    let mut said = "";
+    for &(change, scale, verb, unit) in parts {
+        if change > NOTHING * scale {
+            words.push(if verb == said {
+                format!("{change:.3e} {unit}")
+            } else {
+                format!("{verb} by {change:.3e} {unit}")
+            });
+            said = verb;
+        }
+    }
+    words.join(" and ")
+}

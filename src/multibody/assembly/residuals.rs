@@ -1,0 +1,59 @@
+//! How far the joints are from holding, beside the size and the speeds of the mechanism.
+
+use crate::multibody::dynamics::MechanismDynamics;
+
+impl MechanismDynamics {
+    /// Size of the mechanism: its farthest point \[m\], and no less than the smallest radius of gyration, where all points come to
+    /// lie in one place.
+    pub(crate) fn size(&self) -> f64 {
+        let far = self.frames.iter().map(|f| f.origin.amax());
+        let ends = self.model.equations.iter();
+        let arms = ends.map(|e| e.a.point.amax().max(e.b.point.amax()));
+        let gyration = self.model.mass.chunks_exact(3);
+        let gyration = gyration.map(|body| (body[2] / body[0]).sqrt());
+        let least = gyration.filter(|&radius| radius > 0.0).reduce(f64::min);
+        let least = least.filter(|radius| radius.is_finite());
+        let size = far.chain(arms).chain(least).fold(0.0, f64::max);
+        if size > 0.0 { size } else { 1.0 }
+    }
+
+    /// Largest residual of the positions: lengths in parts of the size, angles in radians.
+    pub(crate) fn worst(&self) -> f64 {
+        self.worst_beside(self.size())
+    }
+
+    /// The same, of a mechanism of this size \[m\].
+    pub(crate) fn worst_beside(&self, size: f64) -> f64 {
+        let equations = self.model.equations.iter().zip(&self.rows);
+        let parts = equations.map(|(equation, row)| {
+            let unit = if equation.is_angle() { 1.0 } else { size };
+            row.value.abs() / unit
+        });
+        parts.fold(
+            0.0,
+            |most: f64, part| {
+                if part.is_nan() { part } else { most.max(part) }
+            },
+        )
+    }
+
+    /// Speeds that the constraints compare; of a mechanism at rest a slow one.
+    pub(crate) fn speed(&self) -> f64 {
+        let speeds = self
+            .frames
+            .iter()
+            .map(|f| f.velocity.amax().max(f.spin.abs()));
+        let prescribed = self.rows.iter().map(|row| row.time_rate.abs());
+        speeds.chain(prescribed).fold(1e-3, f64::max)
+    }
+
+    /// What rounding leaves of residuals: a large angle is known less well.
+    pub(crate) fn round_off(&self) -> f64 {
+        let angle = self
+            .frames
+            .iter()
+            .map(|f| f.angle.abs())
+            .fold(1.0, f64::max);
+        2.0 * f64::EPSILON * angle
+    }
+}

@@ -1,0 +1,142 @@
+//! How a constraint equation changes: second derivatives of its quantity, and third ones along the velocities.
+
+use super::equation::{Equation, Quantity};
+use super::relative_kinematics::{Block, Pair};
+use crate::geometry::{Vec2, turned_left};
+use crate::multibody::description::body::Frame;
+
+/// Derivatives of a quantity c over the coordinates of bodies a and b.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct JointSlopes {
+    /// ∂²c/∂q².
+    pub(crate) second: Block,
+    /// ∂(v · ∂²c/∂q² v)/∂q.
+    pub(crate) third: [f64; 6],
+}
+
+impl Equation {
+    /// Its second derivatives, and third ones along the velocities; `None` where it is linear.
+    pub(crate) fn slopes(&self, frames: &[Frame]) -> Option<JointSlopes> {
+        let mut found = JointSlopes::default();
+        let pair = Pair::new(self.a, self.b, frames, false);
+        match self.quantity {
+            Quantity::Angle | Quantity::Gear(_) => return None,
+            Quantity::Coincident(axis) => {
+                for k in [2, 5] {
+                    found.second[k][k] = pair.second(k, k)[axis];
+                    found.third[k] = pair.second_rate_by(k)[axis];
+                }
+            }
+            Quantity::Along(direction) | Quantity::Rack(direction, _) => {
+                let u = frames[self.a.body].turned(direction);
+                let seen = Pair::new(self.a, self.b, frames, true);
+                found.second = fill(|k, l| u.dot(&seen.second(k, l)));
+                found.third = std::array::from_fn(|k| along_third(&pair, u, k));
+            }
+            Quantity::Distance(length) => {
+                let (d, rate) = (pair.d, pair.rate());
+                found.second = fill(|k, l| {
+                    (pair.slope(k).dot(&pair.slope(l)) + d.dot(&pair.second(k, l))) / length
+                });
+                found.third = std::array::from_fn(|k| {
+                    let turning = 2.0 * rate.dot(&pair.rate_by(k)) + d.dot(&pair.second_rate_by(k));
+                    (turning + pair.slope(k).dot(&pair.second_rate())) / length
+                });
+            }
+        }
+        Some(found)
+    }
+}
+
+fn fill(entry: impl Fn(usize, usize) -> f64) -> Block {
+    std::array::from_fn(|k| std::array::from_fn(|l| entry(k, l)))
+}
+
+/// ∂(u''·d + 2 u'·d' + u·d'')/∂q for a direction u that turns with body a.
+fn along_third(pair: &Pair, u: Vec2, k: usize) -> f64 {
+    let (spin, left) = (pair.v[2], turned_left(u));
+    let (u_rate, u_second) = (spin * left, -spin * spin * u);
+    let mut found = u_second.dot(&pair.slope(k))
+        + 2.0 * u_rate.dot(&pair.rate_by(k))
+        + u.dot(&pair.second_rate_by(k));
+    if k == 2 {
+        found += -spin * spin * left.dot(&pair.d) - 2.0 * spin * u.dot(&pair.rate())
+            + left.dot(&pair.second_rate());
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::multibody::description::body::End;
+
+    /// Coordinates and velocities of three bodies, one of the coordinates moved by `change`.
+    fn frames(moved: usize, change: f64) -> Vec<Frame> {
+        let mut q = [[0.1, -0.2, 0.3], [0.7, 0.4, -1.1], [0.2, 0.9, 2.0]];
+        let v = [[0.5, 0.2, 1.3], [-0.4, 0.8, -0.7], [0.3, 0.1, 0.9]];
+        q[moved / 3][moved % 3] += change;
+        (0..3).map(|i| Frame::new(q[i], v[i])).collect()
+    }
+
+    #[test]
+    fn second_and_third_derivatives_are_those_of_the_rows() {
+        let direction = Vec2::new(0.6, 0.8);
+        let end = |body, x, y| End {
+            body,
+            point: Vec2::new(x, y),
+        };
+        for quantity in [
+            Quantity::Coincident(0),
+            Quantity::Coincident(1),
+            Quantity::Along(direction),
+            Quantity::Distance(0.4),
+            Quantity::Rack(direction, 0.15),
+        ] {
+            let equation = Equation {
+                joint: 0,
+                quantity,
+                a: end(0, 0.3, 0.1),
+                b: end(1, -0.2, 0.25),
+                carrier: 2,
+                offset: 0.0,
+                motion: None,
+            };
+            let slopes = equation.slopes(&frames(0, 0.0)).unwrap();
+            let h = 1e-6;
+            for l in 0..6 {
+                let at = |change: f64| equation.evaluate(0.0, &frames(l, change));
+                let (up, down) = (at(h), at(-h));
+                for k in 0..6 {
+                    let entry = |row: &super::super::equation::Row| row.jacobian[k / 3][k % 3];
+                    let expected = (entry(&up) - entry(&down)) / (2.0 * h);
+                    let found = slopes.second[k][l];
+                    assert!(
+                        (found - expected).abs() < 1e-8,
+                        "{quantity:?} {k} {l}: {found} {expected}"
+                    );
+                }
+                // γ is what v · ∂²c/∂q² v leaves on the other side.
+                let expected = -(up.gamma - down.gamma) / (2.0 * h);
+                let found = slopes.third[l];
+                assert!(
+                    (found - expected).abs() < 1e-7,
+                    "{quantity:?} {l}: {found} {expected}"
+                );
+            }
+        }
+        assert!(
+            Equation {
+                quantity: Quantity::Gear(2.0),
+                joint: 0,
+                a: end(0, 0.0, 0.0),
+                b: end(1, 0.0, 0.0),
+                carrier: 2,
+                offset: 0.0,
+                motion: None,
+            }
+            .slopes(&frames(0, 0.0))
+            .is_none()
+        );
+    }
+}

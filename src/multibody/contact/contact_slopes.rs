@@ -1,0 +1,49 @@
+//! How the forces of a contact change with place and velocity of its circle, for the implicit corrector.
+
+use nalgebra::Matrix2;
+
+use super::contact_state::CompiledContact;
+use super::impact_memory::Memory;
+use crate::multibody::constraints::relative_kinematics::PairForce;
+use crate::multibody::description::body::Frame;
+
+impl CompiledContact {
+    /// Shows `visit` how the force of each place that bears changes.
+    pub(crate) fn slopes(
+        &self,
+        frames: &[Frame],
+        memory: &[Memory],
+        mut visit: impl FnMut(&PairForce),
+    ) {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let approach = self.approach(fa, fb);
+        let local = self.local(fa, fb);
+        self.bearings(local, |bearing, _| {
+            let memory = memory[bearing.side];
+            let depth = self.radius - bearing.distance;
+            if depth <= 0.0 || !self.bears(bearing, memory) {
+                return;
+            }
+            let (n, slope) = (fa.turned(bearing.outward), fa.turned(bearing.slope));
+            let (law, rate) = (self.pair(bearing, memory), -n.dot(&approach));
+            let [force, stiffness, damping] = law.slopes(depth, rate, memory.speed);
+            let elastic = law.force(depth, rate, memory.speed).elastic;
+            let energy = law.energy(depth);
+            let w = bearing.weight;
+            let bend = match self.outline {
+                Some(_) => bearing.bend,
+                None => self.profile().bend(local, self.radius, bearing.outward),
+            };
+            let across = bend * (Matrix2::identity() - n * n.transpose());
+            // The bend of the weight itself is left out.
+            let along = -stiffness * n - damping * (across * approach);
+            visit(&PairForce {
+                force: w * force * n - energy * slope,
+                by_place: w * (n * along.transpose() + force * across)
+                    + force * n * slope.transpose()
+                    + elastic * slope * n.transpose(),
+                by_velocity: -w * damping * (n * n.transpose()),
+            });
+        });
+    }
+}

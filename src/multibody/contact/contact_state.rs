@@ -1,0 +1,308 @@
+//! A contact in a run: where its circle bears, its forces, and what each side of the profile remembers.
+
+use super::impact_memory::{Memory, Touch};
+use super::outline::{Bearing, Outline, Place, is_tight};
+use crate::error::Result;
+use crate::geometry::Contact;
+use crate::geometry::Vec2;
+use crate::multibody::description::body::{End, Frame};
+use crate::multibody::description::contact_law::Prepared;
+use crate::multibody::description::contact_pair::ContactPair;
+use crate::multibody::description::profile::{Curvature, Nearest, Profile, Tooth};
+use crate::multibody::forces::loads::Loads;
+
+/// A contact whose bodies are numbers, with the constants of each piece of its profile.
+#[derive(Debug, Clone)]
+pub(crate) struct CompiledContact {
+    pub(crate) a: End,
+    pub(crate) b: End,
+    profile: Profile,
+    /// Of an outline, all that a circle may bear on at once.
+    pub(crate) outline: Option<Outline>,
+    pub(crate) radius: f64,
+    /// Distance of the markers from which on they are apart; infinite for what has no outside.
+    pub(crate) reach: f64,
+    pairs: Vec<Prepared>,
+}
+
+impl CompiledContact {
+    pub(crate) fn new(pair: &ContactPair, a: End, b: End) -> Result<Self> {
+        let field = format!("contact {:?}", pair.name);
+        let outline = match &pair.profile {
+            Profile::Outline { pieces, closed } => Some(Outline::new(pieces, *closed, pair.radius)),
+            _ => None,
+        };
+        let prepare = |curvature| {
+            // A circle bears on the sides of an arc that it does not fit into.
+            let sides = outline.is_some() && is_tight(curvature, pair.radius);
+            let curvature = if sides { Curvature::Flat } else { curvature };
+            pair.law.prepare(&field, pair.radius, curvature)
+        };
+        Ok(Self {
+            a,
+            b,
+            pairs: pair
+                .profile
+                .curvatures()
+                .into_iter()
+                .map(prepare)
+                .collect::<Result<_>>()?,
+            outline,
+            reach: pair.profile.reach() + pair.radius,
+            profile: pair.profile.clone(),
+            radius: pair.radius,
+        })
+    }
+
+    /// How many sides of the profile may bear at once.
+    pub(crate) fn sides(&self) -> usize {
+        self.outline.as_ref().map_or(1, Outline::sides)
+    }
+
+    /// The circle's centre in the frame of the profile.
+    pub(crate) fn local(&self, fa: &Frame, fb: &Frame) -> Vec2 {
+        fa.into_local(fb.place(self.b.point) - fa.place(self.a.point))
+    }
+
+    /// Shows `visit` every place where the circle may bear, in the frame of the profile, whatever is remembered.
+    pub(crate) fn bearings(&self, local: Vec2, mut visit: impl FnMut(&Bearing, Option<Tooth>)) {
+        if let Some(outline) = &self.outline {
+            outline.bearings(local, self.radius, |bearing| visit(bearing, None));
+        } else {
+            self.only_bearing(local, visit);
+        }
+    }
+
+    /// The same for forces, for which places far from the surface count only where there is no other.
+    fn bearings_near(&self, local: Vec2, mut visit: impl FnMut(&Bearing, Option<Tooth>)) {
+        if let Some(outline) = &self.outline {
+            outline.bearings_near(local, self.radius, |bearing| visit(bearing, None));
+        } else {
+            self.only_bearing(local, visit);
+        }
+    }
+
+    /// Where the circle bears on what is no outline.
+    fn only_bearing(&self, local: Vec2, mut visit: impl FnMut(&Bearing, Option<Tooth>)) {
+        let Nearest {
+            distance,
+            outward,
+            piece,
+            tooth,
+        } = self.profile.nearest(local, self.radius);
+        let bearing = Bearing {
+            distance,
+            outward,
+            piece,
+            side: 0,
+            weight: 1.0,
+            slope: Vec2::zeros(),
+            bend: 0.0,
+            place: Place::Front,
+        };
+        visit(&bearing, tooth);
+    }
+
+    /// Whether a place bears: what is behind an open outline does not, until it has come out; what sank in from the front does.
+    pub(crate) fn bears(&self, bearing: &Bearing, memory: Memory) -> bool {
+        match bearing.place {
+            Place::DeepAtEnd => memory.in_front,
+            Place::Deep if self.is_open() => {
+                memory.in_front || memory.speed == 0.0 && -bearing.distance < 0.5 * self.radius
+            }
+            _ => memory.speed >= 0.0 || bearing.distance >= self.radius,
+        }
+    }
+
+    /// The contact with one side, as deep as it is anywhere on it.
+    pub(crate) fn find(&self, fa: &Frame, fb: &Frame, side: usize, memory: Memory) -> Touch {
+        let mut touch = Touch::default();
+        let approach = self.approach(fa, fb);
+        self.bearings(self.local(fa, fb), |bearing, tooth| {
+            if bearing.side == side && bearing.weight > 0.0 && self.bears(bearing, memory) {
+                self.deepen(
+                    &mut touch,
+                    bearing,
+                    tooth,
+                    -fa.turned(bearing.outward),
+                    approach,
+                );
+            }
+        });
+        touch
+    }
+
+    /// Velocity of the circle's centre as seen from the profile: along a normal both bodies' are the same anywhere on it.
+    pub(crate) fn approach(&self, fa: &Frame, fb: &Frame) -> Vec2 {
+        let center = fb.place(self.b.point);
+        fb.velocity_at(center) - fa.velocity_at(center)
+    }
+
+    fn deepen(
+        &self,
+        touch: &mut Touch,
+        bearing: &Bearing,
+        tooth: Option<Tooth>,
+        normal: Vec2,
+        approach: Vec2,
+    ) {
+        let penetration = self.radius - bearing.distance;
+        if penetration > touch.contact.penetration {
+            touch.contact = Contact {
+                normal,
+                penetration,
+                penetration_rate: normal.dot(&approach),
+            };
+            (touch.piece, touch.place, touch.tooth) = (bearing.piece, bearing.place, tooth);
+        }
+    }
+
+    /// Penetration of the deepest side as it is recorded.
+    pub(crate) fn penetration(&self, frames: &[Frame], memory: &[Memory]) -> f64 {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let depths = memory.iter().enumerate();
+        let depths = depths.map(|(side, m)| self.find(fa, fb, side, *m).contact.penetration);
+        depths.fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Whether the circle may touch the profile where the bodies are.
+    pub(crate) fn is_near(&self, frames: &[Frame]) -> bool {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let apart = fb.place(self.b.point) - fa.place(self.a.point);
+        apart.norm_squared() <= self.reach * self.reach
+    }
+
+    /// Adds the loads of the contact, its stored energy and what it loses; writes what happens on each side. Returns the depth
+    /// \[m\] where it is largest, negative when apart, and its rate \[m/s\]; a depth of -∞ where it bears nowhere.
+    pub(crate) fn add(
+        &self,
+        frames: &[Frame],
+        memory: &[Memory],
+        loads: &mut Loads,
+        touches: &mut [Touch],
+    ) -> [f64; 2] {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        for touch in touches.iter_mut().filter(|touch| touch.is_known()) {
+            *touch = Touch::default();
+        }
+        let mut deepest = [f64::NEG_INFINITY, 0.0];
+        let approach = self.approach(fa, fb);
+        self.bearings_near(self.local(fa, fb), |bearing, tooth| {
+            let (touch, memory) = (&mut touches[bearing.side], memory[bearing.side]);
+            if !self.bears(bearing, memory) {
+                return;
+            }
+            let normal = -fa.turned(bearing.outward);
+            let depth = self.radius - bearing.distance;
+            if bearing.weight > 0.0 {
+                self.deepen(touch, bearing, tooth, normal, approach);
+                if depth > deepest[0] {
+                    deepest = [depth, normal.dot(&approach)];
+                }
+            }
+            if depth <= 0.0 {
+                return;
+            }
+            let rate = normal.dot(&approach);
+            let force = self.pair(bearing, memory).force(depth, rate, memory.speed);
+            let energy = self.pair(bearing, memory).energy(depth);
+            touch.push -= bearing.weight * force.total * normal + energy * fa.turned(bearing.slope);
+            loads.elastic += bearing.weight * energy;
+            loads.dissipated += bearing.weight * (force.total - force.elastic) * rate;
+        });
+        let center = fb.place(self.b.point);
+        for touch in touches
+            .iter_mut()
+            .filter(|touch| touch.push != Vec2::zeros())
+        {
+            touch.force = touch.push.norm();
+            loads.push(self.b.body, fb, center, touch.push);
+            loads.push(self.a.body, fa, center, -touch.push);
+        }
+        deepest
+    }
+
+    /// The law where a circle bears: a live contact keeps the one that it began with.
+    pub(crate) fn pair(&self, bearing: &Bearing, memory: Memory) -> &Prepared {
+        &self.pairs[if memory.speed > 0.0 {
+            memory.piece
+        } else {
+            bearing.piece
+        }]
+    }
+
+    /// What a side without a force remembers: that the circle is behind it, in the material of an open outline or beyond,
+    /// without having come through the surface; or nothing.
+    pub(crate) fn apart(&self, fa: &Frame, fb: &Frame, side: usize, memory: Memory) -> Memory {
+        let mut behind = false;
+        if self.is_open() {
+            self.bearings(self.local(fa, fb), |bearing, _| {
+                behind |= bearing.side == side
+                    && match bearing.place {
+                        Place::DeepAtEnd => false,
+                        Place::Deep => true,
+                        _ => {
+                            memory.speed < 0.0
+                                && bearing.weight > 0.0
+                                && bearing.distance < self.radius
+                        }
+                    };
+            });
+        }
+        if behind {
+            Memory::BEHIND
+        } else {
+            Memory::default()
+        }
+    }
+
+    /// How deep the circle's centre is in material that has no other side \[m\]; not above zero when it is outside.
+    pub(crate) fn center_depth(&self, frames: &[Frame]) -> f64 {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let mut depth = f64::NEG_INFINITY;
+        if !self.is_open() {
+            self.bearings(self.local(fa, fb), |bearing, _| {
+                if bearing.weight > 0.0 {
+                    depth = depth.max(-bearing.distance);
+                }
+            });
+        }
+        depth
+    }
+
+    /// Whether the circle's centre is behind an open outline, deeper than what was pressed in, and is not about to come out.
+    pub(crate) fn is_behind(&self, frames: &[Frame]) -> bool {
+        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
+        let mut behind = false;
+        if self.is_open() {
+            self.bearings(self.local(fa, fb), |bearing, _| {
+                let comes_out = self.approach(fa, fb).dot(&fa.turned(bearing.outward)) > 0.0;
+                let deep = bearing.place == Place::Deep && -bearing.distance >= 0.5 * self.radius;
+                behind |= deep && !comes_out;
+            });
+        }
+        behind
+    }
+
+    /// Whether the material of a closed outline lies outside it.
+    pub(crate) fn is_hole(&self) -> bool {
+        self.outline.is_some() && !self.is_open() && self.reach.is_infinite()
+    }
+
+    pub(crate) fn profile(&self) -> &Profile {
+        &self.profile
+    }
+
+    pub(crate) fn is_open(&self) -> bool {
+        self.outline.as_ref().is_some_and(Outline::is_open)
+    }
+
+    /// What a contact that began on `piece` at `rate` remembers.
+    pub(crate) fn remember(&self, piece: usize, rate: f64) -> Memory {
+        Memory {
+            speed: self.pairs[piece].onset_speed(rate),
+            piece,
+            in_front: false,
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! Contacts of circles with profiles: place, force, memory, longest safe step.
+
+pub(crate) mod contact_path;
+pub(crate) mod contact_slopes;
+pub(crate) mod contact_state;
+pub(crate) mod event_screening;
+pub(crate) mod impact_memory;
+pub(crate) mod outline;
+pub(crate) mod step_bound;

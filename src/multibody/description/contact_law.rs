@@ -1,0 +1,311 @@
+//! Force of one contact of a mechanism: the published laws, a linear one and that of Hunt and Crossley.
+
+use crate::error::{Error, Result, check};
+use crate::force_law::{ElasticPair, ForceLaw, PowerPair, SurfacePair, damping_factor};
+
+use super::profile::Curvature;
+
+/// How hard two surfaces press on each other.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ContactLaw {
+    /// A law of cylinders with its damping; stiffness and restitution from the material.
+    Surfaces {
+        /// The law.
+        law: ForceLaw,
+        /// E* \[Pa\].
+        contact_modulus: f64,
+        /// Restitution coefficient.
+        restitution: f64,
+        /// Length of contact \[m\].
+        length: f64,
+        /// Least approach speed that the damping reckons with \[m/s\].
+        min_approach_speed: f64,
+    },
+    /// K δ + c δ', never negative.
+    Linear {
+        /// K \[N/m\].
+        stiffness: f64,
+        /// c \[N s/m\].
+        damping: f64,
+    },
+    /// K δ^n (1 + χ δ'), never negative (Hunt and Crossley 1975).
+    HuntCrossley {
+        /// K \[N/m^n\].
+        stiffness: f64,
+        /// n.
+        exponent: f64,
+        /// χ \[s/m\].
+        damping: f64,
+    },
+}
+
+impl ContactLaw {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// Names `field`, its value and what is allowed.
+    pub fn validate(&self, field: &str) -> Result<()> {
+        let of = |name: &str| format!("{name} of {field}");
+        match self {
+            Self::Surfaces {
+                law,
+                contact_modulus,
+                restitution,
+                length,
+                min_approach_speed,
+            } => {
+                check::positive(&of("contact modulus"), *contact_modulus, "Pa")?;
+                check::within(&of("restitution"), *restitution, 0.0, 1.0)?;
+                law.check(&of("restitution"), *restitution)?;
+                check::positive(&of("min_approach_speed"), *min_approach_speed, "m/s")?;
+                check::positive(&of("length"), *length, "m")
+            }
+            Self::Linear { stiffness, damping } => {
+                check::positive(&of("stiffness"), *stiffness, "N/m")?;
+                check::not_negative(&of("damping"), *damping, "N s/m")
+            }
+            Self::HuntCrossley {
+                stiffness,
+                exponent,
+                damping,
+            } => {
+                check::positive(&of("stiffness"), *stiffness, "N/m^n")?;
+                check::within(&of("exponent"), *exponent, 1.0, 10.0)?;
+                check::not_negative(&of("damping"), *damping, "s/m")
+            }
+        }
+    }
+
+    /// Whether damping can take the whole force away while the surfaces are still pressed: what is stored then goes without a
+    /// force, and only the sums of the energy balance tell.
+    pub(crate) fn lets_go(&self) -> bool {
+        match self {
+            Self::Linear { damping, .. } | Self::HuntCrossley { damping, .. } => *damping > 0.0,
+            Self::Surfaces {
+                law, restitution, ..
+            } => law.damping.lambda(*restitution) > 0.0,
+        }
+    }
+
+    /// Constants for a circle of `radius` on a surface of a `curvature`.
+    pub(crate) fn prepare(
+        &self,
+        field: &str,
+        radius: f64,
+        curvature: Curvature,
+    ) -> Result<Prepared> {
+        let (elastic, damping) = match self {
+            Self::Linear { stiffness, damping } => (
+                ElasticPair::Power(PowerPair {
+                    stiffness: *stiffness,
+                    exponent: 1.0,
+                }),
+                DampingPart::Linear(*damping),
+            ),
+            Self::HuntCrossley {
+                stiffness,
+                exponent,
+                damping,
+            } => (
+                ElasticPair::Power(PowerPair {
+                    stiffness: *stiffness,
+                    exponent: *exponent,
+                }),
+                DampingPart::Proportional(*damping),
+            ),
+            Self::Surfaces {
+                law,
+                contact_modulus,
+                restitution,
+                length,
+                min_approach_speed,
+            } => {
+                let pair = surfaces(field, radius, curvature, *length, *contact_modulus)?;
+                let lambda = law.damping.lambda(*restitution);
+                (
+                    ElasticPair::prepare(law.elastic, &pair),
+                    DampingPart::Restitution(lambda, *min_approach_speed),
+                )
+            }
+        };
+        Ok(Prepared { elastic, damping })
+    }
+}
+
+fn surfaces(
+    field: &str,
+    radius: f64,
+    curvature: Curvature,
+    length: f64,
+    modulus: f64,
+) -> Result<SurfacePair> {
+    Ok(match curvature {
+        // The laws that need a radius of the flat take that of the circle, as for two equal cylinders.
+        Curvature::Flat => SurfacePair::flat(radius, radius, length, modulus),
+        Curvature::FlatBefore(next) => SurfacePair::flat(radius, next, length, modulus),
+        Curvature::Convex(other) => SurfacePair::external(radius, other, length, modulus),
+        Curvature::Concave(other) if other > radius => {
+            SurfacePair::internal(radius, other, length, modulus)
+        }
+        Curvature::Concave(other) => {
+            return Err(Error::invalid(
+                format!("radius of {field}"),
+                radius,
+                format!("must be below the {other} m of the surface that it is inside of"),
+            ));
+        }
+    })
+}
+
+#[derive(Debug, Clone, Copy)]
+enum DampingPart {
+    /// Force by rate \[N s/m\].
+    Linear(f64),
+    /// Factor 1 + χ δ'.
+    Proportional(f64),
+    /// Factor 1 + λ δ'/δ'₀, with the floor of δ'₀.
+    Restitution(f64, f64),
+}
+
+/// A law with the constants of one pair of surfaces.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Prepared {
+    elastic: ElasticPair,
+    damping: DampingPart,
+}
+
+/// Force \[N\] of a contact and the part of it that is elastic.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ContactForce {
+    pub(crate) total: f64,
+    pub(crate) elastic: f64,
+}
+
+impl Prepared {
+    /// Force at penetration δ \[m\] and rate δ' \[m/s\]; `onset` is the remembered approach speed, zero when there is none.
+    pub(crate) fn force(&self, penetration: f64, rate: f64, onset: f64) -> ContactForce {
+        if penetration <= 0.0 {
+            return ContactForce {
+                total: 0.0,
+                elastic: 0.0,
+            };
+        }
+        let elastic = self.elastic_force(penetration);
+        let total = match self.damping {
+            DampingPart::Linear(c) => (elastic + c * rate).max(0.0),
+            DampingPart::Proportional(chi) => elastic * (1.0 + chi * rate).max(0.0),
+            DampingPart::Restitution(lambda, floor) => {
+                let onset = if onset > 0.0 { onset } else { rate.max(floor) };
+                elastic * damping_factor(lambda, rate, onset)
+            }
+        };
+        ContactForce { total, elastic }
+    }
+
+    /// Force \[N\] and its slopes by penetration \[N/m\] and by its rate \[N s/m\], as [`Self::force`] has it.
+    pub(crate) fn slopes(&self, penetration: f64, rate: f64, onset: f64) -> [f64; 3] {
+        let ContactForce { total, elastic } = self.force(penetration, rate, onset);
+        if total <= 0.0 {
+            return [0.0; 3];
+        }
+        let stiffness = self.elastic.stiffness(penetration);
+        let (factor, damping) = match self.damping {
+            DampingPart::Linear(c) => (1.0, c),
+            DampingPart::Proportional(chi) => (1.0 + chi * rate, elastic * chi),
+            // Without memory the present rate is the onset speed: the factor is a constant, above the floor.
+            DampingPart::Restitution(_, floor) if onset <= 0.0 && rate > floor => {
+                (total / elastic, 0.0)
+            }
+            DampingPart::Restitution(lambda, floor) => {
+                let onset = if onset > 0.0 { onset } else { floor };
+                (total / elastic, elastic * lambda / onset)
+            }
+        };
+        [total, factor * stiffness, damping]
+    }
+
+    /// A straight line needs no power.
+    fn elastic_force(&self, penetration: f64) -> f64 {
+        match self.elastic {
+            ElasticPair::Power(pair) if pair.exponent == 1.0 => pair.stiffness * penetration,
+            pair => pair.force(penetration),
+        }
+    }
+
+    /// Energy stored at penetration δ \[m\].
+    pub(crate) fn energy(&self, penetration: f64) -> f64 {
+        match self.elastic {
+            ElasticPair::Power(pair) if pair.exponent == 1.0 => {
+                0.5 * pair.stiffness * penetration * penetration.max(0.0)
+            }
+            pair => pair.energy(penetration),
+        }
+    }
+
+    /// The approach speed to remember of an onset at `rate`.
+    pub(crate) fn onset_speed(&self, rate: f64) -> f64 {
+        match self.damping {
+            DampingPart::Restitution(_, floor) => rate.max(floor),
+            _ => rate.max(f64::MIN_POSITIVE),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_energy_is_the_integral_of_the_elastic_force() {
+        for law in [
+            ContactLaw::Linear {
+                stiffness: 3e6,
+                damping: 0.0,
+            },
+            ContactLaw::HuntCrossley {
+                stiffness: 4e9,
+                exponent: 1.5,
+                damping: 0.3,
+            },
+        ] {
+            let pair = law.prepare("x", 0.01, Curvature::Flat).unwrap();
+            let (d, h) = (2e-5, 1e-9);
+            let slope = (pair.energy(d + h) - pair.energy(d - h)) / (2.0 * h);
+            assert!((slope / pair.force(d, 0.0, 0.0).elastic - 1.0).abs() < 1e-7);
+        }
+    }
+
+    #[test]
+    fn no_law_pulls() {
+        for law in [
+            ContactLaw::Linear {
+                stiffness: 3e6,
+                damping: 1e6,
+            },
+            ContactLaw::HuntCrossley {
+                stiffness: 4e9,
+                exponent: 1.5,
+                damping: 3.0,
+            },
+        ] {
+            let pair = law.prepare("x", 0.01, Curvature::Flat).unwrap();
+            assert_eq!(pair.force(1e-6, -10.0, 0.0).total, 0.0);
+            assert!(pair.force(1e-6, 0.1, 0.0).total > 0.0);
+        }
+    }
+
+    #[test]
+    fn a_pin_must_fit_its_bore() {
+        let law = ContactLaw::Surfaces {
+            law: ForceLaw::default(),
+            contact_modulus: 1e11,
+            restitution: 0.9,
+            length: 0.01,
+            min_approach_speed: 1e-3,
+        };
+        let error = law
+            .prepare("contact \"A\"", 0.01, Curvature::Concave(0.009))
+            .unwrap_err();
+        assert!(error.to_string().contains("contact \"A\""));
+    }
+}

@@ -1,0 +1,69 @@
+//! What a driver prescribes: a coordinate or its rate as a function of time.
+
+use super::time_function::TimeFunction;
+use crate::error::{Error, Result};
+
+/// What a driver prescribes of a relative coordinate.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Motion {
+    /// The coordinate itself; its first two derivatives must be continuous.
+    Position(TimeFunction),
+    /// Its rate; the coordinate begins where it is placed.
+    Speed(TimeFunction),
+}
+
+impl Motion {
+    /// The coordinate (for a speed: its change since time zero) and its first two derivatives.
+    pub(crate) fn derivatives(&self, t: f64) -> [f64; 3] {
+        match self {
+            Self::Position(function) => function.derivatives(t),
+            Self::Speed(function) => {
+                let [rate, acceleration, _] = function.derivatives(t);
+                [function.integral(t), rate, acceleration]
+            }
+        }
+    }
+
+    /// Whether it prescribes more than to stand still.
+    pub(crate) fn moves(&self) -> bool {
+        match self {
+            Self::Position(function) => !matches!(function, TimeFunction::Constant(_)),
+            Self::Speed(function) => !matches!(function, TimeFunction::Constant(0.0)),
+        }
+    }
+
+    /// The longest step from `t` that passes over nothing unseen \[s\].
+    pub(crate) fn longest_step(&self, t: f64) -> f64 {
+        let (Self::Position(function) | Self::Speed(function)) = self;
+        function.longest_step(t)
+    }
+
+    /// Checks every number, and that the motion is smooth enough to be followed without impacts.
+    pub(crate) fn validate(&self, field: &str) -> Result<()> {
+        match self {
+            Self::Position(TimeFunction::Table(_)) => Err(Error::invalid(
+                field,
+                "a table with corners",
+                "would need an infinite force at each corner: give a spline, or the speed as a table",
+            )),
+            Self::Speed(TimeFunction::Spline(_)) => Err(Error::invalid(
+                field,
+                "a spline",
+                "is for positions: give the speed as a table, or the position as a spline",
+            )),
+            Self::Position(function) | Self::Speed(function) => function.validate(field),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_position_with_corners_is_refused() {
+        let motion = Motion::Position(TimeFunction::ramp(0.0, 1.0, 0.0, 1.0).unwrap());
+        let error = motion.validate("driver").unwrap_err();
+        assert!(error.to_string().contains("spline"));
+    }
+}

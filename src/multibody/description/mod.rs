@@ -1,0 +1,14 @@
+//! What a mechanism is made of, as the user describes it: plain validated data.
+
+pub(crate) mod body;
+pub(crate) mod contact_law;
+pub(crate) mod contact_pair;
+pub(crate) mod driver;
+pub(crate) mod force_element;
+pub(crate) mod joint;
+pub(crate) mod outline_check;
+pub(crate) mod outline_piece;
+pub(crate) mod profile;
+pub(crate) mod spring_law;
+pub(crate) mod time_function;
+pub(crate) mod validate;

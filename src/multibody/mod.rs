@@ -1,0 +1,51 @@
+//! Any planar mechanism: bodies, ideal joints, drivers, force elements and contacts, and the constrained equations of motion.
+//!
+//! ```text
+//! Mechanism -> MechanismModel -> assembly -> MechanismDynamics (an OdeSystem) -> run::mechanism
+//! ```
+
+pub(crate) mod assembly;
+pub(crate) mod constraints;
+pub(crate) mod contact;
+pub(crate) mod description;
+pub(crate) mod dynamics;
+pub(crate) mod forces;
+pub(crate) mod model;
+pub(crate) mod newton;
+pub(crate) mod singular;
+pub(crate) mod views;
+
+pub use crate::math::piecewise::{Curve, Spline};
+pub use assembly::placement::Assembly;
+pub use description::body::{Body, Marker};
+pub use description::contact_law::ContactLaw;
+pub use description::contact_pair::ContactPair;
+pub use description::driver::Motion;
+pub use description::force_element::{CustomForce, ForceElement, ForceKind, LoadFunction};
+pub use description::joint::{Joint, JointKind};
+pub use description::outline_piece::Piece;
+pub use description::profile::Profile;
+pub use description::spring_law::SpringLaw;
+pub use description::time_function::TimeFunction;
+pub use dynamics::{MechanismDynamics, Stabilisation};
+pub use model::MechanismModel;
+
+use crate::geometry::Vec2;
+
+/// Name of the frame that does not move.
+pub const GROUND: &str = "ground";
+
+/// Everything that a mechanism is made of.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Mechanism {
+    /// Gravity \[m/s²\].
+    pub gravity: Vec2,
+    /// The bodies.
+    pub bodies: Vec<Body>,
+    /// Ideal joints and drivers.
+    pub joints: Vec<Joint>,
+    /// Applied forces, springs and dampers.
+    pub forces: Vec<ForceElement>,
+    /// Clearance joints and other contacts.
+    pub contacts: Vec<ContactPair>,
+}

@@ -1,0 +1,280 @@
+//! A mechanism as a run needs it: names resolved, what is placed measured, everything by number.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use super::assembly::load_scales::contact_lengths;
+use super::constraints::equation::{Equation, Quantity};
+use super::contact::contact_state::CompiledContact;
+use super::description::body::{Body, End, Frame, Marker};
+use super::description::force_element::{Force, ForceKind};
+use super::description::joint::{Joint, JointKind};
+use super::{GROUND, Mechanism};
+use crate::error::{Error, Result};
+use crate::geometry::{Vec2, turned_left};
+
+/// A compiled mechanism; immutable during a run. Body 0 is the ground.
+#[derive(Debug, Clone)]
+pub struct MechanismModel {
+    pub(crate) bodies: Vec<Body>,
+    /// Where each body's coordinates begin; `None` for those that are held.
+    pub(crate) first: Vec<Option<usize>>,
+    /// Mass or moment of inertia of each coordinate.
+    pub(crate) mass: Vec<f64>,
+    pub(crate) gravity: Vec2,
+    pub(crate) equations: Vec<Equation>,
+    pub(crate) joints: Vec<Joint>,
+    pub(crate) forces: Vec<Force>,
+    pub(crate) contacts: Vec<CompiledContact>,
+    pub(crate) contact_names: Vec<String>,
+    pub(crate) force_names: Vec<String>,
+    /// Length of each contact whose law has one \[m\].
+    pub(crate) contact_lengths: Vec<Option<f64>>,
+    /// The sides of all contacts that may bear at once, one after another: contact and number of the side.
+    pub(crate) sides: Vec<(usize, usize)>,
+    /// The sides of each contact.
+    pub(crate) sides_of_contact: Vec<Range<usize>>,
+    /// Body by name.
+    numbers: HashMap<String, usize>,
+    /// The equations of each joint.
+    pub(crate) equations_of_joint: Vec<Range<usize>>,
+    /// Whether the error test has to watch the energy.
+    pub(crate) watches_energy: bool,
+}
+
+impl MechanismModel {
+    /// Compiles a mechanism as it is placed.
+    ///
+    /// # Errors
+    /// Names the part, the field and what is allowed.
+    pub fn compile(mechanism: &Mechanism) -> Result<Self> {
+        mechanism.validate()?;
+        let mut bodies = vec![Body::new(GROUND, 0.0, 0.0).fixed()];
+        let mut numbers = HashMap::from([(GROUND.to_string(), 0)]);
+        for body in &mechanism.bodies {
+            body.validate()?;
+            if numbers.insert(body.name.clone(), bodies.len()).is_some() {
+                return Err(Error::invalid(
+                    "name of a body",
+                    format!("{:?}", body.name),
+                    "is taken already: names must be unique, and \"ground\" is the frame that does not move",
+                ));
+            }
+            bodies.push(body.clone());
+        }
+        let mut first = Vec::with_capacity(bodies.len());
+        let mut mass = Vec::new();
+        for body in &bodies {
+            first.push((!body.fixed).then_some(mass.len()));
+            if !body.fixed {
+                mass.extend([body.mass, body.mass, body.inertia]);
+            }
+        }
+        let mut model = Self {
+            bodies,
+            first,
+            mass,
+            gravity: mechanism.gravity,
+            equations: Vec::new(),
+            joints: mechanism.joints.clone(),
+            forces: Vec::new(),
+            contacts: Vec::new(),
+            watches_energy: mechanism.contacts.iter().any(|c| c.law.lets_go()),
+            numbers,
+            equations_of_joint: Vec::new(),
+            contact_names: mechanism.contacts.iter().map(|c| c.name.clone()).collect(),
+            force_names: mechanism.forces.iter().map(|f| f.name.clone()).collect(),
+            contact_lengths: contact_lengths(mechanism),
+            sides: Vec::new(),
+            sides_of_contact: Vec::new(),
+        };
+        let frames = model.start_frames();
+        for (number, joint) in mechanism.joints.iter().enumerate() {
+            joint.validate()?;
+            let equations = model.equations_of(number, joint, &frames)?;
+            let first = model.equations.len();
+            model.equations.extend(equations);
+            model.equations_of_joint.push(first..model.equations.len());
+        }
+        for force in &mechanism.forces {
+            force.validate()?;
+            let owner = || format!("force {:?}", force.name);
+            let (a, b) = (model.end(&force.a, owner)?, model.end(&force.b, owner)?);
+            let rest = match &force.kind {
+                ForceKind::Spring { rest, .. } => rest.unwrap_or_else(|| {
+                    (frames[b.body].place(b.point) - frames[a.body].place(a.point)).norm()
+                }),
+                ForceKind::TorsionSpring { rest, .. } => {
+                    rest.unwrap_or(frames[b.body].angle - frames[a.body].angle)
+                }
+                _ => 0.0,
+            };
+            let kind = force.kind.clone();
+            model.forces.push(Force { a, b, kind, rest });
+        }
+        for contact in &mechanism.contacts {
+            contact.validate()?;
+            let owner = || format!("contact {:?}", contact.name);
+            let (a, b) = (model.end(&contact.a, owner)?, model.end(&contact.b, owner)?);
+            let compiled = CompiledContact::new(contact, a, b)?;
+            let first = model.sides.len();
+            let number = model.contacts.len();
+            model
+                .sides
+                .extend((0..compiled.sides()).map(|side| (number, side)));
+            model.sides_of_contact.push(first..model.sides.len());
+            model.contacts.push(compiled);
+        }
+        Ok(model)
+    }
+
+    /// Names of the bodies, without the ground.
+    #[must_use]
+    pub fn body_names(&self) -> Vec<String> {
+        self.bodies[1..].iter().map(|b| b.name.clone()).collect()
+    }
+
+    /// Names of the joints.
+    #[must_use]
+    pub fn joint_names(&self) -> Vec<String> {
+        self.joints.iter().map(|j| j.name.clone()).collect()
+    }
+
+    /// Names of the contacts.
+    #[must_use]
+    pub fn contact_names(&self) -> &[String] {
+        &self.contact_names
+    }
+
+    /// Number of coordinates of the bodies that are not held.
+    #[must_use]
+    pub fn coordinates(&self) -> usize {
+        self.mass.len()
+    }
+
+    /// Number of scalar constraint equations.
+    #[must_use]
+    pub fn constraints(&self) -> usize {
+        self.equations.len()
+    }
+
+    /// Where the bodies are placed.
+    pub(crate) fn start_frames(&self) -> Vec<Frame> {
+        (self.bodies.iter())
+            .map(|body| Frame::new(body.position, body.velocity))
+            .collect()
+    }
+
+    /// The body that a coordinate belongs to.
+    pub(crate) fn body_of(&self, coordinate: usize) -> usize {
+        let found = self
+            .first
+            .iter()
+            .rposition(|&first| first.is_some_and(|f| f <= coordinate));
+        found.unwrap_or(0)
+    }
+
+    fn end(&self, marker: &Marker, owner: impl Fn() -> String) -> Result<End> {
+        if let Some(&body) = self.numbers.get(&marker.body) {
+            let point = marker.point;
+            return Ok(End { body, point });
+        }
+        let known = self.bodies.iter().take(8).map(|b| format!("{:?}", b.name));
+        let known: Vec<String> = known.collect();
+        Err(Error::invalid(
+            format!("body of {}", owner()),
+            format!("{:?}", marker.body),
+            format!("there is no such body; there are {}", known.join(", ")),
+        ))
+    }
+
+    fn equations_of(
+        &self,
+        number: usize,
+        joint: &Joint,
+        frames: &[Frame],
+    ) -> Result<Vec<Equation>> {
+        let owner = || format!("joint {:?}", joint.name);
+        let (a, b) = (self.end(&joint.a, owner)?, self.end(&joint.b, owner)?);
+        let mut carrier = 0;
+        if let JointKind::Gear {
+            carrier: Some(name),
+            ..
+        } = &joint.kind
+        {
+            carrier = self.end(&Marker::new(name.clone(), 0.0, 0.0), owner)?.body;
+            if carrier == a.body || carrier == b.body {
+                return Err(Error::invalid(
+                    format!("carrier of {}", owner()),
+                    format!("{name:?}"),
+                    "must be a third body",
+                ));
+            }
+        }
+        let equation = |quantity| Equation {
+            joint: number,
+            quantity,
+            a,
+            b,
+            carrier,
+            offset: 0.0,
+            motion: None,
+        };
+        let at = |quantity, offset| Equation {
+            offset,
+            ..equation(quantity)
+        };
+        let placed = |quantity| at(quantity, equation(quantity).quantity(frames));
+        let along = |direction: Vec2| Quantity::Along(direction.normalize());
+        let across = |direction: Vec2| equation(along(turned_left(direction)));
+        let turned = |angle: &Option<f64>| {
+            angle.map_or_else(
+                || placed(Quantity::Angle),
+                |angle| at(Quantity::Angle, angle),
+            )
+        };
+        let both = [0, 1].map(|axis| equation(Quantity::Coincident(axis)));
+        Ok(match &joint.kind {
+            JointKind::Revolute => both.to_vec(),
+            JointKind::Fixed { angle } => [both.to_vec(), vec![turned(angle)]].concat(),
+            JointKind::Prismatic { direction, angle } => vec![across(*direction), turned(angle)],
+            JointKind::PointOnLine { direction } => vec![across(*direction)],
+            JointKind::Distance { length } => {
+                let length = length.unwrap_or_else(|| {
+                    (frames[b.body].place(b.point) - frames[a.body].place(a.point)).norm()
+                });
+                if length == 0.0 {
+                    return Err(Error::invalid(
+                        format!("length of {}", owner()),
+                        0.0,
+                        "the points coincide as placed: give a length, or use a revolute joint",
+                    ));
+                }
+                vec![equation(Quantity::Distance(length))]
+            }
+            JointKind::Gear { ratio, .. } => vec![placed(Quantity::Gear(*ratio))],
+            JointKind::Rack { direction, radius } => {
+                vec![placed(Quantity::Rack(direction.normalize(), *radius))]
+            }
+            JointKind::DrivenAngle(motion) => {
+                vec![driven(equation(Quantity::Angle), motion, frames)]
+            }
+            JointKind::DrivenPosition { direction, motion } => {
+                vec![driven(equation(along(*direction)), motion, frames)]
+            }
+        })
+    }
+}
+
+/// The equation with its motion; one that is given by its speed begins where the bodies are placed.
+fn driven(
+    mut equation: Equation,
+    motion: &super::description::driver::Motion,
+    frames: &[Frame],
+) -> Equation {
+    if matches!(motion, super::description::driver::Motion::Speed(_)) {
+        equation.offset = equation.quantity(frames);
+    }
+    equation.motion = Some(motion.clone());
+    equation
+}

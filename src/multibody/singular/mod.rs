@@ -1,0 +1,4 @@
+//! Motion near singular positions.
+
+pub(crate) mod acceleration;
+pub(crate) mod start;

@@ -1,0 +1,431 @@
+//! Static equilibrium of a drive: where its links come to rest with every motor held, every load on and the tensioner at full pull.
+//!
+//! Newton's method on the forces, from rest in every iteration: a step of backward Euler of length γ, (M - γ² K) Δq = γ² Q,
+//! is Newton's step once γ is long, and a slow sag down the forces while it is short. γ grows while the forces fall. No hinge
+//! opens or turns by more than a share of its clearance in one iteration, because its normal would be another one.
+
+mod refusal;
+
+use std::sync::Arc;
+
+use crate::chain::dynamics::Dynamics;
+use crate::chain::model::{ForceLaws, Model, Rotation, SprocketModel};
+use crate::chain::motion::Motion as Places;
+use crate::drive::{ChainEnd, Drive, Motion, Mount, Tensioner, TimeTable};
+use crate::error::{Error, Result};
+use crate::geometry::path::guide_path;
+use crate::geometry::{Vec2, turned_left, unit};
+use crate::integrator::OdeSystem;
+use crate::layout::{Layout, Start};
+
+/// First γ \[s\]: a link falls by 10 nm.
+const FIRST_GAMMA: f64 = 3e-5;
+/// Longest γ \[s\]: inertia is then nothing beside any stiffness, gravity's own included.
+const LONGEST_GAMMA: f64 = 3.0;
+/// Shortest γ \[s\].
+const SHORTEST_GAMMA: f64 = 1e-6;
+/// Iterations after which contacts remember anew which surface of a tooth they are on: where two of unlike stiffness meet, the
+/// force jumps, and there may be no balance until one is kept.
+const BETWEEN_MEMORIES: u32 = 500;
+/// Share of the hinge clearance that the two ends in a hinge may move by against each other in one iteration.
+const HINGE_SHARE: f64 = 0.2;
+/// How far anything may move in one iteration, in pitches.
+const LARGEST_MOVE: f64 = 0.02;
+/// The same in a second try: no farther than a hinge's clearance or two, so that no bushing comes to lie in the middle of a tooth.
+const SHORT_MOVE: f64 = 0.002;
+/// Iterations after which that is made, from the start.
+const FIRST_TRY: u32 = 1500;
+/// Unbalanced force that is let stand, over the largest force of a contact or from outside.
+const TOLERANCE: f64 = 1e-7;
+/// γ over which velocities are made to follow the contacts \[s\]: links do so in less, shafts in more.
+const TRAVEL_GAMMA: f64 = 1e-3;
+/// In so many rounds.
+const TRAVEL_ROUNDS: u32 = 10;
+/// How far bodies are moved for the forces' change along their velocities \[m\].
+const SMALL_MOVE: f64 = 1e-10;
+/// How far back from the place where the chain is taut the tensioner is put for one more try to lay it, in pitches.
+const STEP_BACK: f64 = 0.05;
+/// A drive that takes more does not come to rest. Of 61 random tensioned drives, those whose strands weigh four to eleven times
+/// their tension pull the tensioner far back and take most, 52,000 to 68,000. With twice as many a refusal takes twice as long.
+const MOST_ITERATIONS: u32 = 100_000;
+
+/// A drive at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Equilibrium {
+    /// Positions at rest; velocities with which the drive runs on from there.
+    pub start: Start,
+    /// Largest unbalanced force on a body, moments of links divided by half the pitch \[N\].
+    pub residual: f64,
+    /// Largest force of a contact \[N\].
+    pub largest_force: f64,
+    /// How many iterations it took.
+    pub iterations: u32,
+}
+
+/// The drive with its motors held, and all that depends on time or speed as it is at the start.
+fn held(drive: &Drive, layout: &Layout) -> Drive {
+    let mut held = drive.clone();
+    for (sprocket, &speed) in held.sprockets.iter_mut().zip(&layout.speeds) {
+        sprocket.initial_speed = None;
+        sprocket.motion = match &sprocket.motion {
+            Motion::PrescribedSpeed(_) => Motion::PrescribedSpeed(0.0.into()),
+            Motion::AppliedTorque(torque) => Motion::AppliedTorque(torque.value(0.0).into()),
+            Motion::TorqueCurve { torque, curve } => {
+                Motion::AppliedTorque(TimeTable::from(torque.value(0.0) + curve.value(speed)))
+            }
+            Motion::Free => Motion::Free,
+        };
+    }
+    for end in held.ends.iter_mut().flatten() {
+        if let ChainEnd::Anchor { velocity, .. } = end {
+            *velocity = [0.0.into(), 0.0.into()];
+        }
+    }
+    if let Some(tensioner) = &mut held.tensioner {
+        tensioner.ramp_time = 0.0;
+        // What a ratchet would add depends on how the rest was come to.
+        tensioner.ratchet = None;
+    }
+    for guide in &mut held.guides {
+        if let Mount::Arm(arm) = &mut guide.mount {
+            arm.ramp_time = 0.0;
+            arm.ratchet = None;
+        }
+    }
+    held
+}
+
+/// Lays the chain with the tensioner where it has taken up the slack, or as near to that as it can be laid: a wheel that has far to
+/// go pulls the chain round all others, tooth by tooth.
+fn lay_taut(drive: &Drive, give_up: &dyn Fn() -> bool) -> Result<(Start, Layout)> {
+    let taut = |tensioner: &Tensioner| -> Option<(Start, Layout)> {
+        let line = tensioner.line(drive).ok()?;
+        let [_, forth] = tensioner.travel;
+        let farthest = line.taut_at?.min(forth);
+        let step = STEP_BACK * drive.chain.pitch;
+        let mut places = (0..).map(|i| farthest - f64::from(i) * step);
+        let mut places = places.by_ref().take_while(|&s| s > 0.0 && !give_up());
+        places.find_map(|s| {
+            let mut there = drive.clone();
+            there.tensioner = None;
+            there.sprockets[tensioner.sprocket - 1].center +=
+                guide_path::along(line.direction, line.curvature, s).0;
+            Start::generate(&there).ok()
+        })
+    };
+    match drive.tensioner.as_ref().and_then(taut) {
+        Some(laid) => Ok(laid),
+        None => Start::generate(drive),
+    }
+}
+
+impl Equilibrium {
+    /// Lets the chain of `drive` come to rest from where the generator lays it.
+    ///
+    /// # Errors
+    /// When the chain cannot be laid, or there is no rest: a torque that nothing holds, with the force that is left.
+    pub fn find(drive: &Drive, laws: &ForceLaws) -> Result<Self> {
+        Self::find_unless(drive, laws, &|| false)
+    }
+
+    /// The same; `give_up` is asked before each iteration, and ends it with the force that is left by then.
+    ///
+    /// # Errors
+    /// As of [`Self::find`].
+    pub fn find_unless(
+        drive: &Drive,
+        laws: &ForceLaws,
+        give_up: &dyn Fn() -> bool,
+    ) -> Result<Self> {
+        let (laid, layout) = lay_taut(drive, give_up)?;
+        let at_rest = Start {
+            positions: laid.positions.clone(),
+            velocities: vec![[0.0; 3]; laid.velocities.len()],
+        };
+        // Nothing slips at rest; friction that does not stick, and a film, then bear nothing.
+        let frictionless = ForceLaws {
+            hinge_friction: None,
+            tooth_friction: None,
+            hinge_bristles: None,
+            tooth_bristles: None,
+            hinge_film: None,
+            ..*laws
+        };
+        let model = Model::compile(&held(drive, &layout), &frictionless, &at_rest)?;
+        let model = Arc::new(model);
+        let mut settling = Settling::new(model, &at_rest);
+        let residual = settling.settle(give_up).map_err(|residual| {
+            Error::Impossible(format!(
+                "start=\"static\": the drive does not come to rest: {residual:.3e} N are left unbalanced after {} iterations, beside \
+                 contacts of {:.3e} N; {}",
+                settling.iterations,
+                settling.largest_force(),
+                refusal::causes(drive, &layout)
+            ))
+        })?;
+        let largest_force = settling.largest_force();
+        let positions = settling.places.positions();
+        if let Some(why) = refusal::slid(drive, &layout, &laid.positions, &positions) {
+            return Err(Error::Impossible(format!("start=\"static\": {why}")));
+        }
+        let mut start = if drive.ends.is_some() {
+            Start { positions, ..laid }
+        } else {
+            laid.moved_to(
+                positions,
+                &layout,
+                &drive.chain.link_pitches(),
+                drive.chain.roller.is_some(),
+            )
+        };
+        settling.move_along_contacts(&mut start);
+        Ok(Self {
+            start,
+            residual,
+            largest_force,
+            iterations: settling.iterations,
+        })
+    }
+}
+
+/// Length that a coordinate of a sprocket stands for: the pitch radius where it is an angle \[m\], 1 where it is a length.
+fn arm(sprocket: &SprocketModel, index: usize) -> f64 {
+    match sprocket.rotation {
+        Rotation::Free { index: own, .. } if own == index => sprocket.profile.pitch_radius,
+        _ => 1.0,
+    }
+}
+
+/// The largest force from outside \[N\]: weight of a link, pull of a tensioner, torque at a pitch radius; a micronewton at least.
+fn applied_force(model: &Model) -> f64 {
+    let moved = (0..model.links).filter(|&i| !model.is_held(i));
+    let heaviest = moved.fold(0.0, |most: f64, i| most.max(model.mass[i]));
+    let outside = model.sprockets.iter().map(|sprocket| {
+        let torque = sprocket.applied_torque(0.0, 0.0) / sprocket.profile.pitch_radius;
+        sprocket.pull(0.0).abs().max(torque.abs())
+    });
+    outside.fold((model.gravity.norm() * heaviest).max(1e-6), f64::max)
+}
+
+struct Settling {
+    dynamics: Dynamics,
+    places: Places,
+    y: Vec<f64>,
+    rates: Vec<f64>,
+    iterations: u32,
+    /// How far anything may move in one iteration, in pitches.
+    largest_move: f64,
+}
+
+impl Settling {
+    fn new(model: Arc<Model>, start: &Start) -> Self {
+        let mut places = Places::new(model.bodies());
+        places.set(&start.positions, &start.velocities);
+        let mut y = vec![0.0; 2 * model.coordinates];
+        places.write(&model, &mut y);
+        Self {
+            dynamics: Dynamics::new(model),
+            places,
+            rates: vec![0.0; y.len()],
+            y,
+            iterations: 0,
+            largest_move: LARGEST_MOVE,
+        }
+    }
+
+    /// Evaluates the accelerations at the present places; the largest unbalanced force \[N\].
+    fn unbalanced(&mut self) -> f64 {
+        self.dynamics.derivative(0.0, &self.y, &mut self.rates);
+        let model = self.dynamics.model();
+        let (n, accelerations) = (model.links, &self.rates[model.coordinates..]);
+        let mut largest: f64 = 0.0;
+        for i in 0..n {
+            largest = largest
+                .max(model.mass[i] * accelerations[i].abs())
+                .max(model.mass[i] * accelerations[n + i].abs())
+                .max(model.inertia[i] * accelerations[2 * n + i].abs() / model.half_pitch);
+        }
+        if let Some(rollers) = &model.rollers {
+            // Without friction nothing turns them.
+            for acceleration in &accelerations[rollers.first..][..2 * n] {
+                largest = largest.max(rollers.mass * acceleration.abs());
+            }
+        }
+        for sprocket in &model.sprockets {
+            sprocket.for_each_inertia(|index, inertia| {
+                let force = inertia * accelerations[index].abs() / arm(sprocket, index);
+                largest = largest.max(force);
+            });
+        }
+        largest
+    }
+
+    fn largest_force(&self) -> f64 {
+        let hinges = self.dynamics.hinge_contacts().map(|(_, force)| force);
+        let rollers = self.dynamics.roller_contacts().map(|(_, force)| force);
+        let teeth = self.dynamics.candidates().map(|(_, _, _, force)| force);
+        hinges.chain(rollers).chain(teeth).fold(0.0, f64::max)
+    }
+
+    /// Moves the places to rest; the unbalanced force \[N\] that is left there, or when it ends before.
+    fn settle(&mut self, give_up: &dyn Fn() -> bool) -> std::result::Result<f64, f64> {
+        let model = self.dynamics.model();
+        let coordinates = model.coordinates;
+        let applied = applied_force(model);
+        let mut gamma = FIRST_GAMMA;
+        let mut residual = self.unbalanced();
+        let mut step = vec![0.0; coordinates];
+        let begin = self.y.clone();
+        loop {
+            if residual <= TOLERANCE * applied.max(self.largest_force()) {
+                self.places.read(self.dynamics.model(), 0.0, &self.y);
+                return Ok(residual);
+            }
+            if self.iterations == MOST_ITERATIONS || !residual.is_finite() || give_up() {
+                return Err(residual);
+            }
+            self.iterations += 1;
+            if self.iterations == FIRST_TRY {
+                // Where bushings have been thrown from tooth to tooth, no rest is near any more.
+                self.y.copy_from_slice(&begin);
+                self.largest_move = SHORT_MOVE;
+                gamma = FIRST_GAMMA;
+            }
+            if self.iterations == FIRST_TRY || self.iterations.is_multiple_of(BETWEEN_MEMORIES) {
+                self.dynamics.remember_present_contacts(0.0, &self.y);
+                residual = self.unbalanced();
+            }
+            for (step, acceleration) in step.iter_mut().zip(&self.rates[coordinates..]) {
+                *step = gamma * acceleration;
+            }
+            if !self.dynamics.correct_exactly(&self.y, gamma, &mut step) {
+                gamma *= 0.25;
+                continue;
+            }
+            for step in &mut step {
+                *step *= gamma;
+            }
+            let share = (1.0 / self.excess(&step)).min(1.0);
+            for (q, step) in self.y.iter_mut().zip(&step) {
+                *q += share * step;
+            }
+            let before = residual;
+            residual = self.unbalanced();
+            gamma = if share == 1.0 && residual < 1.2 * before {
+                (1.5 * gamma).min(LONGEST_GAMMA)
+            } else if share < 0.1 || residual > 2.0 * before {
+                (0.6 * gamma).max(SHORTEST_GAMMA)
+            } else {
+                gamma
+            };
+        }
+    }
+
+    /// Changes the velocities of a start at these places until no loaded contact is approached and no link stretched.
+    ///
+    /// With the forces' slope K, of all places and of the motors' angles, a change of -(M + γ² K)⁻¹ γ² K v takes out of v what the
+    /// contacts would within γ; dashpots, which the matrix has too, make it take some rounds. Masses that are slower than that,
+    /// such as a load's, keep their speed.
+    fn move_along_contacts(&mut self, start: &mut Start) {
+        for _ in 0..TRAVEL_ROUNDS {
+            let fastest = start.velocities.iter().flat_map(|[x, y, _]| [x, y]);
+            let fastest = fastest.fold(0.0, |most: f64, v| most.max(v.abs()));
+            if fastest == 0.0 || !self.take_out_approaches(start, SMALL_MOVE / fastest) {
+                return;
+            }
+        }
+    }
+
+    /// One round of that, with places after a `moment` \[s\]; false where the matrix is singular.
+    fn take_out_approaches(&mut self, start: &mut Start, moment: f64) -> bool {
+        let model = Arc::clone(self.dynamics.model());
+        let coordinates = model.coordinates;
+        let moved: Vec<[f64; 3]> = (start.positions.iter().zip(&start.velocities))
+            .map(|(q, v)| [0, 1, 2].map(|i| q[i] + moment * v[i]))
+            .collect();
+        let mut rates = self.accelerations_at(&moved);
+        let here = self.accelerations_at(&start.positions);
+        for (rate, here) in rates.iter_mut().zip(here) {
+            *rate = (*rate - here) * TRAVEL_GAMMA * TRAVEL_GAMMA / moment;
+        }
+        // The matrix is made from the last evaluation.
+        self.unbalanced();
+        if !self
+            .dynamics
+            .correct_exactly(&self.y, TRAVEL_GAMMA, &mut rates)
+        {
+            return false;
+        }
+        self.places.set(&start.positions, &start.velocities);
+        let mut y = self.y.clone();
+        self.places.write(&model, &mut y);
+        for (v, change) in y[coordinates..].iter_mut().zip(&rates) {
+            *v += change;
+        }
+        self.places.read(&model, 0.0, &y);
+        let before = std::mem::replace(&mut start.velocities, self.places.velocities());
+        for (s, sprocket) in model.sprockets.iter().enumerate() {
+            if matches!(sprocket.rotation, Rotation::Prescribed(_)) {
+                let body = model.wheel_body(s);
+                start.velocities[body][2] = before[body][2];
+            }
+        }
+        true
+    }
+
+    /// Accelerations of all coordinates at these places, at rest.
+    fn accelerations_at(&mut self, positions: &[[f64; 3]]) -> Vec<f64> {
+        let model = Arc::clone(self.dynamics.model());
+        let coordinates = model.coordinates;
+        let still = vec![[0.0; 3]; positions.len()];
+        self.dynamics.motion.set(positions, &still);
+        self.dynamics.evaluate_motion(0.0);
+        let found = &self.dynamics.accelerations;
+        let mut bodies = Places::new(model.bodies());
+        let rates: Vec<[f64; 3]> = (0..model.bodies())
+            .map(|i| [found.x[i], found.y[i], found.angle[i]])
+            .collect();
+        // As velocities of the bodies they become those of the coordinates.
+        bodies.set(positions, &rates);
+        let mut y = vec![0.0; 2 * coordinates];
+        bodies.write(&model, &mut y);
+        y.split_off(coordinates)
+    }
+
+    /// How many times further a step goes than it may.
+    fn excess(&self, step: &[f64]) -> f64 {
+        let model = self.dynamics.model();
+        let n = model.links;
+        let ends = |i: usize| {
+            let along = model.arms[i] * turned_left(unit(self.y[2 * n + i]));
+            let (center, turn) = (Vec2::new(step[i], step[n + i]), step[2 * n + i] * along);
+            [center - turn, center + turn]
+        };
+        let mut excess: f64 = 0.0;
+        for i in 0..n {
+            let ([_, front], [rear, _]) = (ends(i), ends((i + 1) % n));
+            let apart = (front - rear).norm() / (HINGE_SHARE * model.clearance);
+            let moved = front.norm() / (self.largest_move * 2.0 * model.half_pitch);
+            excess = excess.max(apart).max(moved);
+            if let Some(rollers) = &model.rollers
+                && model.bushing_is_there(i)
+            {
+                let roller = Vec2::new(step[rollers.first + i], step[rollers.first + n + i]);
+                let bushing = if model.link_of_bushing(i) == i {
+                    front
+                } else {
+                    rear
+                };
+                let apart = (roller - bushing).norm() / (HINGE_SHARE * rollers.clearance);
+                excess = excess.max(apart);
+            }
+        }
+        for sprocket in &model.sprockets {
+            sprocket.for_each_inertia(|index, _| {
+                let moved = step[index].abs() * arm(sprocket, index);
+                excess = excess.max(moved / (self.largest_move * 2.0 * model.half_pitch));
+            });
+        }
+        excess
+    }
+}

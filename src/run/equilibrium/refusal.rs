@@ -1,0 +1,155 @@
+//! Why a drive has no static equilibrium, or none that is found, in words.
+
+use crate::drive::{ChainEnd, Drive, Motion, Sprocket};
+use crate::layout::Layout;
+
+/// Share of its weight that a strand is tensioned by at least, for the equilibrium to be near the initial configuration: it then sags
+/// by a quarter of its span. With less the tensioner is pulled far back, which takes 10,000 iterations and more.
+const LEAST_TENSION: f64 = 0.5;
+/// Sag over span that is usual at most, for the tension that is proposed.
+const USUAL_SAG: f64 = 0.06;
+
+/// What the drive itself shows as the cause; otherwise what is left.
+pub(super) fn causes(drive: &Drive, layout: &Layout) -> String {
+    let shown = [
+        low_tension(drive, layout),
+        light_strand(drive, layout),
+        loose_torque(drive),
+    ];
+    let shown: Vec<String> = shown.into_iter().flatten().collect();
+    if !shown.is_empty() {
+        return shown.join("; ");
+    }
+    let begin = "begin nearer to rest, with fewer links";
+    if drive.tensioner.is_some() {
+        format!(
+            "nothing stops the tensioner, or it has so much slack to take up that the chain skips teeth: {begin}, or with the \
+             tensioner's sprocket where it will stand"
+        )
+    } else {
+        format!("the initial configuration is far from static equilibrium: {begin}")
+    }
+}
+
+/// What a tensioner lacks that pulls less than its strands weigh.
+fn low_tension(drive: &Drive, layout: &Layout) -> Option<String> {
+    let (tensioner, chain) = (drive.tensioner.as_ref()?, &drive.chain);
+    let longest = f64::from(*layout.strand_pitches.iter().max()?);
+    let links = chain.links as usize;
+    let mass: f64 = (0..links).map(|i| chain.strand_link(i).mass).sum();
+    let weight = drive.gravity.norm() * mass * longest / f64::from(chain.links);
+    let tension = tensioner.pretension;
+    (tension < LEAST_TENSION * weight).then(|| {
+        format!(
+            "the longest strand weighs {weight:.1} N and would sag by more than a quarter of its span under a \
+             Tensioner.pretension of {tension:.1} N; expected at least {:.0} N, for a sag of 6 % {:.0} N: raise the pretension",
+            LEAST_TENSION * weight,
+            weight / (8.0 * USUAL_SAG)
+        )
+    })
+}
+
+/// A torque in a drive in which no speed is prescribed.
+fn loose_torque(drive: &Drive) -> Option<String> {
+    let motions = || drive.sprockets.iter().map(|sprocket| &sprocket.motion);
+    let held = motions().any(|motion| matches!(motion, Motion::PrescribedSpeed(_)));
+    let turned = motions().position(|motion| match motion {
+        Motion::AppliedTorque(torque) => torque.value(0.0) != 0.0,
+        Motion::TorqueCurve { .. } => true,
+        _ => false,
+    })?;
+    (!held && drive.ends.is_none()).then(|| {
+        format!(
+            "nothing holds the torque on sprocket {}: no sprocket has a prescribed speed",
+            turned + 1
+        )
+    })
+}
+
+/// Share of a tension that frictionless bushings pass on from one tooth to the next: between the pulls of both strands and the push of
+/// a tooth at its pressure angle \[rad\], on a wheel of so many teeth.
+fn passed_on(pressure_angle: f64, teeth: u32) -> f64 {
+    let turn = std::f64::consts::TAU / f64::from(teeth);
+    pressure_angle.sin() / (pressure_angle + turn).sin()
+}
+
+/// What an open chain lacks on the side that is to hold its load on the teeth, if it is that: 35° - 120°/N is the new chain's pressure
+/// angle of ANSI B29.1, of which other forms have much the same.
+fn light_strand(drive: &Drive, layout: &Layout) -> Option<String> {
+    let (ends, chain) = (drive.ends.as_ref()?, &drive.chain);
+    let (first, last) = (
+        *layout.strand_pitches.first()?,
+        *layout.strand_pitches.last()?,
+    );
+    let links = chain.links as usize;
+    let weight = |end: usize| {
+        let strand = if end == 0 {
+            0..first as usize
+        } else {
+            links - last as usize..links
+        };
+        let own: f64 = strand.map(|i| chain.strand_link(i).mass).sum();
+        let load = match ends[end] {
+            ChainEnd::Load { mass, .. } => mass,
+            _ => 0.0,
+        };
+        drive.gravity.norm() * (own + load)
+    };
+    let share = |(sprocket, &seated): (&Sprocket, &u32)| {
+        let angle = (35.0 - 120.0 / f64::from(sprocket.teeth)).to_radians();
+        passed_on(angle, sprocket.teeth).powi(i32::try_from(seated).unwrap_or(i32::MAX))
+    };
+    let wraps = drive.sprockets.iter().zip(&layout.seated);
+    let shares: f64 = wraps.map(share).product();
+    let (light, heavy) = if weight(0) < weight(1) {
+        (0, 1)
+    } else {
+        (1, 0)
+    };
+    let needed = shares * weight(heavy);
+    (weight(light) < needed).then(|| {
+        format!(
+            "the strand at end {} weighs {:.2} N, and without friction the teeth take the {:.1} N at end {} only where about {needed:.2} N \
+             hold the chain down there: hang more links or a load at end {}",
+            light + 1,
+            weight(light),
+            weight(heavy),
+            heavy + 1,
+            light + 1
+        )
+    })
+}
+
+/// What an open chain lacks that slides over held teeth until a strand is taut, and only then rests.
+pub(super) fn slid(
+    drive: &Drive,
+    layout: &Layout,
+    laid: &[[f64; 3]],
+    rest: &[[f64; 3]],
+) -> Option<String> {
+    let held = |sprocket: &Sprocket| matches!(sprocket.motion, Motion::PrescribedSpeed(_));
+    if drive.tensioner.is_some() || !drive.sprockets.iter().all(held) {
+        return None;
+    }
+    let light = light_strand(drive, layout)?;
+    // In the middle of the first wrap.
+    let link = *layout.strand_pitches.first()? as usize + *layout.seated.first()? as usize / 2;
+    let ([x, y, _], [to_x, to_y, _]) = (laid.get(link)?, rest.get(link)?);
+    let pitches = (to_x - x).hypot(to_y - y) / drive.chain.pitch;
+    (pitches > 0.5)
+        .then(|| format!("the chain slides over its teeth before it comes to rest; {light}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::passed_on;
+
+    #[test]
+    fn a_tooth_of_seventeen_passes_on_three_fifths_of_a_tension() {
+        let angle = (35.0_f64 - 120.0 / 17.0).to_radians();
+        assert!((passed_on(angle, 17) - 0.62).abs() < 1e-3);
+        // At a right angle to the mean of both strands they are alike.
+        let half = std::f64::consts::PI / 17.0;
+        assert!((passed_on(std::f64::consts::FRAC_PI_2 - half, 17) - 1.0).abs() < 1e-12);
+    }
+}

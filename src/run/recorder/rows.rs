@@ -1,0 +1,153 @@
+//! Rows of the channels of hinges, rollers, teeth and sprockets.
+
+use super::{Channel, Values, ends, strands};
+use crate::chain::contact::ToothContacts;
+use crate::chain::dynamics::Dynamics;
+
+/// Channels of one row, in the order in which they were added.
+pub(super) struct Row<'a> {
+    pub(super) channels: std::slice::IterMut<'a, Channel>,
+}
+
+impl Row<'_> {
+    pub(super) fn real(&mut self, values: impl IntoIterator<Item = f64>) {
+        if let Some(Channel {
+            values: Values::Real(all),
+            ..
+        }) = self.channels.next()
+        {
+            all.extend(values);
+        }
+    }
+
+    pub(super) fn whole(&mut self, values: impl IntoIterator<Item = i32>) {
+        if let Some(Channel {
+            values: Values::Whole(all),
+            ..
+        }) = self.channels.next()
+        {
+            all.extend(values);
+        }
+    }
+}
+
+pub(super) fn write_hinges(row: &mut Row, dynamics: &Dynamics) {
+    let hinges = &dynamics.hinges;
+    let n = hinges.force.len();
+    row.real(hinges.force.iter().copied());
+    row.real((0..n).flat_map(|k| <[f64; 2]>::from(hinges.force_on_pin(k))));
+    row.real(hinges.penetration.iter().copied());
+    row.real((0..n).flat_map(|k| <[f64; 2]>::from(hinges.eccentricity(k))));
+    row.real(onset_speeds(
+        &hinges.penetration,
+        dynamics.memory.hinge_speed(),
+    ));
+    if dynamics.model().ends.is_some() {
+        row.real(ends::tensions(dynamics));
+    } else if dynamics.model().strands.len() == 2 {
+        row.real(strands::two_strand_tensions(dynamics));
+    } else {
+        row.real(strands::tensions(dynamics));
+    }
+}
+
+pub(super) fn write_rollers(row: &mut Row, dynamics: &Dynamics) {
+    let rollers = &dynamics.rollers;
+    let n = rollers.force.len();
+    row.real(rollers.force.iter().copied());
+    row.real((0..n).flat_map(|k| <[f64; 2]>::from(rollers.force_on_roller(k))));
+    row.real(rollers.penetration.iter().copied());
+    row.real(
+        rollers
+            .eccentricity
+            .iter()
+            .flat_map(|&e| <[f64; 2]>::from(e)),
+    );
+    row.real(onset_speeds(
+        &rollers.penetration,
+        dynamics.memory.roller_speed(),
+    ));
+}
+
+/// The onset speeds of the contacts that are closed, 0 of the others \[m/s\].
+fn onset_speeds<'a>(depths: &'a [f64], speeds: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+    let pairs = depths.iter().zip(speeds);
+    pairs.map(|(&depth, &speed)| if depth > 0.0 { speed } else { 0.0 })
+}
+
+/// The deepest contact of every bushing.
+#[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap)] // few sprockets, gaps and regions
+pub(super) fn write_teeth(row: &mut Row, dynamics: &Dynamics) {
+    let (teeth, model) = (&dynamics.teeth, dynamics.model());
+    let (links, sprockets) = (model.links, model.sprockets.len());
+    let deepest: Vec<(usize, f64)> = (0..links)
+        .map(|k| {
+            (0..sprockets)
+                .map(|s| (s * links + k, teeth.penetration[s * links + k]))
+                .fold((k, f64::NEG_INFINITY), |a, b| if b.1 > a.1 { b } else { a })
+        })
+        .collect();
+    row.real(
+        deepest
+            .iter()
+            .map(|&(pair, depth)| if depth > 0.0 { teeth.force[pair] } else { 0.0 }),
+    );
+    row.real(deepest.iter().flat_map(|&(pair, depth)| {
+        if depth > 0.0 {
+            <[f64; 2]>::from(teeth.force_on_bushing(pair))
+        } else {
+            [0.0; 2]
+        }
+    }));
+    row.real(deepest.iter().map(|&(_, depth)| depth));
+    row.real(deepest.iter().map(|&(pair, depth)| {
+        if depth > 0.0 {
+            dynamics.memory.tooth_speed[pair]
+        } else {
+            0.0
+        }
+    }));
+    row.whole(deepest.iter().map(|&(pair, depth)| {
+        if depth > 0.0 {
+            (pair / links + 1) as i32
+        } else {
+            0
+        }
+    }));
+    row.whole(deepest.iter().map(|&(pair, depth)| {
+        if depth > 0.0 {
+            teeth.gap[pair] as i32
+        } else {
+            -1
+        }
+    }));
+    row.whole(deepest.iter().map(|&(pair, depth)| {
+        if depth > 0.0 {
+            i32::from(teeth.region[pair])
+        } else {
+            0
+        }
+    }));
+}
+
+/// Angle, speed, torque and centre of every sprocket and guide at time `t`.
+pub(super) fn write_sprockets(row: &mut Row, dynamics: &Dynamics, t: f64) {
+    let model = dynamics.model();
+    let sprockets = model.wheel_body(0)..model.bodies();
+    row.real(dynamics.motion.angle[sprockets.clone()].iter().copied());
+    row.real(dynamics.motion.spin[sprockets.clone()].iter().copied());
+    row.real((0..model.sprockets.len()).map(|s| {
+        dynamics
+            .accelerations
+            .shaft_torque(model, s, t, dynamics.motion.spin[model.wheel_body(s)])
+    }));
+    row.real(sprockets.flat_map(|body| [dynamics.motion.x[body], dynamics.motion.y[body]]));
+}
+
+/// Tooth force on every bushing \[N\], over all sprockets.
+pub(super) fn gather_by_bushing(teeth: &ToothContacts, links: usize, forces: &mut [f64]) {
+    forces.fill(0.0);
+    for &pair in &teeth.near {
+        forces[pair as usize % links] += teeth.force[pair as usize];
+    }
+}
