@@ -102,6 +102,7 @@ lint-python: build $(STAMPS)/lint-tools
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
+	$(BIN)/lint-imports
 	$(BIN)/python -m mypy.stubtest rustchain._rustchain --mypy-config-file pyproject.toml
 
 # --- benchmarks: each prints its counts (evaluations, steps, contacts) beside the times

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import rustchain as rc
-from rustchain._file_models import makers_of
+from rustchain.files.models import makers_of
 
 PAGE = Path(__file__).with_name("files.md")
 MARK = "## Every key\n"

@@ -24,7 +24,7 @@ LAWS: dict[str, rc.ForceLaw] = {
     "Liu, conformal": rc.LiuConformal(),
 }
 
-DAMPINGS: tuple[rc.force_law.Damping, ...] = (
+DAMPINGS: tuple[rc.description.laws.force.Damping, ...] = (
     "hunt-crossley",
     "lankarani-nikravesh",
     "herbert-mcwhannell",
@@ -37,7 +37,7 @@ DAMPINGS: tuple[rc.force_law.Damping, ...] = (
 ASKED = (0.1, 0.3, 0.5, 0.71, 0.8, 0.9, 0.95, 0.99)
 
 # What the laws are told of the published drive's pairs: radii [m], length [m], kind.
-Pair = tuple[tuple[float, float], float, rc.force_law.Surfaces]
+Pair = tuple[tuple[float, float], float, rc.description.laws.force.Surfaces]
 _R, _DR = 3.96875e-3, 7.9375e-3  # bushing; roller diameter of the profile [m]
 _INCH = 0.0254
 

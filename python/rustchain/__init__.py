@@ -9,9 +9,10 @@
 from importlib.metadata import version
 
 from rustchain._rustchain import instruction_set
-from rustchain.catalogue import catalogue, catalogue_chain, paper_drive, two_sprocket_drive
-from rustchain.chain_sizes import ChainSize
-from rustchain.drive import (
+from rustchain.catalogue.generators import chain_drive, open_chain
+from rustchain.catalogue.sizes import ChainSize
+from rustchain.catalogue.standard import catalogue, catalogue_chain, paper_drive, two_sprocket_drive
+from rustchain.description.drive import (
     AnsiTooth,
     AppliedTorque,
     Chain,
@@ -30,17 +31,10 @@ from rustchain.drive import (
     ToothArc,
     ToothLine,
 )
-from rustchain.ends import Anchor, Load, LooseEnd
-from rustchain.errors import (
-    EnergyWarning,
-    InvalidInput,
-    NotRecorded,
-    RangeWarning,
-    SimulationError,
-    ToothJumpWarning,
-)
-from rustchain.film import Film
-from rustchain.force_law import (
+from rustchain.description.ends import Anchor, Load, LooseEnd
+from rustchain.description.guides import GuideArm, GuideRail, SmoothIdler
+from rustchain.description.laws.film import Film
+from rustchain.description.laws.force import (
     EnhancedCylinder,
     Esdu78035,
     ForceLaw,
@@ -53,14 +47,10 @@ from rustchain.force_law import (
     Radzimovsky,
     restitution_obtained,
 )
-from rustchain.friction import Coulomb, LuGre
-from rustchain.guides import GuideArm, GuideRail, SmoothIdler
-from rustchain.layouts import chain_drive, open_chain
-from rustchain.loss_map import loss_map
-from rustchain.material import Material
-from rustchain.mechanism import Mechanism
-from rustchain.mechanism_evaluation import MechanismEvaluation
-from rustchain.mechanism_parts import (
+from rustchain.description.laws.friction import Coulomb, LuGre
+from rustchain.description.material import Material
+from rustchain.description.mechanism.builder import Mechanism
+from rustchain.description.mechanism.parts import (
     HuntCrossley,
     LinearContact,
     Sines,
@@ -69,16 +59,25 @@ from rustchain.mechanism_parts import (
     SurfaceContact,
     Table,
 )
-from rustchain.mechanism_report import MechanismReport
-from rustchain.mechanism_result import MechanismResult
-from rustchain.mechanism_simulation import MechanismSimulation
-from rustchain.mechanism_stop import ContactForceAbove, JointForceAbove
-from rustchain.report import DriveReport
-from rustchain.result import Result
-from rustchain.result_file import load_result
-from rustchain.scene import Scene, load_scene
-from rustchain.simulation import Evaluation, Simulation, Solver
-from rustchain.stop import (
+from rustchain.description.mechanism.report import MechanismReport
+from rustchain.description.report import DriveReport
+from rustchain.errors import (
+    EnergyWarning,
+    InvalidInput,
+    NotRecorded,
+    RangeWarning,
+    SimulationError,
+    ToothJumpWarning,
+)
+from rustchain.files.scene import Scene, load_scene
+from rustchain.results.files import load_result
+from rustchain.results.mechanism_result import MechanismResult
+from rustchain.results.result import Result
+from rustchain.simulation.mechanism_evaluation import MechanismEvaluation
+from rustchain.simulation.mechanism_simulation import MechanismSimulation
+from rustchain.simulation.mechanism_stop import ContactForceAbove, JointForceAbove
+from rustchain.simulation.simulation import Evaluation, Simulation, Solver
+from rustchain.simulation.stop import (
     HingeForceAbove,
     StopCondition,
     StrandSlack,
@@ -86,9 +85,10 @@ from rustchain.stop import (
     ToothForceAbove,
     ToothJump,
 )
-from rustchain.study import StudyResult, study
-from rustchain.sweep import sweep
-from rustchain.sweep_result import SweepResult
+from rustchain.sweeps.loss_map import loss_map
+from rustchain.sweeps.result import SweepResult
+from rustchain.sweeps.study import StudyResult, study
+from rustchain.sweeps.sweep import sweep
 
 __version__ = version("rustchain")
 

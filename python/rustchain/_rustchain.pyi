@@ -6,15 +6,15 @@ from typing import Any, Literal, final
 import numpy as np
 import numpy.typing as npt
 
-from rustchain._description import Description
-from rustchain.drive import Chain, ChainDrive, Sprocket
-from rustchain.film import Film
-from rustchain.force_law import ForceLaw
-from rustchain.guides import GuideRail, SmoothIdler
-from rustchain.material import Material
-from rustchain.mechanism import Mechanism
-from rustchain.result import Result
-from rustchain.simulation import Solver
+from rustchain.description.base import Description
+from rustchain.description.drive import Chain, ChainDrive, Sprocket
+from rustchain.description.guides import GuideRail, SmoothIdler
+from rustchain.description.laws.film import Film
+from rustchain.description.laws.force import ForceLaw
+from rustchain.description.material import Material
+from rustchain.description.mechanism.builder import Mechanism
+from rustchain.results.result import Result
+from rustchain.simulation.simulation import Solver
 
 __all__ = [
     "Case",

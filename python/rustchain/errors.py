@@ -1,8 +1,8 @@
 """What can go wrong, as types."""
 
 from rustchain import _rustchain
-from rustchain._panics import guard
 from rustchain._rustchain import InvalidInput, SimulationError
+from rustchain.panics import guard
 
 __all__ = [
     "EnergyWarning",

@@ -47,7 +47,7 @@ def result():
 
 @pytest.mark.parametrize("kind", wild_values.ALL)
 def test_a_message_shows_any_value_on_one_line_of_eighty_characters(kind):
-    from rustchain._arguments import shown
+    from rustchain.arguments import shown
 
     text = shown(wild_values.ALL[kind]())
     assert len(text) <= 80

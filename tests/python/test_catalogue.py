@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 import rustchain as rc
-from rustchain.cli import app
+from rustchain.cli.app import app
 
 INCH = 0.0254
 SIZES = rc.catalogue()

@@ -4,7 +4,7 @@ import pytest
 from typer.testing import CliRunner
 
 import rustchain as rc
-from rustchain.cli import Law, app
+from rustchain.cli.app import Law, app
 
 
 def rustchain(*arguments):

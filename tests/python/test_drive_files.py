@@ -12,8 +12,8 @@ import pytest
 from typer.testing import CliRunner
 
 import rustchain as rc
-from rustchain._description import Description
-from rustchain.cli import app
+from rustchain.cli.app import app
+from rustchain.description.base import Description
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "three_shafts.toml"

@@ -22,7 +22,7 @@ import xarray as xr
 from typer.testing import CliRunner
 
 import rustchain as rc
-from rustchain.cli import app
+from rustchain.cli.app import app
 
 FLIPS = 247  # as many as the trial had in which one file loaded with another content
 KILLS = 3

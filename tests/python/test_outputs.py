@@ -10,9 +10,9 @@ from scipy.integrate import trapezoid
 
 import rustchain as rc
 from rustchain._rustchain import tooth_radii
-from rustchain.outputs import rainflow
-from rustchain.outputs.circuit import Belt, Circuit
-from rustchain.outputs.pressure import half_width, line_pressure, surface_curvature
+from rustchain.analysis import rainflow
+from rustchain.analysis.circuit import Belt, Circuit
+from rustchain.analysis.pressure import half_width, line_pressure, surface_curvature
 
 GROUPS = ("hinges", "teeth", "sprockets", "bodies")
 EQUAL = rc.two_sprocket_drive(teeth=(17, 17), links=60, torque=-1.0, pretension=25.0)

@@ -8,8 +8,8 @@ import pytest
 from scipy.optimize import brentq
 
 import rustchain as rc
-from rustchain.outputs.strands import natural_frequencies
-from rustchain.outputs.transmission import order_spectrum
+from rustchain.analysis.strands import natural_frequencies
+from rustchain.analysis.transmission import order_spectrum
 
 PITCH = rc.catalogue()["ANSI 40"].pitch
 

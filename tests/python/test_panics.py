@@ -5,7 +5,7 @@ import inspect
 import pytest
 
 import rustchain as rc
-from rustchain import _panics, _rustchain
+from rustchain import _rustchain, panics
 
 
 class PanicException(BaseException):
@@ -25,7 +25,7 @@ def test_a_panic_is_a_simulation_error_with_the_time_of_its_object():
     with pytest.raises(
         rc.SimulationError, match=r"defect of rustchain at t = 0.25.* s: index out"
     ) as e:
-        _panics.guarded(Run.advance)(Run())
+        panics.guarded(Run.advance)(Run())
     assert e.value.time == 0.25
     assert (e.value.step_size, e.value.contact, e.value.result) == (None, None, None)
     assert isinstance(e.value, Exception)
@@ -36,11 +36,11 @@ def test_what_else_ends_a_call_passes():
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        _panics.guarded(interrupted)()
+        panics.guarded(interrupted)()
 
 
 def test_every_way_into_the_compiled_module_is_guarded():
-    guarded = _panics.guarded(len).__code__
+    guarded = panics.guarded(len).__code__
 
     def is_guarded(member):
         return inspect.isfunction(member) and member.__code__ is guarded

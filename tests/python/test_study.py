@@ -11,8 +11,8 @@ from scipy import stats
 
 import rustchain as rc
 from rustchain.plot import draw_loss_map
-from rustchain.study import StudyResult
-from rustchain.sweep_result import SweepResult
+from rustchain.sweeps.result import SweepResult
+from rustchain.sweeps.study import StudyResult
 
 PAPER = rc.paper_drive()
 SHORT = {"duration": 8e-3, "burn_in": 4e-3, "progress": False}

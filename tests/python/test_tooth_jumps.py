@@ -79,7 +79,7 @@ def test_a_part_without_jumps_is_that_of_a_seated_chain(jumped):
 def test_hinges_are_where_they_were_on_the_way_after_a_jump_of_the_first_sprocket(jumped):
     from dataclasses import replace
 
-    from rustchain.outputs.circuit import Circuit
+    from rustchain.analysis.circuit import Circuit
 
     result, _ = jumped
     way = Circuit.of(result.drive)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rustchain._arguments import checked_methods
+from rustchain.arguments import checked_methods
 from rustchain.plot.contacts import ContactFigures
 from rustchain.plot.histories import HistoryFigures
 from rustchain.plot.joints import JointFigures

@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from rustchain import _rustchain
-from rustchain._arguments import shown
-from rustchain._names import known_keywords, suggest
+from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
+from rustchain.names import known_keywords, suggest
 from rustchain.plot.style import (
     BLUE,
     CYCLE,
@@ -26,7 +26,7 @@ from rustchain.plot.style import (
     panels,
     styled,
 )
-from rustchain.result_views import Bushing
+from rustchain.results.views import Bushing
 
 _SURFACES = (BLUE, ORANGE, GREEN, RED)  # of the tooth, from the seat outward
 

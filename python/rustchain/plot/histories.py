@@ -5,7 +5,7 @@ from __future__ import annotations
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
-from rustchain._names import known_keywords
+from rustchain.names import known_keywords
 from rustchain.plot.style import (
     BLUE,
     CYCLE,
@@ -18,7 +18,8 @@ from rustchain.plot.style import (
     panels,
     styled,
 )
-from rustchain.result_views import Array, Energy
+from rustchain.results.views import Energy
+from rustchain.typing import Array
 
 
 class HistoryFigures(Figures):

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
-from rustchain._arguments import shown
-from rustchain._names import known_keywords, suggest
-from rustchain.drive import PrescribedSpeed
+from rustchain.arguments import shown
+from rustchain.description.drive import PrescribedSpeed
 from rustchain.errors import InvalidInput
+from rustchain.names import known_keywords, suggest
 from rustchain.plot.style import BLUE, CYCLE, RED, Figures, legend_above, styled
 
 

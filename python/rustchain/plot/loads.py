@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rustchain._names import known_keywords
-from rustchain.outputs.circuit import Circuit
+from rustchain.analysis.circuit import Circuit
+from rustchain.names import known_keywords
 from rustchain.plot.style import (
     BLUE,
     CYCLE,

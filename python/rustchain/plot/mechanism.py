@@ -11,11 +11,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rustchain._arguments import checked_methods, shown
-from rustchain._names import known_keywords, named_attributes, suggest
+from rustchain.analysis.window import rows_between
+from rustchain.arguments import checked_methods, shown
 from rustchain.errors import InvalidInput
-from rustchain.mechanism_result import MechanismResult
-from rustchain.outputs.window import rows_between
+from rustchain.names import known_keywords, named_attributes, suggest
 from rustchain.plot.histories import energy_figure
 from rustchain.plot.style import (
     BLUE,
@@ -26,6 +25,7 @@ from rustchain.plot.style import (
     panels,
     styled,
 )
+from rustchain.results.mechanism_result import MechanismResult
 
 _RATES = {
     "position": ("m", "rad"),

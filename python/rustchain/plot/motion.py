@@ -10,9 +10,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rustchain._arguments import shown
-from rustchain._names import known_keywords, suggest
+from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
+from rustchain.names import known_keywords, suggest
 from rustchain.plot.style import (
     BLUE,
     CYCLE,

@@ -16,12 +16,12 @@ from matplotlib.path import Path
 from matplotlib.transforms import Bbox
 
 from rustchain import _rustchain
-from rustchain._names import known_keywords
-from rustchain.drive import ChainDrive
-from rustchain.ends import Anchor, Load
-from rustchain.guides import GuideRail, SmoothIdler
+from rustchain.description.drive import ChainDrive
+from rustchain.description.ends import Anchor, Load
+from rustchain.description.guides import GuideRail, SmoothIdler
+from rustchain.names import known_keywords
 from rustchain.plot.style import GREY, Figures, styled
-from rustchain.result import Array
+from rustchain.typing import Array
 
 if TYPE_CHECKING:
     from matplotlib.typing import ColorType

@@ -9,15 +9,15 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
 
-from rustchain._arguments import shown
-from rustchain._names import suggest
+from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
+from rustchain.names import suggest
 from rustchain.plot.style import BLUE, GREY, RED, panels, styled
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rustchain.study import StudyResult
+    from rustchain.sweeps.study import StudyResult
 
 
 @styled

@@ -10,11 +10,11 @@ from matplotlib import style
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rustchain._names import named_attributes
-from rustchain.outputs.window import rows_between
+from rustchain.analysis.window import rows_between
+from rustchain.names import named_attributes
 
 if TYPE_CHECKING:
-    from rustchain.result import Result
+    from rustchain.results.result import Result
 
 BLUE, ORANGE, GREEN, RED, GREY = "#0b64a0", "#d9730d", "#2a8f5b", "#b8323a", "#7a7f87"
 CYCLE = (BLUE, ORANGE, GREEN, RED, "#7d5ba6", "#8c6d1f", "#1d9a9a", "#c2608f")

@@ -1,0 +1,88 @@
+"""Engagement impacts: how hard and where each bushing meets a sprocket."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rustchain.analysis.circuit import Circuit
+from rustchain.analysis.guides import guide_number
+from rustchain.analysis.loads import check_sprocket
+from rustchain.analysis.window import rows_between
+from rustchain.arguments import shown
+from rustchain.errors import InvalidInput
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from rustchain.results.result import Result
+
+
+def engagements(
+    result: Result,
+    sprocket: int | str | None,
+    within: float,
+    start: float | None,
+    end: float | None,
+) -> pd.DataFrame:
+    """Return what `Outputs.engagements` promises."""
+    import pandas as pd
+
+    if not within > 0.0:
+        msg = f"within = {shown(within)}: must be a positive number of pitches"
+        raise InvalidInput(msg)
+    count = len(result.drive.sprockets)
+    numbers = range(1, count + 1)
+    if isinstance(sprocket, str) and sprocket.startswith("guide"):
+        numbers = range(
+            count + guide_number(result, sprocket), count + 1 + len(result.drive.guides)
+        )
+        numbers = numbers[:1]
+    elif sprocket is not None:
+        check_sprocket(result, sprocket)
+        numbers = range(int(sprocket), int(sprocket) + 1)
+    rows = rows_between(result, start, end)
+    wheel, gap, region = (
+        result.array(f"tooth_{name}")[rows] for name in ("sprocket", "index", "region")
+    )
+    peak, impulse = (result.array(f"peak_tooth_{name}")[rows] for name in ("force", "impulse"))
+    time = result.time[rows]
+    moved = Circuit.of(result.drive).moved(result)[rows]
+    passed = np.maximum.accumulate(np.abs(moved - moved[0]))
+    found, last_number = [], max(count, numbers[-1])
+    for k in range(wheel.shape[1]):
+        touching = np.flatnonzero((wheel[:, k] > 0) & (wheel[:, k] <= last_number))
+        if touching.size == 0:
+            continue
+        where = np.stack([wheel[touching, k], gap[touching, k]])
+        changes = np.flatnonzero((np.diff(where) != 0).any(axis=0)) + 1
+        stays = np.split(touching, changes)
+        for stay in stays:
+            first, last = int(stay[0]), int(stay[-1])
+            if first == 0 or wheel[first, k] not in numbers:
+                continue  # a contact older than the part looked at has no beginning in it
+            # The row that first shows the contact ends the interval in which it began.
+            early = slice(first, max(first + 1, _row_at(passed, first, within)))
+            whole = slice(first, min(last + 2, len(time)))
+            found.append(
+                (
+                    time[first],
+                    k + 1,
+                    int(wheel[first, k]),
+                    int(gap[first, k]),
+                    int(region[first, k]),
+                    peak[early, k].max(),
+                    impulse[early, k].sum(),
+                    peak[whole, k].max(),
+                    passed[last] - passed[first],
+                )
+            )
+    names = ["time", "bushing", "sprocket", "tooth", "region"]
+    names += ["force", "impulse", "largest_force", "pitches"]
+    return pd.DataFrame(found, columns=names).sort_values("time", ignore_index=True)
+
+
+def _row_at(passed: np.ndarray[tuple[int], np.dtype[np.float64]], first: int, within: float) -> int:
+    """Return the row at which the chain has gone on by `within` pitches since row `first`."""
+    return first + int(np.searchsorted(passed[first:] - passed[first], within, "left"))

@@ -1,0 +1,117 @@
+"""Loads of guides: rails, blades, shoes and smooth idlers, along the chain's way and over time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rustchain import _rustchain
+from rustchain.analysis.circuit import Circuit
+from rustchain.analysis.loads import nearest_contact
+from rustchain.analysis.phases import bins_of, checked_bins, intervals, midway, share, statistics
+from rustchain.analysis.window import rows_between
+from rustchain.arguments import shown
+from rustchain.description.guides import SmoothIdler
+from rustchain.errors import InvalidInput
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rustchain.results.result import Result
+
+_NEWTONS = {"units": "N"}
+
+
+def guide_loads(
+    result: Result,
+    guide: int | str,
+    quantiles: Sequence[float],
+    bins_per_pitch: int,
+    start: float | None,
+    end: float | None,
+) -> xr.Dataset:
+    """Return what `Outputs.guide_loads` promises."""
+    import xarray as xr
+
+    bins_per_pitch = checked_bins("guide_loads.bins_per_pitch", bins_per_pitch)
+    rows = rows_between(result, start, end)
+    number = guide_number(result, guide)
+    wheel = result.array("tooth_sprocket")
+    here = wheel[rows] == len(result.drive.sprockets) + number
+    # Most impacts are over before a row: they count where the bushing was last.
+    nearest = np.take_along_axis(wheel, nearest_contact(result), 0)[rows]
+    met = nearest == len(result.drive.sprockets) + number
+    force = np.where(here, result.array("tooth_force")[rows], 0.0)
+    peak = np.where(met, result.array("peak_tooth_force")[rows], 0.0)
+    impulse = np.where(met, result.array("peak_tooth_impulse")[rows], 0.0)
+    span = intervals(result.time)[rows, None]
+
+    circuit = Circuit.of(result.drive)
+    reach = math.ceil(_length(result, number) / (2 * result.drive.chain.pitch)) + 1.5
+    along = midway(circuit.moved(result))[rows, None] + np.arange(circuit.links)
+    along = along - _middle(result, number)
+    along = np.mod(along + 0.5 * circuit.links, circuit.links) - 0.5 * circuit.links
+    bins = round(2 * reach * bins_per_pitch)
+    place = bins_of(along, -reach, 1.0 / bins_per_pitch, bins)
+    found = statistics(place, bins, force, peak, quantiles)
+    spread = np.broadcast_to(span, place.shape)
+    position = -reach + (np.arange(bins) + 0.5) / bins_per_pitch
+    return xr.Dataset(
+        {
+            "mean": ("position", share(place, bins, impulse, spread), _NEWTONS),
+            "quantiles": (("position", "quantile"), found["quantiles"], _NEWTONS),
+            "largest": ("position", found["largest"], _NEWTONS),
+            "bushing_mean": ("bushing", impulse.sum(0) / span.sum(), _NEWTONS),
+            "bushing_largest": ("bushing", peak.max(0), _NEWTONS),
+            "force": ("time", force.sum(1), _NEWTONS),
+            "bushings": ("time", (here & (force > 0.0)).sum(1)),
+        },
+        {
+            "position": ("position", position, {"units": "pitches"}),
+            "quantile": list(quantiles),
+            "bushing": np.arange(1, circuit.links + 1),
+            "time": ("time", result.time[rows], {"units": "s"}),
+        },
+        {"guide": number, "mean_force": float(impulse.sum() / span.sum())},
+    )
+
+
+def guide_number(result: Result, guide: int | str) -> int:
+    """Return the number of a guide, from 1; `guide` is that, or a name such as "guide_1"."""
+    count = len(result.drive.guides)
+    number = guide
+    if isinstance(guide, str):
+        digits = guide.removeprefix("guide_")
+        number = int(digits) if digits.isdecimal() else guide
+    if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= count:
+        known = f"1 to {count}, or 'guide_1' and so on" if count else "but the drive has none"
+        msg = f"guide = {shown(guide)}: must be the number of a guide, {known}"
+        raise InvalidInput(msg)
+    return number
+
+
+def _length(result: Result, number: int) -> float:
+    """Return how long the part of a guide is that the chain may bear on, at most [m]."""
+    guide = result.drive.guides[number - 1]
+    return math.pi * guide.radius if isinstance(guide, SmoothIdler) else guide.length
+
+
+def _middle(result: Result, number: int) -> float:
+    """Return where the chain passes the middle of a guide at the start of the run [pitches]."""
+    links = result.drive.chain.links
+    guide = result.drive.guides[number - 1]
+    table = _rustchain.chain_links(result.drive.chain)
+    x, y, angle = result.initial_positions[:links].T
+    half = 0.5 * table[:, 0]
+    hinges = np.stack([x + half * np.cos(angle), y + half * np.sin(angle)], -1)
+    behind = np.roll(hinges, -1, axis=0)
+    step = behind - hinges
+    along = ((np.array(guide.center) - hinges) * step).sum(-1) / (step**2).sum(-1)
+    inside = np.clip(along, 0.0, 1.0)
+    foot = hinges + inside[:, None] * step
+    nearest = int(np.argmin(np.hypot(*(foot - np.array(guide.center)).T)))
+    moved = Circuit.of(result.drive).moved(result)[0]
+    return float(nearest + inside[nearest] + moved)

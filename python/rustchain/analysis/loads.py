@@ -1,0 +1,213 @@
+"""Loads over a revolution: of hinges along the chain's way, of teeth, and along the wrap."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rustchain.analysis.circuit import Circuit
+from rustchain.analysis.phases import bins_of, checked_bins, intervals, midway, share, statistics
+from rustchain.analysis.window import rows_between
+from rustchain.arguments import plain, shown
+from rustchain.errors import InvalidInput
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+    import xarray as xr
+
+    from rustchain.results.result import Result
+    from rustchain.typing import Array
+
+_NEWTONS = {"units": "N"}
+
+
+def hinge_loads(
+    result: Result,
+    quantiles: Sequence[float],
+    bins_per_pitch: int,
+    start: float | None,
+    end: float | None,
+) -> xr.Dataset:
+    """Return what `Outputs.hinge_loads` promises."""
+    import xarray as xr
+
+    bins_per_pitch = checked_bins("hinge_loads.bins_per_pitch", bins_per_pitch)
+    rows = rows_between(result, start, end)
+    circuit = Circuit.of(result.drive)
+    where = midway(circuit.moved(result))[rows, None] + np.arange(circuit.links)
+    bins = bins_per_pitch * circuit.links
+    place = np.floor(np.mod(where, circuit.links) * bins_per_pitch).astype(np.intp) % bins
+    force = result.array("hinge_force")[rows]
+    peak, impulse = _peaks(result, "hinge", rows)
+    span = intervals(result.time)[rows, None]
+    found = statistics(place, bins, force, peak, quantiles)
+    mean = share(place, bins, impulse, np.broadcast_to(span, place.shape))
+    position = (np.arange(bins) + 0.5) / bins_per_pitch
+    hinges = np.arange(1, circuit.links + 1)
+    return xr.Dataset(
+        {
+            "mean": ("position", mean, _NEWTONS),
+            "quantiles": (("position", "quantile"), found["quantiles"], _NEWTONS),
+            "largest": ("position", found["largest"], _NEWTONS),
+            "hinge_mean": ("hinge", impulse.sum(0) / span.sum(), _NEWTONS),
+            "hinge_quantiles": (
+                ("hinge", "quantile"),
+                np.quantile(force, quantiles, axis=0).T,
+                _NEWTONS,
+            ),
+            "hinge_largest": ("hinge", peak.max(0), _NEWTONS),
+        },
+        {
+            "position": ("position", position, {"units": "pitches"}),
+            "section": ("position", circuit.names(position)),
+            "quantile": list(quantiles),
+            "hinge": hinges,
+        },
+        {"revolutions": _revolutions(circuit, result, rows)},
+    )
+
+
+def wrap_loads(
+    result: Result,
+    sprocket: int,
+    quantiles: Sequence[float],
+    bins_per_pitch: int,
+    start: float | None,
+    end: float | None,
+) -> xr.Dataset:
+    """Return what `Outputs.wrap_loads` promises."""
+    import xarray as xr
+
+    bins_per_pitch = checked_bins("wrap_loads.bins_per_pitch", bins_per_pitch)
+    rows = rows_between(result, start, end)
+    check_sprocket(result, sprocket)
+    circuit = Circuit.of(result.drive)
+    section = circuit.section(sprocket)
+    # Teeth are met and left outside the belt line; half pitches put seats in the middle of a bin.
+    begin = -1.5
+    bins = round(bins_per_pitch * (np.ceil(section.end - section.begin) - 2.0 * begin))
+    here = midway(circuit.moved(result))[rows, None] + np.arange(circuit.links)
+    along = np.mod(here - section.begin - begin, circuit.links) + begin
+    place = bins_of(along, begin, 1.0 / bins_per_pitch, bins)
+    span = np.broadcast_to(intervals(result.time)[rows, None], place.shape)
+    # A bushing near this sprocket touches no other one.
+    tooth, hinge = (_peaks(result, part, rows) for part in ("tooth", "hinge"))
+    force = result.array("tooth_force")[rows]
+    found = statistics(place, bins, force, tooth[0], quantiles)
+    position = begin + (np.arange(bins) + 0.5) / bins_per_pitch
+    return xr.Dataset(
+        {
+            "mean": ("position", share(place, bins, tooth[1], span), _NEWTONS),
+            "quantiles": (("position", "quantile"), found["quantiles"], _NEWTONS),
+            "largest": ("position", found["largest"], _NEWTONS),
+            "hinge_mean": ("position", share(place, bins, hinge[1], span), _NEWTONS),
+        },
+        {
+            "position": ("position", position, {"units": "pitches"}),
+            "quantile": list(quantiles),
+        },
+        {"wrap": section.end - section.begin, "sprocket": sprocket},
+    )
+
+
+def tooth_loads(
+    result: Result,
+    sprocket: int,
+    quantiles: Sequence[float],
+    bins_per_pitch: int,
+    start: float | None,
+    end: float | None,
+) -> xr.Dataset:
+    """Return what `Outputs.tooth_loads` promises."""
+    import xarray as xr
+
+    bins_per_pitch = checked_bins("tooth_loads.bins_per_pitch", bins_per_pitch)
+    rows = rows_between(result, start, end)
+    check_sprocket(result, sprocket)
+    teeth = result.drive.sprockets[sprocket - 1].teeth
+    force, peak, impulse = by_gap(result, sprocket, rows)
+    turned = midway(result.array("sprocket_angle")[:, sprocket - 1])[rows, None]
+    around = np.mod((turned + 2 * np.pi * np.arange(teeth) / teeth) / (2 * np.pi), 1.0)
+    bins = bins_per_pitch * teeth
+    place = np.floor(around * bins).astype(np.intp) % bins
+    span = intervals(result.time)[rows, None]
+    found = statistics(place, bins, force, peak, quantiles)
+    spread = np.broadcast_to(span, place.shape)
+    angle = 2 * np.pi * (np.arange(bins) + 0.5) / bins
+    turns = float(np.abs(turned[-1, 0] - turned[0, 0]) / (2 * np.pi)) if len(turned) else 0.0
+    return xr.Dataset(
+        {
+            "mean": ("angle", share(place, bins, impulse, spread), _NEWTONS),
+            "quantiles": (("angle", "quantile"), found["quantiles"], _NEWTONS),
+            "largest": ("angle", found["largest"], _NEWTONS),
+            "tooth_mean": ("tooth", impulse.sum(0) / span.sum(), _NEWTONS),
+            "tooth_largest": ("tooth", peak.max(0), _NEWTONS),
+        },
+        {
+            "angle": ("angle", angle, {"units": "rad"}),
+            "quantile": list(quantiles),
+            "tooth": np.arange(teeth),
+        },
+        {"sprocket": sprocket, "revolutions": turns},
+    )
+
+
+def by_gap(result: Result, sprocket: int, rows: slice) -> tuple[Array, Array, Array]:
+    """Return force and peaks [N] and impulses [N s] of each gap of a sprocket, (times, gaps).
+
+    A bushing that is in no contact at a row counts, with what it met since the row before, where
+    it was last in contact, or where it is next.
+    """
+    teeth = result.drive.sprockets[sprocket - 1].teeth
+    names = ("tooth_sprocket", "tooth_index", "tooth_force")
+    wheel, gap, force = (result.array(name) for name in names)
+    nearest = nearest_contact(result)
+    of = [np.take_along_axis(each, nearest, 0)[rows] for each in (wheel, gap)]
+    peak, impulse = _peaks(result, "tooth", rows)
+    row, bushing = np.nonzero((of[0] == sprocket) & ((peak > 0.0) | (force[rows] > 0.0)))
+    gaps = of[1][row, bushing]
+    shape = (len(peak), teeth)
+    found = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    np.add.at(found[0], (row, gaps), force[rows][row, bushing])
+    np.maximum.at(found[1], (row, gaps), peak[row, bushing])
+    np.add.at(found[2], (row, gaps), impulse[row, bushing])
+    return found
+
+
+def nearest_contact(result: Result) -> npt.NDArray[np.intp]:
+    """Return the row of each bushing's last contact, or of its next one, (times, bushings).
+
+    Most impacts are over before the row that ends their interval. A bushing that no row found in
+    contact has its own rows.
+    """
+    touching = result.array("tooth_sprocket") > 0
+    row = np.arange(len(touching))[:, None]
+    last = np.maximum.accumulate(np.where(touching, row, -1), axis=0)
+    coming = np.where(touching, row, len(touching))
+    coming = np.minimum.accumulate(coming[::-1], axis=0)[::-1]
+    nearest = np.where(last >= 0, last, coming)
+    return np.where(nearest < len(touching), nearest, row)
+
+
+def check_sprocket(result: Result, number: object, argument: str = "sprocket") -> None:
+    """Raise where there is no sprocket of this number."""
+    count = len(result.drive.sprockets)
+    given = plain(number)
+    if type(given) is not int or given not in range(1, count + 1):
+        msg = f"{argument} = {shown(number)}: must be the number of a sprocket, 1 to {count}"
+        if result.drive.guides:
+            msg += "; the loads of guides are those of guide_loads"
+        raise InvalidInput(msg)
+
+
+def _peaks(result: Result, part: str, rows: slice) -> tuple[Any, Any]:
+    """Return peaks [N] and impulses [N s] of hinges or teeth."""
+    return tuple(result.array(f"peak_{part}_{what}")[rows] for what in ("force", "impulse"))  # type: ignore[return-value]
+
+
+def _revolutions(circuit: Circuit, result: Result, rows: slice) -> float:
+    """Return how often the chain has gone round."""
+    moved = circuit.moved(result)[rows]
+    return float(abs(moved[-1] - moved[0]) / circuit.links)

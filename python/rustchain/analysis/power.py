@@ -1,0 +1,96 @@
+"""Where the power goes: shafts, losses by channel, stored energy, efficiency."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rustchain.analysis.window import rows_between
+from rustchain.description.drive import Free, PrescribedSpeed
+from rustchain.errors import InvalidInput
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rustchain.results.result import Result
+    from rustchain.typing import Array
+
+_STORED = ("kinetic", "gravity", "elastic")
+_SUMS = ("dissipated", "worked_in", "residual")
+
+
+def power_balance(result: Result, start: float | None, end: float | None) -> xr.Dataset:
+    """Return what `Outputs.power_balance` promises."""
+    import xarray as xr
+
+    rows = rows_between(result, start, end)
+    time = result.time[rows]
+    if len(time) < 2:
+        msg = f"start={start}, end={end}: a power needs at least two rows; take a longer part"
+        raise InvalidInput(msg)
+    span = float(time[-1] - time[0])
+
+    def rate(name: str) -> float:
+        values = result.array(f"energy_{name}")[rows]
+        return float(values[-1] - values[0]) / span
+
+    losses = _losses(result, rate)
+    shafts = _shafts(result, rows, rate("worked_in"))
+    delivered = float(-shafts[shafts < 0.0].sum())
+    lost = rate("dissipated")
+    # Where no shaft puts work in, what is stored runs down: there is no efficiency to speak of.
+    works = delivered > 0.0 and bool(np.any(shafts > 0.0))
+    efficiency = delivered / (delivered + lost) if works else np.nan
+    part = result.between(start, end)
+    jumped = {} if part.jumps is None else {"tooth_jumps": len(part.tooth_jumps)}
+    watts = {"units": "W"}
+    return xr.Dataset(
+        {
+            "shaft_power": ("sprocket", shafts, watts),
+            "loss": ("channel", list(losses.values()), watts),
+            "stored": ("store", [rate(name) for name in _STORED], watts),
+            "residual": ((), rate("residual"), watts),
+            "efficiency": ((), efficiency, {"units": "1"}),
+        },
+        {
+            "sprocket": np.arange(1, len(shafts) + 1),
+            "channel": list(losses),
+            "store": list(_STORED),
+        },
+        {"span": span} | jumped,
+    )
+
+
+def _losses(result: Result, rate: Callable[[str], float]) -> dict[str, float]:
+    """Return the power of each channel of losses; what no channel claims is of the rest."""
+    known = {f"energy_{name}" for name in (*_STORED, *_SUMS)}
+    named = [name for name in result.arrays if name.startswith("energy_") and name not in known]
+    parts = {name.removeprefix("energy_"): rate(name.removeprefix("energy_")) for name in named}
+    rest = "contacts" if result.drive.tensioner is None else "contacts and dashpot"
+    if any(name.endswith("_contact") for name in parts):
+        rest = "dashpots"  # the contacts have channels of their own
+    return {rest: rate("dissipated") - sum(parts.values()), **parts}
+
+
+def _shafts(result: Result, rows: slice, worked_in: float) -> Array:
+    """Return the mean power of each shaft [W], positive into the drive, (sprockets,).
+
+    Applied torques are smooth enough to integrate from row to row. A motor of prescribed speed
+    feels every impact, most of which fall between rows: of one motor alone, the power is what the
+    metered work leaves to it.
+    """
+    from scipy.integrate import trapezoid
+
+    time = result.time[rows]
+    count = len(result.drive.sprockets)
+    torque, speed = (result.array(f"sprocket_{name}")[rows, :count] for name in ("torque", "speed"))
+    power: Array = trapezoid(torque * speed, time, axis=0) / (time[-1] - time[0])
+    motions = [sprocket.motion for sprocket in result.drive.sprockets]
+    power[[isinstance(motion, Free) for motion in motions]] = 0.0
+    motors = [k for k, motion in enumerate(motions) if isinstance(motion, PrescribedSpeed)]
+    if len(motors) == 1:
+        power[motors[0]] = 0.0
+        power[motors[0]] = worked_in - power.sum()
+    return power

@@ -1,0 +1,73 @@
+"""The spectrum of any recorded array."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rustchain.analysis.window import rows_between
+from rustchain.arguments import shown
+from rustchain.errors import InvalidInput
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rustchain.results.result import Result
+    from rustchain.typing import Array
+
+
+def spectrum(
+    result: Result, name: str, segment: float | None, start: float | None, end: float | None
+) -> xr.DataArray:
+    """Return what `Outputs.spectrum` promises."""
+    import xarray as xr
+
+    rows = rows_between(result, start, end)
+    values = result.array(name)[rows]
+    if not np.isfinite(values).all():
+        msg = (
+            f"name = {shown(name)}: has values that are no finite numbers, of contacts that "
+            "are not "
+            "even near; take a force"
+        )
+        raise InvalidInput(msg)
+    recorded = result.to_xarray()[name]
+    frequency, density = welch(result.time[rows], np.moveaxis(values, 0, -1), segment)
+    unit = str(recorded.attrs["units"])
+    others = [dim for dim in recorded.dims if dim != "time"]
+    return xr.DataArray(
+        density,
+        {
+            **{dim: recorded.coords[dim] for dim in others},
+            "frequency": ("frequency", frequency, {"units": "Hz"}),
+        },
+        [*others, "frequency"],
+        f"{name}_spectrum",
+        {"units": f"{unit if unit.isalpha() else f'({unit})'}^2/Hz"},
+    )
+
+
+def welch(time: Array, values: Array, segment: float | None) -> tuple[Array, Array]:
+    """Return frequencies [Hz] and densities of values over time, their last axis.
+
+    Segments of `segment` [s] (by default all in one), half of each in the next, their straight
+    lines taken off, under Hann's window: `scipy.signal.welch`. Rows that are not evenly spaced, as
+    the last of a run may be, are interpolated.
+    """
+    from scipy import signal
+
+    if len(time) < 16:
+        msg = f"start, end: {len(time)} rows: too few for a spectrum; take a longer part"
+        raise InvalidInput(msg)
+    if segment is not None and segment <= 0.0:
+        msg = f"segment = {segment:g}: must be a positive number in s"
+        raise InvalidInput(msg)
+    step = float(np.median(np.diff(time)))
+    even = time[0] + step * np.arange(int((time[-1] - time[0]) / step + 0.5) + 1)
+    flat = values.reshape(-1, values.shape[-1])
+    resampled = np.stack([np.interp(even, time, one) for one in flat])
+    whole = len(even) * step if segment is None else min(segment, len(even) * step)
+    points = min(max(round(whole / step), 16), len(even))
+    frequency, density = signal.welch(resampled, 1.0 / step, nperseg=points, detrend="linear")
+    return frequency, density.reshape(*values.shape[:-1], -1)

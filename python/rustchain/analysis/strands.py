@@ -1,0 +1,188 @@
+"""The free strands: pull along the chain, motion across it, spectrum and natural frequencies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rustchain import _rustchain
+from rustchain.analysis.circuit import Belt, Circuit
+from rustchain.analysis.spectrum import welch
+from rustchain.analysis.window import rows_between
+from rustchain.arguments import count_within, shown
+from rustchain.errors import InvalidInput
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rustchain.description.drive import Chain
+    from rustchain.results.result import Result
+    from rustchain.typing import Array
+
+
+def link_tension(result: Result, start: float | None, end: float | None) -> xr.DataArray:
+    """Return what `Outputs.link_tension` promises."""
+    import xarray as xr
+
+    rows = rows_between(result, start, end)
+    if result.drive.ends is not None:
+        msg = "ChainDrive.ends: tensions of an open chain are hinge forces; use hinge() and end()"
+        raise InvalidInput(msg)
+    links = result.drive.chain.links
+    table = _rustchain.chain_links(result.drive.chain)
+    centers = result.array("positions")[rows, :links, :2]
+    along = np.roll(centers, -1, axis=1) - centers
+    along /= np.hypot(along[..., 0], along[..., 1])[..., None]
+    on_pin = result.array("hinge_force_vector")[rows]
+    # The front of a link with bushings takes what its pin does not.
+    on_front = np.where(table[:, 3:] > 0.0, -on_pin, on_pin)
+    pull = (on_front * along).sum(-1)
+    return xr.DataArray(
+        pull,
+        {"time": ("time", result.time[rows], {"units": "s"}), "hinge": np.arange(1, links + 1)},
+        ("time", "hinge"),
+        "link_tension",
+        {"units": "N"},
+    )
+
+
+def strand_motion(
+    result: Result,
+    strand: str | int,
+    stations: Sequence[float],
+    start: float | None,
+    end: float | None,
+) -> xr.DataArray:
+    """Return what `Outputs.strand_motion` promises."""
+    import xarray as xr
+
+    if not len(stations) or not all(0.0 < each < 1.0 for each in stations):
+        msg = f"stations = {shown(stations)}: must be shares of the strand's length between 0 and 1"
+        raise InvalidInput(msg)
+    rows = rows_between(result, start, end)
+    drive = result.drive
+    name = strand_name(result, strand)
+    circuit = Circuit.of(drive)
+    section = circuit.section(f"strand {name}")
+    belt = Belt.around(drive, result.array("sprocket_center")[rows])
+    begin, finish = belt.strand(circuit.sections.index(section) // 2)
+    way = finish - begin
+    length = np.hypot(way[:, 0], way[:, 1])
+    along = way / length[:, None]
+    outward = np.stack([along[:, 1], -along[:, 0]], -1)  # the loop runs counterclockwise
+    hinges = _hinge_places(result, rows) - begin[:, None]
+    x = (hinges * along[:, None]).sum(-1) / length[:, None]
+    y = (hinges * outward[:, None]).sum(-1)
+    # Two pitches to either side hold the ends down; the strands beyond are others.
+    middle = 0.5 * (section.begin + section.end)
+    apart = circuit.positions(result)[rows] - middle
+    apart -= circuit.links * np.round(apart / circuit.links)
+    near = np.abs(apart) < 0.5 * (section.end - section.begin) + 2.0
+    motion = np.empty((len(x), len(stations)))
+    for row, here in enumerate(near):
+        order = np.argsort(x[row, here])
+        motion[row] = np.interp(stations, x[row, here][order], y[row, here][order])
+    return xr.DataArray(
+        motion,
+        {
+            "time": ("time", result.time[rows], {"units": "s"}),
+            "station": ("station", list(stations), {"units": "1"}),
+        },
+        ("time", "station"),
+        "strand_motion",
+        {"units": "m", "strand": name, "length": float(length.mean())},
+    )
+
+
+def strand_spectrum(
+    result: Result,
+    strand: str | int,
+    stations: Sequence[float],
+    modes: int,
+    segment: float | None,
+    start: float | None,
+    end: float | None,
+) -> xr.Dataset:
+    """Return what `Outputs.strand_spectrum` promises."""
+    import xarray as xr
+
+    modes = count_within("strand_spectrum.modes", modes, 1, result.drive.hinge_count)
+    motion = strand_motion(result, strand, stations, start, end)
+    time = motion["time"].to_numpy()
+    frequency, density = welch(time, motion.to_numpy().T, segment)
+    rows = rows_between(result, start, end)
+    name = str(motion.attrs["strand"])
+    tension = float(result.strand(name).tension[rows].mean())
+    radius = result.drive.check().pitch_radius[0]
+    speed = radius * float(np.abs(result.array("sprocket_speed")[rows, 0]).mean())
+    pitch = result.drive.chain.mean_pitch
+    pitches = motion.attrs["length"] / pitch
+    mode = np.arange(1, modes + 1)
+    natural = natural_frequencies(result.drive.chain, pitches, tension, speed, modes)
+    return xr.Dataset(
+        {
+            "density": (("station", "frequency"), density, {"units": "m^2/Hz"}),
+            "natural_frequency": ("mode", natural, {"units": "Hz"}),
+        },
+        {
+            "station": motion["station"],
+            "frequency": ("frequency", frequency, {"units": "Hz"}),
+            "mode": mode,
+        },
+        {
+            "strand": name,
+            "tension": tension,
+            "speed": speed,
+            "pitches": pitches,
+            "tooth_frequency": speed / pitch,
+        },
+    )
+
+
+def natural_frequencies(
+    chain: Chain, pitches: float, tension: float, speed: float, modes: int
+) -> Array:
+    """Return the natural frequencies of a taut strand of a moving chain [Hz], (modes,).
+
+    f_n = n / (2 L) (c^2 - v^2) / c, c^2 = T / mu, of a string between fixed ends that moves along
+    itself (Swope and Ames 1963); T includes the part mu v^2 of the motion. In place of the string's
+    n pi c / L stands the frequency of rigid links of mass m and inertia J on hinges a pitch p
+    apart: omega^2 = (T / p) 4 s^2 / (m (1 - s^2) + 4 J s^2 / p^2), s = sin(n pi p / (2 L)). NaN
+    where the pull does not hold the strand, or it has no more links than modes.
+    """
+    table = _rustchain.chain_links(chain)
+    mass, inertia = table[:, 1].mean(), table[:, 2].mean()
+    mode = np.arange(1, modes + 1)
+    if tension <= 0.0:
+        return np.full(modes, np.nan)
+    sine = np.sin(np.minimum(0.5 * np.pi * mode / pitches, 0.5 * np.pi))
+    square = 4.0 * sine**2
+    resting = np.sqrt(
+        tension
+        / chain.mean_pitch
+        * square
+        / (mass * (1.0 - sine**2) + inertia * square / chain.mean_pitch**2)
+    )
+    slowed = 1.0 - speed**2 * (mass / chain.mean_pitch) / tension
+    found: Array = np.where(
+        (mode < pitches) & (slowed > 0.0), slowed * resting / (2 * np.pi), np.nan
+    )
+    return found
+
+
+def strand_name(result: Result, strand: str | int) -> str:
+    """Return the name of a strand given by its name or number, or raise."""
+    result.strand(strand)
+    return strand if isinstance(strand, str) else result.strand_names[strand - 1]
+
+
+def _hinge_places(result: Result, rows: slice) -> Array:
+    """Return the fronts of the links [m], (times, hinges, 2)."""
+    links = result.drive.chain.links
+    poses = result.array("positions")[rows, :links]
+    half = 0.5 * _rustchain.chain_links(result.drive.chain)[:, :1]
+    turn = np.stack([np.cos(poses[..., 2]), np.sin(poses[..., 2])], -1)
+    places: Array = poses[..., :2] + half * turn
+    return places

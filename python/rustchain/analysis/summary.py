@@ -1,0 +1,79 @@
+"""Key figures of a run in one dictionary."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rustchain.analysis.window import rows_between
+from rustchain.description.drive import Free
+
+if TYPE_CHECKING:
+    from rustchain.results.result import Result
+
+
+def summary(result: Result, start: float | None, end: float | None) -> dict[str, float]:
+    """Return what `Outputs.summary` promises.
+
+    Forces in N, powers in W, lengths in m; ripples and shares are ratios. Transmission error and
+    efficiency are those of a seated chain: they are left out where it jumped teeth.
+    """
+    rows = rows_between(result, start, end)
+    jumps = None if result.jumps is None else result.between(start, end).tooth_jumps
+    skipped = set() if jumps is None else set(jumps["sprocket"])
+    found: dict[str, float] = {}
+    if "hinges" in result.groups:
+        for name, tension in zip(
+            result.strand_names, result.array("strand_tension")[rows].T, strict=True
+        ):
+            found[f"tension_{name}"] = float(tension.mean())
+            found[f"tension_{name}_std"] = float(tension.std())
+        if result.drive.hinges == "clearance":
+            depth = result.array("hinge_penetration")[rows]
+            found["hinge_contact_share"] = float((depth > 0.0).mean())
+    for part, group in (("hinge", "hinges"), ("tooth", "teeth")):
+        if group in result.groups:
+            peak = result.array(f"peak_{part}_force")[rows]
+            found[f"{part}_force_p99"] = float(np.quantile(peak, 0.99))
+            found[f"{part}_force_largest"] = float(peak.max())
+    if "teeth" in result.groups and jumps is not None:
+        found["tooth_jumps"] = float(len(jumps))
+    # Engagements are told apart by the way of a closed chain.
+    if {"sprockets", "teeth"} <= set(result.groups) and not result.drive.ends:
+        impacts = result.engagements(start=start, end=end)["force"]
+        if len(impacts):
+            found["engagement_force_mean"] = float(impacts.mean())
+            found["engagement_force_p95"] = float(impacts.quantile(0.95))
+    if "sprockets" in result.groups:
+        found |= _transmission(result, start, end, skipped)
+    if {"sprockets", "energy"} <= set(result.groups) and rows.stop - rows.start > 1:
+        power = result.power_balance(start=start, end=end)
+        found["loss"] = float(power["loss"].sum())
+        motions = [sprocket.motion for sprocket in result.drive.sprockets]
+        driven = len(motions) > 1 and not all(isinstance(motion, Free) for motion in motions[1:])
+        if driven and not skipped:
+            found["efficiency"] = float(power["efficiency"])
+    return found
+
+
+def _transmission(
+    result: Result, start: float | None, end: float | None, skipped: Collection[int]
+) -> dict[str, float]:
+    """Return transmission error and ripple of each sprocket but the first.
+
+    `skipped`: sprockets whose teeth the chain jumped, which have no transmission error.
+    """
+    found: dict[str, float] = {}
+    angle = result.array("sprocket_angle")[rows_between(result, start, end)]
+    if len(angle) < 8 or not np.ptp(angle[:, 0]) > 0.0:
+        return found
+    for number in range(2, len(result.drive.sprockets) + 1):
+        if not {1, number} & set(skipped):
+            error = result.transmission_error(number, 1, start=start, end=end)
+            found[f"transmission_error_{number}"] = error.attrs["peak_to_peak_length"]
+        if np.ptp(angle[:, number - 1]) > 0.0:
+            ripple = result.speed_ripple(number, start=start, end=end)
+            found[f"ripple_{number}"] = ripple.attrs["rms"]
+    return found

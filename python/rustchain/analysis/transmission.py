@@ -1,0 +1,131 @@
+"""How evenly a drive turns: transmission error, ripple of speed, and both by order."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rustchain.analysis.jumps import check_seated
+from rustchain.analysis.loads import check_sprocket
+from rustchain.analysis.window import rows_between
+from rustchain.errors import InvalidInput
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from rustchain.description.drive import ChainDrive
+    from rustchain.results.result import Result
+    from rustchain.typing import Array
+
+
+def mean_ratio(drive: ChainDrive, driven: int, driver: int) -> float:
+    """Return the mean speed of one sprocket over that of another, by their teeth."""
+    of, to = drive.sprockets[driven - 1], drive.sprockets[driver - 1]
+    turn = 1.0 if of.side == to.side else -1.0
+    return turn * to.teeth / of.teeth
+
+
+def transmission_error(
+    result: Result, driven: int, driver: int, start: float | None, end: float | None
+) -> xr.Dataset:
+    """Return what `Outputs.transmission_error` promises."""
+    import xarray as xr
+
+    rows = rows_between(result, start, end)
+    check_sprocket(result, driven, "driven")
+    check_sprocket(result, driver, "driver")
+    check_seated(result.between(start, end), "transmission_error", (driven, driver))
+    angle = result.array("sprocket_angle")[rows]
+    turned = angle[:, driver - 1] - angle[0, driver - 1]
+    ratio = mean_ratio(result.drive, driven, driver)
+    error = angle[:, driven - 1] - angle[0, driven - 1] - ratio * turned
+    error = error - _mean(result.time[rows], error)
+    radius = result.drive.check().pitch_radius[driven - 1]
+    order, amplitude = order_spectrum(turned, error)
+    return xr.Dataset(
+        {
+            "error": ("time", error, {"units": "rad"}),
+            "error_length": ("time", radius * error, {"units": "m"}),
+            "driver_angle": ("time", turned, {"units": "rad"}),
+            "amplitude": ("order", amplitude, {"units": "rad"}),
+        },
+        {"time": ("time", result.time[rows], {"units": "s"}), "order": order},
+        {
+            "driver": driver,
+            "driven": driven,
+            "ratio": ratio,
+            "peak_to_peak": float(np.ptp(error)),
+            "peak_to_peak_length": float(radius * np.ptp(error)),
+            "tooth_order": result.drive.sprockets[driver - 1].teeth,
+        },
+    )
+
+
+def speed_ripple(
+    result: Result, sprocket: int, start: float | None, end: float | None
+) -> xr.Dataset:
+    """Return what `Outputs.speed_ripple` promises."""
+    import xarray as xr
+
+    rows = rows_between(result, start, end)
+    check_sprocket(result, sprocket)
+    speed = result.array("sprocket_speed")[rows, sprocket - 1]
+    angle = result.array("sprocket_angle")[rows, sprocket - 1]
+    mean = _mean(result.time[rows], speed)
+    if mean == 0.0:
+        msg = f"sprocket {sprocket} stands still: it has no ripple of speed; take another one"
+        raise InvalidInput(msg)
+    ripple = speed / mean - 1.0
+    order, amplitude = order_spectrum(angle - angle[0], ripple)
+    return xr.Dataset(
+        {
+            "speed": ("time", speed, {"units": "rad/s"}),
+            "ripple": ("time", ripple, {"units": "1"}),
+            "amplitude": ("order", amplitude, {"units": "1"}),
+        },
+        {"time": ("time", result.time[rows], {"units": "s"}), "order": order},
+        {
+            "sprocket": sprocket,
+            "mean": mean,
+            "peak_to_peak": float(np.ptp(ripple)),
+            "rms": float(np.sqrt(_mean(result.time[rows], ripple**2))),
+            "tooth_order": result.drive.sprockets[sprocket - 1].teeth,
+        },
+    )
+
+
+def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
+    """Return orders, per revolution, and the amplitude of `values` at each, over an angle [rad].
+
+    A drift is taken off first, and Hann's window takes what is left of the last revolution; a line
+    stands on three orders.
+    """
+    from scipy import signal
+
+    turned = np.abs(angle)
+    if len(turned) < 8 or not turned[-1] > 0.0:
+        over = turned[-1] if len(turned) else 0.0
+        msg = (
+            f"start, end: {len(turned)} rows over {over:.3g} rad: too "
+            "little to find orders in; take a longer part, or a smaller report_step"
+        )
+        raise InvalidInput(msg)
+    # A shaft that turns back for a moment is read in the order of its farthest angles.
+    onward = np.maximum.accumulate(turned)
+    even = np.linspace(0.0, onward[-1], len(onward))
+    resampled = np.interp(even, onward, values)
+    rate = (len(even) - 1) * 2 * np.pi / onward[-1]
+    order, power = signal.periodogram(
+        resampled, rate, window="hann", detrend="linear", scaling="spectrum"
+    )
+    return order, np.sqrt(2.0 * power)
+
+
+def _mean(time: Array, values: Array) -> float:
+    """Return the mean over time."""
+    from scipy.integrate import trapezoid
+
+    if len(time) < 2:
+        return float(values.mean())
+    return float(trapezoid(values, time) / (time[-1] - time[0]))

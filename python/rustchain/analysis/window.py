@@ -1,0 +1,44 @@
+"""A part of the time of a result: its rows, and a result of them alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rustchain.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from rustchain.results.mechanism_result import MechanismResult
+    from rustchain.results.result import Result
+
+
+def rows_between(result: Result | MechanismResult, start: float | None, end: float | None) -> slice:
+    """Return the rows from `start` to `end` [s]."""
+    time = result.time
+    first = 0 if start is None else int(np.searchsorted(time, start, "left"))
+    last = len(time) if end is None else int(np.searchsorted(time, end, "right"))
+    if first >= last:
+        span = f"{time[0]:g} to {time[-1]:g} s"
+        msg = f"start={start}, end={end}: no rows there; the result has {span}"
+        raise InvalidInput(msg)
+    return slice(first, last)
+
+
+def between(result: Result, start: float | None, end: float | None) -> Result:
+    """Return what `Outputs.between` promises."""
+    rows = rows_between(result, start, end)
+    arrays = {name: values[rows] for name, values in result.arrays.items()}
+    ends = {}
+    for name, row, whole in (
+        ("initial", rows.start, 0),
+        ("final", rows.stop - 1, len(result.time) - 1),
+    ):
+        for quantity in ("positions", "velocities"):
+            at_end = getattr(result, f"{name}_{quantity}")
+            if row != whole:
+                recorded = result.arrays.get(quantity)
+                at_end = np.full_like(at_end, np.nan) if recorded is None else recorded[row]
+            ends[f"{name}_{quantity}"] = at_end
+    return replace(result, arrays=arrays, **ends)

@@ -1,0 +1,1 @@
+"""Standard chains, and drives from a handful of numbers."""

@@ -1,0 +1,172 @@
+"""Drives of any number of sprockets, and open chains, from a handful of numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from rustchain import _rustchain
+from rustchain.arguments import admitted, items_within, plain, shown
+from rustchain.catalogue.standard import (
+    Rollers,
+    Stretch,
+    catalogue_chain,
+    check_plates,
+    check_rollers,
+)
+from rustchain.description.drive import Chain, ChainDrive, Hinges, Point, Sprocket, Tensioner
+from rustchain.description.ends import Anchor, Load, LooseEnd
+from rustchain.description.guides import GuideRail, SmoothIdler
+from rustchain.errors import InvalidInput
+from rustchain.names import known_keywords
+
+_MOST_SPROCKETS = 1000  # far more than there are; what has more may have no end
+_ANY_LINKS = 100  # of a chain whose links are still to be counted
+
+
+@known_keywords
+def chain_drive(
+    chain: str | Chain,
+    sprockets: Sequence[Sprocket],
+    links: int | None = None,
+    adjust: int | None = None,
+    direction: Point | None = None,
+    reach: float | None = None,
+    tensioner: Tensioner | None = None,
+    gravity: Point = (0.0, -9.81),
+    name: str = "",
+    hinges: Hinges = "clearance",
+    guides: Sequence[GuideRail | SmoothIdler] = (),
+    rollers: Rollers = "fixed",
+    plates: Stretch = "rigid",
+) -> ChainDrive:
+    """Return a drive of a chain round sprockets: links counted, or a centre moved to fit them.
+
+    Parameters
+    ----------
+    chain : str or Chain
+        A name of the catalogue, such as "ANSI 40", or a chain, whose own `links` do not count.
+    sprockets : sequence of Sprocket
+        In the order in which the chain meets them, one way round or the other.
+    links : int, optional
+        Number of links, even or odd (the last one is then an offset link); by default the smallest
+        even one that closes round the centres as they are.
+    adjust : int, optional
+        Number of the sprocket whose centre moves until the chain is taut; by default none does, and
+        what is left over hangs in one strand. Without `links`, their number is counted before.
+    direction : (float, float), optional
+        Direction along which that centre may move, either way; by default the one that tightens
+        both strands beside it alike.
+    reach : float, optional
+        How far it may move [m]; by default as far as there is a belt line within 1000 pitches.
+    tensioner, gravity, name, hinges, guides
+        See `ChainDrive`.
+    rollers : {"fixed", "bodies"}
+        Of a chain by name; see `catalogue_chain`.
+    plates : {"rigid", "elastic"}
+        Of a chain by name; see `catalogue_chain`.
+
+    Raises
+    ------
+    InvalidInput
+        No chain can be laid round the sprockets, or no place of the moved one suits the links.
+    """
+    listed = items_within("sprockets", sprockets, _MOST_SPROCKETS)
+    if listed is None:
+        msg = f"sprockets = {shown(sprockets)}: must be a sequence of Sprocket"
+        raise InvalidInput(msg)
+    sprockets = tuple(listed)
+    direction = admitted("chain_drive(direction)", direction, tuple[float, float] | None)
+    reach = admitted("chain_drive(reach)", reach, float | None)
+    adjust = None if adjust is None else _number(adjust, len(sprockets))
+    known = _ANY_LINKS if links is None else links
+    if isinstance(chain, str):
+        chain = catalogue_chain(chain, known, rollers=rollers, plates=plates)
+    else:
+        check_rollers(chain, rollers)
+        check_plates(chain, plates)
+    # Elongations of each link are for the links that are counted below.
+    drive = ChainDrive(
+        replace(_alike(chain) if links is None else chain, links=known),
+        sprockets,
+        tensioner,
+        gravity,
+        name,
+        hinges,
+        guides,
+    )
+    if links is None:
+        drive = replace(drive, chain=replace(chain, links=_rustchain.links_around(drive)))
+    if adjust is None:
+        if direction is not None or reach is not None:
+            msg = f"direction = {direction}, reach = {reach}: there is no sprocket to adjust"
+            raise InvalidInput(msg)
+        return drive
+    x, y = _rustchain.bisector(drive, adjust) if direction is None else direction
+    far = 1000.0 * drive.chain.pitch if reach is None else reach
+    move = _rustchain.closing_move(drive, adjust, (x, y), far) / math.hypot(x, y)
+    center = sprockets[adjust - 1].center
+    moved = replace(sprockets[adjust - 1], center=(center[0] + move * x, center[1] + move * y))
+    return replace(drive, sprockets=(*sprockets[: adjust - 1], moved, *sprockets[adjust:]))
+
+
+@known_keywords
+def open_chain(
+    chain: str | Chain,
+    ends: Sequence[Anchor | Load | LooseEnd],
+    links: int,
+    sprockets: Sequence[Sprocket] = (),
+    gravity: Point = (0.0, -9.81),
+    name: str = "",
+    guides: Sequence[GuideRail | SmoothIdler] = (),
+    rollers: Rollers = "fixed",
+    plates: Stretch = "rigid",
+    tensioner: Tensioner | None = None,
+) -> ChainDrive:
+    """Return an open chain that hangs between two ends, or runs from one to the other.
+
+    Parameters
+    ----------
+    chain : str or Chain
+        A name of the catalogue, such as "ANSI 40", or a chain, whose own `links` do not count.
+    ends : (end, end)
+        What is before the first link and behind the last one, each an `Anchor`, a `Load` or a
+        `LooseEnd`.
+    links : int
+        Number of links, even or odd, at least four: inner and outer ones alternate, the first is an
+        inner one. Fewer, such as a tie bar, are bodies of a `Mechanism`.
+    sprockets : sequence of Sprocket
+        In their order from the first end to the second; by default none.
+    gravity, name, guides, tensioner
+        See `ChainDrive`.
+    rollers : {"fixed", "bodies"}
+        Of a chain by name; see `catalogue_chain`.
+    plates : {"rigid", "elastic"}
+        Of a chain by name; see `catalogue_chain`.
+    """
+    if isinstance(chain, str):
+        chain = catalogue_chain(chain, links, rollers=rollers, plates=plates)
+    else:
+        check_rollers(chain, rollers)
+        check_plates(chain, plates)
+    chain = replace(chain, links=links)
+    return ChainDrive(chain, sprockets, tensioner, gravity, name, guides=guides, ends=ends)
+
+
+def _number(adjust: object, sprockets: int) -> int:
+    """Return the number of the sprocket to adjust, which must be one of so many."""
+    adjust = plain(adjust)
+    if isinstance(adjust, int) and not isinstance(adjust, bool) and 1 <= adjust <= sprockets:
+        return adjust
+    msg = f"adjust = {shown(adjust)}: must be the number of a sprocket, 1 to {sprockets}"
+    raise InvalidInput(msg)
+
+
+def _alike(chain: Chain) -> Chain:
+    """Return the chain with the mean elongation of its links in each of them, carrying nothing."""
+    chain = replace(chain, carried=())
+    if isinstance(chain.elongation, tuple) and chain.elongation:
+        mean = sum(chain.elongation) / len(chain.elongation)
+        return replace(chain, elongation=mean)
+    return chain

@@ -1,0 +1,312 @@
+"""Chains by name and drives from a handful of numbers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import pi
+from typing import Literal, TypeAlias, get_args
+
+from rustchain import _rustchain
+from rustchain.arguments import admitted, finite_number, shown
+from rustchain.catalogue.sizes import OTHER_NAMES, SIZES, ChainSize
+from rustchain.description.drive import (
+    AnsiTooth,
+    AppliedTorque,
+    Chain,
+    ChainDrive,
+    ClearanceHinge,
+    Free,
+    Hinges,
+    IsoTooth,
+    Link,
+    Plates,
+    Point,
+    PrescribedSpeed,
+    Roller,
+    Seat,
+    Sprocket,
+    Tensioner,
+    TimeTable,
+    ToothForm,
+)
+from rustchain.description.material import Material
+from rustchain.errors import InvalidInput
+from rustchain.names import known_keywords, suggest
+
+Rollers: TypeAlias = Literal["fixed", "bodies"]
+Stretch: TypeAlias = Literal["rigid", "elastic"]
+
+PAPER_CHAIN = Chain(
+    name="ASA 40 of Pereira, Ambrosio and Ramalho (2010)",
+    pitch=0.0127,
+    links=38,
+    inner=Link(mass=6.474e-3, inertia=0.1795e-6),
+    outer=Link(mass=8.265e-3, inertia=0.1174e-6),
+    hinge=ClearanceHinge(pin_radius=0.00222, bore_radius=0.002245, length=0.011),
+    bushing_radius=0.00396875,
+    tooth_contact_length=0.007,
+    material=Material(elastic_modulus=2.07e11, poisson_ratio=0.3, restitution=0.71),
+)
+
+
+@known_keywords
+def paper_drive(
+    pretension: float = 0.0, hinges: Hinges = "clearance", rollers: Rollers = "fixed"
+) -> ChainDrive:
+    """Return the published drive: 38 links round two sprockets of 17 teeth, the driver at 120 rpm.
+
+    Parameters
+    ----------
+    pretension : float
+        Tension that a tensioner on sprocket 2 gives each strand [N]; at 0 the centres are fixed.
+    hinges : {"clearance", "ideal"}
+        Pins with play in their bushings, or ideal joints.
+    rollers : {"fixed", "bodies"}
+        The published bushing chain, or the same with rollers of a no. 40 chain on smaller bushings:
+        outside radius, mass of the chain and all else stay.
+    """
+    teeth = 17
+
+    def sprocket(center: Point, motion: PrescribedSpeed | Free) -> Sprocket:
+        profile = AnsiTooth(seat="pitch-circle")
+        return Sprocket(teeth, center, motion, profile, mass=0.817, inertia=588.29e-6)
+
+    distance = _rustchain.closing_center_distance(
+        PAPER_CHAIN.pitch, (teeth, teeth), PAPER_CHAIN.links
+    )
+    return ChainDrive(
+        chain=_rolling(PAPER_CHAIN, SIZES["ANSI 40"], rollers),
+        sprockets=[
+            sprocket((0.0, 0.0), PrescribedSpeed(4.0 * pi)),
+            sprocket((distance, 0.0), Free()),
+        ],
+        tensioner=_tensioner(pretension),
+        name="paper",
+        hinges=hinges,
+    )
+
+
+@known_keywords
+def two_sprocket_drive(
+    chain: str | Chain = "ANSI 40",
+    teeth: tuple[int, int] = (17, 25),
+    links: int | None = None,
+    center_distance: float | None = None,
+    speed: TimeTable = 12.566,
+    pretension: float | None = None,
+    torque: TimeTable | None = None,
+    seat: Seat = "bottom-diameter",
+    gravity: Point = (0.0, -9.81),
+    hinges: Hinges = "clearance",
+    profile: ToothForm | None = None,
+    rollers: Rollers = "fixed",
+    plates: Stretch = "rigid",
+) -> ChainDrive:
+    """Return a drive of two sprockets, the driver at the origin and the other at +x.
+
+    Parameters
+    ----------
+    chain : str or Chain
+        A name of the catalogue, such as "ANSI 40", or a chain, whose `links` then count by default.
+    teeth : (int, int)
+        Teeth of the driver and of the driven sprocket.
+    links : int, optional
+        Number of links; by default the smallest even one that closes round `center_distance`.
+    center_distance : float, optional
+        Distance of the centres [m]; by default the one at which the strands are taut and straight.
+    speed : float or table of (time, speed)
+        Speed of the driver [rad/s], counterclockwise positive.
+    pretension : float, optional
+        Tension that a tensioner on sprocket 2 gives each strand [N]; by default the centres are
+        fixed.
+    torque : float or table of (time, torque), optional
+        Torque on the driven sprocket [N m], counterclockwise positive; by default none.
+    seat : {"bottom-diameter", "pitch-circle"}
+        Where the teeth's seats lie; see `AnsiTooth`.
+    gravity : (float, float)
+        Acceleration of gravity [m/s^2].
+    hinges : {"clearance", "ideal"}
+        Pins with play in their bushings, or ideal joints.
+    profile : AnsiTooth, IsoTooth, StraightTooth or CustomTooth, optional
+        Tooth form of both sprockets; by default that of the chain's standard with this `seat`.
+    rollers : {"fixed", "bodies"}
+        Of a chain by name; see `catalogue_chain`.
+    plates : {"rigid", "elastic"}
+        Of a chain by name; see `catalogue_chain`.
+    """
+    if links is None and isinstance(chain, Chain):
+        links = chain.links
+    teeth = admitted("two_sprocket_drive(teeth)", teeth, tuple[int, int])
+    iso = isinstance(chain, str) and _size(chain)[0].standard == "ISO 606"
+    if isinstance(chain, Chain):
+        pitch = (chain if links is None else replace(chain, links=links)).mean_pitch
+    else:
+        pitch = _size(chain)[0].pitch
+    if links is None:
+        if center_distance is None:
+            msg = (
+                "two_sprocket_drive: links=None and center_distance=None; give at least one of them"
+            )
+            raise InvalidInput(msg)
+        links = _rustchain.links_for(pitch, teeth, center_distance)
+    if center_distance is None:
+        center_distance = _rustchain.closing_center_distance(pitch, teeth, links)
+    if isinstance(chain, str):
+        chain = catalogue_chain(chain, links, rollers=rollers, plates=plates)
+    else:
+        check_rollers(chain, rollers)
+        check_plates(chain, plates)
+        chain = replace(chain, links=links)
+    if profile is None:
+        profile = IsoTooth(seat=seat) if iso else AnsiTooth(seat=seat)
+    return ChainDrive(
+        chain=chain,
+        sprockets=[
+            Sprocket(teeth[0], (0.0, 0.0), PrescribedSpeed(speed), profile),
+            Sprocket(
+                teeth[1],
+                (center_distance, 0.0),
+                Free() if torque is None else AppliedTorque(torque),
+                profile,
+            ),
+        ],
+        tensioner=_tensioner(pretension),
+        gravity=gravity,
+        name=f"{chain.name}, {teeth[0]}:{teeth[1]}",
+        hinges=hinges,
+    )
+
+
+def catalogue() -> dict[str, ChainSize]:
+    """Return the standard chains by name: ANSI/ASME B29.1 and ISO 606; print one to read it."""
+    return dict(SIZES)
+
+
+@known_keywords
+def catalogue_chain(
+    name: str,
+    links: int,
+    strands: int | None = None,
+    rollers: Rollers = "fixed",
+    plates: Stretch = "rigid",
+) -> Chain:
+    """Return a chain of the catalogue, such as "ANSI 40" or "ISO 08B".
+
+    Where its numbers come from: `catalogue` and docs/chains.md.
+
+    Parameters
+    ----------
+    name : str
+        Name in `catalogue()`, or what the size is called elsewhere: the number alone ("40", "08B"),
+        "#40", "RS40", and of ANSI sizes that of ISO 606 ("ISO 08A" is "ANSI 40"). Behind it "-1",
+        "-2" or "-3" gives the strands, as in "08B-2".
+    links : int
+        Number of links.
+    strands : int, optional
+        Parallel strands on common pins; by default those of the name, or 1.
+    rollers : {"fixed", "bodies"}
+        "fixed": a roller chain as a bushing chain of the roller's outside diameter, whose inner
+        links carry the rollers' mass. "bodies": every roller a body that turns on its bushing with
+        play; mass, inertia and bore are derived. Chains without rollers have none to make bodies.
+    plates : {"rigid", "elastic"}
+        "elastic": links stretch as their plates do, whose cross-sections are derived.
+    """
+    size, named = _size(name)
+    if strands is not None and named not in (None, strands):
+        msg = f"strands = {strands}: the name {name!r} says {named}; leave one of them"
+        raise InvalidInput(msg)
+    _check_plates_word(plates)
+    inner, outer = size.links()
+    fixed = Chain(
+        name=size.name,
+        pitch=size.pitch,
+        links=links,
+        inner=Link(*inner),
+        outer=Link(*outer),
+        hinge=ClearanceHinge(
+            size.pin_diameter / 2,
+            size.bore_diameter / 2,
+            length=size.inner_width + 2 * size.inner_plate_thickness,
+        ),
+        bushing_radius=size.roller_diameter / 2,
+        tooth_contact_length=size.tooth_width,
+        strands=(named or 1) if strands is None else strands,
+        link_stiffness=Plates(*size.plate_sections) if plates == "elastic" else None,
+    )
+    return _rolling(fixed, size, rollers)
+
+
+def check_rollers(chain: Chain, rollers: Rollers) -> None:
+    """Refuse what is no chain, and rollers as bodies of a chain that is given with none."""
+    if not isinstance(chain, Chain):
+        msg = f"chain = {shown(chain)}: must be a Chain, or the name of one in the catalogue"
+        raise InvalidInput(msg)
+    _check_word(rollers)
+    if rollers == "bodies" and chain.roller is None:
+        msg = (
+            "rollers = 'bodies': the chain given has none; give it Chain(..., roller=Roller(...)), "
+            "or name a chain of the catalogue"
+        )
+        raise InvalidInput(msg)
+
+
+def check_plates(chain: Chain, plates: Stretch) -> None:
+    """Refuse elastic plates of a chain that is given as it is, with rigid ones."""
+    _check_plates_word(plates)
+    if plates == "elastic" and chain.link_stiffness is None:
+        msg = (
+            "plates = 'elastic': the chain given is rigid; give it Chain(..., "
+            "link_stiffness=Plates(...)), or name a chain of the catalogue"
+        )
+        raise InvalidInput(msg)
+
+
+def _check_plates_word(plates: Stretch) -> None:
+    if not isinstance(plates, str) or plates not in get_args(Stretch):
+        msg = f"plates = {shown(plates)}: must be 'rigid' or 'elastic'"
+        raise InvalidInput(msg)
+
+
+def _check_word(rollers: Rollers) -> None:
+    if not isinstance(rollers, str) or rollers not in get_args(Rollers):
+        msg = f"rollers = {shown(rollers)}: must be 'fixed' or 'bodies'"
+        raise InvalidInput(msg)
+
+
+def _rolling(chain: Chain, size: ChainSize, rollers: Rollers) -> Chain:
+    """Return a chain whose rollers, fixed to its bushings, are made bodies where that is asked."""
+    _check_word(rollers)
+    if rollers == "fixed":
+        return chain
+    if not size.has_rollers:
+        msg = f"rollers = 'bodies': {size.name} is a chain without rollers; leave rollers='fixed'"
+        raise InvalidInput(msg)
+    mass, inertia = size.roller()
+    # An inertia that counts bushings counts the rollers on them too; the published one does not.
+    counted = chain is not PAPER_CHAIN
+    turning = 2 * mass * size.pitch**2 / 4 + 2 * inertia if counted else 0.0
+    roller = Roller(
+        radius=size.roller_diameter / 2,
+        bore_radius=size.roller_bore_diameter / 2,
+        length=size.inner_width,
+        mass=mass,
+        inertia=inertia,
+    )
+    inner = Link(chain.inner.mass - 2 * mass, chain.inner.inertia - turning)
+    return replace(chain, inner=inner, bushing_radius=size.bushing_diameter / 2, roller=roller)
+
+
+def _tensioner(pretension: float | None) -> Tensioner | None:
+    """Return a tensioner on sprocket 2, or none where there is nothing to pull."""
+    if pretension is None or finite_number(pretension) == 0:
+        return None
+    return Tensioner(sprocket=2, pretension=pretension)
+
+
+def _size(name: str) -> tuple[ChainSize, int | None]:
+    """Return the size of this name, whatever its case, and the strands that it says."""
+    folded, dash, strands = (name if isinstance(name, str) else "").casefold().partition("-")
+    if isinstance(name, str) and folded in OTHER_NAMES and (not dash or strands in ("1", "2", "3")):
+        return SIZES[OTHER_NAMES[folded]], int(strands) if dash else None
+    msg = f"chain: {shown(name)} is not in the catalogue; {suggest(name, SIZES)}"
+    raise InvalidInput(msg)

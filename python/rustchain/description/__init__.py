@@ -1,0 +1,1 @@
+"""Frozen dataclasses that describe a scene, in SI units."""

@@ -1,0 +1,191 @@
+"""A chain: its links, hinges and material."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain import _rustchain
+from rustchain.description.base import Description
+from rustchain.description.material import Material
+from rustchain.names import known_keywords
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Link(Description):
+    """A link with all that is fixed to it: plates and bushings (inner), plates and pins (outer).
+
+    Attributes
+    ----------
+    mass : float
+        Mass [kg].
+    inertia : float
+        Moment of inertia about the middle of its two hinges [kg m^2].
+    """
+
+    mass: float
+    inertia: float
+
+
+@known_keywords
+@dataclass(frozen=True)
+class ClearanceHinge(Description):
+    """A pin that is loose in the bore of a bushing.
+
+    Attributes
+    ----------
+    pin_radius, bore_radius : float
+        Radii of pin and bore [m]; their difference is the radial clearance.
+    length : float
+        Length of contact along the pin [m].
+    """
+
+    pin_radius: float
+    bore_radius: float
+    length: float
+
+    @property
+    def clearance(self) -> float:
+        """Radial clearance [m]."""
+        return self.bore_radius - self.pin_radius
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Roller(Description):
+    """A roller that turns on its bushing with play: a body of its own.
+
+    Attributes
+    ----------
+    radius : float
+        Outside radius, where it meets the teeth [m].
+    bore_radius : float
+        Radius of its bore [m]; larger than the bushing's by the radial clearance.
+    length : float
+        Length of contact of bushing and bore, along the bushing [m].
+    mass : float
+        Mass [kg].
+    inertia : float
+        Moment of inertia about its axis [kg m^2].
+    """
+
+    radius: float
+    bore_radius: float
+    length: float
+    mass: float
+    inertia: float
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Plates(Description):
+    """Link plates, from which the axial stiffness of links follows.
+
+    A link is a bar of its plates' cross-section and a pitch's length: E A / p, and of inner and
+    outer links, which are pulled one behind the other, the harmonic mean. The waist of real plates
+    makes them softer, the eyes that grip pins and bushings harder.
+
+    Attributes
+    ----------
+    inner_section, outer_section : float
+        Cross-section of both plates of an inner and of an outer link, of one strand [m^2].
+    elastic_modulus : float, optional
+        Young's modulus [Pa]; by default that of the chain's material.
+    """
+
+    inner_section: float
+    outer_section: float
+    elastic_modulus: float | None = None
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Chain(Description):
+    """A closed bushing or roller chain: inner and outer links in turn; link 1 is an inner one.
+
+    In a chain of an odd number of links the last one is an offset link: a bushing at its rear, a
+    pin at its front.
+
+    Attributes
+    ----------
+    pitch : float
+        Nominal distance between the hinges of a link [m].
+    links : int
+        Number of links, 4 to 100,000.
+    inner, outer : Link
+        The inner link (two bushings) and the outer link (two pins).
+    hinge : ClearanceHinge
+        Pin and bore of every hinge.
+    bushing_radius : float
+        Outside radius of a bushing [m]; without `roller` it meets the teeth there.
+    tooth_contact_length : float
+        Length of contact with a tooth, along the bushing or roller [m].
+    material : Material
+        Material of chain and sprockets.
+    name : str
+        For people to read.
+    offset : Link, optional
+        The offset link of an odd number; by default the mean of an inner and an outer one.
+    strands : int
+        Parallel strands on common pins. Masses, inertias and lengths of contact are those of one
+        strand; all are multiplied.
+    elongation : float or sequence of float
+        Share of the pitch by which all links, or each, are longer: wear, seen as length.
+    pitch_spread : float
+        Standard deviation of the lengths of links by manufacture, as a share of the pitch.
+    seed : int
+        Which links the spread makes longer and which shorter.
+    roller : Roller, optional
+        One on every bushing, a body of its own that meets the teeth in the bushing's place; inner
+        links then go without the rollers' mass. By default a bushing chain.
+    link_stiffness : float or Plates, optional
+        Pull that makes a link of one strand longer by a metre [N/m], or the plates from which it
+        follows: in series with the contacts of its hinges, half of the link with each. None: links
+        are rigid.
+    carried : sequence of (link, mass)
+        What links carry in their middle, by their numbers from 1 [kg]: slats, buckets, goods; all
+        strands together.
+    """
+
+    pitch: float
+    links: int
+    inner: Link
+    outer: Link
+    hinge: ClearanceHinge
+    bushing_radius: float
+    tooth_contact_length: float
+    material: Material = Material()
+    name: str = ""
+    offset: Link | None = None
+    strands: int = 1
+    elongation: float | Sequence[float] = 0.0
+    pitch_spread: float = 0.0
+    seed: int = 0
+    roller: Roller | None = None
+    link_stiffness: float | Plates | None = None
+    carried: Sequence[tuple[int, float]] = ()
+
+    @property
+    def contact_radius(self) -> float:
+        """Outside radius of what meets the teeth, rollers or bushings [m]."""
+        return self.bushing_radius if self.roller is None else self.roller.radius
+
+    @property
+    def axial_stiffness(self) -> float | None:
+        """Pull that makes a link of all strands longer by a metre [N/m]; None: links are rigid."""
+        return _rustchain.link_stiffness(self)
+
+    @property
+    def link_pitches(self) -> npt.NDArray[np.float64]:
+        """Distance between the hinges of each link [m], wear and spread included, (links,)."""
+        return _rustchain.chain_links(self)[:, 0]
+
+    @property
+    def mean_pitch(self) -> float:
+        """Mean of `link_pitches` [m]."""
+        pitches = self.link_pitches
+        return float(pitches[0] if (pitches == pitches[0]).all() else pitches.mean())

@@ -1,0 +1,156 @@
+"""The description of a chain drive: frozen dataclasses in SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+from rustchain.arguments import checked
+from rustchain.description.base import Description, Point
+from rustchain.description.chain import Chain, ClearanceHinge, Link, Plates, Roller
+from rustchain.description.ends import Anchor, Load, LooseEnd
+from rustchain.description.guides import GuideRail, SmoothIdler
+from rustchain.description.material import Material
+from rustchain.description.report import DriveReport
+from rustchain.description.sprocket import (
+    AppliedTorque,
+    Free,
+    PrescribedSpeed,
+    Side,
+    Sprocket,
+    TimeTable,
+)
+from rustchain.description.teeth import (
+    AnsiTooth,
+    CustomTooth,
+    IsoTooth,
+    Seat,
+    StraightTooth,
+    ToothArc,
+    ToothForm,
+    ToothLine,
+)
+from rustchain.description.tensioner import Tensioner
+from rustchain.names import known_keywords
+
+if TYPE_CHECKING:
+    from rustchain.description.laws.force import ForceLaw
+    from rustchain.description.mechanism.builder import Mechanism
+
+__all__ = [
+    "AnsiTooth",
+    "AppliedTorque",
+    "Chain",
+    "ChainDrive",
+    "ClearanceHinge",
+    "CustomTooth",
+    "Free",
+    "Hinges",
+    "IsoTooth",
+    "Link",
+    "Material",
+    "Plates",
+    "Point",
+    "PrescribedSpeed",
+    "Roller",
+    "Seat",
+    "Side",
+    "Sprocket",
+    "StraightTooth",
+    "Tensioner",
+    "TimeTable",
+    "ToothArc",
+    "ToothForm",
+    "ToothLine",
+]
+
+
+Hinges = Literal["clearance", "ideal"]
+
+
+@known_keywords
+@dataclass(frozen=True)
+class ChainDrive(Description):
+    """A chain round two sprockets or more, or an open one from end to end.
+
+    Attributes
+    ----------
+    chain : Chain
+        The chain.
+    sprockets : sequence of Sprocket
+        In the order in which the chain meets them, one way round or the other; the driver first by
+        custom.
+    tensioner : Tensioner, optional
+        Without one, the centres stay where they are.
+    gravity : (float, float)
+        Acceleration of gravity [m/s^2].
+    name : str
+        For people to read.
+    hinges : {"clearance", "ideal"}
+        Pins with play in their bushings, or ideal joints: then the drive runs as the mechanism of
+        `to_mechanism`, with the same channels; hinge forces are the joints' reactions.
+    guides : sequence of GuideRail and SmoothIdler
+        What the chain slides along besides. They take no part in how it is laid: they begin beside
+        it, blades swung back on their arms.
+    ends : (end, end), optional
+        What an open chain is joined to before its first link and behind its last one, each an
+        `Anchor`, a `Load` or a `LooseEnd`; by default the chain is closed. The first link is an
+        inner one. An open chain may run over no sprocket at all, and `side` then says which
+        sprockets stand on the same side of it.
+    """
+
+    chain: Chain
+    sprockets: Sequence[Sprocket]
+    tensioner: Tensioner | None = None
+    gravity: Point = (0.0, -9.81)
+    name: str = ""
+    hinges: Hinges = "clearance"
+    guides: Sequence[GuideRail | SmoothIdler] = ()
+    ends: Sequence[Anchor | Load | LooseEnd] | None = None
+
+    @property
+    def hinge_count(self) -> int:
+        """Number of hinges in arrays, which is that of the bodies before the sprockets.
+
+        A closed chain has one a link. An open one has two more: hinge `links` joins the last link
+        and end 2, the last one joins end 1 and the first link, and the one between is none.
+        """
+        return self.chain.links + (0 if self.ends is None else 2)
+
+    def check(self) -> DriveReport:
+        """Lay the chain out and return what was chosen; print the report to read it as a table."""
+        return DriveReport.of(self)
+
+    @checked
+    def to_mechanism(
+        self,
+        hinges: Hinges | None = None,
+        force_law: ForceLaw | None = None,
+        min_approach_speed: float = 1e-3,
+    ) -> Mechanism:
+        """Return the drive as a mechanism, laid out and ready to be extended.
+
+        Parameters
+        ----------
+        hinges : {"clearance", "ideal"}, optional
+            Pins with play in their bushings, or ideal joints, whose reactions are the hinge forces;
+            by default as the drive says.
+        force_law : ForceLaw, optional
+            Law of the contacts, by default that of Lankarani and Nikravesh.
+        min_approach_speed : float
+            Least approach speed that the damping reckons with [m/s].
+        """
+        from rustchain.simulation.drive_mechanism import drive_mechanism
+
+        wanted = self.hinges if hinges is None else hinges
+        return drive_mechanism(self, wanted, force_law, min_approach_speed)
+
+
+def drive_inside(given: object) -> ChainDrive | None:
+    """Return the drive that a scene, a simulation or a result has; None for all else."""
+    try:
+        found = getattr(given, "drive", None)
+    except Exception:
+        return None
+    return found if isinstance(found, ChainDrive) else None

@@ -1,0 +1,75 @@
+"""What the two ends of an open chain are joined to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rustchain.description.base import Description, Point
+from rustchain.names import known_keywords
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Anchor(Description):
+    """A pin that holds an end of an open chain, at rest or moved.
+
+    Attributes
+    ----------
+    position : (float, float)
+        Where it is at the start [m].
+    velocity : (float, float) or table of (time, x, y)
+        Its velocity [m/s]: a constant, or rows, linear between them and constant outside.
+    links : int, optional
+        Links between it and the first sprocket; by default as few as reach, unless the other end
+        says how many it takes.
+    """
+
+    position: Point
+    velocity: Sequence[float] | Sequence[Sequence[float]] = (0.0, 0.0)
+    links: int | None = None
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Load(Description):
+    """A body that hangs from an end of an open chain: a hook, a weight.
+
+    Attributes
+    ----------
+    mass : float
+        Mass [kg].
+    inertia : float, optional
+        Moment of inertia about its centre of mass [kg m^2]; by default that of a ball of steel.
+    arm : float
+        From its pin to its centre of mass [m].
+    position : (float, float), optional
+        Where its pin is at the start [m]; by default straight below the last sprocket, or below the
+        other end where there is no sprocket.
+    links : int, optional
+        Links between it and the first sprocket; by default what is left.
+    """
+
+    mass: float
+    inertia: float | None = None
+    arm: float = 0.0
+    position: Point | None = None
+    links: int | None = None
+
+
+@known_keywords
+@dataclass(frozen=True)
+class LooseEnd(Description):
+    """An end of an open chain that nothing holds.
+
+    Attributes
+    ----------
+    position : (float, float), optional
+        Where it is at the start [m]; by default straight below the last sprocket, or below the
+        other end where there is no sprocket.
+    links : int, optional
+        Links between it and the first sprocket; by default what is left.
+    """
+
+    position: Point | None = None
+    links: int | None = None

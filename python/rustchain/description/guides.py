@@ -1,0 +1,138 @@
+"""What a chain slides along besides its sprockets: rails, blades on arms, idlers without teeth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain import _rustchain
+from rustchain.arguments import checked
+from rustchain.description.base import Description
+from rustchain.description.material import Material
+from rustchain.names import known_keywords
+
+_Point = tuple[float, float]
+
+
+@known_keywords
+@dataclass(frozen=True)
+class GuideArm(Description):
+    """An arm that carries a rail, swung by a plunger that presses on the rail's middle.
+
+    Force, spring, dashpot and stops act along the plunger's way, which is the rail's direction.
+
+    Attributes
+    ----------
+    pivot : (float, float)
+        Where the arm turns [m].
+    force : float
+        Full force of the plunger where the rail is described [N].
+    ramp_time : float
+        Time over which it grows from zero [s].
+    stiffness : float
+        What the force loses as the plunger moves out [N/m].
+    damping : float
+        Dashpot of the plunger [N s/m].
+    damping_back : float, optional
+        Dashpot while the arm gives way to the chain [N s/m], by default the same: a hydraulic
+        tensioner follows the chain through its check valve and gives way by its leak.
+    travel : (float, float), optional
+        How far the plunger can go back and out from where the rail is described [m], where stops of
+        1e7 N/m are; by default there are none.
+    inertia : float
+        Moment of inertia of arm and rail about the pivot [kg m^2].
+    ratchet : float, optional
+        Distance of the teeth of a ratchet along the plunger's way [m], which lets the plunger move
+        out and holds it behind the last tooth that it has passed, counted from where the rail is
+        described; 0: wherever it is. By default there is none.
+    """
+
+    pivot: _Point
+    force: float
+    ramp_time: float = 0.1
+    stiffness: float = 0.0
+    damping: float = 100.0
+    damping_back: float | None = None
+    travel: _Point | None = None
+    inertia: float = 2e-4
+    ratchet: float | None = None
+
+
+@known_keywords
+@dataclass(frozen=True)
+class GuideRail(Description):
+    """A bar with round ends that the chain's bushings bear on: a rail, or with an arm a blade.
+
+    Attributes
+    ----------
+    center : (float, float)
+        Its middle, half-way between the centres of its round ends [m].
+    direction : (float, float)
+        Out of the face on which the chain runs.
+    length : float
+        Length over its round ends [m].
+    radius : float, optional
+        Radius of its arched faces [m], negative where they are hollow; by default they are
+        straight. A hollow bar is as deep, towards its back, as its hollow asks for.
+    end_radius : float
+        Radius of its ends [m]: half the thickness of a straight bar.
+    arm : GuideArm, optional
+        What swings it; by default it is fixed.
+    material : Material, optional
+        Its own elastic constants; by default those of the chain. The restitution is the chain's.
+    plate_height : float, optional
+        Height of the link plates [m] where these bear on it, with their round ends about the
+        hinges; by default the bushings do.
+    """
+
+    center: _Point
+    direction: _Point
+    length: float
+    radius: float | None = None
+    end_radius: float = 0.005
+    arm: GuideArm | None = None
+    material: Material | None = None
+    plate_height: float | None = None
+
+    @checked
+    def outline(self, points: int = 24) -> npt.NDArray[np.float64]:
+        """Return the closed outline [m], shape (points in all, 2), counterclockwise.
+
+        About `center`; the x axis points out of the face. Arcs have `points` points each, 2
+        to 1000.
+        """
+        return _rustchain.guide_outline(self, points)
+
+
+@known_keywords
+@dataclass(frozen=True)
+class SmoothIdler(Description):
+    """A wheel without teeth that the chain's bushings bear on.
+
+    Attributes
+    ----------
+    radius : float
+        Radius [m].
+    center : (float, float)
+        Centre [m].
+    inertia : float, optional
+        Moment of inertia [kg m^2] of a wheel that can turn; by default it cannot.
+    material : Material, optional
+        Its own elastic constants; by default those of the chain. The restitution is the chain's.
+    plate_height : float, optional
+        Height of the link plates [m] where these bear on it, with their round ends about the
+        hinges; by default the bushings do.
+    """
+
+    radius: float
+    center: _Point
+    inertia: float | None = None
+    material: Material | None = None
+    plate_height: float | None = None
+
+    @checked
+    def outline(self, points: int = 24) -> npt.NDArray[np.float64]:
+        """Return the closed outline [m], shape (points in all, 2), counterclockwise."""
+        return _rustchain.guide_outline(self, points)

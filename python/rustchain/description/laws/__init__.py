@@ -1,0 +1,1 @@
+"""Contact laws as values: normal force, friction, lubricant."""

@@ -1,0 +1,99 @@
+"""Lubricant in hinges as a value."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain import _rustchain
+from rustchain.arguments import checked
+from rustchain.description.base import Description
+from rustchain.errors import InvalidInput
+from rustchain.names import known_keywords
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Film(Description):
+    """Lubricant that fills hinges: squeeze and wedge film of a long bearing, half film.
+
+    Of the Reynolds equation's pressure what is positive (Guembel), and shear all around (Petroff);
+    towards contact it is handed over to the dry law.
+
+    Attributes
+    ----------
+    viscosity : float
+        Dynamic viscosity [Pa s]: some 0.01 for a thin oil when warm, 0.1 to 0.5 for chain oils.
+    length : float, optional
+        Of the film along the pin [m]; by default the hinge's length of contact.
+    handover : float
+        Eccentricity over clearance from which on the film gives way to dry contact, 0.1 to 0.99; at
+        1, where pin and bushing touch, nothing of it is left.
+    tension : float
+        By how much the pressure may fall below that outside before the film breaks [Pa]: what pulls
+        at it less has both halves of it. By default that of the atmosphere, below which oil boils;
+        capillarity alone holds air out at some 2e3. Zero: the textbooks' half film, whose kink at
+        rest no step follows well.
+    """
+
+    viscosity: float
+    length: float | None = None
+    handover: float = 0.9
+    tension: float = 1e5
+
+    @checked
+    def force(
+        self,
+        eccentricity: npt.ArrayLike,
+        velocity: npt.ArrayLike,
+        radii: tuple[float, float],
+        length: float,
+    ) -> npt.NDArray[np.float64]:
+        """Return the force on the pin [N], along its eccentricity and left of that.
+
+        Parameters
+        ----------
+        eccentricity : array_like
+            Distance of the pin's centre from the bore's [m], any shape.
+        velocity : array_like, (..., 2)
+            Of the pin's centre, along the eccentricity and left of it, seen from a frame that turns
+            with the mean of both spins [m/s]: the wedge of a resting centre is minus the
+            eccentricity times the mean spin.
+        radii : (float, float)
+            Of the pin and of the bore [m].
+        length : float
+            Length of contact [m], where the film has none of its own.
+
+        Returns
+        -------
+        ndarray, (..., 2)
+
+        Raises
+        ------
+        InvalidInput
+            A radius or the length is not allowed.
+
+        Examples
+        --------
+        >>> film = rc.Film(0.1, tension=0.0)
+        >>> squeeze = film.force(10e-6, (1e-3, 0.0), (2.22e-3, 2.245e-3), 0.011)
+        >>> round(float(squeeze[0]), 1)
+        -28.2
+        """
+        speeds = np.asarray(velocity, dtype=np.float64)
+        try:
+            sizes = np.broadcast_to(np.asarray(eccentricity, dtype=np.float64), speeds.shape[:-1])
+        except ValueError:
+            sizes = None
+        if sizes is None or speeds.shape[-1:] != (2,):
+            msg = (
+                f"force(velocity): got shape {speeds.shape} with eccentricity of shape "
+                f"{np.shape(eccentricity)}; expected (..., 2) and (...)"
+            )
+            raise InvalidInput(msg)
+        force = _rustchain.film_forces(
+            self, radii, length, np.ascontiguousarray(sizes.ravel()), speeds.reshape(-1, 2)
+        )
+        return force.reshape(speeds.shape)

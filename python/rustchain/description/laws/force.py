@@ -1,0 +1,276 @@
+"""Normal force laws as values: an elastic part, a damping part, and how a tooth's regions join."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import ClassVar, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain import _rustchain
+from rustchain.arguments import admitted, checked
+from rustchain.description.base import Description
+from rustchain.description.laws.film import Film
+from rustchain.description.laws.friction import Coulomb, LuGre
+from rustchain.description.material import Material
+from rustchain.names import known_keywords
+
+Damping = Literal[
+    "lankarani-nikravesh",
+    "hunt-crossley",
+    "herbert-mcwhannell",
+    "lee-wang",
+    "flores",
+    "gonthier",
+    "hu-guo",
+    "zhiying-qishao",
+]
+Regions = Literal["kept", "sharp"]
+Surfaces = Literal["internal", "external", "flat"]
+
+
+@dataclass(frozen=True)
+class ForceLaw(Description):
+    """What every force law has; choose one of its subclasses.
+
+    Attributes
+    ----------
+    elastic : str
+        Name of the elastic part.
+    damping : str, optional
+        Restitution-based damping, with any elastic part: "lankarani-nikravesh", "hunt-crossley",
+        "herbert-mcwhannell", "lee-wang", "flores", "gonthier", "hu-guo" or "zhiying-qishao". None:
+        the contact is elastic. `restitution_obtained` tells what each makes of the material's
+        restitution; "flores", "gonthier" and "hu-guo" divide by it and take 0.01 or more.
+    regions : {"kept", "sharp"}
+        "kept": a contact keeps the stiffness of the tooth region where it began, which closes the
+        energy balance. "sharp": the stiffness changes where the bushing crosses into another
+        region; under load, energy is not conserved there, at any accuracy.
+    friction : Coulomb or LuGre, optional
+        Friction of the contacts that have this law, in chain drives with clearance hinges. None:
+        there is none, and it costs nothing.
+    film : Film, optional
+        Lubricant of the hinges that have this law, likewise; teeth have none.
+    """
+
+    elastic: ClassVar[
+        Literal[
+            "hertz",
+            "johnson",
+            "enhanced-cylinder",
+            "hertz-cylinder",
+            "radzimovsky",
+            "esdu-78035",
+            "liu-conformal",
+            "linear",
+        ]
+    ]
+
+    damping: Damping | None = None
+    regions: Regions = "kept"
+    friction: Coulomb | LuGre | None = field(default=None, kw_only=True)
+    film: Film | None = field(default=None, kw_only=True)
+
+    @checked
+    def elastic_force(
+        self,
+        penetration: npt.ArrayLike,
+        radii: tuple[float, float],
+        length: float,
+        surfaces: Surfaces = "internal",
+        material: Material | None = None,
+    ) -> npt.NDArray[np.float64]:
+        """Return the elastic force [N] of two cylinders at a penetration.
+
+        Parameters
+        ----------
+        penetration : array_like
+            [m], any shape; no force at zero and below.
+        radii : (float, float)
+            Of the one cylinder, and of the bore that it is in ("internal"), of the other cylinder
+            ("external"), or of the convex curve that the flat goes on as ("flat") [m].
+        length : float
+            Length of contact [m].
+        surfaces : {"internal", "external", "flat"}
+            What the second radius is of.
+        material : Material, optional
+            Of both; by default the published drive's steel.
+
+        Raises
+        ------
+        InvalidInput
+            A radius, the length, or the kind of surfaces is not allowed.
+
+        Examples
+        --------
+        >>> round(float(rc.Johnson().elastic_force(1e-6, (2.22e-3, 2.245e-3), 0.011)), 1)
+        741.8
+        """
+        depth = np.asarray(penetration, dtype=np.float64)
+        force = _rustchain.law_force(
+            self,
+            surfaces,
+            *radii,
+            length,
+            Material() if material is None else material,
+            np.ascontiguousarray(depth.ravel()),
+        )
+        return force.reshape(depth.shape)
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Hertz(ForceLaw):
+    """Hertz's contact of spheres, undamped unless asked: (4/3) E* sqrt(Ri Rj / dR) delta^1.5."""
+
+    elastic = "hertz"
+
+
+@known_keywords
+@dataclass(frozen=True)
+class LankaraniNikravesh(ForceLaw):
+    """Hertz's contact of spheres with the damping of Lankarani and Nikravesh (1990)."""
+
+    elastic = "hertz"
+
+    damping: Damping | None = "lankarani-nikravesh"
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Johnson(ForceLaw):
+    """Johnson's contact of cylinders (1985), implicit in the force; undamped unless asked."""
+
+    elastic = "johnson"
+
+
+@known_keywords
+@dataclass(frozen=True)
+class EnhancedCylinder(ForceLaw):
+    """The enhanced cylindrical law of Pereira, Ramalho and Ambrosio: a power of the penetration.
+
+    Attributes
+    ----------
+    coefficients : {"2010", "2015"}
+        Of internal contact as published at ECCM 2010, or in Multibody System Dynamics 35 (2015);
+        those of external contact are the same.
+    """
+
+    elastic = "enhanced-cylinder"
+
+    damping: Damping | None = "lankarani-nikravesh"
+    coefficients: Literal["2010", "2015"] = "2010"
+
+
+@known_keywords
+@dataclass(frozen=True)
+class HertzCylinder(ForceLaw):
+    """Hertz's cylinders as two half-planes, implicit in the force; undamped unless asked."""
+
+    elastic = "hertz-cylinder"
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Radzimovsky(ForceLaw):
+    """Radzimovsky's contact of cylinders (1953), implicit in the force; undamped unless asked."""
+
+    elastic = "radzimovsky"
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Esdu78035(ForceLaw):
+    """Contact of cylinders after ESDU 78035, implicit in the force; undamped unless asked."""
+
+    elastic = "esdu-78035"
+
+
+@known_keywords
+@dataclass(frozen=True)
+class LiuConformal(ForceLaw):
+    """Liu, Zhang and Yang's pin in a close bore (2007), undamped unless asked.
+
+    Between convex surfaces, as on a tooth's flat and tip, it is a formality and warns.
+    """
+
+    elastic = "liu-conformal"
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Linear(ForceLaw):
+    """A constant stiffness, whatever the surfaces; undamped unless asked.
+
+    Its damping is a restitution's, as that of every law here. A dashpot beside the spring is
+    `LinearContact`, in a mechanism.
+
+    Attributes
+    ----------
+    stiffness : float
+        [N/m].
+    """
+
+    elastic = "linear"
+
+    stiffness: float = field(kw_only=True)
+
+
+def with_friction(
+    laws: tuple[ForceLaw, ForceLaw | None, ForceLaw | None],
+    friction: Coulomb | LuGre | None,
+    hinge_friction: Coulomb | LuGre | None,
+    tooth_friction: Coulomb | LuGre | None,
+    hinge_film: Film | None = None,
+) -> tuple[ForceLaw, ForceLaw | None, ForceLaw | None]:
+    """Return the laws of all contacts, of hinges and of teeth, with friction and film as given.
+
+    `friction` is that of both; what is not given leaves a law as it is.
+    """
+    law, hinge_law, tooth_law = laws
+    given = {"friction": friction, "hinge_friction": hinge_friction}
+    for name, one in (given | {"tooth_friction": tooth_friction}).items():
+        admitted(name, one, Coulomb | LuGre | None)
+    admitted("hinge_film", hinge_film, Film | None)
+
+    def rubbing(own: ForceLaw | None, given: Coulomb | LuGre | None) -> ForceLaw | None:
+        base = law if own is None else own
+        if given is None or not isinstance(base, ForceLaw):  # the core refuses what is no law
+            return own
+        return replace(base, friction=given)
+
+    hinge = rubbing(hinge_law, friction if hinge_friction is None else hinge_friction)
+    if hinge_film is not None:
+        base = law if hinge is None else hinge
+        if isinstance(base, ForceLaw):
+            hinge = replace(base, film=hinge_film)
+    tooth = rubbing(tooth_law, friction if tooth_friction is None else tooth_friction)
+    return law, hinge, tooth
+
+
+@checked
+def restitution_obtained(damping: Damping, restitution: float) -> float:
+    """Return the restitution that an impact really has when `restitution` is asked of a damping.
+
+    It solves lam (1 + e) = ln[(1 + lam) / (1 - lam e)], lam that of the damping law, whatever the
+    elastic part, the mass and the speed.
+
+    Parameters
+    ----------
+    damping : str
+        As in `ForceLaw`.
+    restitution : float
+        `Material.restitution`, 0 to 1.
+
+    Raises
+    ------
+    InvalidInput
+        The name is not known, or the restitution is out of the law's range.
+
+    Examples
+    --------
+    >>> round(rc.restitution_obtained("lankarani-nikravesh", 0.71), 4)
+    0.8005
+    """
+    return _rustchain.restitution_obtained(damping, restitution)

@@ -1,0 +1,76 @@
+"""Friction laws as values, and how they join the normal force laws."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from rustchain.description.base import Description
+from rustchain.names import known_keywords
+
+Regularization = Literal["tanh", "threlfall", "ambrosio"]
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Coulomb(Description):
+    """Coulomb's friction made a function of the slip speed; none sticks, what would stick creeps.
+
+    Attributes
+    ----------
+    coefficient : float
+        Friction force over normal force at full slip.
+    regularization : {"tanh", "threlfall", "ambrosio"}
+        How the force grows with the slip speed v. "tanh": tanh(v/speed), smooth. "threlfall":
+        1 - exp(-3 v/speed) up to `speed`, and what it is there, 0.950, above (Threlfall 1978).
+        "ambrosio": zero up to `dead_speed`, then a straight line to one at `speed` (Ambrosio 2003).
+    speed : float
+        Slip speed at which friction is (nearly) full [m/s].
+    dead_speed : float
+        Slip speed up to which there is none [m/s]; of "ambrosio" alone.
+    """
+
+    coefficient: float
+    regularization: Regularization = "tanh"
+    speed: float = 1e-3
+    dead_speed: float = 0.0
+
+
+@known_keywords
+@dataclass(frozen=True)
+class LuGre(Description):
+    """Friction of bristles that bend before they slip; it sticks, and needs less to break away.
+
+    With f the normal force, s the slip and z the deflection of the bristles of a contact,
+    dz/dt = s - stiffness |s| z / g(s) and F = f (stiffness z + damping' dz/dt +
+    viscous_coefficient s); g(s) = kinetic_coefficient + (static_coefficient -
+    kinetic_coefficient) exp(-(|s|/stribeck_speed)^stribeck_exponent), and damping' =
+    damping / (1 + damping |s| / (4 g)), with which it never drives (Canudas de Wit, Olsson,
+    Astrom and Lischinsky 1995; by the normal force: Canudas de Wit and Tsiotras 1999).
+
+    Attributes
+    ----------
+    static_coefficient : float
+        Friction force over normal force that bristles hold at rest.
+    kinetic_coefficient : float
+        What is left of it at full slip.
+    stiffness : float
+        Of the bristles, a newton of normal force [1/m]: static_coefficient / stiffness is how far
+        a contact gives way before it slips.
+    damping : float
+        Of the bristles at rest, a newton of normal force [s/m].
+    viscous_coefficient : float
+        Friction that grows with the slip, a newton of normal force [s/m].
+    stribeck_speed : float
+        Slip speed about which the coefficient falls [m/s].
+    stribeck_exponent : float
+        How steeply, 0.1 to 10: 2 in the law's first form, 0.5 to 1 for other materials.
+    """
+
+    static_coefficient: float
+    kinetic_coefficient: float
+    stiffness: float = 1e5
+    damping: float = 0.3
+    viscous_coefficient: float = 0.0
+    stribeck_speed: float = 1e-3
+    stribeck_exponent: float = 2.0

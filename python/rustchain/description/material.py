@@ -1,0 +1,28 @@
+"""What the parts of a drive are made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rustchain.description.base import Description
+from rustchain.names import known_keywords
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Material(Description):
+    """An elastic material; the default is the steel of the published drive.
+
+    Attributes
+    ----------
+    elastic_modulus : float
+        Young's modulus [Pa].
+    poisson_ratio : float
+        Poisson's ratio.
+    restitution : float
+        Coefficient of restitution of an impact.
+    """
+
+    elastic_modulus: float = 2.07e11
+    poisson_ratio: float = 0.3
+    restitution: float = 0.71

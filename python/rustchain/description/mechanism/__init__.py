@@ -1,0 +1,1 @@
+"""Planar mechanisms described by hand."""

@@ -1,0 +1,67 @@
+"""What the methods of `Mechanism` check when they are called: numbers, rows, outlines."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain.arguments import finite_array, shown
+from rustchain.description.mechanism.parts import Rows, TimeFunction
+from rustchain.errors import InvalidInput
+
+
+def one_of(
+    name: str, first: str, one: TimeFunction | Rows | None, second: str, other: object
+) -> TimeFunction:
+    """Return the one of two that is given."""
+    if (one is None) == (other is None):
+        msg = f"{first}, {second} of {shown(name)}: exactly one of them must be given"
+        raise InvalidInput(msg)
+    return one if one is not None else other  # type: ignore[return-value]
+
+
+def numbers(field: str, given: object, count: int, names: str) -> tuple[float, ...]:
+    """Return `given` as so many finite numbers, or tell what it must be."""
+    values = finite_array(given)
+    if values is None or values.shape != (count,):
+        words = {2: "two", 3: "three"}[count]
+        msg = f"{field} = {shown(given)}: must be {words} finite numbers {names}"
+        raise InvalidInput(msg)
+    return tuple(map(float, values))
+
+
+def rows(field: str, given: object, width: int) -> npt.NDArray[np.float64]:
+    """Return `given` as an array of finite numbers, a row each, or tell what it must be."""
+    values = finite_array(given)
+    if values is None or (values.shape[1:] != (2,) if width == 2 else values.ndim != 1):
+        kind = "rows of two finite numbers (x, y) [m]" if width == 2 else "a list of finite numbers"
+        msg = f"{field} = {shown(given)}: must be {kind}"
+        raise InvalidInput(msg)
+    return values
+
+
+def arcs(name: str, points: Rows, bulges: Sequence[float], closed: bool) -> list[tuple[float, ...]]:
+    """Return pieces (from, to, centre, convex) of an outline with bulges."""
+    corners = rows(f"points of contact {shown(name)}", points, 2)
+    pieces = len(corners) if closed else len(corners) - 1
+    given = rows(f"bulges of contact {shown(name)}", bulges, 1)
+    if len(given) != pieces:
+        msg = (
+            f"bulges of contact {shown(name)} = {shown(bulges)}: must be {pieces} numbers, one "
+            "for each "
+            "piece between two points (0 for a straight one)"
+        )
+        raise InvalidInput(msg)
+    found: list[tuple[float, ...]] = []
+    for k, bulge in enumerate(map(float, given)):
+        start, end = corners[k], corners[(k + 1) % len(corners)]
+        center = np.array([math.nan, math.nan])
+        if bulge != 0.0:
+            chord = end - start
+            left = np.array([-chord[1], chord[0]])
+            center = 0.5 * (start + end) + left * (1.0 - bulge**2) / (4.0 * bulge)
+        found.append((*map(float, (*start, *end, *center)), 1.0 if bulge > 0.0 else -1.0))
+    return found

@@ -1,0 +1,159 @@
+"""Forces of a mechanism: the methods of `Mechanism` that add them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from rustchain.arguments import shown
+from rustchain.description.mechanism.checks import one_of
+from rustchain.description.mechanism.parts import (
+    GROUND,
+    Force,
+    LoadFunction,
+    Point,
+    Rows,
+    TimeFunction,
+)
+from rustchain.errors import InvalidInput
+from rustchain.names import known_keywords
+
+
+class WithForces:
+    """What a mechanism knows of its forces."""
+
+    forces: list[Force]
+
+    @known_keywords
+    def add_force(
+        self,
+        name: str,
+        body: str,
+        force: Sequence[TimeFunction],
+        point: Point = (0.0, 0.0),
+        follows: bool = False,
+    ) -> None:
+        """Push a point of a body with a force (x, y) [N], which may turn with the body."""
+        if not isinstance(force, Sequence | np.ndarray) or len(force) != 2:
+            msg = f"force of {shown(name)} = {shown(force)}: must be two components (x, y) [N]"
+            raise InvalidInput(msg)
+        self.forces.append(
+            Force(
+                "force",
+                name,
+                GROUND,
+                body,
+                point_b=point,
+                x=force[0],
+                y=force[1],
+                follows=follows,
+            )
+        )
+
+    @known_keywords
+    def add_torque(
+        self,
+        name: str,
+        body: str,
+        torque: TimeFunction | None = None,
+        by_speed: Rows | None = None,
+        reaction: str = GROUND,
+    ) -> None:
+        """Turn a body with a torque [N m] of time, or by a table of (speed [rad/s], torque).
+
+        `reaction` names the body that takes the reaction and from which the speed is seen.
+        """
+        one_of(name, "torque", torque, "by_speed", by_speed)
+        if torque is None:
+            self.forces.append(Force("torque_by_speed", name, reaction, body, table=by_speed))
+        else:
+            self.forces.append(Force("torque", name, reaction, body, x=torque))
+
+    @known_keywords
+    def add_spring(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        stiffness: float = 0.0,
+        damping: float = 0.0,
+        point_a: Point = (0.0, 0.0),
+        point_b: Point = (0.0, 0.0),
+        rest_length: float | None = None,
+        cubic: float = 0.0,
+        table: Rows | None = None,
+    ) -> None:
+        """Put a spring and damper between two points.
+
+        Parameters
+        ----------
+        stiffness, damping, cubic : float
+            [N/m], [N s/m] and [N/m^3]: tension = stiffness * x + cubic * x^3 + damping * x'.
+        rest_length : float, optional
+            Length without force [m], by default as placed.
+        table : sequence of (elongation [m], tension [N]), optional
+            In place of stiffness and cubic.
+        """
+        self.forces.append(
+            Force(
+                "spring",
+                name,
+                body_a,
+                body_b,
+                point_a,
+                point_b,
+                stiffness=stiffness,
+                damping=damping,
+                cubic=cubic,
+                rest=rest_length,
+                table=table,
+            )
+        )
+
+    @known_keywords
+    def add_torsion_spring(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        stiffness: float = 0.0,
+        damping: float = 0.0,
+        rest_angle: float | None = None,
+        cubic: float = 0.0,
+        table: Rows | None = None,
+    ) -> None:
+        """Put a spring and damper between two angles; as `add_spring`, with radians."""
+        self.forces.append(
+            Force(
+                "torsion_spring",
+                name,
+                body_a,
+                body_b,
+                stiffness=stiffness,
+                damping=damping,
+                cubic=cubic,
+                rest=rest_angle,
+                table=table,
+            )
+        )
+
+    @known_keywords
+    def add_callable(self, name: str, body: str, function: LoadFunction) -> None:
+        """Load a body by a function of Python: for prototypes, clearly slower than the rest.
+
+        Parameters
+        ----------
+        function : callable
+            Called with time [s], position and velocity of the body (three numbers each); returns
+            force x, force y [N] and torque about the centre of mass [N m]. An exception ends the
+            run.
+        """
+        if not callable(function):
+            msg = (
+                f"function of force {shown(name)} = {shown(function)}: must be callable: "
+                "f(time, position, "
+                "velocity) that returns (force x, force y, torque)"
+            )
+            raise InvalidInput(msg)
+        self.forces.append(Force("custom", name, GROUND, body, function=function))

@@ -1,0 +1,254 @@
+"""Joints and drivers of a mechanism: the methods of `Mechanism` that add them."""
+
+from __future__ import annotations
+
+import math
+
+from rustchain.arguments import shown
+from rustchain.description.mechanism.checks import numbers, one_of
+from rustchain.description.mechanism.parts import GROUND, Body, Joint, Point, TimeFunction
+from rustchain.errors import InvalidInput
+from rustchain.names import known_keywords, suggest
+
+
+class WithJoints:
+    """What a mechanism knows of its joints."""
+
+    bodies: list[Body]
+    joints: list[Joint]
+
+    @known_keywords
+    def add_revolute(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        point_a: Point | None = None,
+        point_b: Point | None = None,
+        at: Point | None = None,
+    ) -> None:
+        """Let a point of each body coincide."""
+        self._join("revolute", name, body_a, body_b, point_a, point_b, at)
+
+    @known_keywords
+    def add_fixed(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        point_a: Point | None = None,
+        point_b: Point | None = None,
+        at: Point | None = None,
+        angle: float | None = None,
+    ) -> None:
+        """Weld two bodies; `angle` of b less that of a [rad], by default as placed."""
+        self._join("fixed", name, body_a, body_b, point_a, point_b, at, value=angle)
+
+    @known_keywords
+    def add_prismatic(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        direction: Point,
+        point_a: Point | None = None,
+        point_b: Point | None = None,
+        at: Point | None = None,
+        angle: float | None = None,
+    ) -> None:
+        """Let b slide on a line of a without turning: through point a, along `direction` of a."""
+        self._join(
+            "prismatic",
+            name,
+            body_a,
+            body_b,
+            point_a,
+            point_b,
+            at,
+            direction=direction,
+            value=angle,
+        )
+
+    @known_keywords
+    def add_point_on_line(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        direction: Point,
+        point_a: Point | None = None,
+        point_b: Point | None = None,
+        at: Point | None = None,
+    ) -> None:
+        """Keep point b on the line of a through point a, along `direction` of a."""
+        self._join("point_on_line", name, body_a, body_b, point_a, point_b, at, direction=direction)
+
+    @known_keywords
+    def add_distance(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        point_a: Point = (0.0, 0.0),
+        point_b: Point = (0.0, 0.0),
+        length: float | None = None,
+    ) -> None:
+        """Keep two points at a distance [m], by default as placed."""
+        self._join("distance", name, body_a, body_b, point_a, point_b, None, value=length)
+
+    @known_keywords
+    def add_gear(
+        self, name: str, body_a: str, body_b: str, ratio: float, carrier: str | None = None
+    ) -> None:
+        """Let two wheels roll on each other.
+
+        Parameters
+        ----------
+        ratio : float
+            Turns of b for one turn of a, both seen from the carrier: -r_a / r_b for wheels outside
+            each other, +r_a / r_b for one inside the other.
+        carrier : str, optional
+            The body on which both turn; by default the ground.
+        """
+        self._join("gear", name, body_a, body_b, None, None, None, value=ratio, carrier=carrier)
+
+    @known_keywords
+    def add_rack(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        direction: Point,
+        radius: float,
+        point_a: Point = (0.0, 0.0),
+        point_b: Point = (0.0, 0.0),
+    ) -> None:
+        """Let a wheel b roll on a line of a: way along `direction` = `radius` * turns of b."""
+        self._join(
+            "rack",
+            name,
+            body_a,
+            body_b,
+            point_a,
+            point_b,
+            None,
+            direction=direction,
+            value=radius,
+        )
+
+    @known_keywords
+    def add_driver(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        angle: TimeFunction | None = None,
+        speed: TimeFunction | None = None,
+    ) -> None:
+        """Prescribe the angle [rad] or the speed [rad/s] of b seen from a."""
+        motion = one_of(name, "angle", angle, "speed", speed)
+        by_speed = angle is None
+        self._join(
+            "driven_angle",
+            name,
+            body_a,
+            body_b,
+            None,
+            None,
+            None,
+            motion=motion,
+            by_speed=by_speed,
+        )
+
+    @known_keywords
+    def add_position_driver(
+        self,
+        name: str,
+        body_a: str,
+        body_b: str,
+        direction: Point,
+        position: TimeFunction | None = None,
+        speed: TimeFunction | None = None,
+        point_a: Point = (0.0, 0.0),
+        point_b: Point = (0.0, 0.0),
+    ) -> None:
+        """Prescribe the way [m] or speed [m/s] of point b along `direction` from point a."""
+        motion = one_of(name, "position", position, "speed", speed)
+        self._join(
+            "driven_position",
+            name,
+            body_a,
+            body_b,
+            point_a,
+            point_b,
+            None,
+            direction=direction,
+            motion=motion,
+            by_speed=position is None,
+        )
+
+    def _join(
+        self,
+        kind: str,
+        name: str,
+        body_a: str,
+        body_b: str,
+        point_a: Point | None,
+        point_b: Point | None,
+        at: Point | None,
+        direction: Point = (1.0, 0.0),
+        value: float | None = None,
+        carrier: str | None = None,
+        motion: TimeFunction = 0.0,
+        by_speed: bool = False,
+    ) -> None:
+        """Add a joint; `at` stands for both points."""
+        if at is not None:
+            if point_a is not None or point_b is not None:
+                msg = (
+                    f"at of joint {shown(name)} = {shown(at)}: give it, or point_a and "
+                    "point_b, not both"
+                )
+                raise InvalidInput(msg)
+            at = numbers(f"at of joint {shown(name)}", at, 2, "(x, y) [m]")
+            point_a, point_b = (self._local(name, body, at) for body in (body_a, body_b))
+        direction = numbers(f"direction of joint {shown(name)}", direction, 2, "(x, y)")
+        points = (("a", point_a), ("b", point_b))
+        place_a, place_b = (
+            (0.0, 0.0)
+            if point is None
+            else numbers(f"point_{end} of joint {shown(name)}", point, 2, "(x, y) [m]")
+            for end, point in points
+        )
+        self.joints.append(
+            Joint(
+                kind,
+                name,
+                body_a,
+                body_b,
+                place_a,
+                place_b,
+                direction,
+                value,
+                carrier,
+                motion,
+                by_speed,
+            )
+        )
+
+    def _local(self, joint: str, body: str, at: Point) -> tuple[float, float]:
+        """Return a point of the ground's frame in the frame of a body as placed."""
+        if body == GROUND:
+            return (float(at[0]), float(at[1]))
+        for known in self.bodies:
+            if known.name == body:
+                x, y, angle = known.position
+                dx, dy = at[0] - x, at[1] - y
+                cos, sin = math.cos(angle), math.sin(angle)
+                return (cos * dx + sin * dy, cos * dy - sin * dx)
+        names = [GROUND, *(known.name for known in self.bodies)]
+        msg = (
+            f"body of joint {shown(joint)} = {shown(body)}: there is no such body; "
+            f"{suggest(body, names)}"
+        )
+        raise InvalidInput(msg)

@@ -1,0 +1,265 @@
+"""What the generator chose for a drive."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from math import degrees
+from typing import TYPE_CHECKING, TypeAlias
+
+from rustchain import _rustchain
+from rustchain.description.base import plain
+from rustchain.names import named_attributes
+
+if TYPE_CHECKING:
+    from rustchain.description.drive import ChainDrive
+
+Numbers: TypeAlias = tuple[float, ...]
+
+_LITTLE_PLAY = 1e-6  # [m]
+# A chain that is shorter by less is not warned of [m]: bushings begin that far off their seats.
+_LEAST_SHORTAGE = 1e-6
+
+
+@named_attributes
+@dataclass(frozen=True)
+class DriveReport:
+    """How a chain lies round its sprockets at the start; ``print(report)`` shows it as a table.
+
+    Tuples have an entry for each sprocket as listed, or for each strand. Two sprockets have the
+    strands "upper" (left of the line from sprocket 1 to sprocket 2) and "lower"; of more, strand
+    "1-3" leads from sprocket 1 to sprocket 3, and of an open chain "end_1-1" from end 1 to
+    sprocket 1.
+
+    Attributes
+    ----------
+    links : int
+        Number of links.
+    pitch : float
+        Pitch of the chain [m].
+    belt_pitches : float
+        Length of a taut chain along the belt line on the pitch circles, in pitches.
+    order : tuple of int
+        Sprockets in the order in which the chain meets them, counterclockwise; of an open chain
+        from end 1 to end 2.
+    teeth : tuple of int
+        Numbers of teeth.
+    sides : tuple of str
+        On which side of the chain each sprocket stands.
+    center_distance, closing_center_distance : float, optional
+        Distance of the centres of two sprockets, and the one at which the strands are taut and
+        straight [m].
+    pitch_radius : tuple of float
+        Pitch radii [m].
+    wrap_pitches : tuple of int
+        Pitches seated on each sprocket.
+    wrap_angle, belt_wrap_angle : tuple of float
+        Angle that the seated pitches and that the belt line wraps [rad].
+    first_seat_angle, phase : tuple of float
+        Angle of the first seated hinge (from the line of centres of two sprockets) and of the
+        sprocket at the start [rad].
+    initial_speed : tuple of float
+        Angular speed at the start [rad/s].
+    speed_ratios : tuple of float
+        Mean speed of each sprocket over that of sprocket 1.
+    strands : tuple of str
+        Names of the strands.
+    strand_pitches : tuple of int
+        Pitches in each strand.
+    strand_span, strand_slack : tuple of float
+        Straight distance between the ends of each strand, and its length over that [m]; negative:
+        stretched into the clearance.
+    sag : tuple of float
+        Rise of each strand's arc over its chord [m].
+    hinge_stretch : float
+        Eccentricity of the strand hinges at the start [m].
+    start_gap : float
+        Smallest gap of all contacts at the start [m].
+    tension_force : float
+        Full pull of the tensioner on its sprocket [N].
+    guide_gap : tuple of float
+        Smallest distance of a bushing from each guide at the start, or of a plate where those bear
+        on it [m].
+    guide_turn : tuple of float
+        How far each guide's arm is swung at the start from where it is described, for the chain to
+        be clear [rad].
+    guide_travel : tuple of (float, float)
+        How far each guide's plunger can go back and out from there until its stops [m]: infinite
+        without stops, zero without an arm.
+    guide_bushings : tuple of int
+        Bushings within half a pitch of each guide: the arc that it can bear.
+    guide_place : tuple of str
+        The strand or sprocket at which each guide's nearest bushing is.
+    warnings : tuple of str
+        What deserves a second look.
+    roller_play : float, optional
+        Radial play of rollers on bushings [m], where rollers are bodies of their own.
+    """
+
+    links: int
+    pitch: float
+    belt_pitches: float
+    order: tuple[int, ...]
+    teeth: tuple[int, ...]
+    sides: tuple[str, ...]
+    center_distance: float | None
+    closing_center_distance: float | None
+    pitch_radius: Numbers
+    wrap_pitches: tuple[int, ...]
+    wrap_angle: Numbers
+    belt_wrap_angle: Numbers
+    first_seat_angle: Numbers
+    phase: Numbers
+    initial_speed: Numbers
+    speed_ratios: Numbers
+    strands: tuple[str, ...]
+    strand_pitches: tuple[int, ...]
+    strand_span: Numbers
+    strand_slack: Numbers
+    sag: Numbers
+    hinge_stretch: float
+    start_gap: float
+    tension_force: float
+    guide_gap: Numbers
+    guide_turn: Numbers
+    guide_travel: tuple[tuple[float, float], ...]
+    guide_bushings: tuple[int, ...]
+    guide_place: tuple[str, ...]
+    warnings: tuple[str, ...]
+    roller_play: float | None = None
+
+    @classmethod
+    def of(cls, drive: ChainDrive) -> DriveReport:
+        """Return the report on `drive`."""
+        found = _rustchain.layout(drive)  # which refuses what is no drive
+        chain = drive.chain
+        if drive.hinges == "ideal" and drive.tensioner is not None and drive.tensioner.stiffness:
+            found["tension_force"] = _pull_without_play(drive, found["hinge_stretch"])
+        if drive.hinges == "ideal":
+            found["warnings"] = [*found["warnings"], *_too_tight(drive)]
+        play = None if chain.roller is None else chain.roller.bore_radius - chain.bushing_radius
+        return cls(**{name: plain(value) for name, value in found.items()}, roller_play=play)
+
+    @property
+    def speed_ratio(self) -> float:
+        """Mean speed of sprocket 2 over that of sprocket 1."""
+        return self.speed_ratios[1]
+
+    def __str__(self) -> str:
+        """Return the report as a table, lengths in mm and angles in degrees."""
+        spare = _text(1e3 * (self.links - self.belt_pitches) * self.pitch, ".3f")
+        rows = [
+            ("chain", f"{self.links} links of {1e3 * self.pitch:.4f} mm"),
+            (
+                "  taut",
+                f"{self.belt_pitches:.4f} pitches; {spare} mm to spare",
+            ),
+        ]
+        if self.roller_play is not None:
+            rows.append(("play of the rollers", f"{1e6 * self.roller_play:.3f} um"))
+        if self.center_distance is not None:
+            rows.append(("centre distance", f"{1e3 * self.center_distance:.6f} mm"))
+        if self.closing_center_distance is not None:
+            rows.append(("  taut and straight at", f"{1e3 * self.closing_center_distance:.6f} mm"))
+        if len(self.teeth) > 2:
+            rows.append(("order along the chain", ", ".join(map(str, self.order))))
+        percent = [100.0 * sag / span for sag, span in zip(self.sag, self.strand_span, strict=True)]
+        of_sprockets = [
+            ("", ""),
+            _row("sprocket", range(1, len(self.teeth) + 1)),
+            _row("teeth", self.teeth),
+            _row("side of the chain", self.sides),
+            _row("pitch radius [mm]", _scaled(self.pitch_radius, 1e3, ".4f")),
+            _row("speed ratio", _scaled(self.speed_ratios, 1.0, ".6f")),
+            _row("speed [rad/s]", _scaled(self.initial_speed, 1.0, ".4f")),
+            _row("pitches seated", self.wrap_pitches),
+            _row("wrap of these [deg]", _scaled(self.wrap_angle, degrees(1), ".3f")),
+            _row("wrap of the belt [deg]", _scaled(self.belt_wrap_angle, degrees(1), ".3f")),
+            _row("first seat at [deg]", _scaled(self.first_seat_angle, degrees(1), ".6f")),
+            _row("phase [deg]", _scaled(self.phase, degrees(1), ".6f")),
+        ]
+        rows += [
+            ("hinge stretch", f"{_text(1e6 * self.hinge_stretch, '.3f')} um"),
+            ("smallest gap at the start", f"{_text(1e6 * self.start_gap, '.3f')} um"),
+            ("tensioner's pull", f"{_text(self.tension_force, '.3f')} N"),
+            *(of_sprockets if self.teeth else ()),
+            ("", ""),
+            _row("strand", self.strands),
+            _row("pitches", self.strand_pitches),
+            _row("span [mm]", _scaled(self.strand_span, 1e3, ".4f")),
+            _row("slack [um]", _scaled(self.strand_slack, 1e6, ".3f")),
+            _row("sag [mm]", _scaled(self.sag, 1e3, ".4f")),
+            _row("sag [% of span]", _scaled(tuple(percent), 1.0, ".2f")),
+            *self._guide_rows(),
+        ]
+        table = (f"{label:<26}{value}".rstrip() for label, value in rows)
+        return "\n".join([*table, *(f"warning: {warning}" for warning in self.warnings)])
+
+    def _guide_rows(self) -> list[tuple[str, str]]:
+        """Return the rows on guides; none without them."""
+        if not self.guide_gap:
+            return []
+        back, out = zip(*self.guide_travel, strict=True)
+        return [
+            ("", ""),
+            _row("guide", range(1, len(self.guide_gap) + 1)),
+            _row("at", (place.removeprefix("strand ") for place in self.guide_place)),
+            _row("gap to the chain [mm]", _scaled(self.guide_gap, 1e3, ".4f")),
+            _row("bushings along it", self.guide_bushings),
+            _row("arm swung by [deg]", _scaled(self.guide_turn, degrees(1), ".3f")),
+            _row("plunger: way back [mm]", _scaled(back, 1e3, ".3f")),
+            _row("plunger: way out [mm]", _scaled(out, 1e3, ".3f")),
+        ]
+
+
+def _row(label: str, values: Iterable[object]) -> tuple[str, str]:
+    """Return a row of columns."""
+    return label, "".join(f"{value!s:>14}" for value in values)
+
+
+def _scaled(values: Numbers, factor: float, form: str) -> list[str]:
+    """Return numbers in another unit, as text."""
+    return [_text(factor * value, form) for value in values]
+
+
+def _text(value: float, form: str) -> str:
+    """Return a number as text; what rounds to zero has no sign."""
+    text = format(value, form)
+    return text.lstrip("-") if float(text) == 0.0 else text
+
+
+def _too_tight(drive: ChainDrive) -> list[str]:
+    """Return what to say of ideal hinges that leave a chain too short somewhere on its way round.
+
+    A tensioner or a floating sprocket gives way; so does a chain with clearance in its hinges.
+    """
+    if drive.tensioner is not None or any(s.bearing == "floating" for s in drive.sprockets):
+        return []
+    shortage, tension = _rustchain.tightness(drive)
+    if shortage < _LEAST_SHORTAGE:
+        return []
+    return [
+        f"ideal hinges do not open: where the polygon effect tightens it most, the chain is "
+        f"{1e6 * shortage:.1f} um too short for these centres, and bushings pressed into their "
+        f"seats pull it with about {tension:.0f} N, more at speed; move a centre in until the "
+        "strands have so much more length, or take a tensioner, hinges='clearance', or sprockets "
+        "with room in their seats (AnsiTooth(seat='pitch-circle'))"
+    ]
+
+
+def _pull_without_play(drive: ChainDrive, stretch: float) -> float:
+    """Return the pull of a tensioner on a spring [N] where hinges do not open under tension.
+
+    The spring is stretched less where such a chain is taut. A chain without any play cannot be laid
+    as it is: the pull is taken from chains that have little, `stretch` [m] and more.
+    """
+
+    def pull(play: float) -> float:
+        pin = drive.chain.hinge.pin_radius
+        hinge = replace(drive.chain.hinge, bore_radius=pin + play)
+        chain = replace(drive.chain, hinge=hinge)
+        found: float = _rustchain.layout(replace(drive, chain=chain))["tension_force"]
+        return found
+
+    play = max(4.0 * stretch, _LITTLE_PLAY)
+    return 2.0 * pull(play) - pull(2.0 * play)

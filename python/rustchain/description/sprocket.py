@@ -1,0 +1,130 @@
+"""A sprocket, and what turns it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain import _rustchain
+from rustchain.arguments import checked
+from rustchain.description.base import Description, Point
+from rustchain.description.chain import Chain
+from rustchain.description.teeth import AnsiTooth, ToothForm
+from rustchain.names import known_keywords
+
+Side = Literal["inside", "outside"]
+
+TimeTable: TypeAlias = float | Sequence[Sequence[float]]
+"""A constant, or rows (time [s], value): linear between the rows, constant outside them."""
+
+
+@known_keywords
+@dataclass(frozen=True)
+class PrescribedSpeed(Description):
+    """A sprocket that turns at a given speed, whatever it takes.
+
+    Attributes
+    ----------
+    speed : float or table of (time, speed)
+        Speed [rad/s], counterclockwise positive.
+    """
+
+    speed: TimeTable
+
+
+@known_keywords
+@dataclass(frozen=True)
+class AppliedTorque(Description):
+    """A sprocket under a given torque.
+
+    Attributes
+    ----------
+    torque : float or table of (time, torque)
+        Torque [N m], counterclockwise positive.
+    curve : table of (speed, torque), optional
+        Torque that the sprocket's own speed [rad/s] adds: a motor's or a load's curve, linear
+        between the rows and constant outside them.
+    """
+
+    torque: TimeTable = 0.0
+    curve: TimeTable | None = None
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Free(Description):
+    """A sprocket that only the chain turns."""
+
+
+@known_keywords
+@dataclass(frozen=True)
+class Sprocket(Description):
+    """A toothed wheel.
+
+    Attributes
+    ----------
+    teeth : int
+        Number of teeth.
+    center : (float, float)
+        Centre at the start [m].
+    motion : PrescribedSpeed, AppliedTorque or Free
+        What turns it.
+    profile : AnsiTooth, IsoTooth, StraightTooth or CustomTooth
+        Tooth form.
+    mass, inertia : float, optional
+        Mass [kg] and moment of inertia [kg m^2]; by default those of a steel disc of the pitch
+        radius, as thick as the chain's `tooth_contact_length`.
+    initial_speed : float, optional
+        Speed at the start [rad/s]; by default what the motion prescribes or the chain carries over.
+    bearing : {"fixed", "floating"}
+        Whether the centre is held.
+    side : {"inside", "outside"}
+        On which side of the chain's loop it stands: a sprocket outside is a reverse idler, which
+        presses the chain inward and turns against the driver.
+    load_inertia : float
+        Moment of inertia of all that turns with it [kg m^2]: shaft, load, motor.
+    eccentricity : float
+        Distance of the teeth's centre from the bore's [m], half the full radial runout. The centre
+        of gravity stays in the bore.
+    eccentricity_angle : float
+        Direction of the teeth's centre, from that of gap 0 [rad].
+    damaged_teeth : sequence of (int, float)
+        Teeth that are not whole, and the share of their height above the bottom of the gap that is
+        left; 0: gone. Tooth k, from 0, lies between gaps k and k + 1.
+    """
+
+    teeth: int
+    center: Point = (0.0, 0.0)
+    motion: PrescribedSpeed | AppliedTorque | Free = Free()
+    profile: ToothForm = AnsiTooth()  # noqa: RUF009  # frozen
+    mass: float | None = None
+    inertia: float | None = None
+    initial_speed: float | None = None
+    bearing: Literal["fixed", "floating"] = "fixed"
+    side: Side = "inside"
+    load_inertia: float = 0.0
+    eccentricity: float = 0.0
+    eccentricity_angle: float = 0.0
+    damaged_teeth: Sequence[tuple[int, float]] = ()
+
+    @checked
+    def outline(self, chain: Chain, points: int = 24) -> npt.NDArray[np.float64]:
+        """Return the closed outline of the teeth for `chain`, about their centre.
+
+        Parameters
+        ----------
+        chain : Chain
+            The chain they are cut for.
+        points : int
+            Points on each curve, 2 to 1000.
+
+        Returns
+        -------
+        ndarray, shape (points in all, 2)
+            Counterclockwise [m]; gap 0 lies along x.
+        """
+        return _rustchain.tooth_outline(self, chain, points)

@@ -1,0 +1,150 @@
+"""Tooth forms: of the standards, straight-sided, and of arcs and lines."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from rustchain.description.base import Description, Point
+from rustchain.names import known_keywords
+
+Seat = Literal["bottom-diameter", "pitch-circle"]
+
+
+@known_keywords
+@dataclass(frozen=True)
+class AnsiTooth(Description):
+    """The tooth form of ANSI/ASME B29.1.
+
+    Attributes
+    ----------
+    seat : {"bottom-diameter", "pitch-circle"}
+        Where the seat's centre lies: outside the pitch circle, so that a seated bushing's centre is
+        on it (the standard), or on the pitch circle itself (a seated bushing then has play all
+        round).
+    roller_diameter : float, optional
+        The diameter that the tooth is cut for [m]; by default that of the chain's bushings.
+    tip : {"full", "cut"}
+        Whether the topping curves go on to the middle of the tooth, as in the published model, or
+        end at the outside diameter in an edge.
+    edge_radius : float, optional
+        Radius of that edge [m]; by default 0.025 of the roller diameter.
+    """
+
+    seat: Seat = "bottom-diameter"
+    roller_diameter: float | None = None
+    tip: Literal["full", "cut"] = "full"
+    edge_radius: float | None = None
+
+
+@known_keywords
+@dataclass(frozen=True)
+class IsoTooth(Description):
+    """The tooth form of ISO 606: a round seat and convex flanks, cut off at the tip diameter.
+
+    Attributes
+    ----------
+    gap : float or "minimum" or "maximum"
+        From the standard's minimum gap form, 0, to its maximum, 1; each dimension in proportion.
+    seat : {"bottom-diameter", "pitch-circle"}
+        Where the seat's centre lies; see `AnsiTooth`. The bottom diameter is the pitch diameter
+        less the roller's, or less twice the seat's radius.
+    roller_diameter : float, optional
+        The diameter that the tooth is cut for [m]; by default that of the chain's bushings.
+    tip_diameter : float, optional
+        [m]; by default the middle of the standard's range, or its least where that is pointed.
+    edge_radius : float, optional
+        Radius of the edge at the tip [m]; by default 0.025 of the roller diameter.
+    """
+
+    gap: float | Literal["minimum", "maximum"] = "minimum"
+    seat: Seat = "bottom-diameter"
+    roller_diameter: float | None = None
+    tip_diameter: float | None = None
+    edge_radius: float | None = None
+
+
+@known_keywords
+@dataclass(frozen=True)
+class StraightTooth(Description):
+    """A tooth of straight flanks, tangent to a round seat and cut off at the tip diameter.
+
+    Attributes
+    ----------
+    flank_angle : float
+        Angle between a flank and the middle of the gap [rad].
+    seat_radius : float, optional
+        [m]; by default 0.505 roller diameters.
+    seat : {"bottom-diameter", "pitch-circle"}
+        Where the seat's centre lies; see `AnsiTooth`.
+    roller_diameter : float, optional
+        The diameter that the tooth is cut for [m]; by default that of the chain's bushings.
+    tip_diameter : float, optional
+        [m]; by default as of an `IsoTooth`.
+    edge_radius : float, optional
+        Radius of the edge at the tip [m]; by default 0.025 of the roller diameter.
+    """
+
+    flank_angle: float
+    seat_radius: float | None = None
+    seat: Seat = "bottom-diameter"
+    roller_diameter: float | None = None
+    tip_diameter: float | None = None
+    edge_radius: float | None = None
+
+
+@known_keywords
+@dataclass(frozen=True)
+class ToothLine(Description):
+    """A straight piece of a `CustomTooth`.
+
+    Attributes
+    ----------
+    start, end : (float, float)
+        Across the gap and outward through its middle, from the sprocket's centre [m].
+    """
+
+    start: Point
+    end: Point
+
+
+@known_keywords
+@dataclass(frozen=True)
+class ToothArc(Description):
+    """A circular piece of a `CustomTooth`, less than half a turn.
+
+    Attributes
+    ----------
+    start, end, center : (float, float)
+        Across the gap and outward through its middle, from the sprocket's centre [m]. About a
+        centre on the left of the way from start to end the arc is hollow, else convex.
+    """
+
+    start: Point
+    end: Point
+    center: Point
+
+
+@known_keywords
+@dataclass(frozen=True)
+class CustomTooth(Description):
+    """A tooth of arcs and lines of one's own, tangent to one another.
+
+    Attributes
+    ----------
+    pieces : sequence of ToothLine and ToothArc
+        The right half of a gap, from its middle (u = 0, level) up the flank; the left half mirrors
+        it. The material lies on the right of the way. Joints may be off by 1e-7 m and 1e-4 rad.
+    tip_diameter : float, optional
+        Where the tooth is cut off [m]; without it, the pieces end level in the middle of the tooth.
+    edge_radius : float, optional
+        Radius of the edge of a cut tip [m]; by default 0.025 of the bushings' diameter.
+    """
+
+    pieces: Sequence[ToothLine | ToothArc]
+    tip_diameter: float | None = None
+    edge_radius: float | None = None
+
+
+ToothForm: TypeAlias = AnsiTooth | IsoTooth | StraightTooth | CustomTooth

@@ -1,0 +1,1 @@
+"""Drive files: their models, reading, errors by position."""

@@ -1,0 +1,145 @@
+"""Paths that users give: checked before a file is read, and files written whole or not at all."""
+
+from __future__ import annotations
+
+import errno
+import os
+import secrets
+import stat
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+
+from rustchain.arguments import PATH_WORDS, shown
+from rustchain.errors import InvalidInput
+
+_LONGEST = 300  # characters of a path in a message; the longest name of one file is 255
+_KINDS = (
+    (stat.S_ISDIR, "directory"),
+    (stat.S_ISFIFO, "FIFO"),
+    (stat.S_ISSOCK, "socket"),
+    (stat.S_ISCHR, "device"),
+    (stat.S_ISBLK, "device"),
+)
+
+
+def path_of(path: object, field: str = "path") -> Path:
+    """Return a path, or raise `InvalidInput` where `path` cannot name a file."""
+    if not isinstance(path, str | os.PathLike):
+        raise InvalidInput(f"{field}: got {shown(path)}; expected {PATH_WORDS}")
+    name = os.fsdecode(path)
+    if "\0" in name:
+        msg = f"{field} = {shown_path(name)}: has a NUL character; expected a file name without one"
+        raise InvalidInput(msg)
+    return Path(name)
+
+
+def shown_path(path: object) -> str:
+    """Return a path for a message: on one line, and not longer than a line or two."""
+    name = str(path)
+    name = name if name.isprintable() else repr(name)
+    half = _LONGEST // 2
+    return name if len(name) <= _LONGEST else f"{name[:half]}...{name[-half:]}"
+
+
+def check_regular(path: Path) -> None:
+    """Raise `OSError` where `path` is no regular file.
+
+    Opening a FIFO waits for its other end, some devices have no end, and a rename onto a device
+    replaces it.
+    """
+    mode = path.stat().st_mode
+    if not stat.S_ISREG(mode):
+        kind = next((kind for is_kind, kind in _KINDS if is_kind(mode)), "special file")
+        number = errno.EISDIR if kind == "directory" else errno.EINVAL
+        raise OSError(number, f"Is a {kind}; expected a regular file")
+
+
+def check_there(path: object, writer: str) -> Path:
+    """Return the path of a file that `writer` could have written, or raise where there is none."""
+    where = path_of(path)
+    remedy = f"give a file that {writer} wrote"
+    try:
+        check_regular(where)
+        if not os.access(where, os.R_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    except FileNotFoundError as error:
+        msg = f"path = {shown_path(where)}: there is no such file: {remedy}"
+        raise FileNotFoundError(msg) from error
+    except OSError as error:
+        msg = f"path = {shown_path(where)}: cannot be read ({reason(error)}): {remedy}"
+        raise type(error)(msg) from error
+    return where
+
+
+def check_writable(path: object, field: str = "path") -> None:
+    """Raise where `write_whole` could not write to `path`; nothing is left there."""
+    try:
+        with tempfile.TemporaryFile(dir=_target(path, field).parent):
+            pass
+    except OSError as error:
+        raise _unwritable(path, field, error) from error
+
+
+def write_whole(path: object, content: bytes | memoryview, field: str = "path") -> None:
+    """Write a file that is there whole or not at all, whatever interrupts.
+
+    The content is written beside the file and renamed when it is on the disc. A file that is
+    replaced hands on its permissions; a symbolic link stays, and what it points to is replaced.
+
+    Raises
+    ------
+    InvalidInput
+        `path` is no path, or has a NUL character.
+    OSError
+        The file cannot be written, or is a directory, a device or a FIFO.
+    """
+    try:
+        target = _target(path, field)
+        # A name of its own length, since one derived from a long name is too long.
+        part = target.with_name(f".{secrets.token_hex(8)}.part")
+        try:
+            with part.open("xb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+            _hand_on_permissions(target, part)
+            part.replace(target)
+        except BaseException:
+            with suppress(OSError):
+                part.unlink()
+            raise
+    except OSError as error:
+        raise _unwritable(path, field, error) from error
+
+
+def _target(path: object, field: str) -> Path:
+    """Return the file itself that is to be written, which is regular or not there yet."""
+    target = Path(os.path.realpath(path_of(path, field)))
+    with suppress(FileNotFoundError):
+        check_regular(target)
+        if not os.access(target, os.W_OK):  # a rename asks for the directory only
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    return target
+
+
+def _hand_on_permissions(old: Path, new: Path) -> None:
+    """Give a file the owner and the mode of the one that it replaces, if there is one."""
+    with suppress(FileNotFoundError):
+        status = old.stat()
+        with suppress(AttributeError, PermissionError):  # no owners on Windows; another's file
+            os.chown(new, status.st_uid, status.st_gid)
+        new.chmod(stat.S_IMODE(status.st_mode))
+
+
+def _unwritable(path: object, field: str, error: OSError) -> OSError:
+    """Return the error that says why a file cannot be written."""
+    return type(error)(
+        f"{field} = {shown_path(path)}: cannot be written ({reason(error)}): "
+        "name a file where there is room and you may write"
+    )
+
+
+def reason(error: OSError) -> str:
+    """Return why the operating system refused."""
+    return error.strerror or str(error)

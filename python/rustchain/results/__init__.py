@@ -1,0 +1,1 @@
+"""Results of runs: arrays, views of their parts, tables, files."""

@@ -1,0 +1,87 @@
+"""One body, joint or contact of a mechanism over time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rustchain.names import named_attributes
+from rustchain.typing import Array, IntArray
+
+
+@named_attributes
+@dataclass(frozen=True, eq=False)
+class BodyMotion:
+    """One body over time.
+
+    Attributes
+    ----------
+    time : ndarray, (times,)
+        Report times [s].
+    position, velocity, acceleration : ndarray, (times, 3)
+        Of centre of mass and angle [m, m, rad], and their rates.
+    """
+
+    time: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+
+
+@named_attributes
+@dataclass(frozen=True, eq=False)
+class JointHistory:
+    """One joint over time.
+
+    Attributes
+    ----------
+    time : ndarray, (times,)
+        Report times [s].
+    force : ndarray, (times, 2)
+        Force on body b [N].
+    torque : ndarray, (times,)
+        Torque on body b about the joint's point b [N m]; of a driver, the motor's.
+    position_residual, velocity_residual : ndarray, (times,)
+        What is left of the joint's equations [m or rad] and their rates.
+    peak_force, impulse : ndarray, (times,)
+        Largest force [N] and impulse [N s] since the row before.
+    """
+
+    time: Array
+    force: Array
+    torque: Array
+    position_residual: Array
+    velocity_residual: Array
+    peak_force: Array
+    impulse: Array
+
+
+@named_attributes
+@dataclass(frozen=True, eq=False)
+class ContactHistory:
+    """One contact over time.
+
+    Attributes
+    ----------
+    time, force, penetration : ndarray, (times,)
+        Report times [s], normal force [N], penetration [m], negative when apart.
+    gap, region : ndarray of int, (times,)
+        Near teeth, their gap, from 0 (-1: none), and its region, counted from 1 along its outline
+        (0: none; an ANSI gap has seven).
+    peak_force, impulse : ndarray, (times,)
+        Largest force [N] and impulse [N s] since the row before.
+    force_vector : ndarray, (times, 2)
+        Force on the circle [N], on body b, in the frame of the ground.
+    impact_velocity : ndarray, (times,)
+        Largest initial impact velocity [m/s] of the contacts that began since the row before; zero
+        where none did.
+    """
+
+    time: Array
+    force: Array
+    penetration: Array
+    gap: IntArray
+    region: IntArray
+    peak_force: Array
+    impulse: Array
+    force_vector: Array
+    impact_velocity: Array

@@ -1,0 +1,90 @@
+"""Results in netCDF files: written with a checksum, and read back."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING, TypeVar
+
+from rustchain.errors import InvalidInput
+from rustchain.paths import check_there, shown_path, write_whole
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_Given = TypeVar("_Given")
+_Made = TypeVar("_Made")
+
+
+def write(dataset: xr.Dataset, path: object) -> None:
+    """Write a dataset to a file, lightly packed, with a checksum behind it."""
+    image = _beside(_image, dataset)
+    checksum = _checksum(image.getbuffer())
+    image.seek(0, io.SEEK_END)
+    image.write(checksum)
+    write_whole(path, image.getbuffer())
+
+
+def read(path: object, writer: str, other: str) -> xr.Dataset:
+    """Return the dataset in a file that `writer` wrote, a result of `other`."""
+    content = check_there(path, writer).read_bytes()
+    body = memoryview(content)[: -len(_checksum(b""))]
+    # HDF5 does not see a damaged file: it reads some as another content, and fails in many ways.
+    if content[len(body) :] != _checksum(body):
+        raise damaged(path, writer, other, "it holds no result that matches its checksum")
+    try:
+        return _beside(_dataset, content)
+    except Exception as error:  # what no file of this package is raises what it likes
+        raise damaged(path, writer, other, error) from error
+
+
+def damaged(path: object, writer: str, other: str, error: object) -> InvalidInput:
+    """Return the error that says why a file holds no whole result."""
+    return InvalidInput(
+        f"path = {shown_path(path)}: is no result of {other}, or is damaged ({error}): give a file "
+        f"that {writer} wrote, which is netCDF whatever its name, or copy or save it again"
+    )
+
+
+def _checksum(body: bytes | memoryview) -> bytes:
+    """Return the line behind the end of an HDF5 file, which its readers leave unread."""
+    return f"\nrustchain sha256 {hashlib.sha256(body).hexdigest()}\n".encode()
+
+
+def _beside(work: Callable[[_Given], _Made], given: _Given) -> _Made:
+    """Return what `work` makes of `given` in a thread of its own, whose end is waited for.
+
+    Python raises KeyboardInterrupt in the main thread only. There h5py's many weak references would
+    swallow it: exceptions in their callbacks are printed and ignored.
+    """
+    with ThreadPoolExecutor(1) as thread:
+        try:
+            made = thread.submit(work, given)
+        except RuntimeError:  # in a function of `atexit`: no thread begins any more
+            return work(given)
+        return made.result()
+
+
+def _dataset(content: bytes) -> xr.Dataset:
+    """Return what is in the bytes of a file."""
+    import xarray as xr
+
+    return xr.load_dataset(io.BytesIO(content), engine="h5netcdf", decode_times=False)
+
+
+def _image(dataset: xr.Dataset) -> io.BytesIO:
+    """Return the bytes of a netCDF file.
+
+    HDF5 writes to memory because it does not survive a failing disc: the process ends with a
+    segmentation fault when the file is closed.
+    """
+    import h5netcdf
+    from xarray.backends import H5NetCDFStore
+
+    packed = {name: {"zlib": True, "complevel": 1} for name in dataset.data_vars}
+    image = io.BytesIO()
+    with h5netcdf.File(image, "w") as file:
+        dataset.dump_to_store(H5NetCDFStore(file), encoding=packed)
+    return image

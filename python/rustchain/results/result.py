@@ -1,0 +1,317 @@
+"""What a run recorded: arrays, views of its parts, figures, tables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy.typing as npt
+
+from rustchain import _rustchain
+from rustchain.analysis import Outputs
+from rustchain.analysis.jumps import check_seated, tooth_jumps
+from rustchain.arguments import checked_methods, shown
+from rustchain.description.drive import ChainDrive
+from rustchain.description.laws.force import ForceLaw
+from rustchain.errors import InvalidInput, NotRecorded
+from rustchain.names import named_attributes, suggest
+from rustchain.results import netcdf, tables
+from rustchain.results.channels import VARIABLES
+from rustchain.results.views import (
+    Bushing,
+    ChainEnd,
+    Energy,
+    Hinge,
+    Jumps,
+    Peaks,
+    RollerOnBushing,
+    SprocketMotion,
+    Strand,
+)
+from rustchain.typing import Array
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from rustchain.plot import Plots
+    from rustchain.simulation.simulation import Solver
+
+Status = Literal["finished", "stopped", "interrupted", "failed"]
+
+
+@named_attributes
+@checked_methods
+@dataclass(frozen=True, eq=False, repr=False)
+class Result(Outputs):
+    """What a run recorded, and of what.
+
+    Hinges, bushings and sprockets are numbered from 1 in calls, from 0 in arrays. What engineers
+    read are the methods from `link_tension` to `engagements`.
+
+    Attributes
+    ----------
+    arrays : dict of ndarray
+        Everything recorded, by name; time is the first axis. `to_xarray` adds dims and units.
+    drive, hinge_law, tooth_law, solver, min_approach_speed
+        What was simulated, and how.
+    body_names : tuple of str
+        Names of the bodies.
+    initial_positions, initial_velocities, final_positions, final_velocities : ndarray, (bodies, 3)
+        State at both ends [m, m, rad] and [m/s, m/s, rad/s].
+    status : {"finished", "stopped", "interrupted", "failed"}
+        How the run ended.
+    message : str
+        The same in words.
+    stats : dict
+        Steps, evaluations, onsets of contacts and wall time by phase [s] of this run.
+    jumps : tuple of ndarray, optional
+        Times [s], sprockets (from 1) and directions of the tooth jumps since the simulation began;
+        see `tooth_jumps`. None where they are not counted: with ``hinges="ideal"``.
+    """
+
+    arrays: dict[str, npt.NDArray[Any]]
+    drive: ChainDrive
+    hinge_law: ForceLaw
+    tooth_law: ForceLaw
+    solver: Solver
+    min_approach_speed: float
+    body_names: tuple[str, ...]
+    initial_positions: Array
+    initial_velocities: Array
+    final_positions: Array
+    final_velocities: Array
+    status: Status
+    message: str
+    stats: dict[str, Any]
+    jumps: Jumps | None = None
+
+    def __repr__(self) -> str:
+        """Return how the run ended and what is there."""
+        name = self.drive.name or "chain drive"
+        span = f"{self.time[0]:.6g} to {self.time[-1]:.6g} s in {len(self.time)} rows"
+        return f"<Result of {name}: {self.status}, {span}: {', '.join(self.groups)}>"
+
+    @property
+    def success(self) -> bool:
+        """Whether the run reached its end, or a stop condition."""
+        return self.status in ("finished", "stopped")
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """What was recorded."""
+        return tuple(dict.fromkeys(v.group for name, v in VARIABLES.items() if name in self.arrays))
+
+    @property
+    def time(self) -> Array:
+        """Report times [s], (times,)."""
+        return self.arrays["time"]
+
+    def array(self, name: str) -> npt.NDArray[Any]:
+        """Return a recorded array by its name in `arrays`, or raise with the remedy."""
+        if name in self.arrays:
+            return self.arrays[name]
+        if name not in VARIABLES:
+            msg = f"no array {shown(name)}; {suggest(name, VARIABLES)}"
+            raise NotRecorded(msg)
+        group = VARIABLES[name].group
+        if group in self.groups:
+            msg = (
+                f"{name}: this drive has no such channel; expected hinges='clearance', and for "
+                "channels of rollers, film or ends a drive that has them"
+            )
+        elif group == "energy":
+            msg = "the energy balance was not recorded; pass energy=True to run"
+        else:
+            msg = f"{group} were not recorded; pass record=(..., {shown(group)}) to run"
+        raise NotRecorded(msg)
+
+    def hinge(self, number: int) -> Hinge:
+        """Return hinge `number`, which joins the front of that link and the rear of the next.
+
+        Hinge `links` of an open chain joins the last link and end 2, hinge `links` + 2 joins end 1
+        and the first link; the one between is none.
+        """
+        k = _position("hinge", number, self.drive.hinge_count)
+        force, vector, penetration, eccentricity = (
+            self.array(f"hinge_{name}")[:, k]
+            for name in ("force", "force_vector", "penetration", "eccentricity")
+        )
+        more = (self.arrays.get(f"hinge_{name}") for name in ("film_force", "onset_speed"))
+        more = (None if array is None else array[:, k] for array in more)
+        return Hinge(self.time, force, vector, penetration, eccentricity, *more)
+
+    def bushing(self, number: int) -> Bushing:
+        """Return bushing `number`, that of the hinge with the same number."""
+        k = _position("bushing", number, self.drive.hinge_count)
+        names = ("force", "penetration", "sprocket", "index", "region")
+        more = (self.arrays.get(f"tooth_{name}") for name in ("force_vector", "onset_speed"))
+        return Bushing(
+            self.time,
+            *(self.array(f"tooth_{name}")[:, k] for name in names),
+            *(None if array is None else array[:, k] for array in more),
+        )
+
+    def roller(self, number: int) -> RollerOnBushing:
+        """Return roller `number`, on the bushing with the same number, where rollers are bodies."""
+        if self.drive.chain.roller is None:
+            msg = "roller: the chain's rollers are no bodies of their own; see Chain.roller"
+            raise NotRecorded(msg)
+        k = _position("roller", number, self.drive.hinge_count)
+        force, vector, penetration, eccentricity, onset_speed = (
+            self.array(f"roller_{name}")[:, k]
+            for name in ("force", "force_vector", "penetration", "eccentricity", "onset_speed")
+        )
+        body = self.drive.hinge_count + k
+        position, velocity = (
+            None if array is None else array[:, body]
+            for array in map(self.arrays.get, ("positions", "velocities"))
+        )
+        return RollerOnBushing(
+            self.time, force, vector, penetration, eccentricity, position, velocity, onset_speed
+        )
+
+    @property
+    def strand_names(self) -> tuple[str, ...]:
+        """Names of the strands, in the order of arrays.
+
+        Two sprockets have "upper" (left of the line from sprocket 1 to 2) and "lower"; of more,
+        "1-3" leads from sprocket 1 to sprocket 3. Open chains have "end_1-1", "1-2", ... and so on
+        to "end_2".
+        """
+        return tuple(_rustchain.strand_names(self.drive))
+
+    def strand(self, name: str | int) -> Strand:
+        """Return a strand by its name in `strand_names` or by its number there, from 1."""
+        names = self.strand_names
+        if not isinstance(name, str):
+            k = _position("strand", name, len(names))
+        elif name in names:
+            k = names.index(name)
+        else:
+            msg = f"strand: {shown(name)} is no strand; {suggest(name, names)}"
+            raise InvalidInput(msg)
+        return Strand(self.time, self.array("strand_tension")[:, k])
+
+    def sprocket(self, number: int) -> SprocketMotion:
+        """Return sprocket `number`; 1 is the driver."""
+        k = _position("sprocket", number, len(self.drive.sprockets))
+        names = ("angle", "speed", "torque", "center")
+        return SprocketMotion(self.time, *(self.array(f"sprocket_{name}")[:, k] for name in names))
+
+    def end(self, number: int) -> ChainEnd:
+        """Return end `number` of an open chain: 1 before its first link, 2 behind its last one."""
+        k = _position("end", number, 0 if self.drive.ends is None else 2)
+        names = ("force", "position", "velocity")
+        return ChainEnd(self.time, *(self.array(f"end_{name}")[:, k] for name in names))
+
+    def guide(self, number: int) -> SprocketMotion:
+        """Return guide `number`: angle and place of its bearing, torque on it.
+
+        In arrays the guides follow the sprockets; a bushing's `sprocket` counts them on.
+        """
+        k = _position("guide", number, len(self.drive.guides)) + len(self.drive.sprockets)
+        names = ("angle", "speed", "torque", "center")
+        return SprocketMotion(self.time, *(self.array(f"sprocket_{name}")[:, k] for name in names))
+
+    @property
+    def energy(self) -> Energy:
+        """The energy balance."""
+        names = ("kinetic", "gravity", "elastic", "dissipated", "worked_in", "residual")
+        kinds = ("contact", "friction")
+        places = [*(f"{part}_{kind}" for kind in kinds for part in ("hinge", "tooth"))]
+        places += [*(f"roller_{kind}" for kind in kinds), "hinge_film"]
+        return Energy(
+            *(self.array(f"energy_{name}") for name in names),
+            *(self.arrays.get(f"energy_{name}") for name in places),
+        )
+
+    def efficiency(self, after: float = 0.0) -> float:
+        """Return the power delivered over the power delivered and lost, as `power_balance` has it.
+
+        Parameters
+        ----------
+        after : float
+            Time from which on to count [s]: the drive should have settled by then.
+
+        Returns
+        -------
+        float
+            NaN where nothing is delivered, or no shaft puts work in.
+
+        Raises
+        ------
+        InvalidInput
+            No two rows lie after that time, or the chain jumped teeth after it.
+        """
+        check_seated(self.between(start=after), "efficiency")
+        return float(self.power_balance(start=after)["efficiency"])
+
+    @property
+    def tooth_jumps(self) -> pd.DataFrame:
+        """The jumps of the chain over teeth in this run, a row for each tooth.
+
+        Columns: ``time`` [s] of the end of the first step after which all seated bushings of the
+        sprocket are in other gaps than before; ``sprocket``, from 1; ``direction``, 1 where the
+        sprocket has turned counterclockwise by a tooth against the chain, -1 clockwise. A bushing
+        is seated where its centre is less than halfway from the pitch circle to where it passes
+        over the tips.
+
+        Raises
+        ------
+        NotRecorded
+            The drive has ideal hinges, for which jumps are not counted.
+        """
+        return tooth_jumps(self)
+
+    @property
+    def peaks(self) -> Peaks:
+        """The largest forces and impulses between the report times."""
+        return Peaks(self)
+
+    @property
+    def plot(self) -> Plots:
+        """Figures; see `rustchain.plot.Plots`."""
+        from rustchain.plot import Plots
+
+        return Plots(self)
+
+    def to_xarray(self) -> xr.Dataset:
+        """Return everything as a dataset with units; the scene is in its attributes."""
+        return tables.dataset_of(self)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a row for each time and a column for each number: ``hinge_force_vector_6_x``."""
+        return tables.table_of(self.to_xarray(), VARIABLES)
+
+    def save(self, path: str | Path) -> None:
+        """Write everything to a netCDF file, for `load_result`.
+
+        The file is there whole or not at all: one that is there already is replaced when the new
+        one is complete, and hands on its permissions. A process that is killed meanwhile may leave
+        a hidden file that ends in ``.part``. Ctrl-C is answered when the content is packed.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file; a symbolic link is followed.
+
+        Raises
+        ------
+        OSError
+            The file cannot be written, or is a directory, a device or a FIFO.
+        InvalidInput
+            `path` is no name of a file, such as an open file, or has a NUL character.
+        """
+        netcdf.write(self.to_xarray(), path)
+
+
+def _position(part: str, number: int, count: int) -> int:
+    """Return the place in arrays of the part with this number."""
+    if not 1 <= number <= count:
+        msg = f"{part} {shown(number)}: {part}s are numbered 1 to {count}"
+        if count == 0:
+            msg = f"{part} {shown(number)}: there is none"
+        raise IndexError(msg)
+    return number - 1

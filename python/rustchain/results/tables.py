@@ -1,0 +1,106 @@
+"""A result as a dataset with units and as a table."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from importlib.metadata import version
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain.results.channels import VARIABLES, Variable
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from rustchain.results.result import Result
+
+SCENE = ("drive", "hinge_law", "tooth_law", "solver")
+JUMPS = ("jump_time", "jump_sprocket", "jump_direction")
+ENDS = ("initial_positions", "initial_velocities", "final_positions", "final_velocities")
+
+
+def dataset_of(result: Result) -> xr.Dataset:
+    """Return everything in the result of a drive, the scene in the attributes."""
+    import xarray as xr
+
+    drive = result.drive
+    coordinates = {
+        "time": xr.Variable("time", result.time, {"units": "s", "long_name": "time"}),
+        "hinge": np.arange(1, drive.hinge_count + 1),
+        "bushing": np.arange(1, drive.hinge_count + 1),
+        "end": [1, 2],
+        "sprocket": np.arange(1, len(drive.sprockets) + len(drive.guides) + 1),
+        "strand": list(result.strand_names),
+        "axis": ["x", "y"],
+        "body": list(result.body_names),
+        "coordinate": ["x", "y", "theta"],
+    }
+    variables = variables_of(result.arrays, VARIABLES)
+    for name in ENDS:
+        end, quantity = name.split("_")
+        units = VARIABLES[quantity].units
+        attributes = {"units": units, "long_name": f"{end} {quantity} of the bodies"}
+        variables[name] = (("body", "coordinate"), getattr(result, name), attributes)
+    attributes_of_jumps = {}
+    if result.jumps is not None:
+        attributes_of_jumps["tooth_jumps"] = len(result.jumps[0])
+        if len(result.jumps[0]):  # files have no empty variables
+            for name, values, units in zip(JUMPS, result.jumps, ("s", "1", "1"), strict=True):
+                variables[name] = ("jump", values, {"units": units})
+    return dataset(
+        variables,
+        coordinates,
+        {name: getattr(result, name).to_json() for name in SCENE}
+        | {
+            "min_approach_speed": result.min_approach_speed,
+            "status": result.status,
+            "message": result.message,
+            "stats": json.dumps(result.stats),
+        }
+        | attributes_of_jumps,
+    )
+
+
+def variables_of(
+    arrays: Mapping[str, npt.NDArray[Any]], known: Mapping[str, Variable]
+) -> dict[str, Any]:
+    """Return the arrays with their dimensions and attributes, those that are there."""
+    return {
+        name: (("time", *v.dims), arrays[name], {"units": v.units, "long_name": v.long_name})
+        for name, v in known.items()
+        if name in arrays
+    }
+
+
+def dataset(
+    variables: dict[str, Any], coordinates: Mapping[str, Any], attributes: Mapping[str, Any]
+) -> xr.Dataset:
+    """Return a dataset with the coordinates that its variables have, and the version."""
+    import xarray as xr
+
+    used = {"time"}.union(*(dims for dims, *_ in variables.values()))
+    return xr.Dataset(
+        variables,
+        {name: values for name, values in coordinates.items() if name in used},
+        {**attributes, "rustchain_version": version("rustchain")},
+    )
+
+
+def table_of(dataset: xr.Dataset, known: Mapping[str, Variable]) -> pd.DataFrame:
+    """Return a row for each time and a column for each number of the known variables."""
+    import pandas as pd
+
+    time = dataset["time"].values
+    columns: dict[str, npt.NDArray[Any]] = {}
+    for name in filter(dataset.data_vars.__contains__, known):
+        labels = product([name], *(dataset[d].values for d in known[name].dims))
+        series = dataset[name].values.reshape(len(time), -1).T
+        columns |= {
+            "_".join(map(str, label)): one for label, one in zip(labels, series, strict=True)
+        }
+    return pd.DataFrame(columns, index=pd.Index(time, name="time"))

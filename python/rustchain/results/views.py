@@ -1,0 +1,252 @@
+"""The parts of a result over time: hinges, bushings, rollers, strands, sprockets, ends, energy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain.names import named_attributes
+from rustchain.typing import Array, IntArray
+
+if TYPE_CHECKING:
+    from rustchain.results.result import Result
+
+Jumps: TypeAlias = tuple[Array, npt.NDArray[np.int64], npt.NDArray[np.int64]]
+"""Times [s], sprockets from 1 and directions of tooth jumps."""
+
+
+@named_attributes
+@dataclass(frozen=True, eq=False)
+class Hinge:
+    """One hinge over time.
+
+    Attributes
+    ----------
+    time : ndarray, (times,)
+        Report times [s].
+    force, penetration : ndarray, (times,)
+        Normal force [N] and penetration [m]; penetration is negative when apart.
+    force_vector : ndarray, (times, 2)
+        Force on the pin, friction, film and all [N].
+    eccentricity : ndarray, (times, 2)
+        Pin centre seen from the bushing [m].
+    film_force : ndarray, (times,), optional
+        Size of what lubricant does [N], where there is any.
+    onset_speed : ndarray, (times,), optional
+        Initial impact velocity of the present contact [m/s], not below the floor of the law; 0
+        when apart. Not with ideal hinges.
+    """
+
+    time: Array
+    force: Array
+    force_vector: Array
+    penetration: Array
+    eccentricity: Array
+    film_force: Array | None = None
+    onset_speed: Array | None = None
+
+
+@named_attributes
+@dataclass(frozen=True, eq=False)
+class Bushing:
+    """One bushing's deepest contact with a tooth, over time.
+
+    Attributes
+    ----------
+    time : ndarray, (times,)
+        Report times [s].
+    tooth_force, tooth_penetration : ndarray, (times,)
+        Contact force [N] and penetration [m]; penetration is -inf when not even near.
+    sprocket, tooth, region : ndarray of int, (times,)
+        Sprocket from 1 (0: none), tooth gap from 0 (-1: none), region of the gap from 1
+        (0: none); an ANSI gap has seven, the fourth is the seat.
+    tooth_force_vector : ndarray, (times, 2), optional
+        Force on the bushing, friction included [N]. Not with ideal hinges.
+    tooth_onset_speed : ndarray, (times,), optional
+        Initial impact velocity of the present contact [m/s], not below the floor of the law; 0
+        when apart. Not with ideal hinges.
+    """
+
+    time: Array
+    tooth_force: Array
+    tooth_penetration: Array
+    sprocket: IntArray
+    tooth: IntArray
+    region: IntArray
+    tooth_force_vector: Array | None = None
+    tooth_onset_speed: Array | None = None
+
+
+@named_attributes
+@dataclass(frozen=True, eq=False)
+class RollerOnBushing:
+    """One roller on its bushing over time.
+
+    Attributes
+    ----------
+    time : ndarray, (times,)
+        Report times [s].
+    force, penetration : ndarray, (times,)
+        Normal force of the bushing in the bore [N] and penetration [m], negative when apart.
+    force_vector : ndarray, (times, 2)
+        Force of the bushing on the roller, friction and all [N].
+    eccentricity : ndarray, (times, 2)
+        Bushing's centre seen from the roller's [m].
+    position, velocity : ndarray, (times, 3), optional
+        The roller itself [m, m, rad] and [m/s, m/s, rad/s], where bodies were recorded.
+    onset_speed : ndarray, (times,), optional
+        Initial impact velocity of the present contact [m/s], not below the floor of the law; 0
+        when apart.
+    """
+
+    time: Array
+    force: Array
+    force_vector: Array
+    penetration: Array
+    eccentricity: Array
+    position: Array | None = None
+    velocity: Array | None = None
+    onset_speed: Array | None = None
+
+
+@named_attributes
+@dataclass(frozen=True, eq=False)
+class Strand:
+    """One strand over time.
+
+    Attributes
+    ----------
+    time : ndarray, (times,)
+        Report times [s].
+    tension : ndarray, (times,)
+        Mean tension of the strand's hinges [N].
+    """
+
+    time: Array
+    tension: Array
+
+
+@named_attributes
+@dataclass(frozen=True, eq=False)
+class SprocketMotion:
+    """One sprocket over time.
+
+    Attributes
+    ----------
+    time : ndarray, (times,)
+        Report times [s].
+    angle, speed, torque : ndarray, (times,)
+        Angle [rad], speed [rad/s] and torque on the shaft [N m], counterclockwise positive.
+    center : ndarray, (times, 2)
+        Centre [m].
+    """
+
+    time: Array
+    angle: Array
+    speed: Array
+    torque: Array
+    center: Array
+
+
+@named_attributes
+@dataclass(frozen=True, eq=False)
+class ChainEnd:
+    """One end of an open chain over time.
+
+    Attributes
+    ----------
+    time : ndarray, (times,)
+        Report times [s].
+    force : ndarray, (times, 2)
+        Force of the chain on its end [N]: the reaction of an anchor, with the other sign.
+    position, velocity : ndarray, (times, 2)
+        Pin of that end [m], [m/s]. A loose end has none: it stays where the chain began.
+    """
+
+    time: Array
+    force: Array
+    position: Array
+    velocity: Array
+
+
+@named_attributes
+@dataclass(frozen=True, eq=False)
+class Energy:
+    """The energy balance over time.
+
+    Attributes
+    ----------
+    kinetic, gravity, elastic : ndarray, (times,)
+        Energy stored [J].
+    dissipated, worked_in : ndarray, (times,)
+        Energy lost in contacts and in the tensioner's dashpot, and work of motors and tensioner,
+        since the first row [J].
+    residual : ndarray, (times,)
+        What the balance misses [J]: the honest error figure of a long run.
+    hinge_contact, tooth_contact, hinge_friction, tooth_friction : ndarray, (times,), optional
+        Where `dissipated` was lost [J]: to the damping of contacts and to friction, of pins in
+        bushings and of bushings on teeth; the rest went into dashpots. Only of chain drives with
+        clearance in their hinges.
+    roller_contact, roller_friction : ndarray, (times,), optional
+        The same of bushings in rollers, where those are bodies.
+    hinge_film : ndarray, (times,), optional
+        The same of lubricant between pins and bushings [J], where there is any.
+    """
+
+    kinetic: Array
+    gravity: Array
+    elastic: Array
+    dissipated: Array
+    worked_in: Array
+    residual: Array
+    hinge_contact: Array | None = None
+    tooth_contact: Array | None = None
+    hinge_friction: Array | None = None
+    tooth_friction: Array | None = None
+    roller_contact: Array | None = None
+    roller_friction: Array | None = None
+    hinge_film: Array | None = None
+
+
+@named_attributes
+@dataclass(frozen=True, eq=False)
+class Peaks:
+    """Largest forces [N] and impulses [N s] within each report interval; row i ends at time i.
+
+    An impact lasts 15 to 80 us, so that most of them fall between two rows of the other arrays.
+    """
+
+    _result: Result
+
+    @property
+    def hinge_force(self) -> Array:
+        """Largest force of each hinge [N], (times, hinges)."""
+        return self._result.array("peak_hinge_force")
+
+    @property
+    def hinge_impulse(self) -> Array:
+        """Impulse of each hinge [N s], (times, hinges)."""
+        return self._result.array("peak_hinge_impulse")
+
+    @property
+    def roller_force(self) -> Array:
+        """Largest force of each bushing in its roller [N], (times, rollers)."""
+        return self._result.array("peak_roller_force")
+
+    @property
+    def roller_impulse(self) -> Array:
+        """Impulse of each bushing in its roller [N s], (times, rollers)."""
+        return self._result.array("peak_roller_impulse")
+
+    @property
+    def tooth_force(self) -> Array:
+        """Largest tooth force of each bushing [N], (times, bushings)."""
+        return self._result.array("peak_tooth_force")
+
+    @property
+    def tooth_impulse(self) -> Array:
+        """Impulse of the teeth on each bushing [N s], (times, bushings)."""
+        return self._result.array("peak_tooth_impulse")

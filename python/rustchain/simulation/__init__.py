@@ -1,0 +1,1 @@
+"""Simulations: start, steps, evaluations, runs, stop conditions."""

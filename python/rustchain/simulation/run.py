@@ -1,0 +1,101 @@
+"""What a run records, and how far it is."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal, NoReturn, get_args
+
+import numpy as np
+
+from rustchain.arguments import finite_number, items_within, shown
+from rustchain.errors import InvalidInput
+from rustchain.names import suggest
+
+if TYPE_CHECKING:
+    from tqdm import tqdm
+
+    from rustchain.description.drive import ChainDrive
+
+
+Group = Literal["hinges", "teeth", "sprockets", "bodies", "energy"]
+
+_MOST_GROUPS = 100  # far more than there are; what has more may have no end
+_MOST_ROWS = 1e9  # more are refused whatever they hold
+WALL_BUDGET = 0.05  # [s] between looks at the keyboard and the progress bar
+
+
+def known_groups(record: Sequence[str], energy: bool) -> tuple[list[str], bool]:
+    """Return the groups to record, each of which must exist, and whether to keep the energy."""
+    groups = [record] if isinstance(record, str) else items_within("record", record, _MOST_GROUPS)
+    if groups is None:
+        msg = (
+            f"record = {shown(record)}: must be a sequence of groups: {', '.join(get_args(Group))}"
+        )
+        raise InvalidInput(msg)
+    for group in groups:
+        if not isinstance(group, str) or group not in get_args(Group):
+            msg = f"record: {shown(group)} is no group; {suggest(group, get_args(Group))}"
+            raise InvalidInput(msg)
+    return groups, True if "energy" in groups else energy
+
+
+def numbers_of_a_row(drive: ChainDrive, groups: Sequence[str], energy: bool) -> int:
+    """Return how many numbers a row of the result has, about."""
+    links, sprockets = drive.hinge_count, len(drive.sprockets)
+    if drive.hinges == "ideal":  # all of the mechanism
+        return 7 + (16 + 6 * sprockets) * links
+    rollers = 0 if drive.chain.roller is None else links
+    each = {"hinges": 10 * links, "teeth": 9 * links, "sprockets": 5 * sprockets}
+    each["bodies"] = 6 * (links + rollers + sprockets + len(drive.guides))
+    return 1 + sum(each.get(group, 0) for group in groups) + (6 if energy else 0)
+
+
+def check_rows_fit(duration: object, report_step: object, numbers: int) -> None:
+    """Refuse more rows of so many numbers each than the machine's memory holds.
+
+    What is no number, or makes no sense, is left to those who read it.
+    """
+    duration, report_step = finite_number(duration), finite_number(report_step)
+    if duration is None or report_step is None or min(duration, report_step) <= 0.0:
+        return
+    rows, size = duration / report_step, 8 * numbers
+    memory = _memory()
+    if rows <= _MOST_ROWS and rows * size > memory:
+        least = duration * size / memory
+        msg = (
+            f"report_step = {report_step:g}: gives {rows:.3g} rows of {size} bytes in {duration:g} "
+            f"s, {rows * size / 2**30:.3g} GiB, where this machine has {memory / 2**30:.3g}: take "
+            f"{least:.1e} s or more, record less, or run it in pieces"
+        )
+        raise InvalidInput(msg)
+
+
+def _memory() -> float:
+    """Return the memory of this machine [bytes]."""
+    try:
+        found = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, ValueError, OSError):  # not everywhere
+        found = 0
+    return float(found) if found > 0 else 2.0**36
+
+
+def check_progress(progress: object) -> None:
+    """Refuse what is neither True nor False."""
+    if not isinstance(progress, bool | np.bool_):
+        msg = f"progress = {shown(progress)}: must be True or False"
+        raise InvalidInput(msg)
+
+
+def seconds_bar(total: float, progress: bool, description: str | None = None) -> tqdm[NoReturn]:
+    """Return a bar of simulated seconds [s]."""
+    from tqdm import tqdm
+
+    form = "{l_bar}{bar}| {n:.4f}/{total:.4f} s [{elapsed}<{remaining}, {rate_noinv_fmt}]"
+    return tqdm(
+        desc=description,
+        total=total,
+        unit=" s",
+        bar_format=form,
+        disable=None if progress else True,
+    )

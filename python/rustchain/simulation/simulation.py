@@ -1,0 +1,377 @@
+"""A drive, its force laws and a solver: how it starts, steps and runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain.arguments import plain, shown
+from rustchain.description.drive import ChainDrive, TimeTable, drive_inside
+from rustchain.description.laws.film import Film
+from rustchain.description.laws.force import ForceLaw, LankaraniNikravesh, with_friction
+from rustchain.description.laws.friction import Coulomb, LuGre
+from rustchain.description.mechanism.builder import Mechanism
+from rustchain.description.solver import Method as Method
+from rustchain.description.solver import Solver as Solver
+from rustchain.errors import InvalidInput, SimulationError
+from rustchain.names import known_keywords
+from rustchain.results.result import Result, Status
+from rustchain.simulation.evaluation import Evaluation as Evaluation
+from rustchain.simulation.present import SCENE, Present, core_for
+from rustchain.simulation.run import (
+    WALL_BUDGET,
+    Group,
+    check_progress,
+    check_rows_fit,
+    known_groups,
+    numbers_of_a_row,
+    seconds_bar,
+)
+from rustchain.simulation.start import Start, started
+from rustchain.simulation.stop import StopCondition, looks_of
+from rustchain.typing import Array
+
+if TYPE_CHECKING:
+    from rustchain.simulation.stop import Look
+
+
+_LAW = LankaraniNikravesh()
+_SOLVER = Solver()
+
+
+@known_keywords
+class Simulation(Present):
+    """A chain drive in motion; a mechanism makes a `MechanismSimulation`, with its keywords.
+
+    Parameters
+    ----------
+    drive : ChainDrive or Mechanism
+        What moves.
+    force_law : ForceLaw
+        Law of every contact.
+    hinge_law, tooth_law : ForceLaw, optional
+        Law of pins in bushings, of bushings on teeth; by default `force_law`.
+    friction : Coulomb or LuGre, optional
+        Friction of every contact: put into the laws, as ``ForceLaw.friction``.
+    hinge_friction, tooth_friction : Coulomb or LuGre, optional
+        Friction of pins in bushings, of bushings on teeth; by default `friction`.
+    hinge_film : Film, optional
+        Lubricant between pins and bushings: put into their law, as ``ForceLaw.film``.
+    min_approach_speed : float
+        Least approach speed that the damping reckons with [m/s]; without it, a contact that begins
+        slowly would be damped without limit.
+    positions, velocities : array_like, (bodies, 3), optional
+        A start of one's own [m, m, rad] and [m/s, m/s, rad/s]; by default the generated one.
+        Positions need velocities with them; velocities alone go with the generated positions. What
+        the drive holds in a place must be there: sprockets on fixed bearings, guides, anchors.
+    solver : Solver
+        Method and tolerances.
+    start : {"laid", "static"}
+        As the generator lays the chain, with nothing in contact; or at rest under gravity, the
+        loads of the first instant and the tensioner's full pull, which then has no ramp. The
+        sprockets' speeds are those of the laid start. `rest` says how well the chain rests.
+
+    Attributes
+    ----------
+    rest : dict, optional
+        Of a static start: ``residual``, the largest unbalanced force [N], ``largest_force`` of a
+        contact [N], and ``iterations``.
+
+    Raises
+    ------
+    InvalidInput
+        A value is out of its range, or nothing holds a load at rest.
+
+    Warns
+    -----
+    RangeWarning
+        A contact has left the range of its law.
+    """
+
+    rest: dict[str, float] | None = None
+    _running = False
+
+    def __new__(cls, drive: object = None, *others: Any, **keywords: Any) -> Simulation:  # noqa: ANN401
+        """Return the simulation that suits what is given."""
+        if isinstance(drive, Mechanism):
+            from rustchain.simulation.mechanism_simulation import MechanismSimulation
+
+            return MechanismSimulation(drive, *others, **keywords)  # type: ignore[return-value]
+        return super().__new__(cls)
+
+    def __init__(
+        self,
+        drive: ChainDrive,
+        force_law: ForceLaw = _LAW,
+        hinge_law: ForceLaw | None = None,
+        tooth_law: ForceLaw | None = None,
+        min_approach_speed: float = 1e-3,
+        positions: npt.ArrayLike | None = None,
+        velocities: npt.ArrayLike | None = None,
+        solver: Solver = _SOLVER,
+        start: Start = "laid",
+        friction: Coulomb | LuGre | None = None,
+        hinge_friction: Coulomb | LuGre | None = None,
+        tooth_friction: Coulomb | LuGre | None = None,
+        hinge_film: Film | None = None,
+    ) -> None:
+        if drive_inside(drive) is not None:  # a Scene, a Simulation, a Result
+            msg = (
+                f"drive: a {type(drive).__name__} is no drive but has one: take its .drive; of a "
+                "scene, scene.simulate() makes the simulation"
+            )
+            raise InvalidInput(msg)
+        force_law, hinge_law, tooth_law = with_friction(
+            (force_law, hinge_law, tooth_law),
+            friction,
+            hinge_friction,
+            tooth_friction,
+            hinge_film,
+        )
+        scene: dict[str, Any] = {
+            "drive": drive,
+            "force_law": force_law,
+            "hinge_law": hinge_law,
+            "tooth_law": tooth_law,
+            "min_approach_speed": plain(min_approach_speed),
+            "solver": solver,
+        }
+        scene |= started(scene | {"start": start, "positions": positions, "velocities": velocities})
+        self.rest = scene.pop("rest")
+        self._core = core_for(scene["drive"])(**scene)
+        self._describe(**{name: scene[name] for name in SCENE})
+        self._warn()
+
+    @known_keywords
+    def step_to(self, t: float) -> None:
+        """Go on to exactly `t` [s].
+
+        No energy is metered on the way, which is what makes it the cheapest way to go on.
+        """
+        self._check_idle("step_to")
+        try:
+            while not self._core.step_to(t, WALL_BUDGET):
+                pass
+        finally:
+            self._warn()
+
+    @known_keywords
+    def set_speed(self, sprocket: str | int, speed: TimeTable) -> None:
+        """Let a sprocket turn at another speed from now on; its angle does not jump.
+
+        For co-simulation, between calls of `step_to`, or in a run's `callback`. The integrator goes
+        back to the present time and starts anew there. Contacts keep their memory, the energy
+        balance goes on, and `state` has the change in it; `drive` stays as it was described.
+
+        Parameters
+        ----------
+        sprocket : str or int
+            Such as "sprocket_1", or its number from 1. Its motion must be a `PrescribedSpeed`.
+        speed : float or table of (time, speed)
+            [rad/s], against the simulation's time. A number is a jump: what touches the teeth
+            meets them at another speed. Rows that begin at the present time and speed make a ramp.
+
+        Raises
+        ------
+        InvalidInput
+            There is no such sprocket, it is not driven by a speed, or the table does not hold.
+        """
+        self._core.set_input(_sprocket_number(sprocket), "speed", plain(speed))
+
+    @known_keywords
+    def set_torque(self, sprocket: str | int, torque: TimeTable) -> None:
+        """Let a sprocket be turned by another torque from now on; see `set_speed`.
+
+        Parameters
+        ----------
+        sprocket : str or int
+            Such as "sprocket_2", or its number from 1. Its motion must be an `AppliedTorque`, whose
+            curve over speed goes on to be added, or `Free`.
+        torque : float or table of (time, torque)
+            [N m], against the simulation's time.
+
+        Raises
+        ------
+        InvalidInput
+            There is no such sprocket, its speed is prescribed, or the table does not hold.
+        """
+        self._core.set_input(_sprocket_number(sprocket), "torque", plain(torque))
+
+    @known_keywords
+    def run(
+        self,
+        duration: float,
+        report_step: float = 1e-4,
+        record: Sequence[Group] = ("hinges", "teeth", "sprockets"),
+        energy: bool = True,
+        progress: bool = True,
+        stop: StopCondition | Sequence[StopCondition] = (),
+        callback: Callable[[Simulation], object] | None = None,
+    ) -> Result:
+        """Go on for a while and record.
+
+        Parameters
+        ----------
+        duration : float
+            Simulated time from now on [s].
+        report_step : float
+            Time between two rows of the result [s].
+        record : sequence of {"hinges", "teeth", "sprockets", "bodies", "energy"}
+            What to record.
+        energy : bool
+            Whether to keep the energy balance. It is metered along every step, three evaluations
+            more: a run takes 1.4 to 1.7 times as long as without. False leaves it out, and with it
+            the `EnergyWarning`; the path is the same to the last bit. With "energy" in `record` it
+            is kept in any case.
+        progress : bool
+            Whether to show a progress bar, where a terminal is there to show it.
+        stop : StopCondition or sequence of them
+            Ends the run, with status "stopped", at the first row at which one holds:
+            `HingeForceAbove`, `ToothForceAbove`, `StrandSlack`, `ToothJump`, `TimeReached`.
+        callback : function of the simulation, optional
+            Called when a row has been recorded, with the simulation at that time. When it returns
+            True, the run stops there. It may look at everything and set speeds and torques; it must
+            not move the simulation. It does not change the steps.
+
+        Returns
+        -------
+        Result
+            After Ctrl-C with status "interrupted" and the rows until then.
+
+        Raises
+        ------
+        SimulationError
+            The run cannot go on, or over the last 1e5 steps it was so slow that the rest of it (one
+            second of it, where it is longer) would take more than 1e9 steps; ``error.result`` holds
+            the rows until then. The same holds of what a callback raises.
+
+        Warns
+        -----
+        EnergyWarning
+            With the energy balance kept, once a simulation, when a run ends: its largest residual
+            at a report is more than 5 % of the energy dissipated. Where less was dissipated than a
+            hundredth of the energy exchanged, or 2e-4 of the kinetic and elastic energy, it is held
+            against that. Energy exchanged is the largest of the energies dissipated, worked in, and
+            moved in and out of kinetic, gravitational and elastic energy. With regions="sharp" no
+            accuracy helps. ``result.stats["largest_residual"]`` has the largest residual [J].
+        ToothJumpWarning
+            The chain has jumped teeth: how many, and the first; see `Result.tooth_jumps`.
+        """
+        self._check_idle("run")
+        groups, energy = known_groups(record, energy)
+        looks = looks_of(self, stop, callback, groups)
+        start = (self.positions, self.velocities)
+        check_progress(progress)
+        duration, report_step = plain(duration), plain(report_step)
+        check_rows_fit(duration, report_step, numbers_of_a_row(self.drive, groups, energy))
+        before = self._core.stats()
+        self._core.start_recording(duration, report_step, groups, energy)
+        self._running = True
+        try:
+            if not looks:
+                self._advance(duration, progress)
+            elif (reason := self._advance_until(duration, progress, looks)) is not None:
+                return self._result("stopped", start, before, reason)
+            return self._result("finished", start, before)
+        except KeyboardInterrupt:
+            return self._result("interrupted", start, before)
+        except Exception as error:  # what a callback raised, too
+            told = str(error) if isinstance(error, SimulationError) else repr(error)
+            error.result = self._result("failed", start, before, told)  # type: ignore[attr-defined]
+            raise
+        finally:
+            self._running = False
+            self._core.take_recording()  # whatever else ended the run
+            self._warn()
+
+    def _result(
+        self,
+        status: Status,
+        start: tuple[Array, Array],
+        before: Mapping[str, float],
+        reason: str = "",
+    ) -> Result:
+        """Take the recording, which began at `start` when the statistics stood at `before`."""
+        messages = {
+            "finished": f"reached t = {self.time:.6g} s",
+            "interrupted": f"interrupted at t = {self.time:.6g} s",
+            "stopped": f"stopped at t = {self.time:.6g} s: {reason}",
+            "failed": reason,
+        }
+        arrays = self._core.take_recording()
+        stats = {name: n - before.get(name, 0) for name, n in self._core.stats().items()}
+        if (residual := arrays.get("energy_residual")) is not None and residual.size:
+            # The rows of a run that failed may end in what is no number.
+            stats["largest_residual"] = float(np.nanmax(np.abs(residual), initial=0.0))
+        return Result(
+            arrays=arrays,
+            drive=self.drive,
+            hinge_law=self.hinge_law,
+            tooth_law=self.tooth_law,
+            solver=self.solver,
+            min_approach_speed=self.min_approach_speed,
+            body_names=tuple(self.body_names),
+            initial_positions=start[0],
+            initial_velocities=start[1],
+            final_positions=self.positions,
+            final_velocities=self.velocities,
+            status=status,
+            message=messages[status],
+            stats=stats,
+            jumps=self._core.tooth_jumps(),
+        )
+
+    def _advance(self, duration: float, progress: bool) -> None:
+        """Advance to the end of the recording, with a bar of simulated seconds."""
+        start = self.time
+        with seconds_bar(duration, progress) as bar:
+            finished = False
+            while not finished:
+                finished = self._slice()
+                bar.update(self.time - start - bar.n)
+
+    def _slice(self) -> bool:
+        """Go on with the recording for a moment of wall time; return whether its end is reached."""
+        return self._core.advance(WALL_BUDGET)
+
+    def _advance_until(self, duration: float, progress: bool, looks: Sequence[Look]) -> str | None:
+        """Advance from report to report, and return why to stop at one before the end."""
+        start, rows = self.time, 0
+        self._core.pause_at_reports()
+        with seconds_bar(duration, progress) as bar:
+            finished = False
+            while not finished:
+                finished = self._slice()
+                bar.update(self.time - start - bar.n)
+                if self._core.rows == rows:
+                    continue
+                rows = self._core.rows
+                # All of them look: those that wait for something to last must not miss a row.
+                reasons = [reason for look in looks if (reason := look()) is not None]
+                if reasons:
+                    return "; ".join(reasons)
+        return None
+
+    def _check_idle(self, wanted: str) -> None:
+        """Raise where a callback wants to move the simulation that has called it."""
+        if self._running:
+            msg = (
+                f"{wanted}: a run is under way; a callback may look at the simulation and set its "
+                "speeds and torques, but not move it"
+            )
+            raise InvalidInput(msg)
+
+
+def _sprocket_number(sprocket: object) -> int:
+    """Return the number, from 1, in a name such as "sprocket_2"; a number is one already."""
+    number = plain(sprocket)
+    if isinstance(sprocket, str) and sprocket.startswith("sprocket_"):
+        digits = sprocket.removeprefix("sprocket_")
+        number = int(digits) if digits.isdecimal() and len(digits) < 10 else None
+    if isinstance(number, bool) or not isinstance(number, int) or number < 1:
+        msg = f"sprocket = {shown(sprocket)}: must be such as 'sprocket_2', or 2"
+        raise InvalidInput(msg)
+    return number

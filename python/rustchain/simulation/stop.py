@@ -1,0 +1,360 @@
+"""When a run ends before its time: at a force, at a slack strand, at a time."""
+
+from __future__ import annotations
+
+import dataclasses
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+
+import numpy as np
+
+from rustchain import _rustchain
+from rustchain.arguments import finite_number, shown
+from rustchain.description.base import Description, plain
+from rustchain.errors import InvalidInput
+from rustchain.names import known_keywords, suggest
+
+if TYPE_CHECKING:
+    from typing import TypeAlias
+
+    from rustchain.simulation.simulation import Simulation
+
+    Look: TypeAlias = Callable[[], str | None]
+    """Says why the run is to stop at the report just made, if it is."""
+
+Running = TypeVar("Running")
+"""A simulation of a drive, or of a mechanism."""
+
+
+@dataclass(frozen=True)
+class StopCondition(Description, ABC):
+    """What every stop condition has; choose one of its subclasses.
+
+    A condition is looked at when a row has been recorded, and the run stops there: forces are the
+    largest since the row before, so that no impact is missed.
+    """
+
+    group: ClassVar[str | None] = None  # that a run has to record
+
+    def __post_init__(self) -> None:
+        """Turn what NumPy has into Python's, then check every field."""
+        for field in dataclasses.fields(self):
+            object.__setattr__(self, field.name, plain(getattr(self, field.name)))
+        self._check()
+
+    @abstractmethod
+    def _check(self) -> None:
+        """Refuse what means nothing."""
+
+    @abstractmethod
+    def look_at(self, simulation: Simulation) -> Look:
+        """Return what looks at each report of `simulation`."""
+
+    def _refusal(self, field: str, value: object, expected: str) -> InvalidInput:
+        return InvalidInput(f"{type(self).__name__}.{field} = {shown(value)}: {expected}")
+
+    def _check_number(self, field: str, unit: str, least: str = "a positive number") -> None:
+        """Refuse what is no finite number, or below `least`: zero may be among them, or not."""
+        value = getattr(self, field)
+        if isinstance(value, bool) or not isinstance(value, float | int):
+            raise self._refusal(field, value, f"must be a number in {unit}")
+        if (
+            finite_number(value) is None
+            or value < 0.0
+            or (value == 0 and least == "a positive number")
+        ):
+            raise self._refusal(field, value, f"must be {least} in {unit}")
+
+    def _check_count(self, field: str) -> None:
+        number = getattr(self, field)
+        whole = isinstance(number, int) and not isinstance(number, bool)
+        if number is not None and not (whole and number >= 1):
+            raise self._refusal(field, number, "must be a whole number from 1 on, or None")
+
+    def _one_of(self, field: str, count: int) -> slice:
+        """Return where a row has the contact that the field names from 1, or all of them."""
+        number = getattr(self, field)
+        if number is None:
+            return slice(0, count)
+        if number > count:
+            raise self._refusal(field, number, f"must be a number from 1 to {count}, or None")
+        return slice(number - 1, number)
+
+    def _force(self, simulation: Simulation, contact: str, limit: float, channel: str) -> Look:
+        """Return what looks for a force above `limit` in a channel of largest forces."""
+        which = self._one_of(contact, simulation.drive.hinge_count)
+
+        def look() -> str | None:
+            row = simulation._core.last_row(channel)[which]
+            worst = int(row.argmax())
+            if row[worst] <= limit:
+                return None
+            number = which.start + worst + 1
+            return f"{contact} {number} was pressed by {row[worst]:.4g} N, above {limit:g} N"
+
+        return look
+
+
+@known_keywords
+@dataclass(frozen=True)
+class HingeForceAbove(StopCondition):
+    """A hinge was pressed by more than a limit since the row before.
+
+    Attributes
+    ----------
+    force : float
+        The limit [N].
+    hinge : int, optional
+        Number of the hinge, from 1; by default any.
+    """
+
+    group: ClassVar[str | None] = "hinges"
+
+    force: float
+    hinge: int | None = None
+
+    def _check(self) -> None:
+        self._check_number("force", "N")
+        self._check_count("hinge")
+
+    def look_at(self, simulation: Simulation) -> Look:
+        """Return what looks at each report of `simulation`."""
+        return self._force(simulation, "hinge", self.force, "peak_hinge_force")
+
+
+@known_keywords
+@dataclass(frozen=True)
+class ToothForceAbove(StopCondition):
+    """A bushing was pressed by its teeth by more than a limit since the row before.
+
+    Attributes
+    ----------
+    force : float
+        The limit [N].
+    bushing : int, optional
+        Number of the bushing, from 1; by default any.
+    """
+
+    group: ClassVar[str | None] = "teeth"
+
+    force: float
+    bushing: int | None = None
+
+    def _check(self) -> None:
+        self._check_number("force", "N")
+        self._check_count("bushing")
+
+    def look_at(self, simulation: Simulation) -> Look:
+        """Return what looks at each report of `simulation`."""
+        return self._force(simulation, "bushing", self.force, "peak_tooth_force")
+
+
+@known_keywords
+@dataclass(frozen=True)
+class StrandSlack(StopCondition):
+    """A strand that was tight has no tension any more.
+
+    A drive that was laid begins with none in any strand, and a strand is looked at from the first
+    row on at which it is tight; `from_start` looks at all from the beginning.
+
+    Attributes
+    ----------
+    tension : float
+        The strand is slack where the mean pull of its hinges is not above this [N].
+    strand : str, optional
+        Name of the strand, as of `Result.strand`; by default any.
+    lasting : float
+        For how long it has to be slack without a break [s]: a strand that swings is slack for a
+        moment again and again.
+    from_start : bool
+        Whether a strand counts that has not been tight in this run.
+    """
+
+    group: ClassVar[str | None] = "hinges"
+
+    tension: float = 0.0
+    strand: str | None = None
+    lasting: float = 0.0
+    from_start: bool = False
+
+    def _check(self) -> None:
+        if not isinstance(self.from_start, bool):
+            raise self._refusal("from_start", self.from_start, "must be True or False")
+        self._check_number("tension", "N", "zero or a positive number")
+        self._check_number("lasting", "s", "zero or a positive number")
+        if not isinstance(self.strand, str | None):
+            raise self._refusal("strand", self.strand, "must be text, or None")
+
+    def look_at(self, simulation: Simulation) -> Look:
+        """Return what looks at each report of `simulation`."""
+        names = _rustchain.strand_names(simulation.drive)
+        if self.strand is not None and self.strand not in names:
+            raise self._refusal(
+                "strand", self.strand, f"is no strand; {suggest(self.strand, names)}"
+            )
+        since: dict[str, float] = {}
+        tight = set(names) if self.from_start else set()
+
+        def look() -> str | None:
+            row = simulation._core.last_row("strand_tension")
+            for name, pull in zip(names, row, strict=True):
+                if pull > self.tension:
+                    tight.add(name)
+                if self.strand not in (None, name) or name not in tight or not pull <= self.tension:
+                    since.pop(name, None)
+                    continue
+                begin = since.setdefault(name, simulation.time)
+                if simulation.time - begin >= self.lasting * (1.0 - 1e-12):
+                    lasting = f" for {self.lasting:g} s" if self.lasting else ""
+                    return f"strand {name!r} is slack{lasting}: its tension is {pull:.4g} N"
+            return None
+
+        return look
+
+
+@known_keywords
+@dataclass(frozen=True)
+class ToothJump(StopCondition):
+    """The chain has jumped a tooth in this run; see `Result.tooth_jumps`.
+
+    Attributes
+    ----------
+    sprocket : int, optional
+        Number of the sprocket, from 1; by default any.
+    """
+
+    sprocket: int | None = None
+
+    def _check(self) -> None:
+        self._check_count("sprocket")
+
+    def look_at(self, simulation: Simulation) -> Look:
+        """Return what looks at each report of `simulation`."""
+        which = self._one_of("sprocket", len(simulation.drive.sprockets))
+        jumps = simulation._core.tooth_jumps()
+        if jumps is None:
+            msg = (
+                "stop: ToothJump needs the tooth jumps (none counted with hinges='ideal'); "
+                "expected a drive with hinges='clearance'"
+            )
+            raise InvalidInput(msg)
+        before = len(jumps[0])
+
+        def look() -> str | None:
+            jumps = simulation._core.tooth_jumps() or ()
+            time, sprocket, _ = (column[before:] for column in jumps)
+            own = (sprocket > which.start) & (sprocket <= which.stop)
+            if not own.any():
+                return None
+            number, at = sprocket[own][0], time[own][0]
+            return f"the chain jumped a tooth of sprocket {number} at {at:.6g} s"
+
+        return look
+
+
+@known_keywords
+@dataclass(frozen=True)
+class TimeReached(StopCondition):
+    """The simulation's time, which goes on from run to run, has reached a value.
+
+    Attributes
+    ----------
+    time : float
+        [s].
+    """
+
+    time: float
+
+    def _check(self) -> None:
+        self._check_number("time", "s")
+
+    def look_at(self, simulation: Simulation) -> Look:
+        """Return what looks at each report of `simulation`."""
+
+        def look() -> str | None:
+            rounding = 1e-12 * self.time
+            return f"reached {self.time:g} s" if simulation.time >= self.time - rounding else None
+
+        return look
+
+
+def check_looks(
+    stop: StopCondition | Sequence[StopCondition], callback: Callable[[Simulation], object] | None
+) -> Sequence[StopCondition]:
+    """Return the conditions as a list; raise where one of them, or the callback, is none."""
+    from rustchain.simulation.mechanism_stop import MechanismStopCondition
+
+    alone = isinstance(stop, StopCondition | MechanismStopCondition)
+    conditions: Sequence[Any] = [stop] if alone else stop  # type: ignore[assignment]
+    if isinstance(conditions, str) or not isinstance(conditions, Sequence):
+        msg = (
+            f"stop = {shown(stop)}: must be a stop condition, such as HingeForceAbove, or a "
+            "list of them"
+        )
+        raise InvalidInput(msg)
+    instead = {"JointForceAbove": "HingeForceAbove", "ContactForceAbove": "ToothForceAbove"}
+    for condition in conditions:
+        if (kind := type(condition).__name__) in instead:
+            msg = (
+                f"stop: {shown(condition)} is for mechanisms and drives with hinges = 'ideal'; "
+                "with "
+                f"clearance hinges take {instead[kind]}"
+            )
+            raise InvalidInput(msg)
+        if not isinstance(condition, StopCondition):
+            msg = (
+                f"stop: {shown(condition)} is no stop condition, such as HingeForceAbove; a "
+                "function of "
+                "your own goes into callback="
+            )
+            raise InvalidInput(msg)
+    if callback is not None and not callable(callback):
+        msg = f"callback = {shown(callback)}: must be a function of the simulation"
+        raise InvalidInput(msg)
+    return conditions
+
+
+def look_of_callback(simulation: Running, callback: Callable[[Running], object]) -> Look:
+    """Return what calls the callback at each report, which may ask for the end."""
+
+    def called() -> str | None:
+        answer = callback(simulation)
+        # Not just anything that counts as true: a function may return what it likes.
+        asked = isinstance(answer, bool | np.bool_) and bool(answer)
+        return "the callback asked for it" if asked else None
+
+    return called
+
+
+def looks_of(
+    simulation: Simulation,
+    stop: StopCondition | Sequence[StopCondition],
+    callback: Callable[[Simulation], object] | None,
+    groups: Sequence[str],
+) -> list[Look]:
+    """Return what looks at each report of a run that records `groups`."""
+    from rustchain.simulation.mechanism_stop import (
+        MechanismStopCondition,  # which builds upon this module
+    )
+
+    looks: list[Look] = []
+    alone = isinstance(stop, StopCondition | MechanismStopCondition)
+    conditions: Sequence[Any] = [stop] if alone else stop  # type: ignore[assignment]
+    if simulation.drive.hinges == "ideal" and isinstance(conditions, Sequence):
+        # What looks at joints and contacts by their names in the drive's mechanism.
+        of_parts = [one for one in conditions if isinstance(one, MechanismStopCondition)]
+        looks += [one.look_at(simulation) for one in of_parts]  # type: ignore[arg-type]
+        stop = [one for one in conditions if one not in of_parts]
+    for condition in check_looks(stop, callback):
+        if condition.group is not None and condition.group not in groups:
+            msg = (
+                f"stop: {type(condition).__name__} looks at what is recorded of the "
+                f"{condition.group}: add {shown(condition.group)} to record"
+            )
+            raise InvalidInput(msg)
+        looks.append(condition.look_at(simulation))
+    if callback is not None:
+        looks.append(look_of_callback(simulation, callback))
+    return looks

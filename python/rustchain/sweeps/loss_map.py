@@ -1,0 +1,142 @@
+"""A map of efficiency and losses over speed and load."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rustchain.arguments import checked, shown
+from rustchain.description.drive import AppliedTorque, ChainDrive
+from rustchain.description.laws.film import Film
+from rustchain.description.laws.force import ForceLaw
+from rustchain.description.laws.friction import Coulomb, LuGre
+from rustchain.description.solver import Solver
+from rustchain.errors import InvalidInput
+from rustchain.names import known_keywords
+from rustchain.results.result import Result
+from rustchain.simulation.simulation import _LAW, _SOLVER
+from rustchain.sweeps.sweep import sweep
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@known_keywords
+@checked
+def loss_map(
+    drive: ChainDrive,
+    speeds: Sequence[float],
+    torques: Sequence[float],
+    loaded: int = 2,
+    duration: float = 0.5,
+    burn_in: float = 0.2,
+    report_step: float = 1e-4,
+    force_law: ForceLaw = _LAW,
+    solver: Solver = _SOLVER,
+    friction: Coulomb | LuGre | None = None,
+    hinge_friction: Coulomb | LuGre | None = None,
+    tooth_friction: Coulomb | LuGre | None = None,
+    threads: int | None = None,
+    progress: bool = True,
+    hinge_film: Film | None = None,
+) -> xr.Dataset:
+    """Run a drive at every speed and load, and return its efficiency and losses at each.
+
+    Parameters
+    ----------
+    drive : ChainDrive
+        What moves; one sprocket has a prescribed speed, sprocket `loaded` takes the load.
+    speeds : sequence of float
+        Speeds of the driver [rad/s].
+    torques : sequence of float
+        Torques on sprocket `loaded` [N m], against its motion: the opposite sign of its speed.
+    loaded : int
+        Number of the loaded sprocket, from 1.
+    duration, burn_in : float
+        Simulated time of each case, and how much of it at the beginning is not measured [s].
+    report_step
+        As in `Simulation.run`.
+    force_law, solver
+        As in `Simulation`.
+    friction, hinge_friction, tooth_friction, hinge_film
+        As in `Simulation`.
+    threads, progress
+        As in `sweep`.
+
+    Returns
+    -------
+    Dataset
+        Over ``speed`` and ``torque``: ``efficiency``; ``lost`` [W] in all; ``loss`` [W], also over
+        ``channel``, as in `Result.power_balance`; ``delivered`` [W] by sprocket `loaded`.
+    """
+    import xarray as xr
+
+    if loaded not in range(1, len(drive.sprockets) + 1):
+        msg = (
+            f"loaded = {shown(loaded)}: must be the number of a sprocket, 1 to "
+            f"{len(drive.sprockets)}"
+        )
+        raise InvalidInput(msg)
+    if not 0.0 <= burn_in < duration:
+        msg = (
+            f"burn_in = {shown(burn_in)}: must be from 0 to less than the duration, {duration:g} s"
+        )
+        raise InvalidInput(msg)
+    if all(sprocket.side == "inside" for sprocket in drive.sprockets):  # all turn the same way
+        helping = np.argwhere(np.multiply.outer(np.ravel(torques), np.ravel(speeds)) > 0.0)
+        if len(helping) > 0:
+            torque, speed = np.ravel(torques)[helping[0, 0]], np.ravel(speeds)[helping[0, 1]]
+            msg = (
+                f"torques = {torque:g} N m at speeds = {speed:g} rad/s: turns sprocket {loaded} "
+                f"the way it goes, so that it drives; a load has the other sign: {-torque:g} N m"
+            )
+            raise InvalidInput(msg)
+    channels: list[str] = []
+
+    def measure(result: Result) -> dict[str, Any]:
+        power = result.power_balance(start=burn_in)
+        channels[:] = map(str, power["channel"].to_numpy())
+        return {
+            "efficiency": float(power["efficiency"]),
+            "loss": power["loss"].to_numpy(),
+            "lost": float(power["loss"].sum()),
+            "delivered": -float(power["shaft_power"].sel(sprocket=loaded)),
+        }
+
+    motion = f"sprockets.{loaded - 1}.motion"
+    swept = sweep(
+        drive,
+        {"speed": speeds, motion: [AppliedTorque(torque) for torque in torques]},
+        measure,
+        duration=duration,
+        report_step=report_step,
+        record=("sprockets",),
+        force_law=force_law,
+        solver=solver,
+        friction=friction,
+        hinge_friction=hinge_friction,
+        tooth_friction=tooth_friction,
+        hinge_film=hinge_film,
+        threads=threads,
+        progress=progress,
+    )
+    if not channels:  # no case has ended
+        raise KeyboardInterrupt if swept.status == "interrupted" else swept.errors[0]
+    found = swept.to_xarray()
+    watts = {"units": "W"}
+    data = {name: found[name].to_numpy() for name in ("efficiency", "loss", "lost", "delivered")}
+    return xr.Dataset(
+        {
+            "efficiency": (("speed", "torque"), data["efficiency"], {"units": "1"}),
+            "lost": (("speed", "torque"), data["lost"], watts),
+            "delivered": (("speed", "torque"), data["delivered"], watts),
+            "loss": (("speed", "torque", "channel"), data["loss"], watts),
+        },
+        {
+            "speed": ("speed", np.asarray(speeds, dtype=float), {"units": "rad/s"}),
+            "torque": ("torque", np.asarray(torques, dtype=float), {"units": "N m"}),
+            "channel": channels,
+        },
+    )

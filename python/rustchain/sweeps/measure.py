@@ -1,0 +1,48 @@
+"""What a study may measure: numbers and arrays of them, under names that mean nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from math import nan
+from typing import Any
+
+import numpy as np
+
+from rustchain.arguments import shown
+from rustchain.errors import InvalidInput
+
+
+def numbers_of(measured: Any, taken: Collection[str]) -> dict[str, Any]:  # noqa: ANN401
+    """Return what a run was measured to be as numbers by name; None is none: NaN.
+
+    Raises
+    ------
+    InvalidInput
+        A value is no number, or has a name that is `taken`.
+    """
+    found = measured if isinstance(measured, Mapping) else {"value": measured}
+    numbers = {}
+    for name, value in found.items():
+        if not isinstance(name, str) or not name:
+            msg = f"measure: {shown(name)} is no name: give each measured number a text of its own"
+            raise InvalidInput(msg)
+        if name in taken:
+            msg = f"measure: {shown(name)} is what a study calls something else; name it otherwise"
+            raise InvalidInput(msg)
+        array = np.asarray(nan if value is None else value)
+        if not (np.issubdtype(array.dtype, np.number) or np.issubdtype(array.dtype, np.bool_)):
+            what = "" if name == "value" and measured is value else f" for {shown(name)}"
+            msg = (
+                f"measure: gave {shown(value)}{what}: must be a number, an array of numbers or "
+                "a dict "
+                "of them, for there to be a mean"
+            )
+            raise InvalidInput(msg)
+        if np.issubdtype(array.dtype, np.complexfloating):
+            msg = (
+                f"measure: gave complex numbers for {shown(name)}: take their sizes and angles "
+                "apart"
+            )
+            raise InvalidInput(msg)
+        numbers[name] = array
+    return numbers

@@ -1,0 +1,189 @@
+"""What the cases of a sweep came to: values, errors, and tables of both."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import nan
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from rustchain.arguments import shown
+from rustchain.description.base import Description
+from rustchain.errors import InvalidInput, NotRecorded
+from rustchain.names import named_attributes
+from rustchain.results.result import Result
+from rustchain.sweeps.axes import Parameters
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+_Values: TypeAlias = npt.NDArray[Any]
+
+
+@named_attributes
+@dataclass(eq=False, repr=False)
+class SweepResult:
+    """What the cases of a sweep came to, in the order of the cases.
+
+    The cases of a grid are ordered as in nested loops, the last axis changing fastest.
+
+    Attributes
+    ----------
+    cases : list of dict
+        The parameters of each case.
+    axes : dict of tuple, or None
+        The axes of the grid; None where the cases were listed.
+    values : list
+        What was measured of each case, or its Result where nothing was to be measured; None for a
+        case that failed or did not end before Ctrl-C.
+    errors : dict of Exception
+        What went wrong, by the number of the case, from 0. The error of a run that could not go on
+        has its rows until then in ``error.result``.
+    range_notes : dict of list of str
+        Which laws left their range, by the number of the case.
+    balance_notes : dict of list of str
+        Where the energy balance does not close, by the number of the case.
+    jump_notes : dict of list of str
+        How many teeth the chain jumped, by the number of the case.
+    status : {"finished", "interrupted"}
+        How the sweep ended.
+    """
+
+    cases: list[Parameters]
+    axes: dict[str, tuple[Any, ...]] | None
+    values: list[Any]
+    errors: dict[int, Exception] = field(default_factory=dict)
+    range_notes: dict[int, list[str]] = field(default_factory=dict)
+    balance_notes: dict[int, list[str]] = field(default_factory=dict)
+    jump_notes: dict[int, list[str]] = field(default_factory=dict)
+    status: Literal["finished", "interrupted"] = "finished"
+    _measured: bool = True
+    _ended: set[int] = field(default_factory=set)
+
+    def __repr__(self) -> str:
+        """Return how the sweep ended."""
+        return f"<SweepResult: {self.message}>"
+
+    @property
+    def success(self) -> bool:
+        """Whether every case reached its end and was measured."""
+        return self.status == "finished" and not self.errors
+
+    @property
+    def message(self) -> str:
+        """How the sweep ended, in words."""
+        fate = f"{len(self._ended)} of {len(self.cases)} cases finished, {len(self.errors)} failed"
+        return fate if self.status == "finished" else f"interrupted: {fate}"
+
+    @property
+    def results(self) -> list[Result | None]:
+        """The Result of each case, where nothing was to be measured."""
+        if self._measured:
+            msg = "the results were measured and let go; call sweep without measure to keep them"
+            raise NotRecorded(msg)
+        return self.values
+
+    def to_xarray(self) -> xr.Dataset:
+        """Return what was measured, NaN where a case has none.
+
+        The dimensions are the axes of the grid, or "case" for listed cases, then those of an array
+        that was measured: ``value_0``, ``value_1``. The variables are the keys of a measured dict,
+        or "value".
+        """
+        import xarray as xr
+
+        shape: tuple[int, ...] = (len(self.cases),)
+        dims: tuple[str, ...] = ("case",)
+        coordinates = {n: ("case", _labels(values)) for n, values in self._columns().items()}
+        if self.axes is not None:
+            shape, dims = tuple(map(len, self.axes.values())), tuple(self.axes)
+            coordinates = {n: (n, _labels(values)) for n, values in self.axes.items()}
+        variables = {}
+        for name, values in self._arrays().items():
+            own = tuple(f"{name}_{k}" for k in range(values.ndim - 1))
+            variables[name] = ((*dims, *own), values.reshape(shape + values.shape[1:]))
+        return xr.Dataset(variables, coordinates, {"status": self.status, "message": self.message})
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a row for each case and a column for each parameter and each measured number.
+
+        The numbers of an array have their place in the name: ``value_0``, ``value_1``.
+        """
+        import pandas as pd
+
+        columns: dict[str, _Values] = {n: _labels(values) for n, values in self._columns().items()}
+        for name, values in self._arrays().items():
+            for place in np.ndindex(values.shape[1:]):
+                label = "_".join(map(str, (name, *place)))
+                columns[label] = values[(slice(None), *place)]
+        return pd.DataFrame(columns, index=pd.RangeIndex(len(self.cases), name="case"))
+
+    def _columns(self) -> dict[str, list[Any]]:
+        """Return each parameter over the cases."""
+        names = dict.fromkeys(name for case in self.cases for name in case)
+        return {name: [case.get(name) for case in self.cases] for name in names}
+
+    def _arrays(self) -> dict[str, _Values]:
+        """Return each measured quantity over the cases, (cases, ...)."""
+        if not self._measured:
+            msg = "nothing was measured; call sweep with measure=..., or use .results"
+            raise NotRecorded(msg)
+        rows = [value if isinstance(value, Mapping) else {"value": value} for value in self.values]
+        names = dict.fromkeys(
+            n
+            for row, value in zip(rows, self.values, strict=True)
+            if value is not None
+            for n in row
+        )
+        for name in names:
+            if any(name in case for case in self.cases):
+                msg = f"measure: {shown(name)} is a parameter of the sweep too; name it otherwise"
+                raise InvalidInput(msg)
+        return {str(name): _stacked(str(name), [row.get(name) for row in rows]) for name in names}
+
+
+def _stacked(name: str, values: Sequence[Any]) -> _Values:
+    """Return what was measured of all cases as one array, NaN where there is nothing."""
+    arrays = [None if value is None else np.asarray(value) for value in values]
+    there = [array for array in arrays if array is not None]
+    shapes = sorted({array.shape for array in there})
+    if len(shapes) > 1:
+        msg = (
+            f"measure: {shown(name)} has shape {shapes[0]} in one case and {shapes[1]} in another, "
+            "which make no array; take .values instead"
+        )
+        raise InvalidInput(msg)
+    if not there:
+        return np.full(len(values), nan)
+    kind: npt.DTypeLike = np.result_type(*there)
+    gaps = len(there) < len(values)
+    numbers = np.issubdtype(kind, np.number) or np.issubdtype(kind, np.bool_)
+    if gaps:
+        kind = np.result_type(kind, np.float64) if numbers else object
+    stacked = np.empty((len(values), *shapes[0]), kind)
+    for place, array in enumerate(arrays):
+        stacked[place] = (nan if numbers else None) if array is None else array
+    return stacked
+
+
+def _labels(values: Sequence[Any]) -> _Values:
+    """Return the values of a parameter as numbers where they are, else as words."""
+    given = [value for value in values if value is not None]
+    if all(isinstance(value, int | float) for value in given):
+        return np.array([nan if value is None else value for value in values])
+    types = {value: type(value).__name__ for value in given if isinstance(value, Description)}
+    unique = len(set(types.values())) == len(types)
+    return np.array(
+        [
+            types[value]
+            if unique and isinstance(value, Description)
+            else value
+            if isinstance(value, str)
+            else repr(value)
+            for value in values
+        ]
+    )

@@ -1,0 +1,248 @@
+"""A study: a drive run several times from slightly different starts, and what is sure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rustchain.arguments import count_within, finite_number, plain, shown
+from rustchain.description.laws.film import Film
+from rustchain.description.laws.force import ForceLaw
+from rustchain.description.laws.friction import Coulomb, LuGre
+from rustchain.description.solver import Solver
+from rustchain.errors import InvalidInput, NotRecorded
+from rustchain.names import known_keywords, named_attributes
+from rustchain.results.result import Result
+from rustchain.simulation.run import Group
+from rustchain.simulation.simulation import _LAW, _SOLVER, Simulation
+from rustchain.simulation.start import Start
+from rustchain.simulation.stop import StopCondition
+from rustchain.sweeps.axes import MOST_CASES, Drive, axes_of
+from rustchain.sweeps.measure import numbers_of
+from rustchain.sweeps.result import SweepResult
+from rustchain.sweeps.sweep import sweep
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+_STATISTICS = ("mean", "std", "low", "high", "count")
+
+
+@named_attributes
+@dataclass(frozen=True, eq=False, repr=False)
+class StudyResult:
+    """What several runs of each case came to.
+
+    Attributes
+    ----------
+    sweep : SweepResult
+        The runs, with their errors and notes.
+    confidence : float
+        That the interval of a mean holds the true one.
+    burn_in : float
+        Simulated time that was not measured [s].
+    """
+
+    sweep: SweepResult
+    confidence: float
+    burn_in: float
+
+    def __repr__(self) -> str:
+        """Return how the runs ended."""
+        return f"<StudyResult: {self.sweep.message}>"
+
+    @property
+    def samples(self) -> xr.Dataset:
+        """What was measured of every run: the axes, then "run", then the dimensions of an array."""
+        if self.sweep.errors and all(value is None for value in self.sweep.values):
+            number, error = next(iter(self.sweep.errors.items()))
+            msg = f"no run has a value; the first error, of run {number}: {shown(error)}"
+            raise NotRecorded(msg)
+        return self.sweep.to_xarray().rename(disturbance="run")
+
+    @property
+    def statistics(self) -> xr.Dataset:
+        """Statistics over the runs, along "statistic".
+
+        "mean", "std" of a run, "low" and "high" ends of the mean's confidence interval, "count" of
+        the runs that have a value. The interval is Student's: of runs that are independent, which
+        chaos makes of different starts within some milliseconds.
+        """
+        import pandas as pd
+        import xarray as xr
+        from scipy import stats
+
+        samples = self.samples
+        count = samples.count("run")
+        mean, spread = samples.mean("run"), samples.std("run", ddof=1)
+        level = 0.5 + 0.5 * self.confidence
+        factors = count.map(lambda n: n.copy(data=stats.t.ppf(level, np.maximum(n - 1, 1))))
+        half = factors * spread / np.sqrt(count)
+        statistic = pd.Index(_STATISTICS, name="statistic")
+        found = xr.concat([mean, spread, mean - half, mean + half, count], statistic)
+        return found.transpose(..., "statistic").assign_attrs(
+            confidence=self.confidence, burn_in=self.burn_in
+        )
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a row for each case and measure, and a column for each statistic.
+
+        The numbers of an array have their place in the name: ``value_0``, ``value_1``.
+        """
+        import pandas as pd
+
+        axes = [name for name in self.sweep.axes or {} if name != "disturbance"]
+        series = {}
+        for name, found in self.statistics.items():
+            own = [dim for dim in found.dims if dim not in (*axes, "statistic")]
+            for place in np.ndindex(*(found.sizes[dim] for dim in own)):
+                one = found.isel(dict(zip(own, place, strict=True))).drop_vars(own, errors="ignore")
+                label = "_".join(map(str, (name, *place)))
+                series[label] = one.to_series()
+        frame: pd.DataFrame = pd.concat(series, names=["measure"]).unstack("statistic")
+        return frame[list(_STATISTICS)]
+
+    @known_keywords
+    def plot(self, *measures: str) -> Figure:
+        """Draw measures with their confidence intervals and all runs, over the first axis.
+
+        A row of numbers is drawn over its places, a panel for each case. By default all numbers are
+        drawn; where there is none, all rows.
+        """
+        from rustchain.plot.studies import draw_study
+
+        return draw_study(self, measures)
+
+
+@known_keywords
+def study(
+    drive: Drive,
+    measure: Callable[[Result], Any] | None = None,
+    runs: int = 8,
+    duration: float = 0.5,
+    burn_in: float = 0.1,
+    confidence: float = 0.95,
+    axes: Mapping[str, Iterable[Any]] | None = None,
+    report_step: float = 1e-4,
+    record: Sequence[Group] = ("hinges", "teeth", "sprockets"),
+    energy: bool = True,
+    force_law: ForceLaw = _LAW,
+    hinge_law: ForceLaw | None = None,
+    tooth_law: ForceLaw | None = None,
+    min_approach_speed: float = 1e-3,
+    solver: Solver = _SOLVER,
+    start: Start = "laid",
+    friction: Coulomb | LuGre | None = None,
+    hinge_friction: Coulomb | LuGre | None = None,
+    tooth_friction: Coulomb | LuGre | None = None,
+    threads: int | None = None,
+    progress: bool = True,
+    stop: StopCondition | Sequence[StopCondition] = (),
+    callback: Callable[[Simulation], object] | None = None,
+    hinge_film: Film | None = None,
+) -> StudyResult:
+    """Run a drive several times from slightly different starts, and tell what is sure about it.
+
+    A slack chain is chaotic: two runs whose starts differ by rounding take different paths after
+    some milliseconds, and one run is one sample. The first run is the drive as it is; in the others
+    every sprocket without a prescribed speed starts up to 1e-4 of its speed faster or slower, by
+    the number of the run: a study gives the same numbers when it is made again.
+
+    Parameters
+    ----------
+    drive : ChainDrive, or function that returns one
+        What moves.
+    measure : function of a Result, optional
+        Returns what to know of a run: a number, an array, or a dict of them, NaN or None where a
+        run has none; the result that it is given begins after `burn_in` (its ``stats`` are those of
+        the whole run). By default `Result.summary`.
+    runs : int
+        How many runs, 2 to 100,000.
+    duration : float
+        Simulated time of each [s].
+    burn_in : float
+        Simulated time at the beginning that is not measured [s]: a tensioner's ramp, and the decay
+        of what the start stirred up.
+    confidence : float
+        Of the interval of each mean, between 0 and 1.
+    axes : mapping of str to sequence, optional
+        Parameters as in `sweep`, all of which are combined; each combination is run `runs` times.
+    report_step, record, energy
+        As in `Simulation.run`.
+    force_law, hinge_law, tooth_law, min_approach_speed, solver, start
+        As in `Simulation`.
+    friction, hinge_friction, tooth_friction, hinge_film
+        As in `Simulation`.
+    threads, progress, stop, callback
+        As in `sweep`. A run that is stopped is measured as far as it came.
+
+    Returns
+    -------
+    StudyResult
+        Its ``statistics`` hold mean, confidence interval and spread of every measure.
+
+    Raises
+    ------
+    InvalidInput
+        A number is out of its range, or a parameter is not known.
+    """
+    axes = {} if axes is None else axes
+    runs = count_within("runs", runs, 2, MOST_CASES)  # one has no spread
+    if measure is not None and not callable(measure):
+        msg = f"measure = {shown(measure)}: must be a function of a Result, or None"
+        raise InvalidInput(msg)
+    duration, burn_in, confidence = map(plain, (duration, burn_in, confidence))
+    for name, value in (("duration", duration), ("burn_in", burn_in), ("confidence", confidence)):
+        if isinstance(value, bool) or not isinstance(value, float | int):
+            msg = f"{name} = {shown(value)}: must be a number"
+            raise InvalidInput(msg)
+    if finite_number(duration) is None or duration <= 0.0:
+        msg = f"duration = {shown(duration)}: must be a positive number of seconds"
+        raise InvalidInput(msg)
+    if not 0.0 < confidence < 1.0:
+        msg = f"confidence = {shown(confidence)}: must lie between 0 and 1"
+        raise InvalidInput(msg)
+    if not isinstance(axes, Mapping):
+        msg = f"axes = {shown(axes)}: must map names to sequences of values"
+        raise InvalidInput(msg)
+    if "disturbance" in axes:
+        msg = "axes: 'disturbance' is what makes the runs of a study; say how many by runs=..."
+        raise InvalidInput(msg)
+    durations = map(finite_number, axes_of(axes).get("duration", ()))
+    shortest = min([duration, *(each for each in durations if each is not None)])
+    if not 0.0 <= burn_in < shortest:
+        msg = (
+            f"burn_in = {shown(burn_in)}: must be from 0 to less than the duration, {shortest:g} s"
+        )
+        raise InvalidInput(msg)
+    of = Result.summary if measure is None else measure
+    known = {*axes, "run", "disturbance", "statistic", "measure"}
+    found = sweep(
+        drive,
+        {**axes, "disturbance": range(runs)},
+        lambda result: numbers_of(of(result.between(start=burn_in)), known),
+        duration=duration,
+        report_step=report_step,
+        record=record,
+        energy=energy,
+        force_law=force_law,
+        hinge_law=hinge_law,
+        tooth_law=tooth_law,
+        min_approach_speed=min_approach_speed,
+        solver=solver,
+        start=start,
+        friction=friction,
+        hinge_friction=hinge_friction,
+        tooth_friction=tooth_friction,
+        hinge_film=hinge_film,
+        threads=threads,
+        progress=progress,
+        stop=stop,
+        callback=callback,
+    )
+    return StudyResult(found, confidence, burn_in)
