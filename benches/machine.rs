@@ -126,17 +126,17 @@ struct Instructions<T> {
     roots: T,
 }
 
-/// One register of links: sine and cosine, `kernels/chain.rs` `point` and `vector/sines.rs`.
+/// One register of links: sine and cosine, `chain/rhs/chain.rs` `point` and `math/simd/sin_cos.rs`.
 const DIRECTIONS: Instructions<f64> = counts([1, 2, 17 + 2, 1, 0, 0]);
 /// One register of hinges where none touches, `Hinges::join` and `End::new`.
 const HINGES_APART: Instructions<f64> = counts([12, 10, 10 + 4, 4, 0, 0]);
 /// The same where one touches: Hertz's law, damped.
 const HINGES: Instructions<f64> = counts([12, 10, 12 + 13, 7, 1, 2]);
-/// One register of candidates where none touches, `kernels/teeth.rs` and `gap.rs`.
+/// One register of candidates where none touches, `chain/rhs/teeth.rs` and `gap.rs`.
 const TEETH_APART: Instructions<f64> = counts([5, 2, 7 + 10, 8, 0, 0]);
 /// The same where one touches, not on the flat.
 const TEETH: Instructions<f64> = counts([13, 6, 14 + 22, 20, 1, 2]);
-/// One register of links: loads to accelerations, `kernels/loads.rs`.
+/// One register of links: loads to accelerations, `chain/rhs/loads.rs`.
 const ACCELERATIONS: Instructions<f64> = counts([9, 3, 3 + 3, 4, 0, 0]);
 /// One register of links: velocities copied into the derivative.
 const COPY: Instructions<f64> = counts([3, 3, 0, 0, 0, 0]);
