@@ -21,7 +21,7 @@ unexport CONDA_PREFIX
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help venv build demo test test-rust test-python lint lint-text lint-rust lint-python bench bench-smoke robustness work-precision stress dist clean
+.PHONY: help venv build demo check test test-rust test-python lint lint-text lint-rust lint-python bench bench-smoke robustness work-precision stress dist clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -67,6 +67,11 @@ demo: build ## Run the paper's drive for 2 s and draw its figures into demo/
 	@echo "  results   demo/paper.nc"
 	@for figure in demo/figures/*; do echo "  figure    $$figure"; done
 	@echo "  more      $(BIN)/rustchain --help"
+
+check: lint-text lint-python $(STAMPS)/test-tools ## The quick tier: lints, unit tests of Rust, one run of each law, corrector and kind of scene
+	cargo fmt --check
+	cargo test --lib --test layering
+	$(BIN)/python -m pytest -q tests/python/test_every_kind.py tests/python/test_names.py tests/python/test_bad_calls.py
 
 test: test-rust test-python ## Run all the tests, Rust and Python
 	@echo

@@ -1,14 +1,15 @@
 //! Chain drives as planar multibody systems: clearance hinges, compliant contact with standard teeth, an embedded
 //! variable-order Adams integrator.
 //!
-//! The flow, each module importing from its left:
+//! A module imports from those on its left:
 //!
 //! ```text
-//! drive -> layout::Start -> model -> contact -> dynamics -> integrator -> recorder -> simulate -> ensemble
+//! math -> geometry -> force_law -> integrator -> drive -> layout -> chain | multibody -> run
 //! ```
 //!
-//! Three leaves stand free of the chain and are tested without one: [`geometry`] (plane curves), [`force_law`] (numbers in,
-//! newtons out) and [`integrator`] (knows only [`integrator::OdeSystem`]).
+//! [`drive`] describes a chain drive, [`layout`] makes its initial configuration, [`chain::model`] compiles both, [`run`] steps the
+//! equations of motion of [`chain::dynamics`] with [`integrator`]. [`multibody`] is the same for any planar mechanism. [`geometry`] (plane
+//! curves), [`force_law`] (numbers in, newtons out) and [`integrator`] (knows only [`integrator::OdeSystem`]) are tested without a chain.
 
 pub mod chain;
 pub mod drive;

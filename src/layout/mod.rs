@@ -1,4 +1,4 @@
-//! What changes: time, coordinates, velocities; and the motion of every body read from them.
+//! The initial configuration of a chain drive: belt line, seats, slack, velocities, and what the generator chose.
 
 mod closing;
 mod fit;
