@@ -1,4 +1,4 @@
-"""One short run of each force law, corrector and kind of scene: what `make check` runs of the Python tests."""
+"""One short run of each force law, corrector and kind of scene, for `make check`."""
 
 import numpy as np
 import pytest
