@@ -45,6 +45,7 @@ pub use registers::RegisterForces;
 use pulp::Simd;
 
 use crate::error::{Result, check};
+use crate::geometry::{Curve, ToothProfile};
 use crate::math::simd::Lanes;
 
 /// Inside (a cylinder in a bore or on a concave flank) or outside (two convex cylinders).
@@ -189,4 +190,28 @@ impl Default for ForceLaw {
             regions: Regions::Kept,
         }
     }
+}
+
+/// A cylinder of `radius` against every surface of a profile.
+pub(crate) fn tooth_surfaces(
+    profile: &ToothProfile,
+    radius: f64,
+    length: f64,
+    modulus: f64,
+) -> Vec<SurfacePair> {
+    let surfaces = profile.surfaces();
+    let pair = |(i, curve): (usize, &Curve)| match curve {
+        Curve::Concave(arc) => SurfacePair::internal(radius, arc.radius, length, modulus),
+        Curve::Convex(arc) => SurfacePair::external(radius, arc.radius, length, modulus),
+        Curve::Straight(_) => {
+            // An edge is no curve that the flat goes on as.
+            let next = match surfaces.get(i + 1).map(|next| next.curve) {
+                Some(Curve::Convex(arc)) if arc.radius >= radius => arc.radius,
+                _ => profile.pitch_radius,
+            };
+            SurfacePair::flat(radius, next, length, modulus)
+        }
+    };
+    let curves = surfaces.iter().map(|piece| &piece.curve);
+    curves.enumerate().map(pair).collect()
 }

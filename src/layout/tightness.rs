@@ -2,10 +2,9 @@
 
 use super::many_sprockets::{Around, SHIFTS};
 use super::report::seat_depth;
-use crate::chain::model::tooth_surfaces;
 use crate::drive::Drive;
 use crate::error::Result;
-use crate::force_law::{Elastic, elastic_forces};
+use crate::force_law::{Elastic, elastic_forces, tooth_surfaces};
 
 /// A chain with ideal hinges where the polygon effect tightens it most.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

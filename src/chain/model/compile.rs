@@ -11,9 +11,9 @@ use super::{
 use crate::drive::{Bearing, BeltLine, ChainEnd, Drive, Link, Motion, Sprocket};
 use crate::error::{Error, Result, check};
 use crate::force_law::{
-    Elastic, Film, ForceLaw, Friction, LuGre, PairTable, SurfacePair, range_note,
+    Elastic, Film, ForceLaw, Friction, LuGre, PairTable, SurfacePair, range_note, tooth_surfaces,
 };
-use crate::geometry::{Curve, ToothProfile, Vec2};
+use crate::geometry::Vec2;
 use crate::layout::Start;
 use crate::layout::open_strands;
 
@@ -477,28 +477,4 @@ pub fn strands(drive: &Drive) -> Vec<[usize; 2]> {
         |_| (0..n).map(|i| [i, (i + 1) % n]).collect(),
         |line| line.strands(),
     )
-}
-
-/// A cylinder of `radius` against every surface of a profile.
-pub(crate) fn tooth_surfaces(
-    profile: &ToothProfile,
-    radius: f64,
-    length: f64,
-    modulus: f64,
-) -> Vec<SurfacePair> {
-    let surfaces = profile.surfaces();
-    let pair = |(i, curve): (usize, &Curve)| match curve {
-        Curve::Concave(arc) => SurfacePair::internal(radius, arc.radius, length, modulus),
-        Curve::Convex(arc) => SurfacePair::external(radius, arc.radius, length, modulus),
-        Curve::Straight(_) => {
-            // An edge is no curve that the flat goes on as.
-            let next = match surfaces.get(i + 1).map(|next| next.curve) {
-                Some(Curve::Convex(arc)) if arc.radius >= radius => arc.radius,
-                _ => profile.pitch_radius,
-            };
-            SurfacePair::flat(radius, next, length, modulus)
-        }
-    };
-    let curves = surfaces.iter().map(|piece| &piece.curve);
-    curves.enumerate().map(pair).collect()
 }

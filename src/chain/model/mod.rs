@@ -9,7 +9,6 @@ mod places;
 mod rail;
 
 pub use bristles::BristlePlaces;
-pub(crate) use compile::tooth_surfaces;
 pub use compile::{ForceLaws, strands};
 pub(crate) use ends::IMMOVABLE;
 pub use ends::{EndKind, EndModel, OpenEnds};
