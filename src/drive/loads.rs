@@ -1,64 +1,169 @@
-//! Bounds of what a chain may be loaded by: far above what breaks any, they refuse a slip of units before a run crawls under it.
+//! Bounds of what a chain may be loaded and driven by: far above what breaks any, they refuse a slip of units before a run crawls
+//! under it.
 
-use super::{ChainEnd, Drive, Motion, Mount};
+use super::{Chain, ChainEnd, Drive, Motion, Mount, TimeTable};
 use crate::error::{Error, Result};
+use crate::geometry::path::wrap::pitch_radius;
 
 /// Largest force on a chain over the square of its pitch \[Pa\]. Roller chains of ISO 606 break at 1e8 Pa; under a hundred times
 /// that a default run needs some 1e6 steps per simulated second, under ten thousand times 1e8.
 const MOST_PRESSURE: f64 = 1e10;
 
+/// Largest speed of a chain \[m/s\]. Roller chains run below 50 m/s, and at 1000 m/s the tension that turns its direction alone,
+/// mass per length times the square of the speed, is some 40 times what breaks it.
+pub(crate) const MOST_CHAIN_SPEED: f64 = 1e3;
+
+/// What a sprocket may be driven by at most, in a description and while it runs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InputBounds {
+    /// Of the chain \[m\].
+    pitch: f64,
+    /// Largest speed \[rad/s\].
+    speed: f64,
+    /// Largest torque \[N m\].
+    torque: f64,
+}
+
+impl InputBounds {
+    /// Of a sprocket of so many teeth.
+    pub(crate) fn of(chain: &Chain, teeth: u32) -> Self {
+        let radius = pitch_radius(chain.pitch, teeth);
+        Self {
+            pitch: chain.pitch,
+            speed: MOST_CHAIN_SPEED / radius,
+            torque: most_force(chain) * radius,
+        }
+    }
+
+    /// Refuses speeds at which no chain runs; `field` names them.
+    pub(crate) fn check_speed(&self, field: &str, speed: f64) -> Result<()> {
+        if speed.abs() <= self.speed {
+            return Ok(());
+        }
+        let expected = format!(
+            "expected at most {:.1e} rad/s, a chain speed of {MOST_CHAIN_SPEED} m/s where real chains run below 50 m/s; check the \
+             unit",
+            self.speed
+        );
+        Err(Error::invalid(field, speed, expected))
+    }
+
+    /// Refuses speeds of a table likewise.
+    pub(crate) fn check_speeds(&self, field: &str, table: &TimeTable) -> Result<()> {
+        self.check_speed(field, table.largest())
+    }
+
+    /// Refuses torques that no chain bears; `field` names them.
+    pub(crate) fn check_torques(&self, field: &str, table: &TimeTable) -> Result<()> {
+        refuse_above(self.torque, self.pitch, "N m", field, table.largest())
+    }
+}
+
+/// Largest force on a chain \[N\].
+fn most_force(chain: &Chain) -> f64 {
+    MOST_PRESSURE * chain.pitch * chain.pitch * f64::from(chain.strands)
+}
+
+fn refuse_above(most: f64, pitch: f64, unit: &str, field: &str, value: f64) -> Result<()> {
+    if value.abs() <= most {
+        return Ok(());
+    }
+    let expected = format!(
+        "expected at most {most:.1e} {unit}, about 100 times what breaks a chain of {:.4} mm pitch; check the unit",
+        1e3 * pitch
+    );
+    Err(Error::invalid(field, value, expected))
+}
+
 impl Drive {
-    /// Refuses pretension, torques, plungers' forces and weights that no chain of this pitch could bear.
+    /// Refuses pretension, torques, plungers' forces and weights that no chain of this pitch could bear, and speeds at which none runs.
     pub(super) fn check_loads(&self) -> Result<()> {
         let pitch = self.chain.pitch;
-        let most = MOST_PRESSURE * pitch * pitch * f64::from(self.chain.strands);
-        let refuse = |field: String, value: f64, most: f64, unit: &str| {
-            if value.abs() <= most {
-                return Ok(());
-            }
-            let expected = format!(
-                "expected at most {most:.1e} {unit}, about 100 times what breaks a chain of {:.4} mm pitch; check the unit",
-                1e3 * pitch
-            );
-            Err(Error::invalid(field, value, expected))
-        };
+        let most = most_force(&self.chain);
         if let Some(tensioner) = &self.tensioner {
-            let field = "Tensioner.pretension".to_string();
-            refuse(field, tensioner.pretension, most, "N")?;
+            let pretension = tensioner.pretension;
+            refuse_above(most, pitch, "N", "Tensioner.pretension", pretension)?;
         }
-        for (i, sprocket) in self.sprockets.iter().enumerate() {
-            let radius = f64::from(sprocket.teeth) * pitch / std::f64::consts::TAU;
-            let torque = match &sprocket.motion {
-                Motion::AppliedTorque(torque) => torque.largest(),
-                Motion::TorqueCurve { torque, curve } => torque.largest().max(curve.largest()),
-                Motion::PrescribedSpeed(_) | Motion::Free => continue,
-            };
-            let field = format!("ChainDrive.sprockets[{i}].motion.torque");
-            refuse(field, torque, most * radius, "N m")?;
-        }
+        self.check_motions()?;
         for (i, guide) in self.guides.iter().enumerate() {
             if let Mount::Arm(arm) = &guide.mount {
-                refuse(
-                    format!("ChainDrive.guides[{i}].mount.force"),
-                    arm.force,
-                    most,
-                    "N",
-                )?;
+                let field = format!("ChainDrive.guides[{i}].arm.force");
+                refuse_above(most, pitch, "N", &field, arm.force)?;
             }
         }
-        let [inner, outer] = [0, 1].map(|i| self.chain.strand_link(i).mass);
-        let chain = f64::from(self.chain.links) * inner.max(outer);
-        let loads = self.ends.iter().flatten().map(|end| match end {
-            ChainEnd::Load { mass, .. } => *mass,
-            _ => 0.0,
-        });
-        let heaviest = loads.fold(chain, f64::max);
+        self.check_end_speeds()?;
+        self.check_weights()
+    }
+
+    fn check_motions(&self) -> Result<()> {
+        for (i, sprocket) in self.sprockets.iter().enumerate() {
+            let bounds = InputBounds::of(&self.chain, sprocket.teeth);
+            let motion = |quantity: &str| format!("ChainDrive.sprockets[{i}].motion.{quantity}");
+            match &sprocket.motion {
+                Motion::PrescribedSpeed(speed) => bounds.check_speeds(&motion("speed"), speed)?,
+                Motion::AppliedTorque(torque) => bounds.check_torques(&motion("torque"), torque)?,
+                Motion::TorqueCurve { torque, curve } => {
+                    bounds.check_torques(&motion("torque"), torque)?;
+                    bounds.check_torques(&motion("curve (torque)"), curve)?;
+                    bounds.check_speed(&motion("curve (speed)"), curve.farthest())?;
+                }
+                Motion::Free => {}
+            }
+            if let Some(speed) = sprocket.initial_speed {
+                let field = format!("ChainDrive.sprockets[{i}].initial_speed");
+                bounds.check_speed(&field, speed)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn check_end_speeds(&self) -> Result<()> {
+        for (i, end) in self.ends.iter().flatten().enumerate() {
+            let ChainEnd::Anchor { velocity, .. } = end else {
+                continue;
+            };
+            let speed = velocity.iter().map(TimeTable::largest).fold(0.0, f64::max);
+            if speed > MOST_CHAIN_SPEED {
+                let expected = format!(
+                    "expected at most {MOST_CHAIN_SPEED} m/s where real chains run below 50 m/s; check the unit"
+                );
+                let field = format!("ChainDrive.ends[{i}].velocity");
+                return Err(Error::invalid(field, speed, expected));
+            }
+        }
+        Ok(())
+    }
+
+    /// The chain's own weight speaks for gravity; what it carries and what hangs from it for themselves.
+    fn check_weights(&self) -> Result<()> {
+        let Chain {
+            pitch,
+            inner,
+            outer,
+            carried,
+            ..
+        } = &self.chain;
+        let most = most_force(&self.chain);
         let gravity = self.gravity.norm();
-        refuse(
-            "ChainDrive.gravity".to_string(),
-            gravity,
-            most / heaviest,
-            "m/s^2",
-        )
+        let links = f64::from(self.chain.links) * f64::from(self.chain.strands);
+        let own = links * inner.mass.max(outer.mass);
+        refuse_above(most / own, *pitch, "m/s^2", "ChainDrive.gravity", gravity)?;
+        let heaviest = most / gravity;
+        let unit = format!("kg under {gravity:.4} m/s^2");
+        let together = carried.iter().map(|(_, mass)| mass).sum();
+        refuse_above(
+            heaviest,
+            *pitch,
+            &unit,
+            "Chain.carried (sum of masses)",
+            together,
+        )?;
+        for (i, end) in self.ends.iter().flatten().enumerate() {
+            if let ChainEnd::Load { mass, .. } = end {
+                let field = format!("ChainDrive.ends[{i}].mass");
+                refuse_above(heaviest, *pitch, &unit, &field, *mass)?;
+            }
+        }
+        Ok(())
     }
 }

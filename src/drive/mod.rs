@@ -18,6 +18,8 @@ pub use belt_line::BeltLine;
 pub(crate) use chain::MOST_LINKS;
 pub use chain::{Chain, ClearanceHinge, Link, Roller, bushing_on_front, check_links};
 pub use ends::ChainEnd;
+pub use loads::InputBounds;
+pub(crate) use loads::MOST_CHAIN_SPEED;
 pub use material::Material;
 pub(crate) use open_line::OpenLine;
 pub use plates::{LinkStiffness, Plates};

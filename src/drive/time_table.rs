@@ -89,6 +89,13 @@ impl TimeTable {
             .fold(0.0, |most, value| most.max(value.abs()))
     }
 
+    /// Largest absolute value of what it stands against.
+    pub(super) fn farthest(&self) -> f64 {
+        self.times
+            .iter()
+            .fold(0.0, |most, time| most.max(time.abs()))
+    }
+
     /// The value at time `t` \[s\].
     #[must_use]
     pub fn value(&self, t: f64) -> f64 {

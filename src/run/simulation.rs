@@ -16,6 +16,7 @@ use crate::chain::contact::ToothJump;
 use crate::chain::dynamics::Dynamics;
 use crate::chain::model::{Input, Model, Rotation, Support};
 use crate::chain::motion::Motion;
+use crate::drive::MOST_CHAIN_SPEED;
 use crate::error::{Error, Result, check};
 use crate::force_law::Regions;
 use crate::geometry::Vec2;
@@ -626,11 +627,35 @@ fn check_ends(model: &Model, start: &Start) -> Result<()> {
     Ok(())
 }
 
+/// No body may begin faster than a drive may be described to run.
+fn check_speeds(model: &Model, start: &Start) -> Result<()> {
+    let field = |body: usize| format!("velocities of {}", model.body_names()[body]);
+    for (body, [vx, vy, _]) in start.velocities.iter().enumerate() {
+        if vx.hypot(*vy) > MOST_CHAIN_SPEED {
+            return Err(Error::invalid(
+                field(body),
+                format!("({vx}, {vy})"),
+                format!(
+                    "expected at most {MOST_CHAIN_SPEED} m/s where real chains run below 50 m/s; check the unit"
+                ),
+            ));
+        }
+    }
+    for (s, sprocket) in model.sprockets.iter().enumerate() {
+        if let Some(bounds) = &sprocket.input_bounds {
+            let body = model.wheel_body(s);
+            bounds.check_speed(&field(body), start.velocities[body][2])?;
+        }
+    }
+    Ok(())
+}
+
 /// Numbers, and what the supports and motors hold must agree with them.
 fn check_start(model: &Model, start: &Start) -> Result<()> {
     check_rows(model, "positions", &start.positions)?;
     check_rows(model, "velocities", &start.velocities)?;
     check_ends(model, start)?;
+    check_speeds(model, start)?;
     for (s, sprocket) in model.sprockets.iter().enumerate() {
         let body = model.wheel_body(s);
         let [vx, vy, spin] = start.velocities[body];

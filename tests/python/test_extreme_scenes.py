@@ -2,15 +2,39 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import rustchain as rc
 
 
-def drive(torque=-5.0, pretension=100.0):
+def drive(torque=-5.0, pretension=100.0, speed=20.0):
     return rc.two_sprocket_drive(
-        "ANSI 40", (17, 25), links=60, speed=20.0, torque=torque, pretension=pretension
+        "ANSI 40", (17, 25), links=60, speed=speed, torque=torque, pretension=pretension
     )
+
+
+def driven_by(initial_speed=None, curve=None):
+    plain = drive()
+    motion = rc.AppliedTorque(1.0, curve=curve)
+    driver = replace(plain.sprockets[0], motion=motion, initial_speed=initial_speed)
+    return replace(plain, sprockets=(driver, plain.sprockets[1]))
+
+
+def hung(anchor, mass=1.0):
+    return rc.open_chain("ANSI 40", (anchor, rc.Load(mass)), 8)
+
+
+def carrying(carried):
+    plain = drive()
+    return replace(plain, chain=replace(plain.chain, carried=carried))
+
+
+def guided(force):
+    plain = drive()
+    arm = rc.GuideArm((0.0, 0.08), force)
+    blade = rc.GuideRail((0.1, 0.1), (0.0, -1.0), 0.05, radius=0.2, end_radius=0.01, arm=arm)
+    return replace(plain, guides=[blade])
 
 
 def with_link_mass(mass):
@@ -56,6 +80,16 @@ def test_steps_of_a_microsecond_are_slow_and_legal():
         (r"sprockets\[1\].motion.torque = 1000000000", lambda: drive(torque=-1e9)),
         ("Tensioner.pretension = 1000000000", lambda: drive(pretension=1e9)),
         ("ChainDrive.gravity = 1000000000", lambda: replace(drive(), gravity=(0.0, -1e9))),
+        (r"sprockets\[0\].motion.speed = 1000000000", lambda: drive(speed=1e9)),
+        (r"motion.speed = 200000:", lambda: drive(speed=((0.0, 1.0), (1.0, -2e5)))),
+        (r"motion.curve \(torque\) = 1000000", lambda: driven_by(curve=((0.0, 1e6), (9.0, 0.0)))),
+        (r"motion.curve \(speed\) = 90000", lambda: driven_by(curve=((0.0, 1.0), (9e4, 0.0)))),
+        (r"sprockets\[0\].initial_speed = -90000", lambda: driven_by(initial_speed=-9e4)),
+        (r"ends\[0\].velocity = 2000", lambda: hung(rc.Anchor((0.0, 0.0), velocity=(0.0, 2e3)))),
+        (r"ends\[1\].mass = 1000000000", lambda: hung(rc.Anchor((0.0, 0.0)), mass=1e9)),
+        (r"Chain.carried \(sum of masses\) = 1000000000", lambda: carrying([(1, 1e9)])),
+        (r"Chain.carried \(sum of masses\) = 1000000000", lambda: carrying([(3, 1e9)])),
+        (r"ChainDrive.guides\[0\].arm.force = 1000000000", lambda: guided(1e9)),
     ],
 )
 def test_a_load_that_no_chain_bears_is_refused_by_its_name(field, scene):
@@ -65,6 +99,52 @@ def test_a_load_that_no_chain_bears_is_refused_by_its_name(field, scene):
 
 def test_loads_far_above_what_chains_break_at_are_allowed():
     drive(torque=-1e3, pretension=1e5).check()
+    # A hundredth of what is refused: the mass on one link is that of one link only.
+    carrying([(1, 1e3)]).check()
+
+
+def test_the_greatest_speed_is_that_of_the_chain():
+    radius = 0.5 * 0.0127 / np.sin(np.pi / 17)
+    drive(speed=999.0 / radius).check()
+    with pytest.raises(rc.InvalidInput, match=r"at most 2\.9e4 rad/s, a chain speed of 1000 m/s"):
+        drive(speed=1001.0 / radius).check()
+
+
+@pytest.mark.parametrize("hinges", ["clearance", "ideal"])
+def test_a_run_at_an_absurd_speed_is_refused_before_it_begins(hinges):
+    with pytest.raises(rc.InvalidInput, match=r"motion\.speed = 1000000000"):
+        rc.Simulation(replace(drive(speed=1e9), hinges=hinges))
+
+
+def test_what_is_set_while_a_drive_runs_holds_to_the_bounds_of_its_description():
+    simulation = rc.Simulation(drive(torque=-1.0))
+    simulation.step_to(1e-4)
+    before = simulation.state()["snapshot"]
+    for call, message in (
+        (lambda: simulation.set_speed(1, 1e9), "speed of sprocket_1 = 1000000000: expected at"),
+        (
+            lambda: simulation.set_speed(1, [(0.0, 1.0), (1.0, -3e4)]),
+            "speed of sprocket_1 = 30000: expected at most 2.9e4 rad/s",
+        ),
+        (lambda: simulation.set_torque(2, -1e9), "torque of sprocket_2 = 1000000000: expected at"),
+    ):
+        with pytest.raises(rc.InvalidInput, match=message):
+            call()
+        assert simulation.state()["snapshot"] == before
+    simulation.set_speed(1, 100.0)
+    simulation.set_torque(2, -5.0)
+
+
+@pytest.mark.parametrize(("row", "column"), [(0, 1), (-1, 2)])
+def test_a_start_of_ones_own_holds_to_the_bounds_of_speeds(row, column):
+    calm = rc.Simulation(drive(torque=-1.0))
+    velocities = calm.velocities
+    velocities[row, column] = 1e6
+    name = "sprocket_2" if row else "link_1"
+    with pytest.raises(
+        rc.InvalidInput, match=f"velocities of {name} = .*1000000.*expected at most"
+    ):
+        rc.Simulation(calm.drive, positions=calm.positions, velocities=velocities)
 
 
 def test_a_heavy_chain_under_little_tension_comes_to_rest():

@@ -177,7 +177,8 @@ class Simulation(Present):
         Raises
         ------
         InvalidInput
-            There is no such sprocket, it is not driven by a speed, or the table does not hold.
+            There is no such sprocket, it is not driven by a speed, the table does not hold, or it
+            asks for more than 1000 m/s of the chain, which no description may.
         """
         self._core.set_input(_sprocket_number(sprocket), "speed", plain(speed))
 
@@ -196,7 +197,8 @@ class Simulation(Present):
         Raises
         ------
         InvalidInput
-            There is no such sprocket, its speed is prescribed, or the table does not hold.
+            There is no such sprocket, its speed is prescribed, the table does not hold, or it asks
+            for more than a description may.
         """
         self._core.set_input(_sprocket_number(sprocket), "torque", plain(torque))
 
@@ -256,7 +258,9 @@ class Simulation(Present):
             hundredth of the energy exchanged, or 2e-4 of the kinetic and elastic energy, it is held
             against that. Energy exchanged is the largest of the energies dissipated, worked in, and
             moved in and out of kinetic, gravitational and elastic energy. With regions="sharp" no
-            accuracy helps. ``result.stats["largest_residual"]`` has the largest residual [J].
+            accuracy helps. A drive whose links move by no more than what steps may be wrong by, at
+            rest, is not judged: all that passes is error then.
+            ``result.stats["largest_residual"]`` has the largest residual [J].
         ToothJumpWarning
             The chain has jumped teeth: how many, and the first; see `Result.tooth_jumps`.
         """

@@ -8,7 +8,7 @@ use super::{
     ContactLaw, EndKind, Guide, IMMOVABLE, Model, OpenEnds, Ratchet, RollerModel, Rotation,
     SprocketModel, Support,
 };
-use crate::drive::{Bearing, BeltLine, ChainEnd, Drive, Link, Motion, Sprocket};
+use crate::drive::{Bearing, BeltLine, ChainEnd, Drive, InputBounds, Link, Motion, Sprocket};
 use crate::error::{Error, Result, check};
 use crate::force_law::{
     Elastic, Film, ForceLaw, Friction, LuGre, PairTable, SurfacePair, range_note, tooth_surfaces,
@@ -459,6 +459,7 @@ fn place_sprocket(
         support,
         rotation,
         swing: None,
+        input_bounds: Some(InputBounds::of(chain, sprocket.teeth)),
     })
 }
 

@@ -38,7 +38,7 @@ impl Model {
     /// already.
     ///
     /// # Errors
-    /// When there is no such sprocket, or its motion has no such quantity.
+    /// When there is no such sprocket, its motion has no such quantity, or `table` is beyond what a drive may be described with.
     pub fn input(
         &self,
         sprocket: usize,
@@ -47,8 +47,9 @@ impl Model {
         t: f64,
     ) -> Result<Option<Input>> {
         let name = format!("sprocket_{}", sprocket + 1);
-        let Some(found) = self.sprockets.get(sprocket) else {
-            let last = self.sprockets.len();
+        let toothed = &self.sprockets[..self.toothed()];
+        let Some(found) = toothed.get(sprocket) else {
+            let last = toothed.len();
             let expected =
                 format!("is no sprocket of this drive: take sprocket_1 to sprocket_{last}");
             return Err(Error::invalid("sprocket", name, expected));
@@ -79,6 +80,12 @@ impl Model {
                 return Err(Error::invalid("sprocket", name, expected));
             }
         };
+        if let Some(bounds) = &found.input_bounds {
+            match quantity {
+                Quantity::Speed => bounds.check_speeds(&format!("speed of {name}"), &table)?,
+                Quantity::Torque => bounds.check_torques(&format!("torque of {name}"), &table)?,
+            }
+        }
         Ok(Some(Input {
             sprocket,
             quantity,

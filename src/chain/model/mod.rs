@@ -15,7 +15,7 @@ pub use ends::{EndKind, EndModel, OpenEnds};
 pub use guide::{Guide, Ratchet};
 pub use input::{Input, Quantity};
 
-use crate::drive::{TimeTable, bushing_on_front};
+use crate::drive::{InputBounds, TimeTable, bushing_on_front};
 use crate::force_law::{Elastic, Friction, HingeFilm, LuGre, PairTable, Regions};
 use crate::geometry::path::belt::Side;
 use crate::geometry::{Surface, ToothProfile, Vec2};
@@ -145,6 +145,8 @@ pub struct SprocketModel {
     pub side: Side,
     /// What holds back the arm of a guide, by the angle that it has turned by \[rad\]: N m in the place of N.
     pub swing: Option<Guide>,
+    /// What it may be driven by at most; none: a guide, which nothing drives.
+    pub input_bounds: Option<InputBounds>,
 }
 
 /// What holds a sprocket's centre; indices point into q.

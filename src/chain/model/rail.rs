@@ -76,5 +76,6 @@ pub(super) fn place_rail(
         support: Support::Fixed,
         rotation,
         swing,
+        input_bounds: None,
     })
 }

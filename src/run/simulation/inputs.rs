@@ -14,7 +14,7 @@ impl Simulation {
     /// sprocket whose speed is set; contacts keep their memory and the energy balance goes on.
     ///
     /// # Errors
-    /// When there is no such sprocket, or its motion has no such quantity; the simulation is then what it was.
+    /// When there is no such sprocket, its motion has no such quantity, or `table` is beyond what a drive may be described with; the simulation is then what it was.
     pub fn set_input(
         &mut self,
         sprocket: usize,
