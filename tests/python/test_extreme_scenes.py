@@ -135,6 +135,13 @@ def test_what_is_set_while_a_drive_runs_holds_to_the_bounds_of_its_description()
     simulation.set_torque(2, -5.0)
 
 
+def test_a_guide_is_no_sprocket_whose_speed_is_set():
+    idler = rc.SmoothIdler(0.01, (0.0, -0.5))
+    simulation = rc.Simulation(replace(drive(), guides=[idler]))
+    with pytest.raises(rc.InvalidInput, match=r"sprocket_3: .* take sprocket_1 to sprocket_2"):
+        simulation.set_speed(3, 1.0)
+
+
 @pytest.mark.parametrize(("row", "column"), [(0, 1), (-1, 2)])
 def test_a_start_of_ones_own_holds_to_the_bounds_of_speeds(row, column):
     calm = rc.Simulation(drive(torque=-1.0))
