@@ -28,6 +28,9 @@ def path_of(path: object, field: str = "path") -> Path:
     if not isinstance(path, str | os.PathLike):
         raise InvalidInput(f"{field}: got {shown(path)}; expected {PATH_WORDS}")
     name = os.fsdecode(path)
+    if not name:
+        msg = f"{field} = '': is empty; expected a file name"
+        raise InvalidInput(msg)
     if "\0" in name:
         msg = f"{field} = {shown_path(name)}: has a NUL character; expected a file name without one"
         raise InvalidInput(msg)

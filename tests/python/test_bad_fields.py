@@ -110,6 +110,19 @@ def test_a_wrong_table_is_refused_by_name_and_row(motion, field, unit, rows, val
     assert value is None or f" = {value}: " in message
 
 
+@pytest.mark.parametrize("given", [np.array([20.0]), np.array([20.0, 30.0]), [20.0]])
+def test_numbers_in_a_row_are_told_as_they_were_given(given):
+    for motion, where in (
+        (lambda: rc.PrescribedSpeed(given), "PrescribedSpeed.speed"),
+        (lambda: rc.AppliedTorque(given), "AppliedTorque.torque"),
+        (lambda: rc.AppliedTorque(curve=given), "AppliedTorque.curve"),
+    ):
+        with pytest.raises(rc.InvalidInput) as caught:
+            motion()
+        assert str(caught.value).startswith(f"{where} = {given!r}: each row must be (")
+        assert "; expected " in str(caught.value)
+
+
 def sprockets(**changes):
     return [replace(sprocket, **changes) for sprocket in DRIVE.sprockets]
 

@@ -97,6 +97,12 @@ def test_a_directory_is_refused(tmp_path, save_and_load):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_an_empty_name_of_a_file_is_refused(save_and_load):
+    for call in save_and_load:
+        with pytest.raises(rc.InvalidInput, match="path = '': is empty; expected a file name"):
+            call("")
+
+
 @pytest.mark.parametrize("path", [io.StringIO(), io.BytesIO(), None, 3, b"run.nc"])
 def test_what_is_no_path_is_refused(path, save_and_load):
     for call in save_and_load:

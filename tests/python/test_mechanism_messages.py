@@ -84,6 +84,60 @@ def test_a_direction_that_is_none_is_told_as_it_was_given():
         mechanism.add_revolute("end", "ground", "bar", point_b=(1, 2, 3))
 
 
+LAW = rc.LinearContact(1e6)
+ADDED = {
+    "a body": lambda name: pendulum().add_body(name, 1.0, 0.1),
+    "a joint": lambda name: pendulum().add_revolute(name, "ground", "bar"),
+    "a force": lambda name: pendulum().add_force(name, "bar", (1.0, 0.0)),
+    "a contact": lambda name: pendulum().add_disc_contact(name, "ground", "bar", 0.1, 0.1, LAW),
+}
+
+
+@pytest.mark.parametrize("part", ADDED)
+@pytest.mark.parametrize("name", ["", " ", "n" * 201, list(range(5000)), None, 7, b"bar"])
+def test_a_name_that_tells_no_part_is_refused_when_it_is_given(part, name):
+    with pytest.raises(rc.InvalidInput, match=rf"(name of {part} = |\(name\): got )") as caught:
+        ADDED[part](name)
+    assert len(str(caught.value)) <= 300
+    ADDED[part]("n" * 200)
+
+
+POINTS = {
+    "bore_point": lambda m, p: m.add_clearance_joint(
+        "x", "ground", "bar", 0.02, 0.01, LAW, bore_point=p
+    ),
+    "pin_point": lambda m, p: m.add_clearance_joint(
+        "x", "ground", "bar", 0.02, 0.01, LAW, pin_point=p
+    ),
+    "point_a": lambda m, p: m.add_disc_contact("x", "ground", "bar", 0.1, 0.1, LAW, point_a=p),
+    "circle_point": lambda m, p: m.add_outline_contact(
+        "x", "ground", "bar", [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)], 0.1, LAW, circle_point=p
+    ),
+    "point": lambda m, p: m.add_force("x", "bar", (1.0, 0.0), point=p),
+    "point_b": lambda m, p: m.add_distance("x", "ground", "bar", point_b=p),
+    "point_a ": lambda m, p: m.add_distance("x", "ground", "bar", point_a=p),
+    "point_a  ": lambda m, p: m.add_rack("x", "ground", "bar", (1.0, 0.0), 0.1, point_a=p),
+    "point_b ": lambda m, p: m.add_position_driver(
+        "x", "ground", "bar", (1.0, 0.0), speed=1.0, point_b=p
+    ),
+    "point_b  ": lambda m, p: m.add_spring("x", "ground", "bar", 1.0, point_b=p),
+}
+
+
+@pytest.mark.parametrize("field", POINTS)
+@pytest.mark.parametrize("point", [(), None, (1.0,), "xy", (0.0, math.inf), 1.0])
+def test_a_point_of_a_part_is_refused_by_its_argument(field, point):
+    says = rf"^{field.strip()} of (joint|force|contact) 'x' = .*: must be two finite numbers"
+    with pytest.raises(rc.InvalidInput, match=says):
+        POINTS[field](pendulum(), point)
+
+
+@pytest.mark.parametrize("rest", [-math.inf, math.inf, math.nan, -1.0, "1", 10**400])
+def test_a_rest_length_is_refused_by_its_argument(rest):
+    with pytest.raises(rc.InvalidInput, match=r"\brest_length\b"):
+        with_spring(stiffness=1.0, rest_length=rest)
+
+
 def test_what_was_not_moved_is_not_said_to_be():
     mechanism = pendulum()
     mechanism.add_driver("motor", "ground", "bar", angle=0.3)

@@ -303,6 +303,14 @@ def test_a_place_that_cannot_be_written_is_told_with_the_remedy(tmp_path, result
         result.save(tmp_path)
 
 
+def test_an_array_that_there_is_not_is_told_with_the_argument(result):
+    for call in (result.array, result.spectrum):
+        with pytest.raises(rc.NotRecorded, match="name = '': there is no such array; known: "):
+            call("")
+        with pytest.raises(rc.NotRecorded, match=r"name = 'hinge_forces': .*mean 'hinge_force'"):
+            call("hinge_forces")
+
+
 def test_more_rows_than_memory_holds_are_refused():
     simulation = rc.Simulation(rc.paper_drive())
     with pytest.raises(rc.InvalidInput, match=r"report_step = 1e-12: gives 1e\+09 rows .* GiB"):

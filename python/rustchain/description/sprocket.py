@@ -10,16 +10,29 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain import _rustchain
-from rustchain.arguments import checked
+from rustchain.arguments import checked, plain, shown
 from rustchain.description.base import Description, Point
 from rustchain.description.chain import Chain
 from rustchain.description.teeth import AnsiTooth, ToothForm
+from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords
 
 Side = Literal["inside", "outside"]
 
 TimeTable: TypeAlias = float | Sequence[Sequence[float]]
 """A constant, or rows (time [s], value): linear between the rows, constant outside them."""
+
+
+def _refuse_a_list_of_numbers(where: str, axis: str, given: object) -> None:
+    """Tell a list of numbers, or an array of one axis, as it was given and not by its first one."""
+    values = plain(given)
+    if isinstance(values, tuple) and values and not any(isinstance(v, tuple) for v in values):
+        number = "one number, or rows" if axis == "time" else "rows"
+        msg = (
+            f"{where} = {shown(given)}: each row must be ({axis}, value); "
+            f"expected {number} of ({axis}, value)"
+        )
+        raise InvalidInput(msg)
 
 
 @known_keywords
@@ -34,6 +47,11 @@ class PrescribedSpeed(Description):
     """
 
     speed: TimeTable
+
+    def __post_init__(self) -> None:
+        """Refuse numbers in a row as they were given, and let the rest be checked."""
+        _refuse_a_list_of_numbers("PrescribedSpeed.speed", "time", self.speed)
+        super().__post_init__()
 
 
 @known_keywords
@@ -52,6 +70,12 @@ class AppliedTorque(Description):
 
     torque: TimeTable = 0.0
     curve: TimeTable | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse numbers in a row as they were given, and let the rest be checked."""
+        _refuse_a_list_of_numbers("AppliedTorque.torque", "time", self.torque)
+        _refuse_a_list_of_numbers("AppliedTorque.curve", "speed", self.curve)
+        super().__post_init__()
 
 
 @known_keywords

@@ -113,7 +113,7 @@ class Result(Outputs):
         if name in self.arrays:
             return self.arrays[name]
         if name not in VARIABLES:
-            msg = f"no array {shown(name)}; {suggest(name, VARIABLES)}"
+            msg = f"name = {shown(name)}: there is no such array; {suggest(name, VARIABLES)}"
             raise NotRecorded(msg)
         group = VARIABLES[name].group
         if group in self.groups:

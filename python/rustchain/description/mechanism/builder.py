@@ -7,7 +7,15 @@ from rustchain.description.mechanism.checks import numbers
 from rustchain.description.mechanism.contacts import WithContacts
 from rustchain.description.mechanism.forces import WithForces
 from rustchain.description.mechanism.joints import WithJoints
-from rustchain.description.mechanism.parts import Body, Contact, Force, Joint, Point, check_name
+from rustchain.description.mechanism.parts import (
+    Body,
+    Contact,
+    Force,
+    Joint,
+    Point,
+    check_name,
+    check_part_name,
+)
 from rustchain.description.mechanism.report import MechanismReport
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords
@@ -68,6 +76,7 @@ class Mechanism(WithJoints, WithForces, WithContacts):
         fixed : bool
             Whether the body is held where it is.
         """
+        check_part_name("name of a body", name)
         for field, given in (("position", position), ("velocity", velocity)):
             numbers(f"{field} of body {shown(name)}", given, 3, "(x, y, angle)")
         self.bodies.append(Body(name, mass, inertia, position, velocity, fixed))
@@ -88,5 +97,9 @@ for _part in (WithJoints, WithForces, WithContacts):
             for _function in (_method, _method.__wrapped__):
                 _function.__qualname__ = f"Mechanism.{_name}"
             # What else is wrong is told of the part, when the mechanism is put together.
-            _only = (str, float, bool, Point) if _part is WithContacts else (str,)
+            _only = {
+                WithJoints: (str,),
+                WithForces: (str, float | None),
+                WithContacts: (str, float, bool),
+            }[_part]
             setattr(Mechanism, _name, checked(_method, _only))

@@ -33,6 +33,11 @@ def numbers(field: str, given: object, count: int, names: str) -> tuple[float, .
     return tuple(map(float, values))
 
 
+def point(field: str, part: str, name: str, given: object) -> tuple[float, ...]:
+    """Return `given` as a point of a part: a joint, a force or a contact."""
+    return numbers(f"{field} of {part} {shown(name)}", given, 2, "(x, y) [m]")
+
+
 def rows(field: str, given: object, width: int) -> npt.NDArray[np.float64]:
     """Return `given` as an array of finite numbers, a row each, or tell what it must be."""
     values = finite_array(given)

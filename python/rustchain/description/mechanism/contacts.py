@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from rustchain.arguments import shown
 from rustchain.description.drive import Chain, Sprocket
-from rustchain.description.mechanism.checks import arcs, rows
+from rustchain.description.mechanism.checks import arcs, point, rows
 from rustchain.description.mechanism.parts import Contact, ContactLaw, Point, Rows
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords
@@ -36,8 +36,8 @@ class WithContacts:
                 name,
                 bore,
                 pin,
-                bore_point,
-                pin_point,
+                point("bore_point", "contact", name, bore_point),
+                point("pin_point", "contact", name, pin_point),
                 pin_radius,
                 law,
                 profile_radius=bore_radius,
@@ -63,8 +63,8 @@ class WithContacts:
                 name,
                 body_a,
                 body_b,
-                point_a,
-                point_b,
+                point("point_a", "contact", name, point_a),
+                point("point_b", "contact", name, point_b),
                 radius_b,
                 law,
                 profile_radius=radius_a,
@@ -110,7 +110,7 @@ class WithContacts:
                 outline,
                 circle,
                 (0.0, 0.0),
-                circle_point,
+                point("circle_point", "contact", name, circle_point),
                 radius,
                 law,
                 points=pieces,
@@ -143,7 +143,7 @@ class WithContacts:
                 wheel,
                 circle,
                 (0.0, 0.0),
-                circle_point,
+                point("circle_point", "contact", name, circle_point),
                 chain.contact_radius,
                 law,
                 sprocket=sprocket,

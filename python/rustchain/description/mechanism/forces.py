@@ -8,6 +8,7 @@ import numpy as np
 
 from rustchain.arguments import shown
 from rustchain.description.mechanism.checks import one_of
+from rustchain.description.mechanism.checks import point as point_of
 from rustchain.description.mechanism.parts import (
     GROUND,
     Force,
@@ -44,7 +45,7 @@ class WithForces:
                 name,
                 GROUND,
                 body,
-                point_b=point,
+                point_b=point_of("point", "force", name, point),
                 x=force[0],
                 y=force[1],
                 follows=follows,
@@ -95,14 +96,20 @@ class WithForces:
         table : sequence of (elongation [m], tension [N]), optional
             In place of stiffness and cubic.
         """
+        if rest_length is not None and rest_length < 0:
+            msg = (
+                f"rest_length of force {shown(name)} = {shown(rest_length)}: must be zero or a "
+                "positive number in m"
+            )
+            raise InvalidInput(msg)
         self.forces.append(
             Force(
                 "spring",
                 name,
                 body_a,
                 body_b,
-                point_a,
-                point_b,
+                point_of("point_a", "force", name, point_a),
+                point_of("point_b", "force", name, point_b),
                 stiffness=stiffness,
                 damping=damping,
                 cubic=cubic,

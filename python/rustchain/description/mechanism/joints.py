@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from rustchain.arguments import shown
-from rustchain.description.mechanism.checks import numbers, one_of
+from rustchain.description.mechanism.checks import numbers, one_of, point
 from rustchain.description.mechanism.parts import GROUND, Body, Joint, Point, TimeFunction
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords, suggest
@@ -94,7 +94,16 @@ class WithJoints:
         length: float | None = None,
     ) -> None:
         """Keep two points at a distance [m], by default as placed."""
-        self._join("distance", name, body_a, body_b, point_a, point_b, None, value=length)
+        self._join(
+            "distance",
+            name,
+            body_a,
+            body_b,
+            point("point_a", "joint", name, point_a),
+            point("point_b", "joint", name, point_b),
+            None,
+            value=length,
+        )
 
     @known_keywords
     def add_gear(
@@ -129,8 +138,8 @@ class WithJoints:
             name,
             body_a,
             body_b,
-            point_a,
-            point_b,
+            point("point_a", "joint", name, point_a),
+            point("point_b", "joint", name, point_b),
             None,
             direction=direction,
             value=radius,
@@ -179,8 +188,8 @@ class WithJoints:
             name,
             body_a,
             body_b,
-            point_a,
-            point_b,
+            point("point_a", "joint", name, point_a),
+            point("point_b", "joint", name, point_b),
             None,
             direction=direction,
             motion=motion,
@@ -215,10 +224,8 @@ class WithJoints:
         direction = numbers(f"direction of joint {shown(name)}", direction, 2, "(x, y)")
         points = (("a", point_a), ("b", point_b))
         place_a, place_b = (
-            (0.0, 0.0)
-            if point is None
-            else numbers(f"point_{end} of joint {shown(name)}", point, 2, "(x, y) [m]")
-            for end, point in points
+            (0.0, 0.0) if place is None else point(f"point_{end}", "joint", name, place)
+            for end, place in points
         )
         self.joints.append(
             Joint(

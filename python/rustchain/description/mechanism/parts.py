@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import TypeAlias, get_type_hints
 
-from rustchain.arguments import admitted
+from rustchain.arguments import admitted, shown
 from rustchain.description.base import Description, plain
 from rustchain.description.drive import Chain, Sprocket
 from rustchain.description.laws.force import ForceLaw, LankaraniNikravesh
@@ -21,6 +22,7 @@ Rows: TypeAlias = Sequence[Sequence[float]]
 LoadFunction: TypeAlias = Callable[[float, list[float], list[float]], Sequence[float]]
 
 GROUND = "ground"
+_LONGEST_NAME = 200  # characters: two lines of a message, and the width of a legend
 _LAW = LankaraniNikravesh()
 _STEEL = Material()
 
@@ -32,7 +34,23 @@ class _Part(Description):
         """Turn lists and arrays into tuples."""
         for field in dataclasses.fields(self):
             object.__setattr__(self, field.name, plain(getattr(self, field.name)))
-        check_name(f"name of a {type(self).__name__.lower()}", getattr(self, "name", None))
+        check_part_name(f"name of a {type(self).__name__.lower()}", getattr(self, "name", None))
+
+
+def check_part_name(field: str, name: object) -> None:
+    """Refuse what results and messages cannot tell a part by."""
+    if not isinstance(name, str):
+        raise InvalidInput(f"{field} = {shown(name)}: must be text")
+    if not name.strip():
+        quoted = json.dumps(name[:_LONGEST_NAME])
+        msg = f"{field} = {quoted}: must not be blank: results and messages are by name"
+        raise InvalidInput(msg)
+    if len(name) > _LONGEST_NAME:
+        msg = (
+            f"{field} = {shown(name)}: has {len(name)} characters; expected at most {_LONGEST_NAME}"
+        )
+        raise InvalidInput(msg)
+    check_name(field, name)
 
 
 def check_name(field: str, name: object) -> None:
