@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -16,6 +15,7 @@ from matplotlib.path import Path
 from matplotlib.transforms import Bbox
 
 from rustchain import _rustchain
+from rustchain.caller import warn_caller
 from rustchain.description.drive import ChainDrive
 from rustchain.description.ends import Anchor, Load
 from rustchain.description.guides import GuideRail, SmoothIdler
@@ -147,7 +147,7 @@ class DrivePicture(Figures):
                 f"drawn at t = {found:g} s: bodies were not recorded between start and end; "
                 "pass record=(..., 'bodies') to run"
             )
-            warnings.warn(msg, UserWarning, stacklevel=3)
+            warn_caller(msg)
         return found, result.final_positions if row == last else result.initial_positions
 
 

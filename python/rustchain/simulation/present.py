@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +10,7 @@ import numpy.typing as npt
 
 from rustchain import _rustchain
 from rustchain.arguments import rows_of
+from rustchain.caller import warn_caller
 from rustchain.description.drive import ChainDrive
 from rustchain.description.laws.force import ForceLaw
 from rustchain.description.solver import Solver
@@ -207,11 +207,11 @@ class Present:
         self.solver = solver
 
     def _warn(self) -> None:
-        """Pass the core's warnings on, as if from the line that called the public method."""
+        """Pass the core's warnings on, as if from the innermost line outside the package."""
         categories = (RangeWarning, EnergyWarning, ToothJumpWarning)
         for category, notes in zip(categories, self._core.take_warnings(), strict=True):
             for message in notes:
-                warnings.warn(message, category, stacklevel=4)
+                warn_caller(message, category)
 
 
 def core_for(drive: object) -> type[Core]:

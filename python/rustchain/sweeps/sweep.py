@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
 from itertools import product
@@ -13,6 +12,7 @@ import numpy.typing as npt
 
 from rustchain import _rustchain
 from rustchain.arguments import count_within, plain, shown
+from rustchain.caller import warn_caller
 from rustchain.description.drive import ChainDrive
 from rustchain.description.laws.film import Film
 from rustchain.description.laws.force import ForceLaw, with_friction
@@ -353,7 +353,7 @@ def _warn(found: SweepResult) -> None:
         which = (
             f"{len(found.errors)} of {len(found.cases)} cases failed, first {_name(found, number)}"
         )
-        warnings.warn(f"{which}: {type(error).__name__}: {error}", RuntimeWarning, stacklevel=4)
+        warn_caller(f"{which}: {type(error).__name__}: {error}", RuntimeWarning)
     for notes, category in (
         (found.range_notes, RangeWarning),
         (found.balance_notes, EnergyWarning),
@@ -361,4 +361,4 @@ def _warn(found: SweepResult) -> None:
     ):
         for number, lines in list(notes.items())[:1]:
             which = f"{len(notes)} of {len(found.cases)} cases, first {_name(found, number)}"
-            warnings.warn(f"{which}: {'; '.join(lines)}", category, stacklevel=4)
+            warn_caller(f"{which}: {'; '.join(lines)}", category)

@@ -1,0 +1,78 @@
+"""Warnings point at the line that called the package, whatever lies between."""
+
+import re
+import warnings
+from pathlib import Path
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import pytest
+
+import rustchain as rc
+
+PAPER = rc.paper_drive(25.0)
+OUTSIDE = {
+    "hinge_friction": rc.LuGre(0.1, 0.1, stiffness=1e9)
+}  # bristles that a RangeWarning tells
+SHORT = {"duration": 1e-3, "report_step": 1e-4, "progress": False}
+SETTLED = {**SHORT, "duration": 8e-3, "burn_in": 4e-3}
+
+
+def one(result):
+    return 1.0
+
+
+def speed(value):
+    return rc.two_sprocket_drive(teeth=(17, 17), links=38, speed=value, torque=-1.0)
+
+
+CALLS = {
+    "run": lambda: rc.Simulation(PAPER, **OUTSIDE).run(**SHORT),
+    "step_to": lambda: rc.Simulation(PAPER, **OUTSIDE).step_to(1e-3),
+    "sweep": lambda: rc.sweep(PAPER, {"pretension": [25.0]}, one, **SHORT, **OUTSIDE),
+    "sweep with a stop condition": lambda: rc.sweep(
+        PAPER, {"pretension": [25.0]}, one, stop=rc.TimeReached(1.0), **SHORT, **OUTSIDE
+    ),
+    "study": lambda: rc.study(PAPER, one, runs=2, **SETTLED, **OUTSIDE),
+    "study over an axis": lambda: rc.study(
+        PAPER, one, runs=2, axes={"pretension": [25.0, 50.0]}, **SETTLED, **OUTSIDE
+    ),
+    "loss_map": lambda: rc.loss_map(speed(20.0), [20.0], [-1.0], **SETTLED, **OUTSIDE),
+}
+
+
+@pytest.mark.parametrize("call", CALLS)
+def test_the_file_of_a_warning_is_the_callers(call):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        CALLS[call]()
+    assert rc.RangeWarning in {warning.category for warning in caught}
+    assert {warning.filename for warning in caught} == {__file__}
+
+
+def test_the_warning_of_a_case_that_failed_points_at_the_caller():
+    def failing(result):
+        raise ValueError("no value")
+
+    with pytest.warns(RuntimeWarning, match="1 of 1 cases failed") as caught:
+        rc.sweep(PAPER, {"pretension": [25.0]}, failing, **SHORT)
+    assert {warning.filename for warning in caught} == {__file__}
+
+
+def test_the_warning_of_a_drawing_points_at_the_caller():
+    mpl.use("Agg")
+    result = rc.Simulation(PAPER).run(**SHORT)
+    with pytest.warns(UserWarning, match="bodies were not recorded") as caught:
+        result.plot.drive(time=5e-4)
+    plt.close("all")
+    assert {warning.filename for warning in caught} == {__file__}
+
+
+def test_no_warning_of_the_package_counts_frames_itself():
+    package = Path(rc.__file__).parent
+    found = [
+        path.name
+        for path in package.rglob("*.py")
+        if re.search(r"warnings\.warn\(|stacklevel", path.read_text("utf-8"))
+    ]
+    assert found == ["caller.py"]
