@@ -79,8 +79,20 @@ def test_numbers_of_the_standards_are_as_printed():
 def test_a_chain_is_found_by_its_number_and_refused_with_the_nearest_name():
     assert rc.catalogue_chain("08b", 60).name == "ISO 08B"
     assert rc.catalogue_chain("41", 60).name == "ANSI 41"
-    with pytest.raises(rc.InvalidInput, match="did you mean 'ISO 08B'"):
-        rc.catalogue_chain("ISO08B", 60)
+    for name, nearest in (
+        ("ISO 8B", "ISO 08B"),
+        ("80H", "ANSI 80"),
+        ("ANSI 80H", "ANSI 80"),
+        ("80H-2", "ANSI 80"),
+        ("RS-40", "ANSI 40"),
+        ("ANSI 4O", "ANSI 4"),
+    ):
+        with pytest.raises(rc.InvalidInput, match=f"did you mean '{nearest}"):
+            rc.catalogue_chain(name, 60)
+    for name in ("", " ", "-", "chain", "4 0", "40-4", "x" * 5000):
+        with pytest.raises(rc.InvalidInput, match="is not in the catalogue; ") as caught:
+            rc.catalogue_chain(name, 60)
+        assert len(str(caught.value)) <= 400
 
 
 @pytest.mark.parametrize(
@@ -88,6 +100,12 @@ def test_a_chain_is_found_by_its_number_and_refused_with_the_nearest_name():
     [
         ("#40", "ANSI 40", 1),
         ("RS40", "ANSI 40", 1),
+        ("RS 40", "ANSI 40", 1),
+        ("# 40", "ANSI 40", 1),
+        ("ANSI40", "ANSI 40", 1),
+        ("ansi 40-2", "ANSI 40", 2),
+        ("ISO08B", "ISO 08B", 1),
+        ("ISO08A-2", "ANSI 40", 2),
         ("rs60-2", "ANSI 60", 2),
         ("40-3", "ANSI 40", 3),
         ("ISO 08A", "ANSI 40", 1),

@@ -14,8 +14,10 @@ Sources, by the words that `ChainSize.sources` uses:
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from difflib import get_close_matches
 from math import pi
 from typing import NamedTuple
 
@@ -337,14 +339,33 @@ _ISO_OF_ANSI = {"25": "04C", "35": "06C", "41": "085"}
 
 
 def _other_names(name: str) -> list[str]:
-    """Return the names that a size goes by, in small letters."""
-    standard, number = name.split()
-    names = [name, number]
-    if standard == "ANSI":
+    """Return the names that a size goes by, in small letters and without a space."""
+    standard, number = name.casefold().split()
+    names = [f"{standard}{number}", number]
+    if standard == "ansi":
         iso = _ISO_OF_ANSI.get(number) or f"{int(number) // 5:02d}A"
-        names += [f"#{number}", f"RS{number}", f"ISO {iso}", iso]
+        names += [f"#{number}", f"rs{number}", f"iso{iso}", iso]
     return [other.casefold() for other in names]
 
 
 # What makers and standards call the sizes -> the name in the catalogue.
-OTHER_NAMES: dict[str, str] = {other: name for name in SIZES for other in _other_names(name)}
+_OTHER_NAMES: dict[str, str] = {other: name for name in SIZES for other in _other_names(name)}
+
+
+def named_size(name: str) -> str | None:
+    """Return the name in the catalogue of what makers and standards call a size, or None."""
+    return _OTHER_NAMES.get(_folded(name))
+
+
+def nearest_size(name: str) -> str | None:
+    """Return the name in the catalogue that is nearest to an unknown one, or None."""
+    for part in (name, name.partition("-")[0]):  # the rest may be the strands
+        padded = re.sub(r"(?<!\d)(\d[abc])", r"0\1", _folded(part))  # "8b" is 08B
+        if near := get_close_matches(padded, _OTHER_NAMES, n=1):
+            return _OTHER_NAMES[near[0]]
+    return None
+
+
+def _folded(name: str) -> str:
+    """Return a name in small letters, without spaces around it and behind the standard's name."""
+    return re.sub(r"^(ansi|iso|rs|#)\s+", r"\1", name.strip().casefold())

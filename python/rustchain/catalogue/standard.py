@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias, get_args
 
 from rustchain import _rustchain
 from rustchain.arguments import admitted, finite_number, shown
-from rustchain.catalogue.sizes import OTHER_NAMES, SIZES, ChainSize
+from rustchain.catalogue.sizes import SIZES, ChainSize, named_size, nearest_size
 from rustchain.description.drive import (
     AnsiTooth,
     AppliedTorque,
@@ -305,8 +305,11 @@ def _tensioner(pretension: float | None) -> Tensioner | None:
 
 def _size(name: str) -> tuple[ChainSize, int | None]:
     """Return the size of this name, whatever its case, and the strands that it says."""
-    folded, dash, strands = (name if isinstance(name, str) else "").casefold().partition("-")
-    if isinstance(name, str) and folded in OTHER_NAMES and (not dash or strands in ("1", "2", "3")):
-        return SIZES[OTHER_NAMES[folded]], int(strands) if dash else None
-    msg = f"chain: {shown(name)} is not in the catalogue; {suggest(name, SIZES)}"
-    raise InvalidInput(msg)
+    if isinstance(name, str):
+        size, dash, strands = name.partition("-")
+        listed = named_size(size)
+        if listed is not None and (not dash or strands in ("1", "2", "3")):
+            return SIZES[listed], int(strands) if dash else None
+    near = nearest_size(name) if isinstance(name, str) else None
+    hint = suggest(name, SIZES) if near is None else f"did you mean {near!r}?"
+    raise InvalidInput(f"chain: {shown(name)} is not in the catalogue; {hint}")
