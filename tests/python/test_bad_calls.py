@@ -211,6 +211,17 @@ ARGUMENTS = [
 ]
 
 
+def test_values_of_numpy_that_are_no_number_or_no_truth_are_refused(simulation):
+    with pytest.raises(rc.InvalidInput, match="t = True: must be a number in s"):
+        simulation.step_to(np.True_)
+    for value in (np.array([1, 2, 3]), np.array([True, False]), np.array([])):
+        with pytest.raises(rc.InvalidInput, match=r"energy = array\(.*must be True or False"):
+            simulation.run(1e-4, energy=value, progress=False)
+    for number in (2**31, 10**30, np.uint64(2**63)):
+        with pytest.raises(rc.InvalidInput, match=r"sprocket = .*: must be such as 'sprocket_2'"):
+            simulation.set_torque(number, 1.0)
+
+
 @pytest.mark.parametrize(("argument", "value", "allowed"), ARGUMENTS)
 def test_a_wrong_argument_is_refused_before_any_step(argument, value, allowed, beginning):
     before = beginning.state()

@@ -147,7 +147,7 @@ _SYNONYMS = {
 
 # Times that are legal, and would take minutes to simulate.
 _LONG = {
-    *((time, kind) for time in ("t", "duration") for kind in ("two", "99")),
+    *((time, kind) for time in ("t", "duration") for kind in ("two", "99", "NumPy integer")),
     *(("t", kind) for kind in ("2**63", "huge")),
 }
 

@@ -51,14 +51,17 @@ PAPER_CHAIN = Chain(
 
 @known_keywords
 def paper_drive(
-    pretension: float = 0.0, hinges: Hinges = "clearance", rollers: Rollers = "fixed"
+    pretension: float | None = 0.0,
+    hinges: Hinges = "clearance",
+    rollers: Rollers = "fixed",
 ) -> ChainDrive:
     """Return the published drive: 38 links round two sprockets of 17 teeth, the driver at 120 rpm.
 
     Parameters
     ----------
-    pretension : float
-        Tension that a tensioner on sprocket 2 gives each strand [N]; at 0 the centres are fixed.
+    pretension : float, optional
+        Tension that a tensioner on sprocket 2 gives each strand [N]; at 0 or None the centres are
+        fixed.
     hinges : {"clearance", "ideal"}
         Pins with play in their bushings, or ideal joints.
     rollers : {"fixed", "bodies"}

@@ -160,6 +160,7 @@ class MechanismSimulation:
     def step_to(self, t: float) -> None:
         """Go on to exactly `t` [s]; after an error, to where the last step ended that was made."""
         self._check_idle("step_to")
+        t = plain(t)
         while not self._core.step_to(t, WALL_BUDGET):
             pass
 

@@ -37,7 +37,9 @@ def known_groups(record: Sequence[str], energy: bool) -> tuple[list[str], bool]:
         if not isinstance(group, str) or group not in get_args(Group):
             msg = f"record: {shown(group)} is no group; {suggest(group, get_args(Group))}"
             raise InvalidInput(msg)
-    return groups, True if "energy" in groups else energy
+    if not isinstance(energy, bool | np.bool_):
+        raise InvalidInput(f"energy = {shown(energy)}: must be True or False")
+    return groups, True if "energy" in groups else bool(energy)
 
 
 def numbers_of_a_row(drive: ChainDrive, groups: Sequence[str], energy: bool) -> int:

@@ -152,6 +152,7 @@ class Simulation(Present):
         No energy is metered on the way, which is what makes it the cheapest way to go on.
         """
         self._check_idle("step_to")
+        t = plain(t)
         try:
             while not self._core.step_to(t, WALL_BUDGET):
                 pass
@@ -375,7 +376,7 @@ def _sprocket_number(sprocket: object) -> int:
     if isinstance(sprocket, str) and sprocket.startswith("sprocket_"):
         digits = sprocket.removeprefix("sprocket_")
         number = int(digits) if digits.isdecimal() and len(digits) < 10 else None
-    if isinstance(number, bool) or not isinstance(number, int) or number < 1:
+    if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number < 2**31:
         msg = f"sprocket = {shown(sprocket)}: must be such as 'sprocket_2', or 2"
         raise InvalidInput(msg)
     return number
