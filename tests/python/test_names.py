@@ -71,7 +71,7 @@ def test_a_wrong_value_names_its_field():
 
 def test_a_chain_that_is_not_listed_is_answered_with_the_nearest():
     with pytest.raises(rc.InvalidInput, match="did you mean 'ANSI 40'"):
-        rc.two_sprocket_drive(chain="ANSI40", links=60)
+        rc.two_sprocket_drive(chain="ASA 40", links=60)
 
 
 def test_a_chain_is_found_in_any_case():
