@@ -1,5 +1,8 @@
 """The command line: files and figures made, errors said in one line."""
 
+import subprocess
+import sys
+
 import pytest
 from typer.testing import CliRunner
 
@@ -141,3 +144,10 @@ def test_ctrl_c_saves_what_there_is(monkeypatch, tmp_path):
 
 def test_the_version_is_printed():
     assert rustchain("--version").output == f"rustchain {rc.__version__}\n"
+
+
+def test_the_package_runs_as_a_module_like_the_command():
+    said = subprocess.run(
+        [sys.executable, "-m", "rustchain", "--version"], capture_output=True, text=True, check=True
+    )
+    assert said.stdout == f"rustchain {rc.__version__}\n"
