@@ -14,7 +14,7 @@ impl InstructionSet {
     /// The widest one here.
     #[must_use]
     pub fn detect() -> Self {
-        Self(Arch::new())
+        Self::available()[0]
     }
 
     /// The one here that is best for arrays of `length` numbers: what fits in one register of AVX2 gains nothing from a wider one, which
@@ -38,6 +38,7 @@ impl InstructionSet {
         let mut sets = Vec::new();
         #[cfg(target_arch = "x86_64")]
         {
+            #[cfg(not(avx2_only))]
             sets.extend(pulp::x86::V4::try_new().map(|v4| Self(Arch::V4(v4))));
             sets.extend(pulp::x86::V3::try_new().map(|v3| Self(Arch::V3(v3))));
         }
@@ -76,6 +77,12 @@ impl InstructionSet {
     /// Runs a kernel with these instructions.
     #[inline(always)]
     pub(crate) fn run<Kernel: WithSimd>(self, kernel: Kernel) -> Kernel::Output {
+        #[cfg(all(avx2_only, target_arch = "x86_64"))]
+        return match self.0 {
+            Arch::V3(v3) => pulp::Simd::vectorize(v3, kernel),
+            _ => pulp::Simd::vectorize(pulp::Scalar::new(), kernel),
+        };
+        #[cfg(not(all(avx2_only, target_arch = "x86_64")))]
         self.0.dispatch(kernel)
     }
 }
