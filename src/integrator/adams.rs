@@ -3,13 +3,13 @@
 use crate::error::Error;
 use serde::{Deserialize, Serialize};
 
-use super::auto::{Choice, STEPS_A_LOOK};
 use super::coefficients::Coefficients;
+use super::corrector_switching::{CorrectorSwitching, STEPS_PER_CHECK};
 use super::dense_output::DenseOutput;
+use super::difference_kernels::{Correction, Errors};
 use super::differences::Differences;
 use super::order_control::{ErrorEstimate, choose_order, choose_step, gamma_star};
 use super::stability::FastestRate;
-use super::table::{Correction, Errors};
 use super::{Corrector, MAX_ORDER, OdeSystem, SecondOrderSystem, StepControl};
 use crate::math::simd::{InstructionSet, Numbers, padded_zeros};
 
@@ -141,16 +141,16 @@ pub struct Adams {
     pub(super) trial: Numbers,
     pub(super) residual: Numbers,
     /// Share of a sum of squares over the weights that its norm is the root of.
-    pub(super) share: f64,
+    pub(super) norm_factor: f64,
     /// The fastest rate of the system met lately.
     pub(super) fastest: FastestRate,
     /// Size of the second correction of Newton's method over the square of the first one, both in units of the tolerance, when it
     /// was last measured; more since; infinite when nothing is known of it.
-    pub(super) bend: f64,
-    /// Whether the last step of Newton's method ended with its first correction, unmeasured.
-    pub(super) unmeasured: bool,
+    pub(super) contraction: f64,
+    /// Whether the last step of Newton's method ended with its first correction, convergence_unmeasured.
+    pub(super) convergence_unmeasured: bool,
     /// Which corrector, where both are allowed.
-    pub(super) choice: Choice,
+    pub(super) switching: CorrectorSwitching,
     #[serde(skip)]
     pub(super) instructions: InstructionSet,
 }
@@ -180,11 +180,11 @@ impl Adams {
             counts: Counts::default(),
             trial: padded_zeros(dimension),
             residual: padded_zeros(dimension),
-            share: 1.0,
+            norm_factor: 1.0,
             fastest: FastestRate::default(),
-            bend: f64::INFINITY,
-            unmeasured: false,
-            choice: Choice::new(),
+            contraction: f64::INFINITY,
+            convergence_unmeasured: false,
+            switching: CorrectorSwitching::new(),
             instructions: InstructionSet::detect_for(dimension),
         }
     }
@@ -224,19 +224,19 @@ impl Adams {
     }
 
     /// Makes a component zero, with a past in which it was never anything else; for those that nothing feels just then.
-    pub(crate) fn put_to_rest(&mut self, component: usize) {
+    pub(crate) fn reset_component(&mut self, component: usize) {
         self.y[component] = 0.0;
-        self.differences.put_to_rest(component);
+        self.differences.reset_component(component);
     }
 
     /// Begins anew at (`t`, `y`) and forgets the history.
     pub fn restart(&mut self, t: f64, y: &[f64]) {
-        self.restart_alike(t, y);
-        self.choice = Choice::new();
+        self.restart_with_corrector(t, y);
+        self.switching = CorrectorSwitching::new();
     }
 
     /// The same, of a system that is as stiff as it was: with the corrector in use.
-    pub fn restart_alike(&mut self, t: f64, y: &[f64]) {
+    pub fn restart_with_corrector(&mut self, t: f64, y: &[f64]) {
         self.time = t;
         self.y[..self.dimension].copy_from_slice(y);
         self.last_order = 0;
@@ -269,8 +269,8 @@ impl Adams {
     /// Whether the last evaluation was farther from [`Self::y`] than a small part of the tolerance: at a prediction that was then
     /// corrected, about by the tolerance.
     #[must_use]
-    pub fn was_evaluated_beside(&self) -> bool {
-        self.unmeasured
+    pub fn evaluation_differs_from_solution(&self) -> bool {
+        self.convergence_unmeasured
     }
 
     /// Work done so far.
@@ -327,8 +327,8 @@ impl Adams {
     /// # Errors
     /// When the step size falls to rounding or the tolerances are below it.
     pub fn step(&mut self, system: &mut impl OdeSystem) -> Result<Step, StepFailure> {
-        self.weigh(system);
-        self.step_weighed(system)
+        self.update_weights(system);
+        self.step_with_weights(system)
     }
 
     /// The same of a system of second order; looks out for the implicit one where it may change.
@@ -336,16 +336,16 @@ impl Adams {
         &mut self,
         system: &mut impl SecondOrderSystem,
     ) -> Result<Step, StepFailure> {
-        self.weigh_by_scale(system, false);
-        let step = self.step_weighed(system)?;
-        let looks = self.counts.steps.is_multiple_of(u64::from(STEPS_A_LOOK));
+        self.update_weights_by_scale(system, false);
+        let step = self.step_with_weights(system)?;
+        let looks = self.counts.steps.is_multiple_of(u64::from(STEPS_PER_CHECK));
         if looks && self.control.corrector == Corrector::Auto {
-            self.consider_implicit(system);
+            self.check_switch_to_implicit(system);
         }
         Ok(step)
     }
 
-    fn step_weighed(&mut self, system: &mut impl OdeSystem) -> Result<Step, StepFailure> {
+    fn step_with_weights(&mut self, system: &mut impl OdeSystem) -> Result<Step, StepFailure> {
         let controlled = system.controlled();
         // What grows towards rounding does so in many steps.
         if self.starting || self.counts.steps.is_multiple_of(16) {
@@ -362,13 +362,13 @@ impl Adams {
             self.evaluate_prediction(system);
             estimate = self.estimate_and_correct();
             if estimate.accepts() {
-                if system.stands(self.step_size, self.allowed()) {
+                if system.accepts_step(self.step_size, self.allowed()) {
                     break;
                 }
             } else {
                 failures += 1;
             }
-            self.retreat(&estimate, failures, controlled)?;
+            self.reject_step(&estimate, failures, controlled)?;
         }
         let above = self.correct_and_evaluate(system);
         self.choose_order_and_step(&estimate, above);
@@ -433,7 +433,7 @@ impl Adams {
         self.starting = false;
         self.growing = true;
         self.fastest = FastestRate::default();
-        self.bend = f64::INFINITY;
+        self.contraction = f64::INFINITY;
     }
 
     /// Coefficients of a step of the present size and order, and the prediction.
@@ -519,7 +519,7 @@ impl Adams {
     }
 
     /// Takes a failed step back and makes it smaller; from the third failure on at order one.
-    fn retreat(
+    fn reject_step(
         &mut self,
         estimate: &ErrorEstimate,
         failures: u32,
@@ -533,7 +533,7 @@ impl Adams {
             shrink = (0.5 / estimate.at_order).sqrt();
         }
         self.check_size(shrink * failed, controlled)?;
-        self.take_back();
+        self.undo_prediction();
         if failures >= 3 {
             self.order = 1;
         } else if estimate.prefers_lower(self.order) {
@@ -544,10 +544,11 @@ impl Adams {
     }
 
     /// Takes the present prediction back.
-    pub(super) fn take_back(&mut self) {
+    pub(super) fn undo_prediction(&mut self) {
         self.differences
-            .retreat(self.instructions, &self.coefficients, self.order);
-        self.coefficients.retreat(self.order, self.step_size);
+            .undo_prediction(self.instructions, &self.coefficients, self.order);
+        self.coefficients
+            .undo_prediction(self.order, self.step_size);
     }
 
     /// An error when the next try would be lost in rounding, at `next` \[s\].
@@ -559,7 +560,7 @@ impl Adams {
         }
         let component = self.worst_component(controlled);
         let finite = self.slope.iter().all(|slope| slope.is_finite());
-        self.take_back();
+        self.undo_prediction();
         self.step_size = next;
         Err(if finite {
             StepFailure::TooSmall {
@@ -593,7 +594,7 @@ impl Adams {
         self.last_order = k;
         self.last_step_size = h;
         self.time += h;
-        self.unmeasured = false;
+        self.convergence_unmeasured = false;
         if self.differences.carries() {
             let weight = h * self.coefficients.g[k];
             self.differences

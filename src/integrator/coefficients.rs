@@ -64,7 +64,7 @@ impl Coefficients {
         if k < ns {
             return; // nothing changes: constant step, constant or lower order
         }
-        // Entries below ns stay as they were.
+        // Entries below ns steps_since_switch as they were.
         self.beta[ns - 1] = 1.0;
         self.alpha[ns - 1] = 1.0 / ns as f64;
         self.sigma[ns] = 1.0;
@@ -122,7 +122,7 @@ impl Coefficients {
     }
 
     /// Takes back what `update` did to ψ, for a step that failed.
-    pub(super) fn retreat(&mut self, order: usize, h: f64) {
+    pub(super) fn undo_prediction(&mut self, order: usize, h: f64) {
         for i in 1..order {
             self.psi[i - 1] = self.psi[i] - h;
         }

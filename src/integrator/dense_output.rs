@@ -87,7 +87,7 @@ impl<'a> DenseOutput<'a> {
 
 /// A few sums of components along the last step: gathered once, then cheap at every time.
 #[derive(Debug)]
-pub(crate) struct Path<'a, const N: usize> {
+pub(crate) struct DenseSums<'a, const N: usize> {
     adams: &'a Adams,
     /// The sums at the end of the step.
     end: [f64; N],
@@ -95,7 +95,7 @@ pub(crate) struct Path<'a, const N: usize> {
     rows: [[f64; N]; MAX_ORDER + 1],
 }
 
-impl<const N: usize> Path<'_, N> {
+impl<const N: usize> DenseSums<'_, N> {
     /// The sums at the end of the step.
     pub(crate) fn end(&self) -> [f64; N] {
         self.end
@@ -116,7 +116,10 @@ impl<const N: usize> Path<'_, N> {
 
 impl Adams {
     /// The path of the sums that `read` makes of a solution's components; it must be linear.
-    pub(crate) fn path<const N: usize>(&self, read: impl Fn(&[f64]) -> [f64; N]) -> Path<'_, N> {
+    pub(crate) fn dense_sums<const N: usize>(
+        &self,
+        read: impl Fn(&[f64]) -> [f64; N],
+    ) -> DenseSums<'_, N> {
         let mut rows = [[0.0; N]; MAX_ORDER + 1];
         let newest = self.differences.parts_of_row(0).1.map(&read);
         for (i, sums) in rows.iter_mut().enumerate().take(self.last_order + 1) {
@@ -128,7 +131,7 @@ impl Adams {
                 }
             }
         }
-        Path {
+        DenseSums {
             adams: self,
             end: read(self.y()),
             rows,

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::MAX_ORDER;
 use super::coefficients::Coefficients;
-use super::newton_table::{Foretell, Newest};
-use super::table::{Predict, Retreat, TakeIn};
+use super::difference_kernels::{Predict, UndoPrediction, UpdateDifferences};
+use super::newton_kernels::{NewtonDifference, PredictForNewton};
 use crate::math::simd::{InstructionSet, Numbers, padded, padded_zeros};
 
 /// `φ_1` .. φ_{k+2} of the slopes, one row a difference, and the sums that keep rounding out of y at tight tolerances.
@@ -63,7 +63,7 @@ impl Differences {
     }
 
     /// Forgets what a component was.
-    pub(super) fn put_to_rest(&mut self, component: usize) {
+    pub(super) fn reset_component(&mut self, component: usize) {
         for row in self.table.chunks_exact_mut(self.width) {
             row[component] = 0.0;
         }
@@ -122,13 +122,13 @@ impl Differences {
         }
     }
 
-    /// Whether [`Self::foretell`] does for a prediction of `order`.
-    pub(super) fn can_foretell(&self, order: usize) -> bool {
+    /// Whether [`Self::predict_for_newton`] does for a prediction of `order`.
+    pub(super) fn can_predict_for_newton(&self, order: usize) -> bool {
         order <= 2 && self.newest <= 2 && self.carry.is_none()
     }
 
     /// Turns φ into φ*, writes predicted velocities, and where Newton's method begins.
-    pub(super) fn foretell(
+    pub(super) fn predict_for_newton(
         &mut self,
         set: InstructionSet,
         c: &Coefficients,
@@ -137,7 +137,7 @@ impl Differences {
         predicted: &mut [f64],
         trial: (&mut [f64], &mut [f64]),
     ) {
-        set.run(Foretell {
+        set.run(PredictForNewton {
             order,
             newest: std::mem::take(&mut self.newest),
             step: h,
@@ -152,8 +152,8 @@ impl Differences {
         });
     }
 
-    /// Takes in the slopes that a solution of Newton's method stands for; see [`Newest`].
-    pub(super) fn take_in(
+    /// Takes in the slopes that a solution of Newton's method stands for; see [`NewtonDifference`].
+    pub(super) fn append_newton_difference(
         &mut self,
         set: InstructionSet,
         order: usize,
@@ -164,7 +164,7 @@ impl Differences {
         self.newest = order;
         let (before, from) = self.table.split_at_mut(order * self.width);
         let (newest_q, newest_v) = from[..2 * n].split_at_mut(n);
-        set.run(Newest {
+        set.run(NewtonDifference {
             inverse_gamma,
             predicted,
             trial,
@@ -186,8 +186,8 @@ impl Differences {
     }
 
     /// Takes back a prediction whose step failed.
-    pub(super) fn retreat(&mut self, set: InstructionSet, c: &Coefficients, order: usize) {
-        set.run(Retreat {
+    pub(super) fn undo_prediction(&mut self, set: InstructionSet, c: &Coefficients, order: usize) {
+        set.run(UndoPrediction {
             coefficients: c,
             order,
             width: self.width,
@@ -225,7 +225,7 @@ impl Differences {
         above: bool,
     ) -> f64 {
         self.newest = order;
-        set.run(TakeIn {
+        set.run(UpdateDifferences {
             order,
             dimension: self.dimension,
             slope,

@@ -9,7 +9,10 @@ const SETTLED: f64 = 1e-7;
 ///
 /// `contact` is the pair along the last step; it is apart at `start` and in contact at `end`.
 pub fn first_crossing(contact: impl Fn(f64) -> Contact, start: f64, end: f64) -> (f64, f64) {
-    let ends = [depth(&contact, start), depth(&contact, end)];
+    let ends = [
+        penetration_and_rate(&contact, start),
+        penetration_and_rate(&contact, end),
+    ];
     crossing_between(contact, [start, end], ends)
 }
 
@@ -38,7 +41,7 @@ pub fn crossing_between(
     let mut t = start + cubic.upward_root(apart.unwrap_or(0.0)) * length;
     let mut last = (end, at_end[1]);
     for _ in 0..100 {
-        let [value, rate] = depth(&contact, t);
+        let [value, rate] = penetration_and_rate(&contact, t);
         let correction = -value / rate;
         if rate > 0.0 && correction.abs() <= SETTLED * length {
             let slope = if t == last.0 {
@@ -69,7 +72,7 @@ pub fn crossing_between(
 }
 
 /// Penetration \[m\], negative when apart, and its rate \[m/s\].
-fn depth(contact: &impl Fn(f64) -> Contact, t: f64) -> [f64; 2] {
+fn penetration_and_rate(contact: &impl Fn(f64) -> Contact, t: f64) -> [f64; 2] {
     let found = contact(t);
     [found.penetration, found.penetration_rate]
 }

@@ -7,18 +7,18 @@
 #![allow(clippy::inline_always)] // what is not inlined into a kernel does not run with its instructions
 
 mod adams;
-mod auto;
 mod coefficients;
-mod column;
+mod corrector_switching;
 mod dense_output;
+mod difference_kernels;
 mod differences;
 pub mod event_location;
 mod newton;
-mod newton_table;
+mod newton_kernels;
 mod order_control;
 mod progress;
+mod slice_lanes;
 mod stability;
-mod table;
 mod weights;
 
 use std::ops::Range;
@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 
 pub use adams::{Adams, Counts, Step, StepFailure};
 pub use dense_output::DenseOutput;
-pub(crate) use dense_output::Path;
+pub(crate) use dense_output::DenseSums;
 pub(crate) use progress::{MOST_STEPS, Progress};
 pub(crate) use weights::SPEED_PER_LENGTH;
 
@@ -49,7 +49,7 @@ pub trait OdeSystem {
 
     /// Whether a step of `length` may end where the derivative was asked for last: false where it has jumped over something
     /// larger than `allowed` that its ends do not show. Asked when the error test has let it pass.
-    fn stands(&mut self, _length: f64, _allowed: f64) -> bool {
+    fn accepts_step(&mut self, _length: f64, _allowed: f64) -> bool {
         true
     }
 }
@@ -71,25 +71,25 @@ pub trait SecondOrderSystem: OdeSystem {
 
     /// How many times worse than in the steps before corrections may converge at the last evaluation: once, or more where something began
     /// or ended within the step; endless for systems that cannot tell.
-    fn doubt(&self) -> f64 {
+    fn contraction_safety_factor(&self) -> f64 {
         f64::INFINITY
     }
 
     /// Velocities for which the system solves by itself, where a step of Newton's method asks for accelerations: none, unless they are
     /// what first-order equations of their own lead to.
-    fn solves_for(&self) -> Range<usize> {
+    fn local_unknowns(&self) -> Range<usize> {
         0..0
     }
 
-    /// Begins such a step, or ends it: v = foretold + γ dv/dt is what [`Self::solves_for`] solves.
-    fn look_ahead(&mut self, _step: Option<(&[f64], f64)>) {}
+    /// Begins such a step, or ends it: v = foretold + γ dv/dt is what [`Self::local_unknowns`] solves.
+    fn begin_implicit_stage(&mut self, _step: Option<(&[f64], f64)>) {}
 
     /// Writes what was solved for at the last evaluation.
-    fn write_solved(&self, _velocities: &mut [f64]) {}
+    fn write_local_solution(&self, _velocities: &mut [f64]) {}
 
     /// Whether a part of it is damped within a fraction of a step and bends besides, as oil in hinges: at order two its slope turns round
     /// from step to step, until no iteration ends.
-    fn rings(&self) -> bool {
+    fn oscillates_at_order_two(&self) -> bool {
         false
     }
 

@@ -5,7 +5,7 @@
 //! `v - p_v - γ (a(q, v) - φ*_v) = 0`.
 
 use super::adams::{Adams, Step, StepFailure};
-use super::newton_table::{Applied, Apply, Begin, FirstResidual, Residual, Slopes};
+use super::newton_kernels::{Applied, Apply, Begin, FirstResidual, Residual, Slopes};
 use super::order_control::{ErrorEstimate, choose_order, choose_step, gamma_star};
 use super::stability::implicit_order;
 use super::{Corrector, SecondOrderSystem};
@@ -25,7 +25,7 @@ const UNMEASURED: f64 = 0.01;
 /// Slower convergence is always measured.
 const SLOWEST_UNMEASURED: f64 = 0.3;
 
-/// First correction \[m\], and accuracy, above which one that is in doubt is measured: its contacts may have begun or ended in what it
+/// First correction \[m\], and accuracy, above which one that is in safety_factor is measured: its contacts may have begun or ended in what it
 /// corrects.
 const LONGEST_IN_DOUBT: f64 = 2e-10;
 
@@ -53,7 +53,7 @@ impl Adams {
         &mut self,
         system: &mut impl SecondOrderSystem,
     ) -> Result<Step, StepFailure> {
-        self.weigh_by_scale(system, true);
+        self.update_weights_by_scale(system, true);
         if self.starting {
             self.start(system);
             self.step_size = self.step_size.min(FIRST_STEP);
@@ -61,25 +61,25 @@ impl Adams {
         let begin = self.time;
         let mut failures = 0;
         let estimate = loop {
-            self.foretell(system.coordinates());
-            self.look_ahead(system);
+            self.predict_implicit(system.coordinates());
+            self.begin_implicit_stage(system);
             let estimate = self.solve_corrector(system);
-            system.look_ahead(None);
+            system.begin_implicit_stage(None);
             if let Some(estimate) = estimate {
                 let shrink = if !estimate.accepts() {
                     failures += 1;
                     let exponent = -1.0 / (self.order + 1) as f64;
                     (SAFETY * estimate.local.powf(exponent)).clamp(0.2, 0.9)
-                } else if system.stands(self.step_size, self.allowed()) {
+                } else if system.accepts_step(self.step_size, self.allowed()) {
                     break estimate;
                 } else {
                     0.5
                 };
-                self.shrink(shrink, failures, system.coordinates())?;
+                self.reject_newton_step(shrink, failures, system.coordinates())?;
             } else {
                 failures += 1;
-                self.shrink(0.25, failures, system.coordinates())?;
-                if system.rings() {
+                self.reject_newton_step(0.25, failures, system.coordinates())?;
+                if system.oscillates_at_order_two() {
                     // At order one all of that is gone after one step.
                     self.order = 1;
                 }
@@ -88,7 +88,7 @@ impl Adams {
         let above = self.accept_newton(system.coordinates());
         self.choose_implicit_order_and_step(&estimate, above);
         if self.control.corrector == Corrector::Auto {
-            self.consider_explicit();
+            self.check_switch_to_explicit();
         }
         Ok(Step {
             start: begin,
@@ -166,11 +166,11 @@ impl Adams {
                     return None;
                 }
             }
-            let wrong = self.find_residual(nq, gamma, iteration == 0);
+            let residual = self.find_residual(nq, gamma, iteration == 0);
             system.correct(&mut self.residual[..nq]);
             let applied = self.apply_correction(nq, gamma);
             if iteration == 0 {
-                self.meet_rate(wrong, applied.speeds, gamma);
+                self.record_rate(residual, applied.speeds, gamma);
             }
             let size = self.norm_of(applied.lengths + applied.speeds);
             if !size.is_finite() {
@@ -182,12 +182,12 @@ impl Adams {
                 if estimate.local > HOPELESS {
                     return Some(estimate);
                 }
-                if self.may_end_unmeasured(size, system.doubt()) {
+                if self.may_skip_second_correction(size, system.contraction_safety_factor()) {
                     return Some(self.finish_corrector(nq, gamma, applied.error));
                 }
                 size
             } else {
-                self.bend = size / (last * last);
+                self.contraction = size / (last * last);
                 size * rate / (1.0 - rate).max(0.1)
             };
             if left <= REMAINDER {
@@ -202,8 +202,8 @@ impl Adams {
     }
 
     /// Hands over what is foretold of the velocities that the system solves for by itself, `p_v - γ φ*_v`.
-    fn look_ahead(&mut self, system: &mut impl SecondOrderSystem) {
-        let (nq, own) = (system.coordinates(), system.solves_for());
+    fn begin_implicit_stage(&mut self, system: &mut impl SecondOrderSystem) {
+        let (nq, own) = (system.coordinates(), system.local_unknowns());
         if own.is_empty() {
             return;
         }
@@ -215,25 +215,25 @@ impl Adams {
         {
             *foretold = predicted - gamma * phi;
         }
-        system.look_ahead(Some((foretold, gamma)));
+        system.begin_implicit_stage(Some((foretold, gamma)));
     }
 
     /// Takes what the last evaluation solved for; nothing is then wrong with it.
     fn take_solved(&mut self, system: &impl SecondOrderSystem) {
-        let (nq, own) = (system.coordinates(), system.solves_for());
+        let (nq, own) = (system.coordinates(), system.local_unknowns());
         if own.is_empty() {
             return;
         }
         let own = nq + own.start..nq + own.end;
-        system.write_solved(&mut self.trial[own.clone()]);
+        system.write_local_solution(&mut self.trial[own.clone()]);
         self.slope[own.clone()].copy_from_slice(&self.differences.row(0)[own]);
     }
 
-    /// Whether the first correction, of `size`, is the last one by what earlier steps showed of the second: it is `bend` times the
-    /// square of the first, and `doubt` times that in this step.
-    fn may_end_unmeasured(&mut self, size: f64, doubt: f64) -> bool {
-        if doubt.is_infinite() {
-            self.bend = f64::INFINITY;
+    /// Whether the first correction, of `size`, is the last one by what earlier steps showed of the second: it is `contraction` times the
+    /// square of the first, and `safety_factor` times that in this step.
+    fn may_skip_second_correction(&mut self, size: f64, safety_factor: f64) -> bool {
+        if safety_factor.is_infinite() {
+            self.contraction = f64::INFINITY;
         }
         let allowed = if self.control.is_by_component() {
             UNMEASURED
@@ -242,13 +242,14 @@ impl Adams {
         };
         let longest = size.max(1.0) * self.control.accuracy;
         let is_short = !self.control.is_by_component() && longest <= LONGEST_IN_DOUBT;
-        let rate = doubt * self.bend * size;
-        let ends =
-            rate < SLOWEST_UNMEASURED && rate * size <= allowed && (doubt <= 1.0 || is_short);
+        let rate = safety_factor * self.contraction * size;
+        let ends = rate < SLOWEST_UNMEASURED
+            && rate * size <= allowed
+            && (safety_factor <= 1.0 || is_short);
         if ends {
-            self.bend *= DISTRUST;
+            self.contraction *= DISTRUST;
         }
-        self.unmeasured = ends;
+        self.convergence_unmeasured = ends;
         ends
     }
 
@@ -258,11 +259,11 @@ impl Adams {
     }
 
     /// The prediction and, with its velocities, where the iteration begins.
-    fn foretell(&mut self, nq: usize) {
-        if self.differences.can_foretell(self.order) && self.dimension == 2 * nq {
+    fn predict_implicit(&mut self, nq: usize) {
+        if self.differences.can_predict_for_newton(self.order) && self.dimension == 2 * nq {
             self.update_coefficients();
             let parameters = (self.order, self.step_size, self.gamma());
-            self.differences.foretell(
+            self.differences.predict_for_newton(
                 self.instructions,
                 &self.coefficients,
                 parameters,
@@ -297,14 +298,14 @@ impl Adams {
         let velocities = nq..2 * nq;
         let slope = &self.slope[velocities.clone()];
         let first = &self.differences.row(0)[velocities.clone()];
-        let wrong = &mut self.residual[..nq];
+        let residual = &mut self.residual[..nq];
         if at_prediction {
             return self.instructions.run(FirstResidual {
                 gamma,
                 slope,
                 first,
                 inverse_weight: &self.inverse_weight[velocities],
-                wrong,
+                residual,
             });
         }
         self.instructions.run(Residual {
@@ -313,7 +314,7 @@ impl Adams {
             trial: &self.trial[velocities],
             slope,
             first,
-            wrong,
+            residual,
         });
         0.0
     }
@@ -332,12 +333,12 @@ impl Adams {
     }
 
     /// Takes in how much larger the first correction would be without the matrix, from sums of squares of both.
-    fn meet_rate(&mut self, wrong: f64, corrected: f64, gamma: f64) {
+    fn record_rate(&mut self, residual: f64, corrected: f64, gamma: f64) {
         if corrected > 0.0 {
-            let stiffness = ((wrong / corrected).sqrt() - 1.0).max(0.0);
-            self.fastest.meet(stiffness.sqrt().max(stiffness) / gamma);
+            let stiffness = ((residual / corrected).sqrt() - 1.0).max(0.0);
+            self.fastest.record(stiffness.sqrt().max(stiffness) / gamma);
         } else {
-            self.fastest.meet(0.0);
+            self.fastest.record(0.0);
         }
     }
 
@@ -378,7 +379,7 @@ impl Adams {
             let inverse_gamma = 1.0 / self.gamma();
             let ends = [&self.predicted[velocities.clone()], &self.trial[velocities]];
             self.differences
-                .take_in(self.instructions, k, inverse_gamma, ends);
+                .append_newton_difference(self.instructions, k, inverse_gamma, ends);
         } else {
             let raises = k < self.coefficients.equal_steps && self.highest_order(k, h) > k;
             above = self.differences.update(
@@ -397,14 +398,19 @@ impl Adams {
     }
 
     /// Takes a step back and makes it smaller.
-    fn shrink(&mut self, factor: f64, failures: u32, nq: usize) -> Result<(), StepFailure> {
+    fn reject_newton_step(
+        &mut self,
+        factor: f64,
+        failures: u32,
+        nq: usize,
+    ) -> Result<(), StepFailure> {
         self.counts.rejected += 1;
         self.growing = false;
         // Evaluations left them out; should the step be the last one, its worst component is named.
         self.slope[..nq].copy_from_slice(&self.trial[nq..2 * nq]);
         let next = factor * self.step_size;
         self.check_size(next, 2 * nq)?;
-        self.take_back();
+        self.undo_prediction();
         if failures >= 3 {
             self.order = 1;
         }

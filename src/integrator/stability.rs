@@ -52,12 +52,12 @@ pub(super) struct FastestRate(f64);
 
 impl FastestRate {
     /// Takes in the rate of one more step; those met before count less and less.
-    pub(super) fn meet(&mut self, rate: f64) {
-        self.meet_after(1, rate);
+    pub(super) fn record(&mut self, rate: f64) {
+        self.record_after(1, rate);
     }
 
     /// The same of the last of `steps`.
-    pub(super) fn meet_after(&mut self, steps: u32, rate: f64) {
+    pub(super) fn record_after(&mut self, steps: u32, rate: f64) {
         let faded = FADING.powi(steps.cast_signed()) * self.0;
         self.0 = if rate.is_finite() {
             faded.max(rate)
@@ -178,11 +178,11 @@ mod tests {
     #[test]
     fn a_rate_is_kept_for_some_steps_and_then_fades() {
         let mut rate = FastestRate::default();
-        rate.meet(100.0);
-        (0..10).for_each(|_| rate.meet(1.0));
+        rate.record(100.0);
+        (0..10).for_each(|_| rate.record(1.0));
         assert!(rate.value() > 50.0);
-        rate.meet(f64::NAN);
-        (0..200).for_each(|_| rate.meet(1.0));
+        rate.record(f64::NAN);
+        (0..200).for_each(|_| rate.record(1.0));
         assert_eq!(rate.value(), 1.0);
     }
 }

@@ -1,6 +1,6 @@
 //! What error is allowed to each component, and the norm that measures by it.
 
-use super::table::{Weigh, WeightedSquares};
+use super::difference_kernels::{Weigh, WeightedSquares};
 use super::{Adams, OdeSystem, SecondOrderSystem};
 
 /// Speed that is allowed for each length that is, in 1/s: an error of a nanometre goes with one of 0.1 mm/s.
@@ -8,11 +8,11 @@ pub(crate) const SPEED_PER_LENGTH: f64 = 1e5;
 
 impl Adams {
     /// One over the error that is allowed to each component of any system; zero for those that ride along.
-    pub(super) fn weigh(&mut self, system: &impl OdeSystem) {
+    pub(super) fn update_weights(&mut self, system: &impl OdeSystem) {
         let controlled = system.controlled();
-        self.share = 1.0;
+        self.norm_factor = 1.0;
         if self.control.is_by_component() {
-            self.weigh_by_component(controlled);
+            self.update_weights_by_component(controlled);
         } else if self.starting {
             self.inverse_weight.fill(0.0);
             self.inverse_weight[..controlled].fill(1.0 / self.control.accuracy);
@@ -21,15 +21,15 @@ impl Adams {
 
     /// The same for a system whose coordinates know their arms; `mean`: whether the norm is a root mean square where
     /// `accuracy` rules.
-    pub(super) fn weigh_by_scale(&mut self, system: &impl SecondOrderSystem, mean: bool) {
+    pub(super) fn update_weights_by_scale(&mut self, system: &impl SecondOrderSystem, mean: bool) {
         let controlled = system.controlled();
-        self.share = 1.0;
+        self.norm_factor = 1.0;
         if self.control.is_by_component() {
-            self.weigh_by_component(controlled);
+            self.update_weights_by_component(controlled);
             return;
         }
         if mean {
-            self.share = self.mean_share(controlled);
+            self.norm_factor = self.mean_square_factor(controlled);
         }
         if self.starting {
             self.inverse_weight.fill(0.0);
@@ -43,7 +43,7 @@ impl Adams {
     }
 
     /// Share of a sum of squares over the weights that the norm of Newton's method is the root of.
-    pub(super) fn mean_share(&self, controlled: usize) -> f64 {
+    pub(super) fn mean_square_factor(&self, controlled: usize) -> f64 {
         if self.control.is_by_component() {
             1.0
         } else {
@@ -52,7 +52,7 @@ impl Adams {
     }
 
     /// 1/(atol + rtol |y|).
-    fn weigh_by_component(&mut self, controlled: usize) {
+    fn update_weights_by_component(&mut self, controlled: usize) {
         if self.starting {
             self.inverse_weight.fill(0.0);
         }
@@ -85,6 +85,6 @@ impl Adams {
 
     /// Norm from the sum of squares: Euclidean, as DE/STEP has it, or a root mean square.
     pub(super) fn norm_of(&self, sum: f64) -> f64 {
-        (sum * self.share).sqrt()
+        (sum * self.norm_factor).sqrt()
     }
 }

@@ -313,7 +313,7 @@ impl MechanismDynamics {
 
 impl OdeSystem for MechanismDynamics {
     /// What is allowed does not go with the accuracy: energy that a contact keeps or loses is not of the order of its depth.
-    fn stands(&mut self, length: f64, _allowed: f64) -> bool {
+    fn accepts_step(&mut self, length: f64, _allowed: f64) -> bool {
         !self.passes_contact(length)
     }
 

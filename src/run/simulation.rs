@@ -412,7 +412,7 @@ impl Simulation {
                     self.inside[coordinates + n + i] = velocity.y;
                 }
             }
-            self.adams.restart_alike(row, &self.inside);
+            self.adams.restart_with_corrector(row, &self.inside);
             self.limit_step();
         }
     }

@@ -5,7 +5,7 @@ use super::tooth_contact::{OnGap, SprocketFrame, bushing_near_gap};
 use crate::chain::model::{Model, Rotation, SprocketModel, Support};
 use crate::geometry::Contact;
 use crate::geometry::{Vec2, turned_left, unit};
-use crate::integrator::{Adams, Path};
+use crate::integrator::{Adams, DenseSums};
 
 /// Turned by less \[rad\], a direction follows from a series.
 const SMALL_TURN: f64 = 0.0625;
@@ -17,7 +17,7 @@ pub struct HingePath<'a> {
     /// From the centres of both links to the hinge \[m\].
     arms: [f64; 2],
     /// Centre of link k seen from that of the next one \[m\], their angles, and the rates of all four.
-    path: Path<'a, 8>,
+    path: DenseSums<'a, 8>,
     /// Directions of both links at the end of the step.
     directions: [Vec2; 2],
 }
@@ -28,7 +28,7 @@ impl<'a> HingePath<'a> {
     pub fn new(model: &Model, adams: &'a Adams, k: usize) -> Self {
         let n = model.links;
         let next = if k + 1 == n { 0 } else { k + 1 };
-        let path = adams.path(|row| {
+        let path = adams.dense_sums(|row| {
             let (q, v) = row.split_at(model.coordinates);
             let pair = |q: &[f64]| {
                 let (x, y) = (q[k] - q[next], q[n + k] - q[n + next]);
@@ -70,7 +70,7 @@ pub struct ToothPath<'a> {
     arm: f64,
     /// Centre of the link seen from that of the sprocket \[m\], angles of link and sprocket, and the rates of all four. A
     /// prescribed angle is not among them.
-    path: Path<'a, 8>,
+    path: DenseSums<'a, 8>,
     /// Directions of link and sprocket at the end of the step.
     directions: [Vec2; 2],
     /// Angle of the sprocket there \[rad\].
@@ -96,7 +96,7 @@ impl<'a> ToothPath<'a> {
         let sprocket = &model.sprockets[s];
         // An arm turns by next to nothing in a step: its centre goes along the tangent of its end.
         let (tangent, origin) = tangent_way(sprocket, adams.y());
-        let path = adams.path(|row| {
+        let path = adams.dense_sums(|row| {
             let (q, v) = row.split_at(model.coordinates);
             let pair = |q: &[f64]| {
                 let center = match sprocket.support {

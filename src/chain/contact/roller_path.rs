@@ -5,7 +5,7 @@ use super::pair_path::{join, turned};
 use crate::chain::model::Model;
 use crate::geometry::Contact;
 use crate::geometry::{Vec2, turned_left, unit};
-use crate::integrator::{Adams, Path};
+use crate::integrator::{Adams, DenseSums};
 
 /// Bushing `k` in its roller along a step.
 #[derive(Debug)]
@@ -14,7 +14,7 @@ pub struct RollerPath<'a> {
     /// From the link's centre to the bushing, along the link \[m\].
     arm: f64,
     /// Centre of the link seen from that of the roller \[m\], the link's angle, nothing, and the rates of all four.
-    path: Path<'a, 8>,
+    path: DenseSums<'a, 8>,
     /// Direction of the link at the end of the step.
     direction: Vec2,
 }
@@ -26,7 +26,7 @@ impl<'a> RollerPath<'a> {
         let rollers = model.rollers.as_ref()?;
         let n = model.links;
         let link = model.link_of_bushing(k);
-        let path = adams.path(|row| {
+        let path = adams.dense_sums(|row| {
             let (q, v) = row.split_at(model.coordinates);
             let pair = |q: &[f64]| {
                 let roller = &q[rollers.first..];

@@ -117,8 +117,8 @@ impl Dynamics {
         for i in 0..self.parted.len() {
             if let Some(coordinate) = self.bristle_of(self.parted[i]) {
                 for component in [coordinate, self.model.coordinates + coordinate] {
-                    adams.put_to_rest(component);
-                    self.ends.put_to_rest(component);
+                    adams.reset_component(component);
+                    self.ends.reset_component(component);
                 }
             }
         }

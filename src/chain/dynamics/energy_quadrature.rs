@@ -180,7 +180,7 @@ impl StepEnds {
     }
 
     /// Makes a component of the start of the next step zero.
-    pub(super) fn put_to_rest(&mut self, component: usize) {
+    pub(super) fn reset_component(&mut self, component: usize) {
         (self.y[component], self.slope[component]) = (0.0, 0.0);
     }
 
@@ -270,7 +270,7 @@ impl Dynamics {
         let length = step.end - step.start;
         // Where a contact begins or ends, power has a kink.
         let panels = meter.fineness * (1 + usize::from(self.kernels.changed()));
-        if adams.was_evaluated_beside() {
+        if adams.evaluation_differs_from_solution() {
             let coordinates = self.model.coordinates;
             self.accelerate(step.end, adams.y(), &mut slope[coordinates..]);
             meter.evaluations += 1;

@@ -311,8 +311,8 @@ impl SecondOrderSystem for Dynamics {
         self.kernels.write_slopes(false);
     }
 
-    fn doubt(&self) -> f64 {
-        if self.kernels.changed() && self.rings() {
+    fn contraction_safety_factor(&self) -> f64 {
+        if self.kernels.changed() && self.oscillates_at_order_two() {
             f64::INFINITY
         } else if self.kernels.changed() {
             WHERE_CHANGED
@@ -321,19 +321,19 @@ impl SecondOrderSystem for Dynamics {
         }
     }
 
-    fn rings(&self) -> bool {
+    fn oscillates_at_order_two(&self) -> bool {
         self.model.hinge_film.is_some()
     }
 
-    fn solves_for(&self) -> Range<usize> {
+    fn local_unknowns(&self) -> Range<usize> {
         self.model.bristles.all()
     }
 
-    fn look_ahead(&mut self, step: Option<(&[f64], f64)>) {
+    fn begin_implicit_stage(&mut self, step: Option<(&[f64], f64)>) {
         self.kernels.solve_for_bristles(step);
     }
 
-    fn write_solved(&self, velocities: &mut [f64]) {
+    fn write_local_solution(&self, velocities: &mut [f64]) {
         velocities.copy_from_slice(self.kernels.solved_bristles());
     }
 

@@ -745,7 +745,7 @@ fn range_end<L: crate::force_law::ElasticLaw>(pair: &L::Pair) -> f64 {
 }
 
 impl OdeSystem for Dynamics {
-    fn stands(&mut self, length: f64, allowed: f64) -> bool {
+    fn accepts_step(&mut self, length: f64, allowed: f64) -> bool {
         let watched = self.kernels.watch(&self.model, length);
         (self.turned, self.fastest) = (watched.turned, watched.speed);
         !self.turned || self.deepest_unseen(length) <= allowed

@@ -60,13 +60,13 @@ impl BristleState {
     }
 
     /// Lets evaluations solve for the deflections, from what is `foretold` of them, with γ.
-    pub(crate) fn look_ahead(&mut self, foretold: &[f64], gamma: f64) {
+    pub(crate) fn begin_implicit_stage(&mut self, foretold: &[f64], gamma: f64) {
         self.foretold.copy_from_slice(foretold);
         self.gamma = Some(gamma);
     }
 
     /// Lets evaluations take deflections as they are.
-    pub(crate) fn look_here(&mut self) {
+    pub(crate) fn end_implicit_stage(&mut self) {
         self.gamma = None;
     }
 

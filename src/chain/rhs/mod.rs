@@ -170,8 +170,10 @@ impl Kernels {
     /// Lets evaluations solve for bristles in an implicit step, from what is foretold of their deflections, with γ; nothing: no more.
     pub(crate) fn solve_for_bristles(&mut self, step: Option<(&[f64], f64)>) {
         match (&mut self.bristles, step) {
-            (Some(bristles), Some((foretold, gamma))) => bristles.look_ahead(foretold, gamma),
-            (Some(bristles), None) => bristles.look_here(),
+            (Some(bristles), Some((foretold, gamma))) => {
+                bristles.begin_implicit_stage(foretold, gamma)
+            }
+            (Some(bristles), None) => bristles.end_implicit_stage(),
             (None, _) => {}
         }
     }

@@ -33,7 +33,7 @@ impl Simulation {
         self.dynamics.unbend_open(self.now, &mut self.inside);
         self.dynamics
             .turn_back(Arc::new(model), self.now, &self.inside);
-        self.adams.restart_alike(self.now, &self.inside);
+        self.adams.restart_with_corrector(self.now, &self.inside);
         self.kink = f64::NEG_INFINITY;
         self.limit_step();
         if let Some(recorder) = &mut self.recorder {

@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::adams::{Adams, Step, StepFailure};
+use super::difference_kernels::SlopeChange;
 use super::order_control::gamma_star;
 use super::stability::explicit_limit;
-use super::table::SlopeChange;
 use super::{Corrector, SecondOrderSystem};
 
 /// Cost of a step with Newton's method that ends with one correction, in evaluations: one, a matrix and a solution. Measured on the
@@ -36,56 +36,59 @@ const LONGER: f64 = 0.033;
 const GAIN: f64 = 1.2;
 
 /// Steps that have to speak for a change, net of those that speak against it; more where changes did not pay.
-const PATIENCE: u32 = 20;
-const LONGEST_PATIENCE: u32 = 1280;
+const SWITCH_THRESHOLD: u32 = 20;
+const MAX_SWITCH_THRESHOLD: u32 = 1280;
 
-/// A stay of fewer steps than so many times the patience did not pay.
-const SHORT_STAY: u32 = 5;
+/// A steps_since_switch of fewer steps than so many times the threshold did not pay.
+const UNPROFITABLE_STAY: u32 = 5;
 
 /// Explicit steps are looked at one in so many: a look at all components is a tenth of the integrator's own work.
-pub(super) const STEPS_A_LOOK: u32 = 4;
+pub(super) const STEPS_PER_CHECK: u32 = 4;
 
 /// The corrector in use and what speaks for the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Choice {
+pub(super) struct CorrectorSwitching {
     implicit: bool,
-    votes: u32,
+    evidence: u32,
     /// Votes that a change from the explicit corrector, and from the implicit one, takes.
-    patience: [u32; 2],
+    threshold: [u32; 2],
     /// Steps since the last change.
-    stay: u32,
+    steps_since_switch: u32,
 }
 
-impl Choice {
+impl CorrectorSwitching {
     pub(super) fn new() -> Self {
         Self {
             implicit: false,
-            votes: 0,
-            patience: [PATIENCE; 2],
-            stay: 0,
+            evidence: 0,
+            threshold: [SWITCH_THRESHOLD; 2],
+            steps_since_switch: 0,
         }
     }
 
     /// Counts `steps` that speak for a change or against it; true when it is time.
-    fn vote(&mut self, change: bool, steps: u32) -> bool {
-        self.stay = self.stay.saturating_add(steps);
-        self.votes = if change {
-            self.votes.saturating_add(steps)
+    fn record(&mut self, change: bool, steps: u32) -> bool {
+        self.steps_since_switch = self.steps_since_switch.saturating_add(steps);
+        self.evidence = if change {
+            self.evidence.saturating_add(steps)
         } else {
-            self.votes.saturating_sub(steps)
+            self.evidence.saturating_sub(steps)
         };
         let (own, other) = (usize::from(self.implicit), usize::from(!self.implicit));
-        if self.votes < self.patience[own] {
+        if self.evidence < self.threshold[own] {
             return false;
         }
         // Where it did not pay to come here, it takes longer next time.
-        self.patience[other] = if self.stay < self.patience[own].saturating_mul(SHORT_STAY) {
-            self.patience[other].saturating_mul(2).min(LONGEST_PATIENCE)
-        } else {
-            PATIENCE
-        };
+        self.threshold[other] =
+            if self.steps_since_switch < self.threshold[own].saturating_mul(UNPROFITABLE_STAY) {
+                self.threshold[other]
+                    .saturating_mul(2)
+                    .min(MAX_SWITCH_THRESHOLD)
+            } else {
+                SWITCH_THRESHOLD
+            };
         self.implicit = !self.implicit;
-        (self.votes, self.stay) = (0, 0);
+        (self.evidence, self.steps_since_switch) = (0, 0);
         true
     }
 }
@@ -110,39 +113,39 @@ impl Adams {
     #[must_use]
     pub fn is_implicit(&self) -> bool {
         match self.control.corrector {
-            Corrector::Auto => self.choice.implicit,
+            Corrector::Auto => self.switching.implicit,
             Corrector::Pece => false,
             Corrector::Newton => true,
         }
     }
 
-    /// After one of [`STEPS_A_LOOK`] explicit steps: whether it made no use of a high order, or stability held it, although Newton's
+    /// After one of [`STEPS_PER_CHECK`] explicit steps: whether it made no use of a high order, or stability held it, although Newton's
     /// method at order two could make a longer one.
-    pub(super) fn consider_implicit(&mut self, system: &impl SecondOrderSystem) {
+    pub(super) fn check_switch_to_implicit(&mut self, system: &impl SecondOrderSystem) {
         let rate = self.rate_from_slopes(system.coordinates());
-        self.fastest.meet_after(STEPS_A_LOOK, rate);
+        self.fastest.record_after(STEPS_PER_CHECK, rate);
         let (k, h) = (self.last_order, self.last_step_size);
         // A step near the longest allowed is not held by stability: Newton's method could not make it longer.
         let longest = self.is_near_longest(h);
         let unstable = || h * self.fastest.value() > NEAR_LIMIT * explicit_limit(k);
         let held = !longest && (k <= LOW_ORDER || unstable());
-        let share = self.mean_share(system.controlled()).sqrt();
+        let share = self.mean_square_factor(system.controlled()).sqrt();
         let at_order_two = || share * h * gamma_star(2) * self.norm_of_difference(2);
         let pays = held && (k < 2 || at_order_two() <= LONGER);
-        self.choice.vote(pays, STEPS_A_LOOK);
+        self.switching.record(pays, STEPS_PER_CHECK);
     }
 
     /// After a step of Newton's method: whether explicit ones would be long enough to be cheaper.
-    pub(super) fn consider_explicit(&mut self) {
+    pub(super) fn check_switch_to_explicit(&mut self) {
         let h = self.step_size;
         let explicit = h.min(EXPLICIT_REACH / self.fastest.value());
-        let cost = if self.unmeasured {
+        let cost = if self.convergence_unmeasured {
             IMPLICIT_COST
         } else {
             IMPLICIT_COST_OF_TWO
         };
         let pays = explicit / EXPLICIT_COST > GAIN * h / cost;
-        if self.choice.vote(pays, 1) {
+        if self.switching.record(pays, 1) {
             self.step_size = explicit;
         }
     }

@@ -2,7 +2,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::column::{Column, ColumnMut, each_register, registers};
+use super::slice_lanes::{SliceLanes, SliceLanesMut, each_register, registers};
 use crate::math::simd::{Lanes, Squares};
 
 /// Where the iteration begins: the predicted velocities, and the coordinates that follow from them.
@@ -22,11 +22,11 @@ impl WithSimd for Begin<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let n = self.first.len();
         let gamma = Lanes::splat(simd, self.gamma);
-        let q = Column::<S>::new(simd, self.predicted.0, n);
-        let v = Column::<S>::new(simd, self.predicted.1, n);
-        let first = Column::<S>::new(simd, self.first, n);
-        let mut trial_q = ColumnMut::<S>::new(simd, self.trial.0, n);
-        let mut trial_v = ColumnMut::<S>::new(simd, self.trial.1, n);
+        let q = SliceLanes::<S>::new(simd, self.predicted.0, n);
+        let v = SliceLanes::<S>::new(simd, self.predicted.1, n);
+        let first = SliceLanes::<S>::new(simd, self.first, n);
+        let mut trial_q = SliceLanesMut::<S>::new(simd, self.trial.0, n);
+        let mut trial_v = SliceLanesMut::<S>::new(simd, self.trial.1, n);
         let (whole, rest) = registers::<S>(n);
         for b in 0..whole {
             let speed = v.get(b);
@@ -43,9 +43,9 @@ impl WithSimd for Begin<'_> {
 
 /// Where the iteration begins, and the table of the prediction, in one pass: for orders one and two, and one row at most that
 /// those before it have not had added yet.
-pub(super) struct Foretell<'a> {
+pub(super) struct PredictForNewton<'a> {
     pub(super) order: usize,
-    /// See [`Predict`](super::table::Predict).
+    /// See [`Predict`](super::difference_kernels::Predict).
     pub(super) newest: usize,
     pub(super) step: f64,
     pub(super) gamma: f64,
@@ -61,8 +61,8 @@ pub(super) struct Foretell<'a> {
     pub(super) trial: (&'a mut [f64], &'a mut [f64]),
 }
 
-/// The constants of [`Foretell`] in registers.
-struct Foretelling<S: Simd> {
+/// The constants of [`PredictForNewton`] in registers.
+struct LowOrderPredictor<S: Simd> {
     two: bool,
     newest: usize,
     step: Lanes<S>,
@@ -70,10 +70,10 @@ struct Foretelling<S: Simd> {
     g: [Lanes<S>; 2],
 }
 
-impl<S: Simd> Foretelling<S> {
+impl<S: Simd> LowOrderPredictor<S> {
     /// φ*_1 and φ*_2 from what the first three rows hold, and the prediction from y.
     #[inline(always)]
-    fn foretell(&self, rows: [Lanes<S>; 3], y: Lanes<S>) -> ([Lanes<S>; 2], Lanes<S>) {
+    fn predict(&self, rows: [Lanes<S>; 3], y: Lanes<S>) -> ([Lanes<S>; 2], Lanes<S>) {
         let [mut first, mut second, third] = rows;
         if self.newest == 2 {
             (first, second) = (first + third, second + third);
@@ -90,7 +90,7 @@ impl<S: Simd> Foretelling<S> {
     }
 }
 
-impl WithSimd for Foretell<'_> {
+impl WithSimd for PredictForNewton<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -98,7 +98,7 @@ impl WithSimd for Foretell<'_> {
         let splat = |value| Lanes::splat(simd, value);
         let n = self.predicted.len();
         let gamma = splat(self.gamma);
-        let with = Foretelling::<S> {
+        let with = LowOrderPredictor::<S> {
             two: self.order == 2,
             newest: self.newest,
             step: splat(self.step),
@@ -110,40 +110,40 @@ impl WithSimd for Foretell<'_> {
         let (first_q, first_v) = first.split_at_mut(n);
         let (second_q, second_v) = second.split_at_mut(n);
         let (third_q, third_v) = third[..2 * n].split_at(n);
-        let mut first_q = ColumnMut::<S>::new(simd, first_q, n);
-        let mut first_v = ColumnMut::<S>::new(simd, first_v, n);
-        let mut second_q = ColumnMut::<S>::new(simd, second_q, n);
-        let mut second_v = ColumnMut::<S>::new(simd, second_v, n);
-        let third_q = Column::<S>::new(simd, third_q, n);
-        let third_v = Column::<S>::new(simd, third_v, n);
-        let y_q = Column::<S>::new(simd, self.y.0, n);
-        let y_v = Column::<S>::new(simd, self.y.1, n);
-        let mut predicted = ColumnMut::<S>::new(simd, self.predicted, n);
-        let mut trial_q = ColumnMut::<S>::new(simd, self.trial.0, n);
-        let mut trial_v = ColumnMut::<S>::new(simd, self.trial.1, n);
+        let mut first_q = SliceLanesMut::<S>::new(simd, first_q, n);
+        let mut first_v = SliceLanesMut::<S>::new(simd, first_v, n);
+        let mut second_q = SliceLanesMut::<S>::new(simd, second_q, n);
+        let mut second_v = SliceLanesMut::<S>::new(simd, second_v, n);
+        let third_q = SliceLanes::<S>::new(simd, third_q, n);
+        let third_v = SliceLanes::<S>::new(simd, third_v, n);
+        let y_q = SliceLanes::<S>::new(simd, self.y.0, n);
+        let y_v = SliceLanes::<S>::new(simd, self.y.1, n);
+        let mut predicted = SliceLanesMut::<S>::new(simd, self.predicted, n);
+        let mut trial_q = SliceLanesMut::<S>::new(simd, self.trial.0, n);
+        let mut trial_v = SliceLanesMut::<S>::new(simd, self.trial.1, n);
         let (whole, rest) = registers::<S>(n);
         for b in 0..whole {
             let rows = [first_v.get(b), second_v.get(b), third_v.get(b)];
-            let (rows, speed) = with.foretell(rows, y_v.get(b));
+            let (rows, speed) = with.predict(rows, y_v.get(b));
             first_v.set(b, rows[0]);
             second_v.set(b, rows[1]);
             predicted.set(b, speed);
             trial_v.set(b, speed);
             let rows = [first_q.get(b), second_q.get(b), third_q.get(b)];
-            let (rows, place) = with.foretell(rows, y_q.get(b));
+            let (rows, place) = with.predict(rows, y_q.get(b));
             first_q.set(b, rows[0]);
             second_q.set(b, rows[1]);
             trial_q.set(b, gamma.mul_add(speed - rows[0], place));
         }
         if rest > 0 {
             let rows = [first_v.rest(), second_v.rest(), third_v.rest()];
-            let (rows, speed) = with.foretell(rows, y_v.rest());
+            let (rows, speed) = with.predict(rows, y_v.rest());
             first_v.set_rest(rows[0]);
             second_v.set_rest(rows[1]);
             predicted.set_rest(speed);
             trial_v.set_rest(speed);
             let rows = [first_q.rest(), second_q.rest(), third_q.rest()];
-            let (rows, place) = with.foretell(rows, y_q.rest());
+            let (rows, place) = with.predict(rows, y_q.rest());
             first_q.set_rest(rows[0]);
             second_q.set_rest(rows[1]);
             trial_q.set_rest(gamma.mul_add(speed - rows[0], place));
@@ -152,7 +152,7 @@ impl WithSimd for Foretell<'_> {
 }
 
 /// The newest difference that a solution stands for: `v - φ*_q` and `(v - p_v)/γ`.
-pub(super) struct Newest<'a> {
+pub(super) struct NewtonDifference<'a> {
     pub(super) inverse_gamma: f64,
     pub(super) predicted: &'a [f64],
     pub(super) trial: &'a [f64],
@@ -162,18 +162,18 @@ pub(super) struct Newest<'a> {
     pub(super) rows: (&'a mut [f64], &'a mut [f64]),
 }
 
-impl WithSimd for Newest<'_> {
+impl WithSimd for NewtonDifference<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let n = self.trial.len();
         let inverse = Lanes::splat(simd, self.inverse_gamma);
-        let predicted = Column::<S>::new(simd, self.predicted, n);
-        let trial = Column::<S>::new(simd, self.trial, n);
-        let first = Column::<S>::new(simd, self.first, n);
-        let mut newest_q = ColumnMut::<S>::new(simd, self.rows.0, n);
-        let mut newest_v = ColumnMut::<S>::new(simd, self.rows.1, n);
+        let predicted = SliceLanes::<S>::new(simd, self.predicted, n);
+        let trial = SliceLanes::<S>::new(simd, self.trial, n);
+        let first = SliceLanes::<S>::new(simd, self.first, n);
+        let mut newest_q = SliceLanesMut::<S>::new(simd, self.rows.0, n);
+        let mut newest_v = SliceLanesMut::<S>::new(simd, self.rows.1, n);
         let (whole, rest) = registers::<S>(n);
         for b in 0..whole {
             let speed = trial.get(b);
@@ -194,7 +194,7 @@ pub(super) struct FirstResidual<'a> {
     pub(super) slope: &'a [f64],
     pub(super) first: &'a [f64],
     pub(super) inverse_weight: &'a [f64],
-    pub(super) wrong: &'a mut [f64],
+    pub(super) residual: &'a mut [f64],
 }
 
 impl WithSimd for FirstResidual<'_> {
@@ -202,24 +202,24 @@ impl WithSimd for FirstResidual<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let n = self.wrong.len();
+        let n = self.residual.len();
         let gamma = Lanes::splat(simd, self.gamma);
-        let slope = Column::<S>::new(simd, self.slope, n);
-        let first = Column::<S>::new(simd, self.first, n);
-        let weight = Column::<S>::new(simd, self.inverse_weight, n);
-        let mut wrong = ColumnMut::<S>::new(simd, self.wrong, n);
+        let slope = SliceLanes::<S>::new(simd, self.slope, n);
+        let first = SliceLanes::<S>::new(simd, self.first, n);
+        let weight = SliceLanes::<S>::new(simd, self.inverse_weight, n);
+        let mut residual = SliceLanesMut::<S>::new(simd, self.residual, n);
         let mut sum = Squares::new(simd);
         each_register!(
             S,
             n,
             |part, b| {
                 let left = gamma * (slope.get(b) - first.get(b));
-                wrong.set(b, left);
+                residual.set(b, left);
                 sum.add(part, left * weight.get(b));
             },
             {
                 let left = gamma * (slope.rest() - first.rest());
-                wrong.set_rest(left);
+                residual.set_rest(left);
                 sum.add(part, left * weight.rest());
             }
         );
@@ -234,7 +234,7 @@ pub(super) struct Residual<'a> {
     pub(super) trial: &'a [f64],
     pub(super) slope: &'a [f64],
     pub(super) first: &'a [f64],
-    pub(super) wrong: &'a mut [f64],
+    pub(super) residual: &'a mut [f64],
 }
 
 impl WithSimd for Residual<'_> {
@@ -242,21 +242,21 @@ impl WithSimd for Residual<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let n = self.wrong.len();
+        let n = self.residual.len();
         let gamma = Lanes::splat(simd, self.gamma);
-        let predicted = Column::<S>::new(simd, self.predicted, n);
-        let trial = Column::<S>::new(simd, self.trial, n);
-        let slope = Column::<S>::new(simd, self.slope, n);
-        let first = Column::<S>::new(simd, self.first, n);
-        let mut wrong = ColumnMut::<S>::new(simd, self.wrong, n);
+        let predicted = SliceLanes::<S>::new(simd, self.predicted, n);
+        let trial = SliceLanes::<S>::new(simd, self.trial, n);
+        let slope = SliceLanes::<S>::new(simd, self.slope, n);
+        let first = SliceLanes::<S>::new(simd, self.first, n);
+        let mut residual = SliceLanesMut::<S>::new(simd, self.residual, n);
         let (whole, rest) = registers::<S>(n);
         for b in 0..whole {
             let distance = predicted.get(b) - trial.get(b);
-            wrong.set(b, gamma.mul_add(slope.get(b) - first.get(b), distance));
+            residual.set(b, gamma.mul_add(slope.get(b) - first.get(b), distance));
         }
         if rest > 0 {
             let distance = predicted.rest() - trial.rest();
-            wrong.set_rest(gamma.mul_add(slope.rest() - first.rest(), distance));
+            residual.set_rest(gamma.mul_add(slope.rest() - first.rest(), distance));
         }
     }
 }
@@ -327,13 +327,13 @@ impl WithSimd for Apply<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Applied {
         let n = self.correction.len();
-        let correction = Column::<S>::new(simd, self.correction, n);
-        let weight_q = Column::<S>::new(simd, self.inverse_weight.0, n);
-        let weight_v = Column::<S>::new(simd, self.inverse_weight.1, n);
-        let predicted = Column::<S>::new(simd, self.predicted, n);
-        let first = Column::<S>::new(simd, self.first, n);
-        let mut q = ColumnMut::<S>::new(simd, self.trial.0, n);
-        let mut v = ColumnMut::<S>::new(simd, self.trial.1, n);
+        let correction = SliceLanes::<S>::new(simd, self.correction, n);
+        let weight_q = SliceLanes::<S>::new(simd, self.inverse_weight.0, n);
+        let weight_v = SliceLanes::<S>::new(simd, self.inverse_weight.1, n);
+        let predicted = SliceLanes::<S>::new(simd, self.predicted, n);
+        let first = SliceLanes::<S>::new(simd, self.first, n);
+        let mut q = SliceLanesMut::<S>::new(simd, self.trial.0, n);
+        let mut v = SliceLanesMut::<S>::new(simd, self.trial.1, n);
         let mut sums = ApplySums {
             gamma: Lanes::splat(simd, self.gamma),
             inverse: Lanes::splat(simd, 1.0 / self.gamma),
@@ -397,11 +397,11 @@ impl WithSimd for Slopes<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let n = self.trial.len();
         let inverse = Lanes::splat(simd, self.inverse_gamma);
-        let predicted = Column::<S>::new(simd, self.predicted, n);
-        let trial = Column::<S>::new(simd, self.trial, n);
-        let first = Column::<S>::new(simd, self.first, n);
-        let mut rates = ColumnMut::<S>::new(simd, self.slope.0, n);
-        let mut accelerations = ColumnMut::<S>::new(simd, self.slope.1, n);
+        let predicted = SliceLanes::<S>::new(simd, self.predicted, n);
+        let trial = SliceLanes::<S>::new(simd, self.trial, n);
+        let first = SliceLanes::<S>::new(simd, self.first, n);
+        let mut rates = SliceLanesMut::<S>::new(simd, self.slope.0, n);
+        let mut accelerations = SliceLanesMut::<S>::new(simd, self.slope.1, n);
         let (whole, rest) = registers::<S>(n);
         for b in 0..whole {
             let speed = trial.get(b);

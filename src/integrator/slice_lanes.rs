@@ -37,13 +37,13 @@ pub(super) fn registers<S: Simd>(length: usize) -> (usize, usize) {
 }
 
 /// An array of `length` numbers that may end within a register; zeros behind its end.
-pub(super) struct Column<'a, S: Simd> {
+pub(super) struct SliceLanes<'a, S: Simd> {
     simd: S,
     whole: &'a [S::f64s],
     rest: &'a [f64],
 }
 
-impl<'a, S: Simd> Column<'a, S> {
+impl<'a, S: Simd> SliceLanes<'a, S> {
     #[inline(always)]
     pub(super) fn new(simd: S, values: &'a [f64], length: usize) -> Self {
         let (whole, rest) = registers::<S>(length);
@@ -68,13 +68,13 @@ impl<'a, S: Simd> Column<'a, S> {
 }
 
 /// The same to write to.
-pub(super) struct ColumnMut<'a, S: Simd> {
+pub(super) struct SliceLanesMut<'a, S: Simd> {
     simd: S,
     whole: &'a mut [S::f64s],
     rest: &'a mut [f64],
 }
 
-impl<'a, S: Simd> ColumnMut<'a, S> {
+impl<'a, S: Simd> SliceLanesMut<'a, S> {
     #[inline(always)]
     pub(super) fn new(simd: S, values: &'a mut [f64], length: usize) -> Self {
         let (whole, rest) = registers::<S>(length);

@@ -4,7 +4,7 @@ use pulp::{Simd, WithSimd};
 
 use super::StepControl;
 use super::coefficients::Coefficients;
-use super::column::{Column, ColumnMut, each_register, registers};
+use super::slice_lanes::{SliceLanes, SliceLanesMut, each_register, registers};
 use crate::math::simd::{Lanes, Squares, load, vectors, vectors_mut};
 
 /// Registers that hold `dimension` numbers, the last one padded.
@@ -68,7 +68,7 @@ impl<'a, S: Simd> Rows<'a, S> {
 /// Adds the newest difference to those of lower orders, turns φ into φ* and writes y + h Σ g φ*, the prediction, or what it
 /// adds to y alone.
 ///
-/// φ_{k+1} stays as it was: [`TakeIn`] needs it.
+/// φ_{k+1} stays as it was: [`UpdateDifferences`] needs it.
 pub(super) struct Predict<'a> {
     pub(super) coefficients: &'a Coefficients,
     pub(super) order: usize,
@@ -176,7 +176,7 @@ fn star<S: Simd>(phi: Lanes<S>, [beta, g]: [f64; 2], [sum, above]: &mut [Lanes<S
 }
 
 /// Takes back a prediction whose step failed.
-pub(super) struct Retreat<'a> {
+pub(super) struct UndoPrediction<'a> {
     pub(super) coefficients: &'a Coefficients,
     pub(super) order: usize,
     /// Components of a row, padded.
@@ -184,7 +184,7 @@ pub(super) struct Retreat<'a> {
     pub(super) table: &'a mut [f64],
 }
 
-impl WithSimd for Retreat<'_> {
+impl WithSimd for UndoPrediction<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -208,7 +208,7 @@ impl WithSimd for Retreat<'_> {
 
 /// Takes in the slope at the corrected solution: writes the newest difference, φ_{k+1}, which [`Predict`] adds to the rows before
 /// it, and φ_{k+2} with the sum of its squares over the weights, where the error one order up is asked for.
-pub(super) struct TakeIn<'a> {
+pub(super) struct UpdateDifferences<'a> {
     pub(super) order: usize,
     pub(super) dimension: usize,
     pub(super) slope: &'a [f64],
@@ -217,7 +217,7 @@ pub(super) struct TakeIn<'a> {
     pub(super) above: bool,
 }
 
-impl WithSimd for TakeIn<'_> {
+impl WithSimd for UpdateDifferences<'_> {
     type Output = f64;
 
     #[inline(always)]
@@ -341,8 +341,8 @@ impl WithSimd for Weigh<'_> {
         let n = self.inverse_weight.len();
         let rtol = Lanes::splat(simd, self.control.rtol);
         let atol = Lanes::splat(simd, self.control.atol);
-        let y = Column::<S>::new(simd, self.y, n);
-        let mut inverse_weight = ColumnMut::<S>::new(simd, self.inverse_weight, n);
+        let y = SliceLanes::<S>::new(simd, self.y, n);
+        let mut inverse_weight = SliceLanesMut::<S>::new(simd, self.inverse_weight, n);
         let (whole, rest) = registers::<S>(n);
         for b in 0..whole {
             inverse_weight.set(b, rtol.constant(1.0) / y.get(b).abs().mul_add(rtol, atol));
@@ -368,11 +368,11 @@ impl WithSimd for SlopeChange<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> [f64; 2] {
         let n = self.slope.len();
-        let slope = Column::<S>::new(simd, self.slope, n);
-        let at_prediction = Column::<S>::new(simd, self.at_prediction, n);
-        let prediction = Column::<S>::new(simd, self.ends.0, n);
-        let solution = Column::<S>::new(simd, self.ends.1, n);
-        let inverse_weight = Column::<S>::new(simd, self.inverse_weight, n);
+        let slope = SliceLanes::<S>::new(simd, self.slope, n);
+        let at_prediction = SliceLanes::<S>::new(simd, self.at_prediction, n);
+        let prediction = SliceLanes::<S>::new(simd, self.ends.0, n);
+        let solution = SliceLanes::<S>::new(simd, self.ends.1, n);
+        let inverse_weight = SliceLanes::<S>::new(simd, self.inverse_weight, n);
         let (mut slopes, mut steps) = (Squares::new(simd), Squares::new(simd));
         each_register!(
             S,
