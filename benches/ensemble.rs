@@ -47,7 +47,7 @@ fn prepare(threads: usize) -> Ensemble {
     let case = |number: u32| {
         let mut drive = drives::paper_drive();
         let speed = 4.0 * std::f64::consts::PI * (1.0 + 1e-3 * f64::from(number));
-        drive.sprockets[0].motion = rustchain::drive::Motion::PrescribedSpeed(speed.into());
+        drive.sprockets[0].motion = rustchain::drive::SprocketMotion::PrescribedSpeed(speed.into());
         Case {
             drive,
             laws: ForceLaws::default(),

@@ -15,7 +15,7 @@ use std::time::Duration;
 
 use aligned_vec::AVec;
 use common::{Halves, drives, laws, longer_drive, only_tried, pressed_into_seats};
-use rustchain::drive::{AnsiTooth, Bearing, Drive, Motion};
+use rustchain::drive::{AnsiTooth, Bearing, Drive, SprocketMotion};
 use rustchain::force_law::{Damping, Elastic, Friction, LuGre, Regions, Regularization};
 use rustchain::geometry::Seat;
 use rustchain::integrator::OdeSystem;
@@ -132,13 +132,17 @@ const SCENES: [Scene; 21] = [
     }),
     Scene {
         name: "driver free to turn",
-        build: || changed(|drive, _| drive.sprockets[0].motion = Motion::AppliedTorque(0.0.into())),
+        build: || {
+            changed(|drive, _| {
+                drive.sprockets[0].motion = SprocketMotion::AppliedTorque(0.0.into())
+            })
+        },
         absent: Some(("no torque at all", || {
-            changed(|drive, _| drive.sprockets[0].motion = Motion::Free)
+            changed(|drive, _| drive.sprockets[0].motion = SprocketMotion::Free)
         })),
     },
     scene("driver turned by a torque", || {
-        changed(|drive, _| drive.sprockets[0].motion = Motion::AppliedTorque(0.2.into()))
+        changed(|drive, _| drive.sprockets[0].motion = SprocketMotion::AppliedTorque(0.2.into()))
     }),
     scene("other profile on the second", || {
         changed(|drive, _| {
@@ -282,7 +286,7 @@ fn call(simulation: &mut Simulation, calls: usize) {
 fn report(groups: Groups, turned: bool, reports: usize) {
     let mut simulation = changed(|drive, _| {
         if turned {
-            drive.sprockets[0].motion = Motion::AppliedTorque(0.2.into());
+            drive.sprockets[0].motion = SprocketMotion::AppliedTorque(0.2.into());
         }
     });
     simulation.advance(1e-12, Duration::MAX).unwrap();

@@ -14,7 +14,7 @@ use rustchain::drive::{AnsiTooth, Drive};
 use rustchain::force_law::{Damping, Elastic, ForceLaw};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Adams, Corrector, StepControl};
-use rustchain::layout::{Start, closing_center_distance};
+use rustchain::layout::{InitialConfiguration, closing_center_distance};
 use rustchain::{ForceLaws, Model, Simulation};
 
 /// One law of each form, as users know them.
@@ -74,7 +74,7 @@ pub fn longer_drive(teeth: [u32; 2], links: u32) -> Drive {
 
 /// `drive` at its start, where nothing touches.
 pub fn at_start_of(drive: &Drive, laws: &ForceLaws) -> Simulation {
-    let (start, _) = Start::generate(drive).unwrap();
+    let (start, _) = InitialConfiguration::generate(drive).unwrap();
     from(drive, laws, &start)
 }
 
@@ -84,7 +84,7 @@ pub fn pressed_into_seats(drive: &Drive, laws: &ForceLaws) -> Simulation {
     for sprocket in &mut drive.sprockets {
         sprocket.profile = AnsiTooth::default().into();
     }
-    let (mut start, _) = Start::generate(&drive).unwrap();
+    let (mut start, _) = InitialConfiguration::generate(&drive).unwrap();
     let (links, sprockets) = start.positions.split_at_mut(drive.chain.links as usize);
     let (first, last) = (sprockets[0][0], sprockets[1][0]);
     for (i, link) in links.iter_mut().enumerate() {
@@ -101,7 +101,7 @@ pub fn pressed_into_seats(drive: &Drive, laws: &ForceLaws) -> Simulation {
     from(&drive, laws, &start)
 }
 
-fn from(drive: &Drive, laws: &ForceLaws, start: &Start) -> Simulation {
+fn from(drive: &Drive, laws: &ForceLaws, start: &InitialConfiguration) -> Simulation {
     let model = Arc::new(Model::compile(drive, laws, start).unwrap());
     Simulation::new(model, start, StepControl::default()).unwrap()
 }
@@ -121,7 +121,7 @@ pub fn tensioned(pretension: f64) -> Simulation {
     let mut drive = drives::paper_drive();
     drive.tensioner = Some(drives::tensioner(pretension, 2e-3));
     let laws = laws(Elastic::Hertz, Damping::LankaraniNikravesh);
-    let (start, _) = Start::generate(&drive).unwrap();
+    let (start, _) = InitialConfiguration::generate(&drive).unwrap();
     let model = Arc::new(Model::compile(&drive, &laws, &start).unwrap());
     let control = StepControl {
         corrector: Corrector::Newton,

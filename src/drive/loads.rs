@@ -1,7 +1,7 @@
 //! Bounds of what a chain may be loaded and driven by: far above what breaks any, they refuse a slip of units before a run crawls
 //! under it.
 
-use super::{Chain, ChainEnd, Drive, Motion, Mount, TimeTable};
+use super::{Chain, ChainEnd, Drive, Mount, SprocketMotion, TimeTable};
 use crate::error::{Error, Result};
 use crate::geometry::path::wrap::pitch_radius;
 
@@ -100,14 +100,18 @@ impl Drive {
             let bounds = InputBounds::of(&self.chain, sprocket.teeth);
             let motion = |quantity: &str| format!("ChainDrive.sprockets[{i}].motion.{quantity}");
             match &sprocket.motion {
-                Motion::PrescribedSpeed(speed) => bounds.check_speeds(&motion("speed"), speed)?,
-                Motion::AppliedTorque(torque) => bounds.check_torques(&motion("torque"), torque)?,
-                Motion::TorqueCurve { torque, curve } => {
+                SprocketMotion::PrescribedSpeed(speed) => {
+                    bounds.check_speeds(&motion("speed"), speed)?
+                }
+                SprocketMotion::AppliedTorque(torque) => {
+                    bounds.check_torques(&motion("torque"), torque)?
+                }
+                SprocketMotion::TorqueCurve { torque, curve } => {
                     bounds.check_torques(&motion("torque"), torque)?;
                     bounds.check_torques(&motion("curve (torque)"), curve)?;
                     bounds.check_speed(&motion("curve (speed)"), curve.farthest())?;
                 }
-                Motion::Free => {}
+                SprocketMotion::Free => {}
             }
             if let Some(speed) = sprocket.initial_speed {
                 let field = format!("ChainDrive.sprockets[{i}].initial_speed");

@@ -25,7 +25,7 @@ pub(crate) use open_line::OpenLine;
 pub use plates::{LinkStiffness, Plates};
 pub use profile::{AnsiTooth, CustomTooth, IsoTooth, StraightTooth, Tip, ToothForm};
 pub use rail::{Arm, Mount, Rail, RailShape};
-pub use sprocket::{Bearing, Faults, Motion, Sprocket};
+pub use sprocket::{Bearing, Faults, Sprocket, SprocketMotion};
 pub use tensioner::{Tensioner, TensionerLine};
 pub use time_table::TimeTable;
 pub use variation::Variation;

@@ -12,7 +12,7 @@ const STEEL_DENSITY: f64 = 7850.0;
 
 /// What a sprocket's rotation obeys. Counterclockwise is positive.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Motion {
+pub enum SprocketMotion {
     /// Turns at this speed \[rad/s\], whatever it takes.
     PrescribedSpeed(TimeTable),
     /// Is turned by this torque \[N m\].
@@ -65,7 +65,7 @@ pub struct Sprocket {
     /// Centre at the start \[m\].
     pub center: Vec2,
     /// What its rotation obeys.
-    pub motion: Motion,
+    pub motion: SprocketMotion,
     /// Tooth form.
     pub profile: ToothForm,
     /// Mass \[kg\]; `None`: a steel disc.
@@ -114,7 +114,7 @@ impl Sprocket {
         }
         if let Some(speed) = self.initial_speed {
             check::finite("Sprocket.initial_speed", speed, "rad/s")?;
-            if matches!(self.motion, Motion::PrescribedSpeed(_)) {
+            if matches!(self.motion, SprocketMotion::PrescribedSpeed(_)) {
                 return Err(Error::invalid(
                     "Sprocket.initial_speed",
                     speed,

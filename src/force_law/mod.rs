@@ -45,7 +45,7 @@ pub use registers::RegisterForces;
 use pulp::Simd;
 
 use crate::error::{Result, check};
-use crate::geometry::{Curve, ToothProfile};
+use crate::geometry::{SurfaceCurve, ToothProfile};
 use crate::math::simd::Lanes;
 
 /// Inside (a cylinder in a bore or on a concave flank) or outside (two convex cylinders).
@@ -200,13 +200,13 @@ pub(crate) fn tooth_surfaces(
     modulus: f64,
 ) -> Vec<SurfacePair> {
     let surfaces = profile.surfaces();
-    let pair = |(i, curve): (usize, &Curve)| match curve {
-        Curve::Concave(arc) => SurfacePair::internal(radius, arc.radius, length, modulus),
-        Curve::Convex(arc) => SurfacePair::external(radius, arc.radius, length, modulus),
-        Curve::Straight(_) => {
+    let pair = |(i, curve): (usize, &SurfaceCurve)| match curve {
+        SurfaceCurve::Concave(arc) => SurfacePair::internal(radius, arc.radius, length, modulus),
+        SurfaceCurve::Convex(arc) => SurfacePair::external(radius, arc.radius, length, modulus),
+        SurfaceCurve::Straight(_) => {
             // An edge is no curve that the flat goes on as.
             let next = match surfaces.get(i + 1).map(|next| next.curve) {
-                Some(Curve::Convex(arc)) if arc.radius >= radius => arc.radius,
+                Some(SurfaceCurve::Convex(arc)) if arc.radius >= radius => arc.radius,
                 _ => profile.pitch_radius,
             };
             SurfacePair::flat(radius, next, length, modulus)

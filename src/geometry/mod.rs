@@ -6,7 +6,7 @@ pub(crate) mod tooth;
 pub use tooth::ansi::AnsiCurves;
 pub use tooth::arc::Arc;
 pub use tooth::custom::{Misfit, OutlinePiece};
-pub use tooth::flank::{Curve, Piece};
+pub use tooth::flank::{SurfaceCurve, SurfacePiece};
 pub use tooth::iso::{Blank, IsoGap, iso_tip_diameters};
 pub use tooth::profile::{Damage, Seat, Surface, ToothContact, ToothProfile};
 pub use tooth::segment::Segment;

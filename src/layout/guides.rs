@@ -1,7 +1,7 @@
 //! Where guides begin: clear of the laid chain, arms swung back until they are.
 
-use super::initial::Start;
-use super::report::{GuideLie, Layout, Lie, START_GAPS};
+use super::initial::InitialConfiguration;
+use super::report::{GuidePlacement, Layout, Lie, START_GAPS};
 use crate::drive::{Drive, Mount, Rail};
 use crate::error::{Error, Result};
 use crate::geometry::path::wrap::pitch_radius;
@@ -14,7 +14,7 @@ const OUTLINE_POINTS: usize = 24;
 /// In so many parts of that a place is looked for where the chain is clear.
 const SWINGS: u32 = 200;
 
-impl Start {
+impl InitialConfiguration {
     /// The same with the guides of `drive` at rest, clear of its chain; `layout` gets to know where they are.
     ///
     /// # Errors
@@ -84,7 +84,7 @@ impl Start {
                 ));
             }
             let place = layout.place_of(nearest);
-            layout.guides.push(GuideLie {
+            layout.guides.push(GuidePlacement {
                 gap,
                 turn,
                 travel,

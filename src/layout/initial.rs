@@ -23,14 +23,14 @@ const SETTLED: f64 = 1e-10;
 
 /// Positions and velocities of all bodies at time zero.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Start {
+pub struct InitialConfiguration {
     /// (x, y, θ) of every body \[m, m, rad\].
     pub positions: Vec<[f64; 3]>,
     /// Their rates \[m/s, m/s, rad/s\].
     pub velocities: Vec<[f64; 3]>,
 }
 
-impl Start {
+impl InitialConfiguration {
     /// Lays the chain of `drive` round its sprockets, and brings its guides beside it.
     ///
     /// # Errors
@@ -219,13 +219,13 @@ impl Start {
 }
 
 impl Place<'_> {
-    fn start(&self, path: &Path, layout: &Layout) -> Start {
+    fn start(&self, path: &Path, layout: &Layout) -> InitialConfiguration {
         let origin = self.sprockets[0].center;
         let to_world = |p: Vec2| p.x * self.axis + p.y * turned_left(self.axis);
         let hinges: Vec<Vec2> = path.hinges.iter().map(|&p| origin + to_world(p)).collect();
         let velocities = self.hinge_velocities(path, self.speeds());
         let velocities: Vec<Vec2> = velocities.into_iter().map(to_world).collect();
-        Start::of_bodies(self.drive, &hinges, &velocities, layout)
+        InitialConfiguration::of_bodies(self.drive, &hinges, &velocities, layout)
     }
 
     /// Seated hinges turn with their sprocket; along a strand the velocity changes linearly from end to end.

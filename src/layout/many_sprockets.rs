@@ -9,7 +9,7 @@ use super::report::{
 };
 use crate::drive::{BeltLine, Drive};
 use crate::error::{Error, Result};
-use crate::geometry::path::polygon::{Course, PlacedWheel, Polygon, bow_angle};
+use crate::geometry::path::polygon::{PlacedWheel, Polygon, WheelSequence, bow_angle};
 use crate::geometry::{ToothProfile, turned_left};
 
 /// Share of the hinge clearance below which a stretched chain counts as taut.
@@ -28,8 +28,8 @@ pub(super) struct Around<'a> {
 }
 
 /// A chain that lies round its sprockets.
-pub(super) struct Found {
-    pub(super) course: Course,
+pub(super) struct ClosedLayout {
+    pub(super) course: WheelSequence,
     pub(super) polygon: Polygon,
     /// The strand that may sag.
     pub(super) slack: usize,
@@ -50,7 +50,7 @@ impl<'a> Around<'a> {
     }
 
     /// Wheels in the order of the chain, seated bushings `gap` \[m\] off their seats at least.
-    pub(super) fn course(&self, gap: f64) -> Option<Course> {
+    pub(super) fn course(&self, gap: f64) -> Option<WheelSequence> {
         let chain = &self.drive.chain;
         let placed = |&i: &usize| PlacedWheel {
             wheel: wheel(&self.profiles[i], chain, gap),
@@ -58,7 +58,7 @@ impl<'a> Around<'a> {
             side: self.drive.sprockets[i].side,
         };
         let wheels = self.line.order.iter().map(placed).collect();
-        Course::new(chain.mean_pitch(), chain.links, wheels).ok()
+        WheelSequence::new(chain.mean_pitch(), chain.links, wheels).ok()
     }
 
     /// Strands, the one that should take the slack first: the one that gravity pulls outward most; without gravity, the one that
@@ -90,7 +90,7 @@ impl<'a> Around<'a> {
     }
 
     /// The chain in the first strand and place of its seats where it touches nothing, as little stretched as can be.
-    pub(super) fn find(&self) -> Result<Found> {
+    pub(super) fn find(&self) -> Result<ClosedLayout> {
         let chain = &self.drive.chain;
         let (clearance, pitch) = (chain.hinge.clearance(), chain.mean_pitch());
         let needed = self.line.pitches(self.drive);
@@ -109,13 +109,13 @@ impl<'a> Around<'a> {
             let Some(course) = self.course(gap) else {
                 continue;
             };
-            let mut stretched: Option<Found> = None;
+            let mut stretched: Option<ClosedLayout> = None;
             for slack in self.slack_strands() {
                 for polygon in Self::by_merit(&course, slack, clearance) {
                     let Some(polygon) = self.fitted(polygon, slack, &mut why) else {
                         continue;
                     };
-                    let found = Found {
+                    let found = ClosedLayout {
                         course: course.clone(),
                         polygon,
                         slack,
@@ -169,7 +169,7 @@ impl<'a> Around<'a> {
     }
 
     /// Polygons with the slack in one strand: the least stretched first, then those with seats nearest to the tangent points.
-    fn by_merit(course: &Course, slack: usize, clearance: f64) -> Vec<Polygon> {
+    fn by_merit(course: &WheelSequence, slack: usize, clearance: f64) -> Vec<Polygon> {
         let most = LARGEST_STRETCH * clearance / course.pitch;
         let shift = |i: u32| f64::from(i) / f64::from(SHIFTS) - 0.5;
         let mut polygons: Vec<Polygon> = (0..SHIFTS)
@@ -263,7 +263,7 @@ impl<'a> Around<'a> {
         }
     }
 
-    pub(super) fn layout(&self, found: &Found, speeds: Vec<f64>) -> Result<Layout> {
+    pub(super) fn layout(&self, found: &ClosedLayout, speeds: Vec<f64>) -> Result<Layout> {
         let (drive, polygon) = (self.drive, &found.polygon);
         let n = drive.sprockets.len();
         let place = |i: usize| self.line.place_of(i);

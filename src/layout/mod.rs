@@ -13,7 +13,7 @@ mod tightness;
 mod two_sprockets;
 
 pub use closing::{closing_move, links_around};
-pub use initial::Start;
+pub use initial::InitialConfiguration;
 pub(crate) use open_layout::open_strands;
-pub use report::{GuideLie, Layout, closing_center_distance, links_for, strand_name};
+pub use report::{GuidePlacement, Layout, closing_center_distance, links_for, strand_name};
 pub use tightness::{Tightness, tightness};

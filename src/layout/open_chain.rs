@@ -15,7 +15,7 @@ const SETTLED: f64 = 1e-12;
 const JUST: f64 = 1e-9;
 
 /// An open chain that lies somewhere.
-pub(super) struct Laid {
+pub(super) struct OpenChainShape {
     /// Both ends of every link, one more than links \[m\].
     pub(super) hinges: Vec<Vec2>,
     /// Which sprocket each is seated on.
@@ -35,7 +35,7 @@ pub(super) struct Laid {
 }
 
 /// A drive whose chain is open, and how it is to be laid.
-pub(super) struct Course<'a> {
+pub(super) struct OpenChainLayout<'a> {
     drive: &'a Drive,
     ends: &'a [ChainEnd; 2],
     /// The circles that the chain is seated on.
@@ -45,7 +45,7 @@ pub(super) struct Course<'a> {
     shift: f64,
 }
 
-impl<'a> Course<'a> {
+impl<'a> OpenChainLayout<'a> {
     /// Seated bushings `gap` \[m\] off their seats at least.
     pub(super) fn new(
         drive: &'a Drive,
@@ -87,7 +87,7 @@ impl<'a> Course<'a> {
     }
 
     /// Lays the chain; why not, where it cannot be laid.
-    pub(super) fn lay(&self) -> Result<Laid, String> {
+    pub(super) fn lay(&self) -> Result<OpenChainShape, String> {
         if self.line.radius.is_empty() {
             return self.lay_alone();
         }
@@ -116,9 +116,9 @@ impl<'a> Course<'a> {
     }
 
     /// Lays what is seated and taut: hinges from the first seat of the first sprocket to the last one of the last.
-    fn along_sprockets(&self, directions: &[Vec2]) -> Result<Laid, String> {
+    fn along_sprockets(&self, directions: &[Vec2]) -> Result<OpenChainShape, String> {
         let pitch = self.drive.chain.mean_pitch();
-        let mut laid = Laid {
+        let mut laid = OpenChainShape {
             hinges: Vec::new(),
             seat_of: Vec::new(),
             seated: Vec::new(),
@@ -182,7 +182,10 @@ impl<'a> Course<'a> {
     }
 
     /// Adds both ends' strands, and the directions in which those that hang between two points leave the sprockets.
-    fn with_ends(&self, seated: Laid) -> Result<(Laid, [Option<Vec2>; 2]), String> {
+    fn with_ends(
+        &self,
+        seated: OpenChainShape,
+    ) -> Result<(OpenChainShape, [Option<Vec2>; 2]), String> {
         let count = seated.hinges.len() - 1;
         let seats = [seated.hinges[0], seated.hinges[count]];
         #[allow(clippy::cast_possible_truncation)] // at most the chain's links
@@ -338,7 +341,7 @@ impl<'a> Course<'a> {
     }
 
     /// A chain without sprockets.
-    fn lay_alone(&self) -> Result<Laid, String> {
+    fn lay_alone(&self) -> Result<OpenChainShape, String> {
         let links = self.drive.chain.links;
         let all = self.lengths(0..links as usize);
         let hinges = match [self.ends[0].position(), self.ends[1].position()] {
@@ -356,7 +359,7 @@ impl<'a> Course<'a> {
                 );
             }
         };
-        Ok(Laid {
+        Ok(OpenChainShape {
             seat_of: vec![None; hinges.len()],
             hinges,
             seated: Vec::new(),

@@ -1,7 +1,7 @@
 //! The start of an open chain: the way it is laid that touches nothing, how it moves, and what was chosen.
 
-use super::initial::Start;
-use super::open_chain::{Course, Laid};
+use super::initial::InitialConfiguration;
+use super::open_chain::{OpenChainLayout, OpenChainShape};
 use super::report::{LARGEST_STRETCH, Layout, Lie, START_GAPS, given_speed, phase, tension_force};
 use super::strand_motion::keep_strand_lengths;
 use crate::drive::bushing_on_front;
@@ -13,7 +13,7 @@ use crate::geometry::{ToothProfile, Vec2, turned_left, unit};
 const SHIFTS: u32 = 16;
 
 /// Lays the open chain of `drive`.
-pub(super) fn lay(drive: &Drive, ends: &[ChainEnd; 2]) -> Result<(Start, Layout)> {
+pub(super) fn lay(drive: &Drive, ends: &[ChainEnd; 2]) -> Result<(InitialConfiguration, Layout)> {
     let profiles = (drive.sprockets.iter())
         .map(|sprocket| sprocket.tooth_profile(&drive.chain))
         .collect::<Result<Vec<_>>>()?;
@@ -30,14 +30,14 @@ fn find(
     drive: &Drive,
     ends: &[ChainEnd; 2],
     profiles: &[ToothProfile],
-) -> std::result::Result<Laid, String> {
+) -> std::result::Result<OpenChainShape, String> {
     let mut why = None;
     for gap in START_GAPS {
         for i in 0..=SHIFTS {
             // 0, 1, -1, 2, ... sixteenths of a gap.
             let shift = f64::from(i.div_ceil(2)) / f64::from(SHIFTS);
             let shift = if i.is_multiple_of(2) { -shift } else { shift };
-            let course = Course::new(drive, ends, profiles, (gap, shift));
+            let course = OpenChainLayout::new(drive, ends, profiles, (gap, shift));
             match course.and_then(|course| course.lay()) {
                 Ok(laid) => match fault(drive, profiles, &laid) {
                     None => return Ok(laid),
@@ -57,7 +57,7 @@ fn find(
     Err(why.unwrap_or_default())
 }
 
-fn lie<'a>(drive: &'a Drive, profiles: &'a [ToothProfile], laid: &'a Laid) -> Lie<'a> {
+fn lie<'a>(drive: &'a Drive, profiles: &'a [ToothProfile], laid: &'a OpenChainShape) -> Lie<'a> {
     let sprockets = profiles.iter().enumerate().map(|(i, profile)| {
         let center = drive.sprockets[i].center;
         (center, laid.first_seat[i], profile)
@@ -70,7 +70,7 @@ fn lie<'a>(drive: &'a Drive, profiles: &'a [ToothProfile], laid: &'a Laid) -> Li
 }
 
 /// Why it will not do.
-fn fault(drive: &Drive, profiles: &[ToothProfile], laid: &Laid) -> Option<String> {
+fn fault(drive: &Drive, profiles: &[ToothProfile], laid: &OpenChainShape) -> Option<String> {
     let lie = lie(drive, profiles, laid);
     let (stretch, clearance) = (lie.stretch(), drive.chain.hinge.clearance());
     if stretch >= LARGEST_STRETCH * clearance {
@@ -90,7 +90,7 @@ fn fault(drive: &Drive, profiles: &[ToothProfile], laid: &Laid) -> Option<String
 }
 
 /// Pitches that pass in a second towards the last end, by the first speed that is given.
-fn forward_rate(drive: &Drive, laid: &Laid) -> f64 {
+fn forward_rate(drive: &Drive, laid: &OpenChainShape) -> f64 {
     let rate = |i: usize| {
         let turn = laid.sense[i] * f64::from(drive.sprockets[i].teeth) / std::f64::consts::TAU;
         given_speed(drive, i).map(|speed| speed * turn)
@@ -98,7 +98,7 @@ fn forward_rate(drive: &Drive, laid: &Laid) -> f64 {
     (0..drive.sprockets.len()).find_map(rate).unwrap_or(0.0)
 }
 
-fn sprocket_speed(drive: &Drive, laid: &Laid, forward: f64, i: usize) -> f64 {
+fn sprocket_speed(drive: &Drive, laid: &OpenChainShape, forward: f64, i: usize) -> f64 {
     let follows =
         laid.sense[i] * forward * std::f64::consts::TAU / f64::from(drive.sprockets[i].teeth);
     given_speed(drive, i).unwrap_or(follows)
@@ -106,7 +106,12 @@ fn sprocket_speed(drive: &Drive, laid: &Laid, forward: f64, i: usize) -> f64 {
 
 /// Seated hinges turn with their sprockets; a hanging strand moves along itself, others linearly from end to end, but for what
 /// keeps their links' lengths.
-fn hinge_velocities(drive: &Drive, ends: &[ChainEnd; 2], laid: &Laid, forward: f64) -> Vec<Vec2> {
+fn hinge_velocities(
+    drive: &Drive,
+    ends: &[ChainEnd; 2],
+    laid: &OpenChainShape,
+    forward: f64,
+) -> Vec<Vec2> {
     let seated = |k: usize| {
         laid.seat_of[k].map(|i| {
             let arm = laid.hinges[k] - drive.sprockets[i].center;
@@ -166,11 +171,11 @@ fn fill(hinges: &[Vec2], velocities: &mut [Vec2], from: usize, to: usize) {
 fn start(
     drive: &Drive,
     ends: &[ChainEnd; 2],
-    laid: &Laid,
+    laid: &OpenChainShape,
     velocities: &[Vec2],
     layout: &Layout,
-) -> Start {
-    let mut start = Start {
+) -> InitialConfiguration {
+    let mut start = InitialConfiguration {
         positions: Vec::new(),
         velocities: Vec::new(),
     };
@@ -215,7 +220,12 @@ fn start(
 }
 
 /// Rollers in the middle of their play, hinge by hinge; where there is no bushing one that stands still.
-fn add_rollers(start: &mut Start, ends: &[ChainEnd; 2], laid: &Laid, velocities: &[Vec2]) {
+fn add_rollers(
+    start: &mut InitialConfiguration,
+    ends: &[ChainEnd; 2],
+    laid: &OpenChainShape,
+    velocities: &[Vec2],
+) {
     let links = laid.hinges.len() - 1;
     let count = links + 2;
     for k in 0..count {
@@ -241,7 +251,7 @@ fn add_rollers(start: &mut Start, ends: &[ChainEnd; 2], laid: &Laid, velocities:
 }
 
 /// What was chosen, in the words of closed chains.
-fn layout(drive: &Drive, profiles: &[ToothProfile], laid: &Laid, forward: f64) -> Layout {
+fn layout(drive: &Drive, profiles: &[ToothProfile], laid: &OpenChainShape, forward: f64) -> Layout {
     let count = drive.sprockets.len();
     let by_sprocket = |value: &dyn Fn(usize) -> f64| (0..count).map(value).collect::<Vec<f64>>();
     let pitches = drive.chain.link_pitches();

@@ -1,6 +1,6 @@
 //! What the generator chose for a drive, and what it measures on a chain laid round sprockets.
 
-use crate::drive::{Chain, Drive, Motion, TimeTable};
+use crate::drive::{Chain, Drive, SprocketMotion, TimeTable};
 use crate::error::Result;
 use crate::geometry::path::belt::Side;
 use crate::geometry::path::wrap;
@@ -64,14 +64,14 @@ pub struct Layout {
     /// Pull of the tensioner \[N\].
     pub tension_force: f64,
     /// Where the guides begin.
-    pub guides: Vec<GuideLie>,
+    pub guides: Vec<GuidePlacement>,
     /// What a designer should know.
     pub warnings: Vec<String>,
 }
 
 /// Where a guide begins, beside the laid chain.
 #[derive(Debug, Clone, PartialEq)]
-pub struct GuideLie {
+pub struct GuidePlacement {
     /// Smallest distance of a bushing, or of a plate where those bear on it \[m\].
     pub gap: f64,
     /// How far its arm is swung from where it is described \[rad\].
@@ -87,7 +87,7 @@ pub struct GuideLie {
 /// Angular speed that a sprocket is given at the start \[rad/s\], if any.
 pub(super) fn given_speed(drive: &Drive, sprocket: usize) -> Option<f64> {
     match &drive.sprockets[sprocket].motion {
-        Motion::PrescribedSpeed(table) => Some(table.value(0.0)),
+        SprocketMotion::PrescribedSpeed(table) => Some(table.value(0.0)),
         _ => drive.sprockets[sprocket].initial_speed,
     }
 }
@@ -153,7 +153,7 @@ fn overload_warning(drive: &Drive, speeds: &[f64]) -> Option<String> {
 }
 
 /// Size of the largest torque that a sprocket is turned by at its initial speed \[N m\]; nothing where none is applied.
-fn largest_torque(motion: &Motion, speed: f64) -> Option<f64> {
+fn largest_torque(motion: &SprocketMotion, speed: f64) -> Option<f64> {
     let largest = |table: &TimeTable, of_speed: f64| {
         let sizes = table
             .values()
@@ -162,9 +162,9 @@ fn largest_torque(motion: &Motion, speed: f64) -> Option<f64> {
         sizes.fold(0.0, f64::max)
     };
     match motion {
-        Motion::AppliedTorque(table) => Some(largest(table, 0.0)),
-        Motion::TorqueCurve { torque, curve } => Some(largest(torque, curve.value(speed))),
-        Motion::PrescribedSpeed(_) | Motion::Free => None,
+        SprocketMotion::AppliedTorque(table) => Some(largest(table, 0.0)),
+        SprocketMotion::TorqueCurve { torque, curve } => Some(largest(torque, curve.value(speed))),
+        SprocketMotion::PrescribedSpeed(_) | SprocketMotion::Free => None,
     }
 }
 
@@ -324,7 +324,7 @@ impl Layout {
             let gap = std::f64::consts::TAU / f64::from(sprocket.teeth);
             let wrap = (f64::from(self.seated[i]) * gap).to_degrees();
             // Idlers carry no power: a few teeth will do.
-            if drive.sprockets.len() == 2 || !matches!(sprocket.motion, Motion::Free) {
+            if drive.sprockets.len() == 2 || !matches!(sprocket.motion, SprocketMotion::Free) {
                 if wrap < 120.0 - 1e-9 {
                     warnings.push(format!(
                         "sprocket {} is wrapped by {wrap:.0} degrees only; 120 is usual",

@@ -3,7 +3,7 @@
 //! One speed that is given sets all others by the numbers of teeth: the mean speeds, which the polygon effect leaves by a little
 //! to both sides. Speeds that are given stay.
 
-use super::many_sprockets::Found;
+use super::many_sprockets::ClosedLayout;
 use super::report::given_speed;
 use crate::drive::{BeltLine, Drive};
 use crate::geometry::{Vec2, turned_left};
@@ -13,7 +13,7 @@ use crate::geometry::{Vec2, turned_left};
 const GIVE: f64 = 1e-4;
 
 /// Speeds of the sprockets as listed \[rad/s\], and velocities of all hinges \[m/s\].
-pub(super) fn of(drive: &Drive, line: &BeltLine, found: &Found) -> (Vec<f64>, Vec<Vec2>) {
+pub(super) fn of(drive: &Drive, line: &BeltLine, found: &ClosedLayout) -> (Vec<f64>, Vec<Vec2>) {
     let polygon = &found.polygon;
     let n = line.order.len();
     let starts = seat_starts(&polygon.seat_of, n);

@@ -14,7 +14,7 @@ use crate::chain::dynamics::Dynamics;
 use crate::chain::model::{Model, Quantity};
 use crate::drive::Drive;
 use crate::error::Error;
-use crate::layout::Start;
+use crate::layout::InitialConfiguration;
 use crate::panics::contained;
 use crate::run::recorder::Values;
 use crate::run::simulation::{Simulation, Snapshot, check_rows};
@@ -53,7 +53,7 @@ impl Core {
         let simulation = contained(|| {
             let start = match own {
                 Some(start) => start,
-                None => Start::generate(&description)?.0,
+                None => InitialConfiguration::generate(&description)?.0,
             };
             let model = Model::compile(&description, &laws, &start)?;
             Simulation::new(Arc::new(model), &start, control)
@@ -355,19 +355,19 @@ pub(super) fn own_start(
     drive: &Drive,
     positions: Option<&PyReadonlyArray2<'_, f64>>,
     velocities: Option<&PyReadonlyArray2<'_, f64>>,
-) -> PyResult<Option<Start>> {
+) -> PyResult<Option<InitialConfiguration>> {
     let positions = rows(py, "positions", positions)?;
     let velocities = rows(py, "velocities", velocities)?;
     match (positions, velocities) {
         (None, None) => Ok(None),
-        (Some(positions), Some(velocities)) => Ok(Some(Start {
+        (Some(positions), Some(velocities)) => Ok(Some(InitialConfiguration {
             positions,
             velocities,
         })),
         (None, Some(velocities)) => {
-            let generated = contained(|| Start::generate(drive));
+            let generated = contained(|| InitialConfiguration::generate(drive));
             let (generated, _) = describe::checked(py, generated)?;
-            Ok(Some(Start {
+            Ok(Some(InitialConfiguration {
                 positions: generated.positions,
                 velocities,
             }))

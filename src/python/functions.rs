@@ -13,7 +13,7 @@ use crate::error::{Error, check};
 use crate::force_law::{SurfacePair, elastic_forces, restitution_obtained as obtained};
 use crate::geometry::{Vec2, unit};
 use crate::integrator::{Adams, OdeSystem, StepControl};
-use crate::layout::Start;
+use crate::layout::InitialConfiguration;
 use crate::math::simd::InstructionSet;
 use crate::run::equilibrium::Equilibrium;
 
@@ -30,7 +30,7 @@ pub(super) fn instruction_set() -> &'static str {
 pub(super) fn layout<'py>(drive: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
     let py = drive.py();
     let description = describe::drive(drive)?;
-    let (_, layout) = describe::checked(py, Start::generate(&description))?;
+    let (_, layout) = describe::checked(py, InitialConfiguration::generate(&description))?;
     let found = PyDict::new(py);
     let numbered = |sprockets: &[usize]| sprockets.iter().map(|s| s + 1).collect::<Vec<_>>();
     let teeth: Vec<u32> = description.sprockets.iter().map(|s| s.teeth).collect();

@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 
 use super::describe;
-use crate::geometry::Curve;
+use crate::geometry::SurfaceCurve;
 
 /// Radii of the surfaces of whole teeth \[m\], from the seat outward: positive where hollow, negative where round, infinite where
 /// straight.
@@ -15,10 +15,10 @@ pub(super) fn tooth_radii(
     let described = describe::sprocket(sprocket, "sprocket")?;
     let chain = describe::chain(chain, "chain")?;
     let profile = describe::checked(sprocket.py(), described.tooth_profile(&chain))?;
-    let radius = |curve: &Curve| match curve {
-        Curve::Concave(arc) => arc.radius,
-        Curve::Convex(arc) => -arc.radius,
-        Curve::Straight(_) => f64::INFINITY,
+    let radius = |curve: &SurfaceCurve| match curve {
+        SurfaceCurve::Concave(arc) => arc.radius,
+        SurfaceCurve::Convex(arc) => -arc.radius,
+        SurfaceCurve::Straight(_) => f64::INFINITY,
     };
     let whole = profile.whole();
     Ok(whole.iter().map(|piece| radius(&piece.curve)).collect())

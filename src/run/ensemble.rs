@@ -12,7 +12,7 @@ use crate::chain::model::{ForceLaws, Model};
 use crate::drive::Drive;
 use crate::error::{Error, Result};
 use crate::integrator::StepControl;
-use crate::layout::Start;
+use crate::layout::InitialConfiguration;
 use crate::panics;
 use crate::run::recorder::Groups;
 use crate::run::simulation::{Simulation, check_reports};
@@ -28,7 +28,7 @@ pub struct Case {
     /// The force laws.
     pub laws: ForceLaws,
     /// Where it begins; `None`: as the generator lays the chain.
-    pub start: Option<Start>,
+    pub start: Option<InitialConfiguration>,
     /// How it is integrated.
     pub control: StepControl,
     /// Simulated time \[s\].
@@ -43,7 +43,7 @@ pub struct Case {
 #[derive(Debug, Clone)]
 pub struct Run {
     /// Where it began.
-    pub start: Start,
+    pub start: InitialConfiguration,
     /// Where it is, with recording, statistics and notes.
     pub simulation: Simulation,
 }
@@ -165,13 +165,13 @@ impl Case {
         check_reports(self.duration, self.report_step)?;
         let start = match &self.start {
             Some(start) => start.clone(),
-            None => Start::generate(&self.drive)?.0,
+            None => InitialConfiguration::generate(&self.drive)?.0,
         };
         let model = Model::compile(&self.drive, &self.laws, &start)?;
         let mut simulation = Simulation::new(Arc::new(model), &start, self.control)?;
         simulation.start_recording(self.duration, self.report_step, self.groups);
         let motion = simulation.motion();
-        let start = Start {
+        let start = InitialConfiguration {
             positions: motion.positions(),
             velocities: motion.velocities(),
         };

@@ -11,12 +11,12 @@ use std::sync::Arc;
 use crate::chain::dynamics::Dynamics;
 use crate::chain::model::{ForceLaws, Model, Rotation, SprocketModel};
 use crate::chain::motion::Motion as Places;
-use crate::drive::{ChainEnd, Drive, Motion, Mount, Tensioner, TimeTable};
+use crate::drive::{ChainEnd, Drive, Mount, SprocketMotion, Tensioner, TimeTable};
 use crate::error::{Error, Result};
 use crate::geometry::path::guide_path;
 use crate::geometry::{Vec2, turned_left, unit};
 use crate::integrator::OdeSystem;
-use crate::layout::{Layout, Start};
+use crate::layout::{InitialConfiguration, Layout};
 
 /// First γ \[s\]: a link falls by 10 nm.
 const FIRST_GAMMA: f64 = 3e-5;
@@ -53,7 +53,7 @@ const MOST_ITERATIONS: u32 = 100_000;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
     /// Positions at rest; velocities with which the drive runs on from there.
-    pub start: Start,
+    pub start: InitialConfiguration,
     /// Largest unbalanced force on a body, moments of links divided by half the pitch \[N\].
     pub residual: f64,
     /// Largest force of a contact \[N\].
@@ -68,12 +68,14 @@ fn held(drive: &Drive, layout: &Layout) -> Drive {
     for (sprocket, &speed) in held.sprockets.iter_mut().zip(&layout.speeds) {
         sprocket.initial_speed = None;
         sprocket.motion = match &sprocket.motion {
-            Motion::PrescribedSpeed(_) => Motion::PrescribedSpeed(0.0.into()),
-            Motion::AppliedTorque(torque) => Motion::AppliedTorque(torque.value(0.0).into()),
-            Motion::TorqueCurve { torque, curve } => {
-                Motion::AppliedTorque(TimeTable::from(torque.value(0.0) + curve.value(speed)))
+            SprocketMotion::PrescribedSpeed(_) => SprocketMotion::PrescribedSpeed(0.0.into()),
+            SprocketMotion::AppliedTorque(torque) => {
+                SprocketMotion::AppliedTorque(torque.value(0.0).into())
             }
-            Motion::Free => Motion::Free,
+            SprocketMotion::TorqueCurve { torque, curve } => SprocketMotion::AppliedTorque(
+                TimeTable::from(torque.value(0.0) + curve.value(speed)),
+            ),
+            SprocketMotion::Free => SprocketMotion::Free,
         };
     }
     for end in held.ends.iter_mut().flatten() {
@@ -97,8 +99,8 @@ fn held(drive: &Drive, layout: &Layout) -> Drive {
 
 /// Lays the chain with the tensioner where it has taken up the slack, or as near to that as it can be laid: a wheel that has far to
 /// go pulls the chain round all others, tooth by tooth.
-fn lay_taut(drive: &Drive, give_up: &dyn Fn() -> bool) -> Result<(Start, Layout)> {
-    let taut = |tensioner: &Tensioner| -> Option<(Start, Layout)> {
+fn lay_taut(drive: &Drive, give_up: &dyn Fn() -> bool) -> Result<(InitialConfiguration, Layout)> {
+    let taut = |tensioner: &Tensioner| -> Option<(InitialConfiguration, Layout)> {
         let line = tensioner.line(drive).ok()?;
         let [_, forth] = tensioner.travel;
         let farthest = line.taut_at?.min(forth);
@@ -110,12 +112,12 @@ fn lay_taut(drive: &Drive, give_up: &dyn Fn() -> bool) -> Result<(Start, Layout)
             there.tensioner = None;
             there.sprockets[tensioner.sprocket - 1].center +=
                 guide_path::along(line.direction, line.curvature, s).0;
-            Start::generate(&there).ok()
+            InitialConfiguration::generate(&there).ok()
         })
     };
     match drive.tensioner.as_ref().and_then(taut) {
         Some(laid) => Ok(laid),
-        None => Start::generate(drive),
+        None => InitialConfiguration::generate(drive),
     }
 }
 
@@ -138,7 +140,7 @@ impl Equilibrium {
         give_up: &dyn Fn() -> bool,
     ) -> Result<Self> {
         let (laid, layout) = lay_taut(drive, give_up)?;
-        let at_rest = Start {
+        let at_rest = InitialConfiguration {
             positions: laid.positions.clone(),
             velocities: vec![[0.0; 3]; laid.velocities.len()],
         };
@@ -169,7 +171,7 @@ impl Equilibrium {
             return Err(Error::Impossible(format!("start=\"static\": {why}")));
         }
         let mut start = if drive.ends.is_some() {
-            Start { positions, ..laid }
+            InitialConfiguration { positions, ..laid }
         } else {
             laid.moved_to(
                 positions,
@@ -218,7 +220,7 @@ struct Settling {
 }
 
 impl Settling {
-    fn new(model: Arc<Model>, start: &Start) -> Self {
+    fn new(model: Arc<Model>, start: &InitialConfiguration) -> Self {
         let mut places = Places::new(model.bodies());
         places.set(&start.positions, &start.velocities);
         let mut y = vec![0.0; 2 * model.coordinates];
@@ -326,7 +328,7 @@ impl Settling {
     /// With the forces' slope K, of all places and of the motors' angles, a change of -(M + γ² K)⁻¹ γ² K v takes out of v what the
     /// contacts would within γ; dashpots, which the matrix has too, make it take some rounds. Masses that are slower than that,
     /// such as a load's, keep their speed.
-    fn move_along_contacts(&mut self, start: &mut Start) {
+    fn move_along_contacts(&mut self, start: &mut InitialConfiguration) {
         for _ in 0..TRAVEL_ROUNDS {
             let fastest = start.velocities.iter().flat_map(|[x, y, _]| [x, y]);
             let fastest = fastest.fold(0.0, |most: f64, v| most.max(v.abs()));
@@ -337,7 +339,7 @@ impl Settling {
     }
 
     /// One round of that, with places after a `moment` \[s\]; false where the matrix is singular.
-    fn take_out_approaches(&mut self, start: &mut Start, moment: f64) -> bool {
+    fn take_out_approaches(&mut self, start: &mut InitialConfiguration, moment: f64) -> bool {
         let model = Arc::clone(self.dynamics.model());
         let coordinates = model.coordinates;
         let moved: Vec<[f64; 3]> = (start.positions.iter().zip(&start.velocities))

@@ -23,7 +23,7 @@ use crate::geometry::Vec2;
 use crate::integrator::{
     Adams, Corrector, Counts, MOST_STEPS, OdeSystem, Progress, StepControl, StepFailure,
 };
-use crate::layout::Start;
+use crate::layout::InitialConfiguration;
 use crate::panics::guarded;
 use crate::run::recorder::{Groups, OpenBalance, Recorder, Recording};
 
@@ -36,7 +36,7 @@ pub struct Simulation {
     inputs: Vec<Input>,
     dynamics: Dynamics,
     adams: Adams,
-    start: Start,
+    start: InitialConfiguration,
     /// Present time of the user \[s\]; the integrator may be ahead by a part of a step.
     now: f64,
     recorder: Option<Recorder>,
@@ -91,7 +91,11 @@ impl Simulation {
     ///
     /// # Errors
     /// When a control or the start does not fit.
-    pub fn new(model: Arc<Model>, start: &Start, control: StepControl) -> Result<Self> {
+    pub fn new(
+        model: Arc<Model>,
+        start: &InitialConfiguration,
+        control: StepControl,
+    ) -> Result<Self> {
         control.validate()?;
         check_start(&model, start)?;
         let compiled = Arc::clone(&model);
@@ -150,7 +154,7 @@ impl Simulation {
 
     /// Where the run began.
     #[must_use]
-    pub fn start(&self) -> &Start {
+    pub fn start(&self) -> &InitialConfiguration {
         &self.start
     }
 
@@ -607,7 +611,7 @@ fn check_rollers(dynamics: &Dynamics) -> Result<()> {
 }
 
 /// What ends of an open chain are told must agree with the velocities.
-fn check_ends(model: &Model, start: &Start) -> Result<()> {
+fn check_ends(model: &Model, start: &InitialConfiguration) -> Result<()> {
     for end in model.ends.iter().flat_map(|ends| &ends.bodies) {
         let Some(given) = end.given_velocity(0.0) else {
             continue;
@@ -628,7 +632,7 @@ fn check_ends(model: &Model, start: &Start) -> Result<()> {
 }
 
 /// No body may begin faster than a drive may be described to run.
-fn check_speeds(model: &Model, start: &Start) -> Result<()> {
+fn check_speeds(model: &Model, start: &InitialConfiguration) -> Result<()> {
     let field = |body: usize| format!("velocities of {}", model.body_names()[body]);
     for (body, [vx, vy, _]) in start.velocities.iter().enumerate() {
         if vx.hypot(*vy) > MOST_CHAIN_SPEED {
@@ -651,7 +655,7 @@ fn check_speeds(model: &Model, start: &Start) -> Result<()> {
 }
 
 /// Numbers, and what the supports and motors hold must agree with them.
-fn check_start(model: &Model, start: &Start) -> Result<()> {
+fn check_start(model: &Model, start: &InitialConfiguration) -> Result<()> {
     check_rows(model, "positions", &start.positions)?;
     check_rows(model, "velocities", &start.velocities)?;
     check_ends(model, start)?;

@@ -221,7 +221,7 @@ fn two_frictions_in_one_place_are_refused() {
         ..ForceLaws::default()
     };
     let drive = common::paper_drive();
-    let (start, _) = rustchain::layout::Start::generate(&drive).unwrap();
+    let (start, _) = rustchain::layout::InitialConfiguration::generate(&drive).unwrap();
     let refused = rustchain::Model::compile(&drive, &laws, &start).unwrap_err();
     assert!(refused.to_string().contains("hinge_friction"), "{refused}");
 }

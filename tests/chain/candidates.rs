@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rustchain::ForceLaws;
 use rustchain::chain::dynamics::Dynamics;
-use rustchain::drive::{Bearing, Drive, Motion, TimeTable};
+use rustchain::drive::{Bearing, Drive, SprocketMotion, TimeTable};
 use rustchain::force_law::{Damping, Elastic, Regions};
 use rustchain::geometry::{Seat, ToothProfile, Vec2, unit};
 use rustchain::integrator::OdeSystem;
@@ -109,7 +109,7 @@ fn elastic_hertz() -> ForceLaws {
 fn forward_and_backward_drives_miss_nothing_at_any_step() {
     for speed in [30.0, -30.0] {
         let mut drive = paper_drive();
-        drive.sprockets[0].motion = Motion::PrescribedSpeed(speed.into());
+        drive.sprockets[0].motion = SprocketMotion::PrescribedSpeed(speed.into());
         let met = run(&Scene::laid(&drive, &ForceLaws::default()), 1e-5, 0.04);
         assert!(met.contacts > 3 * met.steps && met.refreshes > 8, "{met:?}");
     }

@@ -138,7 +138,7 @@ fn articulation(coefficient: f64, pretension: f64, torque: f64) -> (f64, f64) {
     };
     let mut drive = common::paper_drive();
     drive.tensioner = Some(common::tensioner(pretension, 2e-3));
-    drive.sprockets[1].motion = rustchain::drive::Motion::AppliedTorque((-torque).into());
+    drive.sprockets[1].motion = rustchain::drive::SprocketMotion::AppliedTorque((-torque).into());
     let mut run = common::simulation(&drive, &laws, newton(1e-10));
     common::advance(&mut run, 0.04);
     let groups = Groups {

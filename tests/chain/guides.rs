@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use crate::common::layouts::{PITCH, drive_of, sprocket};
 use rustchain::chain::dynamics::Dynamics;
-use rustchain::drive::{Arm, Drive, Material, Motion, Mount, Rail, RailShape};
+use rustchain::drive::{Arm, Drive, Material, Mount, Rail, RailShape, SprocketMotion};
 use rustchain::geometry::Vec2;
 use rustchain::geometry::path::belt::Side;
 use rustchain::integrator::{Corrector, OdeSystem, StepControl};
-use rustchain::layout::{Start, closing_center_distance};
+use rustchain::layout::{InitialConfiguration, closing_center_distance};
 use rustchain::{Equilibrium, ForceLaws, Model, Simulation};
 
 /// Two sprockets of 17 teeth on a level, the chain a little slack.
@@ -22,14 +22,14 @@ fn level(links: u32, slack: f64) -> Drive {
                 0.0,
                 0.0,
                 Side::Inside,
-                Motion::PrescribedSpeed(10.0.into()),
+                SprocketMotion::PrescribedSpeed(10.0.into()),
             ),
             sprocket(
                 17,
                 taut - slack,
                 0.0,
                 Side::Inside,
-                Motion::AppliedTorque((-1.0).into()),
+                SprocketMotion::AppliedTorque((-1.0).into()),
             ),
         ],
         links,
@@ -75,7 +75,7 @@ fn force_of_guide(drive: &Drive, g: usize) -> (Vec2, f64, Equilibrium) {
     let rest = Equilibrium::find(drive, &laws).unwrap();
     let mut still = drive.clone();
     for sprocket in &mut still.sprockets {
-        if let Motion::PrescribedSpeed(speed) = &mut sprocket.motion {
+        if let SprocketMotion::PrescribedSpeed(speed) = &mut sprocket.motion {
             *speed = 0.0.into();
         }
     }
@@ -266,12 +266,14 @@ fn a_blade_begins_clear_of_the_chain_and_a_rail_in_it_is_refused() {
     let mut near = blade(&drive, None, 20.0);
     near.center.y = -0.045;
     drive.guides = vec![near];
-    let (start, layout) = Start::generate(&drive).unwrap();
+    let (start, layout) = InitialConfiguration::generate(&drive).unwrap();
     assert!(start.positions.last().unwrap()[2] < near.angle());
     assert!(layout.start_gap > 0.0);
     drive.guides[0].mount = Mount::Fixed;
     drive.guides[0].center.y = -0.05;
-    let message = Start::generate(&drive).unwrap_err().to_string();
+    let message = InitialConfiguration::generate(&drive)
+        .unwrap_err()
+        .to_string();
     assert!(
         message.contains("guide 1 stands in the laid chain by"),
         "{message}"
@@ -334,7 +336,7 @@ fn a_strand_lies_in_a_hollow_rail() {
     // Two level shafts in gravity, and a trough pressed up into the slack lower strand.
     let mut drive = level(60, 2e-3);
     drive.gravity = Vec2::new(0.0, -9.81);
-    let lowest = Start::generate(&drive).unwrap().0.positions[..60]
+    let lowest = InitialConfiguration::generate(&drive).unwrap().0.positions[..60]
         .iter()
         .fold(0.0, |low: f64, p| low.min(p[1]));
     drive.guides = vec![Rail {
@@ -387,7 +389,7 @@ fn a_strand_lies_in_a_hollow_rail() {
 #[test]
 fn the_layout_says_where_guides_begin_and_refuses_one_in_a_sprocket() {
     let drive = guided();
-    let (_, layout) = Start::generate(&drive).unwrap();
+    let (_, layout) = InitialConfiguration::generate(&drive).unwrap();
     let [blade, rail, idler] = layout.guides.as_slice() else {
         panic!("three guides");
     };
@@ -401,14 +403,16 @@ fn the_layout_says_where_guides_begin_and_refuses_one_in_a_sprocket() {
     assert!((6..=8).contains(&rail.bushings), "{rail:?}");
     let mut wrong = drive.clone();
     wrong.guides[2].center = wrong.sprockets[1].center;
-    let message = Start::generate(&wrong).unwrap_err().to_string();
+    let message = InitialConfiguration::generate(&wrong)
+        .unwrap_err()
+        .to_string();
     assert!(
         message.contains("guide 3 stands in sprocket 2 by"),
         "{message}"
     );
     let mut lost = drive.clone();
     lost.guides[1].center.y += 0.1;
-    let (_, layout) = Start::generate(&lost).unwrap();
+    let (_, layout) = InitialConfiguration::generate(&lost).unwrap();
     let told = layout
         .warnings
         .iter()

@@ -3,7 +3,7 @@
 use crate::common;
 use crate::common::{advance, control, energies, paper_drive, simulation, tensioner};
 use rustchain::chain::model::Quantity;
-use rustchain::drive::{Drive, Motion, TimeTable};
+use rustchain::drive::{Drive, SprocketMotion, TimeTable};
 use rustchain::integrator::StepControl;
 use rustchain::{ForceLaws, Simulation, Snapshot};
 
@@ -73,7 +73,7 @@ fn a_torque_that_is_set_does_what_the_same_step_in_a_table_does() {
         let rows = [(set_at - 1e-9, 0.0), (set_at, torque)];
         let mut drive = paper_drive();
         drive.sprockets[DRIVEN].motion =
-            Motion::AppliedTorque(TimeTable::new("torque", "N m", &rows).unwrap());
+            SprocketMotion::AppliedTorque(TimeTable::new("torque", "N m", &rows).unwrap());
         let mut described = run_of(&drive, control);
         advance(&mut described, end);
         let (set, described) = (run.motion().positions(), described.motion().positions());

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rustchain::ForceLaws;
 use rustchain::chain::dynamics::Dynamics;
-use rustchain::drive::{Bearing, Chain, Drive, Motion};
+use rustchain::drive::{Bearing, Chain, Drive, SprocketMotion};
 use rustchain::force_law::{Damping, Elastic, Regions};
 use rustchain::integrator::{Adams, OdeSystem, Step};
 use rustchain::math::simd::InstructionSet;
@@ -27,7 +27,7 @@ fn scene(number: usize, laws: &ForceLaws) -> Scene {
         2 => {
             let mut drive = paper_drive();
             drive.sprockets[1].bearing = Bearing::Floating;
-            drive.sprockets[0].motion = Motion::AppliedTorque(1.5.into());
+            drive.sprockets[0].motion = SprocketMotion::AppliedTorque(1.5.into());
             drive
         }
         3 => geared_drive([17, 17], 40, 30.0),

@@ -7,16 +7,16 @@ use crate::common::scenes::{Noise, Scene, laws};
 use crate::common::twins::compare;
 use crate::common::{advance, channel, control, record, simulation};
 use nalgebra::{DMatrix, DVector};
-use rustchain::drive::{ChainEnd, Drive, LinkStiffness, Motion, TimeTable};
+use rustchain::drive::{ChainEnd, Drive, LinkStiffness, SprocketMotion, TimeTable};
 use rustchain::force_law::{Damping, Elastic, Friction, Regions, Regularization};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{OdeSystem, SecondOrderSystem, StepControl};
-use rustchain::layout::Start;
+use rustchain::layout::InitialConfiguration;
 use rustchain::math::simd::InstructionSet;
 use rustchain::{ForceLaws, Groups, Model, Simulation, Snapshot};
 
 const GRAVITY: f64 = 9.81;
-const STILL: Motion = Motion::Free;
+const STILL: SprocketMotion = SprocketMotion::Free;
 
 /// A chain without ends, dropped from the curve on which it hung.
 fn dropped() -> Drive {
@@ -31,7 +31,7 @@ fn dropped() -> Drive {
 fn a_dropped_chain_falls_with_its_momentum() {
     for control in [control(1e-8), newton(1e-10)] {
         let drive = dropped();
-        let (mut start, _) = Start::generate(&drive).unwrap();
+        let (mut start, _) = InitialConfiguration::generate(&drive).unwrap();
         let mut noise = Noise(5);
         for velocity in &mut start.velocities[..20] {
             *velocity = [0.2 * noise.sign(), 0.2 * noise.sign(), 10.0 * noise.sign()];
@@ -185,9 +185,9 @@ fn a_hanging_chain_swings_at_the_zeros_of_bessels_function() {
 fn the_energy_of_a_hoist_and_of_a_moved_strand_is_accounted_for() {
     // A motor lifts 10 kg, gently enough for the chain to stay on its wheel.
     let speed = TimeTable::new("speed", "rad/s", &[(0.0, 0.0), (0.02, 4.0)]).unwrap();
-    let lifting = hoist(60, 24, 10.0, Motion::PrescribedSpeed(speed));
+    let lifting = hoist(60, 24, 10.0, SprocketMotion::PrescribedSpeed(speed));
     // A torque that gives way to the load.
-    let lowering = hoist(60, 24, 10.0, Motion::AppliedTorque(2.0.into()));
+    let lowering = hoist(60, 24, 10.0, SprocketMotion::AppliedTorque(2.0.into()));
     let shaken = {
         let x =
             TimeTable::new("velocity", "m/s", &[(0.0, 0.0), (0.01, 0.5), (0.02, -0.5)]).unwrap();
@@ -295,9 +295,9 @@ fn scenes() -> Vec<Drive> {
         strand(27, [anchor(0.0, 0.0), ChainEnd::load(2.0, 1e-4)]),
         dropped(),
         hoist(40, 14, 3.0, STILL),
-        hoist(41, 16, 3.0, Motion::PrescribedSpeed(4.0.into())),
+        hoist(41, 16, 3.0, SprocketMotion::PrescribedSpeed(4.0.into())),
         {
-            let mut drive = hoist(46, 14, 3.0, Motion::AppliedTorque(1.0.into()));
+            let mut drive = hoist(46, 14, 3.0, SprocketMotion::AppliedTorque(1.0.into()));
             drive.ends.as_mut().unwrap()[0] = ChainEnd::loose();
             drive.ends.as_mut().unwrap()[1] = ChainEnd::Load {
                 mass: 1.0,
@@ -311,7 +311,12 @@ fn scenes() -> Vec<Drive> {
         tightened(30.0),
         rolling(strand(12, [anchor(0.0, 0.0), ChainEnd::loose()])),
         rolling(strand(13, [ChainEnd::load(0.3, 1e-5), anchor(0.0, 0.0)])),
-        rolling(hoist(41, 16, 3.0, Motion::PrescribedSpeed(4.0.into()))),
+        rolling(hoist(
+            41,
+            16,
+            3.0,
+            SprocketMotion::PrescribedSpeed(4.0.into()),
+        )),
         rolling(tightened(30.0)),
     ]
 }

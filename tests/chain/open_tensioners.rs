@@ -4,10 +4,10 @@ use crate::common;
 use crate::common::checks::{is_warned_of, rests_with};
 use crate::common::open::{at_rest, first_row, hoist, tensions, tightened};
 use crate::common::{channel, energies};
-use rustchain::drive::{ChainEnd, Drive, Motion, Tensioner};
+use rustchain::drive::{ChainEnd, Drive, SprocketMotion, Tensioner};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::StepControl;
-use rustchain::layout::Start;
+use rustchain::layout::InitialConfiguration;
 use rustchain::{Equilibrium, ForceLaws};
 
 fn tensions_at_rest(drive: &Drive) -> (Equilibrium, Vec<f64>) {
@@ -41,7 +41,7 @@ fn every_strand_between_two_pins_gets_the_tension_that_is_asked_for() {
 #[test]
 fn a_stop_before_the_slack_is_taken_up_is_warned_of() {
     let mut drive = tightened(80.0);
-    let (_, free) = Start::generate(&drive).unwrap();
+    let (_, free) = InitialConfiguration::generate(&drive).unwrap();
     assert!(
         free.warnings.iter().all(|w| !w.contains("tensioner")),
         "{:?}",
@@ -53,7 +53,7 @@ fn a_stop_before_the_slack_is_taken_up_is_warned_of() {
 
 /// A wheel over which a load hangs, carried by a tensioner with a spring.
 fn fork_lift(pretension: f64) -> Drive {
-    let mut drive = hoist(40, 14, 10.0, Motion::Free);
+    let mut drive = hoist(40, 14, 10.0, SprocketMotion::Free);
     drive.ends.as_mut().unwrap()[0] = ChainEnd::Anchor {
         position: Vec2::new(-0.06, -0.2),
         velocity: [0.0.into(), 0.0.into()],
@@ -73,7 +73,7 @@ fn a_tensioner_carries_its_wheel_the_chain_and_what_hangs_from_it() {
     for pretension in [115.0, 130.0] {
         let mut drive = fork_lift(pretension);
         drive.tensioner.as_mut().unwrap().ramp_time = 0.0;
-        let (_, layout) = Start::generate(&drive).unwrap();
+        let (_, layout) = InitialConfiguration::generate(&drive).unwrap();
         let (mut run, rest) = at_rest(&drive, &ForceLaws::default(), StepControl::default());
         let row = first_row(&mut run);
         let links = drive.chain.links as usize;
@@ -112,6 +112,8 @@ fn the_energy_of_a_tightened_open_chain_is_accounted_for() {
 fn a_tensioner_that_would_slacken_the_chain_is_refused() {
     let mut drive = tightened(60.0);
     drive.tensioner.as_mut().unwrap().direction = Some(-Vec2::y());
-    let refusal = Start::generate(&drive).unwrap_err().to_string();
+    let refusal = InitialConfiguration::generate(&drive)
+        .unwrap_err()
+        .to_string();
     assert!(refusal.contains("must tighten the chain"), "{refusal}");
 }

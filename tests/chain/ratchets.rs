@@ -2,7 +2,7 @@
 
 use crate::common;
 use crate::common::{advance, control, paper_drive, simulation, tensioner};
-use rustchain::drive::{Arm, Drive, Motion, Mount, Rail, RailShape, Tensioner};
+use rustchain::drive::{Arm, Drive, Mount, Rail, RailShape, SprocketMotion, Tensioner};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, StepControl};
 use rustchain::{ForceLaws, Groups, Snapshot};
@@ -14,7 +14,7 @@ fn pulled_back(ratchet: Option<f64>) -> Drive {
     let load =
         rustchain::drive::TimeTable::new("load", "N m", &[(0.0, 0.0), (0.008, 0.0), (0.012, -2.0)])
             .unwrap();
-    drive.sprockets[1].motion = Motion::AppliedTorque(load);
+    drive.sprockets[1].motion = SprocketMotion::AppliedTorque(load);
     drive.tensioner = Some(Tensioner {
         damping: 100.0,
         ratchet,
@@ -92,7 +92,7 @@ fn the_energy_balance_closes_with_a_ratchet() {
 fn both_methods_agree_with_a_ratchet() {
     // Held from the first moment: a pull of nothing, and a load that draws the sprockets together.
     let mut drive = pulled_back(Some(0.0));
-    drive.sprockets[1].motion = Motion::AppliedTorque((-2.0).into());
+    drive.sprockets[1].motion = SprocketMotion::AppliedTorque((-2.0).into());
     drive.tensioner.as_mut().unwrap().pretension = 0.0;
     let explicit = control(1e-9);
     let implicit = StepControl {

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use crate::common::checks::{is_warned_of, rests_with};
 use crate::common::layouts::{PITCH, three_shafts};
 use crate::common::open::tensions;
-use rustchain::drive::{Drive, Motion, Tensioner};
+use rustchain::drive::{Drive, SprocketMotion, Tensioner};
 use rustchain::geometry::Vec2;
-use rustchain::layout::Start;
+use rustchain::layout::InitialConfiguration;
 use rustchain::{Equilibrium, ForceLaws, Model, Simulation};
 
 /// Tension of every strand of a drive at rest \[N\].
@@ -17,7 +17,7 @@ fn tensions_at_rest(drive: &Drive) -> (Equilibrium, Vec<f64>) {
     let rest = Equilibrium::find(drive, &laws).unwrap();
     let mut held = drive.clone();
     for sprocket in &mut held.sprockets {
-        if let Motion::PrescribedSpeed(speed) = &mut sprocket.motion {
+        if let SprocketMotion::PrescribedSpeed(speed) = &mut sprocket.motion {
             *speed = 0.0.into();
         }
     }
@@ -70,7 +70,7 @@ fn a_stop_before_the_slack_is_taken_up_is_warned_of_and_bears_the_pull() {
         travel: [0.0, 5e-3],
         ..tensioner(4, 80.0)
     });
-    let (_, layout) = Start::generate(&drive).unwrap();
+    let (_, layout) = InitialConfiguration::generate(&drive).unwrap();
     is_warned_of(&drive, "can by 5.000 mm");
     let (rest, tension) = tensions_at_rest(&drive);
     let sprocket = rest.start.positions[drive.chain.links as usize + 3];
@@ -90,11 +90,11 @@ fn a_slack_strand_comes_to_rest_on_its_catenary() {
     drive.chain.links = 60;
     let taut = rustchain::layout::closing_center_distance(PITCH, [17, 17], 60).unwrap();
     drive.sprockets[1].center.x = taut - 2e-3;
-    drive.sprockets[1].motion = Motion::AppliedTorque((-2.0).into());
+    drive.sprockets[1].motion = SprocketMotion::AppliedTorque((-2.0).into());
     let (rest, _) = tensions_at_rest(&drive);
     assert!(rest.residual < 1e-4);
     // The hanging strand: hinges of links near mid-span.
-    let (_, layout) = Start::generate(&drive).unwrap();
+    let (_, layout) = InitialConfiguration::generate(&drive).unwrap();
     let links: Vec<&[f64; 3]> = rest.start.positions[..60]
         .iter()
         .filter(|p| p[1] < 0.0 && p[0] > 0.02 && p[0] < taut - 0.02)
@@ -119,7 +119,7 @@ fn slack_strands_of_any_sag_and_load_come_to_rest() {
             let mut drive = common::paper_drive();
             drive.chain.links = 60;
             drive.sprockets[1].center.x = taut - slack;
-            drive.sprockets[1].motion = Motion::AppliedTorque(torque.into());
+            drive.sprockets[1].motion = SprocketMotion::AppliedTorque(torque.into());
             let rest = Equilibrium::find(&drive, &ForceLaws::default()).unwrap();
             assert!(rest.residual < 1e-4 * rest.largest_force);
             assert!(
@@ -134,7 +134,7 @@ fn slack_strands_of_any_sag_and_load_come_to_rest() {
 #[test]
 fn a_torque_that_nothing_holds_has_no_rest() {
     let mut drive = common::paper_drive();
-    drive.sprockets[0].motion = Motion::AppliedTorque(1.0.into());
+    drive.sprockets[0].motion = SprocketMotion::AppliedTorque(1.0.into());
     let error = Equilibrium::find(&drive, &ForceLaws::default()).unwrap_err();
     assert!(
         error.to_string().contains("does not come to rest"),

@@ -5,13 +5,13 @@ use std::f64::consts::PI;
 use crate::common::paper_chain;
 use crate::common::scenes::Noise;
 use rustchain::drive::{
-    AnsiTooth, Bearing, Chain, CustomTooth, Faults, IsoTooth, Motion, Sprocket, StraightTooth, Tip,
-    ToothForm,
+    AnsiTooth, Bearing, Chain, CustomTooth, Faults, IsoTooth, Sprocket, SprocketMotion,
+    StraightTooth, Tip, ToothForm,
 };
 use rustchain::geometry::path::belt::Side;
 use rustchain::geometry::{
-    Blank, Curve, Damage, IsoGap, OutlinePiece, Piece, Seat, ToothProfile, Vec2, iso_tip_diameters,
-    unit,
+    Blank, Damage, IsoGap, OutlinePiece, Seat, SurfaceCurve, SurfacePiece, ToothProfile, Vec2,
+    iso_tip_diameters, unit,
 };
 
 /// Rounding of a coordinate of a gap, a few roller diameters, over about ten operations.
@@ -49,7 +49,7 @@ fn sprocket(form: ToothForm, teeth: u32, damage: Vec<Damage>) -> Sprocket {
     Sprocket {
         teeth,
         center: Vec2::zeros(),
-        motion: Motion::Free,
+        motion: SprocketMotion::Free,
         profile: form,
         mass: None,
         inertia: None,
@@ -84,7 +84,7 @@ fn profiles() -> Vec<ToothProfile> {
     all
 }
 
-fn distance_from(piece: &Piece, point: Vec2) -> f64 {
+fn distance_from(piece: &SurfacePiece, point: Vec2) -> f64 {
     piece.curve.depth(point, 0.0).0.abs()
 }
 
@@ -142,7 +142,7 @@ fn an_iso_flank_begins_where_the_standard_has_it() {
             let (sin, cos) = (0.5 * alpha).sin_cos();
             let end = Vec2::new(ri * sin, -ri * cos);
             assert!((seat.end - end).norm() <= ROUNDING * d1);
-            let Curve::Convex(arc) = flank.curve else {
+            let SurfaceCurve::Convex(arc) = flank.curve else {
                 panic!()
             };
             let center = Vec2::new((ri + re) * sin, -(ri + re) * cos);
@@ -347,9 +347,9 @@ fn custom(teeth: u32, gap: f64) -> CustomTooth {
         panic!()
     };
     let up = Vec2::new(0.0, profile.seat_center_radius);
-    let center = |piece: &Piece| match piece.curve {
-        Curve::Concave(arc) | Curve::Convex(arc) => arc.center,
-        Curve::Straight(_) => panic!(),
+    let center = |piece: &SurfacePiece| match piece.curve {
+        SurfaceCurve::Concave(arc) | SurfaceCurve::Convex(arc) => arc.center,
+        SurfaceCurve::Straight(_) => panic!(),
     };
     let lift = Vec2::new(0.0, gap);
     CustomTooth {
@@ -371,7 +371,7 @@ fn custom(teeth: u32, gap: f64) -> CustomTooth {
             start: flank.start + up + lift,
             // Past the edge, which the cut makes anew.
             end: up + lift + center(flank) + {
-                let Curve::Convex(arc) = flank.curve else {
+                let SurfaceCurve::Convex(arc) = flank.curve else {
                     panic!()
                 };
                 arc.radius * (edge.end - center(flank)).normalize()

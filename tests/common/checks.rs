@@ -4,7 +4,7 @@ use rustchain::chain::dynamics::{Dynamics, Losses};
 use rustchain::drive::Drive;
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, OdeSystem, SecondOrderSystem, StepControl};
-use rustchain::layout::Start;
+use rustchain::layout::InitialConfiguration;
 use rustchain::math::simd::InstructionSet;
 use rustchain::{Equilibrium, ForceLaws, Simulation};
 
@@ -56,7 +56,7 @@ pub fn rests_with(asked: f64, name: &str, (rest, tensions): (Equilibrium, Vec<f6
 
 /// Asserts that the layout of a drive is warned of with this text.
 pub fn is_warned_of(drive: &Drive, text: &str) {
-    let (_, layout) = Start::generate(drive).unwrap();
+    let (_, layout) = InitialConfiguration::generate(drive).unwrap();
     let warned = layout.warnings.iter().any(|found| found.contains(text));
     assert!(warned, "{:?}", layout.warnings);
 }
@@ -127,7 +127,7 @@ pub fn floating(laws: &ForceLaws, how: StepControl) -> Simulation {
     let mut drive = super::paper_drive();
     drive.gravity = Vec2::zeros();
     for (sprocket, speed) in drive.sprockets.iter_mut().zip([12.0, 18.0]) {
-        sprocket.motion = rustchain::drive::Motion::Free;
+        sprocket.motion = rustchain::drive::SprocketMotion::Free;
         sprocket.initial_speed = Some(speed);
         sprocket.bearing = rustchain::drive::Bearing::Floating;
     }

@@ -1,8 +1,8 @@
 //! Layouts of many sprockets that several tests use.
 
 use rustchain::drive::{
-    AnsiTooth, Arm, Bearing, Drive, Faults, Motion, Mount, Rail, RailShape, Sprocket, Tensioner,
-    Tip,
+    AnsiTooth, Arm, Bearing, Drive, Faults, Mount, Rail, RailShape, Sprocket, SprocketMotion,
+    Tensioner, Tip,
 };
 use rustchain::geometry::path::belt::Side;
 use rustchain::geometry::{Seat, Vec2};
@@ -10,7 +10,7 @@ use rustchain::layout::links_around;
 
 pub const PITCH: f64 = 0.0127;
 
-pub fn sprocket(teeth: u32, x: f64, y: f64, side: Side, motion: Motion) -> Sprocket {
+pub fn sprocket(teeth: u32, x: f64, y: f64, side: Side, motion: SprocketMotion) -> Sprocket {
     Sprocket {
         teeth,
         center: Vec2::new(x, y),
@@ -54,11 +54,11 @@ pub fn three_shafts() -> Drive {
                 0.0,
                 0.0,
                 Side::Inside,
-                Motion::PrescribedSpeed(20.0.into()),
+                SprocketMotion::PrescribedSpeed(20.0.into()),
             ),
-            sprocket(25, 0.35, -0.05, Side::Inside, Motion::Free),
-            sprocket(21, 0.25, 0.22, Side::Inside, Motion::Free),
-            sprocket(13, 0.092, 0.107, Side::Outside, Motion::Free),
+            sprocket(25, 0.35, -0.05, Side::Inside, SprocketMotion::Free),
+            sprocket(21, 0.25, 0.22, Side::Inside, SprocketMotion::Free),
+            sprocket(13, 0.092, 0.107, Side::Outside, SprocketMotion::Free),
         ],
         100,
     );
@@ -70,9 +70,9 @@ pub fn three_shafts() -> Drive {
 /// on an arm that presses on the lowest strand.
 pub fn guided_shafts() -> Drive {
     let mut drive = three_shafts();
-    drive.sprockets[0].motion = Motion::PrescribedSpeed((-40.0).into());
+    drive.sprockets[0].motion = SprocketMotion::PrescribedSpeed((-40.0).into());
     for shaft in [1, 2] {
-        drive.sprockets[shaft].motion = Motion::AppliedTorque(2.0.into());
+        drive.sprockets[shaft].motion = SprocketMotion::AppliedTorque(2.0.into());
         drive.sprockets[shaft].load_inertia = 5e-3;
     }
     drive.tensioner = Some(Tensioner {

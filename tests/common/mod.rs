@@ -15,13 +15,13 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use rustchain::drive::{
-    AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Faults, Link, Material, Motion, Roller,
-    Sprocket, Tensioner, Variation,
+    AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Faults, Link, Material, Roller, Sprocket,
+    SprocketMotion, Tensioner, Variation,
 };
 use rustchain::geometry::path::belt::Side;
 use rustchain::geometry::{Seat, Vec2};
 use rustchain::integrator::{Corrector, StepControl};
-use rustchain::layout::{Start, closing_center_distance};
+use rustchain::layout::{InitialConfiguration, closing_center_distance};
 use rustchain::{ForceLaws, Groups, Model, Recording, Simulation, Values};
 
 /// The chain of the paper's drive.
@@ -87,7 +87,7 @@ pub fn roller_drive() -> Drive {
 pub fn paper_drive() -> Drive {
     let chain = paper_chain();
     let distance = closing_center_distance(chain.pitch, [17, 17], chain.links).unwrap();
-    let sprocket = |x: f64, motion: Motion| Sprocket {
+    let sprocket = |x: f64, motion: SprocketMotion| Sprocket {
         teeth: 17,
         center: Vec2::new(x, 0.0),
         motion,
@@ -104,9 +104,12 @@ pub fn paper_drive() -> Drive {
         side: Side::Inside,
         load_inertia: 0.0,
     };
-    let driver = Motion::PrescribedSpeed((4.0 * std::f64::consts::PI).into());
+    let driver = SprocketMotion::PrescribedSpeed((4.0 * std::f64::consts::PI).into());
     Drive {
-        sprockets: vec![sprocket(0.0, driver), sprocket(distance, Motion::Free)],
+        sprockets: vec![
+            sprocket(0.0, driver),
+            sprocket(distance, SprocketMotion::Free),
+        ],
         chain,
         tensioner: None,
         gravity: Vec2::new(0.0, -9.81),
@@ -144,7 +147,7 @@ pub fn control(tolerance: f64) -> StepControl {
 
 /// A run of `drive` from its generated start.
 pub fn simulation(drive: &Drive, laws: &ForceLaws, control: StepControl) -> Simulation {
-    let (start, _) = Start::generate(drive).unwrap();
+    let (start, _) = InitialConfiguration::generate(drive).unwrap();
     let model = Arc::new(Model::compile(drive, laws, &start).unwrap());
     Simulation::new(model, &start, control).unwrap()
 }

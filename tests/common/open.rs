@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use rustchain::drive::{ChainEnd, Drive, Motion};
+use rustchain::drive::{ChainEnd, Drive, SprocketMotion};
 use rustchain::geometry::Vec2;
 use rustchain::geometry::path::belt::Side;
 use rustchain::integrator::StepControl;
@@ -18,7 +18,7 @@ pub fn strand(links: u32, ends: [ChainEnd; 2]) -> Drive {
 }
 
 /// Over a wheel of 13 teeth: pinned on its left, so many links of the slack side, a load on its right.
-pub fn hoist(links: u32, slack: u32, load: f64, motion: Motion) -> Drive {
+pub fn hoist(links: u32, slack: u32, load: f64, motion: SprocketMotion) -> Drive {
     let mut drive = drive_of(vec![sprocket(13, 0.0, 0.0, Side::Inside, motion)], links);
     drive.ends = Some([
         ChainEnd::Anchor {
@@ -65,8 +65,8 @@ pub fn tensions(simulation: &mut Simulation, strands: usize) -> Vec<f64> {
 pub fn tightened(tension: f64) -> Drive {
     let mut drive = drive_of(
         vec![
-            sprocket(15, 0.1, 0.12, Side::Inside, Motion::Free),
-            sprocket(17, 0.25, 0.12, Side::Inside, Motion::Free),
+            sprocket(15, 0.1, 0.12, Side::Inside, SprocketMotion::Free),
+            sprocket(17, 0.25, 0.12, Side::Inside, SprocketMotion::Free),
         ],
         44,
     );

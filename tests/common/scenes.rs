@@ -5,12 +5,12 @@ use std::sync::Arc;
 use rustchain::chain::dynamics::Dynamics;
 use rustchain::chain::motion::Motion as Motions;
 use rustchain::drive::{
-    AnsiTooth, Bearing, Drive, IsoTooth, Motion, StraightTooth, TimeTable, Tip, ToothForm,
+    AnsiTooth, Bearing, Drive, IsoTooth, SprocketMotion, StraightTooth, TimeTable, Tip, ToothForm,
 };
 use rustchain::force_law::{Damping, Elastic, ForceLaw, Regions};
 use rustchain::geometry::{Damage, Seat, Surface, Vec2, unit};
 use rustchain::integrator::{Adams, StepControl};
-use rustchain::layout::{Start, closing_center_distance};
+use rustchain::layout::{InitialConfiguration, closing_center_distance};
 use rustchain::{ForceLaws, Model};
 
 /// The paper's chain round sprockets of other sizes, the first one driven at `speed` \[rad/s\].
@@ -24,7 +24,7 @@ pub fn geared_drive(teeth: [u32; 2], links: u32, speed: impl Into<TimeTable>) ->
         sprocket.inertia = None;
     }
     drive.sprockets[1].center = Vec2::new(distance, 0.0);
-    drive.sprockets[0].motion = Motion::PrescribedSpeed(speed.into());
+    drive.sprockets[0].motion = SprocketMotion::PrescribedSpeed(speed.into());
     drive
 }
 
@@ -122,7 +122,11 @@ pub struct Scene {
 impl Scene {
     /// The drive as it is laid.
     pub fn laid(drive: &Drive, laws: &ForceLaws) -> Self {
-        Self::of(drive, laws, &Start::generate(drive).unwrap().0)
+        Self::of(
+            drive,
+            laws,
+            &InitialConfiguration::generate(drive).unwrap().0,
+        )
     }
 
     /// A closed ring of few links, seated all round one sprocket of as many teeth and beside another, floating one.
@@ -141,14 +145,14 @@ impl Scene {
         let mut positions: Vec<[f64; 3]> = (0..links).map(link).collect();
         positions.push([0.0, 0.0, 0.5 * turn]);
         positions.push([1.5 * drive.chain.pitch, 0.0, 0.1]);
-        let start = Start {
+        let start = InitialConfiguration {
             velocities: vec![[0.0; 3]; positions.len()],
             positions,
         };
         Self::of(&drive, laws, &start)
     }
 
-    fn of(drive: &Drive, laws: &ForceLaws, start: &Start) -> Self {
+    fn of(drive: &Drive, laws: &ForceLaws, start: &InitialConfiguration) -> Self {
         let model = Arc::new(Model::compile(drive, laws, start).unwrap());
         let mut motion = Motions::new(model.bodies());
         motion.set(&start.positions, &start.velocities);

@@ -9,7 +9,7 @@ use rustchain::chain::contact::on_teeth;
 use rustchain::chain::dynamics::Dynamics;
 use rustchain::chain::model::{Rotation, Support};
 use rustchain::force_law::{Conformal, ElasticLaw, Hertz, Logarithmic, PairTable, Power, Regions};
-use rustchain::geometry::{Curve, Surface};
+use rustchain::geometry::{Surface, SurfaceCurve};
 use rustchain::integrator::OdeSystem;
 
 const UNIT: f64 = f64::EPSILON;
@@ -303,9 +303,9 @@ fn tooth_errors(dynamics: &Dynamics, pair: usize) -> Errors {
     let depth = teeth.penetration[pair];
     let radius = model.contact_radius;
     let distance = match profile.surfaces()[teeth.surface[pair].index()].curve {
-        Curve::Concave(arc) => depth + arc.radius - radius,
-        Curve::Straight(_) => f64::INFINITY,
-        Curve::Convex(arc) => arc.radius + radius - depth,
+        SurfaceCurve::Concave(arc) => depth + arc.radius - radius,
+        SurfaceCurve::Straight(_) => f64::INFINITY,
+        SurfaceCurve::Convex(arc) => arc.radius + radius - depth,
     };
     let rate = teeth.rate[pair];
     let number = model.tooth_pair(s, stiffness_surface(dynamics, pair));

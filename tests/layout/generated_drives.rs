@@ -6,12 +6,12 @@ use std::f64::consts::PI;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rustchain::drive::{
-    AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Faults, Link, Material, Motion, Sprocket,
-    Variation,
+    AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Faults, Link, Material, Sprocket,
+    SprocketMotion, Variation,
 };
 use rustchain::geometry::path::belt::Side;
 use rustchain::geometry::{Seat, ToothProfile, Vec2, turned_left, unit};
-use rustchain::layout::{Layout, Start, closing_center_distance, links_for};
+use rustchain::layout::{InitialConfiguration, Layout, closing_center_distance, links_for};
 use rustchain::{Error, ForceLaws, Simulation};
 
 /// A drive in a few numbers.
@@ -109,7 +109,7 @@ impl Choice {
             link_stiffness: None,
             carried: Vec::new(),
         };
-        let sprocket = |number: usize, motion: Motion| Sprocket {
+        let sprocket = |number: usize, motion: SprocketMotion| Sprocket {
             teeth: self.teeth[number],
             center: self.origin + number as f64 * center_distance * unit(self.tilt),
             motion,
@@ -128,8 +128,8 @@ impl Choice {
         };
         Drive {
             sprockets: vec![
-                sprocket(0, Motion::PrescribedSpeed(self.speed.into())),
-                sprocket(1, Motion::Free),
+                sprocket(0, SprocketMotion::PrescribedSpeed(self.speed.into())),
+                sprocket(1, SprocketMotion::Free),
             ],
             chain,
             tensioner: None,
@@ -151,7 +151,7 @@ fn config() -> ProptestConfig {
 }
 
 /// The two hinges of link `link`, rear and front, and their velocities, from the body's own motion.
-fn ends(start: &Start, link: usize, pitch: f64) -> [(Vec2, Vec2); 2] {
+fn ends(start: &InitialConfiguration, link: usize, pitch: f64) -> [(Vec2, Vec2); 2] {
     let ([x, y, angle], [vx, vy, spin]) = (start.positions[link], start.velocities[link]);
     [-0.5, 0.5].map(|share| {
         let arm = share * pitch * unit(angle);
@@ -175,7 +175,7 @@ fn least_opening(choice: &Choice) -> f64 {
 
 /// Asserts all that a start promises; `loose`: what hinges may open by \[m\].
 fn assert_good(choice: &Choice, drive: &Drive, loose: f64) {
-    let (start, layout) = Start::generate(drive).unwrap();
+    let (start, layout) = InitialConfiguration::generate(drive).unwrap();
     let n = drive.chain.links as usize;
     assert_eq!(start.positions.len(), n + 2);
     assert_touches_nothing(drive, &layout);
@@ -286,7 +286,7 @@ proptest! {
         let (links, _) = choice.taut();
         let taut = closing_center_distance(choice.pitch, choice.teeth, links + 1).unwrap();
         let drive = choice.drive(links + 1, taut);
-        let (start, layout) = Start::generate(&drive).unwrap();
+        let (start, layout) = InitialConfiguration::generate(&drive).unwrap();
         prop_assert_eq!(start.positions.len(), links as usize + 3);
         prop_assert!(layout.hinge_stretch < drive.chain.hinge.clearance());
         let offset = drive.chain.link(links as usize);
@@ -325,7 +325,7 @@ fn too_few_links_for_two_sprockets_are_refused_with_what_would_do() {
 
 /// Why a drive cannot be laid out.
 fn refusal(drive: &Drive) -> String {
-    match Start::generate(drive) {
+    match InitialConfiguration::generate(drive) {
         Err(Error::Impossible(message)) => message,
         other => panic!("{other:?}"),
     }

@@ -5,10 +5,10 @@ use crate::common;
 use crate::common::layouts::{PITCH, drive_of, sprocket, three_shafts};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use rustchain::drive::{AnsiTooth, BeltLine, Drive, Motion, Sprocket, TimeTable};
+use rustchain::drive::{AnsiTooth, BeltLine, Drive, Sprocket, SprocketMotion, TimeTable};
 use rustchain::geometry::path::belt::Side;
 use rustchain::geometry::{Seat, Vec2, turned_left, unit};
-use rustchain::layout::{Start, closing_move, links_around};
+use rustchain::layout::{InitialConfiguration, closing_move, links_around};
 use rustchain::{Error, ForceLaws, Simulation};
 use std::f64::consts::{PI, TAU};
 
@@ -65,9 +65,9 @@ impl Choice {
                 let at = Vec2::new(self.size[0] * angle.cos(), self.size[1] * angle.sin());
                 let (sin, cos) = self.tilt.sin_cos();
                 let motion = if i == 0 {
-                    Motion::PrescribedSpeed(self.speed.into())
+                    SprocketMotion::PrescribedSpeed(self.speed.into())
                 } else {
-                    Motion::Free
+                    SprocketMotion::Free
                 };
                 sprocket(
                     teeth,
@@ -87,7 +87,13 @@ impl Choice {
             let radius = rustchain::geometry::path::wrap::pitch_radius(PITCH, teeth);
             let point = span.from + share * span.length * span.direction;
             let center = point - (radius - depth * 3.0 * PITCH) * turned_left(span.direction);
-            let mut idler = sprocket(teeth, center.x, center.y, Side::Outside, Motion::Free);
+            let mut idler = sprocket(
+                teeth,
+                center.x,
+                center.y,
+                Side::Outside,
+                SprocketMotion::Free,
+            );
             idler.profile = AnsiTooth {
                 seat: Seat::PitchCircle,
                 ..AnsiTooth::default()
@@ -117,7 +123,7 @@ fn config() -> ProptestConfig {
 }
 
 /// The two hinges of a link, rear and front, and their velocities, from the body's own motion.
-fn ends(start: &Start, link: usize) -> [(Vec2, Vec2); 2] {
+fn ends(start: &InitialConfiguration, link: usize) -> [(Vec2, Vec2); 2] {
     let ([x, y, angle], [vx, vy, spin]) = (start.positions[link], start.velocities[link]);
     [-0.5, 0.5].map(|share| {
         let arm = share * PITCH * unit(angle);
@@ -129,7 +135,7 @@ fn ends(start: &Start, link: usize) -> [(Vec2, Vec2); 2] {
 }
 
 fn assert_good(drive: &Drive) {
-    let (start, layout) = Start::generate(drive).unwrap();
+    let (start, layout) = InitialConfiguration::generate(drive).unwrap();
     let n = drive.chain.links as usize;
     assert_eq!(
         layout
@@ -212,12 +218,12 @@ proptest! {
 #[test]
 fn three_shafts_and_an_idler_are_laid_as_listed_or_the_other_way_round() {
     let drive = three_shafts();
-    let (start, layout) = Start::generate(&drive).unwrap();
+    let (start, layout) = InitialConfiguration::generate(&drive).unwrap();
     assert_eq!(layout.order, [0, 1, 2, 3]);
     assert_eq!(layout.strands[3], [3, 0]);
     let mut backward = drive.clone();
     backward.sprockets[1..].reverse();
-    let (same, layout) = Start::generate(&backward).unwrap();
+    let (same, layout) = InitialConfiguration::generate(&backward).unwrap();
     assert_eq!(layout.order, [0, 3, 2, 1]);
     let links = drive.chain.links as usize;
     assert_eq!(start.positions[..links], same.positions[..links]);
@@ -237,7 +243,7 @@ fn a_moved_centre_closes_the_chain_to_rounding() {
     }
     let s = closing_move(&wide, 1, direction, 0.1).unwrap();
     wide.sprockets[1].center += s * direction.normalize();
-    let (_, layout) = Start::generate(&wide).unwrap();
+    let (_, layout) = InitialConfiguration::generate(&wide).unwrap();
     let most = layout.slack.iter().fold(0.0_f64, |a, &b| a.max(b.abs()));
     assert!(most < 1e-11, "{most}");
     assert!(layout.hinge_stretch < 1e-11);
@@ -245,7 +251,7 @@ fn a_moved_centre_closes_the_chain_to_rounding() {
 
 #[test]
 fn what_cannot_be_laid_is_refused_with_numbers() {
-    let refusal = |drive: &Drive| match Start::generate(drive) {
+    let refusal = |drive: &Drive| match InitialConfiguration::generate(drive) {
         Err(Error::Impossible(message)) => message,
         other => panic!("{other:?}"),
     };
@@ -303,13 +309,13 @@ fn a_torque_curve_turns_a_shaft_at_the_speed_where_motor_and_load_meet() {
         &[(0.0, 4.0), (40.0, 0.0)],
     );
     let mut drive = three_shafts();
-    drive.sprockets[0].motion = Motion::TorqueCurve {
+    drive.sprockets[0].motion = SprocketMotion::TorqueCurve {
         torque: 0.0.into(),
         curve: curve.unwrap(),
     };
     drive.sprockets[0].initial_speed = Some(28.0);
     drive.sprockets[0].load_inertia = 2e-3;
-    drive.sprockets[1].motion = Motion::AppliedTorque((-25.0 / 17.0).into());
+    drive.sprockets[1].motion = SprocketMotion::AppliedTorque((-25.0 / 17.0).into());
     let mut simulation = common::simulation(
         &drive,
         &ForceLaws::default(),

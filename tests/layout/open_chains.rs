@@ -4,12 +4,12 @@ use crate::common;
 use crate::common::layouts::{PITCH, sprocket};
 use crate::common::open::{at_rest, first_row, hoist, strand};
 use crate::common::{channel, paper_chain};
-use rustchain::drive::{ChainEnd, Drive, Motion, Variation};
+use rustchain::drive::{ChainEnd, Drive, SprocketMotion, Variation};
 use rustchain::geometry::Vec2;
 use rustchain::geometry::path::belt::Side;
 use rustchain::geometry::path::hanging::{Hanging, HangingLink, hang};
 use rustchain::integrator::StepControl;
-use rustchain::layout::Start;
+use rustchain::layout::InitialConfiguration;
 use rustchain::{ForceLaws, Model};
 
 const GRAVITY: f64 = 9.81;
@@ -119,7 +119,7 @@ fn the_chain_is_laid_on_the_polygon_of_its_links_to_round_off() {
         pitch_spread: 1e-3,
         seed: 4,
     };
-    let (start, layout) = Start::generate(&drive).unwrap();
+    let (start, layout) = InitialConfiguration::generate(&drive).unwrap();
     let exact = with_hinges(&drive, ends, &[0.0; 52]);
     for (i, [x, y, angle]) in start.positions[..51].iter().enumerate() {
         let [rear, front] = [exact.points[2 * i + 1], exact.points[2 * i + 2]];
@@ -166,11 +166,16 @@ fn tension_in_a_hanging_chain_is_the_weight_below_and_the_load() {
 #[test]
 fn a_hoist_rests_with_its_load_on_the_wheels_torque_and_its_slack_on_a_catenary() {
     for (links, slack, load) in [(40, 14, 2.0), (60, 25, 20.0), (41, 12, 1.0)] {
-        let drive = hoist(links, slack, load, Motion::PrescribedSpeed(0.0.into()));
+        let drive = hoist(
+            links,
+            slack,
+            load,
+            SprocketMotion::PrescribedSpeed(0.0.into()),
+        );
         let (mut run, _) = at_rest(&drive, &ForceLaws::default(), StepControl::default());
         let row = first_row(&mut run);
         let n = links as usize;
-        let (start, layout) = Start::generate(&drive).unwrap();
+        let (start, layout) = InitialConfiguration::generate(&drive).unwrap();
         assert_eq!(layout.strand_pitches[0], slack);
         // The slack side pulls a little on the wheel as well: its tension at the seat, along the tangent there.
         let below: f64 = (n - layout.strand_pitches[1] as usize..n)
@@ -218,7 +223,7 @@ fn torque_on_a_free_wheel_balances_two_loads_at_its_lever() {
         0.0,
         0.0,
         Side::Inside,
-        Motion::PrescribedSpeed(0.0.into()),
+        SprocketMotion::PrescribedSpeed(0.0.into()),
     )];
     let (mut run, _) = at_rest(&drive, &ForceLaws::default(), StepControl::default());
     let row = first_row(&mut run);
@@ -232,7 +237,7 @@ fn torque_on_a_free_wheel_balances_two_loads_at_its_lever() {
 #[test]
 fn every_way_to_lay_a_chain_begins_with_nothing_in_contact() {
     let anchor = |x: f64, y: f64| ChainEnd::anchor(Vec2::new(x, y));
-    let wheel = |teeth, x, y, side| sprocket(teeth, x, y, side, Motion::Free);
+    let wheel = |teeth, x, y, side| sprocket(teeth, x, y, side, SprocketMotion::Free);
     let hung = |links: u32| ChainEnd::Loose {
         position: None,
         links: Some(links),
@@ -268,7 +273,7 @@ fn every_way_to_lay_a_chain_begins_with_nothing_in_contact() {
     for (links, sprockets, ends) in drives {
         let mut drive = strand(links, ends);
         drive.sprockets = sprockets;
-        let (start, layout) = Start::generate(&drive)
+        let (start, layout) = InitialConfiguration::generate(&drive)
             .unwrap_or_else(|error| panic!("{links} {:?}: {error}", drive.sprockets));
         assert!(layout.start_gap > 0.9e-6, "{links}: {:e}", layout.start_gap);
         assert!(layout.hinge_stretch < 0.1 * drive.chain.hinge.clearance());
@@ -287,8 +292,8 @@ fn every_way_to_lay_a_chain_begins_with_nothing_in_contact() {
 
 #[test]
 fn a_moving_chain_is_laid_with_links_that_keep_their_lengths() {
-    let drive = hoist(50, 16, 10.0, Motion::PrescribedSpeed(5.0.into()));
-    let (start, layout) = Start::generate(&drive).unwrap();
+    let drive = hoist(50, 16, 10.0, SprocketMotion::PrescribedSpeed(5.0.into()));
+    let (start, layout) = InitialConfiguration::generate(&drive).unwrap();
     let n = 50;
     // Counterclockwise: the load, on the right, goes up.
     let up = start.velocities[n][1];
@@ -308,7 +313,9 @@ fn a_moving_chain_is_laid_with_links_that_keep_their_lengths() {
 }
 
 fn refusal(drive: &Drive) -> String {
-    Start::generate(drive).unwrap_err().to_string()
+    InitialConfiguration::generate(drive)
+        .unwrap_err()
+        .to_string()
 }
 
 #[test]
@@ -320,7 +327,7 @@ fn what_cannot_be_laid_is_refused_with_numbers() {
         said.contains("20 links reach 0.254") && said.contains("24 links would do"),
         "{said}"
     );
-    let mut hoist_of = hoist(20, 14, 1.0, Motion::Free);
+    let mut hoist_of = hoist(20, 14, 1.0, SprocketMotion::Free);
     let said = refusal(&hoist_of);
     assert!(
         said.contains("0 links are left for the strand at end 2"),
@@ -342,10 +349,10 @@ fn what_cannot_be_laid_is_refused_with_numbers() {
     assert!(refusal(&weightless).contains("without gravity end 2 has no way to hang"));
     let nowhere = strand(20, [ChainEnd::loose(), ChainEnd::loose()]);
     assert!(refusal(&nowhere).contains("nothing says where it is"));
-    let mut beside = hoist(40, 14, 1.0, Motion::Free);
+    let mut beside = hoist(40, 14, 1.0, SprocketMotion::Free);
     beside
         .sprockets
-        .push(sprocket(13, 0.5, -2.0, Side::Inside, Motion::Free));
+        .push(sprocket(13, 0.5, -2.0, Side::Inside, SprocketMotion::Free));
     beside.sprockets[1].center = Vec2::new(0.03, 0.0);
     assert!(
         refusal(&beside).contains("sprockets 1 and 2 overlap"),

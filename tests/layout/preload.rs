@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::common::layouts::{PITCH, drive_of, sprocket, three_shafts};
 use rustchain::chain::dynamics::Dynamics;
-use rustchain::drive::{Arm, Drive, Motion, Mount, Rail, RailShape, Tensioner};
+use rustchain::drive::{Arm, Drive, Mount, Rail, RailShape, SprocketMotion, Tensioner};
 use rustchain::geometry::Vec2;
 use rustchain::geometry::path::belt::Side;
 use rustchain::integrator::{OdeSystem, StepControl};
@@ -39,7 +39,7 @@ fn cut(drive: &Drive, s: usize) -> Cut {
     let rest = Equilibrium::find(drive, &laws).unwrap();
     let mut still = drive.clone();
     for sprocket in &mut still.sprockets {
-        if let Motion::PrescribedSpeed(speed) = &mut sprocket.motion {
+        if let SprocketMotion::PrescribedSpeed(speed) = &mut sprocket.motion {
             *speed = 0.0.into();
         }
     }
@@ -134,7 +134,7 @@ fn a_sliding_sprocket_balances_its_strands_by_force_spring_or_stop() {
         for (pretension, number, torque) in [(20.0, 4, 0.0), (80.0, 4, -1.5), (300.0, 2, 0.0)] {
             let mut drive = three_shafts();
             drive.gravity = Vec2::new(0.0, gravity);
-            drive.sprockets[2].motion = Motion::AppliedTorque(torque.into());
+            drive.sprockets[2].motion = SprocketMotion::AppliedTorque(torque.into());
             drive.tensioner = Some(tensioner(number, pretension));
             let name = format!("{pretension} N on {number}, gravity {gravity}");
             let by_force = assert_slide_balances(&drive, &name);
@@ -174,7 +174,7 @@ fn a_slides_stops_take_what_the_strands_do_not() {
     let mut taut = common::paper_drive();
     taut.gravity = Vec2::zeros();
     for (pretension, torque) in [(5.0, -4.0), (20.0, -8.0)] {
-        taut.sprockets[1].motion = Motion::AppliedTorque(f64::into(torque));
+        taut.sprockets[1].motion = SprocketMotion::AppliedTorque(f64::into(torque));
         taut.tensioner = Some(Tensioner {
             travel: [1e-5, 1e-2],
             ..tensioner(2, pretension)
@@ -223,11 +223,11 @@ fn the_strands_at_an_idler_on_an_arm_balance_its_moment() {
 /// Two sprockets of 17 teeth on a level and a blade below the lower strand that presses upward.
 fn bladed(links: u32, radius: Option<f64>, arm: Arm) -> Drive {
     let taut = closing_center_distance(PITCH, [17, 17], links).unwrap();
-    let wheel = |x: f64, motion: Motion| sprocket(17, x, 0.0, Side::Inside, motion);
+    let wheel = |x: f64, motion: SprocketMotion| sprocket(17, x, 0.0, Side::Inside, motion);
     let mut drive = drive_of(
         vec![
-            wheel(0.0, Motion::PrescribedSpeed(10.0.into())),
-            wheel(taut - 2e-3, Motion::AppliedTorque((-1.0).into())),
+            wheel(0.0, SprocketMotion::PrescribedSpeed(10.0.into())),
+            wheel(taut - 2e-3, SprocketMotion::AppliedTorque((-1.0).into())),
         ],
         links,
     );
@@ -346,10 +346,10 @@ fn a_hydraulic_plunger_leaks_down_at_its_force_over_its_leak() {
         );
         let mut drive = drive;
         drive.gravity = Vec2::zeros();
-        drive.sprockets[0].motion = Motion::PrescribedSpeed(0.0.into());
-        drive.sprockets[1].motion = Motion::Free;
+        drive.sprockets[0].motion = SprocketMotion::PrescribedSpeed(0.0.into());
+        drive.sprockets[1].motion = SprocketMotion::Free;
         drive.guides[0].center.y -= 0.05;
-        let (mut start, _) = rustchain::layout::Start::generate(&drive).unwrap();
+        let (mut start, _) = rustchain::layout::InitialConfiguration::generate(&drive).unwrap();
         let Mount::Arm(arm) = drive.guides[0].mount else {
             panic!("an arm");
         };

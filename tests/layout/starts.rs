@@ -4,9 +4,9 @@ use crate::common;
 use std::sync::Arc;
 
 use crate::common::layouts::three_shafts;
-use rustchain::drive::{Drive, Motion, Tensioner};
+use rustchain::drive::{Drive, SprocketMotion, Tensioner};
 use rustchain::geometry::Vec2;
-use rustchain::layout::Start;
+use rustchain::layout::InitialConfiguration;
 use rustchain::{Equilibrium, ForceLaws, Model, Simulation};
 
 fn tensioner(number: usize, pretension: f64) -> Tensioner {
@@ -27,7 +27,7 @@ fn eccentric_teeth_are_laid_whatever_their_angle() {
             faults.eccentricity = if i % 4 < 2 { 5e-5 } else { 2e-4 };
             faults.eccentricity_angle = 0.131 * i as f64;
             drive.sprockets[1].center.x -= 1e-4 + 1e-5 * i as f64;
-            match Start::generate(&drive) {
+            match InitialConfiguration::generate(&drive) {
                 Ok((start, layout)) => {
                     // The teeth are where their angle has them, and nothing touches.
                     assert!(layout.start_gap > 0.0, "{name} {i}: {}", layout.start_gap);
@@ -56,7 +56,7 @@ fn eccentric_teeth_are_laid_whatever_their_angle() {
 fn loaded(arm: bool, more_links: u32, load: f64, pretension: f64) -> Drive {
     let mut drive = three_shafts();
     drive.chain.links += more_links;
-    drive.sprockets[1].motion = Motion::AppliedTorque((-load).into());
+    drive.sprockets[1].motion = SprocketMotion::AppliedTorque((-load).into());
     drive.tensioner = Some(Tensioner {
         pivot: arm.then(|| Vec2::new(0.0, 0.05)),
         ..tensioner(4, pretension)
@@ -100,7 +100,7 @@ fn fastest_approach(drive: &Drive) -> f64 {
     });
     let fastest = hinges.chain(teeth).filter(|(depth, _)| *depth > 0.0);
     let fastest = fastest.map(|(_, rate)| rate.abs()).fold(0.0, f64::max);
-    let Motion::PrescribedSpeed(speed) = &drive.sprockets[0].motion else {
+    let SprocketMotion::PrescribedSpeed(speed) = &drive.sprockets[0].motion else {
         panic!("a driver of prescribed speed");
     };
     fastest / (speed.value(0.0) * model.sprockets[0].profile.pitch_radius)

@@ -4,7 +4,7 @@
 //! drive's kinetic energy is 0.073 J.
 
 use crate::common::{Energies, advance, control, energies, paper_drive, simulation, tensioner};
-use rustchain::drive::{Bearing, Drive, Motion};
+use rustchain::drive::{Bearing, Drive, SprocketMotion};
 use rustchain::force_law::{Damping, Elastic, ForceLaw, Regions};
 use rustchain::geometry::Vec2;
 use rustchain::{ForceLaws, Model};
@@ -133,7 +133,7 @@ fn a_drive_that_floats_without_gravity_keeps_its_momentum() {
     let mut drive = paper_drive();
     drive.gravity = Vec2::zeros();
     for sprocket in &mut drive.sprockets {
-        sprocket.motion = Motion::Free;
+        sprocket.motion = SprocketMotion::Free;
         sprocket.initial_speed = Some(4.0 * std::f64::consts::PI);
         sprocket.bearing = Bearing::Floating;
     }

@@ -10,8 +10,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::common::{control, paper_drive};
-use rustchain::drive::Motion;
-use rustchain::layout::Start;
+use rustchain::drive::SprocketMotion;
+use rustchain::layout::InitialConfiguration;
 use rustchain::{Error, ForceLaws, Groups, Model, Simulation, Values};
 
 const REPORT_STEP: f64 = 1e-5;
@@ -20,9 +20,9 @@ const REPORT_STEP: f64 = 1e-5;
 fn defective() -> Simulation {
     let mut drive = paper_drive();
     // A tooth a millisecond, in the direction in which the numbers of the gaps rise.
-    drive.sprockets[0].motion = Motion::PrescribedSpeed((-400.0).into());
+    drive.sprockets[0].motion = SprocketMotion::PrescribedSpeed((-400.0).into());
     let laws = ForceLaws::default();
-    let (start, _) = Start::generate(&drive).unwrap();
+    let (start, _) = InitialConfiguration::generate(&drive).unwrap();
     let with_gaps = |count: usize| {
         let mut model = Model::compile(&drive, &laws, &start).unwrap();
         model.sprockets[0].gap_directions.truncate(count);

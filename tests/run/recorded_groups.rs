@@ -1,7 +1,7 @@
 //! Recordings of one group of channels: the same rows as in a recording of everything, and no contact looked for in vain.
 
 use crate::common::{advance, control, paper_drive, record, simulation, tensioner};
-use rustchain::drive::{Drive, Motion};
+use rustchain::drive::{Drive, SprocketMotion};
 use rustchain::{ForceLaws, Groups, Simulation};
 
 const NOTHING: Groups = Groups {
@@ -42,7 +42,7 @@ fn a_group_recorded_alone_has_the_rows_of_a_recording_of_everything() {
     let mut tensioned = paper_drive();
     tensioned.tensioner = Some(tensioner(25.0, 1e-3));
     let mut turned = paper_drive();
-    turned.sprockets[0].motion = Motion::AppliedTorque(0.2.into());
+    turned.sprockets[0].motion = SprocketMotion::AppliedTorque(0.2.into());
     turned.sprockets[0].initial_speed = Some(4.0 * std::f64::consts::PI);
     for drive in [paper_drive(), tensioned, turned] {
         let ready = in_contact(&drive);

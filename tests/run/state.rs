@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::common::{advance, control, paper_drive, record, simulation, tensioner};
-use rustchain::drive::{Bearing, Drive, Motion};
+use rustchain::drive::{Bearing, Drive, SprocketMotion};
 use rustchain::force_law::{Damping, Elastic, ForceLaw, Regions};
 use rustchain::integrator::{Corrector, StepControl};
 use rustchain::{ForceLaws, Groups, Simulation, Snapshot};
@@ -72,7 +72,7 @@ fn the_rest_of_a_run_is_the_same_whatever_drive_law_and_balance() {
     let floating = {
         let mut drive = paper_drive();
         drive.sprockets[1].bearing = Bearing::Floating;
-        drive.sprockets[1].motion = Motion::AppliedTorque((-0.1).into());
+        drive.sprockets[1].motion = SprocketMotion::AppliedTorque((-0.1).into());
         drive
     };
     for drive in [pulled(0.0), pulled(25.0), floating] {

@@ -9,7 +9,7 @@ use rustchain::chain::motion::Motion;
 use rustchain::drive::Drive;
 use rustchain::integrator::OdeSystem;
 use rustchain::integrator::event_location::first_crossing;
-use rustchain::layout::Start;
+use rustchain::layout::InitialConfiguration;
 use rustchain::{ForceLaws, Model};
 
 use crate::system::{Accepted, Evolving, Pattern};
@@ -41,7 +41,7 @@ impl DriveSystem {
     pub(crate) fn new(
         drive: &Drive,
         laws: &ForceLaws,
-        start: &Start,
+        start: &InitialConfiguration,
         metered: bool,
     ) -> rustchain::Result<Self> {
         let model = Arc::new(Model::compile(drive, laws, start)?);

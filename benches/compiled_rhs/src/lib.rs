@@ -21,7 +21,7 @@ use cpu_time::ThreadTime;
 use drive::DriveSystem;
 use problems::{Kepler, Pin};
 use rustchain::ForceLaws;
-use rustchain::layout::Start;
+use rustchain::layout::InitialConfiguration;
 use system::{Accepted, Evolving};
 
 /// What a run came to; the same layout in C.
@@ -160,7 +160,7 @@ pub unsafe extern "C" fn drive_system(
         ..ForceLaws::default()
     };
     let start = if positions.is_null() {
-        Start::generate(&drive).map(|(start, _)| start)
+        InitialConfiguration::generate(&drive).map(|(start, _)| start)
     } else {
         // SAFETY: the caller's arrays have that many rows.
         let rows = |numbers| {
@@ -169,7 +169,7 @@ pub unsafe extern "C" fn drive_system(
                 .0
                 .to_vec()
         };
-        Ok(Start {
+        Ok(InitialConfiguration {
             positions: rows(positions),
             velocities: rows(velocities),
         })

@@ -9,7 +9,7 @@ use super::roller_matrix::RollerMatrix;
 use crate::chain::contact::bushing_on_sprocket;
 use crate::chain::model::RollerModel;
 use crate::force_law::{ElasticLaw, Regions, depth_in_series, with_law};
-use crate::geometry::{Curve, Vec2, turned_left};
+use crate::geometry::{SurfaceCurve, Vec2, turned_left};
 use crate::integrator::{SPEED_PER_LENGTH, SecondOrderSystem};
 
 /// The error allowed to lengths is the share of it that is allowed to bristles bent to break-away \[m\]: 1e-10 m and a
@@ -188,9 +188,9 @@ impl Dynamics {
             };
             let surface = &sprocket.profile.surfaces()[found.surface.index()];
             let (side, distance) = match surface.curve {
-                Curve::Concave(arc) => (1.0, depth + arc.radius - model.contact_radius),
-                Curve::Straight(_) => (1.0, FAR),
-                Curve::Convex(arc) => (-1.0, arc.radius + model.contact_radius - depth),
+                SurfaceCurve::Concave(arc) => (1.0, depth + arc.radius - model.contact_radius),
+                SurfaceCurve::Straight(_) => (1.0, FAR),
+                SurfaceCurve::Convex(arc) => (-1.0, arc.radius + model.contact_radius - depth),
             };
             let normal = found.contact.normal;
             let from_center = point - frame.center - side * distance * normal;

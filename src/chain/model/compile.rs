@@ -8,13 +8,15 @@ use super::{
     ContactLaw, EndKind, Guide, IMMOVABLE, Model, OpenEnds, Ratchet, RollerModel, Rotation,
     SprocketModel, Support,
 };
-use crate::drive::{Bearing, BeltLine, ChainEnd, Drive, InputBounds, Link, Motion, Sprocket};
+use crate::drive::{
+    Bearing, BeltLine, ChainEnd, Drive, InputBounds, Link, Sprocket, SprocketMotion,
+};
 use crate::error::{Error, Result, check};
 use crate::force_law::{
     Elastic, Film, ForceLaw, Friction, LuGre, PairTable, SurfacePair, range_note, tooth_surfaces,
 };
 use crate::geometry::Vec2;
-use crate::layout::Start;
+use crate::layout::InitialConfiguration;
 use crate::layout::open_strands;
 
 /// The laws of a run.
@@ -123,7 +125,7 @@ impl Model {
     ///
     /// # Errors
     /// When a description does not hold, or a law does not apply to a pair of surfaces.
-    pub fn compile(drive: &Drive, laws: &ForceLaws, start: &Start) -> Result<Self> {
+    pub fn compile(drive: &Drive, laws: &ForceLaws, start: &InitialConfiguration) -> Result<Self> {
         drive.validate()?;
         laws.check(drive.chain.material.restitution)?;
         let chain = &drive.chain;
@@ -266,7 +268,7 @@ fn plates_at_hinges(whole: f64, hinges: usize, ends: Option<&OpenEnds>) -> Vec<f
 /// Sprockets, then guides.
 fn place_wheels(
     drive: &Drive,
-    start: &Start,
+    start: &InitialConfiguration,
     coordinates: &mut Coordinates,
 ) -> Result<Vec<SprocketModel>> {
     let mut wheels: Vec<SprocketModel> = Vec::new();
@@ -374,7 +376,7 @@ fn place_sprocket(
     drive: &Drive,
     number: usize,
     sprocket: &Sprocket,
-    start: &Start,
+    start: &InitialConfiguration,
     coordinates: &mut Coordinates,
 ) -> Result<SprocketModel> {
     let chain = &drive.chain;
@@ -422,18 +424,18 @@ fn place_sprocket(
         },
     };
     let rotation = match &sprocket.motion {
-        Motion::PrescribedSpeed(table) => Rotation::Prescribed(table.clone()),
-        Motion::AppliedTorque(table) => Rotation::Free {
+        SprocketMotion::PrescribedSpeed(table) => Rotation::Prescribed(table.clone()),
+        SprocketMotion::AppliedTorque(table) => Rotation::Free {
             index: coordinates.take(),
             torque: (!table.is_zero()).then(|| table.clone()),
             curve: None,
         },
-        Motion::TorqueCurve { torque, curve } => Rotation::Free {
+        SprocketMotion::TorqueCurve { torque, curve } => Rotation::Free {
             index: coordinates.take(),
             torque: (!torque.is_zero()).then(|| torque.clone()),
             curve: Some(curve.clone()),
         },
-        Motion::Free => Rotation::Free {
+        SprocketMotion::Free => Rotation::Free {
             index: coordinates.take(),
             torque: None,
             curve: None,

@@ -7,7 +7,7 @@ use super::Model;
 use crate::drive::bushing_on_front;
 use crate::drive::{ChainEnd, Drive, TimeTable};
 use crate::geometry::Vec2;
-use crate::layout::Start;
+use crate::layout::InitialConfiguration;
 
 /// Mass \[kg\] and inertia \[kg m²\] that Newton's matrix has for a body that nothing moves.
 pub(crate) const IMMOVABLE: f64 = 1e20;
@@ -46,7 +46,7 @@ pub enum EndKind {
 }
 
 impl EndModel {
-    fn new(end: &ChainEnd, body: usize, hinge: usize, start: &Start) -> Self {
+    fn new(end: &ChainEnd, body: usize, hinge: usize, start: &InitialConfiguration) -> Self {
         let kind = match end {
             ChainEnd::Anchor { velocity, .. } => EndKind::Held(velocity.clone()),
             ChainEnd::Load { .. } => EndKind::Load,
@@ -95,7 +95,7 @@ impl EndModel {
 impl OpenEnds {
     /// The ends of `drive`, which begins at `start`, if its chain is open.
     #[must_use]
-    pub fn of(drive: &Drive, start: &Start) -> Option<Self> {
+    pub fn of(drive: &Drive, start: &InitialConfiguration) -> Option<Self> {
         let [first, last] = drive.ends.as_ref()?;
         let links = drive.chain.links as usize;
         Some(Self {

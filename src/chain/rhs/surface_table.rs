@@ -5,7 +5,7 @@ use pulp::Simd;
 use super::gap::{Gap, GapConstants, InGap};
 use crate::chain::contact::surface_constants;
 use crate::chain::model::Model;
-use crate::geometry::{Curve, Piece, Surface, ToothProfile, Vec2};
+use crate::geometry::{Surface, SurfaceCurve, SurfacePiece, ToothProfile, Vec2};
 use crate::math::simd::{Lanes, Mask, splat_two};
 
 /// Depth on a flank that is not there \[m\].
@@ -30,12 +30,17 @@ struct Row {
 }
 
 impl Row {
-    fn new(piece: &Piece, before: Option<&Piece>, radius: f64, law: [f64; 2]) -> Self {
+    fn new(
+        piece: &SurfacePiece,
+        before: Option<&SurfacePiece>,
+        radius: f64,
+        law: [f64; 2],
+    ) -> Self {
         let pair = |v: Vec2| [v.x, v.y];
         let (center, touch, side, normal) = match piece.curve {
-            Curve::Concave(arc) => (arc.center, arc.radius - radius, 1.0, Vec2::zeros()),
-            Curve::Convex(arc) => (arc.center, arc.radius + radius, -1.0, Vec2::zeros()),
-            Curve::Straight(segment) => (segment.start, radius, 0.0, segment.normal),
+            SurfaceCurve::Concave(arc) => (arc.center, arc.radius - radius, 1.0, Vec2::zeros()),
+            SurfaceCurve::Convex(arc) => (arc.center, arc.radius + radius, -1.0, Vec2::zeros()),
+            SurfaceCurve::Straight(segment) => (segment.start, radius, 0.0, segment.normal),
         };
         let (tangent, from) = before.map_or((Vec2::zeros(), 0.0), |before| {
             let boundary = &before.boundary;
@@ -118,7 +123,7 @@ impl SurfaceTable {
             damaged: damaged.collect(),
             has_lines: surfaces
                 .iter()
-                .any(|piece| matches!(piece.curve, Curve::Straight(_))),
+                .any(|piece| matches!(piece.curve, SurfaceCurve::Straight(_))),
             seat_center_radius: profile.seat_center_radius,
             half_gap: [cos, sin],
             offset: [offset.x, offset.y],

@@ -44,7 +44,7 @@ impl PlacedWheel {
 
 /// Wheels in the order in which the chain meets them, counterclockwise.
 #[derive(Debug, Clone)]
-pub struct Course {
+pub struct WheelSequence {
     /// Pitch of the chain \[m\].
     pub pitch: f64,
     /// Number of links.
@@ -81,7 +81,7 @@ pub struct Polygon {
 }
 
 /// How the strands and seats follow one another before the hinges are placed.
-struct Laid {
+struct SeatPlan {
     seated: Vec<u32>,
     strands: Vec<u32>,
     first_seat: Vec<f64>,
@@ -95,7 +95,7 @@ fn wrapped(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
 
-impl Course {
+impl WheelSequence {
     /// The course of a chain round wheels.
     ///
     /// # Errors
@@ -127,10 +127,10 @@ impl Course {
     /// Lays the chain with the slack in strand `slack`, its first seat behind it `shift` pitches past the tangent point, links of
     /// the strands longer by the share `stretch`.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // counts of pitches, not negative
-    fn lay(&self, slack: usize, shift: f64, stretch: f64) -> Option<Laid> {
+    fn lay(&self, slack: usize, shift: f64, stretch: f64) -> Option<SeatPlan> {
         let n = self.wheels.len();
         let link = self.pitch * (1.0 + stretch);
-        let mut laid = Laid {
+        let mut laid = SeatPlan {
             seated: vec![0; n],
             strands: vec![0; n],
             first_seat: vec![0.0; n],
@@ -219,7 +219,7 @@ impl Course {
         self.lay(slack, shift, 0.0).map(|laid| laid.off_tangent)
     }
 
-    fn place(&self, laid: &Laid, slack: usize, stretch: f64) -> Polygon {
+    fn place(&self, laid: &SeatPlan, slack: usize, stretch: f64) -> Polygon {
         let n = self.wheels.len();
         let link = self.pitch * (1.0 + stretch);
         let mut polygon = Polygon {
@@ -280,13 +280,13 @@ mod tests {
         }
     }
 
-    fn course(links: u32) -> Course {
+    fn course(links: u32) -> WheelSequence {
         let wheels = vec![
             wheel(17, 0.0, 0.0, Side::Inside),
             wheel(31, 0.3, -0.04, Side::Inside),
             wheel(13, 0.16, 0.05, Side::Outside),
         ];
-        Course::new(PITCH, links, wheels).unwrap()
+        WheelSequence::new(PITCH, links, wheels).unwrap()
     }
 
     #[test]
@@ -319,7 +319,7 @@ mod tests {
         // Moved in until nearly taut.
         let taut = |x: f64, wheels: &mut Vec<PlacedWheel>| {
             wheels[1].center.x = x;
-            Course::new(PITCH, links, wheels.clone()).unwrap()
+            WheelSequence::new(PITCH, links, wheels.clone()).unwrap()
         };
         let (mut low, mut high) = (0.2, 0.3);
         for _ in 0..60 {

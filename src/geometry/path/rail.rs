@@ -2,14 +2,14 @@
 //!
 //! They are profiles of two equal gaps back to back: v points out of the face that the first gap stands for, and u along it.
 
-use crate::geometry::tooth::flank::{Curve, Flank};
+use crate::geometry::tooth::flank::{Flank, SurfaceCurve};
 use crate::geometry::{Arc, Segment, ToothProfile, Vec2, turned_left};
 
 impl ToothProfile {
     /// A wheel of `radius` \[m\] without teeth.
     #[must_use]
     pub fn smooth_wheel(radius: f64) -> Self {
-        let rim = Curve::Convex(Arc {
+        let rim = SurfaceCurve::Convex(Arc {
             center: Vec2::zeros(),
             radius,
         });
@@ -34,7 +34,7 @@ impl ToothProfile {
             return None;
         }
         let ends = Vec2::new(half, depth);
-        let round = Curve::Convex(Arc {
+        let round = SurfaceCurve::Convex(Arc {
             center: ends,
             radius: end,
         });
@@ -59,7 +59,7 @@ impl ToothProfile {
                     radius,
                 };
                 let outward = Vec2::new(half, below) / (radius - end);
-                Flank::begin("face", arch.point(Vec2::y()), Curve::Convex(arch)).then(
+                Flank::begin("face", arch.point(Vec2::y()), SurfaceCurve::Convex(arch)).then(
                     arch.point(outward),
                     -turned_left(outward),
                     "end",
@@ -73,9 +73,13 @@ impl ToothProfile {
                 };
                 let outward = (ends - hollow.center).normalize();
                 let side = Vec2::new(half + end, depth);
-                Flank::begin("face", hollow.point(-Vec2::y()), Curve::Concave(hollow))
-                    .then(hollow.point(outward), turned_left(outward), "end", round)
-                    .then(side, -Vec2::y(), "side", straight(side, -Vec2::y(), depth))
+                Flank::begin(
+                    "face",
+                    hollow.point(-Vec2::y()),
+                    SurfaceCurve::Concave(hollow),
+                )
+                .then(hollow.point(outward), turned_left(outward), "end", round)
+                .then(side, -Vec2::y(), "side", straight(side, -Vec2::y(), depth))
             }
         };
         let flank = flank.end(Vec2::new(half + end, 0.0));
@@ -104,8 +108,8 @@ fn hollow_height(half: f64, radius: f64, end: f64) -> f64 {
     ((radius + end).powi(2) - half * half).sqrt()
 }
 
-fn straight(start: Vec2, along: Vec2, length: f64) -> Curve {
-    Curve::Straight(Segment {
+fn straight(start: Vec2, along: Vec2, length: f64) -> SurfaceCurve {
+    SurfaceCurve::Straight(Segment {
         start,
         tangent: along,
         normal: -turned_left(along),

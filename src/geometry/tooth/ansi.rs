@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::flank::{Curve, Flank};
+use super::flank::{Flank, SurfaceCurve};
 use crate::geometry::{Arc, Seat, Segment, ToothProfile, Vec2, turned_left, unit};
 
 const INCH: f64 = 0.0254;
@@ -134,19 +134,24 @@ impl ToothProfile {
         } = curves;
         let bottom = Vec2::new(0.0, -seating.radius);
         let seat_end = seating.point(-turned_left(seat_end_tangent));
-        let flank = Flank::begin("seating curve", bottom, Curve::Concave(seating))
+        let flank = Flank::begin("seating curve", bottom, SurfaceCurve::Concave(seating))
             .then(
                 seat_end,
                 seat_end_tangent,
                 "working curve",
-                Curve::Concave(working),
+                SurfaceCurve::Concave(working),
             )
-            .then(flat.start, flat.tangent, "flat", Curve::Straight(flat))
+            .then(
+                flat.start,
+                flat.tangent,
+                "flat",
+                SurfaceCurve::Straight(flat),
+            )
             .then(
                 flat.end(),
                 flat.tangent,
                 "topping curve",
-                Curve::Convex(topping),
+                SurfaceCurve::Convex(topping),
             )
             .end(curves.tip(seat_center_radius, 2.0 * half, outside_radius));
         Self::of(teeth, pitch, seat_center_radius, outside_radius, flank).with_ansi(curves)

@@ -1,6 +1,6 @@
 //! A tooth of the user's own arcs and lines, and what is wrong with one that does not fit together.
 
-use super::flank::{Curve, Flank};
+use super::flank::{Flank, SurfaceCurve};
 use crate::geometry::{Arc, Segment, ToothProfile, Vec2, turned_left};
 
 /// Largest gap between two pieces \[m\].
@@ -43,7 +43,7 @@ pub enum Misfit {
 }
 
 impl OutlinePiece {
-    fn curve(&self, number: usize) -> Result<Curve, Misfit> {
+    fn curve(&self, number: usize) -> Result<SurfaceCurve, Misfit> {
         let chord = self.end - self.start;
         let length = chord.norm();
         let Some(center) = self.center else {
@@ -51,7 +51,7 @@ impl OutlinePiece {
                 return Err(Misfit::NoCurve(number, length, length));
             }
             let tangent = chord / length;
-            return Ok(Curve::Straight(Segment {
+            return Ok(SurfaceCurve::Straight(Segment {
                 start: self.start,
                 tangent,
                 normal: -turned_left(tangent),
@@ -68,9 +68,9 @@ impl OutlinePiece {
         };
         // The material is on the right: an arc about a centre on the left is hollow.
         Ok(if chord.perp(&(center - self.start)) > 0.0 {
-            Curve::Concave(arc)
+            SurfaceCurve::Concave(arc)
         } else {
-            Curve::Convex(arc)
+            SurfaceCurve::Convex(arc)
         })
     }
 }

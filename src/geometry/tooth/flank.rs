@@ -7,7 +7,7 @@ use crate::geometry::{Arc, Segment, Vec2, turned_left, unit};
 
 /// A curve of a flank, seen from outside the material.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Curve {
+pub enum SurfaceCurve {
     /// An arc that the cylinder lies inside of.
     Concave(Arc),
     /// An arc that the cylinder lies outside of.
@@ -16,7 +16,7 @@ pub enum Curve {
     Straight(Segment),
 }
 
-impl Curve {
+impl SurfaceCurve {
     /// Penetration \[m\] of a cylinder of `radius` at `point`, and the direction in which it grows.
     #[must_use]
     pub fn depth(&self, point: Vec2, radius: f64) -> (f64, Vec2) {
@@ -127,9 +127,9 @@ impl Boundary {
 
 /// A curve of a flank with its ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Piece {
+pub struct SurfacePiece {
     /// The curve.
-    pub curve: Curve,
+    pub curve: SurfaceCurve,
     /// Where it begins \[m\].
     pub start: Vec2,
     /// Where it ends \[m\].
@@ -144,19 +144,19 @@ pub struct Piece {
 /// The curves of half a gap in order.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Flank {
-    pub(crate) pieces: Vec<Piece>,
+    pub(crate) pieces: Vec<SurfacePiece>,
 }
 
 impl Flank {
     /// A flank that begins at `start` with `curve`.
-    pub(crate) fn begin(name: &'static str, start: Vec2, curve: Curve) -> Self {
+    pub(crate) fn begin(name: &'static str, start: Vec2, curve: SurfaceCurve) -> Self {
         let boundary = Boundary {
             foot: start,
             tangent: curve.tangent(start),
             limit: 0.0,
         };
         Self {
-            pieces: vec![Piece {
+            pieces: vec![SurfacePiece {
                 curve,
                 start,
                 end: start,
@@ -173,17 +173,17 @@ impl Flank {
         point: Vec2,
         tangent: Vec2,
         name: &'static str,
-        curve: Curve,
+        curve: SurfaceCurve,
     ) -> Self {
         let mut step = 0;
         if let Some(last) = self.pieces.last_mut() {
             let (foot, limit) = match (last.curve, curve) {
-                (_, Curve::Straight(segment)) => (segment.start, 0.0),
-                (Curve::Straight(segment), _) if point == segment.end() => {
+                (_, SurfaceCurve::Straight(segment)) => (segment.start, 0.0),
+                (SurfaceCurve::Straight(segment), _) if point == segment.end() => {
                     (segment.start, segment.length)
                 }
-                (Curve::Straight(segment), _) => (segment.start, segment.along(point)),
-                (Curve::Concave(arc) | Curve::Convex(arc), _) => (arc.center, 0.0),
+                (SurfaceCurve::Straight(segment), _) => (segment.start, segment.along(point)),
+                (SurfaceCurve::Concave(arc) | SurfaceCurve::Convex(arc), _) => (arc.center, 0.0),
             };
             last.end = point;
             last.boundary = Boundary {
@@ -239,10 +239,10 @@ impl Flank {
                     touched,
                     piece.curve.tangent(touched),
                     "edge",
-                    Curve::Convex(round),
+                    SurfaceCurve::Convex(round),
                 );
                 let corner = land.point(from_center.normalize());
-                let level = Curve::Convex(land);
+                let level = SurfaceCurve::Convex(land);
                 cut = cut.then(corner, level.tangent(corner), "land", level);
                 return Some(cut.end(center + outside * axis));
             }
@@ -252,7 +252,7 @@ impl Flank {
 
     /// Only the land that is left of a tooth cut down to the circle of `outside` about `center`.
     pub(crate) fn level(center: Vec2, axis: Vec2, outside: f64) -> Self {
-        let land = Curve::Convex(Arc {
+        let land = SurfaceCurve::Convex(Arc {
             center,
             radius: outside,
         });
@@ -261,9 +261,9 @@ impl Flank {
 }
 
 /// Number of the piece nearest to `point` on the right half: the normals at the junctions divide the plane.
-pub(crate) fn nearest_piece(pieces: &[Piece], point: Vec2) -> usize {
+pub(crate) fn nearest_piece(pieces: &[SurfacePiece], point: Vec2) -> usize {
     let last = pieces.len() - 1;
-    let within = |piece: &Piece| {
+    let within = |piece: &SurfacePiece| {
         let Boundary {
             foot,
             tangent,

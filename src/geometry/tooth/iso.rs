@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::flank::{Curve, Flank};
+use super::flank::{Flank, SurfaceCurve};
 use crate::geometry::{Arc, Seat, Segment, ToothProfile, Vec2, turned_left, unit};
 
 /// Dimensions of an ISO 606 gap \[m, rad\].
@@ -71,7 +71,12 @@ impl Blank {
     }
 
     /// The flank of a seat of `seat_radius` that goes on at `seat_end`, a unit vector from its centre, with `curve`.
-    fn profile(&self, seat_radius: f64, seat_end: Vec2, curve: Curve) -> Result<ToothProfile, f64> {
+    fn profile(
+        &self,
+        seat_radius: f64,
+        seat_end: Vec2,
+        curve: SurfaceCurve,
+    ) -> Result<ToothProfile, f64> {
         let seat = Arc {
             center: Vec2::zeros(),
             radius: seat_radius,
@@ -80,13 +85,15 @@ impl Blank {
         let far = self.outside_radius;
         // Farther than any tooth; the cut ends it.
         let end = match curve {
-            Curve::Straight(segment) => segment.end(),
-            Curve::Concave(arc) | Curve::Convex(arc) => arc.point(Vec2::new(0.0, 1.0)),
+            SurfaceCurve::Straight(segment) => segment.end(),
+            SurfaceCurve::Concave(arc) | SurfaceCurve::Convex(arc) => {
+                arc.point(Vec2::new(0.0, 1.0))
+            }
         };
         let flank = Flank::begin(
             "seating curve",
             seat.point(Vec2::new(0.0, -1.0)),
-            Curve::Concave(seat),
+            SurfaceCurve::Concave(seat),
         )
         .then(from, turned_left(seat_end), "flank", curve)
         .end(end);
@@ -107,7 +114,7 @@ impl ToothProfile {
             center: (gap.seat_radius + gap.flank_radius) * seat_end,
             radius: gap.flank_radius,
         };
-        blank.profile(gap.seat_radius, seat_end, Curve::Convex(flank))
+        blank.profile(gap.seat_radius, seat_end, SurfaceCurve::Convex(flank))
     }
 
     /// A tooth with straight flanks that lean `flank_angle` \[rad\] from the middle of the gap, tangent to a seat of `seat_radius`
@@ -123,7 +130,7 @@ impl ToothProfile {
             normal: seat_end,
             length: blank.outside_radius,
         };
-        blank.profile(seat_radius, seat_end, Curve::Straight(flank))
+        blank.profile(seat_radius, seat_end, SurfaceCurve::Straight(flank))
     }
 }
 

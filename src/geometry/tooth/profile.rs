@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::flank::{Flank, Piece, nearest_piece};
+use super::flank::{Flank, SurfacePiece, nearest_piece};
 use crate::geometry::{AnsiCurves, Vec2, unit};
 
 /// Where the centre of the seating curve lies.
@@ -81,7 +81,7 @@ pub struct ToothProfile {
     /// The curves of an ANSI tooth that nothing was cut off from.
     ansi: Option<AnsiCurves>,
     /// Surfaces by their number.
-    surfaces: Vec<Piece>,
+    surfaces: Vec<SurfacePiece>,
     /// Whole teeth first, then damaged ones: which surfaces each kind of flank has.
     flanks: Vec<Range<usize>>,
     /// Damaged teeth and their flanks.
@@ -123,13 +123,13 @@ impl ToothProfile {
 
     /// All surfaces by their number.
     #[must_use]
-    pub fn surfaces(&self) -> &[Piece] {
+    pub fn surfaces(&self) -> &[SurfacePiece] {
         &self.surfaces
     }
 
     /// Surfaces of whole teeth, from the seat outward.
     #[must_use]
-    pub fn whole(&self) -> &[Piece] {
+    pub fn whole(&self) -> &[SurfacePiece] {
         &self.surfaces[self.flanks[0].clone()]
     }
 
@@ -215,7 +215,7 @@ impl ToothProfile {
                 let cut = stump.unwrap_or_else(|| Flank::level(center, axis, outside));
                 let first = self.surfaces.len();
                 self.surfaces
-                    .extend(cut.pieces.into_iter().map(|piece| Piece {
+                    .extend(cut.pieces.into_iter().map(|piece| SurfacePiece {
                         step: piece.step.min(last_step),
                         ..piece
                     }));
@@ -375,7 +375,7 @@ impl ToothProfile {
 
     fn outline_of(&self, flank: usize, points: usize) -> Vec<Vec2> {
         let pieces = &self.surfaces[self.flanks[flank].clone()];
-        let sweep = |piece: &Piece| piece.curve.sweep(piece.start, piece.end, points.max(2));
+        let sweep = |piece: &SurfacePiece| piece.curve.sweep(piece.start, piece.end, points.max(2));
         pieces.iter().flat_map(sweep).collect()
     }
 

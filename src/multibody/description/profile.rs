@@ -1,7 +1,7 @@
 //! Shapes that a circle may touch: bore, circle, segment, arc, and outlines made of them.
 
 use crate::error::{Error, Result, check};
-use crate::geometry::{Curve, ToothProfile, Vec2, turned_left, unit};
+use crate::geometry::{SurfaceCurve, ToothProfile, Vec2, turned_left, unit};
 
 use super::outline_piece::Piece;
 
@@ -211,10 +211,12 @@ fn tooth_curvatures(profile: &ToothProfile) -> Vec<Curvature> {
     let curves = surfaces.iter().map(|surface| surface.curve);
     let next = curves.clone().skip(1).map(Some).chain([None]);
     let curvature = |(curve, next)| match (curve, next) {
-        (Curve::Concave(arc), _) => Curvature::Concave(arc.radius),
-        (Curve::Convex(arc), _) => Curvature::Convex(arc.radius),
-        (Curve::Straight(_), Some(Curve::Convex(arc))) => Curvature::FlatBefore(arc.radius),
-        (Curve::Straight(_), _) => Curvature::Flat,
+        (SurfaceCurve::Concave(arc), _) => Curvature::Concave(arc.radius),
+        (SurfaceCurve::Convex(arc), _) => Curvature::Convex(arc.radius),
+        (SurfaceCurve::Straight(_), Some(SurfaceCurve::Convex(arc))) => {
+            Curvature::FlatBefore(arc.radius)
+        }
+        (SurfaceCurve::Straight(_), _) => Curvature::Flat,
     };
     curves.zip(next).map(curvature).collect()
 }

@@ -5,7 +5,7 @@ use pyo3::types::PyTuple;
 
 use super::reader::{Reader, count, number, refuse};
 use super::teeth::tooth_form;
-use crate::drive::{Bearing, Faults, Motion, Sprocket};
+use crate::drive::{Bearing, Faults, Sprocket, SprocketMotion};
 use crate::geometry::Damage;
 use crate::geometry::path::belt::Side;
 
@@ -33,20 +33,20 @@ fn damage(read: &Reader<'_, '_>) -> PyResult<Vec<Damage>> {
     rows.iter().map(row).collect()
 }
 
-pub(super) fn motion(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Motion> {
+pub(super) fn motion(object: &Bound<'_, PyAny>, field: &str) -> PyResult<SprocketMotion> {
     let read = Reader::new(object, field, &["PrescribedSpeed", "AppliedTorque", "Free"])?;
     Ok(match read.kind.as_str() {
-        "PrescribedSpeed" => Motion::PrescribedSpeed(read.table("speed", "rad/s")?),
+        "PrescribedSpeed" => SprocketMotion::PrescribedSpeed(read.table("speed", "rad/s")?),
         "AppliedTorque" => {
             let torque = read.table("torque", "N m")?;
             if read.get("curve")?.is_none() {
-                Motion::AppliedTorque(torque)
+                SprocketMotion::AppliedTorque(torque)
             } else {
                 let curve = read.table_against("curve", ("speed", "rad/s"), "N m")?;
-                Motion::TorqueCurve { torque, curve }
+                SprocketMotion::TorqueCurve { torque, curve }
             }
         }
-        _ => Motion::Free,
+        _ => SprocketMotion::Free,
     })
 }
 

@@ -1,6 +1,6 @@
 //! Why a drive has no static equilibrium, or none that is found, in words.
 
-use crate::drive::{ChainEnd, Drive, Motion, Sprocket};
+use crate::drive::{ChainEnd, Drive, Sprocket, SprocketMotion};
 use crate::layout::Layout;
 
 /// Share of its weight that a strand is tensioned by at least, for the equilibrium to be near the initial configuration: it then sags
@@ -52,10 +52,10 @@ fn low_tension(drive: &Drive, layout: &Layout) -> Option<String> {
 /// A torque in a drive in which no speed is prescribed.
 fn loose_torque(drive: &Drive) -> Option<String> {
     let motions = || drive.sprockets.iter().map(|sprocket| &sprocket.motion);
-    let held = motions().any(|motion| matches!(motion, Motion::PrescribedSpeed(_)));
+    let held = motions().any(|motion| matches!(motion, SprocketMotion::PrescribedSpeed(_)));
     let turned = motions().position(|motion| match motion {
-        Motion::AppliedTorque(torque) => torque.value(0.0) != 0.0,
-        Motion::TorqueCurve { .. } => true,
+        SprocketMotion::AppliedTorque(torque) => torque.value(0.0) != 0.0,
+        SprocketMotion::TorqueCurve { .. } => true,
         _ => false,
     })?;
     (!held && drive.ends.is_none()).then(|| {
@@ -127,7 +127,7 @@ pub(super) fn slid(
     laid: &[[f64; 3]],
     rest: &[[f64; 3]],
 ) -> Option<String> {
-    let held = |sprocket: &Sprocket| matches!(sprocket.motion, Motion::PrescribedSpeed(_));
+    let held = |sprocket: &Sprocket| matches!(sprocket.motion, SprocketMotion::PrescribedSpeed(_));
     if drive.tensioner.is_some() || !drive.sprockets.iter().all(held) {
         return None;
     }
