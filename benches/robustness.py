@@ -153,7 +153,7 @@ def run(scene: Scene, solver: rc.Solver, duration: float) -> Outcome:
         warnings.simplefilter("ignore")
         try:
             simulation = rc.Simulation(
-                scene.drive, scene.law, min_approach_speed=scene.floor, solver=solver
+                scene.drive, scene.law, min_impact_velocity=scene.floor, solver=solver
             )
             result = simulation.run(duration, report_step=1e-3, record=(), progress=False)
         except rc.SimulationError as error:
@@ -161,7 +161,7 @@ def run(scene: Scene, solver: rc.Solver, duration: float) -> Outcome:
         except rc.InvalidInput as error:
             return Outcome(scene, 0.0, 0, 0, 0, np.nan, 0.0, 0.0, str(error))
     energy = result.energy
-    exchanged = energy.dissipated[-1] + np.ptp(energy.worked_in) + np.ptp(energy.kinetic)
+    exchanged = energy.dissipated[-1] + np.ptp(energy.external_work) + np.ptp(energy.kinetic)
     return Outcome(
         scene,
         time.perf_counter() - begin,

@@ -91,7 +91,7 @@ def restitution_table() -> str:
         "|---" * (len(ASKED) + 1) + "|",
     ]
     for damping in DAMPINGS:
-        obtained = (rc.restitution_obtained(damping, asked) for asked in ASKED)
+        obtained = (rc.effective_restitution(damping, asked) for asked in ASKED)
         rows.append(f"| {damping} | {' | '.join(f'{each:.4f}' for each in obtained)} |")
     return "\n".join(rows)
 
@@ -146,7 +146,7 @@ def draw_restitution(path: Path) -> None:
     axes.plot([0, 1], [0, 1], color="0.8", linewidth=4, label="as asked")
     styles = ["-", "--", "-.", ":", "-", "--", "-.", ":"]
     for damping, style in zip(DAMPINGS, styles, strict=True):
-        obtained = [rc.restitution_obtained(damping, each) for each in asked]
+        obtained = [rc.effective_restitution(damping, each) for each in asked]
         axes.plot(asked, obtained, style, label=damping)
     axes.set(
         xlabel="restitution asked for", ylabel="restitution obtained", xlim=(0, 1), ylim=(0, 1)

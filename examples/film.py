@@ -21,7 +21,7 @@ places = {
     "damping on teeth": "tooth_contact",
 }
 lost, force = {name: [] for name in places}, []
-for film in [None, *map(rc.Film, viscosities)]:
+for film in [None, *map(rc.LubricantFilm, viscosities)]:
     result = rc.Simulation(drive, hinge_film=film).run(END, 1e-4, record=("hinges",))
     late = result.time >= BEGIN
     for name, place in places.items():

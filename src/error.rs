@@ -32,7 +32,7 @@ pub enum Error {
     #[error(
         "steps have fallen to {step_size:.1e} s on average at t = {time:.9} s, {culprit}: one second, or the rest of the run, would \
          take more than {most_steps:e} steps; look for a mass, inertia, force, gravity or viscosity that is orders of magnitude \
-         from a real one, raise min_approach_speed or the tolerances, or max_step where that limits the steps, or run a shorter time"
+         from a real one, raise min_impact_velocity or the tolerances, or max_step where that limits the steps, or run a shorter time"
     )]
     Standstill {
         /// Time reached \[s\].

@@ -25,7 +25,7 @@ slide = rc.GuideRail(
 motor = rc.PrescribedSpeed([(0.0, 0.0), (0.05, -6.0)])
 drive = rc.open_chain(
     chain,
-    ends=(rc.Load(4.0, links=HANGING), rc.Load(4.0)),
+    ends=(rc.LoadedEnd(4.0, links=HANGING), rc.LoadedEnd(4.0)),
     links=LINKS,
     sprockets=[rc.Sprocket(17), rc.Sprocket(17, (0.6, 0.0), motor)],
     guides=[slide],

@@ -10,7 +10,7 @@ LIFTED = 10.0  # kg
 motor = rc.PrescribedSpeed([(0.0, 0.0), (0.05, 8.0), (0.2, 8.0), (0.23, 0.0)])
 drive = rc.open_chain(
     "ANSI 40",
-    ends=(rc.Anchor((-0.16, -0.02), links=50), rc.Load(LIFTED, arm=0.08)),
+    ends=(rc.AnchoredEnd((-0.16, -0.02), links=50), rc.LoadedEnd(LIFTED, arm=0.08)),
     links=90,
     sprockets=[rc.Sprocket(17, motion=motor)],
     name="hoist",

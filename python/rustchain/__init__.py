@@ -31,9 +31,9 @@ from rustchain.description.drive import (
     ToothArc,
     ToothLine,
 )
-from rustchain.description.ends import Anchor, Load, LooseEnd
+from rustchain.description.ends import AnchoredEnd, FreeEnd, LoadedEnd
 from rustchain.description.guides import GuideArm, GuideRail, SmoothIdler
-from rustchain.description.laws.film import Film
+from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.force import (
     EnhancedCylinder,
     Esdu78035,
@@ -45,7 +45,7 @@ from rustchain.description.laws.force import (
     Linear,
     LiuConformal,
     Radzimovsky,
-    restitution_obtained,
+    effective_restitution,
 )
 from rustchain.description.laws.friction import Coulomb, LuGre
 from rustchain.description.material import Material
@@ -93,7 +93,7 @@ from rustchain.sweeps.sweep import sweep
 __version__ = version("rustchain")
 
 __all__ = [
-    "Anchor",
+    "AnchoredEnd",
     "AnsiTooth",
     "AppliedTorque",
     "Chain",
@@ -108,9 +108,9 @@ __all__ = [
     "EnhancedCylinder",
     "Esdu78035",
     "Evaluation",
-    "Film",
     "ForceLaw",
     "Free",
+    "FreeEnd",
     "GuideArm",
     "GuideRail",
     "Hertz",
@@ -126,9 +126,9 @@ __all__ = [
     "LinearContact",
     "Link",
     "LiuConformal",
-    "Load",
-    "LooseEnd",
+    "LoadedEnd",
     "LuGre",
+    "LubricantFilm",
     "Material",
     "Mechanism",
     "MechanismEvaluation",
@@ -168,13 +168,13 @@ __all__ = [
     "catalogue",
     "catalogue_chain",
     "chain_drive",
+    "effective_restitution",
     "instruction_set",
     "load_result",
     "load_scene",
     "loss_map",
     "open_chain",
     "paper_drive",
-    "restitution_obtained",
     "study",
     "sweep",
     "two_sprocket_drive",

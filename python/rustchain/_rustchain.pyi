@@ -9,7 +9,7 @@ import numpy.typing as npt
 from rustchain.description.base import Description
 from rustchain.description.drive import Chain, ChainDrive, Sprocket
 from rustchain.description.guides import GuideRail, SmoothIdler
-from rustchain.description.laws.film import Film
+from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.force import ForceLaw
 from rustchain.description.material import Material
 from rustchain.description.mechanism.builder import Mechanism
@@ -27,6 +27,7 @@ __all__ = [
     "chain_links",
     "closing_center_distance",
     "closing_move",
+    "effective_restitution",
     "film_forces",
     "guide_outline",
     "instruction_set",
@@ -37,7 +38,6 @@ __all__ = [
     "links_around",
     "links_for",
     "panicked",
-    "restitution_obtained",
     "static_start",
     "strand_names",
     "tightness",
@@ -82,7 +82,7 @@ def static_start(
     force_law: ForceLaw,
     hinge_law: ForceLaw | None,
     tooth_law: ForceLaw | None,
-    min_approach_speed: float,
+    min_impact_velocity: float,
 ) -> dict[str, Any]:
     """Return positions and velocities of a chain at rest, and how well it rests."""
 
@@ -137,7 +137,7 @@ def link_stiffness(chain: Chain) -> float | None:
     """Return the pull that makes a link longer by a metre [N/m], None where links are rigid."""
 
 def film_forces(
-    film: Film,
+    film: LubricantFilm,
     radii: tuple[float, float],
     length: float,
     eccentricity: npt.NDArray[np.float64],
@@ -156,7 +156,7 @@ def law_force(
 ) -> _Array:
     """Return the elastic force [N] at each penetration [m]."""
 
-def restitution_obtained(damping: str, restitution: float) -> float:
+def effective_restitution(damping: str, restitution: float) -> float:
     """Return the restitution that an impact with a damping law really has."""
 
 def integrate(
@@ -181,7 +181,7 @@ class Core:
         force_law: ForceLaw,
         hinge_law: ForceLaw | None,
         tooth_law: ForceLaw | None,
-        min_approach_speed: float,
+        min_impact_velocity: float,
         solver: Solver,
         positions: npt.NDArray[np.float64] | None,
         velocities: npt.NDArray[np.float64] | None,
@@ -247,7 +247,7 @@ class Case:
         force_law: ForceLaw,
         hinge_law: ForceLaw | None,
         tooth_law: ForceLaw | None,
-        min_approach_speed: float,
+        min_impact_velocity: float,
         solver: Solver,
         duration: float,
         report_step: float,

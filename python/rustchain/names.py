@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import functools
 import inspect
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from difflib import get_close_matches
 from itertools import accumulate
-from typing import Any, TypeVar
+from typing import Any, TypeVar, overload
 
 _FEWEST = 3  # known names that are listed, however long
 _LONGEST = 160  # [characters] of the list of known names: two lines of a terminal
@@ -47,19 +47,30 @@ def named_attributes(target: _Class) -> _Class:
     return target
 
 
-def known_keywords(target: _Target) -> _Target:
+@overload
+def known_keywords(target: _Target, /) -> _Target: ...
+@overload
+def known_keywords(**other_names: str) -> Callable[[_Target], _Target]: ...
+def known_keywords(target: Any = None, /, **other_names: str) -> Any:
     """Let a function or a class answer an unknown keyword with the nearest known name.
 
     The decorated object keeps its type, so that type checkers see the signature as it was written.
-    On a dataclass, put it above ``@dataclass``.
+    On a dataclass, put it above ``@dataclass``. `other_names` maps other names of keywords to them.
     """
+    if target is None:
+        return functools.partial(_known_keywords, other_names=other_names)
+    return _known_keywords(target, {})
+
+
+def _known_keywords(target: _Target, other_names: Mapping[str, str]) -> _Target:
     if isinstance(target, type):
-        target.__init__ = _checked(target.__init__, target.__name__)  # type: ignore[misc]
+        checked = _checked(target.__init__, target.__name__, other_names)  # type: ignore[misc]
+        target.__init__ = checked  # type: ignore[misc]
         return target
-    return _checked(target, target.__name__)
+    return _checked(target, target.__name__, other_names)
 
 
-def _checked(function: _Target, name: str) -> _Target:
+def _checked(function: _Target, name: str, other_names: Mapping[str, str]) -> _Target:
     """Wrap `function` so that unknown keywords raise before it is called."""
     named = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
     parameters = inspect.signature(function).parameters.values()
@@ -67,6 +78,11 @@ def _checked(function: _Target, name: str) -> _Target:
 
     @functools.wraps(function)
     def checked(*args: Any, **keywords: Any) -> object:  # noqa: ANN401
+        for other in other_names.keys() & keywords.keys():
+            if (proper := other_names[other]) in keywords:
+                msg = f"{name}() got {proper!r} twice, once by its other name {other!r}"
+                raise TypeError(msg)
+            keywords[proper] = keywords.pop(other)
         for keyword in keywords:
             if keyword not in known:
                 msg = f"{name}() has no argument {keyword!r}; {suggest(keyword, known)}"

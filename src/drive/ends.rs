@@ -74,9 +74,9 @@ impl ChainEnd {
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
-            Self::Anchor { .. } => "Anchor",
-            Self::Load { .. } => "Load",
-            Self::Loose { .. } => "LooseEnd",
+            Self::Anchor { .. } => "AnchoredEnd",
+            Self::Load { .. } => "LoadedEnd",
+            Self::Loose { .. } => "FreeEnd",
         }
     }
 
@@ -138,9 +138,9 @@ impl ChainEnd {
             mass, inertia, arm, ..
         } = self
         {
-            check::positive("Load.mass", *mass, "kg")?;
-            check::positive("Load.inertia", *inertia, "kg m^2")?;
-            check::not_negative("Load.arm", *arm, "m")?;
+            check::positive("LoadedEnd.mass", *mass, "kg")?;
+            check::positive("LoadedEnd.inertia", *inertia, "kg m^2")?;
+            check::not_negative("LoadedEnd.arm", *arm, "m")?;
         }
         Ok(())
     }

@@ -25,7 +25,7 @@ pub enum Damping {
     /// 8 (1 - `c_e`)/(5 `c_e`) (Flores, Machado, Silva and Martins 2011).
     Flores,
     /// (1 - `c_e²)/c_e` (Gonthier, `McPhee`, Lange and Piedboeuf 2004), the first approximation of their implicit equation, which
-    /// is that of [`restitution_obtained`].
+    /// is that of [`effective_restitution`].
     Gonthier,
     /// 3 (1 - `c_e`)/(2 `c_e`) (Hu and Guo 2015).
     HuGuo,
@@ -115,7 +115,7 @@ pub fn damping_factor(lambda: f64, rate: f64, onset_speed: f64) -> f64 {
 ///
 /// It solves λ (1 + e') = ln[(1 + λ)/(1 - λ e')]; for Lankarani-Nikravesh with `c_e` = 0.71 it is 0.8005.
 #[must_use]
-pub fn restitution_obtained(lambda: f64) -> f64 {
+pub fn effective_restitution(lambda: f64) -> f64 {
     // In h, which has no cancellation left: λ² h(λ) = (λ e')² h(-λ e'). The excess falls from positive at e' = 0 to negative
     // before the pole at λ e' = 1.
     let approach = logarithm_rest(lambda);
@@ -158,14 +158,14 @@ mod tests {
     #[test]
     fn seed_restitution_gives_0_8005() {
         let lambda = Damping::LankaraniNikravesh.lambda(0.71);
-        assert!((restitution_obtained(lambda) - 0.8005).abs() < 5e-5);
+        assert!((effective_restitution(lambda) - 0.8005).abs() < 5e-5);
     }
 
     #[test]
     fn no_damping_gives_back_all_speed() {
-        assert_eq!(restitution_obtained(0.0), 1.0);
+        assert_eq!(effective_restitution(0.0), 1.0);
         for damping in Damping::ALL {
-            assert_eq!(restitution_obtained(damping.lambda(1.0)), 1.0);
+            assert_eq!(effective_restitution(damping.lambda(1.0)), 1.0);
         }
     }
 
@@ -173,7 +173,7 @@ mod tests {
     fn near_one_the_loss_is_what_is_asked_but_for_three_laws() {
         // e' = 1 - 2 λ/3 + O(λ²).
         for damping in Damping::ALL {
-            let share = (1.0 - restitution_obtained(damping.lambda(1.0 - 1e-6))) / 1e-6;
+            let share = (1.0 - effective_restitution(damping.lambda(1.0 - 1e-6))) / 1e-6;
             let expected = match damping {
                 Damping::LeeWang => 0.5,
                 Damping::Flores => 16.0 / 15.0,

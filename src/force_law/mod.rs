@@ -26,7 +26,7 @@ mod testing;
 pub(crate) use bristles::{Ahead, LuGreLanes};
 pub use bristles::{Bent, LuGre};
 pub use conformal::{Conformal, ConformalPair};
-pub use dissipation::{Damping, damping_factor, restitution_obtained};
+pub use dissipation::{Damping, damping_factor, effective_restitution};
 pub use elastic::{Elastic, ElasticPair, PairTable, elastic_forces, range_note};
 pub(crate) use elastic::{with_form, with_law};
 pub use enhanced_cylinder::EnhancedCylinder;

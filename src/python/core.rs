@@ -40,14 +40,14 @@ impl Core {
         force_law: &Bound<'_, PyAny>,
         hinge_law: Option<&Bound<'_, PyAny>>,
         tooth_law: Option<&Bound<'_, PyAny>>,
-        min_approach_speed: &Bound<'_, PyAny>,
+        min_impact_velocity: &Bound<'_, PyAny>,
         solver: &Bound<'_, PyAny>,
         positions: Option<PyReadonlyArray2<'_, f64>>,
         velocities: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<Self> {
         let py = drive.py();
         let description = describe::drive(drive)?;
-        let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_approach_speed)?;
+        let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_impact_velocity)?;
         let control = describe::solver(solver)?;
         let own = own_start(py, &description, positions.as_ref(), velocities.as_ref())?;
         let simulation = contained(|| {

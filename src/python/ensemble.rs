@@ -29,7 +29,7 @@ impl Case {
         force_law: &Bound<'_, PyAny>,
         hinge_law: Option<&Bound<'_, PyAny>>,
         tooth_law: Option<&Bound<'_, PyAny>>,
-        min_approach_speed: &Bound<'_, PyAny>,
+        min_impact_velocity: &Bound<'_, PyAny>,
         solver: &Bound<'_, PyAny>,
         duration: &Bound<'_, PyAny>,
         report_step: &Bound<'_, PyAny>,
@@ -39,7 +39,7 @@ impl Case {
         velocities: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<Self> {
         let description = describe::drive(drive)?;
-        let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_approach_speed)?;
+        let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_impact_velocity)?;
         let control = describe::solver(solver)?;
         let (duration, report_step, groups) =
             describe::reports(duration, report_step, &groups, energy)?;

@@ -10,7 +10,7 @@ use super::interrupt::interruptible;
 use crate::drive::bushing_on_front;
 use crate::drive::{BeltLine, Drive, MOST_LINKS, check_links};
 use crate::error::{Error, check};
-use crate::force_law::{SurfacePair, elastic_forces, restitution_obtained as obtained};
+use crate::force_law::{SurfacePair, elastic_forces, effective_restitution as obtained};
 use crate::geometry::{Vec2, unit};
 use crate::integrator::{Adams, OdeSystem, StepControl};
 use crate::layout::InitialConfiguration;
@@ -104,11 +104,11 @@ pub(super) fn static_start<'py>(
     force_law: &Bound<'py, PyAny>,
     hinge_law: Option<&Bound<'py, PyAny>>,
     tooth_law: Option<&Bound<'py, PyAny>>,
-    min_approach_speed: &Bound<'py, PyAny>,
+    min_impact_velocity: &Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let py = drive.py();
     let description = describe::drive(drive)?;
-    let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_approach_speed)?;
+    let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_impact_velocity)?;
     let rest = interruptible(py, |give_up| {
         Equilibrium::find_unless(&description, &laws, give_up)
     })?;
@@ -469,7 +469,7 @@ pub(super) fn law_force<'py>(
 
 /// Restitution that an impact with a damping law really has when `restitution` is asked of it.
 #[pyfunction]
-pub(super) fn restitution_obtained(damping: &str, restitution: &Bound<'_, PyAny>) -> PyResult<f64> {
+pub(super) fn effective_restitution(damping: &str, restitution: &Bound<'_, PyAny>) -> PyResult<f64> {
     let py = restitution.py();
     let law = describe::damping(damping, py)?;
     let asked = describe::number(restitution, "restitution", "1")?;

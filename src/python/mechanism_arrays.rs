@@ -76,7 +76,7 @@ pub(super) fn arrays<'py>(
         "gravity",
         "elastic",
         "dissipated",
-        "worked_in",
+        "external_work",
         "residual",
     ];
     for (i, name) in parts.iter().enumerate() {

@@ -94,7 +94,7 @@ fn contact_law(object: &Bound<'_, PyAny>) -> PyResult<ContactLaw> {
                 contact_modulus: material.contact_modulus(),
                 restitution: material.restitution,
                 length: read.number("length", "m")?,
-                min_approach_speed: read.number("min_approach_speed", "m/s")?,
+                min_approach_speed: read.number("min_impact_velocity", "m/s")?,
             }
         }
     })

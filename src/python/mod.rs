@@ -50,6 +50,6 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(functions::link_stiffness, module)?)?;
     module.add_function(wrap_pyfunction!(functions::film_forces, module)?)?;
     module.add_function(wrap_pyfunction!(functions::law_force, module)?)?;
-    module.add_function(wrap_pyfunction!(functions::restitution_obtained, module)?)?;
+    module.add_function(wrap_pyfunction!(functions::effective_restitution, module)?)?;
     module.add_function(wrap_pyfunction!(functions::integrate, module)?)
 }

@@ -216,7 +216,7 @@ pub fn energies_of(recording: &Recording) -> Energies {
         kinetic: channel(recording, "energy_kinetic"),
         elastic: channel(recording, "energy_elastic"),
         dissipated: channel(recording, "energy_dissipated"),
-        worked_in: channel(recording, "energy_worked_in"),
+        worked_in: channel(recording, "energy_external_work"),
         residual: channel(recording, "energy_residual"),
     }
 }

@@ -1,7 +1,7 @@
 //! One mass against one pair of surfaces: what the force laws do through a whole impact, and single values of them.
 
 use rustchain::force_law::{
-    Damping, Elastic, ElasticPair, SurfacePair, damping_factor, restitution_obtained,
+    Damping, Elastic, ElasticPair, SurfacePair, damping_factor, effective_restitution,
 };
 use rustchain::geometry::Contact;
 use rustchain::geometry::Vec2;
@@ -177,7 +177,7 @@ const CASES: [(f64, f64); 5] = [
 fn lankarani_nikravesh_gives_back_the_restitution_of_its_equation() {
     for restitution in [0.1, 0.3, 0.5, 0.71, 0.9, 0.99] {
         let lambda = Damping::LankaraniNikravesh.lambda(restitution);
-        let expected = restitution_obtained(lambda);
+        let expected = effective_restitution(lambda);
         for surfaces in [
             pin_in_bushing(),
             bushing_on_working_curve(),
@@ -198,7 +198,7 @@ fn lankarani_nikravesh_gives_back_the_restitution_of_its_equation() {
 #[test]
 fn the_damping_gives_the_same_restitution_with_every_elastic_law() {
     let lambda = Damping::LankaraniNikravesh.lambda(0.71);
-    let expected = restitution_obtained(lambda);
+    let expected = effective_restitution(lambda);
     assert!((expected - 0.8005).abs() < 5e-5);
     for (mass, speed) in CASES {
         for surfaces in [pin_in_bushing(), bushing_on_tip()] {
@@ -218,7 +218,7 @@ fn every_damping_gives_the_restitution_that_is_told_of_it() {
     for damping in Damping::ALL {
         for asked in [0.1, 0.3, 0.5, 0.71, 0.9, 0.99] {
             let lambda = damping.lambda(asked);
-            let expected = restitution_obtained(lambda);
+            let expected = effective_restitution(lambda);
             for elastic in [Elastic::Hertz, Elastic::LiuConformal] {
                 let got =
                     bounce(Impact::new(elastic, &pin_in_bushing(), lambda, 0.01, 0.5)).restitution;

@@ -20,11 +20,11 @@ SIMULATION = [
     ],
     ("force_law", None, LAWS),
     *[
-        ("min_approach_speed", value, "must be a positive number in m/s")
+        ("min_impact_velocity", value, "must be a positive number in m/s")
         for value in (NAN, INF, -1e-3, 0.0)
     ],
     *[
-        ("min_approach_speed", value, "must be a number in m/s")
+        ("min_impact_velocity", value, "must be a number in m/s")
         for value in ("1e-3", None, True, 1j)
     ],
     *[("solver", value, "must be a Solver") for value in (None, "pece", rc.Solver, 1e-5)],
@@ -126,7 +126,7 @@ SPROCKETS = [rc.Sprocket(17, (0.0, 0.0), rc.PrescribedSpeed(20.0)), rc.Sprocket(
 GUIDED = rc.chain_drive(
     "ANSI 40", SPROCKETS, adjust=2, guides=[rc.GuideRail((0.15, 0.06), (0.0, 1.0), 0.1)]
 )
-HANGING = rc.open_chain("ANSI 40", (rc.Anchor((0.0, 0.0)), rc.Load(1.0, 1e-3)), 8)
+HANGING = rc.open_chain("ANSI 40", (rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(1.0, 1e-3)), 8)
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ def three(distance):
 
 
 def open_chain(links):
-    ends = (rc.Anchor((0.0, 0.0), links=links), rc.Anchor((0.4, 0.0), links=links))
+    ends = (rc.AnchoredEnd((0.0, 0.0), links=links), rc.AnchoredEnd((0.4, 0.0), links=links))
     return rc.open_chain("ANSI 40", ends, 60, [rc.Sprocket(17, (0.2, -0.1))])
 
 

@@ -81,8 +81,8 @@ def test_a_message_shows_any_value_on_one_line_of_eighty_characters(kind):
         (lambda r: rc.loss_map(None, [1.0], [1.0]), r"loss_map\(drive\): got None; .* ChainDrive"),
         (lambda r: rc.SmoothStep(0.0, 1.0, "x", 1.0), r"SmoothStep.before: got 'x'; expected"),
         (
-            lambda r: rc.sweep(r.drive, {"pretension": [1.0]}, min_approach_speed=math.nan),
-            "min_approach_speed = NaN: must be a positive number in m/s",
+            lambda r: rc.sweep(r.drive, {"pretension": [1.0]}, min_impact_velocity=math.nan),
+            "min_impact_velocity = NaN: must be a positive number in m/s",
         ),
         (
             lambda r: rc.Simulation(r.drive, force_law="x" * 5000),
@@ -102,7 +102,7 @@ EXACT = [Decimal("25"), Fraction(25), np.longdouble(25), np.float32(25), np.arra
 def test_numbers_of_any_kind_become_python_floats_once(value, tmp_path):
     drive = rc.paper_drive(pretension=value)
     assert type(drive.tensioner.pretension) in (float, int)
-    simulation = rc.Simulation(drive, min_approach_speed=Fraction(1, 1000))
+    simulation = rc.Simulation(drive, min_impact_velocity=Fraction(1, 1000))
     simulation.run(Decimal("2e-4"), np.longdouble("1e-4"), progress=False).save(tmp_path / "run.nc")
     simulation.save_state(tmp_path / "state.npz")
     assert rc.Simulation.load_state(tmp_path / "state.npz").drive == drive

@@ -124,7 +124,7 @@ def test_a_look_at_the_place_leaves_what_is_there(tmp_path, monkeypatch):
 
 
 def test_a_short_chain_is_drawn_without_a_word_on_its_hinges(tmp_path):
-    drive = rc.open_chain("ANSI 40", (rc.Anchor((0.0, 0.0)), rc.LooseEnd()), links=4)
+    drive = rc.open_chain("ANSI 40", (rc.AnchoredEnd((0.0, 0.0)), rc.FreeEnd()), links=4)
     rc.Simulation(drive).run(1e-3, progress=False).save(tmp_path / "run.nc")
     done = rustchain("plot", tmp_path / "run.nc", "--out", tmp_path)
     assert done.exit_code == 0, done.output

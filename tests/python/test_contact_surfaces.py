@@ -90,7 +90,7 @@ def stiffnesses(radii, radius, other=STEEL):
 
 def dropped(profile):
     """A chain that falls on the tips of a sprocket that is turned by half a gap."""
-    ends = [rc.LooseEnd((-0.1, 0.01)), rc.LooseEnd((0.1, 0.01))]
+    ends = [rc.FreeEnd((-0.1, 0.01)), rc.FreeEnd((0.1, 0.01))]
     sprocket = rc.Sprocket(17, (0.0, 0.0), rc.PrescribedSpeed(0.0), profile=profile)
     drive = rc.open_chain(CHAIN, ends, 18, [sprocket])
     laid = rc.Simulation(drive)

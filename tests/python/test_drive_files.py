@@ -121,10 +121,10 @@ def test_check_shows_the_layout_and_refuses_what_would_not_run(tmp_path):
     assert done.exit_code == 0, done.output
     assert "78 links of 12.7000 mm" in done.output
     assert "ready to run: 81 bodies, 0.02 s" in done.output
-    path = changed(tmp_path, "[simulation]", "[simulation]\nmin_approach_speed = -1.0")
+    path = changed(tmp_path, "[simulation]", "[simulation]\nmin_impact_velocity = -1.0")
     done = rustchain("check", path)
     assert done.exit_code == 1
-    assert "drive.toml, line 33: simulation: min_approach_speed = -1" in done.output
+    assert "drive.toml, line 33: simulation: min_impact_velocity = -1" in done.output
 
 
 @pytest.mark.parametrize(
@@ -286,7 +286,7 @@ def test_every_class_of_description_can_be_written(tmp_path, place, kind):
 
 def test_the_page_has_every_class_and_every_field():
     classes = [kind for name, kind in Description._types.items() if hasattr(rc, name)]
-    parts = {"LinearContact", "SurfaceContact", "HuntCrossley", "Sines", "SmoothStep", "Spline",
+    parts = {"Mechanism", "LinearContact", "SurfaceContact", "HuntCrossley", "Sines", "SmoothStep", "Spline",
              "Table", "ForceLaw", "StopCondition"}  # fmt: skip
     for kind in classes:
         if kind.__name__ in parts:

@@ -75,8 +75,8 @@ def test_forces_and_accelerations_agree_to_round_off(laws, seat, paper_with_seat
 
 def test_a_higher_floor_of_the_approach_speed_softens_the_damping(paper, states_with_seat):
     for floor in (1e-4, 1e-1):
-        simulation = rc.Simulation(paper, min_approach_speed=floor)
-        equations = DriveEquations(paper, LN, LN, min_approach_speed=floor)
+        simulation = rc.Simulation(paper, min_impact_velocity=floor)
+        equations = DriveEquations(paper, LN, LN, min_impact_velocity=floor)
         for positions, velocities in states_with_seat("pitch-circle")[::10]:
             expected = equations.evaluate(positions, velocities)
             e = simulation.evaluate(positions=positions, velocities=velocities, time=0.0)

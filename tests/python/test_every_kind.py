@@ -35,7 +35,7 @@ SCENES = {
     "tensioner": lambda: _two_sprockets(pretension=50.0),
     "ideal hinges": lambda: _two_sprockets(hinges="ideal"),
     "open chain": lambda: rc.open_chain(
-        "ANSI 40", (rc.Anchor((0.0, 0.0)), rc.Anchor((0.1, 0.0))), 12
+        "ANSI 40", (rc.AnchoredEnd((0.0, 0.0)), rc.AnchoredEnd((0.1, 0.0))), 12
     ),
     "mechanism": _bouncing_pin,
 }
@@ -47,7 +47,7 @@ SCENES = {
 def test_a_run_with_each_force_law_closes_its_energy_balance(law):
     result = rc.Simulation(_two_sprockets(), force_law=law).run(0.006, progress=False)
     assert result.status == "finished"
-    exchanged = np.abs(result.energy.worked_in).max() + np.ptp(result.energy.kinetic)
+    exchanged = np.abs(result.energy.external_work).max() + np.ptp(result.energy.kinetic)
     assert np.abs(result.energy.residual).max() < 0.05 * exchanged
 
 

@@ -22,7 +22,7 @@ def driven_by(initial_speed=None, curve=None):
 
 
 def hung(anchor, mass=1.0):
-    return rc.open_chain("ANSI 40", (anchor, rc.Load(mass)), 8)
+    return rc.open_chain("ANSI 40", (anchor, rc.LoadedEnd(mass)), 8)
 
 
 def carrying(carried):
@@ -50,7 +50,9 @@ def with_link_mass(mass):
 
 HOPELESS = {
     "links of a microgram": lambda: rc.Simulation(with_link_mass(1e-9)),
-    "a lubricant of 1e9 Pa s": lambda: rc.Simulation(drive(), hinge_film=rc.Film(viscosity=1e9)),
+    "a lubricant of 1e9 Pa s": lambda: rc.Simulation(
+        drive(), hinge_film=rc.LubricantFilm(viscosity=1e9)
+    ),
     "steps of a picosecond": lambda: rc.Simulation(drive(), solver=rc.Solver(max_step=1e-12)),
 }
 
@@ -85,8 +87,11 @@ def test_steps_of_a_microsecond_are_slow_and_legal():
         (r"motion.curve \(torque\) = 1000000", lambda: driven_by(curve=((0.0, 1e6), (9.0, 0.0)))),
         (r"motion.curve \(speed\) = 90000", lambda: driven_by(curve=((0.0, 1.0), (9e4, 0.0)))),
         (r"sprockets\[0\].initial_speed = -90000", lambda: driven_by(initial_speed=-9e4)),
-        (r"ends\[0\].velocity = 2000", lambda: hung(rc.Anchor((0.0, 0.0), velocity=(0.0, 2e3)))),
-        (r"ends\[1\].mass = 1000000000", lambda: hung(rc.Anchor((0.0, 0.0)), mass=1e9)),
+        (
+            r"ends\[0\].velocity = 2000",
+            lambda: hung(rc.AnchoredEnd((0.0, 0.0), velocity=(0.0, 2e3))),
+        ),
+        (r"ends\[1\].mass = 1000000000", lambda: hung(rc.AnchoredEnd((0.0, 0.0)), mass=1e9)),
         (r"Chain.carried \(sum of masses\) = 1000000000", lambda: carrying([(1, 1e9)])),
         (r"Chain.carried \(sum of masses\) = 1000000000", lambda: carrying([(3, 1e9)])),
         (r"ChainDrive.guides\[0\].arm.force = 1000000000", lambda: guided(1e9)),

@@ -391,7 +391,7 @@ def test_every_kind_of_number_that_a_scene_takes_is_saved(number, tmp_path):
     scene = rc.Simulation(
         rc.paper_drive(pretension=number),
         rc.LankaraniNikravesh(),
-        min_approach_speed=type(number)(1) / type(number)(1000),
+        min_impact_velocity=type(number)(1) / type(number)(1000),
         solver=rc.Solver(accuracy=type(number)(1) / type(number)(10**9)),
     )
     result = scene.run(2e-4, progress=False)
@@ -402,7 +402,7 @@ def test_every_kind_of_number_that_a_scene_takes_is_saved(number, tmp_path):
         rc.load_result(tmp_path / "run.nc"),
         rc.Simulation.load_state(tmp_path / "state.npz"),
     ):
-        for name in ("drive", "hinge_law", "tooth_law", "min_approach_speed", "solver"):
+        for name in ("drive", "hinge_law", "tooth_law", "min_impact_velocity", "solver"):
             assert getattr(loaded, name) == getattr(result, name)
 
 

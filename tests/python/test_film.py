@@ -52,7 +52,7 @@ def reynolds(viscosity: float, ratio: float, velocity: np.ndarray, cells: int) -
 @pytest.mark.parametrize("ratio", [0.05, 0.2, 0.4, 0.6, 0.8, 0.9])
 @pytest.mark.parametrize("viscosity", [0.01, 0.5])
 def test_force_is_that_of_reynolds_equation(ratio, viscosity):
-    film = rc.Film(viscosity, tension=0.0)
+    film = rc.LubricantFilm(viscosity, tension=0.0)
     angles = np.linspace(0.0, 2.0 * np.pi, 25)  # squeeze at 0, pull at pi, wedges between
     for angle in angles:
         velocity = 2e-3 * np.array([np.cos(angle), np.sin(angle)])
@@ -100,7 +100,7 @@ def rolled(count: int):
     [(0.3, 0.747, 0.622), (0.6, 0.824, 0.686), (0.9, 0.898, 0.833)],
 )
 def test_oil_that_leaks_at_the_ends_takes_a_tenth_to_two_fifths(ratio, squeezed, dragged):
-    film = rc.Film(1.0, tension=0.0)
+    film = rc.LubricantFilm(1.0, tension=0.0)
     for velocity, share in [((2e-3, 0.0), squeezed), ((0.0, 2e-3), dragged)]:
         finite = np.hypot(*leaking(ratio, np.array(velocity), 200, 20))
         long = np.hypot(*film.force(ratio * CLEARANCE, velocity, RADII, LENGTH))
@@ -112,7 +112,7 @@ def test_wedge_alone_and_squeeze_alone_are_the_textbooks():
     mu, c, ratio = 0.1, CLEARANCE, np.array([0.05, 0.3, 0.6, 0.9])
     spin = 12.0  # sum of both [rad/s]: seen from their mean the centre goes back at half of it
     wedge = np.stack([0.0 * ratio, -0.5 * spin * ratio * c], axis=-1)
-    film = rc.Film(mu, tension=0.0)
+    film = rc.LubricantFilm(mu, tension=0.0)
     force = film.force(ratio * c, wedge, RADII, LENGTH)
     scale = mu * RADII[0] ** 3 * LENGTH / c**2
     rest = 1.0 - ratio**2
@@ -128,14 +128,14 @@ def test_wedge_alone_and_squeeze_alone_are_the_textbooks():
     full = 12.0 * np.pi * scale / rest**1.5
     assert np.allclose(opening[:, 0] - force[:, 0], full, rtol=1e-12)
     # So has what is pulled at less than it bears.
-    gentle = rc.Film(mu, tension=1e5).force(ratio * c, -1e-6 * closing, RADII, LENGTH)
+    gentle = rc.LubricantFilm(mu, tension=1e5).force(ratio * c, -1e-6 * closing, RADII, LENGTH)
     assert np.allclose(gentle[:, 0], 1e-6 * full, rtol=1e-4)
 
 
 FILMS = {
-    "thin oil": (rc.Film(0.01), None),
-    "thick oil, half film": (rc.Film(0.5, handover=0.8, tension=0.0), None),
-    "short, with friction": (rc.Film(0.1, length=6e-3), rc.Coulomb(0.1)),
+    "thin oil": (rc.LubricantFilm(0.01), None),
+    "thick oil, half film": (rc.LubricantFilm(0.5, handover=0.8, tension=0.0), None),
+    "short, with friction": (rc.LubricantFilm(0.1, length=6e-3), rc.Coulomb(0.1)),
 }
 
 
@@ -164,7 +164,7 @@ def test_forces_and_accelerations_agree_to_round_off(which, paper, states_with_s
 
 
 def test_what_a_film_loses_is_a_place_of_its_own():
-    simulation = rc.Simulation(rc.paper_drive(25.0), hinge_film=rc.Film(0.1))
+    simulation = rc.Simulation(rc.paper_drive(25.0), hinge_film=rc.LubricantFilm(0.1))
     result = simulation.run(0.02, 1e-3, progress=False)
     energy = result.energy
     assert energy.hinge_film is not None
@@ -180,20 +180,20 @@ def test_what_a_film_loses_is_a_place_of_its_own():
 
 
 def test_a_state_with_a_film_is_saved_and_goes_on(tmp_path):
-    simulation = rc.Simulation(rc.paper_drive(25.0), hinge_film=rc.Film(0.1))
+    simulation = rc.Simulation(rc.paper_drive(25.0), hinge_film=rc.LubricantFilm(0.1))
     simulation.step_to(3e-3)
     simulation.save_state(tmp_path / "state.npz")
     again = rc.Simulation.load_state(tmp_path / "state.npz")
     for run in (simulation, again):
         run.step_to(5e-3)
     assert np.array_equal(simulation.positions, again.positions)
-    assert simulation.hinge_law == rc.LankaraniNikravesh(film=rc.Film(0.1))
+    assert simulation.hinge_law == rc.LankaraniNikravesh(film=rc.LubricantFilm(0.1))
 
 
 def test_a_sweep_has_the_viscosity_as_a_parameter():
     found = rc.sweep(
         rc.paper_drive(25.0),
-        {"hinge_film": [None, rc.Film(0.1)]},
+        {"hinge_film": [None, rc.LubricantFilm(0.1)]},
         lambda result: result.hinge(3).force.max(),
         duration=8e-3,
         report_step=1e-4,
@@ -206,22 +206,22 @@ def test_a_sweep_has_the_viscosity_as_a_parameter():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: rc.Film(0.0), "Film.viscosity = 0.*leave the film out"),
-        (lambda: rc.Film(0.1, length=0.0), "Film.length"),
-        (lambda: rc.Film(0.1, handover=1.0), "Film.handover"),
-        (lambda: rc.Film(0.1, tension=-1.0), "Film.tension"),
+        (lambda: rc.LubricantFilm(0.0), "LubricantFilm.viscosity = 0.*leave the film out"),
+        (lambda: rc.LubricantFilm(0.1, length=0.0), "LubricantFilm.length"),
+        (lambda: rc.LubricantFilm(0.1, handover=1.0), "LubricantFilm.handover"),
+        (lambda: rc.LubricantFilm(0.1, tension=-1.0), "LubricantFilm.tension"),
         (lambda: rc.Hertz(film=0.1), "Hertz.film"),
         (
-            lambda: rc.Simulation(rc.paper_drive(), tooth_law=rc.Hertz(film=rc.Film(0.1))),
+            lambda: rc.Simulation(rc.paper_drive(), tooth_law=rc.Hertz(film=rc.LubricantFilm(0.1))),
             "only hinges have a film",
         ),
         (
             lambda: rc.Simulation(
-                replace(rc.paper_drive(25.0), hinges="ideal"), hinge_film=rc.Film(0.1)
+                replace(rc.paper_drive(25.0), hinges="ideal"), hinge_film=rc.LubricantFilm(0.1)
             ),
             "film.*room for a film",
         ),
-        (lambda: rc.Film(0.1).force(1e-6, (0.0, 0.0), (2.0e-3, 2.0e-3), 0.01), "radii"),
+        (lambda: rc.LubricantFilm(0.1).force(1e-6, (0.0, 0.0), (2.0e-3, 2.0e-3), 0.01), "radii"),
     ],
 )
 def test_what_means_nothing_is_refused(make, message):

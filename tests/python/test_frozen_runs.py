@@ -29,7 +29,7 @@ def _idler():
 
 
 def _hanging():
-    ends = (rc.Anchor((0.0, 0.0)), rc.Anchor((0.1, 0.0)))
+    ends = (rc.AnchoredEnd((0.0, 0.0)), rc.AnchoredEnd((0.1, 0.0)))
     return rc.open_chain("ANSI 40", ends, 12)
 
 

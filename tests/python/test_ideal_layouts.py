@@ -58,7 +58,7 @@ def test_strands_bear_what_they_bear_with_clearance(pair):
 def test_the_balance_closes_and_pins_stay_in_the_middle(pair):
     result = pair[1]
     energy = result.energy
-    exchanged = np.ptp(energy.kinetic) + energy.elastic.max() + np.abs(energy.worked_in).max()
+    exchanged = np.ptp(energy.kinetic) + energy.elastic.max() + np.abs(energy.external_work).max()
     assert np.abs(energy.residual).max() < 0.02 * exchanged
     assert result.arrays["hinge_penetration"].max() < 1e-14
     np.testing.assert_allclose(result.sprocket(1).speed, 12.566, rtol=1e-12)

@@ -58,7 +58,7 @@ def test_the_balance_counts_the_work_of_what_is_set_by_a_callback(simulation):
     # A row shows what held when it was reached.
     np.testing.assert_allclose(torque[1:], -40.0 * result.time[:-1], atol=1e-12)
     energy = result.energy
-    work = np.abs(energy.worked_in).max()
+    work = np.abs(energy.external_work).max()
     assert work > 1e-3
     assert np.abs(energy.residual).max() < 0.01 * work
 

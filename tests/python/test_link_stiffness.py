@@ -130,7 +130,9 @@ def test_plates_may_be_of_another_material_than_the_chain():
     [
         lambda **k: rc.two_sprocket_drive("ANSI 40", links=60, **k),
         lambda **k: rc.chain_drive("ANSI 40", [rc.Sprocket(17), rc.Sprocket(25, (0.3, 0.0))], **k),
-        lambda **k: rc.open_chain("ANSI 40", (rc.Anchor((0.0, 0.0)), rc.Load(1.0)), 12, **k),
+        lambda **k: rc.open_chain(
+            "ANSI 40", (rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(1.0)), 12, **k
+        ),
     ],
 )
 def test_every_generator_offers_elastic_plates(make):
@@ -152,7 +154,7 @@ def test_a_chain_under_load_stretches_by_load_over_stiffness_times_links(links):
 
     def place(stiffness: float | None) -> float:
         chain = replace(rc.paper_drive().chain, link_stiffness=stiffness)
-        drive = rc.open_chain(chain, (rc.Anchor((0.0, 0.0)), rc.Load(load)), links)
+        drive = rc.open_chain(chain, (rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(load)), links)
         return float(rc.Simulation(drive, start="static").positions[links, 1])
 
     stretch = place(None) - place(1e7)

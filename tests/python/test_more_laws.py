@@ -143,12 +143,12 @@ def test_an_impact_has_the_restitution_told(damping):
         path = solve_ivp(
             slope, (0, 100), (0.0, 1.0), args=(lam(asked),), events=parted, rtol=1e-11, atol=1e-12
         )
-        assert rc.restitution_obtained(damping, asked) == pytest.approx(-path.y[1, -1], abs=1e-8)
+        assert rc.effective_restitution(damping, asked) == pytest.approx(-path.y[1, -1], abs=1e-8)
 
 
 @pytest.mark.parametrize("damping", laws_page.DAMPINGS)
 def test_all_speed_comes_back_when_all_is_asked(damping):
-    assert rc.restitution_obtained(damping, 1.0) == 1.0
+    assert rc.effective_restitution(damping, 1.0) == 1.0
 
 
 @pytest.mark.parametrize("damping", ["flores", "gonthier", "hu-guo"])
@@ -160,7 +160,7 @@ def test_a_law_that_diverges_is_refused_with_value_and_remedy(damping):
     with pytest.raises(rc.InvalidInput, match=expected):
         rc.Simulation(replace(drive, chain=chain), law)
     with pytest.raises(rc.InvalidInput, match=expected):
-        rc.restitution_obtained(damping, 0.005)
+        rc.effective_restitution(damping, 0.005)
     mechanism = rc.Mechanism()
     mechanism.add_body("ball", mass=1.0, inertia=1.0, position=(0.0, 0.0, 0.0))
     contact = rc.SurfaceContact(law, material=rc.Material(restitution=0.005))
@@ -172,9 +172,9 @@ def test_a_law_that_diverges_is_refused_with_value_and_remedy(damping):
 
 def test_wrong_arguments_are_refused_by_name():
     with pytest.raises(rc.InvalidInput, match=r"damping\): got 'floors'; .*did you mean 'flores'"):
-        rc.restitution_obtained("floors", 0.5)
+        rc.effective_restitution("floors", 0.5)
     with pytest.raises(rc.InvalidInput, match=r"restitution = 1.5: must be between 0 and 1"):
-        rc.restitution_obtained("flores", 1.5)
+        rc.effective_restitution("flores", 1.5)
     with pytest.raises(rc.InvalidInput, match=r"surfaces\): got 'inside'; expected 'internal'"):
         rc.Hertz().elastic_force(1e-6, (1e-3, 2e-3), 0.01, "inside")
     with pytest.raises(TypeError, match="stiffness"):

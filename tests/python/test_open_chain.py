@@ -18,15 +18,15 @@ CHAIN = rc.paper_drive().chain
 
 def hoist(links=40, motion=None, **ends):
     """Return a chain over a wheel of 17 teeth, slack on its left and a load on its right."""
-    anchor = rc.Anchor((-0.12, -0.05), links=14)
-    load = rc.Load(3.0, 1e-3, arm=0.04)
+    anchor = rc.AnchoredEnd((-0.12, -0.05), links=14)
+    load = rc.LoadedEnd(3.0, 1e-3, arm=0.04)
     wheel = rc.Sprocket(17, motion=motion or rc.PrescribedSpeed(0.0))
     return rc.open_chain(CHAIN, (ends.get("first", anchor), ends.get("last", load)), links, [wheel])
 
 
 def strand(links=20, first=None, last=None):
     """Return a chain between two ends, by default two anchors 180 mm apart."""
-    ends = (first or rc.Anchor((0.0, 0.0)), last or rc.Anchor((0.18, 0.02)))
+    ends = (first or rc.AnchoredEnd((0.0, 0.0)), last or rc.AnchoredEnd((0.18, 0.02)))
     return rc.open_chain(CHAIN, ends, links)
 
 
@@ -38,15 +38,15 @@ def elastic(drive, stiffness):
 SCENES = {
     "anchors": strand(),
     "odd": strand(21),
-    "load": strand(15, last=rc.Load(0.7, 1e-4, arm=0.02)),
-    "loose": strand(14, last=rc.LooseEnd()),
-    "loose and odd": strand(15, last=rc.LooseEnd()),
-    "moved": strand(16, first=rc.Anchor((0.0, 0.0), [(0.0, 0.1, 0.0), (0.1, -0.3, 0.2)])),
+    "load": strand(15, last=rc.LoadedEnd(0.7, 1e-4, arm=0.02)),
+    "loose": strand(14, last=rc.FreeEnd()),
+    "loose and odd": strand(15, last=rc.FreeEnd()),
+    "moved": strand(16, first=rc.AnchoredEnd((0.0, 0.0), [(0.0, 0.1, 0.0), (0.1, -0.3, 0.2)])),
     "hoist": hoist(),
     "odd hoist": hoist(41, rc.AppliedTorque(1.0)),
-    "elastic": elastic(strand(15, last=rc.Load(0.7, 1e-4, arm=0.02)), 2e8),
+    "elastic": elastic(strand(15, last=rc.LoadedEnd(0.7, 1e-4, arm=0.02)), 2e8),
     "elastic hoist": elastic(hoist(), rc.Plates(3.7e-5, 3.2e-5)),
-    "loose on a wheel": hoist(46, first=rc.LooseEnd(), last=rc.Load(1.0, 1e-4, links=8)),
+    "loose on a wheel": hoist(46, first=rc.FreeEnd(), last=rc.LoadedEnd(1.0, 1e-4, links=8)),
 }
 
 
@@ -130,8 +130,8 @@ def test_a_drive_file_describes_an_open_chain(tmp_path):
         chain = "ANSI 40"
         links = 40
         ends = [
-            { type = "Anchor", position = [-0.12, -0.05], links = 14 },
-            { type = "Load", mass = 3.0 },
+            { type = "AnchoredEnd", position = [-0.12, -0.05], links = 14 },
+            { type = "LoadedEnd", mass = 3.0 },
         ]
         sprockets = [{ teeth = 17, motion = { type = "PrescribedSpeed", speed = 0.0 } }]
         [simulation]
@@ -141,13 +141,13 @@ def test_a_drive_file_describes_an_open_chain(tmp_path):
         """
     )
     scene = rc.load_scene(path)
-    assert scene.drive.ends[1] == rc.Load(3.0)
+    assert scene.drive.ends[1] == rc.LoadedEnd(3.0)
     assert "end_1-1" in str(scene.drive.check())
 
 
 def test_a_sweep_takes_fields_of_the_ends():
     sweep = rc.sweep(
-        strand(8, last=rc.Load(0.5)),
+        strand(8, last=rc.LoadedEnd(0.5)),
         {"ends.1.mass": [0.5, 2.0]},
         lambda result: {"pull": -result.end(1).force[0, 1]},
         start="static",
@@ -168,21 +168,21 @@ def test_check_tells_how_an_open_chain_lies():
 
 def test_what_an_open_chain_cannot_be_is_refused():
     with pytest.raises(rc.InvalidInput, match=r"24 links would do"):
-        strand(10, last=rc.Anchor((0.3, 0.0))).check()
+        strand(10, last=rc.AnchoredEnd((0.3, 0.0))).check()
     with pytest.raises(rc.InvalidInput, match=r"ChainDrive\.ends = .*must be None, or two of"):
-        replace(strand(), ends=(rc.LooseEnd(),))
-    with pytest.raises(rc.InvalidInput, match=r"Load\.mass = 0"):
-        rc.Load(0.0)
-    with pytest.raises(rc.InvalidInput, match=r"Anchor\.velocity = .*each row must be"):
-        rc.Anchor((0.0, 0.0), [(0.0, 1.0)])
-    with pytest.raises(rc.InvalidInput, match=r"Anchor\.velocity = 0 s after 1 s"):
-        rc.Anchor((0.0, 0.0), [(1.0, 0.0, 0.0), (0.0, 0.0, 0.0)])
-    with pytest.raises(rc.InvalidInput, match=r"Anchor\.velocity = NaN"):
-        rc.Anchor((0.0, 0.0), (float("nan"), 0.0))
-    with pytest.raises(rc.InvalidInput, match=r"ChainDrive\.ends\[1\] = 3: must be an Anchor"):
-        replace(strand(), ends=(rc.LooseEnd(), 3))
-    with pytest.raises(rc.InvalidInput, match=r"LooseEnd\.links = 0"):
-        rc.LooseEnd(links=0)
+        replace(strand(), ends=(rc.FreeEnd(),))
+    with pytest.raises(rc.InvalidInput, match=r"LoadedEnd\.mass = 0"):
+        rc.LoadedEnd(0.0)
+    with pytest.raises(rc.InvalidInput, match=r"AnchoredEnd\.velocity = .*each row must be"):
+        rc.AnchoredEnd((0.0, 0.0), [(0.0, 1.0)])
+    with pytest.raises(rc.InvalidInput, match=r"AnchoredEnd\.velocity = 0 s after 1 s"):
+        rc.AnchoredEnd((0.0, 0.0), [(1.0, 0.0, 0.0), (0.0, 0.0, 0.0)])
+    with pytest.raises(rc.InvalidInput, match=r"AnchoredEnd\.velocity = NaN"):
+        rc.AnchoredEnd((0.0, 0.0), (float("nan"), 0.0))
+    with pytest.raises(rc.InvalidInput, match=r"ChainDrive\.ends\[1\] = 3: must be an AnchoredEnd"):
+        replace(strand(), ends=(rc.FreeEnd(), 3))
+    with pytest.raises(rc.InvalidInput, match=r"FreeEnd\.links = 0"):
+        rc.FreeEnd(links=0)
     with pytest.raises(rc.InvalidInput, match="no mechanism"):
         strand().to_mechanism()
     result = rc.Simulation(strand()).run(
@@ -199,7 +199,7 @@ def test_what_an_open_chain_cannot_be_is_refused():
 
 def test_links_may_carry_masses():
     carried = [(2, 0.5), (7, 1.5)]
-    drive = strand(8, last=rc.Load(2.0))
+    drive = strand(8, last=rc.LoadedEnd(2.0))
     loaded = replace(drive, chain=replace(drive.chain, carried=carried))
     simulation = rc.Simulation(loaded, start="static")
     still = simulation.evaluate(velocities=np.zeros_like(simulation.velocities))
@@ -230,7 +230,7 @@ def test_rollers_of_an_open_chain_are_bodies():
     chain = rc.catalogue_chain("ANSI 40", 40, rollers="bodies")
     drive = rc.open_chain(
         "ANSI 40",
-        (rc.Anchor((-0.12, -0.05), links=14), rc.Load(3.0)),
+        (rc.AnchoredEnd((-0.12, -0.05), links=14), rc.LoadedEnd(3.0)),
         40,
         [rc.Sprocket(17, motion=rc.PrescribedSpeed(0.0))],
         rollers="bodies",
@@ -256,7 +256,7 @@ def test_rollers_of_an_open_chain_are_bodies():
 def test_a_tensioner_between_anchors_gives_the_tension_asked_for(rollers):
     drive = rc.open_chain(
         "ANSI 40",
-        (rc.Anchor((0.0, 0.0)), rc.Anchor((0.36, 0.0))),
+        (rc.AnchoredEnd((0.0, 0.0)), rc.AnchoredEnd((0.36, 0.0))),
         44,
         [rc.Sprocket(15, (0.1, 0.12)), rc.Sprocket(17, (0.25, 0.12))],
         gravity=(0.0, 0.0),
@@ -273,7 +273,7 @@ def test_a_tensioner_between_anchors_gives_the_tension_asked_for(rollers):
 def test_a_slack_side_that_is_too_light_is_refused_with_what_it_lacks():
     drive = rc.open_chain(
         "ANSI 40",
-        (rc.Anchor((-0.12, -0.05), links=16), rc.Load(60.0)),
+        (rc.AnchoredEnd((-0.12, -0.05), links=16), rc.LoadedEnd(60.0)),
         40,
         [rc.Sprocket(17, motion=rc.PrescribedSpeed(0.0))],
     )
@@ -284,7 +284,7 @@ def test_a_slack_side_that_is_too_light_is_refused_with_what_it_lacks():
 def test_a_hoist_has_pressures_and_key_figures():
     drive = rc.open_chain(
         "ANSI 40",
-        (rc.Anchor((-0.16, -0.02), links=30), rc.Load(10.0, arm=0.08)),
+        (rc.AnchoredEnd((-0.16, -0.02), links=30), rc.LoadedEnd(10.0, arm=0.08)),
         60,
         [rc.Sprocket(17, motion=rc.PrescribedSpeed(0.0))],
     )
@@ -319,7 +319,7 @@ def test_a_free_wheel_beside_an_anchor_at_rest_turns_as_the_exact_curve(solver):
     torque = rc.AppliedTorque(1.5, [(-50.0, 2.0), (50.0, -2.0)])
     drive = rc.open_chain(
         "ANSI 40",
-        ends=(rc.Anchor(place), rc.LooseEnd()),
+        ends=(rc.AnchoredEnd(place), rc.FreeEnd()),
         links=40,
         sprockets=[rc.Sprocket(9, (0.0, 0.0), torque)],
     )
@@ -336,12 +336,12 @@ def test_rows_that_change_nothing_of_an_anchor_change_nothing_of_the_chain():
     def run(rows):
         drive = rc.open_chain(
             "ANSI 25",
-            ends=(rc.Anchor((-0.04, -0.01), velocity=rows), rc.Load(20.0)),
+            ends=(rc.AnchoredEnd((-0.04, -0.01), velocity=rows), rc.LoadedEnd(20.0)),
             links=30,
             sprockets=[rc.Sprocket(12, (0.0, 0.0), rc.AppliedTorque(-5.0))],
         )
         solver = rc.Solver(method="pece", rtol=1e-9, atol=1e-11)
-        simulation = rc.Simulation(drive, solver=solver, start="laid")
+        simulation = rc.Simulation(drive, solver=solver, start="generated")
         simulation.step_to(1.5e-4)
         return simulation
 
@@ -354,7 +354,7 @@ def test_rows_that_change_nothing_of_an_anchor_change_nothing_of_the_chain():
 @pytest.mark.parametrize("share", [1e-9, 1e-3, 0.2])
 def test_a_taut_open_chain_takes_a_spread_and_shorter_links_into_its_clearances(share):
     chain = rc.catalogue_chain("ANSI 40", 20)
-    ends = (rc.Anchor((0.0, 0.0)), rc.Anchor((20 * chain.pitch, 0.0)))
+    ends = (rc.AnchoredEnd((0.0, 0.0)), rc.AnchoredEnd((20 * chain.pitch, 0.0)))
     deviation = share * chain.hinge.clearance / chain.pitch
     for seed in range(10):
         for elongation in (-deviation, 0.0, deviation):
@@ -366,7 +366,7 @@ def test_a_taut_open_chain_takes_a_spread_and_shorter_links_into_its_clearances(
 
 def test_an_open_chain_shorter_than_its_clearances_give_is_refused():
     chain = rc.catalogue_chain("ANSI 40", 20)
-    ends = (rc.Anchor((0.0, 0.0)), rc.Anchor((20 * chain.pitch, 0.0)))
+    ends = (rc.AnchoredEnd((0.0, 0.0)), rc.AnchoredEnd((20 * chain.pitch, 0.0)))
     worn = replace(chain, elongation=-1.1 * chain.hinge.clearance / chain.pitch)
     with pytest.raises(rc.InvalidInput, match="it is too short: 20 links reach"):
         rc.open_chain(worn, ends, 20).check()
@@ -374,18 +374,18 @@ def test_an_open_chain_shorter_than_its_clearances_give_is_refused():
 
 def test_fewer_links_than_a_chain_needs_are_refused_with_what_takes_them():
     for links in (1, 2, 3):
-        ends = (rc.Anchor((0.0, 0.0)), rc.LooseEnd())
+        ends = (rc.AnchoredEnd((0.0, 0.0)), rc.FreeEnd())
         with pytest.raises(rc.InvalidInput, match=r"between 4 and 100000; .* of a Mechanism"):
             rc.open_chain("ANSI 40", ends, links)
 
 
 def test_the_place_of_a_guide_beside_an_open_chain_is_the_strand_that_is_nearest_to_it():
     rail = rc.GuideRail((0.05, -0.3), (0.0, 1.0), 0.2)
-    ends = (rc.Anchor((0.0, 0.0)), rc.Anchor((0.09, 0.0)))
+    ends = (rc.AnchoredEnd((0.0, 0.0)), rc.AnchoredEnd((0.09, 0.0)))
     assert rc.open_chain("ANSI 40", ends, 8, guides=[rail]).check().guide_place == (
         "strand end_1-end_2",
     )
-    ends = (rc.Anchor((-0.2, -0.3)), rc.Anchor((0.2, -0.3)))
+    ends = (rc.AnchoredEnd((-0.2, -0.3)), rc.AnchoredEnd((0.2, -0.3)))
     beside = [rc.GuideRail((x, -0.25), (1.0, 0.0), 0.05) for x in (-0.23, 0.23)]
     drive = rc.open_chain("ANSI 40", ends, 64, [rc.Sprocket(17, (0.0, 0.0))], guides=beside)
     assert drive.check().guide_place == ("strand end_1-1", "strand 1-end_2")

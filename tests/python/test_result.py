@@ -72,7 +72,7 @@ def test_views_have_one_row_for_each_time(result):
         assert values.shape == (ROWS,)
     assert sprocket.torque.shape == (ROWS,)
     assert result.strand("upper").tension.shape == result.strand("lower").tension.shape == (ROWS,)
-    assert result.energy.residual.shape == result.energy.worked_in.shape == (ROWS,)
+    assert result.energy.residual.shape == result.energy.external_work.shape == (ROWS,)
     assert result.peaks.hinge_force.shape == result.peaks.tooth_impulse.shape == (ROWS, 38)
 
 
@@ -166,7 +166,7 @@ def test_a_file_gives_everything_back(result, tmp_path):
         np.testing.assert_array_equal(loaded.arrays[name], values, strict=True)
     for name in ("initial_positions", "initial_velocities", "final_positions", "final_velocities"):
         np.testing.assert_array_equal(getattr(loaded, name), getattr(result, name))
-    for name in ("drive", "hinge_law", "tooth_law", "solver", "min_approach_speed", "body_names"):
+    for name in ("drive", "hinge_law", "tooth_law", "solver", "min_impact_velocity", "body_names"):
         assert getattr(loaded, name) == getattr(result, name)
     assert (loaded.status, loaded.message, loaded.stats) == (
         result.status,

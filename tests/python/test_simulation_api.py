@@ -88,7 +88,7 @@ def test_a_script_with_every_name_of_the_public_face_runs(tmp_path, monkeypatch)
         force_law=rc.LankaraniNikravesh(regions="sharp"),
         hinge_law=law,
         tooth_law=None,
-        min_approach_speed=1e-3,
+        min_impact_velocity=1e-3,
         positions=None,
         velocities=None,
         solver=rc.Solver(method="auto", rtol=1e-5, atol=1e-5, max_step=1e-4),
@@ -138,7 +138,7 @@ def test_a_script_with_every_name_of_the_public_face_runs(tmp_path, monkeypatch)
     sprocket = result.sprocket(1)
     for values in (sprocket.angle, sprocket.speed, sprocket.torque):
         assert values.shape == (times,)
-    for name in ("kinetic", "gravity", "elastic", "dissipated", "worked_in", "residual"):
+    for name in ("kinetic", "gravity", "elastic", "dissipated", "external_work", "residual"):
         assert getattr(result.energy, name).shape == (times,)
     assert result.peaks.hinge_force.shape == result.peaks.tooth_impulse.shape == (times, hinges)
     assert result.status == "finished"
@@ -464,7 +464,7 @@ def test_a_torque_accelerates_a_sprocket_before_anything_touches(sign):
     np.testing.assert_allclose(
         driver.speed, 0.02 * sign / inertia * result.time, rtol=1e-9, atol=1e-12
     )
-    assert result.energy.worked_in[-1] == pytest.approx(result.energy.kinetic[-1], rel=1e-6)
+    assert result.energy.external_work[-1] == pytest.approx(result.energy.kinetic[-1], rel=1e-6)
 
 
 def test_a_torque_follows_its_table():
@@ -504,7 +504,7 @@ def test_a_free_drive_falls_from_rest_and_is_caught():
     assert not result.array("velocities")[0].any()
     assert result.array("hinge_force").any()
     assert result.energy.kinetic[0] == 0.0
-    assert not result.energy.worked_in.any()
+    assert not result.energy.external_work.any()
     assert abs(result.energy.residual).max() < 1e-6
 
 
@@ -533,7 +533,7 @@ def test_the_other_way_round_works_too(teeth):
     assert result.sprocket(2).speed.mean() == pytest.approx(-12.566 * ratio, rel=0.05)
     assert (np.diff(result.sprocket(1).angle) < 0.0).all()
     assert result.array("tooth_force").any()
-    through = result.energy.dissipated[-1] + abs(result.energy.worked_in[-1])
+    through = result.energy.dissipated[-1] + abs(result.energy.external_work[-1])
     assert abs(result.energy.residual).max() < 0.02 * through
 
 
@@ -551,9 +551,9 @@ def test_the_work_put_in_is_torque_times_angle():
             0.5 * np.diff(sprocket.angle) * (sprocket.torque[1:] + sprocket.torque[:-1])
         )
     work[1:] += np.cumsum(0.5 * np.diff(center) * (pull[1:] + pull[:-1]))
-    largest = abs(energy.worked_in).max()
+    largest = abs(energy.external_work).max()
     assert largest > 1e-3
-    np.testing.assert_allclose(work, energy.worked_in, rtol=0.0, atol=0.01 * largest)
+    np.testing.assert_allclose(work, energy.external_work, rtol=0.0, atol=0.01 * largest)
     assert abs(energy.residual).max() < 0.01 * largest
 
 
@@ -566,7 +566,7 @@ def test_the_balance_does_not_depend_on_when_it_begins():
     for name in ("kinetic", "gravity", "elastic"):
         values, all_values = getattr(part.energy, name), getattr(whole.energy, name)
         np.testing.assert_allclose(values, all_values[50:], rtol=1e-6, atol=1e-9)
-    for name in ("dissipated", "worked_in"):
+    for name in ("dissipated", "external_work"):
         values, all_values = getattr(part.energy, name), getattr(whole.energy, name)
         gain, whole_gain = values[-1] - values[0], all_values[-1] - all_values[50]
         assert gain == pytest.approx(whole_gain, rel=1e-3)
@@ -719,7 +719,10 @@ def test_a_second_run_counts_energies_and_steps_from_its_own_start():
     first = simulation.run(0.01, 1e-3, progress=False)
     second = simulation.run(0.01, 1e-3, progress=False)
     assert (
-        second.energy.dissipated[0] == second.energy.worked_in[0] == second.energy.residual[0] == 0
+        second.energy.dissipated[0]
+        == second.energy.external_work[0]
+        == second.energy.residual[0]
+        == 0
     )
     whole = rc.Simulation(rc.paper_drive()).run(0.02, 1e-3, progress=False)
     assert first.stats["steps"] + second.stats["steps"] == whole.stats["steps"]

@@ -86,7 +86,7 @@ def test_a_new_process_goes_on_to_the_same_bits(law, pretension, energy, tmp_pat
         LAWS[law],
         hinge_law=rc.Hertz(),
         solver=rc.Solver(rtol=2e-5, atol=1e-5),
-        min_approach_speed=2e-3,
+        min_impact_velocity=2e-3,
     )
     simulation.run(4.5e-3, 1e-3, energy=energy, progress=False)
     simulation.step_to(5.000_001e-3)  # inside a step
@@ -103,7 +103,7 @@ def test_a_new_process_goes_on_to_the_same_bits(law, pretension, energy, tmp_pat
     assert_same_rows(result.arrays, np.load(f"{left}.rows.npz"))
     loaded = rc.Simulation.load_state(left)
     assert_same_state(loaded.state(), simulation.state())
-    for name in ("drive", "hinge_law", "tooth_law", "solver", "min_approach_speed"):
+    for name in ("drive", "hinge_law", "tooth_law", "solver", "min_impact_velocity"):
         assert getattr(loaded, name) == getattr(simulation, name)
 
 
@@ -303,7 +303,7 @@ PAPER = rc.paper_drive(pretension=25.0)
             "state, hinge law = .*: the simulation has hertz",
         ),
         (lambda: rc.Simulation(PAPER, rc.Johnson()), "state, hinge law = .*: the simulation has"),
-        (lambda: rc.Simulation(PAPER, min_approach_speed=2e-3), "state, min_approach_speed = "),
+        (lambda: rc.Simulation(PAPER, min_impact_velocity=2e-3), "state, min_impact_velocity = "),
         (lambda: rc.Simulation(PAPER, solver=rc.Solver(rtol=1e-6)), "state, Solver.rtol = "),
         (lambda: rc.Simulation(PAPER, solver=rc.Solver(max_order=5)), "state, Solver.max_order"),
         (
@@ -453,7 +453,7 @@ def test_a_file_is_replaced_whole_or_not_at_all(tmp_path, under_way, monkeypatch
         ("scene.positions", lambda rows: rows.astype(str)),
         ("scene.velocities", np.ravel),
         ("scene.velocities", lambda rows: rows + 1j),
-        ("scene.min_approach_speed", lambda speed: np.full(2, speed)),
+        ("scene.min_impact_velocity", lambda speed: np.full(2, speed)),
     ],
 )
 def test_a_start_of_another_shape_or_kind_is_refused(name, changed, file, tmp_path):

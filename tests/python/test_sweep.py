@@ -29,7 +29,7 @@ def assert_same_run(one, other):
     assert one.arrays.keys() == other.arrays.keys()
     for name, values in one.arrays.items():
         np.testing.assert_array_equal(values, other.arrays[name], strict=True)
-    for name in ("drive", "hinge_law", "tooth_law", "solver", "min_approach_speed", "body_names"):
+    for name in ("drive", "hinge_law", "tooth_law", "solver", "min_impact_velocity", "body_names"):
         assert getattr(one, name) == getattr(other, name)
     for end in ("initial", "final"):
         for quantity in ("positions", "velocities"):
@@ -49,7 +49,7 @@ def test_every_case_is_its_single_run_to_the_last_bit(threads):
         {"pretension": 25},
         {"pretension": 25, "hinge_law": rc.Johnson(), "record": ("hinges", "bodies")},
         {"speed": 10.0, "rtol": 1e-7, "duration": 3e-3},
-        {"pretension": 100.0, "min_approach_speed": 1e-2, "energy": False},
+        {"pretension": 100.0, "min_impact_velocity": 1e-2, "energy": False},
     ]
     swept = rc.sweep(PAPER, cases, threads=threads, **SHORT)
     assert swept.success
@@ -64,7 +64,7 @@ def test_every_case_is_its_single_run_to_the_last_bit(threads):
             **run, record=("hinges", "bodies")
         ),
         rc.Simulation(slow, solver=rc.Solver(rtol=1e-7)).run(**(run | {"duration": 3e-3})),
-        rc.Simulation(rc.paper_drive(100.0), min_approach_speed=1e-2).run(**run, energy=False),
+        rc.Simulation(rc.paper_drive(100.0), min_impact_velocity=1e-2).run(**run, energy=False),
     ]
     for one, other in zip(swept.results, single, strict=True):
         assert_same_run(one, other)
@@ -396,8 +396,8 @@ def test_laws_out_of_their_range_are_told_once_for_the_whole_sweep():
         )
     assert [(w.category, w.filename) for w in caught] == [(rc.RangeWarning, __file__)]
     assert "2 of 4 cases, first case 2 (force_law=EnhancedCylinder(" in str(caught[0].message)
-    assert list(swept.range_notes) == [2, 3]
-    assert all("enhanced" in note for notes in swept.range_notes.values() for note in notes)
+    assert list(swept.law_warnings) == [2, 3]
+    assert all("enhanced" in note for notes in swept.law_warnings.values() for note in notes)
 
 
 # --- under way
@@ -512,8 +512,8 @@ def test_progress_is_shown_in_cases_and_simulated_seconds(monkeypatch):
 
 def test_the_start_is_a_parameter_and_cases_begin_there():
     drive = rc.paper_drive(pretension=100.0)
-    found = rc.sweep(drive, {"start": ["laid", "static"]}, duration=5e-4, progress=False)
-    for start, result in zip(["laid", "static"], found.values, strict=True):
+    found = rc.sweep(drive, {"start": ["generated", "static"]}, duration=5e-4, progress=False)
+    for start, result in zip(["generated", "static"], found.values, strict=True):
         alone = rc.Simulation(drive, start=start).run(5e-4, progress=False)
         assert result.drive == alone.drive
         for name, values in alone.arrays.items():
@@ -539,7 +539,7 @@ def test_positions_and_velocities_of_ones_own_are_keywords_and_parameters():
 
 
 def test_a_start_that_is_none_is_refused():
-    with pytest.raises(rc.InvalidInput, match="start = 'rest': must be 'laid' or 'static'"):
+    with pytest.raises(rc.InvalidInput, match="start = 'rest': must be 'generated' or 'static'"):
         rc.sweep(PAPER, {"start": ["rest"]}, progress=False)
 
 

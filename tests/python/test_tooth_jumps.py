@@ -131,7 +131,7 @@ def test_a_sweep_warns_of_tooth_jumps_and_measures_the_others():
             friction=rc.Coulomb(0.1),
         )
     assert found.success
-    assert list(found.jump_notes) == [1]
+    assert list(found.jump_warnings) == [1]
     data = found.to_xarray()
     assert data["tooth_jumps"][0] == 0
     assert data["tooth_jumps"][1] > 0
@@ -147,7 +147,7 @@ def test_the_published_drive_never_jumps(pretension):
 def test_no_jump_is_counted_outside_the_chain_nor_where_it_is_open():
     open_chain = rc.open_chain(
         "ANSI 40",
-        ends=(rc.Anchor((-0.16, -0.02), links=30), rc.Load(5.0, arm=0.08)),
+        ends=(rc.AnchoredEnd((-0.16, -0.02), links=30), rc.LoadedEnd(5.0, arm=0.08)),
         links=60,
         sprockets=[rc.Sprocket(17, motion=rc.PrescribedSpeed([(0.0, 0.0), (0.02, 20.0)]))],
     )
@@ -201,7 +201,7 @@ def test_onset_speeds_and_force_vectors_are_those_of_the_state():
     assert (vector[~touching] == 0.0).all()
     speed = result.array("tooth_onset_speed")
     assert (speed[~touching] == 0.0).all()
-    assert (speed[touching] >= simulation.min_approach_speed).all()
+    assert (speed[touching] >= simulation.min_impact_velocity).all()
     np.testing.assert_array_equal(
         speed[-1], np.where(touching[-1], state["tooth_onset_speed"].max(axis=1), 0.0)
     )

@@ -30,7 +30,7 @@ _MECHANISM_PARTS: dict[type, dict[str, Any]] = {
         "law": rc.Hertz(),
         "length": 0.01,
         "material": rc.Material(),
-        "min_approach_speed": 1e-3,
+        "min_impact_velocity": 1e-3,
     },
 }
 
@@ -146,7 +146,7 @@ class Scenes:
         record = ("hinges", "teeth", "sprockets", "bodies", "energy")
         self.simulation = rc.Simulation(self.drive, friction=rc.Coulomb(0.1))
         self.result = self.simulation.run(2e-3, record=record, progress=False)
-        ends = (rc.Anchor((0.0, 0.0)), rc.LooseEnd())
+        ends = (rc.AnchoredEnd((0.0, 0.0)), rc.FreeEnd())
         hanging = rc.Simulation(rc.open_chain("ANSI 40", ends, 8))
         self.open_result = hanging.run(2e-4, progress=False)
         self.free = rc.Simulation(rc.two_sprocket_drive(torque=-1.0, links=60))
@@ -212,12 +212,12 @@ def _descriptions() -> Iterator[Target]:
     for kind in (rc.JointForceAbove, rc.ContactForceAbove):
         part = "joint" if kind is rc.JointForceAbove else "contact"
         yield _target(kind.__name__, kind, kind, **{"force": 1.0, part: None})
-    law, film = rc.Hertz(), rc.Film(0.1)
+    law, film = rc.Hertz(), rc.LubricantFilm(0.1)
     size = {"radii": (2.2e-3, 2.245e-3), "length": 0.011}
     pressed = {"penetration": 1e-6, **size, "surfaces": "internal", "material": None}
     yield _target("Hertz.elastic_force", law.elastic_force, law.elastic_force, **pressed)
     moved = {"eccentricity": 1e-5, "velocity": (1e-3, 0.0), **size}
-    yield _target("Film.force", film.force, film.force, **moved)
+    yield _target("LubricantFilm.force", film.force, film.force, **moved)
     chain, rail = GOOD["Chain"], GOOD["GuideRail"]
     for each, given in (
         (GOOD["Sprocket"], {"chain": chain}),
@@ -233,7 +233,7 @@ def _descriptions() -> Iterator[Target]:
         drive.to_mechanism,
         hinges="ideal",
         force_law=None,
-        min_approach_speed=1e-3,
+        min_impact_velocity=1e-3,
     )
     yield _target("DriveReport.of", rc.DriveReport.of, rc.DriveReport.of, drive=drive)
 
@@ -243,7 +243,13 @@ def _functions() -> Iterator[Target]:
     chain = {"gravity": (0.0, -9.81), "rollers": "fixed", "plates": "rigid"}
     laws = {"force_law": rc.Hertz(), "friction": None, "hinge_film": None, "solver": rc.Solver()}
     run = {**_SHORT, **laws, "threads": 1}
-    more = {"record": ("hinges",), "energy": False, "start": "laid", "stop": (), "callback": None}
+    more = {
+        "record": ("hinges",),
+        "energy": False,
+        "start": "generated",
+        "stop": (),
+        "callback": None,
+    }
     paper = rc.paper_drive()
     table: list[tuple[Callable[..., object], dict[str, Any]]] = [
         (rc.catalogue, {}),
@@ -284,14 +290,14 @@ def _functions() -> Iterator[Target]:
             rc.open_chain,
             {
                 "chain": "ANSI 40",
-                "ends": (rc.Anchor((0.0, 0.0)), rc.LooseEnd()),
+                "ends": (rc.AnchoredEnd((0.0, 0.0)), rc.FreeEnd()),
                 "links": 8,
                 "sprockets": (),
                 "guides": (),
                 **chain,
             },
         ),
-        (rc.restitution_obtained, {"damping": "flores", "restitution": 0.5}),
+        (rc.effective_restitution, {"damping": "flores", "restitution": 0.5}),
         (rc.sweep, {"drive": paper, "axes": {"pretension": [1.0]}, "measure": None, **run, **more}),
         (
             rc.study,
@@ -356,11 +362,11 @@ def _simulations() -> Iterator[Target]:
         "force_law": rc.Hertz(),
         "hinge_law": None,
         "tooth_law": None,
-        "min_approach_speed": 1e-3,
+        "min_impact_velocity": 1e-3,
         "positions": start.positions,
         "velocities": start.velocities,
         "solver": rc.Solver(),
-        "start": "laid",
+        "start": "generated",
         "friction": None,
         "hinge_friction": rc.Coulomb(0.1),
         "tooth_friction": None,

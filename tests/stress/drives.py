@@ -143,14 +143,23 @@ def open_chain(draw: Draw) -> rc.ChainDrive:
     if draw.chance(0.5, "hoist"):
         wheel = _sprocket(draw, chain.pitch, (0.0, 0.0), driver=True)
         wheel = replace(wheel, teeth=draw.integer(11, 17), damaged_teeth=())
-        ends = (rc.Load(mass), draw.one_of((rc.Load(0.5 * mass), rc.LooseEnd(links=links // 3))))
+        ends = (
+            rc.LoadedEnd(mass),
+            draw.one_of((rc.LoadedEnd(0.5 * mass), rc.FreeEnd(links=links // 3))),
+        )
         return rc.open_chain(chain, ends, max(links, 20), [wheel])
-    anchor = rc.Anchor((0.0, 0.0), _anchor_motion(draw))
+    anchor = rc.AnchoredEnd((0.0, 0.0), _anchor_motion(draw))
     far = span * draw.between(0.1, 0.98)
     angle = draw.between(-0.5 * math.pi, 0.0)
     place = (far * math.cos(angle), far * math.sin(angle))
     other = draw.one_of(
-        (rc.Anchor(place), rc.Load(mass), rc.LooseEnd(), rc.Load(mass, arm=0.05), rc.Anchor(place))
+        (
+            rc.AnchoredEnd(place),
+            rc.LoadedEnd(mass),
+            rc.FreeEnd(),
+            rc.LoadedEnd(mass, arm=0.05),
+            rc.AnchoredEnd(place),
+        )
     )
     return rc.open_chain(chain, (anchor, other), links)
 

@@ -57,7 +57,7 @@ def energies(result: rc.Result | rc.MechanismResult) -> dict[str, float]:
         return float(values.max() - values.min())
 
     dissipated = float(energy.dissipated[-1])
-    moved = (energy.worked_in, energy.kinetic, energy.gravity, energy.elastic)
+    moved = (energy.external_work, energy.kinetic, energy.gravity, energy.elastic)
     return {
         "residual": float(np.abs(energy.residual).max()),
         "dissipated": dissipated,

@@ -51,10 +51,10 @@ class Scene:
         if draw.chance(0.3):
             laws["friction"] = parts.friction(draw)
         if draw.chance(0.15, "film"):
-            laws["hinge_film"] = rc.Film(draw.log_between(0.005, 0.5))
+            laws["hinge_film"] = rc.LubricantFilm(draw.log_between(0.005, 0.5))
         if draw.chance(0.2):
-            laws["min_approach_speed"] = draw.log_between(1e-5, 1e-1)
-        start = "static" if draw.chance(0.25, "static") else "laid"
+            laws["min_impact_velocity"] = draw.log_between(1e-5, 1e-1)
+        start = "static" if draw.chance(0.25, "static") else "generated"
         return rc.Simulation(described, solver=parts.solver(draw), start=start, **laws)
 
     def run(self, longest: float) -> rc.Result | rc.MechanismResult:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rustchain.typing import Array
 
 _STORED = ("kinetic", "gravity", "elastic")
-_SUMS = ("dissipated", "worked_in", "residual")
+_SUMS = ("dissipated", "external_work", "residual")
 
 
 def power_balance(result: Result, start: float | None, end: float | None) -> xr.Dataset:
@@ -37,7 +37,7 @@ def power_balance(result: Result, start: float | None, end: float | None) -> xr.
         return float(values[-1] - values[0]) / span
 
     losses = _losses(result, rate)
-    shafts = _shafts(result, rows, rate("worked_in"))
+    shafts = _shafts(result, rows, rate("external_work"))
     delivered = float(-shafts[shafts < 0.0].sum())
     lost = rate("dissipated")
     # Where no shaft puts work in, what is stored runs down: there is no efficiency to speak of.
@@ -74,7 +74,7 @@ def _losses(result: Result, rate: Callable[[str], float]) -> dict[str, float]:
     return {rest: rate("dissipated") - sum(parts.values()), **parts}
 
 
-def _shafts(result: Result, rows: slice, worked_in: float) -> Array:
+def _shafts(result: Result, rows: slice, external_work: float) -> Array:
     """Return the mean power of each shaft [W], positive into the drive, (sprockets,).
 
     Applied torques are smooth enough to integrate from row to row. A motor of prescribed speed
@@ -92,5 +92,5 @@ def _shafts(result: Result, rows: slice, worked_in: float) -> Array:
     motors = [k for k, motion in enumerate(motions) if isinstance(motion, PrescribedSpeed)]
     if len(motors) == 1:
         power[motors[0]] = 0.0
-        power[motors[0]] = worked_in - power.sum()
+        power[motors[0]] = external_work - power.sum()
     return power

@@ -16,7 +16,7 @@ from rustchain.catalogue.standard import (
     check_rollers,
 )
 from rustchain.description.drive import Chain, ChainDrive, Hinges, Point, Sprocket, Tensioner
-from rustchain.description.ends import Anchor, Load, LooseEnd
+from rustchain.description.ends import AnchoredEnd, FreeEnd, LoadedEnd
 from rustchain.description.guides import GuideRail, SmoothIdler
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords
@@ -114,7 +114,7 @@ def chain_drive(
 @known_keywords
 def open_chain(
     chain: str | Chain,
-    ends: Sequence[Anchor | Load | LooseEnd],
+    ends: Sequence[AnchoredEnd | LoadedEnd | FreeEnd],
     links: int,
     sprockets: Sequence[Sprocket] = (),
     gravity: Point = (0.0, -9.81),
@@ -131,8 +131,8 @@ def open_chain(
     chain : str or Chain
         A name of the catalogue, such as "ANSI 40", or a chain, whose own `links` do not count.
     ends : (end, end)
-        What is before the first link and behind the last one, each an `Anchor`, a `Load` or a
-        `LooseEnd`.
+        What is before the first link and behind the last one, each an `AnchoredEnd`, a `LoadedEnd`
+        or a `FreeEnd`.
     links : int
         Number of links, even or odd, at least four: inner and outer ones alternate, the first is an
         inner one. Fewer, such as a tie bar, are bodies of a `Mechanism`.

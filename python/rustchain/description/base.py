@@ -5,10 +5,14 @@ from __future__ import annotations
 import dataclasses
 import json
 from dataclasses import dataclass
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar, TypeAlias, TypeVar
 
 from rustchain import _rustchain
 from rustchain.arguments import plain as plain
+from rustchain.arguments import shown
+from rustchain.errors import InvalidInput
+
+_Class = TypeVar("_Class")
 
 Point: TypeAlias = tuple[float, float]
 
@@ -17,7 +21,7 @@ Point: TypeAlias = tuple[float, float]
 class Description:
     """Base of the frozen dataclasses, in SI units, that describe a scene."""
 
-    _types: ClassVar[dict[str, type[Description]]] = {}
+    _types: ClassVar[dict[str, type[Any]]] = {}
 
     def __init_subclass__(cls) -> None:
         """Remember the class by its name, for `from_json`."""
@@ -39,17 +43,29 @@ class Description:
         return json.loads(text, object_hook=_revived)
 
 
-def _tagged(description: object) -> dict[str, object]:
+def described(kind: type[_Class]) -> type[_Class]:
+    """Let a dataclass that is no `Description` be a part of one, in JSON too."""
+    Description._types[kind.__name__] = kind
+    return kind
+
+
+def fields_of(value: object) -> dict[str, Any] | None:
+    """Return the fields of a description by their names; None of all else."""
+    if Description._types.get(type(value).__name__) is not type(value):
+        return None
+    names = (field.name for field in dataclasses.fields(value))  # type: ignore[arg-type]
+    return {name: getattr(value, name) for name in names}
+
+
+def _tagged(value: object) -> dict[str, object]:
     """Return the fields of a description beside the name of its type."""
-    if not isinstance(description, Description):
-        msg = f"{type(description).__name__} is no description"
-        raise TypeError(msg)
-    fields = dataclasses.fields(description)
-    return {"type": type(description).__name__} | {
-        f.name: getattr(description, f.name) for f in fields
-    }
+    fields = fields_of(value)
+    if fields is None:
+        msg = f"{shown(value)}: is no description, which alone can be written as JSON"
+        raise InvalidInput(msg)
+    return {"type": type(value).__name__} | fields
 
 
-def _revived(fields: dict[str, Any]) -> Description:
+def _revived(fields: dict[str, Any]) -> object:
     """Return the description whose tagged fields these are."""
     return Description._types[fields.pop("type")](**fields)

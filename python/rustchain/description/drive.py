@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 from rustchain.arguments import checked
 from rustchain.description.base import Description, Point
 from rustchain.description.chain import Chain, ClearanceHinge, Link, Plates, Roller
-from rustchain.description.ends import Anchor, Load, LooseEnd
+from rustchain.description.ends import AnchoredEnd, FreeEnd, LoadedEnd
 from rustchain.description.guides import GuideRail, SmoothIdler
 from rustchain.description.material import Material
 from rustchain.description.report import DriveReport
@@ -95,8 +95,8 @@ class ChainDrive(Description):
         it, blades swung back on their arms.
     ends : (end, end), optional
         What an open chain is joined to before its first link and behind its last one, each an
-        `Anchor`, a `Load` or a `LooseEnd`; by default the chain is closed. The first link is an
-        inner one. An open chain may run over no sprocket at all, and `side` then says which
+        `AnchoredEnd`, a `LoadedEnd` or a `FreeEnd`; by default the chain is closed. The first link
+        is an inner one. An open chain may run over no sprocket at all, and `side` then says which
         sprockets stand on the same side of it.
     """
 
@@ -107,7 +107,7 @@ class ChainDrive(Description):
     name: str = ""
     hinges: Hinges = "clearance"
     guides: Sequence[GuideRail | SmoothIdler] = ()
-    ends: Sequence[Anchor | Load | LooseEnd] | None = None
+    ends: Sequence[AnchoredEnd | LoadedEnd | FreeEnd] | None = None
 
     @property
     def hinge_count(self) -> int:
@@ -127,7 +127,7 @@ class ChainDrive(Description):
         self,
         hinges: Hinges | None = None,
         force_law: ForceLaw | None = None,
-        min_approach_speed: float = 1e-3,
+        min_impact_velocity: float = 1e-3,
     ) -> Mechanism:
         """Return the drive as a mechanism, laid out and ready to be extended.
 
@@ -138,13 +138,13 @@ class ChainDrive(Description):
             by default as the drive says.
         force_law : ForceLaw, optional
             Law of the contacts, by default that of Lankarani and Nikravesh.
-        min_approach_speed : float
+        min_impact_velocity : float
             Least approach speed that the damping reckons with [m/s].
         """
         from rustchain.simulation.drive_mechanism import drive_mechanism
 
         wanted = self.hinges if hinges is None else hinges
-        return drive_mechanism(self, wanted, force_law, min_approach_speed)
+        return drive_mechanism(self, wanted, force_law, min_impact_velocity)
 
 
 def drive_inside(given: object) -> ChainDrive | None:

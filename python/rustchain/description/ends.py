@@ -11,7 +11,7 @@ from rustchain.names import known_keywords
 
 @known_keywords
 @dataclass(frozen=True)
-class Anchor(Description):
+class AnchoredEnd(Description):
     """A pin that holds an end of an open chain, at rest or moved.
 
     Attributes
@@ -32,7 +32,7 @@ class Anchor(Description):
 
 @known_keywords
 @dataclass(frozen=True)
-class Load(Description):
+class LoadedEnd(Description):
     """A body that hangs from an end of an open chain: a hook, a weight.
 
     Attributes
@@ -59,7 +59,7 @@ class Load(Description):
 
 @known_keywords
 @dataclass(frozen=True)
-class LooseEnd(Description):
+class FreeEnd(Description):
     """An end of an open chain that nothing holds.
 
     Attributes

@@ -55,7 +55,7 @@ def energy_figure(time: Array, energy: Energy, rows: slice, scale: float, unit: 
     )
     curves = {
         "dissipated": (energy.dissipated, RED),
-        "worked in": (energy.worked_in, GREEN),
+        "worked in": (energy.external_work, GREEN),
         "kinetic, change": (energy.kinetic - energy.kinetic[0], BLUE),
         "gravity, change": (energy.gravity - energy.gravity[0], GREY),
         "elastic": (energy.elastic, ORANGE),

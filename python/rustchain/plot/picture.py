@@ -17,7 +17,7 @@ from matplotlib.transforms import Bbox
 from rustchain import _rustchain
 from rustchain.caller import warn_caller
 from rustchain.description.drive import ChainDrive
-from rustchain.description.ends import Anchor, Load
+from rustchain.description.ends import AnchoredEnd, LoadedEnd
 from rustchain.description.guides import GuideRail, SmoothIdler
 from rustchain.names import known_keywords
 from rustchain.plot.style import GREY, Figures, styled
@@ -167,13 +167,13 @@ def _extent(drive: ChainDrive, hinges: Array, wheels: Array, ends: Array) -> Arr
     loads = [
         pose[:2] + _load_size(end) * np.array(side)
         for end, pose in zip(drive.ends[::-1], ends, strict=True)
-        if isinstance(end, Load)
+        if isinstance(end, LoadedEnd)
         for side in ((-1.0, -1.0), (1.0, -1.0))
     ]
     return np.array([*hinges, *corners, *loads])
 
 
-def _load_size(load: Load) -> float:
+def _load_size(load: LoadedEnd) -> float:
     """Return the radius of a ball of steel with the mass of a load [m]."""
     return float(np.cbrt(load.mass / (7850.0 * 4.0 / 3.0 * np.pi)))
 
@@ -189,12 +189,12 @@ def _add_ends(axes: Axes, drive: ChainDrive, ends: Array) -> list[Array]:
     pitch = drive.chain.pitch
     # The end behind the last link comes first in arrays.
     for end, pose, sign in zip(drive.ends[::-1], ends, (-1.0, 1.0), strict=True):
-        if isinstance(end, Anchor):
+        if isinstance(end, AnchoredEnd):
             square = 0.55 * pitch * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
             _add_polygons(axes, (square + pose[:2])[None], "none", _INK)
             axes.plot(*(square[[0, 2]] + pose[:2]).T, color=_INK, linewidth=0.7)
             axes.plot(*(square[[1, 3]] + pose[:2]).T, color=_INK, linewidth=0.7)
-        elif isinstance(end, Load):
+        elif isinstance(end, LoadedEnd):
             balls.append(_circle(_load_size(end)) + pose[:2])
             _add_polygons(axes, balls[-1][None], _STEEL, _INK)
             pin = _placed(pose[None], np.array([[sign * end.arm, 0.0]]))[0, 0]

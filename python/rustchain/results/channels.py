@@ -85,7 +85,7 @@ VARIABLES = {
     "energy_gravity": Variable("energy", (), "J", "potential energy of gravity"),
     "energy_elastic": Variable("energy", (), "J", "elastic energy of the contacts"),
     "energy_dissipated": Variable("energy", (), "J", "energy dissipated since the first row"),
-    "energy_worked_in": Variable("energy", (), "J", "work put in since the first row"),
+    "energy_external_work": Variable("energy", (), "J", "external work since the first row"),
     "energy_residual": Variable("energy", (), "J", "residual of the energy balance"),
     "energy_hinge_contact": Variable("energy", (), "J", "dissipated by damping in hinges"),
     "energy_tooth_contact": Variable("energy", (), "J", "dissipated by damping on teeth"),

@@ -46,7 +46,7 @@ def load_result(path: str | Path) -> Result:
             arrays={"time": data["time"].values}
             | {name: data[name].values for name in VARIABLES if name in data},
             **scene,
-            min_approach_speed=float(data.attrs["min_approach_speed"]),
+            min_impact_velocity=float(data.attrs["min_impact_velocity"]),
             body_names=tuple(map(str, data["body"].values)),
             status=data.attrs["status"],
             message=data.attrs["message"],

@@ -63,7 +63,7 @@ _VARIABLES = {
     "energy_gravity": Variable("energy", (), "J", "potential energy of gravity"),
     "energy_elastic": Variable("energy", (), "J", "energy of springs and contacts"),
     "energy_dissipated": Variable("energy", (), "J", "energy dissipated since the first row"),
-    "energy_worked_in": Variable("energy", (), "J", "work put in since the first row"),
+    "energy_external_work": Variable("energy", (), "J", "external work since the first row"),
     "energy_residual": Variable("energy", (), "J", "residual of the energy balance"),
 }
 
@@ -157,7 +157,7 @@ class MechanismResult:
     @property
     def energy(self) -> Energy:
         """The energy balance."""
-        names = ("kinetic", "gravity", "elastic", "dissipated", "worked_in", "residual")
+        names = ("kinetic", "gravity", "elastic", "dissipated", "external_work", "residual")
         return Energy(*(self.arrays[f"energy_{name}"] for name in names))
 
     @property

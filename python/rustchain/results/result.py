@@ -54,7 +54,7 @@ class Result(Outputs):
     ----------
     arrays : dict of ndarray
         Everything recorded, by name; time is the first axis. `to_xarray` adds dims and units.
-    drive, hinge_law, tooth_law, solver, min_approach_speed
+    drive, hinge_law, tooth_law, solver, min_impact_velocity
         What was simulated, and how.
     body_names : tuple of str
         Names of the bodies.
@@ -76,7 +76,7 @@ class Result(Outputs):
     hinge_law: ForceLaw
     tooth_law: ForceLaw
     solver: Solver
-    min_approach_speed: float
+    min_impact_velocity: float
     body_names: tuple[str, ...]
     initial_positions: Array
     initial_velocities: Array
@@ -218,7 +218,7 @@ class Result(Outputs):
     @property
     def energy(self) -> Energy:
         """The energy balance."""
-        names = ("kinetic", "gravity", "elastic", "dissipated", "worked_in", "residual")
+        names = ("kinetic", "gravity", "elastic", "dissipated", "external_work", "residual")
         kinds = ("contact", "friction")
         places = [*(f"{part}_{kind}" for kind in kinds for part in ("hinge", "tooth"))]
         places += [*(f"roller_{kind}" for kind in kinds), "hinge_film"]

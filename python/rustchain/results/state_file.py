@@ -64,7 +64,7 @@ def write(path: str | Path, scene: Mapping[str, Any], state: Mapping[str, Any]) 
     """Write a scene, its start included, and a state; the file is there whole or not at all."""
     members: dict[str, Any] = {"format": _FORMAT, "rustchain_version": version("rustchain")}
     members |= {name: scene[name].to_json() for name in _DESCRIBED}
-    members |= {f"scene.{name}": scene[name] for name in ("min_approach_speed", *_ROWS)}
+    members |= {f"scene.{name}": scene[name] for name in ("min_impact_velocity", *_ROWS)}
     members |= {f"state.{name}": value for name, value in state.items()}
     members["state.snapshot"] = np.frombuffer(state["snapshot"], dtype=np.uint8)
     archive = io.BytesIO()
@@ -97,7 +97,7 @@ def read(path: str | Path) -> tuple[dict[str, Any], dict[str, Any]]:
 def _scene_of(members: Mapping[str, Any]) -> dict[str, Any]:
     """Return the keywords of the simulation."""
     scene = {name: Description.from_json(str(members[name])) for name in _DESCRIBED}
-    scene["min_approach_speed"] = members["scene.min_approach_speed"].item()
+    scene["min_impact_velocity"] = members["scene.min_impact_velocity"].item()
     return scene | {name: rows_of(name, members[f"scene.{name}"], "bodies") for name in _ROWS}
 
 

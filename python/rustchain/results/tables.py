@@ -57,7 +57,7 @@ def dataset_of(result: Result) -> xr.Dataset:
         coordinates,
         {name: getattr(result, name).to_json() for name in SCENE}
         | {
-            "min_approach_speed": result.min_approach_speed,
+            "min_impact_velocity": result.min_impact_velocity,
             "status": result.status,
             "message": result.message,
             "stats": json.dumps(result.stats),

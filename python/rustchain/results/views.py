@@ -181,11 +181,11 @@ class Energy:
     ----------
     kinetic, gravity, elastic : ndarray, (times,)
         Energy stored [J].
-    dissipated, worked_in : ndarray, (times,)
-        Energy lost in contacts and in the tensioner's dashpot, and work of motors and tensioner,
-        since the first row [J].
+    dissipated, external_work : ndarray, (times,)
+        Energy lost in contacts and dashpots, and work of motors, loads and tensioner, since the
+        first row [J]. ``worked_in`` is another name of the external work.
     residual : ndarray, (times,)
-        What the balance misses [J]: the honest error figure of a long run.
+        Residual of the energy balance [J]: the error measure of a long run.
     hinge_contact, tooth_contact, hinge_friction, tooth_friction : ndarray, (times,), optional
         Where `dissipated` was lost [J]: to the damping of contacts and to friction, of pins in
         bushings and of bushings on teeth; the rest went into dashpots. Only of chain drives with
@@ -200,7 +200,7 @@ class Energy:
     gravity: Array
     elastic: Array
     dissipated: Array
-    worked_in: Array
+    external_work: Array
     residual: Array
     hinge_contact: Array | None = None
     tooth_contact: Array | None = None
@@ -209,6 +209,11 @@ class Energy:
     roller_contact: Array | None = None
     roller_friction: Array | None = None
     hinge_film: Array | None = None
+
+    @property
+    def worked_in(self) -> Array:
+        """Another name of `external_work` [J], (times,)."""
+        return self.external_work
 
 
 @named_attributes

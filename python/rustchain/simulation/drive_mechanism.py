@@ -23,7 +23,7 @@ def drive_mechanism(
     drive: ChainDrive,
     hinges: Hinges,
     force_law: ForceLaw | None,
-    min_approach_speed: float,
+    min_impact_velocity: float,
     placed: tuple[Array | None, Array | None] = (None, None),
 ) -> Mechanism:
     """Return the mechanism that `ChainDrive.to_mechanism` promises.
@@ -81,7 +81,7 @@ def drive_mechanism(
         _add_sprocket(mechanism, drive, k, start)
 
     def surfaces(length: float) -> SurfaceContact:
-        return SurfaceContact(law, length, chain.material, min_approach_speed)
+        return SurfaceContact(law, length, chain.material, min_impact_velocity)
 
     for k in range(links):
         behind = (k + 1) % links

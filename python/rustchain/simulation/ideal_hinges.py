@@ -22,7 +22,7 @@ from rustchain.simulation.tensioner_mechanism import arm_rows
 from rustchain.typing import Array
 
 _FAR = 0.01  # of a pitch: way that hinges may move a link without a word
-_ENERGY = ("kinetic", "gravity", "elastic", "dissipated", "worked_in", "residual")
+_ENERGY = ("kinetic", "gravity", "elastic", "dissipated", "external_work", "residual")
 
 
 class IdealHingeCore(IdealHingeChannels):
@@ -38,7 +38,7 @@ class IdealHingeCore(IdealHingeChannels):
         force_law: ForceLaw,
         hinge_law: ForceLaw | None,
         tooth_law: ForceLaw | None,
-        min_approach_speed: float,
+        min_impact_velocity: float,
         solver: Solver,
         positions: Array | None,
         velocities: Array | None,
@@ -66,7 +66,7 @@ class IdealHingeCore(IdealHingeChannels):
             raise InvalidInput(msg)
         law = force_law if tooth_law is None else tooth_law
         mechanism = drive_mechanism(
-            drive, "ideal", law, min_approach_speed, (positions, velocities)
+            drive, "ideal", law, min_impact_velocity, (positions, velocities)
         )
         if solver.method == "auto":  # the one that ideal hinges were measured with
             solver = replace(solver, method="pece")

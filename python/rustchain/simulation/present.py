@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     Core: TypeAlias = _rustchain.Core | IdealHingeCore
 
-SCENE = ("drive", "force_law", "hinge_law", "tooth_law", "min_approach_speed", "solver")
+SCENE = ("drive", "force_law", "hinge_law", "tooth_law", "min_impact_velocity", "solver")
 
 
 class Present:
@@ -124,7 +124,7 @@ class Present:
                 "hinge_law": self.hinge_law,
                 "tooth_law": self.tooth_law,
                 "solver": self.solver,
-                "min_approach_speed": self.min_approach_speed,
+                "min_impact_velocity": self.min_impact_velocity,
                 "positions": positions,
                 "velocities": velocities,
             },
@@ -196,14 +196,14 @@ class Present:
         force_law: ForceLaw,
         hinge_law: ForceLaw | None,
         tooth_law: ForceLaw | None,
-        min_approach_speed: float,
+        min_impact_velocity: float,
         solver: Solver,
     ) -> None:
         """Remember what is simulated, and how."""
         self.drive = drive
         self.hinge_law = force_law if hinge_law is None else hinge_law
         self.tooth_law = force_law if tooth_law is None else tooth_law
-        self.min_approach_speed = float(min_approach_speed)  # whatever kind of number
+        self.min_impact_velocity = float(min_impact_velocity)  # whatever kind of number
         self.solver = solver
 
     def _warn(self) -> None:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from rustchain.arguments import plain, shown
 from rustchain.description.drive import ChainDrive, TimeTable, drive_inside
-from rustchain.description.laws.film import Film
+from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.force import ForceLaw, LankaraniNikravesh, with_friction
 from rustchain.description.laws.friction import Coulomb, LuGre
 from rustchain.description.mechanism.builder import Mechanism
@@ -58,9 +58,9 @@ class Simulation(Present):
         Friction of every contact: put into the laws, as ``ForceLaw.friction``.
     hinge_friction, tooth_friction : Coulomb or LuGre, optional
         Friction of pins in bushings, of bushings on teeth; by default `friction`.
-    hinge_film : Film, optional
+    hinge_film : LubricantFilm, optional
         Lubricant between pins and bushings: put into their law, as ``ForceLaw.film``.
-    min_approach_speed : float
+    min_impact_velocity : float
         Least approach speed that the damping reckons with [m/s]; without it, a contact that begins
         slowly would be damped without limit.
     positions, velocities : array_like, (bodies, 3), optional
@@ -69,7 +69,7 @@ class Simulation(Present):
         the drive holds in a place must be there: sprockets on fixed bearings, guides, anchors.
     solver : Solver
         Method and tolerances.
-    start : {"laid", "static"}
+    start : {"generated", "static"}
         As the generator lays the chain, with nothing in contact; or at rest under gravity, the
         loads of the first instant and the tensioner's full pull, which then has no ramp. The
         sprockets' speeds are those of the laid start. `rest` says how well the chain rests.
@@ -108,15 +108,15 @@ class Simulation(Present):
         force_law: ForceLaw = _LAW,
         hinge_law: ForceLaw | None = None,
         tooth_law: ForceLaw | None = None,
-        min_approach_speed: float = 1e-3,
+        min_impact_velocity: float = 1e-3,
         positions: npt.ArrayLike | None = None,
         velocities: npt.ArrayLike | None = None,
         solver: Solver = _SOLVER,
-        start: Start = "laid",
+        start: Start = "generated",
         friction: Coulomb | LuGre | None = None,
         hinge_friction: Coulomb | LuGre | None = None,
         tooth_friction: Coulomb | LuGre | None = None,
-        hinge_film: Film | None = None,
+        hinge_film: LubricantFilm | None = None,
     ) -> None:
         if drive_inside(drive) is not None:  # a Scene, a Simulation, a Result
             msg = (
@@ -136,7 +136,7 @@ class Simulation(Present):
             "force_law": force_law,
             "hinge_law": hinge_law,
             "tooth_law": tooth_law,
-            "min_approach_speed": plain(min_approach_speed),
+            "min_impact_velocity": plain(min_impact_velocity),
             "solver": solver,
         }
         scene |= started(scene | {"start": start, "positions": positions, "velocities": velocities})
@@ -317,7 +317,7 @@ class Simulation(Present):
             hinge_law=self.hinge_law,
             tooth_law=self.tooth_law,
             solver=self.solver,
-            min_approach_speed=self.min_approach_speed,
+            min_impact_velocity=self.min_impact_velocity,
             body_names=tuple(self.body_names),
             initial_positions=start[0],
             initial_velocities=start[1],

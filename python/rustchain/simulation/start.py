@@ -11,7 +11,7 @@ from rustchain.arguments import rows_of, shown
 from rustchain.description.drive import ChainDrive
 from rustchain.errors import InvalidInput
 
-Start = Literal["laid", "static"]
+Start = Literal["generated", "static"]
 
 
 def started(scene: Mapping[str, Any]) -> dict[str, Any]:
@@ -19,11 +19,11 @@ def started(scene: Mapping[str, Any]) -> dict[str, Any]:
     drive, start = scene["drive"], scene["start"]
     given = {name: scene[name] for name in ("positions", "velocities")}
     if not isinstance(start, str) or start not in get_args(Start):
-        msg = f"start = {shown(start)}: must be 'laid' or 'static'"
+        msg = f"start = {shown(start)}: must be 'generated' or 'static'"
         raise InvalidInput(msg)
     if not isinstance(drive, ChainDrive):  # which the core refuses
         return {"drive": drive, "rest": None} | dict.fromkeys(given)
-    if start == "laid":
+    if start == "generated":
         rollers = 0 if drive.chain.roller is None else drive.hinge_count
         bodies = drive.hinge_count + rollers + len(drive.sprockets) + len(drive.guides)
         rows = {name: rows_of(name, value, bodies) for name, value in given.items()}
@@ -42,7 +42,7 @@ def started(scene: Mapping[str, Any]) -> dict[str, Any]:
         raise InvalidInput(msg)
     if drive.tensioner is not None:  # at full pull from the beginning
         drive = replace(drive, tensioner=replace(drive.tensioner, ramp_time=0.0))
-    laws = (scene[name] for name in ("force_law", "hinge_law", "tooth_law", "min_approach_speed"))
+    laws = (scene[name] for name in ("force_law", "hinge_law", "tooth_law", "min_impact_velocity"))
     found = _rustchain.static_start(drive, *laws)
     place = {name: found.pop(name) for name in ("positions", "velocities")}
     return {"drive": drive, "rest": found} | place

@@ -22,7 +22,7 @@ from rustchain.description.drive import (
     Tensioner,
     drive_inside,
 )
-from rustchain.description.ends import Anchor, Load, LooseEnd
+from rustchain.description.ends import AnchoredEnd, FreeEnd, LoadedEnd
 from rustchain.description.guides import GuideRail, SmoothIdler
 from rustchain.description.solver import Solver
 from rustchain.errors import InvalidInput
@@ -241,7 +241,7 @@ def _paths(description: type[Description]) -> Iterator[str]:
 
 
 _MOST_SPROCKETS = 16  # or guides, whose fields have names
-_ENDS = (Anchor | Load | LooseEnd,)
+_ENDS = (AnchoredEnd | LoadedEnd | FreeEnd,)
 _LISTED = ((Sprocket,), (GuideRail | SmoothIdler,), _ENDS)
 
 

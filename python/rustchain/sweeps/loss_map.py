@@ -9,7 +9,7 @@ import numpy as np
 
 from rustchain.arguments import checked, shown
 from rustchain.description.drive import AppliedTorque, ChainDrive
-from rustchain.description.laws.film import Film
+from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.force import ForceLaw
 from rustchain.description.laws.friction import Coulomb, LuGre
 from rustchain.description.solver import Solver
@@ -40,7 +40,7 @@ def loss_map(
     tooth_friction: Coulomb | LuGre | None = None,
     threads: int | None = None,
     progress: bool = True,
-    hinge_film: Film | None = None,
+    hinge_film: LubricantFilm | None = None,
 ) -> xr.Dataset:
     """Run a drive at every speed and load, and return its efficiency and losses at each.
 

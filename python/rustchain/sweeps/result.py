@@ -43,11 +43,11 @@ class SweepResult:
     errors : dict of Exception
         What went wrong, by the number of the case, from 0. The error of a run that could not go on
         has its rows until then in ``error.result``.
-    range_notes : dict of list of str
+    law_warnings : dict of list of str
         Which laws left their range, by the number of the case.
-    balance_notes : dict of list of str
+    energy_warnings : dict of list of str
         Where the energy balance does not close, by the number of the case.
-    jump_notes : dict of list of str
+    jump_warnings : dict of list of str
         How many teeth the chain jumped, by the number of the case.
     status : {"finished", "interrupted"}
         How the sweep ended.
@@ -57,9 +57,9 @@ class SweepResult:
     axes: dict[str, tuple[Any, ...]] | None
     values: list[Any]
     errors: dict[int, Exception] = field(default_factory=dict)
-    range_notes: dict[int, list[str]] = field(default_factory=dict)
-    balance_notes: dict[int, list[str]] = field(default_factory=dict)
-    jump_notes: dict[int, list[str]] = field(default_factory=dict)
+    law_warnings: dict[int, list[str]] = field(default_factory=dict)
+    energy_warnings: dict[int, list[str]] = field(default_factory=dict)
+    jump_warnings: dict[int, list[str]] = field(default_factory=dict)
     status: Literal["finished", "interrupted"] = "finished"
     _measured: bool = True
     _ended: set[int] = field(default_factory=set)

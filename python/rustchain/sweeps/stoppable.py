@@ -25,9 +25,9 @@ class Ended:
     number: int
     result: Result | None
     error: Exception | None
-    range_notes: list[str]
-    balance_notes: list[str]
-    jump_notes: list[str]
+    law_warnings: list[str]
+    energy_warnings: list[str]
+    jump_warnings: list[str]
 
 
 class _Quiet(Simulation):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rustchain.arguments import count_within, finite_number, plain, shown
-from rustchain.description.laws.film import Film
+from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.force import ForceLaw
 from rustchain.description.laws.friction import Coulomb, LuGre
 from rustchain.description.solver import Solver
@@ -134,9 +134,9 @@ def study(
     force_law: ForceLaw = _LAW,
     hinge_law: ForceLaw | None = None,
     tooth_law: ForceLaw | None = None,
-    min_approach_speed: float = 1e-3,
+    min_impact_velocity: float = 1e-3,
     solver: Solver = _SOLVER,
-    start: Start = "laid",
+    start: Start = "generated",
     friction: Coulomb | LuGre | None = None,
     hinge_friction: Coulomb | LuGre | None = None,
     tooth_friction: Coulomb | LuGre | None = None,
@@ -144,7 +144,7 @@ def study(
     progress: bool = True,
     stop: StopCondition | Sequence[StopCondition] = (),
     callback: Callable[[Simulation], object] | None = None,
-    hinge_film: Film | None = None,
+    hinge_film: LubricantFilm | None = None,
 ) -> StudyResult:
     """Run a drive several times from slightly different starts, and tell what is sure about it.
 
@@ -174,7 +174,7 @@ def study(
         Parameters as in `sweep`, all of which are combined; each combination is run `runs` times.
     report_step, record, energy
         As in `Simulation.run`.
-    force_law, hinge_law, tooth_law, min_approach_speed, solver, start
+    force_law, hinge_law, tooth_law, min_impact_velocity, solver, start
         As in `Simulation`.
     friction, hinge_friction, tooth_friction, hinge_film
         As in `Simulation`.
@@ -233,7 +233,7 @@ def study(
         force_law=force_law,
         hinge_law=hinge_law,
         tooth_law=tooth_law,
-        min_approach_speed=min_approach_speed,
+        min_impact_velocity=min_impact_velocity,
         solver=solver,
         start=start,
         friction=friction,

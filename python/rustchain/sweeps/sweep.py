@@ -14,7 +14,7 @@ from rustchain import _rustchain
 from rustchain.arguments import count_within, plain, shown
 from rustchain.caller import warn_caller
 from rustchain.description.drive import ChainDrive
-from rustchain.description.laws.film import Film
+from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.force import ForceLaw, with_friction
 from rustchain.description.laws.friction import Coulomb, LuGre
 from rustchain.description.solver import Solver
@@ -66,9 +66,9 @@ def sweep(
     force_law: ForceLaw = _LAW,
     hinge_law: ForceLaw | None = None,
     tooth_law: ForceLaw | None = None,
-    min_approach_speed: float = 1e-3,
+    min_impact_velocity: float = 1e-3,
     solver: Solver = _SOLVER,
-    start: Start = "laid",
+    start: Start = "generated",
     positions: npt.ArrayLike | None = None,
     velocities: npt.ArrayLike | None = None,
     threads: int | None = None,
@@ -78,7 +78,7 @@ def sweep(
     tooth_friction: Coulomb | LuGre | None = None,
     stop: StopCondition | Sequence[StopCondition] = (),
     callback: Callable[[Simulation], object] | None = None,
-    hinge_film: Film | None = None,
+    hinge_film: LubricantFilm | None = None,
 ) -> SweepResult:
     """Run a drive with other parameters again and again, several runs at once.
 
@@ -112,7 +112,7 @@ def sweep(
         Simulated time [s].
     report_step, record, energy
         As in `Simulation.run`.
-    force_law, hinge_law, tooth_law, min_approach_speed, solver, start, positions, velocities
+    force_law, hinge_law, tooth_law, min_impact_velocity, solver, start, positions, velocities
         As in `Simulation`.
     threads : int, optional
         How many cases run at once; by default as many as there are cores.
@@ -153,7 +153,7 @@ def sweep(
         "force_law": force_law,
         "hinge_law": hinge_law,
         "tooth_law": tooth_law,
-        "min_approach_speed": plain(min_approach_speed),
+        "min_impact_velocity": plain(min_impact_velocity),
         "solver": solver,
         "start": start,
         "positions": positions,
@@ -193,9 +193,9 @@ def sweep(
     else:
         _run_all(found, scenes, ready, measure, threads, progress)
     found.errors = dict(sorted(found.errors.items()))
-    found.range_notes = dict(sorted(found.range_notes.items()))
-    found.balance_notes = dict(sorted(found.balance_notes.items()))
-    found.jump_notes = dict(sorted(found.jump_notes.items()))
+    found.law_warnings = dict(sorted(found.law_warnings.items()))
+    found.energy_warnings = dict(sorted(found.energy_warnings.items()))
+    found.jump_warnings = dict(sorted(found.jump_warnings.items()))
     _warn(found)
     return found
 
@@ -275,7 +275,7 @@ def _run_looked_at(
         ):
             for ended in filter(None, running):
                 number, error = ended.number, ended.error
-                _note(found, number, ended.range_notes, ended.balance_notes, ended.jump_notes)
+                _note(found, number, ended.law_warnings, ended.energy_warnings, ended.jump_warnings)
                 if ended.result is not None:
                     error = _measured(found, number, ended.result, measure)
                 if error is not None:
@@ -325,9 +325,9 @@ def _note(
 ) -> None:
     """Keep what there was to warn of in a case."""
     for notes, new in (
-        (found.range_notes, ranges),
-        (found.balance_notes, balances),
-        (found.jump_notes, jumps),
+        (found.law_warnings, ranges),
+        (found.energy_warnings, balances),
+        (found.jump_warnings, jumps),
     ):
         if new:
             notes[number] = new
@@ -355,9 +355,9 @@ def _warn(found: SweepResult) -> None:
         )
         warn_caller(f"{which}: {type(error).__name__}: {error}", RuntimeWarning)
     for notes, category in (
-        (found.range_notes, RangeWarning),
-        (found.balance_notes, EnergyWarning),
-        (found.jump_notes, ToothJumpWarning),
+        (found.law_warnings, RangeWarning),
+        (found.energy_warnings, EnergyWarning),
+        (found.jump_warnings, ToothJumpWarning),
     ):
         for number, lines in list(notes.items())[:1]:
             which = f"{len(notes)} of {len(found.cases)} cases, first {_name(found, number)}"

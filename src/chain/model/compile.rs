@@ -42,7 +42,7 @@ pub struct ForceLaws {
 
 impl ForceLaws {
     fn check(&self, restitution: f64) -> Result<()> {
-        check::positive("min_approach_speed", self.min_approach_speed, "m/s")?;
+        check::positive("min_impact_velocity", self.min_approach_speed, "m/s")?;
         for (friction, name) in [
             (&self.hinge_friction, "hinge_friction"),
             (&self.tooth_friction, "tooth_friction"),

@@ -57,7 +57,7 @@ impl ContactLaw {
                 check::positive(&of("contact modulus"), *contact_modulus, "Pa")?;
                 check::within(&of("restitution"), *restitution, 0.0, 1.0)?;
                 law.check(&of("restitution"), *restitution)?;
-                check::positive(&of("min_approach_speed"), *min_approach_speed, "m/s")?;
+                check::positive(&of("min_impact_velocity"), *min_approach_speed, "m/s")?;
                 check::positive(&of("length"), *length, "m")
             }
             Self::Linear { stiffness, damping } => {

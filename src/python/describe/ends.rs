@@ -7,7 +7,7 @@ use super::reader::{Reader, checked, refuse};
 use crate::drive::{ChainEnd, TimeTable};
 use crate::error::check;
 
-pub(super) const ENDS: [&str; 3] = ["Anchor", "Load", "LooseEnd"];
+pub(super) const ENDS: [&str; 3] = ["AnchoredEnd", "LoadedEnd", "FreeEnd"];
 /// Density of the steel that a load is a ball of, where its inertia is not given \[kg/m³\].
 const STEEL: f64 = 7850.0;
 
@@ -20,12 +20,12 @@ pub(crate) fn chain_end(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Chai
         Some(read.count("links")?)
     };
     Ok(match read.kind.as_str() {
-        "Anchor" => ChainEnd::Anchor {
+        "AnchoredEnd" => ChainEnd::Anchor {
             position: read.vector("position", "m")?,
             velocity: end_velocity(&read)?,
             links,
         },
-        "Load" => {
+        "LoadedEnd" => {
             let mass = read.number("mass", "kg")?;
             let ball = |mass: f64| {
                 let radius = (mass / (STEEL * 4.0 / 3.0 * std::f64::consts::PI)).cbrt();
@@ -61,7 +61,7 @@ fn end_velocity(read: &Reader<'_, '_>) -> PyResult<[TimeTable; 2]> {
             .map(|constant| {
                 checked(
                     value.py(),
-                    check::finite("Anchor.velocity", constant, "m/s"),
+                    check::finite("AnchoredEnd.velocity", constant, "m/s"),
                 )
                 .map(|()| constant.into())
             })
@@ -73,13 +73,13 @@ fn end_velocity(read: &Reader<'_, '_>) -> PyResult<[TimeTable; 2]> {
     for row in rows {
         let Ok([t, x, y]) = row.extract::<[f64; 3]>() else {
             let expected = "each row must be (time, x, y) in s and m/s";
-            return Err(refuse(row.py(), "Anchor.velocity", &row, expected));
+            return Err(refuse(row.py(), "AnchoredEnd.velocity", &row, expected));
         };
         both[0].push((t, x));
         both[1].push((t, y));
     }
     let table = |rows: &[(f64, f64)]| {
-        let made = TimeTable::against("Anchor.velocity", ("time", "s"), "m/s", rows);
+        let made = TimeTable::against("AnchoredEnd.velocity", ("time", "s"), "m/s", rows);
         checked(value.py(), made)
     };
     Ok([table(&both[0])?, table(&both[1])?])
@@ -92,7 +92,7 @@ pub(super) fn chain_ends(read: &Reader<'_, '_>) -> PyResult<Option<[ChainEnd; 2]
         return Ok(None);
     }
     let Ok([first, last]) = value.extract::<[Bound<'_, PyAny>; 2]>() else {
-        let expected = "must be None, or two of Anchor, Load and LooseEnd";
+        let expected = "must be None, or two of AnchoredEnd, LoadedEnd and FreeEnd";
         return Err(refuse(value.py(), "ChainDrive.ends", &value, expected));
     };
     Ok(Some([

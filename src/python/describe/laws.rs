@@ -56,16 +56,16 @@ pub(super) fn film_of(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Option
     film(&fills, &format!("{}.film", kind_of(object))).map(Some)
 }
 
-/// Reads a `Film` and checks it.
+/// Reads a `LubricantFilm` and checks it.
 pub(crate) fn film(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Film> {
-    let read = Reader::new(object, field, &["Film"])?;
+    let read = Reader::new(object, field, &["LubricantFilm"])?;
     let film = Film {
         viscosity: read.number("viscosity", "Pa s")?,
         length: read.optional_number("length", "m")?,
         handover: read.number("handover", "a part of the clearance")?,
         tension: read.number("tension", "Pa")?,
     };
-    checked(object.py(), film.check("Film"))?;
+    checked(object.py(), film.check("LubricantFilm"))?;
     Ok(film)
 }
 
@@ -200,7 +200,7 @@ pub(crate) fn force_laws(
     force_law: &Bound<'_, PyAny>,
     hinge_law: Option<&Bound<'_, PyAny>>,
     tooth_law: Option<&Bound<'_, PyAny>>,
-    min_approach_speed: &Bound<'_, PyAny>,
+    min_impact_velocity: &Bound<'_, PyAny>,
 ) -> PyResult<ForceLaws> {
     let law = law_and_friction(force_law, "force_law")?;
     let own = |own: Option<&Bound<'_, PyAny>>, field: &str| {
@@ -213,9 +213,9 @@ pub(crate) fn force_laws(
         let remedy = "must be None in tooth_law: only hinges have a film";
         without_film(own, "tooth_law", remedy)?;
     }
-    let least = number(min_approach_speed, "min_approach_speed", "m/s")?;
-    let allowed = check::positive("min_approach_speed", least, "m/s");
-    checked(min_approach_speed.py(), allowed)?;
+    let least = number(min_impact_velocity, "min_impact_velocity", "m/s")?;
+    let allowed = check::positive("min_impact_velocity", least, "m/s");
+    checked(min_impact_velocity.py(), allowed)?;
     Ok(ForceLaws {
         hinge,
         tooth,

@@ -103,7 +103,7 @@ pub(super) fn validate(description: &Bound<'_, PyAny>) -> PyResult<()> {
             law_and_friction(object, "").map(|_| Ok(()))?
         }
         "Coulomb" | "LuGre" => rubbing(object, "").map(|_| Ok(()))?,
-        "Film" => film(object, "").map(|_| Ok(()))?,
+        "LubricantFilm" => film(object, "").map(|_| Ok(()))?,
         kind => {
             return Err(InvalidInput::new_err(format!(
                 "{kind} is not a description that this version knows"

@@ -72,7 +72,7 @@ pub(super) fn chosen(model: &Model, groups: Groups) -> Recording {
             "energy_gravity",
             "energy_elastic",
             "energy_dissipated",
-            "energy_worked_in",
+            "energy_external_work",
             "energy_residual",
             "energy_hinge_contact",
             "energy_tooth_contact",

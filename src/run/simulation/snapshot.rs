@@ -185,7 +185,7 @@ impl Scene {
         same("hinge law", &state.hinge_law, &own.hinge_law, law)?;
         same("tooth law", &state.tooth_law, &own.tooth_law, law)?;
         same(
-            "min_approach_speed",
+            "min_impact_velocity",
             state.min_approach_speed,
             own.min_approach_speed,
             law,

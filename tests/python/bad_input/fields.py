@@ -51,9 +51,9 @@ GOOD = {
         rc.GuideArm((0.0, 0.0), 10.0),
         rc.GuideRail((0.1, 0.0), (0.0, 1.0), length=0.1, radius=0.3),
         rc.SmoothIdler(0.02, (0.0, 0.0)),
-        rc.Anchor((0.0, 0.0)),
-        rc.Load(2.0),
-        rc.LooseEnd(),
+        rc.AnchoredEnd((0.0, 0.0)),
+        rc.LoadedEnd(2.0),
+        rc.FreeEnd(),
         DRIVE,
         rc.LankaraniNikravesh(),
         rc.Hertz(),
@@ -66,7 +66,7 @@ GOOD = {
         rc.Linear(stiffness=1e8),
         rc.Coulomb(0.1, "ambrosio"),
         rc.LuGre(0.2, 0.1),
-        rc.Film(0.1),
+        rc.LubricantFilm(0.1),
         ROLLER,
         rc.Solver(),
         rc.HingeForceAbove(1.0),
@@ -99,7 +99,7 @@ LAW = {
     "damping": DAMPING,
     "regions": REGIONS,
     "friction": instance("Coulomb or a LuGre", rc.Hertz()),
-    "film": instance("Film", rc.Hertz()),
+    "film": instance("LubricantFilm", rc.Hertz()),
 }
 COEFFICIENT = [
     *[
@@ -168,7 +168,7 @@ FIELDS = {
         "mass": positive("kg"),
         "inertia": positive("kg m^2"),
     },
-    "Film": {
+    "LubricantFilm": {
         "viscosity": [
             *[
                 (v, "must be a positive number; for dry hinges, leave the film out")
@@ -308,7 +308,7 @@ FIELDS = {
         "inertia": optional_positive("kg m^2"),
         "plate_height": optional_positive("m"),
     },
-    "Anchor": {
+    "AnchoredEnd": {
         "position": vector("m"),
         "velocity": [
             *[(value, "two numbers (x, y)") for value in NO_VECTOR if np.ndim(value) < 2],
@@ -316,20 +316,20 @@ FIELDS = {
         ],
         "links": LINKS_OF_END,
     },
-    "Load": {
+    "LoadedEnd": {
         "mass": positive("kg"),
         "inertia": optional_positive("kg m^2"),
         "arm": not_negative("m"),
         "position": [case for case in vector("m") if case[0] is not None],
         "links": LINKS_OF_END,
     },
-    "LooseEnd": {
+    "FreeEnd": {
         "position": [case for case in vector("m") if case[0] is not None],
         "links": LINKS_OF_END,
     },
     "ChainDrive": {
         "ends": [
-            *[(value, "must be None, or two of") for value in (2, "abc", (), (rc.LooseEnd(),))],
+            *[(value, "must be None, or two of") for value in (2, "abc", (), (rc.FreeEnd(),))],
         ],
         "guides": [(value, "must be a sequence of GuideRail") for value in (None, 2, "ab", object)],
         "chain": instance("Chain", None, DRIVE, "ANSI 40"),

@@ -169,7 +169,7 @@ class DriveEquations:
         The description, in SI units.
     hinge_law, tooth_law : force law descriptions
         Read by their attributes ``elastic``, ``damping`` and ``regions``.
-    min_approach_speed : float
+    min_impact_velocity : float
         Floor of the approach speed at onset [m/s].
 
     Attributes
@@ -179,12 +179,12 @@ class DriveEquations:
     """
 
     def __init__(
-        self, drive: ChainDrive, hinge_law: Any, tooth_law: Any, min_approach_speed: float = 1e-3
+        self, drive: ChainDrive, hinge_law: Any, tooth_law: Any, min_impact_velocity: float = 1e-3
     ) -> None:
         chain = drive.chain
         self.drive = drive
         self.hinge_law, self.tooth_law = hinge_law, tooth_law
-        self.floor = min_approach_speed
+        self.floor = min_impact_velocity
         self.bristles: tuple[Array | None, Array | None, Array | None] = (None, None, None)
         self.links = int(chain.links)
         self.pitch = float(chain.pitch)

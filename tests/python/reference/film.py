@@ -79,11 +79,11 @@ def lubricant(
     spins: tuple[Array, Array],
     errors: tuple[float, float],
 ) -> Lubricant:
-    """Film of all hinges.
+    """LubricantFilm of all hinges.
 
     Parameters
     ----------
-    law : Film description
+    law : LubricantFilm description
     hinge : ClearanceHinge description
     length : float
         Length of contact [m].

@@ -21,9 +21,9 @@ class OpenChainEquations(DriveEquations):
     """Right-hand side of an open chain, with any number of sprockets."""
 
     def __init__(
-        self, drive: ChainDrive, hinge_law: Any, tooth_law: Any, min_approach_speed: float = 1e-3
+        self, drive: ChainDrive, hinge_law: Any, tooth_law: Any, min_impact_velocity: float = 1e-3
     ) -> None:
-        super().__init__(drive, hinge_law, tooth_law, min_approach_speed)
+        super().__init__(drive, hinge_law, tooth_law, min_impact_velocity)
         real = int(drive.chain.links)
         first, last = drive.ends
         self.links = real + 2
@@ -36,11 +36,11 @@ class OpenChainEquations(DriveEquations):
         self.on_front[real + 1] = False
         self.no_hinge = [real]
         self.no_bushing = [real]
-        if type(last).__name__ == "LooseEnd":
+        if type(last).__name__ == "FreeEnd":
             self.no_hinge.append(real - 1)
             if real % 2 == 0:
                 self.no_bushing.append(real - 1)
-        if type(first).__name__ == "LooseEnd":
+        if type(first).__name__ == "FreeEnd":
             self.no_hinge.append(real + 1)
         if self.plates is not None:
             # The ends do not stretch; nothing touches between them.
@@ -48,7 +48,7 @@ class OpenChainEquations(DriveEquations):
             self.plates = np.append(self.plates, [whole, 0.5 * whole])
             self.plates[real - 1] = 0.5 * whole
         ends = [(real, last), (real + 1, first)]
-        self.held = [(body, end) for body, end in ends if type(end).__name__ != "Load"]
+        self.held = [(body, end) for body, end in ends if type(end).__name__ != "LoadedEnd"]
         mass, inertia = self.mass, self.inertia
         own = [(getattr(e, "mass", 1.0), getattr(e, "inertia", 1.0)) for e in (last, first)]
         masses, inertias = np.array(own).T

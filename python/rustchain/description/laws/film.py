@@ -16,7 +16,7 @@ from rustchain.names import known_keywords
 
 @known_keywords
 @dataclass(frozen=True)
-class Film(Description):
+class LubricantFilm(Description):
     """Lubricant that fills hinges: squeeze and wedge film of a long bearing, half film.
 
     Of the Reynolds equation's pressure what is positive (Guembel), and shear all around (Petroff);
@@ -77,7 +77,7 @@ class Film(Description):
 
         Examples
         --------
-        >>> film = rc.Film(0.1, tension=0.0)
+        >>> film = rc.LubricantFilm(0.1, tension=0.0)
         >>> squeeze = film.force(10e-6, (1e-3, 0.0), (2.22e-3, 2.245e-3), 0.011)
         >>> round(float(squeeze[0]), 1)
         -28.2

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from rustchain import _rustchain
 from rustchain.arguments import admitted, checked
 from rustchain.description.base import Description
-from rustchain.description.laws.film import Film
+from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.friction import Coulomb, LuGre
 from rustchain.description.material import Material
 from rustchain.names import known_keywords
@@ -41,7 +41,7 @@ class ForceLaw(Description):
     damping : str, optional
         Restitution-based damping, with any elastic part: "lankarani-nikravesh", "hunt-crossley",
         "herbert-mcwhannell", "lee-wang", "flores", "gonthier", "hu-guo" or "zhiying-qishao". None:
-        the contact is elastic. `restitution_obtained` tells what each makes of the material's
+        the contact is elastic. `effective_restitution` tells what each makes of the material's
         restitution; "flores", "gonthier" and "hu-guo" divide by it and take 0.01 or more.
     regions : {"kept", "sharp"}
         "kept": a contact keeps the stiffness of the tooth region where it began, which closes the
@@ -50,7 +50,7 @@ class ForceLaw(Description):
     friction : Coulomb or LuGre, optional
         Friction of the contacts that have this law, in chain drives with clearance hinges. None:
         there is none, and it costs nothing.
-    film : Film, optional
+    film : LubricantFilm, optional
         Lubricant of the hinges that have this law, likewise; teeth have none.
     """
 
@@ -70,7 +70,7 @@ class ForceLaw(Description):
     damping: Damping | None = None
     regions: Regions = "kept"
     friction: Coulomb | LuGre | None = field(default=None, kw_only=True)
-    film: Film | None = field(default=None, kw_only=True)
+    film: LubricantFilm | None = field(default=None, kw_only=True)
 
     @checked
     def elastic_force(
@@ -222,7 +222,7 @@ def with_friction(
     friction: Coulomb | LuGre | None,
     hinge_friction: Coulomb | LuGre | None,
     tooth_friction: Coulomb | LuGre | None,
-    hinge_film: Film | None = None,
+    hinge_film: LubricantFilm | None = None,
 ) -> tuple[ForceLaw, ForceLaw | None, ForceLaw | None]:
     """Return the laws of all contacts, of hinges and of teeth, with friction and film as given.
 
@@ -232,7 +232,7 @@ def with_friction(
     given = {"friction": friction, "hinge_friction": hinge_friction}
     for name, one in (given | {"tooth_friction": tooth_friction}).items():
         admitted(name, one, Coulomb | LuGre | None)
-    admitted("hinge_film", hinge_film, Film | None)
+    admitted("hinge_film", hinge_film, LubricantFilm | None)
 
     def rubbing(own: ForceLaw | None, given: Coulomb | LuGre | None) -> ForceLaw | None:
         base = law if own is None else own
@@ -250,7 +250,7 @@ def with_friction(
 
 
 @checked
-def restitution_obtained(damping: Damping, restitution: float) -> float:
+def effective_restitution(damping: Damping, restitution: float) -> float:
     """Return the restitution that an impact really has when `restitution` is asked of a damping.
 
     It solves lam (1 + e) = ln[(1 + lam) / (1 - lam e)], lam that of the damping law, whatever the
@@ -270,7 +270,7 @@ def restitution_obtained(damping: Damping, restitution: float) -> float:
 
     Examples
     --------
-    >>> round(rc.restitution_obtained("lankarani-nikravesh", 0.71), 4)
+    >>> round(rc.effective_restitution("lankarani-nikravesh", 0.71), 4)
     0.8005
     """
-    return _rustchain.restitution_obtained(damping, restitution)
+    return _rustchain.effective_restitution(damping, restitution)

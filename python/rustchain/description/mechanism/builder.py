@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from rustchain.arguments import checked, shown
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from rustchain.arguments import admitted, checked, shown
+from rustchain.description.base import described
 from rustchain.description.mechanism.checks import numbers
 from rustchain.description.mechanism.contacts import WithContacts
 from rustchain.description.mechanism.forces import WithForces
@@ -20,8 +25,12 @@ from rustchain.description.mechanism.report import MechanismReport
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords
 
+_Kind = TypeVar("_Kind")
+
 
 @known_keywords
+@described
+@dataclass(repr=False)
 class Mechanism(WithJoints, WithForces, WithContacts):
     """Rigid bodies in the plane, what joins them and what acts on them.
 
@@ -35,19 +44,28 @@ class Mechanism(WithJoints, WithForces, WithContacts):
         [m/s^2].
     name : str
         For people to read.
+    bodies, joints, forces, contacts : sequences of parts
+        What the methods ``add_...`` have made; by default none.
     """
 
-    def __init__(self, gravity: Point = (0.0, -9.81), name: str = "") -> None:
-        if not isinstance(name, str):
-            msg = f"name of the mechanism = {shown(name)}: must be text"
+    gravity: Point = (0.0, -9.81)
+    name: str = ""
+    bodies: list[Body] = field(default_factory=list, kw_only=True)
+    joints: list[Joint] = field(default_factory=list, kw_only=True)
+    forces: list[Force] = field(default_factory=list, kw_only=True)
+    contacts: list[Contact] = field(default_factory=list, kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Check name and gravity; keep the lists of parts apart from those given."""
+        if not isinstance(self.name, str):
+            msg = f"name of the mechanism = {shown(self.name)}: must be text"
             raise InvalidInput(msg)
-        check_name("name of the mechanism", name)
-        self.gravity = numbers("gravity", gravity, 2, "(x, y) [m/s^2]")
-        self.name = name
-        self.bodies: list[Body] = []
-        self.joints: list[Joint] = []
-        self.forces: list[Force] = []
-        self.contacts: list[Contact] = []
+        check_name("name of the mechanism", self.name)
+        self.gravity = numbers("gravity", self.gravity, 2, "(x, y) [m/s^2]")
+        self.bodies = _parts("bodies", self.bodies, Body)
+        self.joints = _parts("joints", self.joints, Joint)
+        self.forces = _parts("forces", self.forces, Force)
+        self.contacts = _parts("contacts", self.contacts, Contact)
 
     def __repr__(self) -> str:
         """Return what there is."""
@@ -77,8 +95,8 @@ class Mechanism(WithJoints, WithForces, WithContacts):
             Whether the body is held where it is.
         """
         check_part_name("name of a body", name)
-        for field, given in (("position", position), ("velocity", velocity)):
-            numbers(f"{field} of body {shown(name)}", given, 3, "(x, y, angle)")
+        for part, given in (("position", position), ("velocity", velocity)):
+            numbers(f"{part} of body {shown(name)}", given, 3, "(x, y, angle)")
         self.bodies.append(Body(name, mass, inertia, position, velocity, fixed))
         return name
 
@@ -88,6 +106,12 @@ class Mechanism(WithJoints, WithForces, WithContacts):
         from rustchain.description.solver import Solver
 
         return MechanismReport(**_rustchain.MechanismCore(self, Solver(), None).check())
+
+
+def _parts(where: str, given: object, kind: type[_Kind]) -> list[_Kind]:
+    """Return the parts of one kind as a list of the mechanism's own."""
+    found: tuple[_Kind, ...] = admitted(f"Mechanism.{where}", given, Sequence[kind])  # type: ignore[valid-type]
+    return list(found)
 
 
 # Errors of a call, such as of a missing argument, name the method by this class.

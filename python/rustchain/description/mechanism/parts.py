@@ -180,14 +180,14 @@ class SurfaceContact(_Function):
         Length of contact [m].
     material : Material
         Of both surfaces; its restitution goes into the damping.
-    min_approach_speed : float
+    min_impact_velocity : float
         Least approach speed that the damping reckons with [m/s].
     """
 
     law: ForceLaw = _LAW
     length: float = 0.01
     material: Material = _STEEL
-    min_approach_speed: float = 1e-3
+    min_impact_velocity: float = 1e-3
 
 
 ContactLaw: TypeAlias = LinearContact | HuntCrossley | SurfaceContact
