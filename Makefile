@@ -51,7 +51,7 @@ $(STAMPS)/%-tools: $(STAMPS)/venv pyproject.toml
 $(EXTENSION): $(STAMPS)/build-tools $(RUST_SOURCES)
 	@command -v cargo >/dev/null || { echo "error: no cargo found. Install Rust: https://rustup.rs" >&2; exit 1; }
 	@echo "==> building the extension (release) and installing rustchain into $(VENV)"
-	@PIP_QUIET=1 $(BIN)/maturin develop --release
+	@PIP_QUIET=1 $(BIN)/maturin develop --release --extras all
 	@touch $@
 
 # --- what it is for

@@ -62,10 +62,14 @@ from rustchain.description.mechanism.parts import (
 from rustchain.description.mechanism.report import MechanismReport
 from rustchain.description.report import DriveReport
 from rustchain.errors import (
+    CaseWarning,
     EnergyWarning,
     InvalidInput,
+    MissingExtra,
     NotRecorded,
     RangeWarning,
+    RustchainError,
+    RustchainWarning,
     SimulationError,
     ToothJumpWarning,
 )
@@ -96,6 +100,7 @@ __all__ = [
     "AnchoredEnd",
     "AnsiTooth",
     "AppliedTorque",
+    "CaseWarning",
     "Chain",
     "ChainDrive",
     "ChainSize",
@@ -135,6 +140,7 @@ __all__ = [
     "MechanismReport",
     "MechanismResult",
     "MechanismSimulation",
+    "MissingExtra",
     "NotRecorded",
     "Plates",
     "PrescribedSpeed",
@@ -142,6 +148,8 @@ __all__ = [
     "RangeWarning",
     "Result",
     "Roller",
+    "RustchainError",
+    "RustchainWarning",
     "Scene",
     "Simulation",
     "SimulationError",

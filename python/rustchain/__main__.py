@@ -1,6 +1,6 @@
 """`python -m rustchain`: the command `rustchain`."""
 
-from rustchain.cli.app import main
+from rustchain.cli import main
 
 if __name__ == "__main__":
     main()

@@ -13,16 +13,14 @@ from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.force import ForceLaw
 from rustchain.description.material import Material
 from rustchain.description.mechanism.builder import Mechanism
-from rustchain.results.result import Result
+from rustchain.errors import SimulationError
 from rustchain.simulation.simulation import Solver
 
 __all__ = [
     "Case",
     "Core",
     "Ensemble",
-    "InvalidInput",
     "MechanismCore",
-    "SimulationError",
     "bisector",
     "chain_links",
     "closing_center_distance",
@@ -49,17 +47,6 @@ __all__ = [
 ]
 
 _Array = npt.NDArray[np.float64]
-
-class InvalidInput(ValueError):
-    """A description or an argument is out of its allowed range."""
-
-class SimulationError(RuntimeError):
-    """A run cannot go on."""
-
-    time: float | None  # [s]
-    step_size: float | None  # [s]
-    contact: str | None
-    result: Result | None  # what was recorded; set by run (of a mechanism its own) and sweep
 
 def panicked(message: str, time: float | None) -> SimulationError:
     """Return the exception of a panic caught at the boundary, at a simulated time [s]."""

@@ -18,7 +18,7 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin
 import numpy as np
 import numpy.typing as npt
 
-from rustchain._rustchain import InvalidInput
+from rustchain.errors import InvalidInput
 from rustchain.names import suggest
 from rustchain.typing import Array
 

@@ -1,14 +1,24 @@
-"""What can go wrong, as types."""
+"""Exceptions and warnings of the package, each with one base class."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 from rustchain import _rustchain
-from rustchain._rustchain import InvalidInput, SimulationError
 from rustchain.panics import guard
 
+if TYPE_CHECKING:
+    from rustchain.results.result import Result
+
 __all__ = [
+    "CaseWarning",
     "EnergyWarning",
     "InvalidInput",
+    "MissingExtra",
     "NotRecorded",
     "RangeWarning",
+    "RustchainError",
+    "RustchainWarning",
     "SimulationError",
     "ToothJumpWarning",
 ]
@@ -16,17 +26,58 @@ __all__ = [
 guard(_rustchain)
 
 
-class NotRecorded(LookupError):
+class RustchainError(Exception):
+    """Base class of all exceptions of this package."""
+
+
+class InvalidInput(RustchainError, ValueError):
+    """A description or an argument is out of its allowed range."""
+
+
+class NotRecorded(RustchainError, LookupError):
     """A result was asked for something that its run did not record."""
 
 
-class RangeWarning(UserWarning):
+class MissingExtra(RustchainError, ImportError):
+    """A package of an extra is not installed; the message has the pip command that installs it."""
+
+
+class SimulationError(RustchainError, RuntimeError):
+    """A run cannot go on.
+
+    Attributes
+    ----------
+    time : float, optional
+        Time of the failure [s].
+    step_size : float, optional
+        Step size at that time [s].
+    contact : str, optional
+        The contact, body or joint with the largest error.
+    result : Result, optional
+        What was recorded until then; set by `Simulation.run` (of a mechanism its own) and `sweep`.
+    """
+
+    time: float | None = None
+    step_size: float | None = None
+    contact: str | None = None
+    result: Result | None = None
+
+
+class RustchainWarning(UserWarning):
+    """Base class of all warnings of this package."""
+
+
+class RangeWarning(RustchainWarning):
     """A contact has left the range in which its force law holds."""
 
 
-class EnergyWarning(RuntimeWarning):
+class EnergyWarning(RustchainWarning, RuntimeWarning):
     """More energy is missing in a run than its accuracy should leave."""
 
 
-class ToothJumpWarning(RuntimeWarning):
+class CaseWarning(RustchainWarning, RuntimeWarning):
+    """Cases of a sweep have failed."""
+
+
+class ToothJumpWarning(RustchainWarning, RuntimeWarning):
     """The chain has jumped teeth of a sprocket."""

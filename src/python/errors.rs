@@ -1,24 +1,13 @@
-//! This crate's errors as Python exceptions.
+//! This crate's errors as the exceptions of `rustchain.errors`.
 
-use pyo3::create_exception;
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::import_exception;
 use pyo3::prelude::*;
 
 use crate::error::Error;
 use crate::panics;
 
-create_exception!(
-    rustchain._rustchain,
-    InvalidInput,
-    PyValueError,
-    "A description or an argument is out of its allowed range."
-);
-create_exception!(
-    rustchain._rustchain,
-    SimulationError,
-    PyRuntimeError,
-    "A run cannot go on."
-);
+import_exception!(rustchain.errors, InvalidInput);
+import_exception!(rustchain.errors, SimulationError);
 
 /// The exception that stands for a panic caught at the boundary with this `message`, of an object whose present time is `time` \[s\].
 #[pyfunction]

@@ -18,10 +18,7 @@ use pyo3::prelude::*;
 /// The compiled module `rustchain._rustchain`.
 #[pymodule]
 fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    let py = module.py();
     crate::panics::keep_places();
-    module.add("InvalidInput", py.get_type::<errors::InvalidInput>())?;
-    module.add("SimulationError", py.get_type::<errors::SimulationError>())?;
     module.add_class::<core::Core>()?;
     module.add_class::<ensemble::Case>()?;
     module.add_class::<ensemble::Ensemble>()?;

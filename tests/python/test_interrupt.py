@@ -114,7 +114,7 @@ print(json.dumps(dict(stopped=stopped, time=simulation.time)))
 def test_the_command_saves_its_file_and_says_how_it_ended(tmp_path):
     path = tmp_path / "run.nc"
     done = child(
-        "from rustchain.cli.app import main; main()",
+        "from rustchain.cli import main; main()",
         "run", "paper", "--duration", FAR, "--report-step", 1e-3, "--out", path,
     )  # fmt: skip
     assert done.returncode == 130, done.stderr

@@ -27,7 +27,7 @@ def engagements(
     end: float | None,
 ) -> pd.DataFrame:
     """Return what `Outputs.engagements` promises."""
-    import pandas as pd
+    from rustchain.extras import pandas as pd
 
     if not within > 0.0:
         msg = f"within = {shown(within)}: must be a positive number of pitches"

@@ -34,7 +34,7 @@ def guide_loads(
     end: float | None,
 ) -> xr.Dataset:
     """Return what `Outputs.guide_loads` promises."""
-    import xarray as xr
+    from rustchain.extras import xarray as xr
 
     bins_per_pitch = checked_bins("guide_loads.bins_per_pitch", bins_per_pitch)
     rows = rows_between(result, start, end)

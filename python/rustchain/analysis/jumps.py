@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def tooth_jumps(result: Result) -> pd.DataFrame:
     """Return what `Result.tooth_jumps` promises."""
-    import pandas as pd
+    from rustchain.extras import pandas as pd
 
     if result.jumps is None:
         msg = (

@@ -31,7 +31,7 @@ def hinge_loads(
     end: float | None,
 ) -> xr.Dataset:
     """Return what `Outputs.hinge_loads` promises."""
-    import xarray as xr
+    from rustchain.extras import xarray as xr
 
     bins_per_pitch = checked_bins("hinge_loads.bins_per_pitch", bins_per_pitch)
     rows = rows_between(result, start, end)
@@ -78,7 +78,7 @@ def wrap_loads(
     end: float | None,
 ) -> xr.Dataset:
     """Return what `Outputs.wrap_loads` promises."""
-    import xarray as xr
+    from rustchain.extras import xarray as xr
 
     bins_per_pitch = checked_bins("wrap_loads.bins_per_pitch", bins_per_pitch)
     rows = rows_between(result, start, end)
@@ -121,7 +121,7 @@ def tooth_loads(
     end: float | None,
 ) -> xr.Dataset:
     """Return what `Outputs.tooth_loads` promises."""
-    import xarray as xr
+    from rustchain.extras import xarray as xr
 
     bins_per_pitch = checked_bins("tooth_loads.bins_per_pitch", bins_per_pitch)
     rows = rows_between(result, start, end)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rustchain.analysis.window import rows_between
+from rustchain.analysis.window import mean_over_time, rows_between
 from rustchain.description.drive import Free, PrescribedSpeed
 from rustchain.errors import InvalidInput
 
@@ -23,7 +23,7 @@ _SUMS = ("dissipated", "external_work", "residual")
 
 def power_balance(result: Result, start: float | None, end: float | None) -> xr.Dataset:
     """Return what `Outputs.power_balance` promises."""
-    import xarray as xr
+    from rustchain.extras import xarray as xr
 
     rows = rows_between(result, start, end)
     time = result.time[rows]
@@ -81,12 +81,10 @@ def _shafts(result: Result, rows: slice, external_work: float) -> Array:
     feels every impact, most of which fall between rows: of one motor alone, the power is what the
     metered work leaves to it.
     """
-    from scipy.integrate import trapezoid
-
     time = result.time[rows]
     count = len(result.drive.sprockets)
     torque, speed = (result.array(f"sprocket_{name}")[rows, :count] for name in ("torque", "speed"))
-    power: Array = trapezoid(torque * speed, time, axis=0) / (time[-1] - time[0])
+    power = mean_over_time(time, torque * speed)
     motions = [sprocket.motion for sprocket in result.drive.sprockets]
     power[[isinstance(motion, Free) for motion in motions]] = 0.0
     motors = [k for k, motion in enumerate(motions) if isinstance(motion, PrescribedSpeed)]

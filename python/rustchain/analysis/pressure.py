@@ -51,7 +51,7 @@ def contact_pressure(
     result: Result, contact: Contact, start: float | None, end: float | None
 ) -> xr.Dataset:
     """Return what `Outputs.contact_pressure` promises."""
-    import xarray as xr
+    from rustchain.extras import xarray as xr
 
     rows = rows_between(result, start, end)
     check_contact(contact)
@@ -93,7 +93,7 @@ def pressure_cycles(
     end: float | None,
 ) -> xr.Dataset:
     """Return what `Outputs.pressure_cycles` promises."""
-    import xarray as xr
+    from rustchain.extras import xarray as xr
 
     bins = checked_bins("pressure_cycles.bins", bins)
     rows = rows_between(result, start, end)

@@ -21,7 +21,7 @@ def spectrum(
     result: Result, name: str, segment: float | None, start: float | None, end: float | None
 ) -> xr.DataArray:
     """Return what `Outputs.spectrum` promises."""
-    import xarray as xr
+    from rustchain.extras import xarray as xr
 
     rows = rows_between(result, start, end)
     values = result.array(name)[rows]
@@ -55,7 +55,7 @@ def welch(time: Array, values: Array, segment: float | None) -> tuple[Array, Arr
     lines taken off, under Hann's window: `scipy.signal.welch`. Rows that are not evenly spaced, as
     the last of a run may be, are interpolated.
     """
-    from scipy import signal
+    from rustchain.extras import signal
 
     if len(time) < 16:
         msg = f"start, end: {len(time)} rows: too few for a spectrum; take a longer part"

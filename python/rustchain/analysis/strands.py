@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 def link_tension(result: Result, start: float | None, end: float | None) -> xr.DataArray:
     """Return what `Outputs.link_tension` promises."""
-    import xarray as xr
+    from rustchain.extras import xarray as xr
 
     rows = rows_between(result, start, end)
     if result.drive.ends is not None:
@@ -56,7 +56,7 @@ def strand_motion(
     end: float | None,
 ) -> xr.DataArray:
     """Return what `Outputs.strand_motion` promises."""
-    import xarray as xr
+    from rustchain.extras import xarray as xr
 
     if not len(stations) or not all(0.0 < each < 1.0 for each in stations):
         msg = f"stations = {shown(stations)}: must be shares of the strand's length between 0 and 1"
@@ -106,7 +106,7 @@ def strand_spectrum(
     end: float | None,
 ) -> xr.Dataset:
     """Return what `Outputs.strand_spectrum` promises."""
-    import xarray as xr
+    from rustchain.extras import xarray as xr
 
     modes = count_within("strand_spectrum.modes", modes, 1, result.drive.hinge_count)
     motion = strand_motion(result, strand, stations, start, end)

@@ -8,7 +8,7 @@ import numpy as np
 
 from rustchain.analysis.jumps import check_seated
 from rustchain.analysis.loads import check_sprocket
-from rustchain.analysis.window import rows_between
+from rustchain.analysis.window import mean_over_time, rows_between
 from rustchain.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def transmission_error(
     result: Result, driven: int, driver: int, start: float | None, end: float | None
 ) -> xr.Dataset:
     """Return what `Outputs.transmission_error` promises."""
-    import xarray as xr
+    from rustchain.extras import xarray as xr
 
     rows = rows_between(result, start, end)
     check_sprocket(result, driven, "driven")
@@ -66,7 +66,7 @@ def speed_ripple(
     result: Result, sprocket: int, start: float | None, end: float | None
 ) -> xr.Dataset:
     """Return what `Outputs.speed_ripple` promises."""
-    import xarray as xr
+    from rustchain.extras import xarray as xr
 
     rows = rows_between(result, start, end)
     check_sprocket(result, sprocket)
@@ -101,7 +101,7 @@ def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
     A drift is taken off first, and Hann's window takes what is left of the last revolution; a line
     stands on three orders.
     """
-    from scipy import signal
+    from rustchain.extras import signal
 
     turned = np.abs(angle)
     if len(turned) < 8 or not turned[-1] > 0.0:
@@ -124,8 +124,4 @@ def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
 
 def _mean(time: Array, values: Array) -> float:
     """Return the mean over time."""
-    from scipy.integrate import trapezoid
-
-    if len(time) < 2:
-        return float(values.mean())
-    return float(trapezoid(values, time) / (time[-1] - time[0]))
+    return float(values.mean() if len(time) < 2 else mean_over_time(time, values))

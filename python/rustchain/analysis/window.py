@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rustchain.errors import InvalidInput
+from rustchain.typing import Array
 
 if TYPE_CHECKING:
     from rustchain.results.mechanism_result import MechanismResult
@@ -24,6 +25,13 @@ def rows_between(result: Result | MechanismResult, start: float | None, end: flo
         msg = f"start={start}, end={end}: no rows there; the result has {span}"
         raise InvalidInput(msg)
     return slice(first, last)
+
+
+def mean_over_time(time: Array, values: Array) -> Array:
+    """Return the mean of `values`, (times, ...), over time, by the trapezoidal rule."""
+    steps = np.diff(time).reshape(-1, *(1,) * (values.ndim - 1))
+    mean: Array = (steps * (values[1:] + values[:-1]) / 2.0).sum(axis=0) / (time[-1] - time[0])
+    return mean
 
 
 def between(result: Result, start: float | None, end: float | None) -> Result:

@@ -11,9 +11,8 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn, TextIO
 
-import typer
-
 import rustchain as rc
+from rustchain.extras import typer
 from rustchain.names import suggest
 from rustchain.paths import check_writable, path_of, write_whole
 
@@ -221,11 +220,10 @@ def plot(
 ) -> None:
     """Draw the figures that a file has the data for."""
     with _clear_errors():
-        import matplotlib as mpl
-        import matplotlib.pyplot as plt
         from matplotlib.backend_bases import FigureCanvasBase
 
-        mpl.use("Agg")
+        import rustchain.plot  # first, as it names the extra  # noqa: F401
+
         if form not in FigureCanvasBase.get_supported_filetypes():
             _fail(f"--format = {form}: cannot be drawn; take png, pdf or svg")
         result = rc.load_result(file)
@@ -263,7 +261,6 @@ def plot(
                 continue
             image = BytesIO()
             figure.savefig(image, format=form)
-            plt.close(figure)
             write_whole(path, image.getbuffer(), "out")
             typer.echo(path)
 
@@ -371,8 +368,3 @@ def _clear_errors() -> Iterator[None]:
             yield
         except (ValueError, LookupError, OSError, rc.SimulationError) as error:
             _fail(error)
-
-
-def main() -> None:
-    """Run the command."""
-    app()

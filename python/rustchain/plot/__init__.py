@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rustchain.arguments import checked_methods
+from rustchain.extras import matplotlib as _matplotlib  # noqa: F401, names the extra
 from rustchain.plot.contacts import ContactFigures
 from rustchain.plot.histories import HistoryFigures
 from rustchain.plot.joints import JointFigures

@@ -21,6 +21,7 @@ from rustchain.plot.style import (
     GREY,
     ORANGE,
     RED,
+    Ax,
     Figures,
     legend_of_distinct,
     panels,
@@ -37,12 +38,17 @@ class ContactFigures(Figures):
     @known_keywords
     @styled
     def hinge_force(
-        self, hinge: int, *more: int, start: float | None = None, end: float | None = None
+        self,
+        hinge: int,
+        *more: int,
+        start: float | None = None,
+        end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw the contact force of hinges over time."""
         numbers = (hinge, *more)
         rows = self.rows(start, end)
-        figure, cells = panels(len(numbers), "time [s]", "pin / bushing force [N]")
+        figure, cells = panels(len(numbers), "time [s]", "pin / bushing force [N]", ax=ax)
         for axes, number in zip(cells, numbers, strict=True):
             view = self.result.hinge(number)
             axes.plot(view.time[rows], view.force[rows], color=BLUE)
@@ -52,12 +58,17 @@ class ContactFigures(Figures):
     @known_keywords
     @styled
     def tooth_force(
-        self, bushing: int, *more: int, start: float | None = None, end: float | None = None
+        self,
+        bushing: int,
+        *more: int,
+        start: float | None = None,
+        end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw the tooth force of bushings over time, each stay with its sprocket and gap."""
         numbers = (bushing, *more)
         window = self.rows(start, end)
-        figure, cells = panels(len(numbers), "time [s]", "bushing / tooth force [N]")
+        figure, cells = panels(len(numbers), "time [s]", "bushing / tooth force [N]", ax=ax)
         for axes, number in zip(cells, numbers, strict=True):
             view = self.result.bushing(number)
             axes.plot(
@@ -90,6 +101,7 @@ class ContactFigures(Figures):
         contact: Literal["tooth", "hinge"] = "tooth",
         start: float | None = None,
         end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw force against penetration of bushings on teeth, or of pins in bushings.
 
@@ -104,7 +116,7 @@ class ContactFigures(Figures):
         rows = self.rows(start, end)
         draw = self._tooth_loops if contact == "tooth" else self._hinge_loops
         label = "bushing / tooth" if contact == "tooth" else "pin / bushing"
-        figure, cells = panels(len(numbers), "penetration [µm]", f"{label} force [N]")
+        figure, cells = panels(len(numbers), "penetration [µm]", f"{label} force [N]", ax=ax)
         for axes, one in zip(cells, numbers, strict=True):
             draw(axes, one, rows)
             legend_of_distinct(axes)
@@ -114,13 +126,18 @@ class ContactFigures(Figures):
     @known_keywords
     @styled
     def orbit(
-        self, hinge: int, *more: int, start: float | None = None, end: float | None = None
+        self,
+        hinge: int,
+        *more: int,
+        start: float | None = None,
+        end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw the path of a pin's centre in its bushing, with the circle where contact begins."""
         numbers = (hinge, *more)
         rows = self.rows(start, end)
         clearance = 1e6 * self.result.drive.chain.hinge.clearance
-        figure, cells = panels(len(numbers), "x [µm]", "y [µm]", size=(3.5, 3.4))
+        figure, cells = panels(len(numbers), "x [µm]", "y [µm]", size=(3.5, 3.4), ax=ax)
         for axes, number in zip(cells, numbers, strict=True):
             path = 1e6 * self.result.hinge(number).eccentricity[rows]
             axes.plot(*path.T, color=BLUE, linewidth=0.4, alpha=0.8)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
 from rustchain.names import known_keywords
@@ -13,10 +12,12 @@ from rustchain.plot.style import (
     GREY,
     ORANGE,
     RED,
+    Ax,
     Figures,
     legend_above,
     panels,
     styled,
+    subplots,
 )
 from rustchain.results.views import Energy
 from rustchain.typing import Array
@@ -27,10 +28,12 @@ class HistoryFigures(Figures):
 
     @known_keywords
     @styled
-    def tension(self, *, start: float | None = None, end: float | None = None) -> Figure:
+    def tension(
+        self, *, start: float | None = None, end: float | None = None, ax: Ax = None
+    ) -> Figure:
         """Draw the tension of all strands over time, and the pretension if there is one."""
         rows = self.rows(start, end)
-        figure, (axes,) = panels(1, "time [s]", "strand tension [N]", size=(7.0, 2.8))
+        figure, (axes,) = panels(1, "time [s]", "strand tension [N]", size=(7.0, 2.8), ax=ax)
         for k, name in enumerate(self.result.strand_names):
             strand, color = self.result.strand(name), CYCLE[k % len(CYCLE)]
             axes.plot(strand.time[rows], strand.tension[rows], color=color, label=f"{name} strand")
@@ -42,16 +45,22 @@ class HistoryFigures(Figures):
 
     @known_keywords
     @styled
-    def energy(self, *, start: float | None = None, end: float | None = None) -> Figure:
+    def energy(
+        self, *, start: float | None = None, end: float | None = None, ax: Ax = None
+    ) -> Figure:
         """Draw the energy balance over time, and what it misses."""
-        return energy_figure(self.result.time, self.result.energy, self.rows(start, end), 1e3, "mJ")
+        return energy_figure(
+            self.result.time, self.result.energy, self.rows(start, end), 1e3, "mJ", ax
+        )
 
 
-def energy_figure(time: Array, energy: Energy, rows: slice, scale: float, unit: str) -> Figure:
+def energy_figure(
+    time: Array, energy: Energy, rows: slice, scale: float, unit: str, ax: Ax
+) -> Figure:
     """Return a figure of the energy balance in so many units a joule, and of what it misses."""
     time = time[rows]
-    figure, (upper, lower) = plt.subplots(
-        2, 1, sharex=True, figsize=(7.0, 4.2), height_ratios=(2.2, 1.0)
+    figure, (upper, lower) = subplots(
+        2, 1, sharex=True, ax=ax, figsize=(7.0, 4.2), height_ratios=(2.2, 1.0)
     )
     curves = {
         "dissipated": (energy.dissipated, RED),

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
 from rustchain.arguments import shown
 from rustchain.description.drive import PrescribedSpeed
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords, suggest
-from rustchain.plot.style import BLUE, CYCLE, RED, Figures, legend_above, styled
+from rustchain.plot.style import BLUE, CYCLE, RED, Ax, Figures, legend_above, styled, subplots
 
 
 class JointFigures(Figures):
@@ -20,7 +19,11 @@ class JointFigures(Figures):
     @known_keywords
     @styled
     def joint_loads(
-        self, *joints: str | Sequence[str], start: float | None = None, end: float | None = None
+        self,
+        *joints: str | Sequence[str],
+        start: float | None = None,
+        end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw the force of ideal hinges and the torque of motors over time.
 
@@ -36,8 +39,8 @@ class JointFigures(Figures):
         rows = self.rows(start, end)
         time = self.result.time[rows]
         shown = ["force [N]"] * (not names or bool(hinges)) + ["torque [N m]"] * bool(motors)
-        figure, cells = plt.subplots(
-            len(shown), 1, sharex=True, squeeze=False, figsize=(7.0, 0.6 + 1.8 * len(shown))
+        figure, cells = subplots(
+            len(shown), 1, sharex=True, squeeze=False, ax=ax, figsize=(7.0, 0.6 + 1.8 * len(shown))
         )
         if not names:
             force = self.result.array("hinge_force")[rows]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -17,10 +16,13 @@ from rustchain.plot.style import (
     GREY,
     ORANGE,
     RED,
+    Ax,
     Figures,
     legend_above,
+    legend_outside,
     panels,
     styled,
+    subplots,
 )
 
 if TYPE_CHECKING:
@@ -34,10 +36,12 @@ class LoadFigures(Figures):
 
     @known_keywords
     @styled
-    def hinge_loads(self, *, start: float | None = None, end: float | None = None) -> Figure:
+    def hinge_loads(
+        self, *, start: float | None = None, end: float | None = None, ax: Ax = None
+    ) -> Figure:
         """Draw the hinge force along the chain's way: mean, nine tenths of the reports, largest."""
         found = self.result.hinge_loads(quantiles=_QUANTILES, start=start, end=end)
-        figure, axes = plt.subplots(figsize=(7.0, 3.2))
+        figure, axes = subplots(ax=ax, figsize=(7.0, 3.2))
         _band(axes, found["position"].to_numpy(), found)
         circuit = Circuit.of(self.result.drive)
         for section in circuit.sections:
@@ -59,11 +63,16 @@ class LoadFigures(Figures):
     @known_keywords
     @styled
     def tooth_loads(
-        self, sprocket: int = 1, *, start: float | None = None, end: float | None = None
+        self,
+        sprocket: int = 1,
+        *,
+        start: float | None = None,
+        end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw the tooth force over a sprocket's revolution, and the load of each tooth."""
         found = self.result.tooth_loads(sprocket, quantiles=_QUANTILES, start=start, end=end)
-        figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.2), width_ratios=(1.7, 1.0))
+        figure, (left, right) = subplots(1, 2, ax=ax, figsize=(8.0, 3.2), width_ratios=(1.7, 1.0))
         _band(left, np.degrees(found["angle"].to_numpy()), found)
         left.set(xlim=(0.0, 360.0), ylim=(0.0, None), xticks=range(0, 361, 60))
         left.set(xlabel="direction of the gap [°]", ylabel="tooth force [N]")
@@ -83,10 +92,11 @@ class LoadFigures(Figures):
         *more: int,
         start: float | None = None,
         end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw how the load is distributed along the wrap of sprockets."""
         numbers = (sprocket, *more)
-        figure, cells = panels(len(numbers), "place in the wrap [pitches]", "force [N]")
+        figure, cells = panels(len(numbers), "place in the wrap [pitches]", "force [N]", ax=ax)
         longest = 0.0
         for axes, number in zip(cells, numbers, strict=True):
             found = self.result.wrap_loads(number, quantiles=_QUANTILES, start=start, end=end)
@@ -99,8 +109,7 @@ class LoadFigures(Figures):
                 axes.axvline(place, color=GREY, linewidth=0.7)
             axes.set_title(f"sprocket {number}")
             longest = max(longest, found.attrs["wrap"])
-        handles, labels = cells[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper left", ncols=len(labels))
+        legend_outside(cells, "outside upper left", ax)
         cells[0].set(xlim=(-1.0, longest + 1.0), ylim=(0.0, None))
         return figure
 
@@ -112,12 +121,13 @@ class LoadFigures(Figures):
         *,
         start: float | None = None,
         end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw the largest contact pressure over time, and its cycles per revolution."""
         found = self.result.contact_pressure(contact, start=start, end=end)
         cycles = self.result.pressure_cycles(contact, start=start, end=end)
         part = "hinge" if contact == "hinge" else "bushing"
-        figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.0), width_ratios=(1.4, 1.0))
+        figure, (left, right) = subplots(1, 2, ax=ax, figsize=(8.0, 3.0), width_ratios=(1.4, 1.0))
         pressure = 1e-6 * found["peak_pressure"]
         time = found["time"]
         left.plot(time, pressure.max(part), color=RED, linewidth=0.5, label="hardest pressed")
@@ -137,11 +147,12 @@ class LoadFigures(Figures):
         bins: int = 20,
         start: float | None = None,
         end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw how many cycles of pressure a part sees per revolution, by range; who sees most."""
         cycles = self.result.pressure_cycles(contact, sprocket, bins=bins, start=start, end=end)
         part = str(cycles["cycles"].dims[0])
-        figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.0))
+        figure, (left, right) = subplots(1, 2, ax=ax, figsize=(8.0, 3.0))
         _cycles(left, cycles)
         right.bar(cycles[part], 1e-6 * cycles["largest"], color=BLUE)
         of = f"{part}" if sprocket is None else f"gap of sprocket {sprocket}"
@@ -156,10 +167,11 @@ class LoadFigures(Figures):
         *more: int | str,
         start: float | None = None,
         end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw the load of guides along the chain's way, and their whole force over time."""
-        figure, cells = plt.subplots(
-            1 + len(more), 2, figsize=(8.0, 2.9 * (1 + len(more))), squeeze=False
+        figure, cells = subplots(
+            1 + len(more), 2, ax=ax, figsize=(8.0, 2.9 * (1 + len(more))), squeeze=False
         )
         for (left, right), number in zip(cells, (guide, *more), strict=True):
             found = self.result.guide_loads(number, quantiles=_QUANTILES, start=start, end=end)
@@ -180,10 +192,11 @@ class LoadFigures(Figures):
         *,
         start: float | None = None,
         end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw force and impulse of every engagement impact over time."""
         found = self.result.engagements(sprocket, start=start, end=end)
-        figure, axes = plt.subplots(2, 1, sharex=True, figsize=(7.0, 3.8))
+        figure, axes = subplots(2, 1, sharex=True, ax=ax, figsize=(7.0, 3.8))
         for number in found["sprocket"].unique().tolist():
             rows = found[found["sprocket"] == number]
             color = CYCLE[(number - 1) % len(CYCLE)]

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -21,9 +20,12 @@ from rustchain.plot.style import (
     CYCLE,
     ORANGE,
     RED,
+    Ax,
     legend_above,
+    legend_outside,
     panels,
     styled,
+    subplots,
 )
 from rustchain.results.mechanism_result import MechanismResult
 
@@ -54,6 +56,7 @@ class MechanismPlots:
         quantity: Literal["position", "velocity", "acceleration"] = "position",
         start: float | None = None,
         end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw positions of bodies, or their rates, over time: x, y and the angle."""
         if quantity not in _RATES:
@@ -61,7 +64,7 @@ class MechanismPlots:
             raise InvalidInput(msg)
         names = self._names("body", bodies)
         rows = rows_between(self.result, start, end)
-        figure, cells = plt.subplots(3, 1, sharex=True, figsize=(7.0, 5.2))
+        figure, cells = subplots(3, 1, sharex=True, ax=ax, figsize=(7.0, 5.2))
         way, turn = _RATES[quantity]
         labels = (f"x [{way}]", f"y [{way}]", f"angle [{turn}]")
         for k, name in enumerate(names):
@@ -79,12 +82,16 @@ class MechanismPlots:
     @known_keywords
     @styled
     def paths(
-        self, *bodies: str | Sequence[str], start: float | None = None, end: float | None = None
+        self,
+        *bodies: str | Sequence[str],
+        start: float | None = None,
+        end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw the ways of the bodies' centres of mass in the plane, with where they end."""
         names = self._names("body", bodies)
         rows = rows_between(self.result, start, end)
-        figure, axes = plt.subplots(figsize=(5.4, 4.6))
+        figure, axes = subplots(ax=ax, figsize=(5.4, 4.6))
         for k, name in enumerate(names):
             way = self.result.body(name).position[rows, :2]
             axes.plot(*way.T, color=_color(k), label=name)
@@ -97,12 +104,16 @@ class MechanismPlots:
     @known_keywords
     @styled
     def joint_loads(
-        self, *joints: str | Sequence[str], start: float | None = None, end: float | None = None
+        self,
+        *joints: str | Sequence[str],
+        start: float | None = None,
+        end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw force and torque of joints and drivers over time."""
         names = self._names("joint", joints)
         rows = rows_between(self.result, start, end)
-        figure, (upper, lower) = plt.subplots(2, 1, sharex=True, figsize=(7.0, 4.2))
+        figure, (upper, lower) = subplots(2, 1, sharex=True, ax=ax, figsize=(7.0, 4.2))
         for k, name in enumerate(names):
             view = self.result.joint(name)
             force = np.hypot(*view.force[rows].T)
@@ -118,31 +129,40 @@ class MechanismPlots:
     @known_keywords
     @styled
     def contact_force(
-        self, *contacts: str | Sequence[str], start: float | None = None, end: float | None = None
+        self,
+        *contacts: str | Sequence[str],
+        start: float | None = None,
+        end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw the force of contacts over time, side by side, with the largest between two rows."""
         names = self._names("contact", contacts)
         rows = rows_between(self.result, start, end)
-        figure, cells = panels(len(names), "time [s]", "contact force [N]")
+        figure, cells = panels(len(names), "time [s]", "contact force [N]", ax=ax)
         for axes, name in zip(cells, names, strict=True):
             view = self.result.contact(name)
             time = view.time[rows]
             axes.plot(time, view.peak_force[rows], color=RED, linewidth=0.5, label="largest")
             axes.plot(time, view.force[rows], color=BLUE, label="at the row")
             axes.set_title(name)
-        handles, labels = cells[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper right", ncols=2)
+        legend_outside(cells, "outside upper right", ax)
         return figure
 
     @known_keywords
     @styled
     def force_penetration(
-        self, *contacts: str | Sequence[str], start: float | None = None, end: float | None = None
+        self,
+        *contacts: str | Sequence[str],
+        start: float | None = None,
+        end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw force against penetration of contacts, side by side."""
         names = self._names("contact", contacts)
         rows = rows_between(self.result, start, end)
-        figure, cells = panels(len(names), "penetration [µm]", "contact force [N]", share=False)
+        figure, cells = panels(
+            len(names), "penetration [µm]", "contact force [N]", share=False, ax=ax
+        )
         for axes, name in zip(cells, names, strict=True):
             view = self.result.contact(name)
             depth, force = view.penetration[rows], view.force[rows]
@@ -154,11 +174,13 @@ class MechanismPlots:
 
     @known_keywords
     @styled
-    def residuals(self, *, start: float | None = None, end: float | None = None) -> Figure:
+    def residuals(
+        self, *, start: float | None = None, end: float | None = None, ax: Ax = None
+    ) -> Figure:
         """Draw the largest constraint residual of all joints over time, and its rate."""
         self._names("joint", ())
         rows = rows_between(self.result, start, end)
-        figure, axes = plt.subplots(figsize=(7.0, 2.8))
+        figure, axes = subplots(ax=ax, figsize=(7.0, 2.8))
         for name, label, color in (
             ("joint_position_residual", "positions [m or rad]", BLUE),
             ("joint_velocity_residual", "velocities [m/s or rad/s]", ORANGE),
@@ -173,10 +195,12 @@ class MechanismPlots:
 
     @known_keywords
     @styled
-    def energy(self, *, start: float | None = None, end: float | None = None) -> Figure:
+    def energy(
+        self, *, start: float | None = None, end: float | None = None, ax: Ax = None
+    ) -> Figure:
         """Draw the energy balance over time, and what it misses."""
         rows = rows_between(self.result, start, end)
-        return energy_figure(self.result.time, self.result.energy, rows, 1.0, "J")
+        return energy_figure(self.result.time, self.result.energy, rows, 1.0, "J", ax)
 
     def _names(self, part: str, given: tuple[str | Sequence[str], ...]) -> tuple[str, ...]:
         """Return the names that are given, one by one or in lists, which must exist, or all."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -19,9 +18,11 @@ from rustchain.plot.style import (
     GREEN,
     GREY,
     RED,
+    Ax,
     Figures,
     legend_above,
     styled,
+    subplots,
 )
 
 if TYPE_CHECKING:
@@ -40,10 +41,11 @@ class MotionFigures(Figures):
         *,
         start: float | None = None,
         end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw the transmission error over the driver's angle, and its spectrum by order."""
         found = self.result.transmission_error(driven, driver, start=start, end=end)
-        figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 2.9))
+        figure, (left, right) = subplots(1, 2, ax=ax, figsize=(8.0, 2.9))
         left.plot(found["driver_angle"] / (2 * np.pi), 1e6 * found["error_length"], color=BLUE)
         left.set(xlabel=f"revolutions of sprocket {driver}")
         left.set(ylabel=f"error of sprocket {driven} [µm]")
@@ -55,11 +57,16 @@ class MotionFigures(Figures):
     @known_keywords
     @styled
     def speed_ripple(
-        self, sprocket: int = 2, *, start: float | None = None, end: float | None = None
+        self,
+        sprocket: int = 2,
+        *,
+        start: float | None = None,
+        end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw the speed of a sprocket over time, and the spectrum of its ripple by order."""
         found = self.result.speed_ripple(sprocket, start=start, end=end)
-        figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 2.9))
+        figure, (left, right) = subplots(1, 2, ax=ax, figsize=(8.0, 2.9))
         left.plot(found["time"], found["speed"], color=BLUE)
         left.axhline(found.attrs["mean"], color=GREY, linestyle="--")
         left.set(xlabel="time [s]", ylabel=f"speed of sprocket {sprocket} [rad/s]")
@@ -74,11 +81,12 @@ class MotionFigures(Figures):
         *more: str | int,
         start: float | None = None,
         end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw how far strands are off their straight lines over time, at several stations."""
         names = (strand, *more)
-        figure, cells = plt.subplots(
-            len(names), 1, sharex=True, squeeze=False, figsize=(7.0, 0.6 + 2.1 * len(names))
+        figure, cells = subplots(
+            len(names), 1, sharex=True, squeeze=False, ax=ax, figsize=(7.0, 0.6 + 2.1 * len(names))
         )
         for axes, name in zip(cells[:, 0], names, strict=True):
             motion = self.result.strand_motion(name, start=start, end=end)
@@ -99,11 +107,12 @@ class MotionFigures(Figures):
         segment: float | None = None,
         start: float | None = None,
         end: float | None = None,
+        ax: Ax = None,
     ) -> Figure:
         """Draw a strand's transverse motion and its spectrum, with the frequencies to expect."""
         motion = self.result.strand_motion(strand, start=start, end=end)
         found = self.result.strand_spectrum(strand, segment=segment, modes=5, start=start, end=end)
-        figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 2.9))
+        figure, (left, right) = subplots(1, 2, ax=ax, figsize=(8.0, 2.9))
         for k, station in enumerate(motion["station"].to_numpy()):
             left.plot(
                 motion["time"],
@@ -143,6 +152,7 @@ class MotionFigures(Figures):
         segment: float | None = None,
         start: float | None = None,
         end: float | None = None,
+        ax: Ax = None,
         **of: object,
     ) -> Figure:
         """Draw the spectrum of a recorded array; ``strand="upper"`` or ``hinge=6`` selects from it.
@@ -157,7 +167,7 @@ class MotionFigures(Figures):
                 raise InvalidInput(msg)
         chosen = found.sel(of)
         others = [dim for dim in chosen.dims if dim != "frequency"]
-        figure, axes = plt.subplots(figsize=(7.0, 2.9))
+        figure, axes = subplots(ax=ax, figsize=(7.0, 2.9))
         lines = chosen.stack(part=others) if others else chosen.expand_dims("part")
         if lines.sizes["part"] > len(CYCLE):
             axes.plot(lines["frequency"], lines.mean("part"), color=BLUE, label="mean of all")
@@ -175,7 +185,9 @@ class MotionFigures(Figures):
 
     @known_keywords
     @styled
-    def power_balance(self, *, start: float | None = None, end: float | None = None) -> Figure:
+    def power_balance(
+        self, *, start: float | None = None, end: float | None = None, ax: Ax = None
+    ) -> Figure:
         """Draw mean powers: shafts; below, on a scale of their own, what is lost and stored."""
         found = self.result.power_balance(start=start, end=end)
         shafts = [
@@ -196,9 +208,10 @@ class MotionFigures(Figures):
         ]
         parts = [bars for bars in (shafts, small) if bars]  # an open chain may have no sprocket
         counts = [len(bars) for bars in parts]
-        figure, panels = plt.subplots(
+        figure, panels = subplots(
             len(parts),
             1,
+            ax=ax,
             figsize=(7.0, 1.3 + 0.32 * sum(counts)),
             height_ratios=counts,
             squeeze=False,

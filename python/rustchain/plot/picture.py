@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
@@ -20,7 +19,7 @@ from rustchain.description.drive import ChainDrive
 from rustchain.description.ends import AnchoredEnd, LoadedEnd
 from rustchain.description.guides import GuideRail, SmoothIdler
 from rustchain.names import known_keywords
-from rustchain.plot.style import GREY, Figures, styled
+from rustchain.plot.style import GREY, Ax, Figures, styled, subplots
 from rustchain.typing import Array
 
 if TYPE_CHECKING:
@@ -37,7 +36,7 @@ class DrivePicture(Figures):
 
     @known_keywords
     @styled
-    def drive(self, time: float | None = None) -> Figure:
+    def drive(self, time: float | None = None, *, ax: Ax = None) -> Figure:
         """Draw the drive at the row nearest to `time` [s], by default at the start.
 
         Without bodies recorded, the start or the end is drawn, whichever is nearer, with a warning
@@ -56,7 +55,7 @@ class DrivePicture(Figures):
             hinges = np.concatenate([hinges, first])
         shown = _extent(drive, hinges, wheels, ends)
         low, high = shown.min(axis=0) - 1.6 * chain.pitch, shown.max(axis=0) + 1.6 * chain.pitch
-        figure, axes = plt.subplots()
+        figure, axes = subplots(ax=ax)
         covered: list[Array] = []  # outlines on which a number would be hard to read
         for sprocket, pose in zip(drive.sprockets, wheels[:, None], strict=True):
             outline = _placed(pose, _rustchain.tooth_outline(sprocket, chain, 12))
@@ -109,7 +108,8 @@ class DrivePicture(Figures):
             axes.text(x, y, str(number), fontsize=7.5, ha="center", va="center")
 
         width, height = (high - low) * scale
-        figure.set_size_inches(max(width, 3.0) + _LABELS[0], max(height, 0.5) + _LABELS[1])
+        if ax is None:
+            figure.set_size_inches(max(width, 3.0) + _LABELS[0], max(height, 0.5) + _LABELS[1])
         axes.set(aspect="equal", xlim=(low[0], high[0]), ylim=(low[1], high[1]))
         axes.set(xlabel="x [mm]", ylabel="y [mm]", title=f"t = {time:.4g} s")
         axes.grid(visible=False)

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
 
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
-from rustchain.plot.style import BLUE, GREY, RED, panels, styled
+from rustchain.plot.style import BLUE, GREY, RED, Ax, panels, styled, subplots
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @styled
-def draw_study(study: StudyResult, measures: Sequence[str]) -> Figure:
+def draw_study(study: StudyResult, measures: Sequence[str], ax: Ax = None) -> Figure:
     """Draw what `StudyResult.plot` promises."""
     samples, statistics = study.samples, study.statistics
     numbers = [str(name) for name, values in samples.items() if len(_own(values, study)) < 2]
@@ -45,7 +44,7 @@ def draw_study(study: StudyResult, measures: Sequence[str]) -> Figure:
         counts = [samples.sizes[axis] for axis in axes_of_study] if rows else []
         cases = (dict(zip(axes_of_study, place, strict=True)) for place in np.ndindex(*counts))
         panes += [(name, case) for case in cases] if rows else [(name, {})]
-    figure, cells = panels(len(panes), over, "", size=(3.4, 2.6), share=False)
+    figure, cells = panels(len(panes), over, "", size=(3.4, 2.6), share=False, ax=ax)
     for axes, (name, case) in zip(cells, panes, strict=True):
         values, found = samples[name].isel(case), statistics[name].isel(case)
         title = ", ".join(f"{axis} {values[axis].item()}" for axis in case)
@@ -100,13 +99,13 @@ def _over_axis(axes: Any, values: xr.DataArray, found: xr.DataArray, over: str) 
 
 
 @styled
-def draw_loss_map(losses: xr.Dataset) -> Figure:
+def draw_loss_map(losses: xr.Dataset, *, ax: Ax = None) -> Figure:
     """Draw efficiency and power lost over speed and load, from what `rustchain.loss_map` found."""
     names = set(map(str, losses.variables)) if type(losses).__name__ == "Dataset" else set()
     if not {"speed", "torque", "efficiency", "lost"} <= names:
         msg = f"draw_loss_map(losses): got {shown(losses)}; expected what loss_map returned"
         raise InvalidInput(msg)
-    figure, cells = plt.subplots(1, 2, figsize=(8.0, 3.2), sharey=True)
+    figure, cells = subplots(1, 2, ax=ax, figsize=(8.0, 3.2), sharey=True)
     speed, torque = losses["speed"].to_numpy(), losses["torque"].to_numpy()
     for axes, name, scale, label in (
         (cells[0], "efficiency", 100.0, "efficiency [%]"),

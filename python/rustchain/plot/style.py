@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from io import BytesIO
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-import matplotlib.pyplot as plt
+import numpy as np
 from matplotlib import style
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rustchain.analysis.window import rows_between
+from rustchain.arguments import shown
+from rustchain.errors import InvalidInput
 from rustchain.names import named_attributes
 
 if TYPE_CHECKING:
@@ -39,6 +43,18 @@ _STYLE: dict[str, Any] = {
 
 styled = style.context(_STYLE)
 
+Ax: TypeAlias = Axes | Sequence[Axes] | None
+"""Axes to draw into, as many as the figure has panels; None makes a figure."""
+
+
+class Picture(Figure):
+    """A figure that a notebook shows once, whether pyplot was imported or not."""
+
+    def _repr_png_(self) -> bytes:
+        image = BytesIO()
+        self.savefig(image, format="png")
+        return image.getvalue()
+
 
 @named_attributes
 @dataclass(frozen=True)
@@ -52,15 +68,47 @@ class Figures:
         return rows_between(self.result, start, end)
 
 
+def subplots(
+    rows: int = 1,
+    columns: int = 1,
+    *,
+    ax: Ax = None,
+    figsize: tuple[float, float] | None = None,
+    squeeze: bool = True,
+    **sharing: Any,  # noqa: ANN401
+) -> tuple[Figure, Any]:
+    """Return a figure and its axes, as `pyplot.subplots` does but without pyplot's state.
+
+    With `ax` given, return its figure and these axes, whose number must be rows x columns.
+    """
+    if ax is None:
+        figure = Picture(figsize=figsize)
+        return figure, figure.subplots(rows, columns, squeeze=squeeze, **sharing)
+    given = np.array(ax, dtype=object).ravel()
+    if len(given) != rows * columns or not all(isinstance(each, Axes) for each in given):
+        msg = f"ax: got {shown(ax)}; expected {rows * columns} matplotlib Axes"
+        raise InvalidInput(msg)
+    grid = given.reshape(rows, columns)
+    if squeeze:
+        return given[0].figure, given[0] if len(given) == 1 else grid.squeeze()
+    return given[0].figure, grid
+
+
 def panels(
-    count: int, x: str, y: str, size: tuple[float, float] = (4.2, 2.9), share: bool = True
+    count: int,
+    x: str,
+    y: str,
+    size: tuple[float, float] = (4.2, 2.9),
+    share: bool = True,
+    ax: Ax = None,
 ) -> tuple[Figure, list[Axes]]:
     """Return a figure of panels side by side, at most three in a row, by default of one scale."""
-    columns = min(count, 3)
+    columns = min(count, 3) if ax is None else count
     rows = -(-count // columns)
-    figure, grid = plt.subplots(
+    figure, grid = subplots(
         rows,
         columns,
+        ax=ax,
         sharex=share,
         sharey=share,
         squeeze=False,
@@ -75,6 +123,17 @@ def panels(
     for axes in grid[:, 0]:
         axes.set_ylabel(y)
     return figure, cells[:count]
+
+
+def legend_outside(
+    cells: Sequence[Axes], loc: Literal["outside upper left", "outside upper right"], ax: Ax
+) -> None:
+    """Put one legend for all panels above the figure, or above the first of given axes."""
+    if ax is not None:
+        legend_above(cells[0])
+        return
+    handles, labels = cells[0].get_legend_handles_labels()
+    cells[0].figure.legend(handles, labels, loc=loc, ncols=len(labels))
 
 
 def legend_above(axes: Axes) -> None:

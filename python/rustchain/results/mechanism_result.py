@@ -169,7 +169,7 @@ class MechanismResult:
 
     def to_xarray(self) -> xr.Dataset:
         """Return everything as a dataset with units."""
-        import xarray as xr
+        from rustchain.extras import xarray as xr
 
         coordinates = {
             "time": xr.Variable("time", self.time, {"units": "s", "long_name": "time"}),

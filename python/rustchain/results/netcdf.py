@@ -8,6 +8,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, TypeVar
 
+from rustchain import extras
 from rustchain.errors import InvalidInput
 from rustchain.paths import check_there, shown_path, write_whole
 
@@ -29,6 +30,7 @@ def write(dataset: xr.Dataset, path: object) -> None:
 
 def read(path: object, writer: str, other: str) -> xr.Dataset:
     """Return the dataset in a file that `writer` wrote, a result of `other`."""
+    _ = extras.xarray, extras.h5netcdf  # missing, they are no damage to the file
     content = check_there(path, writer).read_bytes()
     body = memoryview(content)[: -len(_checksum(b""))]
     # HDF5 does not see a damaged file: it reads some as another content, and fails in many ways.
@@ -69,7 +71,7 @@ def _beside(work: Callable[[_Given], _Made], given: _Given) -> _Made:
 
 def _dataset(content: bytes) -> xr.Dataset:
     """Return what is in the bytes of a file."""
-    import xarray as xr
+    from rustchain.extras import xarray as xr
 
     return xr.load_dataset(io.BytesIO(content), engine="h5netcdf", decode_times=False)
 
@@ -80,8 +82,9 @@ def _image(dataset: xr.Dataset) -> io.BytesIO:
     HDF5 writes to memory because it does not survive a failing disc: the process ends with a
     segmentation fault when the file is closed.
     """
-    import h5netcdf
     from xarray.backends import H5NetCDFStore
+
+    from rustchain.extras import h5netcdf
 
     packed = {name: {"zlib": True, "complevel": 1} for name in dataset.data_vars}
     image = io.BytesIO()

@@ -26,7 +26,7 @@ ENDS = ("initial_positions", "initial_velocities", "final_positions", "final_vel
 
 def dataset_of(result: Result) -> xr.Dataset:
     """Return everything in the result of a drive, the scene in the attributes."""
-    import xarray as xr
+    from rustchain.extras import xarray as xr
 
     drive = result.drive
     coordinates = {
@@ -81,7 +81,7 @@ def dataset(
     variables: dict[str, Any], coordinates: Mapping[str, Any], attributes: Mapping[str, Any]
 ) -> xr.Dataset:
     """Return a dataset with the coordinates that its variables have, and the version."""
-    import xarray as xr
+    from rustchain.extras import xarray as xr
 
     used = {"time"}.union(*(dims for dims, *_ in variables.values()))
     return xr.Dataset(
@@ -93,7 +93,7 @@ def dataset(
 
 def table_of(dataset: xr.Dataset, known: Mapping[str, Variable]) -> pd.DataFrame:
     """Return a row for each time and a column for each number of the known variables."""
-    import pandas as pd
+    from rustchain.extras import pandas as pd
 
     time = dataset["time"].values
     columns: dict[str, npt.NDArray[Any]] = {}

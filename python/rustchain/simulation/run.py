@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal, NoReturn, get_args
+from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from typing import TYPE_CHECKING, Literal, Protocol, get_args
 
 import numpy as np
 
+from rustchain import extras
 from rustchain.arguments import finite_number, items_within, shown
-from rustchain.errors import InvalidInput
+from rustchain.caller import log
+from rustchain.errors import InvalidInput, MissingExtra
 from rustchain.names import suggest
 
 if TYPE_CHECKING:
-    from tqdm import tqdm
-
     from rustchain.description.drive import ChainDrive
-
 
 Group = Literal["hinges", "teeth", "sprockets", "bodies", "energy"]
 
@@ -89,15 +89,56 @@ def check_progress(progress: object) -> None:
         raise InvalidInput(msg)
 
 
-def seconds_bar(total: float, progress: bool, description: str | None = None) -> tqdm[NoReturn]:
-    """Return a bar of simulated seconds [s]."""
-    from tqdm import tqdm
+class Bar(Protocol):
+    """A progress bar: what is done of its total."""
 
+    n: float
+
+    def update(self, n: float) -> object:
+        """Count on."""
+
+    def set_description(self, desc: str) -> None:
+        """Name what is under way."""
+
+
+class _NoBar:
+    """What counts the progress where no bar is shown."""
+
+    n = 0.0
+
+    def update(self, n: float) -> None:
+        """Count on."""
+        self.n += n
+
+    def set_description(self, desc: str) -> None:
+        """Do nothing."""
+
+
+@contextmanager
+def seconds_bar(total: float, progress: bool, description: str | None = None) -> Iterator[Bar]:
+    """Give a bar of simulated seconds [s], and log start and end of the run or sweep.
+
+    A notebook shows a widget. Without tqdm there is no bar.
+    """
+    what = "run" if description is None else "sweep"
+    log.info("%s of %.6g s starts", what, total)
+    with _bar(total, description) if progress else nullcontext(_NoBar()) as bar:
+        try:
+            yield bar
+        except BaseException as error:
+            log.info("%s ended after %.6g of %.6g s: %r", what, bar.n, total, error)
+            raise
+    log.info("%s ended after %.6g of %.6g s", what, bar.n, total)
+
+
+def _bar(total: float, description: str | None) -> AbstractContextManager[Bar]:
+    """Return a progress bar, where tqdm is installed and a terminal or a notebook shows it."""
+    try:
+        tqdm = extras.auto.tqdm
+    except MissingExtra:
+        return nullcontext(_NoBar())
     form = "{l_bar}{bar}| {n:.4f}/{total:.4f} s [{elapsed}<{remaining}, {rate_noinv_fmt}]"
-    return tqdm(
-        desc=description,
-        total=total,
-        unit=" s",
-        bar_format=form,
-        disable=None if progress else True,
+    bar: AbstractContextManager[Bar] = tqdm(
+        desc=description, total=total, unit=" s", bar_format=form, disable=None
     )
+    return bar

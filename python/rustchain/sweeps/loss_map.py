@@ -71,7 +71,7 @@ def loss_map(
         Over ``speed`` and ``torque``: ``efficiency``; ``lost`` [W] in all; ``loss`` [W], also over
         ``channel``, as in `Result.power_balance`; ``delivered`` [W] by sprocket `loaded`.
     """
-    import xarray as xr
+    from rustchain.extras import xarray as xr
 
     if loaded not in range(1, len(drive.sprockets) + 1):
         msg = (

@@ -94,7 +94,7 @@ class SweepResult:
         that was measured: ``value_0``, ``value_1``. The variables are the keys of a measured dict,
         or "value".
         """
-        import xarray as xr
+        from rustchain.extras import xarray as xr
 
         shape: tuple[int, ...] = (len(self.cases),)
         dims: tuple[str, ...] = ("case",)
@@ -113,7 +113,7 @@ class SweepResult:
 
         The numbers of an array have their place in the name: ``value_0``, ``value_1``.
         """
-        import pandas as pd
+        from rustchain.extras import pandas as pd
 
         columns: dict[str, _Values] = {n: _labels(values) for n, values in self._columns().items()}
         for name, values in self._arrays().items():

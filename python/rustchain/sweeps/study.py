@@ -73,9 +73,9 @@ class StudyResult:
         the runs that have a value. The interval is Student's: of runs that are independent, which
         chaos makes of different starts within some milliseconds.
         """
-        import pandas as pd
-        import xarray as xr
-        from scipy import stats
+        from rustchain.extras import pandas as pd
+        from rustchain.extras import stats
+        from rustchain.extras import xarray as xr
 
         samples = self.samples
         count = samples.count("run")
@@ -94,7 +94,7 @@ class StudyResult:
 
         The numbers of an array have their place in the name: ``value_0``, ``value_1``.
         """
-        import pandas as pd
+        from rustchain.extras import pandas as pd
 
         axes = [name for name in self.sweep.axes or {} if name != "disturbance"]
         series = {}

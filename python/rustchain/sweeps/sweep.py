@@ -19,6 +19,7 @@ from rustchain.description.laws.force import ForceLaw, with_friction
 from rustchain.description.laws.friction import Coulomb, LuGre
 from rustchain.description.solver import Solver
 from rustchain.errors import (
+    CaseWarning,
     EnergyWarning,
     InvalidInput,
     RangeWarning,
@@ -353,7 +354,7 @@ def _warn(found: SweepResult) -> None:
         which = (
             f"{len(found.errors)} of {len(found.cases)} cases failed, first {_name(found, number)}"
         )
-        warn_caller(f"{which}: {type(error).__name__}: {error}", RuntimeWarning)
+        warn_caller(f"{which}: {type(error).__name__}: {error}", CaseWarning)
     for notes, category in (
         (found.law_warnings, RangeWarning),
         (found.energy_warnings, EnergyWarning),

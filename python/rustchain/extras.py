@@ -1,0 +1,52 @@
+"""Packages of the extras: imported when they are needed, and named with the pip command."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
+from rustchain.errors import MissingExtra
+
+if TYPE_CHECKING:
+    import h5netcdf as h5netcdf
+    import matplotlib as matplotlib
+    import pandas as pandas
+    import typer as typer
+    import xarray as xarray
+    from scipy import signal as signal
+    from scipy import stats as stats
+    from tqdm import auto as auto
+
+_MODULES = {
+    "matplotlib": ("matplotlib", "plot"),
+    "xarray": ("xarray", "io"),
+    "h5netcdf": ("h5netcdf", "io"),
+    "pandas": ("pandas", "io"),
+    "signal": ("scipy.signal", "analysis"),
+    "stats": ("scipy.stats", "analysis"),
+    "auto": ("tqdm.auto", "cli"),
+    "typer": ("typer", "cli"),
+}
+"""Each name of this module: the module that it stands for, and the extra that installs it."""
+
+
+def __getattr__(name: str) -> object:
+    """Import the module that `name` stands for.
+
+    Raises
+    ------
+    MissingExtra
+        It is not installed.
+    """
+    if name not in _MODULES:
+        msg = f"module {__name__!r} has no attribute {name!r}"
+        raise AttributeError(msg)
+    module, extra = _MODULES[name]
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        msg = (
+            f"{error.name} is not installed; it belongs to the extra {extra!r}: "
+            f'pip install "rustchain[{extra}]"'
+        )
+        raise MissingExtra(msg, name=error.name) from error
