@@ -124,7 +124,7 @@ def test_check_shows_the_layout_and_refuses_what_would_not_run(tmp_path):
     path = changed(tmp_path, "[simulation]", "[simulation]\nmin_impact_velocity = -1.0")
     done = rustchain("check", path)
     assert done.exit_code == 1
-    assert "drive.toml, line 33: simulation: min_impact_velocity = -1" in done.output
+    assert "drive.toml, line 33, column 1: simulation: min_impact_velocity = -1" in done.output
 
 
 @pytest.mark.parametrize(
@@ -181,7 +181,7 @@ def test_a_table_of_a_spreadsheet_has_a_mark_at_its_beginning(tmp_path):
 def test_a_table_that_is_none_is_told_with_its_line(tmp_path, rows, text):
     path = changed(tmp_path, "duration = 0.02", "duration = 0.01")
     (tmp_path / "machine.csv").write_text(rows)
-    with pytest.raises(rc.InvalidInput, match=r"line 24: .*'machine\.csv': ") as refused:
+    with pytest.raises(rc.InvalidInput, match=r"line 24, column 36: .*'machine\.csv': ") as refused:
         rc.load_scene(path)
     assert f"{text}: give a file of rows of numbers" in str(refused.value)
 
@@ -335,7 +335,10 @@ DEEP = 5000
         ("drive = " + "{a = " * 500 + "1" + "}" * 500, "nested more than 32 deep"),
         ("[drive." + ".".join("a" * 500) + "]\nb = 1", "nested more than 32 deep"),
         (SHORT + "name = " + "1" * DEEP, "is no TOML"),
-        (SHORT + "type = ['a']", "line 5: drive.type: ['a'] is not known; known: 'ChainDrive'"),
+        (
+            SHORT + "type = ['a']",
+            "line 5, column 1: drive.type: ['a'] is not known; known: 'ChainDrive'",
+        ),
         (SHORT + "[run]\nstop = [{type = {}}]", "run.stop[0].type: {} is not known"),
         (SHORT + f"[run]\nout = {DEEP}", f"run.out: {DEEP}: must be a valid string"),
     ],
@@ -361,7 +364,9 @@ def test_brackets_in_a_text_of_many_lines_are_read_at_once(tmp_path):
     with pytest.raises(rc.InvalidInput, match="is no TOML"):
         rc.load_scene(path)
     path.write_text(path.read_text() + '\n"""\n')
-    with pytest.raises(rc.InvalidInput, match=r"line 6: drive\.speeds: means nothing here"):
+    with pytest.raises(
+        rc.InvalidInput, match=r"line 6, column 1: drive\.speeds: means nothing here"
+    ):
         rc.load_scene(path)
 
 
@@ -372,7 +377,9 @@ def test_fifos_and_devices_are_no_drive_files_nor_tables(tmp_path):
         with pytest.raises(rc.InvalidInput, match=rf"cannot be read \(Is a {kind}; expected"):
             rc.load_scene(name)
         path = written(tmp_path, SHORT.replace("10.0", f'{{ file = "{name}" }}'))
-        with pytest.raises(rc.InvalidInput, match=rf"line 4: drive\.speed\.file: .* Is a {kind}"):
+        with pytest.raises(
+            rc.InvalidInput, match=rf"line 4, column 11: drive\.speed\.file: .* Is a {kind}"
+        ):
             rc.load_scene(path)
 
 

@@ -112,7 +112,11 @@ RECORDS = {
 FILES = {"load", "load_result", "load_scene", "load_state", "save", "save_state", "from_json"}
 _ABSTRACT = {"ForceLaw", "StopCondition"}
 _ERRORS = {
+    "CaseWarning",
     "EnergyWarning",
+    "MissingExtra",
+    "RustchainError",
+    "RustchainWarning",
     "InvalidInput",
     "NotRecorded",
     "RangeWarning",

@@ -12,6 +12,7 @@ from rustchain.analysis.of_motion import MotionOutputs
 from rustchain.names import known_keywords
 
 if TYPE_CHECKING:
+    from rustchain.analysis.summary import Summary
     from rustchain.results.result import Result
 
 
@@ -33,8 +34,10 @@ class Outputs(LoadOutputs, MotionOutputs):
         return between(self._result, start, end)
 
     @known_keywords
-    def summary(self, *, start: float | None = None, end: float | None = None) -> dict[str, float]:
+    def summary(self, *, start: float | None = None, end: float | None = None) -> Summary:
         """Return key figures of what was recorded, by name: the default measures of a study.
+
+        A dict that prints as a table with units; ``.units`` has these.
 
         Efficiency and transmission errors are left out where the chain jumped teeth.
         """

@@ -1,4 +1,4 @@
-"""Key figures of a run in one dictionary."""
+"""Key figures of a run in one table."""
 
 from __future__ import annotations
 
@@ -14,7 +14,57 @@ if TYPE_CHECKING:
     from rustchain.results.result import Result
 
 
-def summary(result: Result, start: float | None, end: float | None) -> dict[str, float]:
+class Summary(dict[str, float]):
+    """Key figures by name; prints as a table with units.
+
+    Attributes
+    ----------
+    units : dict of str
+        Unit of each figure.
+    """
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each figure; "1" of a ratio or a count."""
+        return {name: _unit(name) for name in self}
+
+    def rows(self) -> list[tuple[str, str, str]]:
+        """Return name, value and unit of each figure, as text."""
+        units = self.units
+        return [
+            (name, f"{value:.6g}", "" if units[name] == "1" else units[name])
+            for name, value in self.items()
+        ]
+
+    def __repr__(self) -> str:
+        """Return a line for each figure."""
+        width = max(map(len, self), default=0)
+        lines = (f"{name:<{width}}  {value:>12} {unit}" for name, value, unit in self.rows())
+        return "\n".join(map(str.rstrip, lines)) or "nothing was recorded to sum up"
+
+    def _repr_html_(self) -> str:
+        """Return the table for a notebook."""
+        from rustchain.notebook import html_of_rows
+
+        return html_of_rows(self.rows())
+
+
+# Of the figures whose names begin so; all others are ratios or counts.
+_UNITS = {
+    "tension_": "N",
+    "hinge_force_": "N",
+    "tooth_force_": "N",
+    "engagement_force_": "N",
+    "transmission_error_": "m",
+    "loss": "W",
+}
+
+
+def _unit(name: str) -> str:
+    return next((unit for head, unit in _UNITS.items() if name.startswith(head)), "1")
+
+
+def summary(result: Result, start: float | None, end: float | None) -> Summary:
     """Return what `Outputs.summary` promises.
 
     Forces in N, powers in W, lengths in m; ripples and shares are ratios. Transmission error and
@@ -55,7 +105,7 @@ def summary(result: Result, start: float | None, end: float | None) -> dict[str,
         driven = len(motions) > 1 and not all(isinstance(motion, Free) for motion in motions[1:])
         if driven and not skipped:
             found["efficiency"] = float(power["efficiency"])
-    return found
+    return Summary(found)
 
 
 def _transmission(

@@ -16,6 +16,8 @@ _Class = TypeVar("_Class")
 
 Point: TypeAlias = tuple[float, float]
 
+_LINE = 100  # characters of a repr
+
 
 @dataclass(frozen=True)
 class Description:
@@ -24,8 +26,10 @@ class Description:
     _types: ClassVar[dict[str, type[Any]]] = {}
 
     def __init_subclass__(cls) -> None:
-        """Remember the class by its name, for `from_json`."""
+        """Remember the class by its name, for `from_json`; give it the short repr."""
         Description._types[cls.__name__] = cls
+        if "__repr__" not in vars(cls):  # before the dataclass makes its own
+            cls.__repr__ = short_repr  # type: ignore[method-assign]
 
     def __post_init__(self) -> None:
         """Turn lists and arrays into tuples, then have the compiled module check every field."""
@@ -41,6 +45,48 @@ class Description:
     def from_json(text: str) -> Any:  # noqa: ANN401
         """Return the description that `to_json` wrote."""
         return json.loads(text, object_hook=_revived)
+
+
+def short_repr(description: Any) -> str:  # noqa: ANN401
+    """Return a dataclass on one line: the fields that differ from their defaults.
+
+    Nested descriptions and long sequences are abbreviated where the line gets too long.
+    """
+    values = {
+        f.name: value
+        for f in dataclasses.fields(description)
+        if f.repr and not _is_default(f, value := getattr(description, f.name))
+    }
+    name = type(description).__name__
+    for longest in (_LINE, _LINE // 3, 0):
+        text = f"{name}({', '.join(f'{n}={_brief(v, longest)}' for n, v in values.items())})"
+        if len(text) <= _LINE:
+            return text
+    return f"{text[: _LINE - 4]}...)"
+
+
+def _is_default(field: dataclasses.Field[Any], value: object) -> bool:
+    """Return whether a field has its default."""
+    default = field.default
+    if field.default_factory is not dataclasses.MISSING:
+        default = field.default_factory()
+    try:
+        return bool(type(value) is type(default) and value == default)
+    except ValueError:  # arrays
+        return False
+
+
+def _brief(value: object, longest: int) -> str:
+    """Return a repr of `longest` characters, or what stands for it; numbers stay whole."""
+    text = repr(value)
+    if len(text) <= longest or isinstance(value, int | float | bool | None):
+        return text
+    if isinstance(value, list | tuple):
+        kinds = {type(each).__name__ for each in value if dataclasses.is_dataclass(each)}
+        return f"<{len(value)} {' and '.join(sorted(kinds)) or 'values'}>"
+    if isinstance(value, str):
+        return f"{text[: max(longest, 20)]}..." if len(text) > max(longest, 20) else text
+    return f"{type(value).__name__}(...)"
 
 
 def described(kind: type[_Class]) -> type[_Class]:

@@ -118,6 +118,12 @@ class ChainDrive(Description):
         """
         return self.chain.links + (0 if self.ends is None else 2)
 
+    def _repr_html_(self) -> str:
+        """Return a table of the layout and a picture of the drive, for a notebook."""
+        from rustchain.notebook import html_of_drive
+
+        return html_of_drive(self)
+
     def check(self) -> DriveReport:
         """Lay the chain out and return what was chosen; print the report to read it as a table."""
         return DriveReport.of(self)

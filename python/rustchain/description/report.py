@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rustchain.description.drive import ChainDrive
 
 Numbers: TypeAlias = tuple[float, ...]
+Row: TypeAlias = tuple[str, str | tuple[str, ...]]
 
 _LITTLE_PLAY = 1e-6  # [m]
 # A chain that is shorter by less is not warned of [m]: bushings begin that far off their seats.
@@ -147,8 +148,23 @@ class DriveReport:
 
     def __str__(self) -> str:
         """Return the report as a table, lengths in mm and angles in degrees."""
+        table = (
+            f"{label:<26}{value if isinstance(value, str) else ''.join(f'{v:>14}' for v in value)}"
+            for label, value in self.rows()
+        )
+        warnings = (f"warning: {warning}" for warning in self.warnings)
+        return "\n".join([*map(str.rstrip, table), *warnings])
+
+    def _repr_html_(self) -> str:
+        """Return the table for a notebook."""
+        from rustchain.notebook import html_of_report
+
+        return html_of_report(self)
+
+    def rows(self) -> list[Row]:
+        """Return the rows of the table: a label, and a text or one for each column."""
         spare = _text(1e3 * (self.links - self.belt_pitches) * self.pitch, ".3f")
-        rows = [
+        rows: list[Row] = [
             ("chain", f"{self.links} links of {1e3 * self.pitch:.4f} mm"),
             (
                 "  taut",
@@ -164,7 +180,7 @@ class DriveReport:
         if len(self.teeth) > 2:
             rows.append(("order along the chain", ", ".join(map(str, self.order))))
         percent = [100.0 * sag / span for sag, span in zip(self.sag, self.strand_span, strict=True)]
-        of_sprockets = [
+        of_sprockets: list[Row] = [
             ("", ""),
             _row("sprocket", range(1, len(self.teeth) + 1)),
             _row("teeth", self.teeth),
@@ -192,10 +208,9 @@ class DriveReport:
             _row("sag [% of span]", _scaled(tuple(percent), 1.0, ".2f")),
             *self._guide_rows(),
         ]
-        table = (f"{label:<26}{value}".rstrip() for label, value in rows)
-        return "\n".join([*table, *(f"warning: {warning}" for warning in self.warnings)])
+        return rows
 
-    def _guide_rows(self) -> list[tuple[str, str]]:
+    def _guide_rows(self) -> list[Row]:
         """Return the rows on guides; none without them."""
         if not self.guide_gap:
             return []
@@ -212,9 +227,9 @@ class DriveReport:
         ]
 
 
-def _row(label: str, values: Iterable[object]) -> tuple[str, str]:
+def _row(label: str, values: Iterable[object]) -> Row:
     """Return a row of columns."""
-    return label, "".join(f"{value!s:>14}" for value in values)
+    return label, tuple(map(str, values))
 
 
 def _scaled(values: Numbers, factor: float, form: str) -> list[str]:

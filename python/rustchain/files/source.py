@@ -22,8 +22,6 @@ DEEPEST = 32
 """Levels of tables and lists in a file; the deepest that a description has, the points of a tooth's
 pieces, are eight. Python's own recursion ends at about a thousand, less the caller's."""
 
-_HEADER = re.compile(r"(\[\[?)([^\]]+)\]\]?\s*(#.*)?$")
-_ENTRY = re.compile(r"\s*([A-Za-z0-9_.\"'-]+)\s*=")
 _FIELD = re.compile(r"(?:\w+\.)?(\w+)")  # what a refusal begins with: Sprocket.teeth = ...
 
 
@@ -37,13 +35,13 @@ class Source:
         The file.
     content : dict
         What is in it.
-    lines : dict
-        Line of each key that begins one, from 1.
+    places : dict
+        Line and column of each key and of each item of a list, from 1.
     """
 
     path: Path
     content: dict[str, Any]
-    lines: dict[Key, int] = field(default_factory=dict)
+    places: dict[Key, tuple[int, int]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, path: Path) -> Source:
@@ -60,10 +58,9 @@ class Source:
             raise InvalidInput(msg) from error
         except RecursionError as error:
             raise cls(path, {}).too_deep() from error
-        source = cls(path, content, _lines_of(text))
         if _is_deeper(content, DEEPEST):
-            raise source.too_deep()
-        return source
+            raise cls(path, {}).too_deep()
+        return cls(path, content, _Scanner(text).places())
 
     def too_deep(self) -> InvalidInput:
         """Return the error of tables and lists that are nested without end."""
@@ -75,19 +72,22 @@ class Source:
     def refusal(self, key: Key, message: str) -> InvalidInput:
         """Return the error that says where `key` stands, and what is wrong with it or below it."""
         named = _FIELD.match(message)
-        # What is refused is mostly a field of the table: its own line is nearer.
+        # What is refused is mostly a field of the table: its own place is nearer.
         below = (*key, named.group(1)) if named else key
-        return InvalidInput(f"{self._place(below)}: {name_of(key)}: {message}")
+        return InvalidInput(f"{self.place(below)}: {name_of(key)}: {message}")
 
     def refusal_at(self, key: Key, message: str) -> InvalidInput:
         """Return the error that names `key` and says where it stands."""
-        return InvalidInput(f"{self._place(key)}: {name_of(key)}: {message}")
+        return InvalidInput(f"{self.place(key)}: {name_of(key)}: {message}")
 
-    def _place(self, key: Key) -> str:
-        """Return the file, and the line of a key or of the nearest one above it."""
-        while key and key not in self.lines:
+    def place(self, key: Key) -> str:
+        """Return the file, and line and column of a key or of the nearest one above it."""
+        while key and key not in self.places:
             key = key[:-1]
-        return f"{self.path}, line {self.lines[key]}" if key else str(self.path)
+        if not key:
+            return str(self.path)
+        line, column = self.places[key]
+        return f"{self.path}, line {line}, column {column}"
 
 
 def text_of(path: Path) -> str:
@@ -115,33 +115,109 @@ def name_of(key: Key) -> str:
     return "".join(parts).removeprefix(".") or "the file"
 
 
-def _lines_of(text: str) -> dict[Key, int]:
-    """Return the line of each header and of each key that begins a line."""
-    lines: dict[Key, int] = {}
-    counts: dict[Key, int] = {}
-    table: Key = ()
-    for number, line in enumerate(text.splitlines(), 1):
-        if header := _HEADER.match(line.strip()):
-            table = _resolved(_parts(header.group(2)), counts)
-            if header.group(1) == "[[":
-                counts[table] = counts.get(table, -1) + 1
-                lines.setdefault(table, number)
-                table = (*table, counts[table])
-            lines.setdefault(table, number)
-        elif entry := _ENTRY.match(line):
-            lines.setdefault((*table, *_parts(entry.group(1))), number)
-    return lines
+class _Scanner:
+    """Finds the places of the keys in a text that `tomllib` has read, and which is TOML therefore.
 
+    `tomllib` tells no places; https://toml.io/en/v1.0.0 has the grammar.
+    """
 
-def _parts(dotted: str) -> list[str]:
-    return [part.strip().strip("\"'") for part in dotted.split(".")]
+    _BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
+    _PART = re.compile(r'[ \t]*([A-Za-z0-9_-]+|"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\')[ \t]*')
+    _TEXT = re.compile(
+        r'"""(?:[^"\\]|\\.|"(?!""))*"{3,5}' r"|'''(?:[^']|'(?!''))*'{3,5}"
+        r'|"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'',
+        re.DOTALL,
+    )  # fmt: skip
+    # A number, a truth or a time; the date before a time may have a blank behind it.
+    _PLAIN = re.compile(r"(?:\d{4}-\d\d-\d\d (?=\d\d:))?[^\s,\]}#]+")
 
+    def __init__(self, text: str) -> None:
+        self._text = text
+        self._at = 0
+        self._starts: dict[Key, int] = {}
 
-def _resolved(parts: list[str], counts: dict[Key, int]) -> Key:
-    """Return the key of a header; within an array of tables it is of the last one."""
-    key: Key = ()
-    for place, part in enumerate(parts):
-        key = (*key, part)
-        if key in counts and place + 1 < len(parts):
-            key = (*key, counts[key])
-    return key
+    def places(self) -> dict[Key, tuple[int, int]]:
+        """Return line and column of each key."""
+        table: Key = ()
+        last: dict[Key, int] = {}  # place of the last table in each array of tables
+        while self._next():
+            if self._text[self._at] != "[":
+                self._entry(table)
+                continue
+            start, double = self._at, self._text.startswith("[[", self._at)
+            self._at += 2 if double else 1
+            parts = self._parts()
+            self._at += 2 if double else 1
+            table = ()
+            for part in parts[:-1]:
+                table = (*table, part)
+                table = (*table, last[table]) if table in last else table
+            table = (*table, parts[-1])
+            self._starts.setdefault(table, start)
+            if double:
+                last[table] = last.get(table, -1) + 1
+                table = (*table, last[table])
+            self._starts.setdefault(table, start)
+        return self._lines()
+
+    def _next(self) -> str:
+        """Go to the next character that is neither blank nor remark; return it, "" at the end."""
+        blank = self._BLANK.match(self._text, self._at)
+        self._at = blank.end() if blank else self._at
+        return self._text[self._at : self._at + 1]
+
+    def _parts(self) -> list[str]:
+        """Go past a key, and return its parts."""
+        parts = []
+        while part := self._PART.match(self._text, self._at):
+            self._at = part.end()
+            name = part.group(1)
+            quoted = name[0] in "\"'"
+            parts.append(tomllib.loads(f"key = {name}")["key"] if quoted else name)
+            if self._text[self._at] != ".":
+                break
+            self._at += 1
+        return parts
+
+    def _entry(self, table: Key) -> None:
+        """Go past ``key = value``."""
+        start, key = self._at, table
+        for part in self._parts():
+            key = (*key, part)
+            self._starts.setdefault(key, start)
+        self._at += 1  # the sign between
+        self._next()
+        self._value(key)
+
+    def _value(self, key: Key) -> None:
+        """Go past a value."""
+        opened = self._text[self._at]
+        if opened in "[{":
+            self._at += 1
+            self._inside(key, opened)
+            self._at += 1
+            return
+        text = self._TEXT.match(self._text, self._at) or self._PLAIN.match(self._text, self._at)
+        self._at = text.end() if text else len(self._text)
+
+    def _inside(self, key: Key, opened: str) -> None:
+        """Go through the items of a list, or the entries of a table, until the closing bracket."""
+        count = 0
+        while self._next() not in ("]", "}", ""):
+            if opened == "{":
+                self._entry(key)
+            else:
+                self._starts[(*key, count)] = self._at
+                self._value((*key, count))
+                count += 1
+            if self._next() == ",":
+                self._at += 1
+
+    def _lines(self) -> dict[Key, tuple[int, int]]:
+        """Return line and column of each place."""
+        found, line, begin = {}, 1, 0
+        for key, start in sorted(self._starts.items(), key=lambda item: item[1]):
+            line += self._text.count("\n", begin, start)
+            begin = max(begin, self._text.rfind("\n", begin, start) + 1)
+            found[key] = (line, start - begin + 1)
+        return found

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -24,6 +25,8 @@ from rustchain.typing import Array
 
 if TYPE_CHECKING:
     from matplotlib.typing import ColorType
+
+    from rustchain.results.result import Result
 
 _INNER, _OUTER, _STEEL, _INK = "#5b8fb9", "#f0b35a", "#d5dae0", "#3b4048"
 _RAIL, _ARM = "#cfe3d0", "#e6dccb"
@@ -149,6 +152,18 @@ class DrivePicture(Figures):
             )
             warn_caller(msg)
         return found, result.final_positions if row == last else result.initial_positions
+
+
+def draw_drive(drive: ChainDrive, positions: Array, *, ax: Ax = None) -> Figure:
+    """Draw a drive with its bodies at `positions`, (bodies, 3) [m, m, rad]."""
+    start = SimpleNamespace(
+        drive=drive,
+        time=np.zeros(1),
+        arrays={},
+        initial_positions=positions,
+        final_positions=positions,
+    )
+    return DrivePicture(cast("Result", start)).drive(ax=ax)
 
 
 def _extent(drive: ChainDrive, hinges: Array, wheels: Array, ends: Array) -> Array:

@@ -16,6 +16,7 @@ from rustchain.plot.style import BLUE, GREY, RED, Ax, panels, styled, subplots
 if TYPE_CHECKING:
     import xarray as xr
 
+    from rustchain.sweeps.result import SweepResult
     from rustchain.sweeps.study import StudyResult
 
 
@@ -57,6 +58,23 @@ def draw_study(study: StudyResult, measures: Sequence[str], ax: Ax = None) -> Fi
         else:
             _over_axis(axes, values, found, over)
         axes.set_title(f"{name}: {title}" if title else name)
+    return figure
+
+
+@styled
+def draw_sweep(sweep: SweepResult, *, ax: Ax = None) -> Figure:
+    """Draw the measured numbers of a sweep over its first axis, a panel each, six at most."""
+    measured = sweep.to_xarray()
+    over = str(next(iter(sweep.axes or ("case",))))
+    names = [str(name) for name, values in measured.items() if over in values.dims][:6]
+    if not names:
+        msg = "sweep: nothing that was measured is a number of each case"
+        raise InvalidInput(msg)
+    figure, cells = panels(len(names), over, "", size=(3.4, 2.6), share=False, ax=ax)
+    for axes, name in zip(cells, names, strict=True):
+        values = measured[name].transpose(over, ...)
+        axes.plot(values[over], values.to_numpy().reshape(len(values), -1), "o-", markersize=3.0)
+        axes.set_title(name)
     return figure
 
 

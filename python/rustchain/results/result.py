@@ -93,6 +93,12 @@ class Result(Outputs):
         span = f"{self.time[0]:.6g} to {self.time[-1]:.6g} s in {len(self.time)} rows"
         return f"<Result of {name}: {self.status}, {span}: {', '.join(self.groups)}>"
 
+    def _repr_html_(self) -> str:
+        """Return a table and a picture for a notebook."""
+        from rustchain.notebook import html_of_result
+
+        return html_of_result(self)
+
     @property
     def success(self) -> bool:
         """Whether the run reached its end, or a stop condition."""

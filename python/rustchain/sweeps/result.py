@@ -68,6 +68,12 @@ class SweepResult:
         """Return how the sweep ended."""
         return f"<SweepResult: {self.message}>"
 
+    def _repr_html_(self) -> str:
+        """Return a table and a picture for a notebook."""
+        from rustchain.notebook import html_of_sweep
+
+        return html_of_sweep(self)
+
     @property
     def success(self) -> bool:
         """Whether every case reached its end and was measured."""

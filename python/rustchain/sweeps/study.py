@@ -56,6 +56,12 @@ class StudyResult:
         """Return how the runs ended."""
         return f"<StudyResult: {self.sweep.message}>"
 
+    def _repr_html_(self) -> str:
+        """Return a table and a picture for a notebook."""
+        from rustchain.notebook import html_of_study
+
+        return html_of_study(self)
+
     @property
     def samples(self) -> xr.Dataset:
         """What was measured of every run: the axes, then "run", then the dimensions of an array."""

@@ -35,6 +35,12 @@ class MechanismReport:
     spin_change: float
     warnings: list[str]
 
+    def _repr_html_(self) -> str:
+        """Return the report for a notebook."""
+        from rustchain.notebook import html_of_lines
+
+        return html_of_lines(str(self))
+
     def __str__(self) -> str:
         """Return the report, a line each."""
         speeds = _changed(self.velocity_change, "m/s", self.spin_change, "rad/s")

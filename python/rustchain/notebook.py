@@ -1,0 +1,110 @@
+"""What notebooks show of drives, reports, results, sweeps and studies: a table and a picture."""
+
+from __future__ import annotations
+
+import base64
+import warnings
+from collections.abc import Callable, Iterable
+from html import escape
+from io import BytesIO
+from typing import TYPE_CHECKING
+
+from rustchain.errors import InvalidInput, MissingExtra, NotRecorded, SimulationError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from rustchain.description.drive import ChainDrive
+    from rustchain.description.report import DriveReport, Row
+    from rustchain.results.result import Result
+    from rustchain.sweeps.result import SweepResult
+    from rustchain.sweeps.study import StudyResult
+
+_PICTURE = 420  # width of a picture [pixels]
+# What a scene may lack for a part of its view, which is then left out.
+_LACKING = (MissingExtra, NotRecorded, InvalidInput, SimulationError)
+
+
+def html_of_drive(drive: ChainDrive) -> str:
+    """Return the layout of a drive as a table, and the drive at its start."""
+
+    def picture() -> Figure:
+        from rustchain.plot.picture import draw_drive
+        from rustchain.simulation.simulation import Simulation
+
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # a simulation that is to be run tells them
+            return draw_drive(drive, Simulation(drive).positions)
+
+    report = _part(lambda: html_of_report(drive.check()))
+    return _view(repr(drive), report, picture)
+
+
+def html_of_report(report: DriveReport) -> str:
+    """Return a report as a table."""
+    warnings = "".join(f"<p><b>warning:</b> {escape(text)}</p>" for text in report.warnings)
+    return _table(report.rows()) + warnings
+
+
+def html_of_lines(text: str) -> str:
+    """Return a table set in characters of equal width."""
+    return f"<pre>{escape(text)}</pre>"
+
+
+def html_of_result(result: Result) -> str:
+    """Return the key figures of a result, and the tension of its strands."""
+    summary = _part(lambda: result.summary()._repr_html_())
+    return _view(f"{result!r}: {result.message}", summary, lambda: result.plot.tension())
+
+
+def html_of_sweep(sweep: SweepResult) -> str:
+    """Return what was measured of each case as a table, and over the first axis as a figure."""
+
+    def picture() -> Figure:
+        from rustchain.plot.studies import draw_sweep
+
+        return draw_sweep(sweep)
+
+    return _view(repr(sweep), _part(lambda: sweep.to_pandas().to_html(max_rows=20)), picture)
+
+
+def html_of_study(study: StudyResult) -> str:
+    """Return the statistics of a study as a table, and its figure."""
+    return _view(repr(study), _part(lambda: study.to_pandas().to_html(max_rows=20)), study.plot)
+
+
+def html_of_rows(rows: Iterable[tuple[str, ...]]) -> str:
+    """Return rows of texts, the first in each its label, as a table."""
+    return _table((label, tuple(cells)) for label, *cells in rows)
+
+
+def _view(head: str, table: str, picture: Callable[[], Figure]) -> str:
+    return f"<p>{escape(head)}</p>{table}{_part(lambda: _image(picture()))}"
+
+
+def _part(make: Callable[[], str]) -> str:
+    """Return a part of a view; nothing where what it needs is not there."""
+    try:
+        return make()
+    except _LACKING:
+        return ""
+
+
+def _table(rows: Iterable[Row]) -> str:
+    """Return rows as a table; a text without columns goes over all of them."""
+    lines = []
+    for label, value in rows:
+        if isinstance(value, str):
+            cells = f'<td colspan="99" style="text-align: left">{escape(value)}</td>'
+        else:
+            cells = "".join(f"<td>{escape(cell)}</td>" for cell in value)
+        lines.append(f'<tr><th style="text-align: left">{escape(label)}</th>{cells}</tr>')
+    return f"<table>{''.join(lines)}</table>"
+
+
+def _image(figure: Figure) -> str:
+    """Return a figure as an image inside the page."""
+    image = BytesIO()
+    figure.savefig(image, format="png")
+    data = base64.b64encode(image.getvalue()).decode()
+    return f'<img width="{_PICTURE}" src="data:image/png;base64,{data}">'
