@@ -1,12 +1,12 @@
-//! Coefficients of the Adams formulas on the steps taken so far (Shampine and Gordon, chapter 5).
+//! Coefficients of the Adams formulas for variable steps (Shampine and Gordon, chapter 5; block 1 of subroutine STEP).
 //!
-//! Index 0 here is index 1 in the book.
+//! Index 0 is index 1 in the book.
 
 use serde::{Deserialize, Serialize};
 
 use super::MAX_ORDER;
 
-/// `1/(i (i + 1))`, which `v_i` begins with.
+/// Initial values `v_i = 1/(i (i + 1))` of the weights.
 const FIRST: [f64; MAX_ORDER] = {
     let mut first = [0.0; MAX_ORDER];
     let mut i = 0;
@@ -17,21 +17,22 @@ const FIRST: [f64; MAX_ORDER] = {
     first
 };
 
-/// Coefficients for one step of size h from the history of steps.
+/// Coefficients for one step of size h after the steps of the past.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Coefficients {
-    /// `ψ_i`: sum of the last i steps, this one included.
+    /// `ψ_i`: sum of the last i step sizes, this one included.
     pub(super) psi: [f64; MAX_ORDER],
     /// `α_i` = `h/ψ_i`.
     alpha: [f64; MAX_ORDER],
-    /// `β_i`, the factors that turn φ into φ*.
+    /// `β_i`: factors from φ to φ*, products of `ψ_j(n+1)/ψ_j(n)` for j < i.
     pub(super) beta: [f64; MAX_ORDER],
-    /// `σ_i`, scaled by which the differences estimate the error.
+    /// `σ_i = (i - 1)! α_1 … α_{i-1}`: factors of the error estimates.
     pub(super) sigma: [f64; MAX_ORDER + 1],
-    /// `g_i`, the weights of the differences in the step.
+    /// `g_i`: weights of the differences in the predicted value `y + h Σ g_i β_i φ_i`.
     pub(super) g: [f64; MAX_ORDER + 1],
+    /// `v_i`: integrals from which `g_i` follow by recursion.
     v: [f64; MAX_ORDER],
-    /// Steps of the present size and order or lower, this one included.
+    /// Number of equal steps (`NS` of STEP), this one included; at most one more than the last order.
     pub(super) equal_steps: usize,
 }
 
@@ -52,7 +53,9 @@ impl Coefficients {
         new
     }
 
-    /// Prepares a step of size `h` at `order`, after a step of size `last_h` at `last_order`.
+    /// Compute the coefficients for a step of size `h` at `order`, after a step of size `last_h` at `last_order`.
+    ///
+    /// After `NS` equal steps the first `NS` coefficients are those of constant steps: only the rest is computed.
     pub(super) fn update(&mut self, h: f64, order: usize, last_h: f64, last_order: usize) {
         if h.to_bits() != last_h.to_bits() {
             self.equal_steps = 0;
@@ -62,9 +65,9 @@ impl Coefficients {
         }
         let (k, ns) = (order, self.equal_steps);
         if k < ns {
-            return; // nothing changes: constant step, constant or lower order
+            return; // constant step size, constant or lower order: no coefficient changes
         }
-        // Entries below ns steps_since_switch as they were.
+        // For i ≤ NS: β = 1, α = 1/i, σ = 1, as all steps in ψ_i are equal.
         self.beta[ns - 1] = 1.0;
         self.alpha[ns - 1] = 1.0 / ns as f64;
         self.sigma[ns] = 1.0;
@@ -82,10 +85,12 @@ impl Coefficients {
         self.update_g(k, ns, last_order);
     }
 
+    /// Update v by one round of `v_i - α_NS v_{i+1}`, and the weights from `g_{NS+1}` on.
     fn update_g(&mut self, k: usize, ns: usize, last_order: usize) {
         if ns <= 1 {
             self.v = FIRST;
         } else {
+            // The order was raised: the new last entry goes through the earlier rounds at once.
             if k > last_order {
                 self.v[k - 1] = FIRST[k - 1];
                 for j in 0..ns.saturating_sub(2) {
@@ -103,10 +108,12 @@ impl Coefficients {
         self.update_g_behind(k, ns);
     }
 
-    /// Each round of w turns `w_j` into `w_j - α w_{j+1}`, and its first entry is the next weight. Diagonal by diagonal, an entry
-    /// of v goes through all the rounds that it belongs to at once.
+    /// Compute the weights after `g_{NS+1}`.
+    ///
+    /// Each round replaces `w_j` by `w_j - α w_{j+1}`; its first entry is the next weight. The loop runs over diagonals, so that one
+    /// entry of v goes through all its rounds in registers.
     fn update_g_behind(&mut self, k: usize, ns: usize) {
-        // The last entries of all rounds before.
+        // Last entries of the earlier rounds.
         let mut diagonal = [self.v[0]; MAX_ORDER];
         let alpha = &self.alpha[ns..k];
         for (m, g) in self.g[ns + 1..=k].iter_mut().enumerate() {
@@ -121,7 +128,7 @@ impl Coefficients {
         }
     }
 
-    /// Takes back what `update` did to ψ, for a step that failed.
+    /// Undo the change of ψ by [`Self::update`] after a rejected step (block 3 of STEP).
     pub(super) fn undo_prediction(&mut self, order: usize, h: f64) {
         for i in 1..order {
             self.psi[i - 1] = self.psi[i] - h;

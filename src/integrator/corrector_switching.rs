@@ -1,58 +1,69 @@
-//! Changes between the explicit and the implicit corrector while running: what a simulated second would cost with the other.
+//! Corrector switching: a cost model decides between the explicit and the implicit corrector while running.
+//!
+//! The explicit corrector is limited by stability where contacts are stiff; the implicit one by accuracy alone, at a higher cost per
+//! step. The change is made when the other corrector has been cheaper per simulated second for a number of steps (decision 21).
 
 use serde::{Deserialize, Serialize};
 
-use super::adams::{Adams, Step, StepFailure};
+use super::adams::Adams;
 use super::difference_kernels::SlopeChange;
 use super::order_control::gamma_star;
 use super::stability::explicit_limit;
+use super::step::{Step, StepFailure};
+use super::weights::mean_square_factor;
 use super::{Corrector, SecondOrderSystem};
 
-/// Cost of a step with Newton's method that ends with one correction, in evaluations: one, a matrix and a solution. Measured on the
-/// published drive: 1.25 times an explicit step. A number and not the clock: the same run takes the same steps everywhere.
+/// Cost of an implicit step with one correction, in evaluations: one evaluation, a matrix and a solution.
+///
+/// Measured on the published drive: 1.25 times an explicit step (decision 20). A constant, not the clock: equal runs take equal steps.
 const IMPLICIT_COST: f64 = 2.5;
 
-/// The same of a step that measures its convergence by a second correction: twice an explicit step.
+/// Cost of an implicit step with two corrections: twice an explicit step.
 const IMPLICIT_COST_OF_TWO: f64 = 4.0;
 
-/// Cost of an explicit step.
+/// Cost of an explicit step: two evaluations.
 const EXPLICIT_COST: f64 = 2.0;
 
-/// Explicit steps are taken to be this times the fastest rate long where stability holds them. (The rate that Newton's method
-/// shows is a lower bound: where the system is stiff its corrections are small.)
+/// Explicit step size times fastest rate where stability limits the step.
+///
+/// The rate that Newton's method measures is a lower bound, so that this is below the limits of stability. Chosen with the other
+/// constants of the change as the best of eleven sets (decision 21).
 const EXPLICIT_REACH: f64 = 0.4;
 
-/// An explicit step this near to its limit of stability is held by it.
+/// Share of the stability limit from which on an explicit step counts as limited by it; one of the eleven sets of decision 21.
 const NEAR_LIMIT: f64 = 0.5;
 
-/// Explicit steps of these orders gain nothing from it, whether stability holds them or contacts that begin and end.
+/// Highest order at which an explicit step has no advantage of its order: stability or contact onsets limit it (decision 21).
 const LOW_ORDER: usize = 4;
 
-/// Error at order two, at the size of the explicit step and by the norm that Newton's method takes, below which that is expected
-/// to make steps long enough to pay: 2.5 times as long.
-const LONGER: f64 = 0.033;
+/// Error at order two and the present step size, in the norm of the implicit corrector, below which its steps are expected to be 2.5
+/// times as long.
+///
+/// Half of the tolerance in the explicit corrector's norm on the published drive (decision 21).
+const PROFITABLE_ERROR: f64 = 0.033;
 
-/// A change has to make a simulated second cheaper by this factor.
+/// Ratio of costs per simulated second from which on a change pays; one of the eleven sets of decision 21.
 const GAIN: f64 = 1.2;
 
-/// Steps that have to speak for a change, net of those that speak against it; more where changes did not pay.
+/// Steps in favour of a change, net of those against it, that make it.
 const SWITCH_THRESHOLD: u32 = 20;
+/// Upper bound of the threshold, which doubles after each change that did not pay.
 const MAX_SWITCH_THRESHOLD: u32 = 1280;
 
-/// A steps_since_switch of fewer steps than so many times the threshold did not pay.
-const UNPROFITABLE_STAY: u32 = 5;
+/// A change did not pay when the next one follows within this number of thresholds.
+const SHORT_USE: u32 = 5;
 
-/// Explicit steps are looked at one in so many: a look at all components is a tenth of the integrator's own work.
+/// Explicit steps from one check to the next: a check is a pass over all components, a tenth of the integrator's own work.
 pub(super) const STEPS_PER_CHECK: u32 = 4;
 
-/// The corrector in use and what speaks for the other.
+/// The corrector in use, and the evidence for the other one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct CorrectorSwitching {
     implicit: bool,
+    /// Steps in favour of a change, net of those against it.
     evidence: u32,
-    /// Votes that a change from the explicit corrector, and from the implicit one, takes.
+    /// Evidence that a change takes, from the explicit corrector and from the implicit one.
     threshold: [u32; 2],
-    /// Steps since the last change.
     steps_since_switch: u32,
 }
 
@@ -66,7 +77,7 @@ impl CorrectorSwitching {
         }
     }
 
-    /// Counts `steps` that speak for a change or against it; true when it is time.
+    /// Record `steps` in favour of a change or against it; return true when the change is made.
     fn record(&mut self, change: bool, steps: u32) -> bool {
         self.steps_since_switch = self.steps_since_switch.saturating_add(steps);
         self.evidence = if change {
@@ -78,15 +89,14 @@ impl CorrectorSwitching {
         if self.evidence < self.threshold[own] {
             return false;
         }
-        // Where it did not pay to come here, it takes longer next time.
-        self.threshold[other] =
-            if self.steps_since_switch < self.threshold[own].saturating_mul(UNPROFITABLE_STAY) {
-                self.threshold[other]
-                    .saturating_mul(2)
-                    .min(MAX_SWITCH_THRESHOLD)
-            } else {
-                SWITCH_THRESHOLD
-            };
+        // A corrector that was left soon needs more evidence next time.
+        let short = self.threshold[own].saturating_mul(SHORT_USE);
+        self.threshold[other] = if self.steps_since_switch < short {
+            let doubled = self.threshold[other].saturating_mul(2);
+            doubled.min(MAX_SWITCH_THRESHOLD)
+        } else {
+            SWITCH_THRESHOLD
+        };
         self.implicit = !self.implicit;
         (self.evidence, self.steps_since_switch) = (0, 0);
         true
@@ -94,10 +104,10 @@ impl CorrectorSwitching {
 }
 
 impl Adams {
-    /// Makes one step with the corrector that [`StepControl::corrector`](super::StepControl::corrector) names.
+    /// Make one step with the corrector of [`StepControl::corrector`](super::StepControl::corrector).
     ///
     /// # Errors
-    /// When the step size falls to rounding or the tolerances are below it.
+    /// When the step size or the tolerances are below rounding.
     pub fn step_second_order(
         &mut self,
         system: &mut impl SecondOrderSystem,
@@ -109,7 +119,7 @@ impl Adams {
         }
     }
 
-    /// Whether the next step is one of Newton's method.
+    /// Return whether the next step uses the implicit corrector.
     #[must_use]
     pub fn is_implicit(&self) -> bool {
         match self.control.corrector {
@@ -119,48 +129,53 @@ impl Adams {
         }
     }
 
-    /// After one of [`STEPS_PER_CHECK`] explicit steps: whether it made no use of a high order, or stability held it, although Newton's
-    /// method at order two could make a longer one.
+    /// Decide after [`STEPS_PER_CHECK`] explicit steps whether the implicit corrector would be cheaper.
+    ///
+    /// It would be where the explicit step has a low order or is limited by stability, and the error at order two,
+    /// `h γ*_2 |φ_3|`, allows a longer step.
     pub(super) fn check_switch_to_implicit(&mut self, system: &impl SecondOrderSystem) {
         let rate = self.rate_from_slopes(system.coordinates());
         self.fastest.record_after(STEPS_PER_CHECK, rate);
-        let (k, h) = (self.last_order, self.last_step_size);
-        // A step near the longest allowed is not held by stability: Newton's method could not make it longer.
-        let longest = self.is_near_longest(h);
+        let (k, h) = (self.history.last_order, self.history.last_step_size);
+        // The implicit corrector cannot exceed the longest permitted step either.
+        let longest = self.next.is_near_longest(&self.control, h);
         let unstable = || h * self.fastest.value() > NEAR_LIMIT * explicit_limit(k);
-        let held = !longest && (k <= LOW_ORDER || unstable());
-        let share = self.mean_square_factor(system.controlled()).sqrt();
-        let at_order_two = || share * h * gamma_star(2) * self.norm_of_difference(2);
-        let pays = held && (k < 2 || at_order_two() <= LONGER);
+        let limited = !longest && (k <= LOW_ORDER || unstable());
+        let factor = mean_square_factor(&self.control, system.controlled()).sqrt();
+        let difference = || (self.history).norm_of_difference(self.instructions, &self.norm, 2);
+        let at_order_two = || factor * h * gamma_star(2) * difference();
+        let pays = limited && (k < 2 || at_order_two() <= PROFITABLE_ERROR);
         self.switching.record(pays, STEPS_PER_CHECK);
     }
 
-    /// After a step of Newton's method: whether explicit ones would be long enough to be cheaper.
+    /// Decide after an implicit step whether explicit steps would be cheaper: cost per step over step size.
     pub(super) fn check_switch_to_explicit(&mut self) {
-        let h = self.step_size;
+        let h = self.next.size;
         let explicit = h.min(EXPLICIT_REACH / self.fastest.value());
-        let cost = if self.convergence_unmeasured {
+        let cost = if self.convergence.unmeasured {
             IMPLICIT_COST
         } else {
             IMPLICIT_COST_OF_TWO
         };
         let pays = explicit / EXPLICIT_COST > GAIN * h / cost;
         if self.switching.record(pays, 1) {
-            self.step_size = explicit;
+            self.next.size = explicit;
         }
     }
 
-    /// Rate \[1/s\] at which accelerations changed with velocities between the two evaluations of an explicit step.
+    /// Return the rate |Δa|/|Δv| \[1/s\]: change of accelerations over change of velocities between the two evaluations of an explicit
+    /// step.
     fn rate_from_slopes(&self, coordinates: usize) -> f64 {
         let velocities = coordinates..2 * coordinates;
+        let vectors = &self.vectors;
         let [accelerations, speeds] = self.instructions.run(SlopeChange {
-            slope: &self.slope[velocities.clone()],
-            at_prediction: &self.residual[velocities.clone()],
+            slope: &vectors.slope[velocities.clone()],
+            at_prediction: &vectors.residual[velocities.clone()],
             ends: (
-                &self.predicted[velocities.clone()],
-                &self.y[velocities.clone()],
+                &vectors.predicted[velocities.clone()],
+                &vectors.y[velocities.clone()],
             ),
-            inverse_weight: &self.inverse_weight[velocities],
+            inverse_weight: &self.norm.inverse_weight[velocities],
         });
         if speeds > 0.0 {
             (accelerations / speeds).sqrt()

@@ -1,9 +1,9 @@
-//! The solution inside the last step: the polynomial that the corrector's slopes define.
+//! Dense output: the interpolating polynomial of the last step (Shampine and Gordon, subroutine INTRP).
 
 use super::differences::Differences;
 use super::{Adams, MAX_ORDER};
 
-/// Weights of the last step's differences at one time; components are then summed as they are needed.
+/// Dense output at one time: weights of the differences, from which components are computed on demand.
 #[derive(Debug)]
 pub struct DenseOutput<'a> {
     weights: [f64; MAX_ORDER + 1],
@@ -14,7 +14,7 @@ pub struct DenseOutput<'a> {
 }
 
 impl<'a> DenseOutput<'a> {
-    /// At `distance` \[s\] from the end of a step of `order`; negative inside the step.
+    /// Return the dense output at `distance` \[s\] from the end of a step of `order`; negative inside the step.
     pub(super) fn new(
         distance: f64,
         order: usize,
@@ -30,6 +30,7 @@ impl<'a> DenseOutput<'a> {
         }
         weights[0] = 1.0;
         let mut before = 0.0;
+        // Recursion of the integrals w of INTRP; the weight of difference j is the first entry of round j.
         for j in 1..terms {
             let psi = psi[j - 1];
             let (gamma, eta) = ((distance + before) / psi, distance / psi);
@@ -48,7 +49,7 @@ impl<'a> DenseOutput<'a> {
         }
     }
 
-    /// One component.
+    /// Return one component.
     #[must_use]
     pub fn value(&self, component: usize) -> f64 {
         let sum: f64 = (0..self.terms)
@@ -61,7 +62,7 @@ impl<'a> DenseOutput<'a> {
         self.y[component] + self.distance * sum
     }
 
-    /// All components.
+    /// Write all components.
     pub fn write(&self, y: &mut [f64]) {
         y.fill(0.0);
         for i in (0..self.terms).rev() {
@@ -85,23 +86,23 @@ impl<'a> DenseOutput<'a> {
     }
 }
 
-/// A few sums of components along the last step: gathered once, then cheap at every time.
+/// Dense output of N linear functions of the solution, whose differences are gathered once.
 #[derive(Debug)]
 pub(crate) struct DenseSums<'a, const N: usize> {
     adams: &'a Adams,
-    /// The sums at the end of the step.
+    /// Values at the end of the step.
     end: [f64; N],
-    /// Those of each difference.
+    /// Values of each difference.
     rows: [[f64; N]; MAX_ORDER + 1],
 }
 
 impl<const N: usize> DenseSums<'_, N> {
-    /// The sums at the end of the step.
+    /// Return the values at the end of the step.
     pub(crate) fn end(&self) -> [f64; N] {
         self.end
     }
 
-    /// How far they are from there at `t`: small differences of large numbers keep all of their digits.
+    /// Return the change of the values from the end of the step to `t`, without cancellation.
     pub(crate) fn change_at(&self, t: f64) -> [f64; N] {
         let dense = self.adams.dense(t);
         let mut change = [0.0; N];
@@ -115,15 +116,19 @@ impl<const N: usize> DenseSums<'_, N> {
 }
 
 impl Adams {
-    /// The path of the sums that `read` makes of a solution's components; it must be linear.
+    /// Return the dense output of the values that `read` computes from a solution; `read` must be linear.
     pub(crate) fn dense_sums<const N: usize>(
         &self,
         read: impl Fn(&[f64]) -> [f64; N],
     ) -> DenseSums<'_, N> {
         let mut rows = [[0.0; N]; MAX_ORDER + 1];
-        let newest = self.differences.parts_of_row(0).1.map(&read);
-        for (i, sums) in rows.iter_mut().enumerate().take(self.last_order + 1) {
-            let (row, unfinished) = self.differences.parts_of_row(i);
+        let newest = self.history.differences.parts_of_row(0).1.map(&read);
+        for (i, sums) in rows
+            .iter_mut()
+            .enumerate()
+            .take(self.history.last_order + 1)
+        {
+            let (row, unfinished) = self.history.differences.parts_of_row(i);
             *sums = read(row);
             if let (Some(_), Some(newest)) = (unfinished, newest) {
                 for (sum, newest) in sums.iter_mut().zip(newest) {

@@ -1,20 +1,21 @@
-//! The loops of a step over all components, in registers: a block of components goes through all differences at once.
+//! SIMD kernels of one step over all components; one vector of components goes through all differences at once.
 
 use pulp::{Simd, WithSimd};
 
 use super::StepControl;
 use super::coefficients::Coefficients;
-use super::slice_lanes::{SliceLanes, SliceLanesMut, each_register, registers};
+use super::slice_lanes::{At, SliceLanes, SliceLanesMut, each_vector, vector_count};
 use crate::math::simd::{Lanes, Squares, load, vectors, vectors_mut};
 
-/// Registers that hold `dimension` numbers, the last one padded.
+/// Return the number of SIMD vectors for `dimension` numbers, the last one padded.
 #[inline(always)]
 fn blocks<S: Simd>(dimension: usize) -> usize {
     dimension.div_ceil(S::F64_LANES)
 }
 
-/// Does `$each` for every one of `$blocks` registers, with the part of a sum that it belongs to, a constant where the loop is
-/// unrolled. Small systems have one register and do without the loop.
+/// Run `$each` for each of `$blocks` vectors, with alternating parts of a sum, constants in the unrolled loop.
+///
+/// Small systems have one vector and no loop.
 macro_rules! each_block {
     ($simd:ty, $blocks:expr, |$part:ident, $block:ident| $each:expr) => {
         if $blocks == 1 {
@@ -35,11 +36,11 @@ macro_rules! each_block {
     };
 }
 
-/// Rows of a table of differences, one after the other; each is as long as the arrays beside it.
+/// Rows of the difference table as SIMD vectors; a row is as long as a padded vector of all components.
 struct Rows<'a, S: Simd> {
     simd: S,
     table: &'a mut [S::f64s],
-    /// Registers of a row.
+    /// SIMD vectors of a row.
     width: usize,
 }
 
@@ -65,19 +66,18 @@ impl<'a, S: Simd> Rows<'a, S> {
     }
 }
 
-/// Adds the newest difference to those of lower orders, turns φ into φ* and writes y + h Σ g φ*, the prediction, or what it
-/// adds to y alone.
+/// Add the newest difference to the rows before it, replace φ by φ*, and write the predicted value or its increment.
 ///
-/// φ_{k+1} stays as it was: [`UpdateDifferences`] needs it.
+/// `φ*_i = β_i φ_i + φ*_{i+1}`, `p = y + h Σ g_i β_i φ_i`. φ_{k+1} is kept: [`UpdateDifferences`] needs it.
 pub(super) struct Predict<'a> {
     pub(super) coefficients: &'a Coefficients,
     pub(super) order: usize,
-    /// The row that the rows before it have not had added yet; zero when there is none.
+    /// Index of the newest difference, whose addition is deferred; zero for none.
     pub(super) newest: usize,
     pub(super) step: f64,
     pub(super) dimension: usize,
     pub(super) table: &'a mut [f64],
-    /// Left out where the sum with y is made elsewhere.
+    /// Without y the increment is written, for compensated summation.
     pub(super) y: Option<&'a [f64]>,
     pub(super) predicted: &'a mut [f64],
 }
@@ -104,7 +104,7 @@ impl WithSimd for Predict<'_> {
         let y = self.y.map(|y| vectors::<S>(y, blocks));
         let predicted = vectors_mut::<S>(self.predicted, blocks);
         if let [predicted] = predicted {
-            // Small systems have no strides to prepare.
+            // One vector: no loop.
             *predicted = stars.predict(step, y, 0);
             return;
         }
@@ -114,7 +114,7 @@ impl WithSimd for Predict<'_> {
     }
 }
 
-/// What turns φ into φ*; see [`Predict`].
+/// Operands of [`Predict`] for one vector of components.
 struct Stars<'a, S: Simd> {
     beta: &'a [f64],
     g: &'a [f64],
@@ -123,7 +123,7 @@ struct Stars<'a, S: Simd> {
 }
 
 impl<S: Simd> Stars<'_, S> {
-    /// Turns register `b` of all rows into φ*; h Σ g φ*, and y where it is given.
+    /// Replace φ by φ* in vector `b` of all rows; return h Σ g β φ, plus y where it is given.
     #[inline(always)]
     fn predict(&mut self, step: Lanes<S>, y: Option<&[S::f64s]>, b: usize) -> S::f64s {
         let increment = step * self.sum(b);
@@ -131,7 +131,7 @@ impl<S: Simd> Stars<'_, S> {
         y.map_or(increment, |y| increment + y).values()
     }
 
-    /// The same without step and y.
+    /// Replace φ by φ* in vector `b` of all rows; return Σ g β φ.
     #[inline(always)]
     fn sum(&mut self, b: usize) -> Lanes<S> {
         let (rows, order, newest) = (&mut self.rows, self.beta.len(), self.newest);
@@ -144,7 +144,7 @@ impl<S: Simd> Stars<'_, S> {
         for i in order..newest {
             rows.set(i, b, rows.get(i, b) + latest);
         }
-        // Those that the newest difference is in already, and those that lack it.
+        // Rows that include the newest difference, and rows to which it is added here.
         let (whole, lacking) = (newest.min(order)..order, 0..newest.min(order));
         let mut sums = [zero; 2];
         let mut at = order * rows.width + b;
@@ -166,7 +166,9 @@ impl<S: Simd> Stars<'_, S> {
     }
 }
 
-/// φ* of one order from φ; adds to the sums Σ g β φ and Σ β φ over this order and those above, of which the latter is φ*.
+/// Return φ* of one order from φ.
+///
+/// `above` accumulates Σ β φ over this order and those above, which is φ*; `sum` accumulates Σ g β φ.
 #[inline(always)]
 fn star<S: Simd>(phi: Lanes<S>, [beta, g]: [f64; 2], [sum, above]: &mut [Lanes<S>; 2]) -> S::f64s {
     let term = phi * phi.constant(beta);
@@ -175,7 +177,7 @@ fn star<S: Simd>(phi: Lanes<S>, [beta, g]: [f64; 2], [sum, above]: &mut [Lanes<S
     above.values()
 }
 
-/// Takes back a prediction whose step failed.
+/// Replace φ* by φ after a rejected step: `φ_i = (φ*_i - φ*_{i+1})/β_i`.
 pub(super) struct UndoPrediction<'a> {
     pub(super) coefficients: &'a Coefficients,
     pub(super) order: usize,
@@ -206,8 +208,9 @@ impl WithSimd for UndoPrediction<'_> {
     }
 }
 
-/// Takes in the slope at the corrected solution: writes the newest difference, φ_{k+1}, which [`Predict`] adds to the rows before
-/// it, and φ_{k+2} with the sum of its squares over the weights, where the error one order up is asked for.
+/// Write the newest difference `φ_{k+1} = f(y) - φ*_1` and, with `above`, `φ_{k+2}`; return its weighted sum of squares.
+///
+/// [`Predict`] adds the newest difference to the rows before it.
 pub(super) struct UpdateDifferences<'a> {
     pub(super) order: usize,
     pub(super) dimension: usize,
@@ -241,18 +244,18 @@ impl WithSimd for UpdateDifferences<'_> {
     }
 }
 
-/// Sums of squared weighted differences: of the slope from the predicted one, and had the orders been one and two lower.
+/// Weighted sums of squares of the error estimates: `f(p) - φ*_1`, and the same plus φ*_k and φ*_{k-1} for the lower orders.
 pub(super) struct Errors<'a> {
     pub(super) dimension: usize,
     pub(super) slope: &'a [f64],
-    /// φ*_1, and those of one and two orders below.
+    /// φ*_1, φ*_k and φ*_{k-1}.
     pub(super) rows: [&'a [f64]; 3],
     pub(super) inverse_weight: &'a [f64],
-    /// The corrected solution, where it is wanted: y = p + weight (f(p) - φ*_1).
+    /// Corrected value `y = p + weight (f(p) - φ*_1)`, written in the same pass.
     pub(super) correction: Option<Correction<'a>>,
 }
 
-/// What [`Errors`] corrects in the same pass.
+/// Operands of the corrected value in [`Errors`].
 pub(super) struct Correction<'a> {
     pub(super) weight: f64,
     pub(super) predicted: &'a [f64],
@@ -292,10 +295,9 @@ impl WithSimd for Errors<'_> {
     }
 }
 
-/// Sum of squared weighted values.
+/// Weighted sum of squares of `values` plus `more`.
 pub(super) struct WeightedSquares<'a> {
     pub(super) values: &'a [f64],
-    /// What is to be added to them first.
     pub(super) more: Option<&'a [f64]>,
     pub(super) inverse_weight: &'a [f64],
 }
@@ -326,7 +328,7 @@ impl WithSimd for WeightedSquares<'_> {
     }
 }
 
-/// 1/(atol + rtol |y|), of as many components as there are weights.
+/// Write the weights 1/(atol + rtol |y|).
 pub(super) struct Weigh<'a> {
     pub(super) control: &'a StepControl,
     pub(super) y: &'a [f64],
@@ -343,21 +345,17 @@ impl WithSimd for Weigh<'_> {
         let atol = Lanes::splat(simd, self.control.atol);
         let y = SliceLanes::<S>::new(simd, self.y, n);
         let mut inverse_weight = SliceLanesMut::<S>::new(simd, self.inverse_weight, n);
-        let (whole, rest) = registers::<S>(n);
-        for b in 0..whole {
-            inverse_weight.set(b, rtol.constant(1.0) / y.get(b).abs().mul_add(rtol, atol));
-        }
-        if rest > 0 {
-            inverse_weight.set_rest(rtol.constant(1.0) / y.rest().abs().mul_add(rtol, atol));
-        }
+        each_vector!(S, n, |at| {
+            inverse_weight.set(at, rtol.constant(1.0) / y.get(at).abs().mul_add(rtol, atol))
+        });
     }
 }
 
-/// Sums of squared weighted changes, of slopes and of the solution, between the two evaluations of a step.
+/// Weighted sums of squares of the changes of the derivative and of the solution between the two evaluations of a step.
 pub(super) struct SlopeChange<'a> {
     pub(super) slope: &'a [f64],
     pub(super) at_prediction: &'a [f64],
-    /// Where they were evaluated: prediction and solution.
+    /// Points of evaluation: predicted value and solution.
     pub(super) ends: (&'a [f64], &'a [f64]),
     pub(super) inverse_weight: &'a [f64],
 }
@@ -374,20 +372,11 @@ impl WithSimd for SlopeChange<'_> {
         let solution = SliceLanes::<S>::new(simd, self.ends.1, n);
         let inverse_weight = SliceLanes::<S>::new(simd, self.inverse_weight, n);
         let (mut slopes, mut steps) = (Squares::new(simd), Squares::new(simd));
-        each_register!(
-            S,
-            n,
-            |part, b| {
-                let weight = inverse_weight.get(b);
-                slopes.add(part, (slope.get(b) - at_prediction.get(b)) * weight);
-                steps.add(part, (solution.get(b) - prediction.get(b)) * weight);
-            },
-            {
-                let weight = inverse_weight.rest();
-                slopes.add(part, (slope.rest() - at_prediction.rest()) * weight);
-                steps.add(part, (solution.rest() - prediction.rest()) * weight);
-            }
-        );
+        each_vector!(S, n, |part, at| {
+            let weight = inverse_weight.get(at);
+            slopes.add(part, (slope.get(at) - at_prediction.get(at)) * weight);
+            steps.add(part, (solution.get(at) - prediction.get(at)) * weight);
+        });
         [slopes.total(), steps.total()]
     }
 }

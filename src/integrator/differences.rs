@@ -1,4 +1,6 @@
-//! The table of modified divided differences φ: predict, correct, and take back a prediction.
+//! The table of modified divided differences φ of the derivative (Shampine and Gordon, chapter 5).
+//!
+//! φ* are the differences extrapolated to the end of the step, `φ*_i = β_i φ_i + φ*_{i+1}`; φ*_1 is the predicted derivative.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,25 +10,28 @@ use super::difference_kernels::{Predict, UndoPrediction, UpdateDifferences};
 use super::newton_kernels::{NewtonDifference, PredictForNewton};
 use crate::math::simd::{InstructionSet, Numbers, padded, padded_zeros};
 
-/// `φ_1` .. φ_{k+2} of the slopes, one row a difference, and the sums that keep rounding out of y at tight tolerances.
+/// Differences `φ_1` … φ_{k+2} of the derivative, one row each, and the compensation of rounding at tight tolerances.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Differences {
-    /// Row i holds φ_{i+1} for every component, padded; the rows follow one another.
+    /// Row i holds φ_{i+1} of every component, padded.
     table: Numbers,
     dimension: usize,
-    /// Components of a row, padded.
+    /// Length of a row, padded.
     width: usize,
-    /// The newest row, which those before it have not had added yet; zero when they have.
+    /// Index of the newest difference, whose addition to the rows before it is deferred to the next prediction; zero for none.
+    ///
+    /// The deferral saves one pass over the table per step.
     newest: usize,
-    /// What rounding took from y so far; used when the tolerance is near rounding.
-    carry: Option<Carry>,
+    /// Compensation of rounding, for tolerances near rounding (`NORND` of STEP).
+    compensation: Option<Compensation>,
 }
 
+/// Rounding errors of sums, subtracted from the next increment.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-struct Carry {
-    /// Lost in the accepted solution.
+struct Compensation {
+    /// Rounding error of the accepted solution.
     kept: Vec<f64>,
-    /// Lost in the prediction.
+    /// Rounding error of the predicted value.
     predicted: Vec<f64>,
 }
 
@@ -38,57 +43,57 @@ impl Differences {
             dimension,
             width,
             newest: 0,
-            carry: None,
+            compensation: None,
         }
     }
 
-    /// Whether it is a table of the same size.
+    /// Return whether `other` is a table of the same size.
     pub(super) fn is_like(&self, other: &Self) -> bool {
-        let carries = |carry: &Carry| [carry.kept.len(), carry.predicted.len()];
+        let lengths = |sums: &Compensation| [sums.kept.len(), sums.predicted.len()];
         (self.dimension, self.width) == (other.dimension, other.width)
             && self.table.len() == other.table.len()
             && self.newest <= MAX_ORDER
-            && (self.carry.iter()).all(|carry| carries(carry) == [self.width; 2])
+            && (self.compensation.iter()).all(|sums| lengths(sums) == [self.width; 2])
     }
 
-    /// Starts anew from the slope at one point.
+    /// Restart from the derivative at one point.
     pub(super) fn restart(&mut self, slope: &[f64], compensate: bool) {
         self.table.fill(0.0);
         self.table[..slope.len()].copy_from_slice(slope);
         self.newest = 0;
-        self.carry = compensate.then(|| Carry {
+        self.compensation = compensate.then(|| Compensation {
             kept: vec![0.0; slope.len()],
             predicted: vec![0.0; slope.len()],
         });
     }
 
-    /// Forgets what a component was.
+    /// Set the history of a component to zero.
     pub(super) fn reset_component(&mut self, component: usize) {
         for row in self.table.chunks_exact_mut(self.width) {
             row[component] = 0.0;
         }
-        if let Some(carry) = &mut self.carry {
-            (carry.kept[component], carry.predicted[component]) = (0.0, 0.0);
+        if let Some(sums) = &mut self.compensation {
+            (sums.kept[component], sums.predicted[component]) = (0.0, 0.0);
         }
     }
 
-    /// Row `i` as it is in the table: one of a prediction, or the newest one.
+    /// Return row `i` as stored: φ* after a prediction, or the newest difference.
     pub(super) fn row(&self, i: usize) -> &[f64] {
         &self.table[i * self.width..(i + 1) * self.width]
     }
 
-    /// The rows that a step of `order` is judged by: φ*_1, and those of one and two orders below.
+    /// Return the rows of the error estimates at `order`: φ*_1, φ*_k and φ*_{k-1}.
     pub(super) fn rows_of_errors(&self, order: usize) -> [&[f64]; 3] {
         [0, order - 1, order.saturating_sub(2)].map(|i| self.row(i))
     }
 
-    /// Row `i` and, where the newest difference is still to be added to it, that one.
+    /// Return row `i` and, where its addition is deferred, the newest difference.
     pub(super) fn parts_of_row(&self, i: usize) -> (&[f64], Option<&[f64]>) {
         let newest = (i < self.newest).then(|| self.row(self.newest));
         (self.row(i), newest)
     }
 
-    /// Turns φ into φ* and writes the predicted solution.
+    /// Replace φ by φ* and write the predicted value `p = y + h Σ g_i β_i φ_i`.
     pub(super) fn predict(
         &mut self,
         set: InstructionSet,
@@ -105,15 +110,16 @@ impl Differences {
             step: h,
             dimension: self.dimension,
             table: &mut self.table,
-            y: self.carry.is_none().then_some(y),
+            y: self.compensation.is_none().then_some(y),
             predicted: &mut *predicted,
         });
-        if let Some(carry) = &mut self.carry {
+        if let Some(sums) = &mut self.compensation {
+            // Compensated summation of p = y + increment.
             for (((p, y), kept), lost) in predicted
                 .iter_mut()
                 .zip(y)
-                .zip(&carry.kept)
-                .zip(&mut carry.predicted)
+                .zip(&sums.kept)
+                .zip(&mut sums.predicted)
             {
                 let tau = *p - kept;
                 *p = y + tau;
@@ -122,12 +128,12 @@ impl Differences {
         }
     }
 
-    /// Whether [`Self::predict_for_newton`] does for a prediction of `order`.
+    /// Return whether [`Self::predict_for_newton`] is valid for `order`: three rows of the table and no compensation.
     pub(super) fn can_predict_for_newton(&self, order: usize) -> bool {
-        order <= 2 && self.newest <= 2 && self.carry.is_none()
+        order <= 2 && self.newest <= 2 && self.compensation.is_none()
     }
 
-    /// Turns φ into φ*, writes predicted velocities, and where Newton's method begins.
+    /// Replace φ by φ*; write the predicted velocities and the first Newton iterate.
     pub(super) fn predict_for_newton(
         &mut self,
         set: InstructionSet,
@@ -152,7 +158,7 @@ impl Differences {
         });
     }
 
-    /// Takes in the slopes that a solution of Newton's method stands for; see [`NewtonDifference`].
+    /// Append the newest difference of a solution of Newton's method; see [`NewtonDifference`].
     pub(super) fn append_newton_difference(
         &mut self,
         set: InstructionSet,
@@ -173,7 +179,7 @@ impl Differences {
         });
     }
 
-    /// Writes the slope at the end of the last step.
+    /// Write the derivative at the end of the last step.
     pub(super) fn write_slope(&self, slope: &mut [f64]) {
         match self.parts_of_row(0) {
             (row, None) => slope.copy_from_slice(&row[..slope.len()]),
@@ -185,7 +191,7 @@ impl Differences {
         }
     }
 
-    /// Takes back a prediction whose step failed.
+    /// Replace φ* by φ after a rejected step.
     pub(super) fn undo_prediction(&mut self, set: InstructionSet, c: &Coefficients, order: usize) {
         set.run(UndoPrediction {
             coefficients: c,
@@ -195,16 +201,16 @@ impl Differences {
         });
     }
 
-    /// Whether rounding is kept track of, so that [`Self::correct`] has to make the correction.
-    pub(super) fn carries(&self) -> bool {
-        self.carry.is_some()
+    /// Return whether rounding is compensated, so that [`Self::correct`] has to correct.
+    pub(super) fn compensates(&self) -> bool {
+        self.compensation.is_some()
     }
 
-    /// Corrects the prediction with the slope found there and keeps what rounding takes: y = p + h g_{k+1} (f(p) - φ*_1).
+    /// Write the corrected value `y = p + h g_{k+1} (f(p) - φ*_1)` by compensated summation; `weight` is `h g_{k+1}`.
     pub(super) fn correct(&mut self, weight: f64, predicted: &[f64], slope: &[f64], y: &mut [f64]) {
         let first = &self.table[..self.width];
-        if let Some(carry) = &mut self.carry {
-            let sums = carry.kept.iter_mut().zip(&carry.predicted);
+        if let Some(sums) = &mut self.compensation {
+            let sums = sums.kept.iter_mut().zip(&sums.predicted);
             for ((((y, p), slope), phi), (kept, lost)) in
                 y.iter_mut().zip(predicted).zip(slope).zip(first).zip(sums)
             {
@@ -215,7 +221,7 @@ impl Differences {
         }
     }
 
-    /// Takes in the slope at the corrected solution; the sum of squares of φ_{k+2} over the weights, if it is asked for `above`.
+    /// Append the newest difference, from the derivative at the solution; return the weighted sum of squares of φ_{k+2} with `above`.
     pub(super) fn update(
         &mut self,
         set: InstructionSet,

@@ -1,11 +1,11 @@
-//! The loops of the implicit corrector over all coordinates, each one pass.
+//! SIMD kernels of the implicit corrector over all coordinates, one pass each.
 
 use pulp::{Simd, WithSimd};
 
-use super::slice_lanes::{SliceLanes, SliceLanesMut, each_register, registers};
+use super::slice_lanes::{At, SliceLanes, SliceLanesMut, each_vector, vector_count};
 use crate::math::simd::{Lanes, Squares};
 
-/// Where the iteration begins: the predicted velocities, and the coordinates that follow from them.
+/// Write the first iterate: `v = p_v` and `q = p_q + γ (v - φ*_q)`.
 pub(super) struct Begin<'a> {
     pub(super) gamma: f64,
     /// Predicted coordinates and velocities.
@@ -27,22 +27,17 @@ impl WithSimd for Begin<'_> {
         let first = SliceLanes::<S>::new(simd, self.first, n);
         let mut trial_q = SliceLanesMut::<S>::new(simd, self.trial.0, n);
         let mut trial_v = SliceLanesMut::<S>::new(simd, self.trial.1, n);
-        let (whole, rest) = registers::<S>(n);
-        for b in 0..whole {
-            let speed = v.get(b);
-            trial_v.set(b, speed);
-            trial_q.set(b, gamma.mul_add(speed - first.get(b), q.get(b)));
-        }
-        if rest > 0 {
-            let speed = v.rest();
-            trial_v.set_rest(speed);
-            trial_q.set_rest(gamma.mul_add(speed - first.rest(), q.rest()));
-        }
+        each_vector!(S, n, |at| {
+            let speed = v.get(at);
+            trial_v.set(at, speed);
+            trial_q.set(at, gamma.mul_add(speed - first.get(at), q.get(at)));
+        });
     }
 }
 
-/// Where the iteration begins, and the table of the prediction, in one pass: for orders one and two, and one row at most that
-/// those before it have not had added yet.
+/// Predict at orders one and two and write the first iterate in one pass.
+///
+/// The general [`Predict`](super::difference_kernels::Predict) and [`Begin`] would be two passes.
 pub(super) struct PredictForNewton<'a> {
     pub(super) order: usize,
     /// See [`Predict`](super::difference_kernels::Predict).
@@ -56,12 +51,12 @@ pub(super) struct PredictForNewton<'a> {
     pub(super) table: &'a mut [f64],
     pub(super) width: usize,
     pub(super) y: (&'a [f64], &'a [f64]),
-    /// Predicted velocities; predicted coordinates are not needed.
+    /// Predicted velocities; the corrector needs no predicted coordinates.
     pub(super) predicted: &'a mut [f64],
     pub(super) trial: (&'a mut [f64], &'a mut [f64]),
 }
 
-/// The constants of [`PredictForNewton`] in registers.
+/// Constants of [`PredictForNewton`] as SIMD vectors.
 struct LowOrderPredictor<S: Simd> {
     two: bool,
     newest: usize,
@@ -71,7 +66,7 @@ struct LowOrderPredictor<S: Simd> {
 }
 
 impl<S: Simd> LowOrderPredictor<S> {
-    /// φ*_1 and φ*_2 from what the first three rows hold, and the prediction from y.
+    /// Return φ*_1, φ*_2 and the predicted value from the first three rows and y.
     #[inline(always)]
     fn predict(&self, rows: [Lanes<S>; 3], y: Lanes<S>) -> ([Lanes<S>; 2], Lanes<S>) {
         let [mut first, mut second, third] = rows;
@@ -121,44 +116,30 @@ impl WithSimd for PredictForNewton<'_> {
         let mut predicted = SliceLanesMut::<S>::new(simd, self.predicted, n);
         let mut trial_q = SliceLanesMut::<S>::new(simd, self.trial.0, n);
         let mut trial_v = SliceLanesMut::<S>::new(simd, self.trial.1, n);
-        let (whole, rest) = registers::<S>(n);
-        for b in 0..whole {
-            let rows = [first_v.get(b), second_v.get(b), third_v.get(b)];
-            let (rows, speed) = with.predict(rows, y_v.get(b));
-            first_v.set(b, rows[0]);
-            second_v.set(b, rows[1]);
-            predicted.set(b, speed);
-            trial_v.set(b, speed);
-            let rows = [first_q.get(b), second_q.get(b), third_q.get(b)];
-            let (rows, place) = with.predict(rows, y_q.get(b));
-            first_q.set(b, rows[0]);
-            second_q.set(b, rows[1]);
-            trial_q.set(b, gamma.mul_add(speed - rows[0], place));
-        }
-        if rest > 0 {
-            let rows = [first_v.rest(), second_v.rest(), third_v.rest()];
-            let (rows, speed) = with.predict(rows, y_v.rest());
-            first_v.set_rest(rows[0]);
-            second_v.set_rest(rows[1]);
-            predicted.set_rest(speed);
-            trial_v.set_rest(speed);
-            let rows = [first_q.rest(), second_q.rest(), third_q.rest()];
-            let (rows, place) = with.predict(rows, y_q.rest());
-            first_q.set_rest(rows[0]);
-            second_q.set_rest(rows[1]);
-            trial_q.set_rest(gamma.mul_add(speed - rows[0], place));
-        }
+        each_vector!(S, n, |at| {
+            let rows = [first_v.get(at), second_v.get(at), third_v.get(at)];
+            let (rows, speed) = with.predict(rows, y_v.get(at));
+            first_v.set(at, rows[0]);
+            second_v.set(at, rows[1]);
+            predicted.set(at, speed);
+            trial_v.set(at, speed);
+            let rows = [first_q.get(at), second_q.get(at), third_q.get(at)];
+            let (rows, place) = with.predict(rows, y_q.get(at));
+            first_q.set(at, rows[0]);
+            second_q.set(at, rows[1]);
+            trial_q.set(at, gamma.mul_add(speed - rows[0], place));
+        });
     }
 }
 
-/// The newest difference that a solution stands for: `v - φ*_q` and `(v - p_v)/γ`.
+/// Write the newest difference of a solution, from the corrector's equation: `v - φ*_q` and `(v - p_v)/γ`.
 pub(super) struct NewtonDifference<'a> {
     pub(super) inverse_gamma: f64,
     pub(super) predicted: &'a [f64],
     pub(super) trial: &'a [f64],
     /// φ*_1 of the coordinates.
     pub(super) first: &'a [f64],
-    /// Where it goes, of coordinates and of velocities.
+    /// Newest difference of coordinates and of velocities.
     pub(super) rows: (&'a mut [f64], &'a mut [f64]),
 }
 
@@ -174,21 +155,15 @@ impl WithSimd for NewtonDifference<'_> {
         let first = SliceLanes::<S>::new(simd, self.first, n);
         let mut newest_q = SliceLanesMut::<S>::new(simd, self.rows.0, n);
         let mut newest_v = SliceLanesMut::<S>::new(simd, self.rows.1, n);
-        let (whole, rest) = registers::<S>(n);
-        for b in 0..whole {
-            let speed = trial.get(b);
-            newest_q.set(b, speed - first.get(b));
-            newest_v.set(b, (speed - predicted.get(b)) * inverse);
-        }
-        if rest > 0 {
-            let speed = trial.rest();
-            newest_q.set_rest(speed - first.rest());
-            newest_v.set_rest((speed - predicted.rest()) * inverse);
-        }
+        each_vector!(S, n, |at| {
+            let speed = trial.get(at);
+            newest_q.set(at, speed - first.get(at));
+            newest_v.set(at, (speed - predicted.get(at)) * inverse);
+        });
     }
 }
 
-/// What is wrong with the velocities at the prediction, `γ (a - φ*_v)`; the sum of its squares over their weights.
+/// Write the residual at the predicted value, `γ (a - φ*_v)`; return its weighted sum of squares.
 pub(super) struct FirstResidual<'a> {
     pub(super) gamma: f64,
     pub(super) slope: &'a [f64],
@@ -209,25 +184,16 @@ impl WithSimd for FirstResidual<'_> {
         let weight = SliceLanes::<S>::new(simd, self.inverse_weight, n);
         let mut residual = SliceLanesMut::<S>::new(simd, self.residual, n);
         let mut sum = Squares::new(simd);
-        each_register!(
-            S,
-            n,
-            |part, b| {
-                let left = gamma * (slope.get(b) - first.get(b));
-                residual.set(b, left);
-                sum.add(part, left * weight.get(b));
-            },
-            {
-                let left = gamma * (slope.rest() - first.rest());
-                residual.set_rest(left);
-                sum.add(part, left * weight.rest());
-            }
-        );
+        each_vector!(S, n, |part, at| {
+            let left = gamma * (slope.get(at) - first.get(at));
+            residual.set(at, left);
+            sum.add(part, left * weight.get(at));
+        });
         sum.total()
     }
 }
 
-/// What is wrong with the velocities: `p_v - v + γ (a - φ*_v)`.
+/// Write the residual `p_v - v + γ (a - φ*_v)`.
 pub(super) struct Residual<'a> {
     pub(super) gamma: f64,
     pub(super) predicted: &'a [f64],
@@ -249,23 +215,18 @@ impl WithSimd for Residual<'_> {
         let slope = SliceLanes::<S>::new(simd, self.slope, n);
         let first = SliceLanes::<S>::new(simd, self.first, n);
         let mut residual = SliceLanesMut::<S>::new(simd, self.residual, n);
-        let (whole, rest) = registers::<S>(n);
-        for b in 0..whole {
-            let distance = predicted.get(b) - trial.get(b);
-            residual.set(b, gamma.mul_add(slope.get(b) - first.get(b), distance));
-        }
-        if rest > 0 {
-            let distance = predicted.rest() - trial.rest();
-            residual.set_rest(gamma.mul_add(slope.rest() - first.rest(), distance));
-        }
+        each_vector!(S, n, |at| {
+            let distance = predicted.get(at) - trial.get(at);
+            residual.set(at, gamma.mul_add(slope.get(at) - first.get(at), distance));
+        });
     }
 }
 
-/// Adds a correction of velocities, and what follows for the coordinates.
+/// Add a correction Δ of the velocities, and γ Δ to the coordinates.
 pub(super) struct Apply<'a> {
     pub(super) gamma: f64,
     pub(super) correction: &'a [f64],
-    /// Of coordinates and of velocities.
+    /// Weights of coordinates and of velocities.
     pub(super) inverse_weight: (&'a [f64], &'a [f64]),
     /// Predicted velocities.
     pub(super) predicted: &'a [f64],
@@ -274,18 +235,18 @@ pub(super) struct Apply<'a> {
     pub(super) trial: (&'a mut [f64], &'a mut [f64]),
 }
 
-/// Sums of squares over the weights.
+/// Weighted sums of squares.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Applied {
-    /// Of the correction of coordinates.
+    /// Correction of the coordinates.
     pub(super) lengths: f64,
-    /// Of velocities.
+    /// Correction of the velocities.
     pub(super) speeds: f64,
-    /// Of how far the slopes that the solution stands for are from those foretold: `v - φ*_q` and `(v - p_v)/γ`.
+    /// Newest difference, from which the error estimate follows: `v - φ*_q` and `(v - p_v)/γ`.
     pub(super) error: f64,
 }
 
-/// The sums of [`Apply`] in registers.
+/// Sums of [`Apply`] as SIMD vectors.
 struct ApplySums<S: Simd> {
     gamma: Lanes<S>,
     inverse: Lanes<S>,
@@ -294,7 +255,7 @@ struct ApplySums<S: Simd> {
     error: Squares<S>,
 }
 
-/// A register of what [`Apply`] reads.
+/// One vector of the operands of [`Apply`].
 struct Correction<S: Simd> {
     change: Lanes<S>,
     weight_q: Lanes<S>,
@@ -306,7 +267,7 @@ struct Correction<S: Simd> {
 }
 
 impl<S: Simd> ApplySums<S> {
-    /// Coordinates and velocities with their correction.
+    /// Return corrected coordinates and velocities; add their squares to the sums.
     #[inline(always)]
     fn correct(&mut self, part: usize, at: &Correction<S>) -> [Lanes<S>; 2] {
         let length = self.gamma * at.change;
@@ -314,7 +275,7 @@ impl<S: Simd> ApplySums<S> {
         self.lengths.add(part, length * at.weight_q);
         self.speeds.add(part, at.change * at.weight_v);
         let acceleration = (v - at.predicted) * self.inverse;
-        // Coordinates and velocities into parts of one sum.
+        // Both differences go into one sum: the error norm is over coordinates and velocities.
         self.error.add(part, (v - at.first) * at.weight_q);
         self.error.add(part, acceleration * at.weight_v);
         [at.q + length, v]
@@ -341,38 +302,20 @@ impl WithSimd for Apply<'_> {
             speeds: Squares::new(simd),
             error: Squares::new(simd),
         };
-        each_register!(
-            S,
-            n,
-            |part, b| {
-                let at = Correction {
-                    change: correction.get(b),
-                    weight_q: weight_q.get(b),
-                    weight_v: weight_v.get(b),
-                    predicted: predicted.get(b),
-                    first: first.get(b),
-                    q: q.get(b),
-                    v: v.get(b),
-                };
-                let [to_q, to_v] = sums.correct(part, &at);
-                q.set(b, to_q);
-                v.set(b, to_v);
-            },
-            {
-                let at = Correction {
-                    change: correction.rest(),
-                    weight_q: weight_q.rest(),
-                    weight_v: weight_v.rest(),
-                    predicted: predicted.rest(),
-                    first: first.rest(),
-                    q: q.rest(),
-                    v: v.rest(),
-                };
-                let [to_q, to_v] = sums.correct(part, &at);
-                q.set_rest(to_q);
-                v.set_rest(to_v);
-            }
-        );
+        each_vector!(S, n, |part, at| {
+            let values = Correction {
+                change: correction.get(at),
+                weight_q: weight_q.get(at),
+                weight_v: weight_v.get(at),
+                predicted: predicted.get(at),
+                first: first.get(at),
+                q: q.get(at),
+                v: v.get(at),
+            };
+            let [to_q, to_v] = sums.correct(part, &values);
+            q.set(at, to_q);
+            v.set(at, to_v);
+        });
         Applied {
             lengths: sums.lengths.total(),
             speeds: sums.speeds.total(),
@@ -381,7 +324,7 @@ impl WithSimd for Apply<'_> {
     }
 }
 
-/// The slopes that a solution stands for: dq/dt = v, `dv/dt = φ*_v + (v - p_v)/γ`.
+/// Write the derivative at a solution from the corrector's equation: `dq/dt = v`, `dv/dt = φ*_v + (v - p_v)/γ`.
 pub(super) struct Slopes<'a> {
     pub(super) inverse_gamma: f64,
     pub(super) predicted: &'a [f64],
@@ -402,18 +345,11 @@ impl WithSimd for Slopes<'_> {
         let first = SliceLanes::<S>::new(simd, self.first, n);
         let mut rates = SliceLanesMut::<S>::new(simd, self.slope.0, n);
         let mut accelerations = SliceLanesMut::<S>::new(simd, self.slope.1, n);
-        let (whole, rest) = registers::<S>(n);
-        for b in 0..whole {
-            let speed = trial.get(b);
-            rates.set(b, speed);
-            let distance = speed - predicted.get(b);
-            accelerations.set(b, inverse.mul_add(distance, first.get(b)));
-        }
-        if rest > 0 {
-            let speed = trial.rest();
-            rates.set_rest(speed);
-            let distance = speed - predicted.rest();
-            accelerations.set_rest(inverse.mul_add(distance, first.rest()));
-        }
+        each_vector!(S, n, |at| {
+            let speed = trial.get(at);
+            rates.set(at, speed);
+            let distance = speed - predicted.get(at);
+            accelerations.set(at, inverse.mul_add(distance, first.get(at)));
+        });
     }
 }

@@ -1,49 +1,89 @@
 //! Error estimates, and the choice of the next order and step size (Shampine and Gordon, chapter 7).
 
-/// γ*_i: error constants of the Adams formulas for constant steps, index 0 for order 1.
+use super::coefficients::Coefficients;
+
+/// γ*_i: error constants of the Adams formulas for constant steps, index 0 for order 1; the rounded values of DE/STEP.
 const GAMMA_STAR: [f64; 13] = [
     0.5, 0.0833, 0.0417, 0.0264, 0.0188, 0.0143, 0.0114, 0.009_36, 0.007_89, 0.006_79, 0.005_92,
     0.005_24, 0.004_68,
 ];
 
+/// Error for which the next step size is chosen, in units of the tolerance (`P5EPS` of DE/STEP).
+///
+/// Half of the tolerance leaves room for the growth of the error within one step. Doubled: see docs/development/constants.md.
+pub(super) const SAFE_ERROR: f64 = 0.5;
+
+/// Factor of the error that a change of order has to gain between orders 1 and 2 (DE/STEP).
+///
+/// The estimates at these orders come from one difference only. Doubled: order 2 is left and order 1 is raised at equal errors.
+const GAIN_AT_LOW_ORDER: f64 = 0.5;
+
+/// Smallest and largest factor of a step size that is reduced after an accepted step (DE/STEP).
+///
+/// The largest one prevents changes that gain less than the restart of the coefficients costs. Doubled: no reduction at all.
+const REDUCTION: [f64; 2] = [0.5, 0.9];
+
 /// Estimated errors of a step, in units of the tolerance.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ErrorEstimate {
-    /// Of the step itself.
+    /// Local error of the step itself.
     pub(super) local: f64,
-    /// Had the order been k - 2, k - 1, k, with constant steps.
+    /// Errors of constant steps at orders k - 2, k - 1 and k.
     pub(super) two_below: f64,
     pub(super) one_below: f64,
     pub(super) at_order: f64,
 }
 
 impl ErrorEstimate {
-    pub(super) fn accepts(&self) -> bool {
-        self.local <= 1.0 // false for NaN
+    /// Return the estimates for a step of order `k` and size `h` from the `sums` of squares at orders k, k - 1 and k - 2.
+    ///
+    /// Local error: `h (g_{k} - g_{k+1}) |f(p) - φ*_1|`, the difference of the formulas of orders k and k + 1. Errors of constant steps:
+    /// `h σ_{i+1} γ*_i |φ_{i+1}|` with the differences at the predicted value (Shampine and Gordon, chapter 7).
+    pub(super) fn new(
+        c: &Coefficients,
+        (k, h): (usize, f64),
+        norm: impl Fn(f64) -> f64,
+        [at, one, two]: [f64; 3],
+    ) -> Self {
+        let error = |sum: f64, order: usize| h * norm(sum) * c.sigma[order] * gamma_star(order);
+        Self {
+            local: h * norm(at) * (c.g[k - 1] - c.g[k]),
+            at_order: error(at, k),
+            one_below: if k >= 2 { error(one, k - 1) } else { 0.0 },
+            two_below: if k >= 3 { error(two, k - 2) } else { 0.0 },
+        }
     }
 
-    /// Whether the lower orders do no worse.
+    /// Return whether the error test accepts the step; false for NaN.
+    pub(super) fn accepts(&self) -> bool {
+        self.local <= 1.0
+    }
+
+    /// Return whether the errors of the lower orders are not larger.
     pub(super) fn prefers_lower(&self, order: usize) -> bool {
         match order {
             1 => false,
-            2 => self.one_below <= 0.5 * self.at_order,
+            2 => self.one_below <= GAIN_AT_LOW_ORDER * self.at_order,
             _ => self.one_below.max(self.two_below) <= self.at_order,
         }
     }
 }
 
-/// Error constant γ* of `order`.
+/// Return the error constant γ* of `order`.
 pub(super) fn gamma_star(order: usize) -> f64 {
     GAMMA_STAR[order - 1]
 }
 
-/// The next order after an accepted step, and the error estimate that goes with it.
+/// Order of the next step and the error estimate at that order.
 pub(super) struct OrderChoice {
     pub(super) order: usize,
     pub(super) error: f64,
 }
 
-/// Chooses among k - 1, k and k + 1; `one_above` is asked for only when it can matter.
+/// Return the best of the orders k - 1, k and k + 1.
+///
+/// The order falls as soon as lower orders have no larger errors. It rises only after k + 1 equal steps, because the error estimate
+/// `one_above` is valid for constant steps only (Shampine and Gordon, chapter 7).
 pub(super) fn choose_order(
     order: usize,
     max_order: usize,
@@ -71,7 +111,7 @@ pub(super) fn choose_order(
         error: above,
     };
     if order == 1 {
-        return if above < 0.5 * estimate.at_order {
+        return if above < GAIN_AT_LOW_ORDER * estimate.at_order {
             raise
         } else {
             keep
@@ -87,14 +127,19 @@ pub(super) fn choose_order(
     }
 }
 
-/// The next step size: doubled, kept, or reduced, so that the error at `order` stays at half the tolerance.
+/// Return the next step size: doubled, kept or reduced, for an error of [`SAFE_ERROR`] at `order`.
+///
+/// The error is about h^(k+1): a step may double when `error 2^(k+1)` is within the limit. A kept size keeps the coefficients.
 pub(super) fn choose_step(h: f64, order: usize, error: f64) -> f64 {
-    if 0.5 >= error * f64::from(2u32 << order) {
+    if SAFE_ERROR >= error * f64::from(2u32 << order) {
         return 2.0 * h;
     }
-    if 0.5 >= error {
+    if SAFE_ERROR >= error {
         return h;
     }
     let exponent = order as f64 + 1.0;
-    h * (0.5 / error).powf(1.0 / exponent).clamp(0.5, 0.9)
+    let [smallest, largest] = REDUCTION;
+    h * (SAFE_ERROR / error)
+        .powf(1.0 / exponent)
+        .clamp(smallest, largest)
 }

@@ -1,22 +1,25 @@
-//! Progress of a run: simulated time per step, compared with the time that is left.
+//! Progress of a run: mean step size, compared with the remaining time.
 
 use super::Counts;
 
-/// Steps, rejected ones included, over which the mean step size is measured. Large enough that a phase of dense impacts, some
-/// thousand steps long, does not decide; small enough that a stalled drive ends within seconds. With ten times as many the
-/// error arrives ten times later.
+/// Steps, rejected ones included, over which the mean step size is measured.
+///
+/// More than the some thousand steps of a phase of dense impacts; few enough that a stalled drive ends within seconds. Doubled: the
+/// error of a stalled run comes after twice as many steps.
 const WINDOW: u64 = 100_000;
 
-/// Most steps that a run may need at the present rate. A drive of 60 links takes 5 us a step, so that this many take more than an
-/// hour. Default tolerances need 3e5 steps per simulated second, `rtol = atol = 1e-13` needs 2e8. Twice as many would let a
-/// hopeless run go on for two hours.
+/// Largest number of steps that a run may need at the present mean step size.
+///
+/// A drive of 60 links takes 5 µs per step: this number takes more than an hour. Default tolerances need 3e5 steps per simulated second,
+/// `rtol = atol = 1e-13` needs 2e8. Doubled: runs of two hours per simulated second are permitted.
 pub(crate) const MOST_STEPS: f64 = 1e9;
 
-/// Simulated time for which that many steps must suffice \[s\], where more is left: a run with a stop condition, or one to be
-/// interrupted, may ask for any duration.
+/// Longest simulated time \[s\] for which [`MOST_STEPS`] must suffice.
+///
+/// A run with a stop condition may have any duration. Doubled: runs stall at twice the mean step size.
 const HORIZON: f64 = 1.0;
 
-/// Where the present window began.
+/// Start of the present window of steps.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Progress {
     tried: u64,
@@ -24,14 +27,14 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    /// A window that begins at `time` \[s\].
+    /// Begin a window at `time` \[s\].
     pub(crate) fn from(counts: Counts, time: f64) -> Self {
         let tried = counts.steps + counts.rejected;
         Self { tried, time }
     }
 
-    /// The mean step size \[s\] of a window that ends now, if at this rate the time to `target` \[s\] or the horizon, whichever is
-    /// nearer, takes more than [`MOST_STEPS`].
+    /// Return the mean step size \[s\] of a full window, if the time to `target` \[s\], at most [`HORIZON`], would take more than
+    /// [`MOST_STEPS`] at this step size.
     pub(crate) fn stalled(&mut self, counts: Counts, time: f64, target: f64) -> Option<f64> {
         let now = Self::from(counts, time);
         let steps = now.tried.saturating_sub(self.tried);

@@ -1,42 +1,65 @@
-//! Registers of a part of a padded array: velocities begin behind the coordinates, anywhere beside a cache line, and end before
-//! the sums, so that their last register may be partly filled.
+//! SIMD vectors of a part of a padded array, whose last vector may be partly filled.
+//!
+//! Velocities follow the coordinates at any offset from a cache line, and sums follow the velocities.
 
 use pulp::Simd;
 
 use crate::math::simd::{Lanes, load, partial_load, vectors, vectors_mut};
 
-/// Calls `$whole` for every whole register of `$length` numbers, and `$rest` for one partly filled behind them; both get
-/// the part of a sum that the register belongs to, a constant where the loop is unrolled.
-macro_rules! each_register {
-    ($simd:ty, $length:expr, |$part:ident, $block:ident| $whole:expr, $rest:expr) => {
-        let (whole, rest) = registers::<$simd>($length);
+/// Position of a vector in a slice.
+#[derive(Clone, Copy)]
+pub(super) enum At {
+    /// A whole vector.
+    Whole(usize),
+    /// The partly filled vector at the end.
+    Rest,
+}
+
+/// Run `$each` for every vector of `$length` numbers at `$at`; the partly filled one comes last.
+///
+/// With `$part` the vectors belong to alternating parts of a sum, constants in the unrolled loop.
+macro_rules! each_vector {
+    ($simd:ty, $length:expr, |$at:ident| $each:expr) => {
+        let (whole, rest) = vector_count::<$simd>($length);
+        for block in 0..whole {
+            let $at = At::Whole(block);
+            $each;
+        }
+        if rest > 0 {
+            let $at = At::Rest;
+            $each;
+        }
+    };
+    ($simd:ty, $length:expr, |$part:ident, $at:ident| $each:expr) => {
+        let (whole, rest) = vector_count::<$simd>($length);
         let parts = Squares::<$simd>::PARTS;
         for group in (0..whole).step_by(parts) {
             for $part in 0..parts {
-                let $block = group + $part;
-                if $block < whole {
-                    $whole;
+                let $at = At::Whole(group + $part);
+                if group + $part < whole {
+                    $each;
                 }
             }
         }
         if rest > 0 {
             for $part in 0..parts {
                 if $part == whole % parts {
-                    $rest;
+                    let $at = At::Rest;
+                    $each;
                 }
             }
         }
     };
 }
-pub(super) use each_register;
+pub(super) use each_vector;
 
-/// Whole registers in `length` numbers, and numbers in the register after them.
+/// Return the number of whole vectors in `length` numbers, and the numbers in the vector after them.
 #[inline(always)]
-pub(super) fn registers<S: Simd>(length: usize) -> (usize, usize) {
+pub(super) fn vector_count<S: Simd>(length: usize) -> (usize, usize) {
     (length / S::F64_LANES, length % S::F64_LANES)
 }
 
-/// An array of `length` numbers that may end within a register; zeros behind its end.
+/// A slice of `length` numbers as SIMD vectors; zeros after its end.
 pub(super) struct SliceLanes<'a, S: Simd> {
     simd: S,
     whole: &'a [S::f64s],
@@ -46,7 +69,7 @@ pub(super) struct SliceLanes<'a, S: Simd> {
 impl<'a, S: Simd> SliceLanes<'a, S> {
     #[inline(always)]
     pub(super) fn new(simd: S, values: &'a [f64], length: usize) -> Self {
-        let (whole, rest) = registers::<S>(length);
+        let (whole, rest) = vector_count::<S>(length);
         Self {
             simd,
             whole: vectors::<S>(values, whole),
@@ -54,20 +77,16 @@ impl<'a, S: Simd> SliceLanes<'a, S> {
         }
     }
 
-    /// A whole register.
     #[inline(always)]
-    pub(super) fn get(&self, block: usize) -> Lanes<S> {
-        load(self.simd, &self.whole[block])
-    }
-
-    /// The last register, partly filled.
-    #[inline(always)]
-    pub(super) fn rest(&self) -> Lanes<S> {
-        partial_load(self.simd, self.rest)
+    pub(super) fn get(&self, at: At) -> Lanes<S> {
+        match at {
+            At::Whole(block) => load(self.simd, &self.whole[block]),
+            At::Rest => partial_load(self.simd, self.rest),
+        }
     }
 }
 
-/// The same to write to.
+/// A mutable slice as SIMD vectors.
 pub(super) struct SliceLanesMut<'a, S: Simd> {
     simd: S,
     whole: &'a mut [S::f64s],
@@ -77,7 +96,7 @@ pub(super) struct SliceLanesMut<'a, S: Simd> {
 impl<'a, S: Simd> SliceLanesMut<'a, S> {
     #[inline(always)]
     pub(super) fn new(simd: S, values: &'a mut [f64], length: usize) -> Self {
-        let (whole, rest) = registers::<S>(length);
+        let (whole, rest) = vector_count::<S>(length);
         let (before, behind) = values[..length].split_at_mut(length - rest);
         Self {
             simd,
@@ -87,22 +106,18 @@ impl<'a, S: Simd> SliceLanesMut<'a, S> {
     }
 
     #[inline(always)]
-    pub(super) fn get(&self, block: usize) -> Lanes<S> {
-        load(self.simd, &self.whole[block])
+    pub(super) fn get(&self, at: At) -> Lanes<S> {
+        match at {
+            At::Whole(block) => load(self.simd, &self.whole[block]),
+            At::Rest => partial_load(self.simd, self.rest),
+        }
     }
 
     #[inline(always)]
-    pub(super) fn rest(&self) -> Lanes<S> {
-        partial_load(self.simd, self.rest)
-    }
-
-    #[inline(always)]
-    pub(super) fn set(&mut self, block: usize, values: Lanes<S>) {
-        self.whole[block] = values.values();
-    }
-
-    #[inline(always)]
-    pub(super) fn set_rest(&mut self, values: Lanes<S>) {
-        self.simd.partial_store_f64s(self.rest, values.values());
+    pub(super) fn set(&mut self, at: At, values: Lanes<S>) {
+        match at {
+            At::Whole(block) => self.whole[block] = values.values(),
+            At::Rest => self.simd.partial_store_f64s(self.rest, values.values()),
+        }
     }
 }

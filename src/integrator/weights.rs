@@ -1,90 +1,133 @@
-//! What error is allowed to each component, and the norm that measures by it.
+//! Error weights: the error permitted for each component, and the norm over it.
+
+use serde::{Deserialize, Serialize};
 
 use super::difference_kernels::{Weigh, WeightedSquares};
-use super::{Adams, OdeSystem, SecondOrderSystem};
+use super::{OdeSystem, SecondOrderSystem, StepControl};
+use crate::math::simd::{InstructionSet, Numbers, padded_zeros};
 
-/// Speed that is allowed for each length that is, in 1/s: an error of a nanometre goes with one of 0.1 mm/s.
+/// Ratio of the errors permitted for velocities and for coordinates \[1/s\]: 1 nm goes with 0.1 mm/s.
+///
+/// About the rate of a link's contact: at this rate both errors belong to the same energy (decision 19).
 pub(crate) const SPEED_PER_LENGTH: f64 = 1e5;
 
-impl Adams {
-    /// One over the error that is allowed to each component of any system; zero for those that ride along.
-    pub(super) fn update_weights(&mut self, system: &impl OdeSystem) {
-        let controlled = system.controlled();
-        self.norm_factor = 1.0;
-        if self.control.is_by_component() {
-            self.update_weights_by_component(controlled);
-        } else if self.starting {
-            self.inverse_weight.fill(0.0);
-            self.inverse_weight[..controlled].fill(1.0 / self.control.accuracy);
+/// Norm over the error permitted for each component.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct ErrorNorm {
+    /// One over the permitted error; zero for components without error control.
+    pub(super) inverse_weight: Numbers,
+    /// Factor of a sum of squares: 1 for the Euclidean norm, 1/n for the root mean square.
+    factor: f64,
+}
+
+impl ErrorNorm {
+    pub(super) fn new(dimension: usize) -> Self {
+        Self {
+            inverse_weight: padded_zeros(dimension),
+            factor: 1.0,
         }
     }
 
-    /// The same for a system whose coordinates know their arms; `mean`: whether the norm is a root mean square where
-    /// `accuracy` rules.
-    pub(super) fn update_weights_by_scale(&mut self, system: &impl SecondOrderSystem, mean: bool) {
+    /// Update the weights of a first-order system.
+    ///
+    /// Without `rtol` and `atol` the weights are constant: they are written at the start only.
+    pub(super) fn update(
+        &mut self,
+        set: InstructionSet,
+        control: &StepControl,
+        system: &impl OdeSystem,
+        (y, starting): (&[f64], bool),
+    ) {
         let controlled = system.controlled();
-        self.norm_factor = 1.0;
-        if self.control.is_by_component() {
-            self.update_weights_by_component(controlled);
+        self.factor = 1.0;
+        if control.is_by_component() {
+            self.update_by_component(set, control, controlled, (y, starting));
+        } else if starting {
+            self.inverse_weight.fill(0.0);
+            self.inverse_weight[..controlled].fill(1.0 / control.accuracy);
+        }
+    }
+
+    /// Update the weights of a second-order system, whose coordinates have a length scale each.
+    ///
+    /// `mean`: the norm is a root mean square where `accuracy` is the tolerance.
+    pub(super) fn update_by_scale(
+        &mut self,
+        set: InstructionSet,
+        control: &StepControl,
+        system: &impl SecondOrderSystem,
+        mean: bool,
+        (y, starting): (&[f64], bool),
+    ) {
+        let controlled = system.controlled();
+        self.factor = 1.0;
+        if control.is_by_component() {
+            self.update_by_component(set, control, controlled, (y, starting));
             return;
         }
         if mean {
-            self.norm_factor = self.mean_square_factor(controlled);
+            self.factor = mean_square_factor(control, controlled);
         }
-        if self.starting {
+        if starting {
             self.inverse_weight.fill(0.0);
             let (lengths, rest) = self.inverse_weight.split_at_mut(system.coordinates());
             system.scale(lengths);
             for (length, speed) in lengths.iter_mut().zip(rest) {
-                *length /= self.control.accuracy;
+                *length /= control.accuracy;
                 *speed = *length / SPEED_PER_LENGTH;
             }
         }
     }
 
-    /// Share of a sum of squares over the weights that the norm of Newton's method is the root of.
-    pub(super) fn mean_square_factor(&self, controlled: usize) -> f64 {
-        if self.control.is_by_component() {
-            1.0
-        } else {
-            1.0 / controlled as f64
-        }
-    }
-
-    /// 1/(atol + rtol |y|).
-    fn update_weights_by_component(&mut self, controlled: usize) {
-        if self.starting {
+    /// Write 1/(atol + rtol |y|).
+    fn update_by_component(
+        &mut self,
+        set: InstructionSet,
+        control: &StepControl,
+        controlled: usize,
+        (y, starting): (&[f64], bool),
+    ) {
+        if starting {
             self.inverse_weight.fill(0.0);
         }
-        self.instructions.run(Weigh {
-            control: &self.control,
-            y: &self.y,
+        set.run(Weigh {
+            control,
+            y,
             inverse_weight: &mut self.inverse_weight[..controlled],
         });
     }
 
-    /// Norm of `values` over their weights.
-    pub(super) fn norm(&self, values: &[f64]) -> f64 {
-        self.norm_of_sum(values, None)
+    /// Return the norm of `values`.
+    pub(super) fn of(&self, set: InstructionSet, values: &[f64]) -> f64 {
+        self.of_parts(set, values, None)
     }
 
-    /// The same of φ_{i+1} after a step.
-    pub(super) fn norm_of_difference(&self, i: usize) -> f64 {
-        let (row, newest) = self.differences.parts_of_row(i);
-        self.norm_of_sum(row, newest)
-    }
-
-    fn norm_of_sum(&self, values: &[f64], more: Option<&[f64]>) -> f64 {
-        let sum = self.instructions.run(WeightedSquares {
+    /// Return the norm of the sum of `values` and `more`.
+    pub(super) fn of_parts(
+        &self,
+        set: InstructionSet,
+        values: &[f64],
+        more: Option<&[f64]>,
+    ) -> f64 {
+        let sum = set.run(WeightedSquares {
             values,
             more,
             inverse_weight: &self.inverse_weight,
         });
-        self.norm_of(sum)
+        self.of_sum(sum)
     }
 
-    /// Norm from the sum of squares: Euclidean, as DE/STEP has it, or a root mean square.
-    pub(super) fn norm_of(&self, sum: f64) -> f64 {
-        (sum * self.norm_factor).sqrt()
+    /// Return the norm from a sum of weighted squares: Euclidean, as in DE/STEP, or a root mean square.
+    pub(super) fn of_sum(&self, sum: f64) -> f64 {
+        (sum * self.factor).sqrt()
+    }
+}
+
+/// Return the factor that makes a sum of squares a mean square where `accuracy` is the tolerance; 1 elsewhere.
+pub(super) fn mean_square_factor(control: &StepControl, controlled: usize) -> f64 {
+    if control.is_by_component() {
+        1.0
+    } else {
+        1.0 / controlled as f64
     }
 }

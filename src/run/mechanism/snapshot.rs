@@ -10,7 +10,7 @@ use crate::multibody::contact::impact_memory::Memory;
 use crate::multibody::model::MechanismModel;
 
 /// What the bytes begin with: a name and a version, another one for every change of what they hold.
-const MAGIC: &[u8; 24] = b"rustchain mechanism  005";
+const MAGIC: &[u8; 24] = b"rustchain mechanism  006";
 
 /// All that decides how a run goes on, and what it is of.
 #[derive(Debug, Clone, Serialize, Deserialize)]

@@ -1,0 +1,109 @@
+//! Convergence of Newton's method: the contraction constant measured in earlier steps, and when a second correction is skipped.
+
+use serde::{Deserialize, Serialize};
+
+use super::StepControl;
+
+/// Largest remaining correction of a converged iteration, in units of the tolerance.
+///
+/// A decade below the error test; 0.15 and 0.2 cost the same within a few percent (decision 20).
+pub(super) const REMAINDER: f64 = 0.1;
+
+/// Largest remaining correction that may stay unmeasured \[m\].
+///
+/// A fixed length: remaining corrections have a sign and do work, while the truncation errors of the trapezoidal rule nearly
+/// conserve energy. A share of the tolerance would make the energy balance residual grow with it. Chosen as the largest
+/// of the tried lengths that did not raise the residual (decision 20).
+const UNMEASURED_LENGTH: f64 = 6e-11;
+
+/// The same limit in units of the tolerance, where `rtol` and `atol` are given.
+///
+/// A tenth of [`REMAINDER`] (decision 20).
+const UNMEASURED: f64 = 0.01;
+
+/// Convergence rate from which on convergence is always measured.
+///
+/// A safeguard: where convergence is this slow, the contraction constant is not one of quadratic convergence.
+const SLOWEST_UNMEASURED: f64 = 0.3;
+
+/// Longest first correction \[m\] that may stay unmeasured in a step with contact onsets or ends.
+///
+/// The contraction constant of such a step differs from those before. Twice the default accuracy: nothing was gained above
+/// (decision 20).
+const LONGEST_WITH_EVENTS: f64 = 2e-10;
+
+/// Lower bound of 1 - θ in the sum of the remaining corrections, for rates θ near one.
+///
+/// A safeguard: at such rates the remaining correction is above [`REMAINDER`] in any case.
+const SMALLEST_COMPLEMENT: f64 = 0.1;
+
+/// Growth of the contraction constant in each step that does not measure it.
+///
+/// An old measurement is trusted less. The better one of 1.2 and 1.5 (decision 20).
+const GROWTH: f64 = 1.2;
+
+/// Estimate of the convergence of Newton's method from earlier steps.
+///
+/// Near the solution Newton's method with an exact matrix contracts quadratically, `|Δ₂| = c |Δ₁|²`. With the contraction constant c of
+/// earlier steps the size of the second correction is known before its evaluation.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct NewtonConvergence {
+    /// Contraction constant c, in units of one over the tolerance; infinite while it is unknown.
+    contraction: f64,
+    /// Whether the last step ended with its first correction.
+    pub(super) unmeasured: bool,
+}
+
+impl NewtonConvergence {
+    pub(super) fn new() -> Self {
+        Self {
+            contraction: f64::INFINITY,
+            unmeasured: false,
+        }
+    }
+
+    /// Forget the contraction constant.
+    pub(super) fn restart(&mut self) {
+        self.contraction = f64::INFINITY;
+    }
+
+    /// Return the remaining correction after one of `size` that follows one of `last`.
+    ///
+    /// The sum of a geometric series, `Δ θ/(1 - θ)` with the rate θ (Hairer and Wanner, *Solving Ordinary Differential Equations II*,
+    /// section IV.8).
+    pub(super) fn measure(&mut self, size: f64, last: f64) -> f64 {
+        let rate = size / last;
+        self.contraction = size / (last * last);
+        size * rate / (1.0 - rate).max(SMALLEST_COMPLEMENT)
+    }
+
+    /// Return whether the first correction, of `size`, is the last one of this step.
+    ///
+    /// The predicted rate is `safety_factor` c |Δ₁| and the remaining correction is that times |Δ₁|.
+    pub(super) fn may_skip_second_correction(
+        &mut self,
+        control: &StepControl,
+        size: f64,
+        safety_factor: f64,
+    ) -> bool {
+        if safety_factor.is_infinite() {
+            self.contraction = f64::INFINITY;
+        }
+        let by_component = control.is_by_component();
+        let allowed = if by_component {
+            UNMEASURED
+        } else {
+            (UNMEASURED_LENGTH / control.accuracy).min(REMAINDER)
+        };
+        let longest = size.max(1.0) * control.accuracy;
+        let is_short = !by_component && longest <= LONGEST_WITH_EVENTS;
+        let rate = safety_factor * self.contraction * size;
+        self.unmeasured = rate < SLOWEST_UNMEASURED
+            && rate * size <= allowed
+            && (safety_factor <= 1.0 || is_short);
+        if self.unmeasured {
+            self.contraction *= GROWTH;
+        }
+        self.unmeasured
+    }
+}

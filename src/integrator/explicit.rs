@@ -1,0 +1,251 @@
+//! The explicit corrector: predict, evaluate, correct, evaluate (PECE), after subroutine STEP of Shampine and Gordon.
+
+use super::adams::Adams;
+use super::corrector_switching::STEPS_PER_CHECK;
+use super::order_control::{ErrorEstimate, SAFE_ERROR, choose_order, choose_step, gamma_star};
+use super::step::{Step, StepFailure};
+use super::{Corrector, OdeSystem, SecondOrderSystem};
+
+/// Factor of the step size after a rejected step.
+///
+/// The value of DE/STEP. Doubled: a rejected step would be repeated without change.
+const REJECTED: f64 = 0.5;
+
+/// Failures of one step after which the order is one.
+///
+/// The value of DE/STEP: repeated failures show a discontinuity, at which a higher order gains nothing.
+const FAILURES_TO_ORDER_ONE: u32 = 3;
+
+impl Adams {
+    /// Make one step of any system with the explicit corrector.
+    ///
+    /// # Errors
+    /// When the step size or the tolerances are below rounding.
+    pub fn step(&mut self, system: &mut impl OdeSystem) -> Result<Step, StepFailure> {
+        let state = (&self.vectors.y[..], self.starting);
+        (self.norm).update(self.instructions, &self.control, system, state);
+        self.step_with_weights(system)
+    }
+
+    /// Make one step of a second-order system; consider the implicit corrector every few steps where the choice is automatic.
+    pub(super) fn step_pece(
+        &mut self,
+        system: &mut impl SecondOrderSystem,
+    ) -> Result<Step, StepFailure> {
+        let state = (&self.vectors.y[..], self.starting);
+        (self.norm).update_by_scale(self.instructions, &self.control, system, false, state);
+        let step = self.step_with_weights(system)?;
+        let due = self.counts.steps.is_multiple_of(u64::from(STEPS_PER_CHECK));
+        if due && self.control.corrector == Corrector::Auto {
+            self.check_switch_to_implicit(system);
+        }
+        Ok(step)
+    }
+
+    fn step_with_weights(&mut self, system: &mut impl OdeSystem) -> Result<Step, StepFailure> {
+        let controlled = system.controlled();
+        self.check_tolerances(controlled)?;
+        if self.starting {
+            self.start(system);
+        }
+        let begin = self.time;
+        let set = self.instructions;
+        let mut failures = 0;
+        let estimate = loop {
+            self.history.predict(set, &self.next, &mut self.vectors);
+            let end = self.time + self.next.size;
+            self.vectors.evaluate_at_prediction(system, end);
+            self.counts.evaluations += 1;
+            let estimate =
+                (self.history).estimate_and_correct(set, &self.next, &self.norm, &mut self.vectors);
+            if estimate.accepts() {
+                // The system may still find an event that both ends of the step do not show.
+                if system.accepts_step(self.next.size, self.allowed()) {
+                    break estimate;
+                }
+            } else {
+                failures += 1;
+            }
+            self.reject_step(&estimate, failures, controlled)?;
+        };
+        let above = self.correct_and_evaluate(system);
+        self.choose_order_and_step(&estimate, above);
+        Ok(Step {
+            start: begin,
+            end: self.time,
+            order: self.history.last_order,
+        })
+    }
+
+    /// Undo a rejected step and reduce its size; from the third failure on use order one (block 3 of STEP).
+    fn reject_step(
+        &mut self,
+        estimate: &ErrorEstimate,
+        failures: u32,
+        controlled: usize,
+    ) -> Result<(), StepFailure> {
+        self.counts.rejected += 1;
+        self.next.growing = false;
+        let error = estimate.at_order;
+        let mut shrink = REJECTED;
+        // The error of order one is about h²: its optimal size follows from the square root.
+        let hopeless = SAFE_ERROR < 0.25 * error && error.is_finite();
+        if failures > FAILURES_TO_ORDER_ONE && hopeless {
+            shrink = (SAFE_ERROR / error).sqrt();
+        }
+        self.undo_step(shrink * self.next.size, controlled)?;
+        let order = self.next.order;
+        if failures >= FAILURES_TO_ORDER_ONE {
+            self.next.order = 1;
+        } else if estimate.prefers_lower(order) {
+            self.next.order = order - 1;
+        }
+        Ok(())
+    }
+
+    /// Accept the corrected value, evaluate there and update the differences; return |φ_{k+2}| where the order may be raised.
+    fn correct_and_evaluate(&mut self, system: &mut impl OdeSystem) -> f64 {
+        let (k, h) = (self.next.order, self.next.size);
+        let (history, vectors) = (&mut self.history, &mut self.vectors);
+        self.time += h;
+        self.convergence.unmeasured = false;
+        if history.differences.compensates() {
+            let weight = h * history.coefficients.g[k];
+            history.differences.correct(
+                weight,
+                &vectors.predicted,
+                &vectors.slope,
+                &mut vectors.trial,
+            );
+        }
+        std::mem::swap(&mut vectors.y, &mut vectors.trial);
+        // Corrector switching compares the derivatives at both evaluations.
+        std::mem::swap(&mut vectors.slope, &mut vectors.residual);
+        vectors.evaluate_at_solution(system, self.time);
+        self.counts.evaluations += 1;
+        self.counts.steps += 1;
+        let raise = history.may_raise(k, self.control.max_order);
+        history.update(self.instructions, (k, h), &self.norm, &vectors.slope, raise)
+    }
+
+    /// Choose the next order and step size (block 4 of STEP).
+    fn choose_order_and_step(&mut self, estimate: &ErrorEstimate, above: f64) {
+        let (k, h) = (self.next.order, self.next.size);
+        let max_order = self.control.max_order;
+        if (self.next).grow(estimate, (k, h), max_order, &self.control) {
+            return;
+        }
+        let choice = choose_order(
+            k,
+            max_order,
+            estimate,
+            self.history.may_raise(k, max_order),
+            // Error of one order more, from the difference φ_{k+2}.
+            || h * gamma_star(k + 1) * above,
+        );
+        self.next.order = choice.order;
+        let size = choose_step(h, choice.order, choice.error);
+        self.next.set_size(size, &self.control, self.time);
+    }
+}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrator::StepControl;
+
+    /// y' = y^2, y(0) = 1: y = 1/(1 - t).
+    struct Riccati;
+
+    impl OdeSystem for Riccati {
+        fn dimension(&self) -> usize {
+            1
+        }
+        fn derivative(&mut self, _t: f64, y: &[f64], dydt: &mut [f64]) {
+            dydt[0] = y[0] * y[0];
+        }
+    }
+
+    fn control(tolerance: f64) -> StepControl {
+        StepControl {
+            rtol: tolerance,
+            atol: tolerance,
+            max_step: f64::INFINITY,
+            max_order: 12,
+            ..StepControl::default()
+        }
+    }
+
+    #[test]
+    fn two_evaluations_a_step_and_one_a_rejected_one() {
+        let mut adams = Adams::new(1, control(1e-8));
+        adams.restart(0.0, &[1.0]);
+        while adams.time() < 0.9 {
+            adams.step(&mut Riccati).unwrap();
+        }
+        let counts = adams.counts();
+        assert_eq!(counts.evaluations, 1 + 2 * counts.steps + counts.rejected);
+        assert!(counts.rejected > 0);
+    }
+
+    #[test]
+    fn dense_output_meets_both_ends_of_a_step() {
+        let mut adams = Adams::new(1, control(1e-10));
+        adams.restart(0.0, &[1.0]);
+        for _ in 0..40 {
+            let before = adams.y()[0];
+            let step = adams.step(&mut Riccati).unwrap();
+            assert!((adams.dense(step.end).value(0) - adams.y()[0]).abs() < 1e-15 * adams.y()[0]);
+            assert!((adams.dense(step.start).value(0) - before).abs() < 1e-8 * before);
+        }
+    }
+
+    #[test]
+    fn a_pole_ends_in_a_failure_that_names_time_and_step() {
+        let mut adams = Adams::new(1, control(1e-8));
+        adams.restart(0.0, &[1.0]);
+        let failure = loop {
+            match adams.step(&mut Riccati) {
+                Ok(_) => assert!(adams.counts().steps < 1_000_000),
+                Err(failure) => break failure,
+            }
+        };
+        match failure {
+            StepFailure::TooSmall { time, .. }
+            | StepFailure::NotFinite { time, .. }
+            | StepFailure::ToleranceTooSmall { time, .. } => {
+                assert!((time - 1.0).abs() < 1e-3);
+            }
+        }
+    }
+
+    #[test]
+    fn a_slope_beyond_all_numbers_ends_in_a_failure() {
+        struct Steep(f64);
+        impl OdeSystem for Steep {
+            fn dimension(&self) -> usize {
+                1
+            }
+            fn derivative(&mut self, _t: f64, _y: &[f64], dydt: &mut [f64]) {
+                dydt[0] = self.0;
+            }
+        }
+        for slope in [f64::INFINITY, f64::NAN] {
+            let mut adams = Adams::new(1, control(1e-8));
+            adams.restart(0.0, &[0.0]);
+            let failure = adams.step(&mut Steep(slope)).unwrap_err();
+            let names = matches!(
+                failure,
+                StepFailure::TooSmall { time: 0.0, .. } | StepFailure::NotFinite { time: 0.0, .. }
+            );
+            assert!(names && adams.counts().rejected < 2000, "{failure:?}");
+        }
+    }
+
+    #[test]
+    fn tolerances_below_rounding_are_refused() {
+        let mut adams = Adams::new(1, control(1e-17));
+        adams.restart(0.0, &[1.0]);
+        let failure = adams.step(&mut Riccati).unwrap_err();
+        assert!(matches!(failure, StepFailure::ToleranceTooSmall { factor, .. } if factor > 1.0));
+    }
+}

@@ -1,0 +1,202 @@
+//! Past of the solution: the table of differences and the coefficients that belong to its steps.
+
+use serde::{Deserialize, Serialize};
+
+use super::coefficients::Coefficients;
+use super::difference_kernels::{Correction, Errors};
+use super::differences::Differences;
+use super::next_step::NextStep;
+use super::order_control::ErrorEstimate;
+use super::vectors::Vectors;
+use super::weights::ErrorNorm;
+use super::{DenseOutput, MAX_ORDER};
+use crate::math::simd::InstructionSet;
+
+/// Differences of the derivative over the last steps, with the coefficients of the Adams formulas.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct History {
+    pub(super) coefficients: Coefficients,
+    pub(super) differences: Differences,
+    /// Size of the last accepted step \[s\].
+    pub(super) last_step_size: f64,
+    /// Order of the last accepted step; zero before the first one.
+    pub(super) last_order: usize,
+}
+
+impl History {
+    pub(super) fn new(dimension: usize) -> Self {
+        Self {
+            coefficients: Coefficients::new(),
+            differences: Differences::new(dimension),
+            last_step_size: 0.0,
+            last_order: 0,
+        }
+    }
+
+    /// Forget all steps; begin with the derivative `slope` at the start.
+    pub(super) fn restart(&mut self, slope: &[f64], compensate: bool) {
+        self.differences.restart(slope, compensate);
+        self.coefficients = Coefficients::new();
+        self.last_step_size = 0.0;
+        self.last_order = 0;
+    }
+
+    /// Return whether `other` can be replaced by this history: equal sizes and valid indices.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        self.differences.is_like(&other.differences)
+            && self.last_order <= MAX_ORDER
+            && self.coefficients.equal_steps <= MAX_ORDER + 1
+    }
+
+    /// Update the coefficients for a step of this size and order.
+    pub(super) fn update_coefficients(&mut self, step: &NextStep) {
+        let last = (self.last_step_size, self.last_order);
+        self.coefficients
+            .update(step.size, step.order, last.0, last.1);
+    }
+
+    /// Compute the predicted value; turns φ into φ*.
+    pub(super) fn predict(&mut self, set: InstructionSet, step: &NextStep, vectors: &mut Vectors) {
+        self.update_coefficients(step);
+        self.differences.predict(
+            set,
+            &self.coefficients,
+            step.order,
+            step.size,
+            &vectors.y,
+            &mut vectors.predicted,
+        );
+    }
+
+    /// Undo the prediction of a rejected step.
+    pub(super) fn undo_prediction(&mut self, set: InstructionSet, step: &NextStep) {
+        self.differences
+            .undo_prediction(set, &self.coefficients, step.order);
+        self.coefficients.undo_prediction(step.order, step.size);
+    }
+
+    /// Return γ = h `g_k`, the weight of the new derivative in the implicit formula of the predictor's order.
+    pub(super) fn gamma(&self, step: &NextStep) -> f64 {
+        step.size * self.coefficients.g[step.order - 1]
+    }
+
+    /// Return the error estimates at this order and at the two orders below, from the derivative at the predicted value.
+    pub(super) fn estimate_error(
+        &self,
+        set: InstructionSet,
+        step: &NextStep,
+        norm: &ErrorNorm,
+        vectors: &Vectors,
+    ) -> ErrorEstimate {
+        let sums = set.run(Errors {
+            dimension: vectors.dimension,
+            slope: &vectors.slope,
+            rows: self.differences.rows_of_errors(step.order),
+            inverse_weight: &norm.inverse_weight,
+            correction: None,
+        });
+        self.estimate_from(step, norm, sums)
+    }
+
+    /// Return the same estimates; write the corrected value `p + h g_{k+1} (f(p) - φ*_1)` into `trial` in the same pass.
+    pub(super) fn estimate_and_correct(
+        &self,
+        set: InstructionSet,
+        step: &NextStep,
+        norm: &ErrorNorm,
+        vectors: &mut Vectors,
+    ) -> ErrorEstimate {
+        let sums = set.run(Errors {
+            dimension: vectors.dimension,
+            slope: &vectors.slope,
+            rows: self.differences.rows_of_errors(step.order),
+            inverse_weight: &norm.inverse_weight,
+            correction: Some(Correction {
+                weight: step.size * self.coefficients.g[step.order],
+                predicted: &vectors.predicted,
+                corrected: &mut vectors.trial,
+            }),
+        });
+        self.estimate_from(step, norm, sums)
+    }
+
+    /// Return the estimates from sums of squares at orders k, k - 1 and k - 2.
+    pub(super) fn estimate_from(
+        &self,
+        step: &NextStep,
+        norm: &ErrorNorm,
+        sums: [f64; 3],
+    ) -> ErrorEstimate {
+        let size = (step.order, step.size);
+        ErrorEstimate::new(&self.coefficients, size, |sum| norm.of_sum(sum), sums)
+    }
+
+    /// Replace the differences by those that include the derivative at the new solution; return |φ_{k+2}|, or zero without `above`.
+    pub(super) fn update(
+        &mut self,
+        set: InstructionSet,
+        (k, h): (usize, f64),
+        norm: &ErrorNorm,
+        slope: &[f64],
+        above: bool,
+    ) -> f64 {
+        (self.last_order, self.last_step_size) = (k, h);
+        let weights = &norm.inverse_weight;
+        norm.of_sum(self.differences.update(set, k, slope, weights, above))
+    }
+
+    /// Replace the differences after an implicit step that needs the newest one only; `ends`: predicted and new velocities.
+    pub(super) fn update_plain(
+        &mut self,
+        set: InstructionSet,
+        (k, h): (usize, f64),
+        inverse_gamma: f64,
+        ends: [&[f64]; 2],
+    ) {
+        (self.last_order, self.last_step_size) = (k, h);
+        self.differences
+            .append_newton_difference(set, k, inverse_gamma, ends);
+    }
+
+    /// Return whether steps were equal for long enough to estimate the error of one order more after a step of order `k`.
+    pub(super) fn may_raise(&self, k: usize, max_order: usize) -> bool {
+        k < self.coefficients.equal_steps && k < max_order
+    }
+
+    /// Return |φ_{i+1}| after a step.
+    pub(super) fn norm_of_difference(
+        &self,
+        set: InstructionSet,
+        norm: &ErrorNorm,
+        i: usize,
+    ) -> f64 {
+        let (row, newest) = self.differences.parts_of_row(i);
+        norm.of_parts(set, row, newest)
+    }
+
+    /// Return the component with the largest error, or the first one whose derivative is not a number.
+    pub(super) fn worst_component(
+        &self,
+        norm: &ErrorNorm,
+        vectors: &Vectors,
+        controlled: usize,
+    ) -> usize {
+        let first = self.differences.row(0);
+        let error = |i: usize| ((vectors.slope[i] - first[i]) * norm.inverse_weight[i]).abs();
+        (0..controlled)
+            .find(|&i| error(i).is_nan())
+            .or_else(|| (0..controlled).max_by(|&a, &b| error(a).total_cmp(&error(b))))
+            .unwrap_or(0)
+    }
+
+    /// Return the dense output at `distance` \[s\] from the end of the last step, where the solution is `y`.
+    pub(super) fn dense<'a>(&'a self, distance: f64, y: &'a [f64]) -> DenseOutput<'a> {
+        DenseOutput::new(
+            distance,
+            self.last_order,
+            &self.coefficients.psi,
+            y,
+            &self.differences,
+        )
+    }
+}
