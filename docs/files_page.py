@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import inspect
 import json
-import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import rustchain as rc
 from rustchain.files.models import makers_of
+from rustchain.files.schema import descriptions_of
 
 PAGE = Path(__file__).with_name("files.md")
 MARK = "## Every key\n"
@@ -48,23 +48,9 @@ GROUPS: dict[str, list[Callable[..., Any]]] = {
 LEFT_OUT = {rc.Simulation: {"drive"}, rc.Simulation.run: {"self", "progress", "callback"}}
 
 
-def described(target: Callable[..., Any]) -> dict[str, str]:
-    """Return what the docstrings say of each parameter, those of base classes included."""
-    found: dict[str, str] = {}
-    for each in reversed(getattr(target, "__mro__", (target,))):
-        text = inspect.cleandoc(each.__doc__ or "")
-        section = re.search(r"(?:Attributes|Parameters)\n-+\n(.*?)(?:\n\n\w+\n-+|\Z)", text, re.S)
-        entries = re.split(r"\n(?=\S)", section.group(1)) if section else []
-        for entry in entries:
-            names, *lines = entry.split("\n")
-            for name in names.split(" : ")[0].split(", "):
-                found[name] = " ".join(line.strip() for line in lines)
-    return found
-
-
 def rows(target: Callable[..., Any]) -> Iterator[str]:
     """Yield a row of the table for each key."""
-    texts = described(target)
+    texts = descriptions_of(target)
     for name, parameter in inspect.signature(target).parameters.items():
         if name in LEFT_OUT.get(target, ()):
             continue

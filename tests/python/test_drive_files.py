@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 import rustchain as rc
 from rustchain.cli.app import app
 from rustchain.description.base import Description
+from rustchain.files.source import Source
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples" / "three_shafts.toml"
@@ -132,7 +133,7 @@ def test_check_shows_the_layout_and_refuses_what_would_not_run(tmp_path):
     [
         ("teeth = 25", "teeth = 3", 22, "drive.sprockets[1]: Sprocket.teeth = 3: must be between"),
         ("teeth = 25", "teth = 25", 22, "drive.sprockets[1].teth: means nothing here; did you "),
-        ("teeth = 25", "teeth = '25'", 22, "drive.sprockets[1].teeth: '25': must be a valid int"),
+        ("teeth = 25", "teeth = '25'", 22, "drive.sprockets[1].teeth: '25': must be an integer"),
         ("teeth = 25", "", 21, "drive.sprockets[1]: 'teeth' is missing"),
         ('"outside"', '"outsde"', 30, "sprockets[2].side: 'outsde': must be 'inside' or 'outside'"),
         ("[0.35, -0.05]", "[0.35]", 23, "Sprocket.center = (0.35,): must be two numbers"),
@@ -159,6 +160,75 @@ def test_an_error_names_file_line_key_and_what_is_allowed(tmp_path, old, new, li
     assert "Traceback" not in done.output
     assert text in done.output
     assert re.search(rf"drive\.toml.*line {line}\b", done.output), done.output
+
+
+def test_three_mistakes_are_told_at_once_each_with_place_field_and_nearest_name(tmp_path):
+    path = changed(tmp_path, "teeth = 25", "teth = 25")
+    text = path.read_text().replace("torque = 0.0", "torqe = 0.0")
+    path.write_text(text.replace("report_step", "report_stp").replace('"flores"', '"flors"'))
+    with pytest.raises(rc.InvalidInput) as refused:
+        rc.load_scene(path)
+    told = str(refused.value).splitlines()
+    line = f"{path}, line"
+    assert told[2].startswith(f"{line} 33, column 31: simulation.force_law.damping: 'flors'")
+    assert told[2].endswith("'hu-guo' or 'zhiying-qishao'; did you mean 'flores'?")
+    assert told == [
+        f"{line} 22, column 1: drive.sprockets[1].teth: means nothing here; did you mean 'teeth'?",
+        f"{line} 24, column 12: drive.sprockets[1].motion.torqe: means nothing here; "
+        "did you mean 'torque'?",
+        told[2],
+        f"{line} 38, column 1: run.report_stp: means nothing here; did you mean 'report_step'?",
+    ]
+
+
+TOML = """
+a = 1 # [x]
+"q.r" = "=#["
+[t.u]
+b.c = [1, 2, [3, # remark
+  {d = 4, e.f = "x,}"}],
+]
+m = \"\"\"
+[no]
+k = 2 \\\"\"\"\"
+n = '''a''b'''
+when = 1979-05-27 07:32:00
+[[s]]
+x = {y = [1979-05-27T07:32:00Z, true]}
+[[s]]
+[s.z]
+w = 'l'
+[[s.l]]
+v = ""
+"""
+
+
+def keys_within(value, key=()):
+    """Yield the key of everything in a value."""
+    if isinstance(value, dict | list):
+        items = value.items() if isinstance(value, dict) else enumerate(value)
+        for name, inside in items:
+            yield (*key, name)
+            yield from keys_within(inside, (*key, name))
+
+
+@pytest.mark.parametrize("text", [TOML, TOML.replace("\n", "\r\n"), EXAMPLE.read_text()])
+def test_every_key_of_a_file_has_its_line_and_column(tmp_path, text):
+    path = tmp_path / "keys.toml"
+    path.write_bytes(text.encode())
+    source = Source.of(path)
+    lines = text.splitlines()
+    headless = {("t",)}  # a table that only the header of one inside it names
+    assert set(source.places) == set(keys_within(source.content)) - headless
+    for key, (line, column) in source.places.items():
+        written = lines[line - 1][column - 1 :]
+        if isinstance(key[-1], str):
+            assert re.match(rf"(\[*|([\w.\"]+\.)?)[\w.\"]*{re.escape(key[-1])}", written), (
+                key,
+                written,
+            )
+        else:
+            assert re.match("[\\[{'\"t0-9-]", written)
 
 
 def test_a_table_of_a_spreadsheet_has_a_mark_at_its_beginning(tmp_path):
@@ -286,8 +356,10 @@ def test_every_class_of_description_can_be_written(tmp_path, place, kind):
 
 def test_the_page_has_every_class_and_every_field():
     classes = [kind for name, kind in Description._types.items() if hasattr(rc, name)]
-    parts = {"Mechanism", "LinearContact", "SurfaceContact", "HuntCrossley", "Sines", "SmoothStep", "Spline",
-             "Table", "ForceLaw", "StopCondition"}  # fmt: skip
+    parts = {
+        *("Mechanism", "LinearContact", "SurfaceContact", "HuntCrossley"),
+        *("Sines", "SmoothStep", "Spline", "Table", "ForceLaw", "StopCondition"),
+    }
     for kind in classes:
         if kind.__name__ in parts:
             continue
@@ -340,7 +412,7 @@ DEEP = 5000
             "line 5, column 1: drive.type: ['a'] is not known; known: 'ChainDrive'",
         ),
         (SHORT + "[run]\nstop = [{type = {}}]", "run.stop[0].type: {} is not known"),
-        (SHORT + f"[run]\nout = {DEEP}", f"run.out: {DEEP}: must be a valid string"),
+        (SHORT + f"[run]\nout = {DEEP}", f"run.out: {DEEP}: must be a text"),
     ],
 )
 def test_a_file_that_nests_or_counts_without_end_is_refused_with_its_name(tmp_path, text, said):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import warnings
 from collections.abc import Callable, Iterator
@@ -287,6 +288,25 @@ def catalogue(
             typer.echo(
                 f"{size.name:<10}{row}{size.mass_per_length:9.3f}{1e-3 * size.strength:9.2f}"
             )
+
+
+@app.command()
+def schema(
+    out: Annotated[
+        Path | None, typer.Option(help="File to write; without it, the schema is printed.")
+    ] = None,
+) -> None:
+    """Write the JSON Schema of drive files, for editors that check and complete them."""
+    from rustchain.files.schema import schema as schema_of_files
+
+    with _clear_errors():
+        text = json.dumps(schema_of_files(), indent=2, ensure_ascii=False)
+        if out is None:
+            typer.echo(text)
+            return
+        _make_room(out)
+        write_whole(out, f"{text}\n".encode(), "out")
+        typer.echo(out)
 
 
 def _scene(drive: str, pretension: float | None) -> rc.Scene:

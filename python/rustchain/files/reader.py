@@ -1,56 +1,171 @@
-"""Drive files: tables of TOML checked by their models and made into descriptions."""
+"""Drive files: tables of TOML, checked by their models and made into descriptions."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
-
-from pydantic import BaseModel, ValidationError
+from typing import Any, Literal, get_args, get_origin
 
 from rustchain.arguments import shown
-from rustchain.description.laws.force import ForceLaw
+from rustchain.description.drive import ChainDrive
 from rustchain.errors import InvalidInput
-from rustchain.files.models import MAKERS, file_model, makers_of
+from rustchain.files.models import (
+    Field,
+    Maker,
+    fields_of,
+    item_of,
+    leaf_problem,
+    members_of,
+    sections,
+    tables_of,
+    tag_of,
+)
 from rustchain.files.source import Key, Source, text_of
 from rustchain.names import suggest
 from rustchain.paths import reason
-from rustchain.simulation.stop import StopCondition
 
 __all__ = ["Source", "read"]
 
 
 def read(path: Path) -> tuple[Source, dict[str, Any]]:
-    """Return a drive file and what it describes: drive, simulation, run."""
+    """Return a drive file and what it describes: drive, simulation, run.
+
+    Raises
+    ------
+    InvalidInput
+        With a line for each thing that is wrong, in the order of the file.
+    """
     source = Source.of(path)
-    content = _with_tables_read(source, source.content, ())
-    try:
-        checked = file_model().model_validate(content)
-    except ValidationError as error:
-        raise _refusal(source, content, error) from None
-    found = {name: _made(source, (name,), getattr(checked, name)) for name in content}
-    found = {"simulation": {}, "run": {}} | found
+    found = _Reader(source).file()
     if (out := found["run"].get("out")) is not None:
         found["run"]["out"] = path.parent / out
     return source, found
 
 
-def _with_tables_read(source: Source, value: Any, key: Key) -> Any:  # noqa: ANN401
-    """Return a value with the numbers of other files in place of ``{file = "..."}``."""
-    if isinstance(value, list):
-        return [_with_tables_read(source, each, (*key, i)) for i, each in enumerate(value)]
-    if not isinstance(value, dict):
+class _Wrong:
+    """What stands for a value that was refused."""
+
+
+_WRONG = _Wrong()
+
+
+class _Reader:
+    """Makes the values of a file, and gathers what is wrong with it."""
+
+    def __init__(self, source: Source) -> None:
+        self._source = source
+        self._refusals: list[tuple[tuple[int, int], InvalidInput]] = []
+
+    def file(self) -> dict[str, Any]:
+        """Return drive, simulation and run."""
+        content = self._source.content
+        fields = {"drive": Field(ChainDrive, True)}
+        fields |= {name: Field(dict, False) for name in sections()}
+        found: dict[str, Any] = {name: {} for name in sections()}
+        for name, value in self._entries(content, fields, ()):
+            if name in sections():
+                value = self._section(name, value)
+            else:
+                value = self._value(value, ChainDrive, (name,))
+            found[name] = value
+        if self._refusals:
+            refusals = [error for _, error in sorted(self._refusals, key=lambda each: each[0])]
+            if len(refusals) == 1:
+                raise refusals[0]
+            raise InvalidInput("\n".join(map(str, refusals))) from refusals[0]
+        return found
+
+    def _refuse(self, key: Key, message: str, *, below: bool = False) -> _Wrong:
+        """Keep what is wrong with `key`; with `below`, the message tells of a field of it."""
+        error = (self._source.refusal if below else self._source.refusal_at)(key, message)
+        return self._keep(key, error)
+
+    def _keep(self, key: Key, error: InvalidInput) -> _Wrong:
+        while key and key not in self._source.places:
+            key = key[:-1]
+        self._refusals.append((self._source.places.get(key, (0, 0)), error))
+        return _WRONG
+
+    def _entries(
+        self, table: Mapping[str, Any], fields: Mapping[str, Field], key: Key
+    ) -> list[tuple[str, Any]]:
+        """Return the entries of a table that it may have; refuse others, and missing ones."""
+        unknown = [name for name in table if name not in fields and name != "type"]
+        for name in unknown:
+            self._refuse((*key, name), f"means nothing here; {suggest(name, fields)}")
+        if not unknown:  # a misspelt key is often what another one is missing for
+            for name, field in fields.items():
+                if field.needed and name not in table:
+                    self._refuse(key, f"{name!r} is missing: it must be given")
+        return [(name, value) for name, value in table.items() if name in fields]
+
+    def _section(self, name: str, value: object) -> dict[str, Any]:
+        """Return the keywords in the table ``simulation`` or ``run``."""
+        if not isinstance(value, Mapping):
+            self._refuse((name,), f"{shown(value)}: must be a table")
+            return {}
+        fields = sections()[name]
+        entries = self._entries(value, fields, (name,))
+        return {each: self._value(v, fields[each].hint, (name, each)) for each, v in entries}
+
+    def _value(self, value: Any, hint: Any, key: Key) -> Any:  # noqa: ANN401
+        """Return what a value stands for: a description for a table, the rest as it is."""
+        makers, item = tables_of(hint), item_of(hint)
+        if isinstance(value, Mapping) and value.keys() == {"file"}:
+            return self._numbers(str(value["file"]), key)
+        if makers and isinstance(value, Mapping):
+            return self._table(value, makers, key)
+        if item is not None and isinstance(value, list):
+            return self._all([self._value(v, item, (*key, i)) for i, v in enumerate(value)])
+        if item is not None and len(members_of(hint)) == 1:
+            return self._refuse(key, f"{shown(value)}: must be a list of tables")
+        if (expected := leaf_problem(value, hint)) is not None:
+            near = _near(value, hint)
+            return self._refuse(key, f"{shown(value)}: must be {expected}{near}")
+        if isinstance(value, list):  # of numbers, or of files of them
+            return self._all([self._value(v, Any, (*key, i)) for i, v in enumerate(value)])
         return value
-    if value.keys() != {"file"}:
-        return {k: _with_tables_read(source, each, (*key, k)) for k, each in value.items()}
-    path = source.path.parent / str(value["file"])
-    try:
-        return _rows_of_numbers(path)
-    except (OSError, ValueError) as error:
-        why = reason(error) if isinstance(error, OSError) else str(error)
-        name = shown(str(value["file"]))
-        msg = f"{name}: {why}: give a file of rows of numbers with commas between"
-        raise source.refusal_at((*key, "file"), msg) from error
+
+    def _all(self, values: list[Any]) -> Any:  # noqa: ANN401
+        return _WRONG if _WRONG in values else values
+
+    def _table(self, value: Mapping[str, Any], makers: Mapping[str, Maker], key: Key) -> Any:  # noqa: ANN401
+        """Return the description that a table stands for."""
+        name = tag_of(value, makers)
+        if name is None:
+            if "type" not in value:
+                listed = " or ".join(f"type = {each!r}" for each in makers)
+                return self._refuse(key, f"its keys do not tell what it is: add {listed}")
+            given = value["type"]
+            message = f"{shown(given)} is not known; {suggest(given, makers)}"
+            return self._refuse((*key, "type"), message)
+        before, fields = len(self._refusals), fields_of(makers[name])
+        entries = self._entries(value, fields, key)
+        made = {each: self._value(v, fields[each].hint, (*key, each)) for each, v in entries}
+        if len(self._refusals) > before:
+            return _WRONG
+        try:
+            return makers[name](**made)
+        except (InvalidInput, TypeError) as error:
+            refused = self._source.refusal(key, str(error))
+            refused.__cause__ = error
+            return self._keep(key, refused)
+
+    def _numbers(self, name: str, key: Key) -> Any:  # noqa: ANN401
+        """Return the numbers of another file, for ``{file = "..."}``."""
+        try:
+            return _rows_of_numbers(self._source.path.parent / name)
+        except (OSError, ValueError) as error:
+            why = reason(error) if isinstance(error, OSError) else str(error)
+            remedy = "give a file of rows of numbers with commas between"
+            return self._refuse((*key, "file"), f"{shown(name)}: {why}: {remedy}")
+
+
+def _near(value: object, hint: Any) -> str:  # noqa: ANN401
+    """Return the nearest of the words that are allowed, if one is near."""
+    words = [w for m in members_of(hint) if get_origin(m) is Literal for w in get_args(m)]
+    near = suggest(value, words) if words else ""
+    return f"; {near}" if near.startswith("did you") else ""
 
 
 def _rows_of_numbers(path: Path) -> list[list[float]]:
@@ -78,92 +193,3 @@ def _rows_of_numbers(path: Path) -> list[list[float]]:
         msg = "has no row of numbers"
         raise ValueError(msg)
     return rows
-
-
-def _made(source: Source, key: Key, value: Any) -> Any:  # noqa: ANN401
-    """Return what a checked value stands for: descriptions for tables, the rest as it is."""
-    if isinstance(value, list | tuple):
-        return type(value)(_made(source, (*key, i), each) for i, each in enumerate(value))
-    if not isinstance(value, BaseModel):
-        return value
-    given = value.model_fields_set - {"type"}
-    fields = {name: _made(source, (*key, name), getattr(value, name)) for name in given}
-    maker = _MAKERS.get(type(value).__name__)
-    if maker is None:  # a table of keywords
-        return fields
-    try:
-        return maker(**fields)
-    except (InvalidInput, TypeError) as error:
-        raise source.refusal(key, str(error)) from error
-
-
-def _all_makers() -> dict[str, Any]:
-    """Return all that makes something of a table, by name."""
-    from rustchain.description.base import Description
-
-    names = dict(Description._types)
-    for kind in (*MAKERS, ForceLaw, StopCondition):
-        names |= makers_of(kind)  # type: ignore[arg-type]
-    return names
-
-
-_MAKERS = _all_makers()
-
-
-def _refusal(source: Source, content: Mapping[str, Any], error: ValidationError) -> InvalidInput:
-    """Return what is wrong first, in the words of this package."""
-    # A key that is not known is often what another one is missing for.
-    found = sorted(error.errors(), key=lambda each: each["type"] != "extra_forbidden")[0]
-    key, model = _key_of(content, found["loc"])
-    kind, value = found["type"], found["input"]
-    if kind == "extra_forbidden":
-        fields = _fields_at(model)
-        return source.refusal_at(key, f"means nothing here; {suggest(key[-1], fields)}")
-    if kind == "missing":
-        return source.refusal_at(key[:-1], f"{key[-1]!r} is missing: it must be given")
-    if kind == "type":
-        names = found["msg"].split("|")
-        given = value.get("type") if isinstance(value, Mapping) else value
-        if given is None:
-            listed = " or ".join(f"type = {name!r}" for name in names)
-            return source.refusal_at(key, f"its keys do not tell what it is: add {listed}")
-        message = f"{shown(given)} is not known; {suggest(given, names)}"
-        return source.refusal_at((*key, "type"), message)
-    message = found["msg"].replace("Input should be", "must be")
-    return source.refusal_at(key, f"{shown(value)}: {message}")
-
-
-def _key_of(content: Any, place: tuple[int | str, ...]) -> tuple[Key, str | None]:  # noqa: ANN401
-    """Return the key in the file that pydantic's place stands for, and the last model on the way.
-
-    The names of models are in the place, but not in the file.
-    """
-    key: Key = ()
-    model = None
-    for part in place:
-        is_model = isinstance(part, str) and part in _MAKERS
-        inside = isinstance(content, dict) and part in content
-        if is_model and not inside and part != model:
-            model = str(part)
-            continue
-        key = (*key, part)
-        try:
-            content = content[part]
-        except (KeyError, IndexError, TypeError):
-            content = None
-        if part in ("simulation", "run") and len(key) == 1:
-            model = str(part)
-    return key, model
-
-
-def _fields_at(model: str | None) -> list[str]:
-    """Return the keys of a model, by its name; without one, those of the file."""
-    top = file_model()
-    if model in ("simulation", "run"):
-        inner = top.model_fields[str(model)].annotation
-        return list(inner.model_fields)  # type: ignore[union-attr]
-    if model is None:
-        return list(top.model_fields)
-    from rustchain.files.models import model_of
-
-    return list(model_of(model, _MAKERS[model]).model_fields)

@@ -1,0 +1,65 @@
+"""The JSON Schema of drive files says the same as their reader."""
+
+import json
+from pathlib import Path
+
+import jsonschema
+import pytest
+import tomllib
+from typer.testing import CliRunner
+
+import rustchain as rc
+from rustchain.cli.app import app
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "three_shafts.toml"
+
+
+@pytest.fixture(scope="module")
+def schema(tmp_path_factory):
+    path = tmp_path_factory.mktemp("schema") / "drive.schema.json"
+    done = CliRunner().invoke(app, ["schema", "--out", str(path)])
+    assert done.exit_code == 0, done.output
+    printed = CliRunner().invoke(app, ["schema"])
+    assert printed.output == path.read_text(encoding="utf-8")
+    found = json.loads(printed.output)
+    jsonschema.Draft202012Validator.check_schema(found)
+    return found
+
+
+def test_the_example_is_valid(schema):
+    jsonschema.validate(tomllib.loads(EXAMPLE.read_text()), schema)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("teeth = 25", "teth = 25"),
+        ("teeth = 25", "teeth = '25'"),
+        ("teeth = 25", ""),
+        ('"outside"', '"outsde"'),
+        ("[simulation]", "[simulaton]"),
+        ("report_step", "report_stp"),
+        ('"flores"', '"flors"'),
+        ("[0.35, -0.05]", "[0.35]"),
+    ],
+)
+def test_what_the_reader_refuses_is_invalid(schema, old, new):
+    text = EXAMPLE.read_text()
+    assert text.count(old) == 1
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(tomllib.loads(text.replace(old, new)), schema)
+
+
+def test_every_key_has_a_description_and_defaults_are_those_of_the_classes(schema):
+    missing = [
+        (name, key)
+        for name, table in schema["$defs"].items()
+        for key, value in table["properties"].items()
+        if key not in ("type", "file") and "description" not in value
+    ]
+    assert missing == []
+    material = schema["$defs"]["Material"]["properties"]
+    assert material["restitution"]["default"] == rc.Material().restitution
+    assert "Coefficient of restitution" in material["restitution"]["description"]
+    solver = schema["properties"]["simulation"]["properties"]["solver"]
+    assert solver["$ref"] == "#/$defs/Solver"
