@@ -38,7 +38,6 @@ __all__ = [
     "panicked",
     "static_start",
     "strand_names",
-    "tightness",
     "tooth_contacts",
     "tooth_outline",
     "tooth_radii",
@@ -86,9 +85,6 @@ def closing_move(
     drive: ChainDrive, number: int, direction: tuple[float, float], reach: float
 ) -> float:
     """Return how far [m] sprocket `number` moves along `direction` until the chain is taut."""
-
-def tightness(drive: ChainDrive) -> tuple[float, float]:
-    """Return by how much ideal hinges leave the chain too short [m], and its tension then [N]."""
 
 def closing_center_distance(pitch: float, teeth: tuple[int, int], links: int) -> float:
     """Return the centre distance [m] at which both strands are taut and straight."""

@@ -26,6 +26,7 @@ pub use plates::{LinkStiffness, Plates};
 pub use profile::{AnsiTooth, CustomTooth, IsoTooth, StraightTooth, Tip, ToothForm};
 pub use rail::{Arm, Mount, Rail, RailShape};
 pub use sprocket::{Bearing, Faults, Sprocket, SprocketMotion};
+pub(crate) use tensioner::STOP_STIFFNESS;
 pub use tensioner::{Tensioner, TensionerLine};
 pub use time_table::TimeTable;
 pub use variation::Variation;
@@ -36,6 +37,16 @@ use crate::geometry::path::belt::Side;
 
 /// Most pairs of a bushing and a sprocket or guide: they take 150 bytes each.
 const MOST_PAIRS: f64 = 1e7;
+
+/// How the links of a chain are joined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum HingeKind {
+    /// Pins with clearance in their bushings.
+    #[default]
+    Clearance,
+    /// Revolute joints: the drive runs as a mechanism.
+    Ideal,
+}
 
 /// A chain drive.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,6 +64,8 @@ pub struct Drive {
     /// Ends of an open chain: before its first link, behind its last one; none: closed. An open chain may run round no sprocket at
     /// all.
     pub ends: Option<[ChainEnd; 2]>,
+    /// How the links are joined.
+    pub hinge_kind: HingeKind,
 }
 
 impl Drive {

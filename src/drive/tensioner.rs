@@ -1,13 +1,15 @@
 //! A tensioner: pulls a sprocket's centre along a line, or round the pivot of an arm.
 
 use super::belt_line::{BeltLine, pitches, pulleys};
-use super::{ChainEnd, Drive, OpenLine};
+use super::{ChainEnd, Drive, HingeKind, OpenLine};
 use crate::error::{Error, Result, check};
 use crate::geometry::path::belt::Belt;
 use crate::geometry::path::guide_path;
 use crate::geometry::path::wrap::pitch_radius;
 use crate::geometry::{Vec2, turned_left};
 
+/// Stiffness of a stop \[N/m\]: 0.1 mm under 1 kN.
+pub(crate) const STOP_STIFFNESS: f64 = 1e7;
 /// How far the place is looked for where a chain is taut, in tenths of a pitch.
 const MOST_STEPS: u32 = 1000;
 /// Least share of its force with which a tensioner has to tighten the chain.
@@ -265,8 +267,11 @@ impl Way<'_> {
     /// keeps it so, at once.
     fn closing_place(&self, (direction, curvature): (Vec2, f64)) -> Option<f64> {
         let chain = &self.drive.chain;
-        // Under tension every pin has gone to the end of its clearance; an open chain has one more of them than links.
-        let play = chain.hinge.clearance() / chain.pitch;
+        // Under tension every pin has gone to the end of its clearance, where it has one; an open chain has one more of them than links.
+        let play = match self.drive.hinge_kind {
+            HingeKind::Clearance => chain.hinge.clearance() / chain.pitch,
+            HingeKind::Ideal => 0.0,
+        };
         let one_more = if self.line.is_none() { play } else { 0.0 };
         let links = f64::from(chain.links) * (1.0 + play) + one_more;
         let spare = |s: f64| -> Option<f64> {

@@ -7,13 +7,16 @@ mod initial;
 mod many_sprockets;
 mod open_chain;
 mod open_layout;
+mod places;
 mod report;
 mod strand_motion;
+mod strand_tension;
 mod tightness;
 mod two_sprockets;
 
 pub use closing::{closing_move, links_around};
 pub use initial::InitialConfiguration;
-pub(crate) use open_layout::open_strands;
+pub(crate) use places::check_places;
 pub use report::{GuidePlacement, Layout, closing_center_distance, links_for, strand_name};
-pub use tightness::{Tightness, tightness};
+pub(crate) use strand_tension::ChainRow;
+pub use strand_tension::strands;

@@ -303,7 +303,7 @@ fn layout(drive: &Drive, profiles: &[ToothProfile], laid: &OpenChainShape, forwa
 }
 
 /// Strands of an open chain along so many sprockets; its ends are [`usize::MAX`].
-pub(crate) fn open_strands(sprockets: usize) -> Vec<[usize; 2]> {
+pub(super) fn open_strands(sprockets: usize) -> Vec<[usize; 2]> {
     let at = |i: Option<usize>| i.filter(|&i| i < sprockets).unwrap_or(usize::MAX);
     (0..=sprockets)
         .map(|i| [at(i.checked_sub(1)), at(Some(i))])

@@ -1,6 +1,7 @@
 //! What the generator chose for a drive, and what it measures on a chain laid round sprockets.
 
-use crate::drive::{Chain, Drive, SprocketMotion, TimeTable};
+use super::tightness::{Tightness, tightness};
+use crate::drive::{Bearing, Chain, Drive, HingeKind, Sprocket, SprocketMotion, TimeTable};
 use crate::error::Result;
 use crate::geometry::path::belt::Side;
 use crate::geometry::path::wrap;
@@ -116,6 +117,32 @@ fn tensioner_warning(drive: &Drive) -> Option<String> {
     Some(format!(
         "the tensioner does not take up the chain's slack {way}"
     ))
+}
+
+/// Shortage that is told of an ideal chain \[m\]: as far as bushings begin off their seats.
+const LEAST_SHORTAGE: f64 = 1e-6;
+
+/// Ideal hinges that leave the chain too short somewhere on its way round. A tensioner or a floating sprocket gives way; so does a chain
+/// with clearance in its hinges.
+fn tightness_warning(drive: &Drive) -> Option<String> {
+    let fixed = |sprocket: &Sprocket| sprocket.bearing == Bearing::Fixed;
+    let stiff = drive.hinge_kind == HingeKind::Ideal
+        && drive.ends.is_none()
+        && drive.tensioner.is_none()
+        && drive.sprockets.iter().all(fixed);
+    if !stiff {
+        return None;
+    }
+    let Tightness { shortage, tension } = tightness(drive).ok()?;
+    (shortage >= LEAST_SHORTAGE).then(|| {
+        format!(
+            "ideal hinges do not open: where the polygon effect tightens it most, the chain is {:.1} um too short for these \
+             centres, and bushings pressed into their seats pull it with about {tension:.0} N, more at speed; move a centre in \
+             until the strands have so much more length, or take a tensioner, hinges='clearance', or sprockets with room in \
+             their seats (AnsiTooth(seat='pitch-circle'))",
+            1e6 * shortage
+        )
+    })
 }
 
 /// How far a tensioner on a spring may give way under load, in pitches, and the chain still be called seated. Half a pitch is about the
@@ -343,6 +370,7 @@ impl Layout {
         self.warn_of_speeds(drive, &mut warnings);
         warnings.extend(tensioner_warning(drive));
         warnings.extend(overload_warning(drive, &self.speeds));
+        warnings.extend(tightness_warning(drive));
         self.warnings = warnings;
     }
 

@@ -8,11 +8,11 @@ use crate::force_law::{Elastic, elastic_forces, tooth_surfaces};
 
 /// A chain with ideal hinges where the polygon effect tightens it most.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Tightness {
+pub(super) struct Tightness {
     /// Length that the chain lacks, room in the seats counted \[m\]; zero where it does not lack any.
-    pub shortage: f64,
+    pub(super) shortage: f64,
     /// Tension of a chain whose bushings are pressed into their seats by as much \[N\], by Hertz' law.
-    pub tension: f64,
+    pub(super) tension: f64,
 }
 
 /// How tight the closed chain of `drive` gets while its sprockets turn by a pitch, if its hinges do not open and no centre gives way.
@@ -22,7 +22,7 @@ pub struct Tightness {
 ///
 /// # Errors
 /// When no belt line can be laid.
-pub fn tightness(drive: &Drive) -> Result<Tightness> {
+pub(super) fn tightness(drive: &Drive) -> Result<Tightness> {
     let around = Around::new(drive)?;
     let Some(course) = around.course(0.0) else {
         return Ok(Tightness::default());

@@ -135,7 +135,7 @@ pub(super) fn strand_names(drive: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
     if description.sprockets.len() == 2 && description.ends.is_none() {
         return Ok(vec!["upper".to_string(), "lower".to_string()]);
     }
-    let strands = crate::chain::model::strands(&description);
+    let strands = crate::layout::strands(&description);
     Ok((0..strands.len())
         .map(|i| crate::layout::strand_name(&strands, i))
         .collect())
@@ -171,14 +171,6 @@ pub(super) fn closing_move(
         py,
         crate::layout::closing_move(&description, number - 1, along, reach),
     )
-}
-
-/// How far a drive's chain is too short at its tightest if its hinges do not open \[m\], and the tension that the teeth then carry \[N\].
-#[pyfunction]
-pub(super) fn tightness(drive: &Bound<'_, PyAny>) -> PyResult<(f64, f64)> {
-    let description = describe::drive(drive)?;
-    let found = describe::checked(drive.py(), crate::layout::tightness(&description))?;
-    Ok((found.shortage, found.tension))
 }
 
 /// Unit vector along which sprocket `number` of a drive tightens both strands beside it alike.

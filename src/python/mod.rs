@@ -37,7 +37,6 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(functions::links_around, module)?)?;
     module.add_function(wrap_pyfunction!(functions::bisector, module)?)?;
     module.add_function(wrap_pyfunction!(functions::closing_move, module)?)?;
-    module.add_function(wrap_pyfunction!(functions::tightness, module)?)?;
     module.add_function(wrap_pyfunction!(functions::tooth_outline, module)?)?;
     module.add_function(wrap_pyfunction!(functions::guide_outline, module)?)?;
     module.add_function(wrap_pyfunction!(functions::tooth_contacts, module)?)?;

@@ -5,7 +5,6 @@ mod channels;
 mod ends;
 mod peaks;
 mod rows;
-mod strands;
 
 use crate::chain::dynamics::{Dynamics, Needs, Powers, Want};
 use crate::chain::model::{Model, Rotation};

@@ -1,8 +1,8 @@
 //! Layouts of many sprockets that several tests use.
 
 use rustchain::drive::{
-    AnsiTooth, Arm, Bearing, Drive, Faults, Mount, Rail, RailShape, Sprocket, SprocketMotion,
-    Tensioner, Tip,
+    AnsiTooth, Arm, Bearing, Drive, Faults, HingeKind, Mount, Rail, RailShape, Sprocket,
+    SprocketMotion, Tensioner, Tip,
 };
 use rustchain::geometry::path::belt::Side;
 use rustchain::geometry::{Seat, Vec2};
@@ -42,6 +42,7 @@ pub fn drive_of(sprockets: Vec<Sprocket>, links: u32) -> Drive {
         gravity: Vec2::new(0.0, -9.81),
         guides: Vec::new(),
         ends: None,
+        hinge_kind: HingeKind::Clearance,
     }
 }
 

@@ -15,8 +15,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use rustchain::drive::{
-    AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Faults, Link, Material, Roller, Sprocket,
-    SprocketMotion, Tensioner, Variation,
+    AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Faults, HingeKind, Link, Material, Roller,
+    Sprocket, SprocketMotion, Tensioner, Variation,
 };
 use rustchain::geometry::path::belt::Side;
 use rustchain::geometry::{Seat, Vec2};
@@ -115,6 +115,7 @@ pub fn paper_drive() -> Drive {
         gravity: Vec2::new(0.0, -9.81),
         guides: Vec::new(),
         ends: None,
+        hinge_kind: HingeKind::Clearance,
     }
 }
 

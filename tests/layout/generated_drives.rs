@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rustchain::drive::{
-    AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Faults, Link, Material, Sprocket,
+    AnsiTooth, Bearing, Chain, ClearanceHinge, Drive, Faults, HingeKind, Link, Material, Sprocket,
     SprocketMotion, Variation,
 };
 use rustchain::geometry::path::belt::Side;
@@ -136,6 +136,7 @@ impl Choice {
             gravity: 9.81 * unit(self.down),
             guides: Vec::new(),
             ends: None,
+            hinge_kind: HingeKind::Clearance,
         }
     }
 }

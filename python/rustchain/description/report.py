@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import degrees
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -16,10 +16,6 @@ if TYPE_CHECKING:
 
 Numbers: TypeAlias = tuple[float, ...]
 Row: TypeAlias = tuple[str, str | tuple[str, ...]]
-
-_LITTLE_PLAY = 1e-6  # [m]
-# A chain that is shorter by less is not warned of [m]: bushings begin that far off their seats.
-_LEAST_SHORTAGE = 1e-6
 
 
 @named_attributes
@@ -134,10 +130,6 @@ class DriveReport:
         """Return the report on `drive`."""
         found = _rustchain.layout(drive)  # which refuses what is no drive
         chain = drive.chain
-        if drive.hinges == "ideal" and drive.tensioner is not None and drive.tensioner.stiffness:
-            found["tension_force"] = _pull_without_play(drive, found["hinge_stretch"])
-        if drive.hinges == "ideal":
-            found["warnings"] = [*found["warnings"], *_too_tight(drive)]
         play = None if chain.roller is None else chain.roller.bore_radius - chain.bushing_radius
         return cls(**{name: plain(value) for name, value in found.items()}, roller_play=play)
 
@@ -241,40 +233,3 @@ def _text(value: float, form: str) -> str:
     """Return a number as text; what rounds to zero has no sign."""
     text = format(value, form)
     return text.lstrip("-") if float(text) == 0.0 else text
-
-
-def _too_tight(drive: ChainDrive) -> list[str]:
-    """Return what to say of ideal hinges that leave a chain too short somewhere on its way round.
-
-    A tensioner or a floating sprocket gives way; so does a chain with clearance in its hinges.
-    """
-    if drive.tensioner is not None or any(s.bearing == "floating" for s in drive.sprockets):
-        return []
-    shortage, tension = _rustchain.tightness(drive)
-    if shortage < _LEAST_SHORTAGE:
-        return []
-    return [
-        f"ideal hinges do not open: where the polygon effect tightens it most, the chain is "
-        f"{1e6 * shortage:.1f} um too short for these centres, and bushings pressed into their "
-        f"seats pull it with about {tension:.0f} N, more at speed; move a centre in until the "
-        "strands have so much more length, or take a tensioner, hinges='clearance', or sprockets "
-        "with room in their seats (AnsiTooth(seat='pitch-circle'))"
-    ]
-
-
-def _pull_without_play(drive: ChainDrive, stretch: float) -> float:
-    """Return the pull of a tensioner on a spring [N] where hinges do not open under tension.
-
-    The spring is stretched less where such a chain is taut. A chain without any play cannot be laid
-    as it is: the pull is taken from chains that have little, `stretch` [m] and more.
-    """
-
-    def pull(play: float) -> float:
-        pin = drive.chain.hinge.pin_radius
-        hinge = replace(drive.chain.hinge, bore_radius=pin + play)
-        chain = replace(drive.chain, hinge=hinge)
-        found: float = _rustchain.layout(replace(drive, chain=chain))["tension_force"]
-        return found
-
-    play = max(4.0 * stretch, _LITTLE_PLAY)
-    return 2.0 * pull(play) - pull(2.0 * play)

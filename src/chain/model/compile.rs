@@ -1,23 +1,20 @@
 //! Drive and start -> `Model`: inertias, coordinates, pair constants.
 
 use super::bristles::{BristlePlaces, doubts};
-use super::guide::STOP_STIFFNESS;
-use super::places::check_places;
 use super::rail::place_rail;
 use super::{
     ContactLaw, EndKind, Guide, IMMOVABLE, Model, OpenEnds, Ratchet, RollerModel, Rotation,
     SprocketModel, Support,
 };
 use crate::drive::{
-    Bearing, BeltLine, ChainEnd, Drive, InputBounds, Link, Sprocket, SprocketMotion,
+    Bearing, ChainEnd, Drive, InputBounds, Link, STOP_STIFFNESS, Sprocket, SprocketMotion,
 };
 use crate::error::{Error, Result, check};
 use crate::force_law::{
     Elastic, Film, ForceLaw, Friction, LuGre, PairTable, SurfacePair, range_note, tooth_surfaces,
 };
 use crate::geometry::Vec2;
-use crate::layout::InitialConfiguration;
-use crate::layout::open_strands;
+use crate::layout::{InitialConfiguration, check_places, strands};
 
 /// The laws of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -130,13 +127,6 @@ impl Model {
         laws.check(drive.chain.material.restitution)?;
         let chain = &drive.chain;
         let links = drive.hinges();
-        if start.positions.len() != drive.bodies() {
-            return Err(Error::invalid(
-                "positions",
-                format!("{} rows", start.positions.len()),
-                format!("needs one row for each of the {} bodies", drive.bodies()),
-            ));
-        }
         check_places(drive, start)?;
         let mut coordinates = Coordinates(3 * links);
         let sprockets = place_wheels(drive, start, &mut coordinates)?;
@@ -463,21 +453,4 @@ fn place_sprocket(
         swing: None,
         input_bounds: Some(InputBounds::of(chain, sprocket.teeth)),
     })
-}
-
-/// From which to which sprocket (from 0) the strands lead; where the centres make no belt line (with a start of the caller's own they need
-/// not), as the sprockets are listed.
-#[must_use]
-pub fn strands(drive: &Drive) -> Vec<[usize; 2]> {
-    let n = drive.sprockets.len();
-    if drive.ends.is_some() {
-        return open_strands(n);
-    }
-    if n == 2 {
-        return vec![[1, 0], [0, 1]];
-    }
-    BeltLine::of(drive).map_or_else(
-        |_| (0..n).map(|i| [i, (i + 1) % n]).collect(),
-        |line| line.strands(),
-    )
 }

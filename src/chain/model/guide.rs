@@ -3,9 +3,6 @@
 use crate::geometry::Vec2;
 use crate::geometry::path::guide_path;
 
-/// Stiffness of a stop \[N/m\]: 0.1 mm under 1 kN.
-pub(super) const STOP_STIFFNESS: f64 = 1e7;
-
 /// The way of a centre, by its distance s along it \[m\] from the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guide {
@@ -114,6 +111,7 @@ impl Guide {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::drive::STOP_STIFFNESS;
 
     #[test]
     fn spring_and_stops_push_back_with_the_slope_of_their_energy() {

@@ -5,11 +5,10 @@ mod compile;
 mod ends;
 mod guide;
 mod input;
-mod places;
 mod rail;
 
 pub use bristles::BristlePlaces;
-pub use compile::{ForceLaws, strands};
+pub use compile::ForceLaws;
 pub(crate) use ends::IMMOVABLE;
 pub use ends::{EndKind, EndModel, OpenEnds};
 pub use guide::{Guide, Ratchet};

@@ -1,8 +1,7 @@
 //! Guides as the run needs them: wheels without teeth, on bearings or arms.
 
-use super::guide::STOP_STIFFNESS;
 use super::{Guide, Ratchet, Rotation, SprocketModel, Support};
-use crate::drive::{Chain, Mount, Rail, TimeTable};
+use crate::drive::{Chain, Mount, Rail, STOP_STIFFNESS, TimeTable};
 use crate::error::Result;
 use crate::geometry::path::belt::Side;
 

@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
 use super::errors::InvalidInput;
-use crate::drive::Drive;
+use crate::drive::{Drive, HingeKind};
 use chain::{hinge, link, plates, roller};
 use ends::{ENDS, chain_ends};
 use laws::{LAWS, film_of, rubbing};
@@ -53,8 +53,6 @@ pub(super) fn drive(object: &Bound<'_, PyAny>) -> PyResult<Drive> {
         ));
     };
     let tight = read.get("tensioner")?;
-    // Ideal hinges make the drive a mechanism, which is put together in Python.
-    read.word("hinges", &[("clearance", ()), ("ideal", ())])?;
     Ok(Drive {
         chain: chain(&read.get("chain")?, "ChainDrive.chain")?,
         sprockets: sprockets
@@ -74,6 +72,13 @@ pub(super) fn drive(object: &Bound<'_, PyAny>) -> PyResult<Drive> {
             .map(|(i, guide)| rail(&guide, &format!("ChainDrive.guides[{i}]")))
             .collect::<PyResult<_>>()?,
         ends: chain_ends(&read)?,
+        hinge_kind: read.word(
+            "hinges",
+            &[
+                ("clearance", HingeKind::Clearance),
+                ("ideal", HingeKind::Ideal),
+            ],
+        )?,
     })
 }
 

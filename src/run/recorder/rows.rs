@@ -1,8 +1,11 @@
 //! Rows of the channels of hinges, rollers, teeth and sprockets.
 
-use super::{Channel, Values, ends, strands};
+use super::{Channel, Values, ends};
 use crate::chain::contact::ToothContacts;
 use crate::chain::dynamics::Dynamics;
+use crate::geometry::Vec2;
+use crate::geometry::path::belt::Pulley;
+use crate::layout::ChainRow;
 
 /// Channels of one row, in the order in which they were added.
 pub(super) struct Row<'a> {
@@ -44,11 +47,35 @@ pub(super) fn write_hinges(row: &mut Row, dynamics: &Dynamics) {
     ));
     if dynamics.model().ends.is_some() {
         row.real(ends::tensions(dynamics));
-    } else if dynamics.model().strands.len() == 2 {
-        row.real(strands::two_strand_tensions(dynamics));
     } else {
-        row.real(strands::tensions(dynamics));
+        row.real(strand_tensions(dynamics));
     }
+}
+
+/// Tensions of the strands of a closed chain \[N\], in the order of the model's strands.
+fn strand_tensions(dynamics: &Dynamics) -> Vec<f64> {
+    let (model, motion, hinges) = (dynamics.model(), &dynamics.motion, &dynamics.hinges);
+    let place = |body: usize| Vec2::new(motion.x[body], motion.y[body]);
+    let wheels = || model.strands.iter().map(|[from, _]| *from);
+    let pulley = |s: usize| Pulley {
+        center: place(model.wheel_body(s)),
+        radius: model.sprockets[s].profile.pitch_radius,
+        side: model.sprockets[s].side,
+    };
+    let links = 0..model.links;
+    ChainRow {
+        links: &links.clone().map(place).collect::<Vec<_>>(),
+        bushings: &links
+            .clone()
+            .map(|k| hinges.bushing(k).0)
+            .collect::<Vec<_>>(),
+        on_front: &links.map(|k| hinges.force_on_front(k)).collect::<Vec<_>>(),
+        pulleys: &wheels().map(pulley).collect::<Vec<_>>(),
+        reaches: &wheels()
+            .map(|s| model.sprockets[s].reach)
+            .collect::<Vec<_>>(),
+    }
+    .strand_tensions()
 }
 
 pub(super) fn write_rollers(row: &mut Row, dynamics: &Dynamics) {

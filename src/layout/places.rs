@@ -1,10 +1,10 @@
 //! Whether a start has the bodies that are held at a place where the drive's description has them.
 
+use super::InitialConfiguration;
 use crate::drive::{Bearing, ChainEnd, Drive, Mount, Sprocket, TimeTable};
 use crate::error::{Error, Result};
 use crate::geometry::Vec2;
 use crate::geometry::path::guide_path;
-use crate::layout::InitialConfiguration;
 
 /// Share of the pitch by which a position may differ from the description: more than the rounding of a file with nine decimals, and
 /// far below a clearance. Doubled, it is 25 nm of a pitch of 12.7 mm.
@@ -14,7 +14,14 @@ const OFF_ITS_ANGLE: f64 = 1e-6;
 
 /// Refuses a start that moves what is held: the centre of a sprocket on a fixed bearing or beside its tensioner's way, a guide, an anchor
 /// that stands still.
-pub(super) fn check_places(drive: &Drive, start: &InitialConfiguration) -> Result<()> {
+pub(crate) fn check_places(drive: &Drive, start: &InitialConfiguration) -> Result<()> {
+    if start.positions.len() != drive.bodies() {
+        return Err(Error::invalid(
+            "positions",
+            format!("{} rows", start.positions.len()),
+            format!("needs one row for each of the {} bodies", drive.bodies()),
+        ));
+    }
     let at = |body: usize| {
         let [x, y, angle] = start.positions[body];
         (Vec2::new(x, y), angle)

@@ -1,0 +1,125 @@
+//! The strands of a chain, and the tensions of those of a closed one from where its hinges are and what they pull.
+
+use super::open_layout::open_strands;
+use crate::drive::{BeltLine, Drive};
+use crate::geometry::Vec2;
+use crate::geometry::path::belt::{Belt, Pulley, Span};
+
+/// From which to which sprocket (from 0) the strands lead; where the centres make no belt line (with a start of the caller's own they need
+/// not), as the sprockets are listed.
+#[must_use]
+pub fn strands(drive: &Drive) -> Vec<[usize; 2]> {
+    let n = drive.sprockets.len();
+    if drive.ends.is_some() {
+        return open_strands(n);
+    }
+    if n == 2 {
+        return vec![[1, 0], [0, 1]];
+    }
+    BeltLine::of(drive).map_or_else(
+        |_| (0..n).map(|i| [i, (i + 1) % n]).collect(),
+        |line| line.strands(),
+    )
+}
+
+/// A closed chain at one instant.
+pub(crate) struct ChainRow<'a> {
+    /// Centres of the links' bodies \[m\].
+    pub(crate) links: &'a [Vec2],
+    /// Centre of the bushing of each hinge \[m\].
+    pub(crate) bushings: &'a [Vec2],
+    /// Force of each hinge on the link before it \[N\].
+    pub(crate) on_front: &'a [Vec2],
+    /// The sprockets in the order in which the strands leave them, with their pitch circles.
+    pub(crate) pulleys: &'a [Pulley],
+    /// How far from its centre each of them is in reach of a bushing \[m\].
+    pub(crate) reaches: &'a [f64],
+}
+
+/// Mean of the hinges of each strand.
+#[derive(Clone, Default)]
+struct Mean {
+    sum: f64,
+    count: f64,
+}
+
+impl ChainRow<'_> {
+    /// Mean pull along the chain of the hinges of each strand \[N\]; zero for one without hinges.
+    ///
+    /// Two sprockets: upper strand, left of the line from the first listed to the second, then lower strand. More: strand `i` leaves
+    /// `pulleys[i]`.
+    pub(crate) fn strand_tensions(&self) -> Vec<f64> {
+        let means = match self.pulleys {
+            [second, first] => self.between_two(first, second),
+            _ => self.between_many(),
+        };
+        let mean = |mean: &Mean| mean.sum / f64::max(mean.count, 1.0);
+        means.iter().map(mean).collect()
+    }
+
+    /// Adds hinge `k` to the hinges of a strand.
+    fn add(&self, k: usize, mean: &mut Mean) {
+        let next = (k + 1) % self.links.len();
+        let along = (self.links[next] - self.links[k]).normalize();
+        mean.sum += self.on_front[k].dot(&along);
+        mean.count += 1.0;
+    }
+
+    /// A hinge is in a strand when it lies between that strand's tangent points and the strand leaves or meets the sprocket that the
+    /// chain touched last; of two such, the nearer one.
+    fn between_many(&self) -> Vec<Mean> {
+        let strands = self.pulleys.len();
+        let mut means = vec![Mean::default(); strands];
+        let Ok(belt) = Belt::around(self.pulleys) else {
+            return means;
+        };
+        let touched = |bushing: &Vec2| {
+            let mut places = self.pulleys.iter().zip(self.reaches);
+            places.position(|(pulley, &reach)| (bushing - pulley.center).norm() < reach)
+        };
+        // The last sprocket that the chain touches before its first hinge.
+        let Some(mut last) = self.bushings.iter().rev().find_map(touched) else {
+            return means;
+        };
+        for (k, bushing) in self.bushings.iter().enumerate() {
+            last = touched(bushing).unwrap_or(last);
+            let meeting = (last + strands - 1) % strands;
+            let near = [last, meeting]
+                .into_iter()
+                .filter_map(|i| beside(&belt.spans[i], *bushing).map(|apart| (apart, i)))
+                .min_by(|a, b| a.0.total_cmp(&b.0));
+            if let Some((_, strand)) = near {
+                self.add(k, &mut means[strand]);
+            }
+        }
+        means
+    }
+
+    /// A hinge is in a strand when it lies between the ends of the common tangents of both pitch circles.
+    fn between_two(&self, first: &Pulley, second: &Pulley) -> Vec<Mean> {
+        let line = second.center - first.center;
+        let distance = line.norm();
+        let axis = line / distance;
+        // A common tangent leaves each pitch circle where its normal does.
+        let cos = (first.radius - second.radius) / distance;
+        let between = (first.radius * cos)..=(distance + second.radius * cos);
+        let mut means = vec![Mean::default(); 2];
+        for (k, bushing) in self.bushings.iter().enumerate() {
+            let offset = bushing - first.center;
+            if between.contains(&offset.dot(&axis)) {
+                let strand = usize::from(axis.x * offset.y - axis.y * offset.x < 0.0);
+                self.add(k, &mut means[strand]);
+            }
+        }
+        means
+    }
+}
+
+/// Distance from the line of a strand of a point that lies between its ends \[m\].
+fn beside(span: &Span, point: Vec2) -> Option<f64> {
+    let offset = point - span.from;
+    let along = offset.dot(&span.direction);
+    (0.0..=span.length)
+        .contains(&along)
+        .then(|| (offset - along * span.direction).norm())
+}
