@@ -20,11 +20,13 @@ __all__ = [
     "Case",
     "Core",
     "Ensemble",
+    "IdealCore",
     "MechanismCore",
     "bisector",
     "chain_links",
     "closing_center_distance",
     "closing_move",
+    "drive_mechanism",
     "effective_restitution",
     "film_forces",
     "guide_outline",
@@ -112,6 +114,11 @@ def tooth_surfaces(sprocket: Sprocket, chain: Chain) -> list[str]:
 
 def tooth_radii(sprocket: Sprocket, chain: Chain) -> list[float]:
     """Return radii of the surfaces of whole teeth [m]: hollow > 0, round < 0, straight inf."""
+
+def drive_mechanism(
+    drive: ChainDrive, force_law: ForceLaw, min_impact_velocity: float
+) -> list[tuple[str, dict[str, Any]]]:
+    """Return the calls (method of `Mechanism`, keywords) that describe the mechanism of a drive."""
 
 def chain_links(chain: Chain) -> _Array:
     """Return length [m], mass [kg], inertia [kg m^2], 1 for a bushing in front, of each link."""
@@ -259,7 +266,6 @@ class Ensemble:
     def close(self) -> None:
         """Stop all cases, and wait until they have."""
 
-@final
 class MechanismCore:
     """A compiled mechanism, its state and its integrator."""
 
@@ -313,3 +319,37 @@ class MechanismCore:
         """Go on towards exactly `t` [s]; return whether it is reached."""
     def stats(self) -> dict[str, float]:
         """Return the counts of the run."""
+
+@final
+class IdealCore(MechanismCore):
+    """The mechanism of a drive with ideal hinges, with the channels of the drive."""
+
+    def __new__(
+        cls,
+        drive: ChainDrive,
+        force_law: ForceLaw,
+        hinge_law: ForceLaw | None,
+        tooth_law: ForceLaw | None,
+        min_impact_velocity: float,
+        solver: Solver,
+        positions: _Array | None,
+        velocities: _Array | None,
+    ) -> IdealCore: ...
+    def take_start_note(self) -> str | None:
+        """Return how far links had to be moved, where that is far, once."""
+    def restored(self, snapshot: bytes) -> IdealCore:
+        """Return the same simulation in another state."""
+    def start(self) -> list[_Array]:
+        """Return positions and velocities that the simulation was made with."""
+    def start_recording(  # type: ignore[override]
+        self, duration: float, report_step: float, groups: list[str], energy: bool
+    ) -> None:
+        """Begin a recording that ends `duration` [s] from now."""
+    def last_row(self, name: str) -> _Array:
+        """Return the last row of a channel that a stop condition looks at, flat."""
+    def set_input(self, sprocket: int, quantity: str, value: object) -> None:
+        """Refuse: a mechanism's drivers stay as they were described."""
+    def tooth_jumps(self) -> None:
+        """Return nothing: a mechanism does not count the jumps of its chain."""
+    def take_warnings(self) -> tuple[list[str], list[str], list[str]]:  # type: ignore[override]
+        """Return what is new: nothing; the energy balance where it is recorded; nothing."""

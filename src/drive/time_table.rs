@@ -77,6 +77,12 @@ impl TimeTable {
         self.times.partition_point(|&time| time <= t).checked_sub(1)
     }
 
+    /// Its rows.
+    pub(crate) fn rows(&self) -> Vec<(f64, f64)> {
+        let rows = self.times.iter().copied();
+        rows.zip(self.values.iter().copied()).collect()
+    }
+
     /// The values of all rows.
     pub(crate) fn values(&self) -> &[f64] {
         &self.values

@@ -30,6 +30,13 @@ impl Curve {
         })
     }
 
+    /// Its rows.
+    #[must_use]
+    pub fn rows(&self) -> Vec<(f64, f64)> {
+        let arguments = self.arguments.iter().copied();
+        arguments.zip(self.values.iter().copied()).collect()
+    }
+
     /// Arguments of the rows.
     pub(crate) fn arguments(&self) -> &[f64] {
         &self.arguments

@@ -10,6 +10,7 @@ pub(crate) mod contact;
 pub(crate) mod description;
 pub(crate) mod dynamics;
 pub(crate) mod forces;
+pub(crate) mod from_drive;
 pub(crate) mod model;
 pub(crate) mod newton;
 pub(crate) mod singular;
@@ -28,6 +29,7 @@ pub use description::profile::Profile;
 pub use description::spring_law::SpringLaw;
 pub use description::time_function::TimeFunction;
 pub use dynamics::{MechanismDynamics, Stabilisation};
+pub use from_drive::DriveContacts;
 pub use model::MechanismModel;
 
 use crate::geometry::Vec2;

@@ -16,7 +16,7 @@ use crate::drive::Drive;
 use crate::error::Error;
 use crate::layout::InitialConfiguration;
 use crate::panics::contained;
-use crate::run::recorder::Values;
+use crate::run::recorder::{Recording, Values};
 use crate::run::simulation::{Simulation, Snapshot, check_rows};
 
 /// A compiled model, its state and its integrator.
@@ -226,22 +226,7 @@ impl Core {
     }
 
     fn take_recording<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let recording = self.simulation.take_recording();
-        let rows = recording.time.len();
-        let arrays = PyDict::new(py);
-        arrays.set_item("time", recording.time.into_pyarray(py))?;
-        for channel in recording.channels {
-            let shape: Vec<usize> = std::iter::once(rows).chain(channel.row_shape).collect();
-            match channel.values {
-                Values::Real(values) => {
-                    arrays.set_item(channel.name, values.into_pyarray(py).reshape(shape)?)?;
-                }
-                Values::Whole(values) => {
-                    arrays.set_item(channel.name, values.into_pyarray(py).reshape(shape)?)?;
-                }
-            }
-        }
-        Ok(arrays)
+        set_channels(py, self.simulation.take_recording())
     }
 
     fn step_to(
@@ -335,6 +320,25 @@ impl From<Simulation> for Core {
             jumps_warned: 0,
         }
     }
+}
+
+/// The arrays of a recording by their names, time first.
+pub(super) fn set_channels(py: Python<'_>, recording: Recording) -> PyResult<Bound<'_, PyDict>> {
+    let rows = recording.time.len();
+    let arrays = PyDict::new(py);
+    arrays.set_item("time", recording.time.into_pyarray(py))?;
+    for channel in recording.channels {
+        let shape: Vec<usize> = std::iter::once(rows).chain(channel.row_shape).collect();
+        match channel.values {
+            Values::Real(values) => {
+                arrays.set_item(channel.name, values.into_pyarray(py).reshape(shape)?)?;
+            }
+            Values::Whole(values) => {
+                arrays.set_item(channel.name, values.into_pyarray(py).reshape(shape)?)?;
+            }
+        }
+    }
+    Ok(arrays)
 }
 
 /// Tooth jumps in words: how many, and the first; nothing where there are none.

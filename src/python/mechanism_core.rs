@@ -13,15 +13,16 @@ use super::mechanism::mechanism;
 use super::mechanism_arrays::arrays;
 use super::mechanism_callable::Raised;
 use crate::error::{Error, Result};
-use crate::multibody::{MechanismModel, Stabilisation};
+use crate::integrator::StepControl;
+use crate::multibody::{Mechanism, MechanismModel, Stabilisation};
 use crate::panics::contained;
 use crate::run::mechanism::{MechanismSimulation, MechanismSnapshot};
 use crate::run::simulation::check_reports;
 
 /// A compiled mechanism, its state and its integrator.
-#[pyclass(module = "rustchain._rustchain")]
+#[pyclass(module = "rustchain._rustchain", subclass)]
 pub(super) struct MechanismCore {
-    simulation: MechanismSimulation,
+    pub(super) simulation: MechanismSimulation,
     raised: Raised,
     /// Whether the energy balance was warned of.
     warned: bool,
@@ -50,18 +51,7 @@ impl MechanismCore {
                 Stabilisation::Baumgarte(frequency)
             }
         };
-        let made = contained(|| {
-            let model = MechanismModel::compile(&description)?;
-            let give_up = || interrupted(py, &raised);
-            MechanismSimulation::new_unless(Arc::new(model), control, stabilisation, &give_up)
-        });
-        let core = made.map(|simulation| Self {
-            simulation,
-            raised: Arc::clone(&raised),
-            warned: false,
-        });
-        take(&raised)?;
-        describe::checked(py, core)
+        Self::assembled(py, &description, control, stabilisation, raised)
     }
 
     #[getter]
@@ -109,7 +99,7 @@ impl MechanismCore {
     }
 
     /// The complete state, and what of it is worth a look.
-    fn state<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    pub(super) fn state<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         describe::checked(py, self.simulation.check_intact())?;
         let state = PyDict::new(py);
         state.set_item("time", self.simulation.time())?;
@@ -122,14 +112,7 @@ impl MechanismCore {
 
     /// The same simulation in another state.
     fn restored(&self, py: Python<'_>, snapshot: &[u8]) -> PyResult<Self> {
-        let snapshot = describe::checked(py, MechanismSnapshot::from_bytes(snapshot))?;
-        let mut simulation = self.simulation.clone();
-        describe::checked(py, simulation.restore(&snapshot))?;
-        Ok(Self {
-            simulation,
-            raised: Arc::clone(&self.raised),
-            warned: self.warned,
-        })
+        self.in_state(py, snapshot)
     }
 
     /// Accelerations, reactions and contacts of a state.
@@ -174,10 +157,7 @@ impl MechanismCore {
 
     /// What was not warned of yet of the energy balance.
     fn take_warnings(&mut self) -> Option<String> {
-        let note = self.simulation.balance_note().filter(|_| !self.warned)?;
-        let note = note.to_string();
-        self.warned = true;
-        Some(note)
+        self.balance_warning(true)
     }
 
     fn start_recording(
@@ -258,6 +238,48 @@ impl MechanismCore {
 }
 
 impl MechanismCore {
+    /// The run of `mechanism`, assembled; callables have left what they raise in `raised`.
+    pub(super) fn assembled(
+        py: Python<'_>,
+        mechanism: &Mechanism,
+        control: StepControl,
+        stabilisation: Stabilisation,
+        raised: Raised,
+    ) -> PyResult<Self> {
+        let made = contained(|| {
+            let model = MechanismModel::compile(mechanism)?;
+            let give_up = || interrupted(py, &raised);
+            MechanismSimulation::new_unless(Arc::new(model), control, stabilisation, &give_up)
+        });
+        take(&raised)?;
+        Ok(Self {
+            simulation: describe::checked(py, made)?,
+            raised,
+            warned: false,
+        })
+    }
+
+    /// The same run in another state.
+    pub(super) fn in_state(&self, py: Python<'_>, snapshot: &[u8]) -> PyResult<Self> {
+        let snapshot = describe::checked(py, MechanismSnapshot::from_bytes(snapshot))?;
+        let mut simulation = self.simulation.clone();
+        describe::checked(py, simulation.restore(&snapshot))?;
+        Ok(Self {
+            simulation,
+            raised: Arc::clone(&self.raised),
+            warned: self.warned,
+        })
+    }
+
+    /// What was not warned of yet of the energy balance, where that is `wanted`.
+    pub(super) fn balance_warning(&mut self, wanted: bool) -> Option<String> {
+        let new = wanted && !self.warned;
+        let note = self.simulation.balance_note().filter(|_| new)?;
+        let note = note.to_string();
+        self.warned = true;
+        Some(note)
+    }
+
     /// What a callable raised when a state was looked at is not of the steps to come.
     fn forget_raised(&self) {
         drop(take(&self.raised));

@@ -2,9 +2,11 @@
 
 mod core;
 mod describe;
+mod drive_mechanism;
 mod ensemble;
 mod errors;
 mod functions;
+mod ideal_core;
 mod interrupt;
 mod mechanism;
 mod mechanism_arrays;
@@ -23,6 +25,7 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<ensemble::Case>()?;
     module.add_class::<ensemble::Ensemble>()?;
     module.add_class::<mechanism_core::MechanismCore>()?;
+    module.add_class::<ideal_core::IdealCore>()?;
     module.add_function(wrap_pyfunction!(errors::panicked, module)?)?;
     module.add_function(wrap_pyfunction!(describe::validate, module)?)?;
     module.add_function(wrap_pyfunction!(functions::instruction_set, module)?)?;
@@ -41,6 +44,7 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(functions::guide_outline, module)?)?;
     module.add_function(wrap_pyfunction!(functions::tooth_contacts, module)?)?;
     module.add_function(wrap_pyfunction!(functions::tooth_surfaces, module)?)?;
+    module.add_function(wrap_pyfunction!(drive_mechanism::drive_mechanism, module)?)?;
     module.add_function(wrap_pyfunction!(surfaces::tooth_radii, module)?)?;
     module.add_function(wrap_pyfunction!(functions::chain_links, module)?)?;
     module.add_function(wrap_pyfunction!(functions::link_stiffness, module)?)?;

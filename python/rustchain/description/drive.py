@@ -147,7 +147,7 @@ class ChainDrive(Description):
         min_impact_velocity : float
             Least approach speed that the damping reckons with [m/s].
         """
-        from rustchain.simulation.drive_mechanism import drive_mechanism
+        from rustchain.description.mechanism.from_drive import drive_mechanism
 
         wanted = self.hinges if hinges is None else hinges
         return drive_mechanism(self, wanted, force_law, min_impact_velocity)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,9 +25,7 @@ if TYPE_CHECKING:
 
     from typing_extensions import Self
 
-    from rustchain.simulation.ideal_hinges import IdealHingeCore
-
-    Core: TypeAlias = _rustchain.Core | IdealHingeCore
+    Core: TypeAlias = _rustchain.Core | _rustchain.IdealCore
 
 SCENE = ("drive", "force_law", "hinge_law", "tooth_law", "min_impact_velocity", "solver")
 
@@ -214,10 +212,16 @@ class Present:
                 warn_caller(message, category)
 
 
-def core_for(drive: object) -> type[Core]:
-    """Return what runs this drive."""
+def core_for(drive: object) -> Callable[..., Core]:
+    """Return what makes the core that runs this drive."""
     if isinstance(drive, ChainDrive) and drive.hinges == "ideal":
-        from rustchain.simulation.ideal_hinges import IdealHingeCore
-
-        return IdealHingeCore
+        return _ideal_core
     return _rustchain.Core
+
+
+def _ideal_core(**scene: Any) -> _rustchain.IdealCore:  # noqa: ANN401
+    """Return the core of a drive with ideal hinges; warn of links that had to be moved far."""
+    core = _rustchain.IdealCore(**scene)
+    if (note := core.take_start_note()) is not None:
+        warn_caller(note)
+    return core

@@ -1,0 +1,302 @@
+//! Chain drive -> mechanism: links, sprockets and tensioner as bodies, hinges as joints, teeth as contacts.
+//!
+//! ```text
+//! bodies     link_1 ... link_n, sprocket_1 ... sprocket_m, arm_k of a tensioner with a pivot
+//! joints     bearing_k, slide_k or pivot_k, motor_k, and hinge_1 ... hinge_n where hinges are ideal
+//! forces     tensioner_k, damper_k, stops_k, motor_k, curve_k
+//! contacts   hinge_k where hinges have clearance, bushing_k_on_sprocket_m
+//! ```
+//!
+//! Bodies are in the order of the drive's own, so that rows of both agree; an arm, which the drive has no body for, comes last.
+
+pub(crate) mod channels;
+mod tensioner;
+
+use super::description::body::Frame;
+use super::{
+    Body, ContactLaw, ContactPair, Curve, ForceElement, ForceKind, GROUND, Joint, JointKind,
+    Marker, Mechanism, Motion, Profile, TimeFunction,
+};
+use crate::drive::{Bearing, Drive, HingeKind, SprocketMotion, TimeTable, bushing_on_front};
+use crate::error::{Error, Result};
+use crate::force_law::ForceLaw;
+use crate::geometry::Vec2;
+use crate::layout::{InitialConfiguration, check_places};
+
+/// Force law of all contacts of a mechanism that is made from a drive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriveContacts {
+    /// Elastic force and damping.
+    pub law: ForceLaw,
+    /// Lower bound on the initial impact velocity used by the damping factor \[m/s\].
+    pub min_approach_speed: f64,
+}
+
+impl Mechanism {
+    /// The mechanism of `drive`, placed at `start`; without one, at the generated initial configuration.
+    ///
+    /// # Errors
+    /// When the drive does not hold, has a part that a mechanism has no counterpart for, or `start` moves what is held in its place.
+    pub fn from_drive(
+        drive: &Drive,
+        contacts: &DriveContacts,
+        start: Option<&InitialConfiguration>,
+    ) -> Result<Self> {
+        check_chain(drive)?;
+        let (generated, _) = InitialConfiguration::generate(drive)?;
+        if let Some(start) = start {
+            check_places(drive, start)?;
+        }
+        check_parts(drive)?;
+        let start = start.unwrap_or(&generated);
+        let mut mechanism = Self {
+            gravity: drive.gravity,
+            ..Self::default()
+        };
+        mechanism.add_bodies(drive, start)?;
+        for number in 0..drive.sprockets.len() {
+            mechanism.add_support(drive, number, start)?;
+            mechanism.add_motor(drive, number)?;
+        }
+        mechanism.add_chain(drive, contacts)?;
+        Ok(mechanism)
+    }
+
+    /// Links and sprockets, in the drive's order.
+    fn add_bodies(&mut self, drive: &Drive, start: &InitialConfiguration) -> Result<()> {
+        let chain = &drive.chain;
+        let links = chain.links as usize;
+        let rows = start.positions.iter().zip(&start.velocities);
+        if start.velocities.len() != start.positions.len() {
+            return Err(Error::invalid(
+                "velocities",
+                format!("{} rows", start.velocities.len()),
+                format!(
+                    "needs one row for each of the {} bodies",
+                    start.positions.len()
+                ),
+            ));
+        }
+        for (i, (&position, &velocity)) in rows.enumerate() {
+            let (name, mass, inertia) = if i < links {
+                let link = chain.link(i);
+                (link_name(i), link.mass, link.inertia)
+            } else {
+                let number = i - links;
+                let (mass, inertia) = drive.sprockets[number].mass_properties(chain);
+                let mass = mass * tensioner::share_beside_arm(drive, number);
+                (sprocket_name(number), mass, inertia)
+            };
+            self.bodies.push(Body {
+                position,
+                velocity,
+                ..Body::new(name, mass, inertia)
+            });
+        }
+        Ok(())
+    }
+
+    /// What holds the centre of sprocket `number` (from 0): its tensioner, its bearing, or nothing.
+    fn add_support(
+        &mut self,
+        drive: &Drive,
+        number: usize,
+        start: &InitialConfiguration,
+    ) -> Result<()> {
+        let body = drive.first_wheel() + number;
+        let [x, y, _] = start.positions[body];
+        let center = Vec2::new(x, y);
+        match drive.tensioner.filter(|t| t.sprocket == number + 1) {
+            Some(tensioner) => {
+                let [vx, vy, _] = start.velocities[body];
+                self.add_tensioner(drive, &tensioner, center, Vec2::new(vx, vy))
+            }
+            None => {
+                if drive.sprockets[number].bearing == Bearing::Fixed {
+                    let name = format!("bearing_{}", number + 1);
+                    self.add_revolute(name, GROUND, &sprocket_name(number), center);
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// A revolute joint at a point of the ground's frame.
+    fn add_revolute(&mut self, name: String, a: &str, b: &str, at: Vec2) {
+        let joint = Joint::new(
+            name,
+            self.marker(a, at),
+            self.marker(b, at),
+            JointKind::Revolute,
+        );
+        self.joints.push(joint);
+    }
+
+    /// The point of a body, as placed, that is at `place` in the ground's frame.
+    fn marker(&self, body: &str, place: Vec2) -> Marker {
+        let placed = self.bodies.iter().find(|known| known.name == body);
+        let point = placed.map_or(place, |placed| {
+            let frame = Frame::new(placed.position, placed.velocity);
+            frame.into_local(place - frame.origin)
+        });
+        Marker::new(body, point.x, point.y)
+    }
+
+    /// What turns sprocket `number` (from 0).
+    fn add_motor(&mut self, drive: &Drive, number: usize) -> Result<()> {
+        let [ground, wheel] =
+            [GROUND, &sprocket_name(number)].map(|body| Marker::new(body, 0.0, 0.0));
+        let name = motor_name(number);
+        let (torque, curve) = match &drive.sprockets[number].motion {
+            SprocketMotion::PrescribedSpeed(speed) => {
+                let kind = JointKind::DrivenAngle(Motion::Speed(of_time(speed)?));
+                self.joints.push(Joint::new(name, ground, wheel, kind));
+                return Ok(());
+            }
+            SprocketMotion::AppliedTorque(torque) => (torque, None),
+            SprocketMotion::TorqueCurve { torque, curve } => (torque, Some(curve)),
+            SprocketMotion::Free => return Ok(()),
+        };
+        let kind = ForceKind::Torque(of_time(torque)?);
+        self.forces
+            .push(ForceElement::new(name, ground.clone(), wheel.clone(), kind));
+        if let Some(curve) = curve {
+            let kind = ForceKind::TorqueBySpeed(Curve::new("curve", &curve.rows())?);
+            let name = format!("curve_{}", number + 1);
+            self.forces
+                .push(ForceElement::new(name, ground, wheel, kind));
+        }
+        Ok(())
+    }
+
+    /// Hinges and tooth contacts.
+    fn add_chain(&mut self, drive: &Drive, contacts: &DriveContacts) -> Result<()> {
+        let chain = &drive.chain;
+        let surfaces = |length: f64| ContactLaw::Surfaces {
+            law: contacts.law,
+            contact_modulus: chain.material.contact_modulus(),
+            restitution: chain.material.restitution,
+            length,
+            min_approach_speed: contacts.min_approach_speed,
+        };
+        let profiles = (drive.sprockets.iter())
+            .map(|sprocket| sprocket.tooth_profile(chain))
+            .collect::<Result<Vec<_>>>()?;
+        let pitches = chain.link_pitches();
+        let links = pitches.len();
+        for k in 0..links {
+            let behind = (k + 1) % links;
+            let front = Marker::new(link_name(k), 0.5 * pitches[k], 0.0);
+            let rear = Marker::new(link_name(behind), -0.5 * pitches[behind], 0.0);
+            let (bushing, pin) = if bushing_on_front(k, links) {
+                (front, rear)
+            } else {
+                (rear, front)
+            };
+            let name = format!("hinge_{}", k + 1);
+            match drive.hinge_kind {
+                HingeKind::Ideal => {
+                    let joint = Joint::new(name, bushing.clone(), pin, JointKind::Revolute);
+                    self.joints.push(joint);
+                }
+                HingeKind::Clearance => self.contacts.push(ContactPair {
+                    name,
+                    a: bushing.clone(),
+                    b: pin,
+                    profile: Profile::Bore {
+                        radius: chain.hinge.bore_radius,
+                    },
+                    radius: chain.hinge.pin_radius,
+                    law: surfaces(chain.hinge_contact_length()),
+                }),
+            }
+            for (number, profile) in profiles.iter().enumerate() {
+                self.contacts.push(ContactPair {
+                    name: format!("bushing_{}_on_{}", k + 1, sprocket_name(number)),
+                    a: Marker::new(sprocket_name(number), 0.0, 0.0),
+                    b: bushing.clone(),
+                    profile: Profile::Teeth(Box::new(profile.clone())),
+                    radius: chain.contact_radius(),
+                    law: surfaces(chain.teeth_contact_length()),
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+fn link_name(link: usize) -> String {
+    format!("link_{}", link + 1)
+}
+
+fn sprocket_name(sprocket: usize) -> String {
+    format!("sprocket_{}", sprocket + 1)
+}
+
+fn motor_name(sprocket: usize) -> String {
+    format!("motor_{}", sprocket + 1)
+}
+
+/// A table as a function of time; one row is a constant.
+fn of_time(table: &TimeTable) -> Result<TimeFunction> {
+    let rows = table.rows();
+    match rows.as_slice() {
+        [(_, value)] => Ok(TimeFunction::Constant(*value)),
+        _ => Curve::new("table", &rows).map(TimeFunction::Table),
+    }
+}
+
+fn refuse(what: impl Into<String>) -> Result<()> {
+    Err(Error::Impossible(what.into()))
+}
+
+/// Refuses a chain that is not a ring of links alone.
+fn check_chain(drive: &Drive) -> Result<()> {
+    if drive.chain.roller.is_some() {
+        return refuse(
+            "Chain.roller: a mechanism has no rollers as bodies; give it a chain with rollers='fixed', or run the drive itself \
+             with hinges='clearance'",
+        );
+    }
+    if drive.ends.is_some() {
+        return refuse(
+            "ChainDrive.ends: an open chain is no mechanism yet; it has clearance in its hinges",
+        );
+    }
+    Ok(())
+}
+
+/// Refuses parts of a valid drive that a mechanism has no counterpart for.
+fn check_parts(drive: &Drive) -> Result<()> {
+    if !drive.guides.is_empty() {
+        return refuse(format!(
+            "ChainDrive.guides: {} of them; a mechanism takes none, leave them",
+            drive.guides.len()
+        ));
+    }
+    if let Some(stiffness) = drive.chain.axial_stiffness() {
+        return refuse(format!(
+            "Chain.link_stiffness, {stiffness} N/m in all: must be None in a mechanism, whose links are rigid; ideal hinges have \
+             no contact for it to be in series with"
+        ));
+    }
+    for (number, sprocket) in drive.sprockets.iter().enumerate() {
+        if sprocket.faults.eccentricity != 0.0 {
+            return Err(Error::invalid(
+                format!("ChainDrive.sprockets[{number}].eccentricity"),
+                sprocket.faults.eccentricity,
+                "must be 0 in a mechanism, whose teeth are concentric",
+            ));
+        }
+    }
+    if let Some(tensioner) = &drive.tensioner {
+        let leak = tensioner.damping_back;
+        if tensioner.ratchet.is_some() || leak.is_some_and(|back| back != tensioner.damping) {
+            return refuse(
+                "Tensioner: a ratchet or a leak do not go into a mechanism: leave ratchet out, and damping_back as damping, or \
+                 take hinges='clearance'",
+            );
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,301 @@
+//! Channels of a drive with ideal hinges from the rows of its mechanism: reactions are hinge forces, contacts are those of bushings.
+
+use super::tensioner::Arm;
+use super::{motor_name, sprocket_name};
+use crate::drive::{Drive, SprocketMotion, bushing_on_front};
+use crate::error::{Error, Result};
+use crate::geometry::path::belt::{Pulley, Side};
+use crate::geometry::{Vec2, unit};
+use crate::layout::{ChainRow, strands};
+use crate::multibody::MechanismModel;
+
+/// What a mechanism records at one time, three numbers a body or joint.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct MechanismRow<'a> {
+    pub(crate) time: f64,
+    pub(crate) positions: &'a [f64],
+    pub(crate) velocities: &'a [f64],
+    pub(crate) reactions: &'a [f64],
+    pub(crate) contact_force: &'a [f64],
+    pub(crate) contact_force_vector: &'a [f64],
+    pub(crate) penetration: &'a [f64],
+    pub(crate) contact_gap: &'a [i32],
+    pub(crate) contact_region: &'a [i32],
+}
+
+/// Contact of a bushing with a sprocket.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct BushingContact {
+    /// The sprocket, from 0.
+    pub(crate) sprocket: usize,
+    /// Normal force \[N\]; zero when apart.
+    pub(crate) force: f64,
+    /// The same on the bushing \[N\].
+    pub(crate) vector: [f64; 2],
+    /// Penetration \[m\]; minus infinity out of reach of the teeth.
+    pub(crate) penetration: f64,
+    /// Gap of the teeth, from 0; -1 when apart.
+    pub(crate) gap: i32,
+    /// Region of the tooth, from 1; 0 when apart.
+    pub(crate) region: i32,
+}
+
+impl BushingContact {
+    /// Number of the sprocket that is touched, from 1; 0 when apart.
+    pub(crate) fn number(&self) -> i32 {
+        let number = i32::try_from(self.sprocket + 1).unwrap_or(i32::MAX);
+        if self.penetration > 0.0 { number } else { 0 }
+    }
+}
+
+/// A sprocket as the channels need it.
+#[derive(Debug, Clone)]
+struct Wheel {
+    motion: SprocketMotion,
+    /// The joint that prescribes its speed.
+    motor: Option<usize>,
+    pitch_radius: f64,
+    side: Side,
+    /// Distance of its centre within which bushings are in reach of its teeth \[m\].
+    reach: f64,
+}
+
+/// A drive with ideal hinges beside the mechanism that it runs as.
+#[derive(Debug, Clone)]
+pub(crate) struct DriveView {
+    /// Half the pitch of each link \[m\].
+    arms: Vec<f64>,
+    wheels: Vec<Wheel>,
+    /// The sprocket that each strand leaves.
+    strands: Vec<usize>,
+    /// The joint of hinge 1; the others follow.
+    first_hinge: usize,
+    /// The tensioner's arm, which the drive has no body for, and its sprocket's row.
+    arm: Option<(Arm, usize)>,
+}
+
+impl DriveView {
+    /// The drive that `model` was made from.
+    pub(crate) fn new(drive: &Drive, model: &MechanismModel) -> Result<Self> {
+        let chain = &drive.chain;
+        let joints = model.joint_names();
+        let joint = |name: &str| joints.iter().position(|known| known == name);
+        let wheel = |(number, sprocket): (usize, &crate::drive::Sprocket)| {
+            let profile = sprocket.tooth_profile(chain)?;
+            Ok(Wheel {
+                motion: sprocket.motion.clone(),
+                motor: joint(&motor_name(number)),
+                pitch_radius: profile.pitch_radius,
+                side: sprocket.side,
+                reach: profile.reach(chain.contact_radius()),
+            })
+        };
+        let arm = Arm::of(drive).zip(drive.tensioner.as_ref());
+        Ok(Self {
+            arms: chain.link_pitches().iter().map(|p| 0.5 * p).collect(),
+            wheels: (drive.sprockets.iter().enumerate())
+                .map(wheel)
+                .collect::<Result<_>>()?,
+            strands: strands(drive).iter().map(|[from, _]| *from).collect(),
+            first_hinge: joint("hinge_1").ok_or_else(|| {
+                Error::Impossible("ChainDrive.hinges: only ideal hinges are joints".to_string())
+            })?,
+            arm: arm.map(|(arm, tensioner)| (arm, drive.first_wheel() + tensioner.sprocket - 1)),
+        })
+    }
+
+    /// Number of links, of hinges and of bushings.
+    pub(crate) fn links(&self) -> usize {
+        self.arms.len()
+    }
+
+    /// Number of sprockets.
+    pub(crate) fn sprockets(&self) -> usize {
+        self.wheels.len()
+    }
+
+    /// Number of the drive's bodies, which come first among those of the mechanism.
+    pub(crate) fn bodies(&self) -> usize {
+        self.links() + self.sprockets()
+    }
+
+    /// Number of strands.
+    pub(crate) fn strands(&self) -> usize {
+        self.strands.len()
+    }
+
+    /// The hinges' numbers among the mechanism's joints.
+    pub(crate) fn hinges(&self) -> std::ops::Range<usize> {
+        self.first_hinge..self.first_hinge + self.links()
+    }
+
+    /// Rows of the mechanism's bodies from those of the drive's: an arm follows its sprocket.
+    pub(crate) fn with_arm(
+        &self,
+        mut positions: Vec<[f64; 3]>,
+        mut velocities: Vec<[f64; 3]>,
+    ) -> Result<[Vec<[f64; 3]>; 2]> {
+        let bodies = self.bodies();
+        for (name, rows) in [("positions", &positions), ("velocities", &velocities)] {
+            if rows.len() != bodies {
+                return Err(Error::invalid(
+                    name,
+                    format!("{} rows", rows.len()),
+                    format!("needs one row (3 numbers) for each of the {bodies} bodies"),
+                ));
+            }
+        }
+        if let Some((arm, row)) = &self.arm {
+            let ([x, y, _], [vx, vy, _]) = (positions[*row], velocities[*row]);
+            let [position, velocity] = arm.placed(Vec2::new(x, y), Vec2::new(vx, vy));
+            positions.push(position);
+            velocities.push(velocity);
+        }
+        Ok([positions, velocities])
+    }
+
+    /// Front of link `k` and rear of the one behind it \[m\], which hinge `k` joins.
+    fn ends(&self, positions: &[f64], k: usize) -> [Vec2; 2] {
+        let end = |link: usize, side: f64| {
+            let [x, y, angle] = [0, 1, 2].map(|i| positions[3 * link + i]);
+            Vec2::new(x, y) + side * self.arms[link] * unit(angle)
+        };
+        [end(k, 1.0), end((k + 1) % self.links(), -1.0)]
+    }
+
+    /// Pin's centre of each hinge seen from its bushing's \[m\]: what the joint's equations leave.
+    pub(crate) fn eccentricities(&self, positions: &[f64]) -> Vec<Vec2> {
+        let eccentricity = |k: usize| {
+            let [front, rear] = self.ends(positions, k);
+            if bushing_on_front(k, self.links()) {
+                rear - front
+            } else {
+                front - rear
+            }
+        };
+        (0..self.links()).map(eccentricity).collect()
+    }
+
+    /// Force of each hinge on its pin \[N\]: the reaction on body b of the joint.
+    pub(crate) fn on_pins(&self, reactions: &[f64]) -> Vec<Vec2> {
+        let rows = reactions.chunks_exact(3).skip(self.first_hinge);
+        rows.take(self.links())
+            .map(|row| Vec2::new(row[0], row[1]))
+            .collect()
+    }
+
+    /// Mean pull along the chain of the hinges of each strand \[N\].
+    pub(crate) fn strand_tensions(&self, row: &MechanismRow) -> Vec<f64> {
+        let links = self.links();
+        let place = |body: usize| Vec2::new(row.positions[3 * body], row.positions[3 * body + 1]);
+        let on_front = |(k, force): (usize, &Vec2)| {
+            if bushing_on_front(k, links) {
+                -*force
+            } else {
+                *force
+            }
+        };
+        let bushing = |k: usize| {
+            let [front, rear] = self.ends(row.positions, k);
+            if bushing_on_front(k, links) {
+                front
+            } else {
+                rear
+            }
+        };
+        let wheels = || self.strands.iter().map(|&s| (links + s, &self.wheels[s]));
+        let pulley = |(body, wheel): (usize, &Wheel)| Pulley {
+            center: place(body),
+            radius: wheel.pitch_radius,
+            side: wheel.side,
+        };
+        ChainRow {
+            links: &(0..links).map(place).collect::<Vec<_>>(),
+            bushings: &(0..links).map(bushing).collect::<Vec<_>>(),
+            on_front: &(self.on_pins(row.reactions).iter().enumerate())
+                .map(on_front)
+                .collect::<Vec<_>>(),
+            pulleys: &wheels().map(pulley).collect::<Vec<_>>(),
+            reaches: &wheels().map(|(_, wheel)| wheel.reach).collect::<Vec<_>>(),
+        }
+        .strand_tensions()
+    }
+
+    /// Contact of bushing `k` with sprocket `s`.
+    pub(crate) fn bushing_contact(&self, row: &MechanismRow, k: usize, s: usize) -> BushingContact {
+        let contact = k * self.sprockets() + s;
+        let near = row.contact_region[contact] > 0;
+        let penetration = if near {
+            row.penetration[contact]
+        } else {
+            f64::NEG_INFINITY
+        };
+        let touching = penetration > 0.0;
+        BushingContact {
+            sprocket: s,
+            penetration,
+            force: if touching {
+                row.contact_force[contact]
+            } else {
+                0.0
+            },
+            vector: [0, 1].map(|axis| {
+                let value = row.contact_force_vector[2 * contact + axis];
+                if touching { value } else { 0.0 }
+            }),
+            gap: if touching {
+                row.contact_gap[contact]
+            } else {
+                -1
+            },
+            region: if touching {
+                row.contact_region[contact]
+            } else {
+                0
+            },
+        }
+    }
+
+    /// The deepest contact of each bushing.
+    pub(crate) fn deepest_contacts(&self, row: &MechanismRow) -> Vec<BushingContact> {
+        let deepest = |k: usize| {
+            (1..self.sprockets()).fold(self.bushing_contact(row, k, 0), |deepest, s| {
+                let other = self.bushing_contact(row, k, s);
+                if other.penetration > deepest.penetration {
+                    other
+                } else {
+                    deepest
+                }
+            })
+        };
+        (0..self.links()).map(deepest).collect()
+    }
+
+    /// Torque of the motor or load of sprocket `s` \[N m\].
+    pub(crate) fn shaft_torque(&self, row: &MechanismRow, s: usize) -> f64 {
+        let wheel = &self.wheels[s];
+        if let Some(motor) = wheel.motor {
+            return row.reactions[3 * motor + 2];
+        }
+        let spin = row.velocities[3 * (self.links() + s) + 2];
+        match &wheel.motion {
+            SprocketMotion::AppliedTorque(torque) => torque.value(row.time),
+            SprocketMotion::TorqueCurve { torque, curve } => {
+                torque.value(row.time) + curve.value(spin)
+            }
+            SprocketMotion::PrescribedSpeed(_) | SprocketMotion::Free => 0.0,
+        }
+    }
+
+    /// Refuses another speed or torque of a sprocket (from 1) in a run.
+    pub(crate) fn refuse_input(sprocket: usize, quantity: &str) -> Result<()> {
+        Err(Error::invalid(
+            "sprocket",
+            sprocket_name(sprocket.saturating_sub(1)),
+            format!(
+                "its {quantity} cannot be set while a drive with ideal hinges runs; take hinges='clearance', or describe it with \
+                 a table of time"
+            ),
+        ))
+    }
+}

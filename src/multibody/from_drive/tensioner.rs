@@ -1,0 +1,218 @@
+//! A drive's tensioner as parts of a mechanism: slide or arm, pull, spring, damper and stops.
+
+use std::f64::consts::TAU;
+
+use super::sprocket_name;
+use crate::drive::{Drive, STOP_STIFFNESS, Tensioner, TensionerLine};
+use crate::error::Result;
+use crate::geometry::{Vec2, turned_left, unit};
+use crate::multibody::{
+    Body, Curve, ForceElement, ForceKind, GROUND, Joint, JointKind, Marker, Mechanism, SpringLaw,
+    TimeFunction,
+};
+
+/// Mass of an arm over that of its sprocket.
+///
+/// A drive's arm has inertia alone, and a body needs mass. A bar of this share of the sprocket's mass, half of which the sprocket
+/// gives and which has a fourth of its mass times the length squared for an inertia, leaves mass, weight and inertia about the pivot
+/// what they are: exact for any share below 2.
+const ARM_SHARE: f64 = 0.1;
+
+/// Distance \[m\] of the point behind a slide where its spring begins, and of a stop's second row from its first.
+const ROOM: f64 = 1.0;
+
+/// Share of its mass that sprocket `number` (from 0) keeps beside an arm.
+pub(super) fn share_beside_arm(drive: &Drive, number: usize) -> f64 {
+    let arm = drive
+        .tensioner
+        .filter(|t| t.sprocket == number + 1 && t.pivot.is_some());
+    if arm.is_some() {
+        1.0 - 0.5 * ARM_SHARE
+    } else {
+        1.0
+    }
+}
+
+/// An arm that carries a sprocket: it turns about `pivot`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Arm {
+    pub(super) pivot: Vec2,
+    length: f64,
+    /// Its angle as described \[rad\].
+    angle: f64,
+}
+
+impl Arm {
+    /// The arm of the drive's tensioner, if it has one.
+    pub(super) fn of(drive: &Drive) -> Option<Self> {
+        let tensioner = drive.tensioner.as_ref()?;
+        let pivot = tensioner.pivot?;
+        let along = drive.sprockets[tensioner.sprocket - 1].center - pivot;
+        Some(Self {
+            pivot,
+            length: along.norm(),
+            angle: along.y.atan2(along.x),
+        })
+    }
+
+    /// Position and velocity of the arm's body, whose middle is its centre of mass, with the sprocket at `center`: less than half a
+    /// turn from where it is described.
+    pub(super) fn placed(&self, center: Vec2, velocity: Vec2) -> [[f64; 3]; 2] {
+        let along = center - self.pivot;
+        let spin = along.perp(&velocity) / along.norm_squared();
+        let turned = along.y.atan2(along.x) - self.angle;
+        let angle = self.angle + turned - TAU * (turned / TAU).round();
+        let middle = self.pivot + 0.5 * along;
+        [
+            [middle.x, middle.y, angle],
+            [0.5 * velocity.x, 0.5 * velocity.y, spin],
+        ]
+    }
+}
+
+impl Mechanism {
+    /// Adds the tensioner of `drive`, whose sprocket is at `center`.
+    pub(super) fn add_tensioner(
+        &mut self,
+        drive: &Drive,
+        tensioner: &Tensioner,
+        center: Vec2,
+        velocity: Vec2,
+    ) -> Result<()> {
+        let line = tensioner.line(drive)?;
+        match Arm::of(drive) {
+            None => self.add_slide(drive, tensioner, &line, center),
+            Some(arm) => self.add_arm(drive, tensioner, (&arm, &line), center, velocity),
+        }
+    }
+
+    /// Lets the sprocket slide along the pull, with a spring from a point behind it.
+    fn add_slide(
+        &mut self,
+        drive: &Drive,
+        tensioner: &Tensioner,
+        line: &TensionerLine,
+        center: Vec2,
+    ) -> Result<()> {
+        let number = tensioner.sprocket;
+        let wheel = Marker::new(sprocket_name(number - 1), 0.0, 0.0);
+        let kind = JointKind::PointOnLine {
+            direction: line.direction,
+        };
+        let origin = Marker::new(GROUND, center.x, center.y);
+        let name = format!("slide_{number}");
+        self.joints
+            .push(Joint::new(name, origin, wheel.clone(), kind));
+        let pull = ForceKind::Force {
+            x: ramp(line.pull * line.direction.x, tensioner.ramp_time)?,
+            y: ramp(line.pull * line.direction.y, tensioner.ramp_time)?,
+            follows: false,
+        };
+        let nowhere = Marker::new(GROUND, 0.0, 0.0);
+        let name = format!("tensioner_{number}");
+        self.forces
+            .push(ForceElement::new(name, nowhere, wheel.clone(), pull));
+        // Its way begins where the sprocket is described, wherever it is placed.
+        let described = drive.sprockets[number - 1].center;
+        let moved = (center - described).dot(&line.direction);
+        let [back, _] = tensioner.travel;
+        let room = moved + ROOM + if back.is_finite() { back } else { 0.0 };
+        let behind = center - room * line.direction;
+        let behind = Marker::new(GROUND, behind.x, behind.y);
+        for (name, law) in springs(tensioner, 1.0, 1.0)? {
+            let rest = Some(room - moved);
+            let kind = ForceKind::Spring { law, rest };
+            let name = format!("{name}_{number}");
+            let spring = ForceElement::new(name, behind.clone(), wheel.clone(), kind);
+            self.forces.push(spring);
+        }
+        Ok(())
+    }
+
+    /// Lets the sprocket swing on an arm, a body of its own, whose torques are forces times the arm's length.
+    fn add_arm(
+        &mut self,
+        drive: &Drive,
+        tensioner: &Tensioner,
+        (arm, line): (&Arm, &TensionerLine),
+        center: Vec2,
+        velocity: Vec2,
+    ) -> Result<()> {
+        let number = tensioner.sprocket;
+        let name = format!("arm_{number}");
+        let (whole, _) = drive.sprockets[number - 1].mass_properties(&drive.chain);
+        let mass = ARM_SHARE * whole;
+        let inertia = tensioner.arm_inertia + 0.25 * mass * arm.length.powi(2);
+        let [position, moving] = arm.placed(center, velocity);
+        self.bodies.push(Body {
+            position,
+            velocity: moving,
+            ..Body::new(name.clone(), mass, inertia)
+        });
+        self.add_revolute(format!("pivot_{number}"), GROUND, &name, arm.pivot);
+        let wheel = sprocket_name(number - 1);
+        self.add_revolute(format!("bearing_{number}"), &name, &wheel, center);
+        let [ground, body] = [GROUND, &name].map(|body| Marker::new(body, 0.0, 0.0));
+        let mut add = |name: &str, kind: ForceKind| {
+            let name = format!("{name}_{number}");
+            self.forces
+                .push(ForceElement::new(name, ground.clone(), body.clone(), kind));
+        };
+        // A positive torque turns the arm towards the left of its direction.
+        let left = turned_left(unit(arm.angle));
+        let sense = line.direction.dot(&left).signum();
+        let torque = ramp(sense * arm.length * line.pull, tensioner.ramp_time)?;
+        add("tensioner", ForceKind::Torque(torque));
+        for (name, law) in springs(tensioner, arm.length, sense)? {
+            let rest = Some(arm.angle);
+            add(name, ForceKind::TorsionSpring { law, rest });
+        }
+        Ok(())
+    }
+}
+
+/// Spring with damper, and stops, of a tensioner that has them: forces over the way, or torques over the angle of an arm of `length` that
+/// the pull turns in the `sense` 1 or -1.
+fn springs(
+    tensioner: &Tensioner,
+    length: f64,
+    sense: f64,
+) -> Result<Vec<(&'static str, SpringLaw)>> {
+    let mut found = Vec::new();
+    if tensioner.damping > 0.0 || tensioner.stiffness > 0.0 {
+        let [stiffness, damping] =
+            [tensioner.stiffness, tensioner.damping].map(|of_way| of_way * length * length);
+        found.push(("damper", SpringLaw::linear(stiffness, damping)));
+    }
+    let [back, forth] = tensioner.travel;
+    let mut rows = Vec::new();
+    if back.is_finite() {
+        rows.extend([(-back - ROOM, -ROOM * STOP_STIFFNESS), (-back, 0.0)]);
+    }
+    if forth.is_finite() {
+        rows.extend([(forth, 0.0), (forth + ROOM, ROOM * STOP_STIFFNESS)]);
+    }
+    for (way, force) in &mut rows {
+        *way *= sense / length;
+        *force *= sense * length;
+    }
+    if sense < 0.0 {
+        rows.reverse();
+    }
+    if !rows.is_empty() {
+        let law = SpringLaw {
+            table: Some(Curve::new("travel", &rows)?),
+            ..SpringLaw::default()
+        };
+        found.push(("stops", law));
+    }
+    Ok(found)
+}
+
+/// What grows to `value` within `time` \[s\]; within none, it is there from the start.
+fn ramp(value: f64, time: f64) -> Result<TimeFunction> {
+    if time > 0.0 {
+        return TimeFunction::ramp(0.0, time, 0.0, value);
+    }
+    Ok(TimeFunction::Constant(value))
+}

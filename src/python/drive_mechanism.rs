@@ -1,0 +1,204 @@
+//! The mechanism of a drive, for Python: calls of the methods of `Mechanism` that describe it.
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::describe;
+use super::errors::InvalidInput;
+use crate::error::check;
+use crate::geometry::Vec2;
+use crate::multibody::{
+    Body, ContactLaw, ContactPair, Curve, DriveContacts, ForceElement, ForceKind, Joint, JointKind,
+    Mechanism, Motion, Profile, SpringLaw, TimeFunction,
+};
+use crate::panics::contained;
+
+/// Name of a method of `Mechanism`, and its keywords.
+type Call<'py> = (&'static str, Bound<'py, PyDict>);
+
+/// Law of the contacts of the mechanism of a drive.
+pub(super) fn drive_contacts(
+    force_law: &Bound<'_, PyAny>,
+    min_impact_velocity: &Bound<'_, PyAny>,
+) -> PyResult<DriveContacts> {
+    let name = "min_impact_velocity";
+    let least = describe::number(min_impact_velocity, name, "m/s")?;
+    let allowed = check::positive(name, least, "m/s");
+    describe::checked(min_impact_velocity.py(), allowed)?;
+    Ok(DriveContacts {
+        law: describe::force_law(force_law, "force_law")?,
+        min_approach_speed: least,
+    })
+}
+
+/// Calls (method of `Mechanism`, keywords) that describe the mechanism of a drive. In place of its law a contact has its `length`, and in
+/// place of sprocket and chain the sprocket's number, from 0.
+#[pyfunction]
+pub(super) fn drive_mechanism<'py>(
+    drive: &Bound<'py, PyAny>,
+    force_law: &Bound<'py, PyAny>,
+    min_impact_velocity: &Bound<'py, PyAny>,
+) -> PyResult<Vec<Call<'py>>> {
+    let py = drive.py();
+    let description = describe::drive(drive)?;
+    let contacts = drive_contacts(force_law, min_impact_velocity)?;
+    let made = contained(|| Mechanism::from_drive(&description, &contacts, None));
+    let mechanism = describe::checked(py, made)?;
+    let links = description.chain.links as usize;
+    let mut calls = Vec::new();
+    for part in &mechanism.bodies {
+        calls.push(body(py, part)?);
+    }
+    for part in &mechanism.joints {
+        calls.push(joint(py, part)?);
+    }
+    for part in &mechanism.forces {
+        calls.push(force(py, part)?);
+    }
+    for part in &mechanism.contacts {
+        let mut wheels = mechanism.bodies[links..].iter();
+        let sprocket = wheels.position(|wheel| wheel.name == part.a.body);
+        calls.push(contact(py, part, sprocket)?);
+    }
+    Ok(calls)
+}
+
+/// A part of a kind that no drive has.
+fn unknown(name: &str) -> PyErr {
+    InvalidInput::new_err(format!("{name} is of a kind that no drive has"))
+}
+
+fn pair(vector: Vec2) -> (f64, f64) {
+    (vector.x, vector.y)
+}
+
+fn body<'py>(py: Python<'py>, part: &Body) -> PyResult<Call<'py>> {
+    let keywords = PyDict::new(py);
+    keywords.set_item("name", &part.name)?;
+    keywords.set_item("mass", part.mass)?;
+    keywords.set_item("inertia", part.inertia)?;
+    keywords.set_item("position", <(f64, f64, f64)>::from(part.position))?;
+    keywords.set_item("velocity", <(f64, f64, f64)>::from(part.velocity))?;
+    Ok(("add_body", keywords))
+}
+
+fn joint<'py>(py: Python<'py>, part: &Joint) -> PyResult<Call<'py>> {
+    let keywords = PyDict::new(py);
+    keywords.set_item("name", &part.name)?;
+    keywords.set_item("body_a", &part.a.body)?;
+    keywords.set_item("body_b", &part.b.body)?;
+    let points = || {
+        keywords.set_item("point_a", pair(part.a.point))?;
+        keywords.set_item("point_b", pair(part.b.point))
+    };
+    let method = match &part.kind {
+        JointKind::Revolute => {
+            points()?;
+            "add_revolute"
+        }
+        JointKind::PointOnLine { direction } => {
+            points()?;
+            keywords.set_item("direction", pair(*direction))?;
+            "add_point_on_line"
+        }
+        JointKind::DrivenAngle(Motion::Speed(speed)) => {
+            keywords.set_item("speed", time_function(py, speed, &part.name)?)?;
+            "add_driver"
+        }
+        _ => return Err(unknown(&part.name)),
+    };
+    Ok((method, keywords))
+}
+
+fn force<'py>(py: Python<'py>, part: &ForceElement) -> PyResult<Call<'py>> {
+    let keywords = PyDict::new(py);
+    keywords.set_item("name", &part.name)?;
+    let function = |function: &TimeFunction| time_function(py, function, &part.name);
+    let on_body = |field: &str, value: Bound<'py, PyAny>| {
+        keywords.set_item("body", &part.b.body)?;
+        keywords.set_item(field, value)
+    };
+    let between = |law: &SpringLaw, field: &str, rest: Option<f64>| {
+        keywords.set_item("body_a", &part.a.body)?;
+        keywords.set_item("body_b", &part.b.body)?;
+        keywords.set_item("stiffness", law.stiffness)?;
+        keywords.set_item("damping", law.damping)?;
+        keywords.set_item("table", law.table.as_ref().map(Curve::rows))?;
+        keywords.set_item(field, rest)
+    };
+    let method = match &part.kind {
+        ForceKind::Force { x, y, .. } => {
+            let force = (function(x)?, function(y)?).into_pyobject(py)?;
+            on_body("force", force.into_any())?;
+            "add_force"
+        }
+        ForceKind::Torque(torque) => {
+            on_body("torque", function(torque)?)?;
+            "add_torque"
+        }
+        ForceKind::TorqueBySpeed(curve) => {
+            on_body("by_speed", curve.rows().into_pyobject(py)?)?;
+            "add_torque"
+        }
+        ForceKind::Spring { law, rest } => {
+            between(law, "rest_length", *rest)?;
+            keywords.set_item("point_a", pair(part.a.point))?;
+            "add_spring"
+        }
+        ForceKind::TorsionSpring { law, rest } => {
+            between(law, "rest_angle", *rest)?;
+            "add_torsion_spring"
+        }
+        ForceKind::Custom(_) => return Err(unknown(&part.name)),
+    };
+    Ok((method, keywords))
+}
+
+fn contact<'py>(
+    py: Python<'py>,
+    part: &ContactPair,
+    sprocket: Option<usize>,
+) -> PyResult<Call<'py>> {
+    let keywords = PyDict::new(py);
+    keywords.set_item("name", &part.name)?;
+    let ContactLaw::Surfaces { length, .. } = part.law else {
+        return Err(unknown(&part.name));
+    };
+    keywords.set_item("length", length)?;
+    let method = match &part.profile {
+        Profile::Bore { radius } => {
+            keywords.set_item("bore", &part.a.body)?;
+            keywords.set_item("pin", &part.b.body)?;
+            keywords.set_item("bore_radius", *radius)?;
+            keywords.set_item("pin_radius", part.radius)?;
+            keywords.set_item("bore_point", pair(part.a.point))?;
+            keywords.set_item("pin_point", pair(part.b.point))?;
+            "add_clearance_joint"
+        }
+        Profile::Teeth(_) => {
+            keywords.set_item("wheel", &part.a.body)?;
+            keywords.set_item("circle", &part.b.body)?;
+            keywords.set_item("sprocket", sprocket)?;
+            keywords.set_item("circle_point", pair(part.b.point))?;
+            "add_sprocket_contact"
+        }
+        _ => return Err(unknown(&part.name)),
+    };
+    Ok((method, keywords))
+}
+
+/// A number, or a `Table`.
+fn time_function<'py>(
+    py: Python<'py>,
+    function: &TimeFunction,
+    name: &str,
+) -> PyResult<Bound<'py, PyAny>> {
+    match function {
+        TimeFunction::Constant(value) => Ok(value.into_pyobject(py)?.into_any()),
+        TimeFunction::Table(curve) => {
+            let parts = py.import("rustchain.description.mechanism.parts")?;
+            parts.getattr("Table")?.call1((curve.rows(),))
+        }
+        _ => Err(unknown(name)),
+    }
+}

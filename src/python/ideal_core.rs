@@ -1,0 +1,328 @@
+//! A run of a drive with ideal hinges as Python sees it: its mechanism, with the channels of a drive.
+
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::core::{own_start, rows, set_channels, table};
+use super::describe;
+use super::drive_mechanism::drive_contacts;
+use super::errors::InvalidInput;
+use super::mechanism_callable::Raised;
+use super::mechanism_core::MechanismCore;
+use crate::geometry::Vec2;
+use crate::integrator::Corrector;
+use crate::layout::InitialConfiguration;
+use crate::multibody::from_drive::channels::{BushingContact, DriveView};
+use crate::multibody::{Mechanism, Stabilisation};
+use crate::panics::contained;
+use crate::run::ideal_drive::Rows;
+use crate::run::recorder::Groups;
+
+/// Way that assembly may move a given link by without a word, over the pitch.
+const FAR: f64 = 0.01;
+
+/// The mechanism of a drive with ideal hinges, as a core of the drive.
+#[pyclass(module = "rustchain._rustchain", extends = MechanismCore)]
+pub(super) struct IdealCore {
+    view: DriveView,
+    /// As placed: assembly moves them by rounding.
+    start: InitialConfiguration,
+    groups: Groups,
+    /// What assembly has to say of a start of the caller's own.
+    note: Option<String>,
+}
+
+#[pymethods]
+impl IdealCore {
+    #[new]
+    #[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // keywords in Python; PyO3 hands arrays over
+    fn new(
+        drive: &Bound<'_, PyAny>,
+        force_law: &Bound<'_, PyAny>,
+        hinge_law: Option<&Bound<'_, PyAny>>,
+        tooth_law: Option<&Bound<'_, PyAny>>,
+        min_impact_velocity: &Bound<'_, PyAny>,
+        solver: &Bound<'_, PyAny>,
+        positions: Option<PyReadonlyArray2<'_, f64>>,
+        velocities: Option<PyReadonlyArray2<'_, f64>>,
+    ) -> PyResult<PyClassInitializer<Self>> {
+        let py = drive.py();
+        let description = describe::drive(drive)?;
+        check_hinge_law(force_law, hinge_law)?;
+        let contacts = drive_contacts(tooth_law.unwrap_or(force_law), min_impact_velocity)?;
+        let mut control = describe::solver(solver)?;
+        if control.corrector == Corrector::Auto {
+            // The one that ideal hinges were measured with.
+            control.corrector = Corrector::Pece;
+        }
+        let own = own_start(py, &description, positions.as_ref(), velocities.as_ref())?;
+        let made = contained(|| Mechanism::from_drive(&description, &contacts, own.as_ref()));
+        let mechanism = describe::checked(py, made)?;
+        let core = MechanismCore::assembled(
+            py,
+            &mechanism,
+            control,
+            Stabilisation::Projection,
+            Raised::default(),
+        )?;
+        let view = describe::checked(py, DriveView::new(&description, core.simulation.model()))?;
+        let moved = core.simulation.assembly().moved;
+        let far = positions.is_some() && moved > FAR * description.chain.pitch;
+        let placed = &mechanism.bodies[..view.bodies()];
+        let ideal = Self {
+            start: InitialConfiguration {
+                positions: placed.iter().map(|body| body.position).collect(),
+                velocities: placed.iter().map(|body| body.velocity).collect(),
+            },
+            view,
+            groups: Groups::default(),
+            note: far.then(|| {
+                format!(
+                    "positions: links had to be moved by up to {moved:.3e} m to close the ideal hinges: is each link placed \
+                     where its hinges meet?"
+                )
+            }),
+        };
+        Ok(PyClassInitializer::from(core).add_subclass(ideal))
+    }
+
+    /// What to warn of at the start.
+    fn take_start_note(&mut self) -> Option<String> {
+        self.note.take()
+    }
+
+    #[getter]
+    fn body_names(slf: PyRef<'_, Self>) -> Vec<String> {
+        let mut names = slf.as_super().simulation.model().body_names();
+        names.truncate(slf.view.bodies());
+        names
+    }
+
+    #[getter]
+    fn positions<'py>(
+        slf: PyRefMut<'py, Self>,
+        py: Python<'py>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        table(py, own_motion(slf, false))
+    }
+
+    #[getter]
+    fn velocities<'py>(
+        slf: PyRefMut<'py, Self>,
+        py: Python<'py>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        table(py, own_motion(slf, true))
+    }
+
+    /// Positions and velocities that the simulation was made with.
+    fn start<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyArray2<f64>>; 2]> {
+        Ok([
+            table(py, self.start.positions.clone())?,
+            table(py, self.start.velocities.clone())?,
+        ])
+    }
+
+    fn state<'py>(mut slf: PyRefMut<'py, Self>, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let bodies = slf.view.bodies();
+        let core = slf.as_super();
+        let state = core.state(py)?;
+        for (name, velocities) in [("positions", false), ("velocities", true)] {
+            let mut rows = core.simulation.motion(velocities);
+            rows.truncate(bodies);
+            state.set_item(name, table(py, rows)?)?;
+        }
+        Ok(state)
+    }
+
+    /// The same simulation in another state.
+    fn restored(slf: PyRef<'_, Self>, py: Python<'_>, snapshot: &[u8]) -> PyResult<Py<Self>> {
+        let core = slf.as_super().in_state(py, snapshot)?;
+        let ideal = Self {
+            view: slf.view.clone(),
+            start: slf.start.clone(),
+            groups: slf.groups,
+            note: None,
+        };
+        Py::new(py, PyClassInitializer::from(core).add_subclass(ideal))
+    }
+
+    /// The fields of an `Evaluation`.
+    #[allow(clippy::needless_pass_by_value)] // PyO3 hands arrays over
+    fn evaluate<'py>(
+        mut slf: PyRefMut<'py, Self>,
+        py: Python<'py>,
+        positions: Option<PyReadonlyArray2<'py, f64>>,
+        velocities: Option<PyReadonlyArray2<'py, f64>>,
+        time: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let positions = rows(py, "positions", positions.as_ref())?;
+        let velocities = rows(py, "velocities", velocities.as_ref())?;
+        let time = time.map(|t| describe::finite(t, "time", "s")).transpose()?;
+        let view = slf.view.clone();
+        let simulation = &mut slf.as_super().simulation;
+        // With positions given, no contact has a memory.
+        let given = positions.is_some();
+        let mut own = |velocities: bool| {
+            let mut rows = simulation.motion(velocities);
+            rows.truncate(view.bodies());
+            rows
+        };
+        let [places, rates] = if positions.is_none() && velocities.is_none() {
+            [None, None]
+        } else {
+            let positions = positions.unwrap_or_else(|| own(false));
+            let velocities = velocities.unwrap_or_else(|| own(true));
+            describe::checked(py, view.with_arm(positions, velocities))?.map(Some)
+        };
+        let places = places.filter(|_| given);
+        let there = simulation.evaluate_elsewhere(places.as_deref(), rates.as_deref(), time);
+        let recording = describe::checked(py, there)?.row();
+        evaluation(py, &view, &Rows::new(&recording, simulation.model()))
+    }
+
+    #[allow(clippy::needless_pass_by_value)] // PyO3 hands lists over
+    fn start_recording(
+        mut slf: PyRefMut<'_, Self>,
+        duration: &Bound<'_, PyAny>,
+        report_step: &Bound<'_, PyAny>,
+        groups: Vec<String>,
+        energy: &Bound<'_, PyAny>,
+    ) -> PyResult<()> {
+        let (duration, report_step, groups) =
+            describe::reports(duration, report_step, &groups, energy)?;
+        slf.groups = groups;
+        let simulation = &mut slf.as_super().simulation;
+        simulation.start_recording(duration, report_step);
+        Ok(())
+    }
+
+    /// The last row of a channel that a stop condition looks at.
+    fn last_row<'py>(
+        slf: PyRef<'py, Self>,
+        py: Python<'py>,
+        name: &str,
+    ) -> Option<Bound<'py, PyArray1<f64>>> {
+        let simulation = &slf.as_super().simulation;
+        let rows = Rows::new(simulation.recording(), simulation.model());
+        let row = rows.last(&slf.view, name)?;
+        Some(row.into_pyarray(py))
+    }
+
+    /// Refuses: a mechanism's drivers stay as they were described.
+    #[allow(clippy::needless_pass_by_value)] // keywords of `Core`
+    fn set_input(
+        &self,
+        py: Python<'_>,
+        sprocket: usize,
+        quantity: &str,
+        value: Py<PyAny>,
+    ) -> PyResult<()> {
+        drop(value);
+        describe::checked(py, DriveView::refuse_input(sprocket, quantity))
+    }
+
+    fn take_recording<'py>(
+        mut slf: PyRefMut<'py, Self>,
+        py: Python<'py>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let recording = slf.as_super().simulation.take_recording();
+        let rows = Rows::new(&recording, slf.as_super().simulation.model());
+        let recorded = rows.channels(&slf.view, slf.groups);
+        set_channels(py, recorded)
+    }
+
+    /// Nothing: a mechanism does not count the jumps of its chain.
+    #[allow(clippy::unused_self)] // a method of `Core`
+    fn tooth_jumps(&self) -> Option<bool> {
+        None
+    }
+
+    /// What was not warned of yet: no law, but the energy balance where it is recorded.
+    fn take_warnings(mut slf: PyRefMut<'_, Self>) -> [Vec<String>; 3] {
+        let recorded = slf.groups.energy;
+        let note = slf.as_super().balance_warning(recorded);
+        [Vec::new(), note.into_iter().collect(), Vec::new()]
+    }
+}
+
+/// Rows of the drive's own bodies at the present time.
+fn own_motion(mut slf: PyRefMut<'_, IdealCore>, velocities: bool) -> Vec<[f64; 3]> {
+    let bodies = slf.view.bodies();
+    let mut rows = slf.as_super().simulation.motion(velocities);
+    rows.truncate(bodies);
+    rows
+}
+
+/// Hinges without contact have no law: what a law of theirs would ask for is refused.
+fn check_hinge_law(
+    force_law: &Bound<'_, PyAny>,
+    hinge_law: Option<&Bound<'_, PyAny>>,
+) -> PyResult<()> {
+    let law = hinge_law.unwrap_or(force_law);
+    let only =
+        "must be None with ChainDrive.hinges = 'ideal'; only chain drives with clearance hinges";
+    for (field, expected) in [
+        ("friction", "have friction"),
+        ("film", "have room for a film"),
+    ] {
+        let value = law.getattr_opt(field)?.filter(|value| !value.is_none());
+        if let Some(value) = value {
+            let message = format!("{field} = {}: {only} {expected}", value.repr()?);
+            return Err(InvalidInput::new_err(message));
+        }
+    }
+    if let Some(law) = hinge_law
+        && law.ne(force_law)?
+    {
+        return Err(InvalidInput::new_err(format!(
+            "hinge_law = {}: must be None with ChainDrive.hinges = 'ideal', whose hinges have no contact; it is for 'clearance'",
+            law.repr()?
+        )));
+    }
+    Ok(())
+}
+
+/// The fields of an `Evaluation` from a recording of one row.
+fn evaluation<'py>(
+    py: Python<'py>,
+    view: &DriveView,
+    rows: &Rows<'_>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let row = rows.row(0);
+    let shape = [view.links(), view.sprockets()];
+    let contacts: Vec<BushingContact> = (0..view.links())
+        .flat_map(|k| (0..view.sprockets()).map(move |s| (k, s)))
+        .map(|(k, s)| view.bushing_contact(&row, k, s))
+        .collect();
+    let real = |value: fn(&BushingContact) -> f64| {
+        let values: Vec<f64> = contacts.iter().map(value).collect();
+        values.into_pyarray(py).reshape(shape)
+    };
+    let whole = |value: fn(&BushingContact) -> i32| {
+        let values: Vec<i32> = contacts.iter().map(value).collect();
+        values.into_pyarray(py).reshape(shape)
+    };
+    let sizes = |values: &[Vec2]| -> Vec<f64> { values.iter().map(|v| v.x.hypot(v.y)).collect() };
+    let on_pins = view.on_pins(row.reactions);
+    let apart = view.eccentricities(row.positions);
+    let vectors: Vec<f64> = on_pins.iter().flat_map(|v| [v.x, v.y]).collect();
+    let pushes: Vec<f64> = contacts.iter().flat_map(|found| found.vector).collect();
+    let own = rows.accelerations()[..3 * view.bodies()].to_vec();
+    let found = PyDict::new(py);
+    found.set_item(
+        "accelerations",
+        own.into_pyarray(py).reshape([view.bodies(), 3])?,
+    )?;
+    found.set_item("hinge_force", sizes(&on_pins).into_pyarray(py))?;
+    found.set_item("hinge_penetration", sizes(&apart).into_pyarray(py))?;
+    let vectors = vectors.into_pyarray(py).reshape([view.links(), 2])?;
+    found.set_item("hinge_force_vector", vectors)?;
+    found.set_item("tooth_force", real(|found| found.force)?)?;
+    found.set_item("tooth_penetration", real(|found| found.penetration)?)?;
+    let pushes = pushes.into_pyarray(py).reshape([shape[0], shape[1], 2])?;
+    found.set_item("tooth_force_vector", pushes)?;
+    found.set_item("tooth_region", whole(|found| found.region)?)?;
+    found.set_item("tooth_index", whole(|found| found.gap)?)?;
+    Ok(found)
+}
