@@ -1,4 +1,4 @@
-//! The belt line of a drive: in which order the chain meets the sprockets, and why it may not be able to.
+//! The belt line of a drive: the order of its sprockets along the chain path, and the reasons why no belt line exists.
 
 use std::f64::consts::TAU;
 
@@ -8,24 +8,24 @@ use crate::geometry::path::belt;
 use crate::geometry::path::belt::{Belt, NoTangent, Pulley, Side};
 use crate::geometry::path::wrap::pitch_radius;
 
-/// Up to this many sprockets, a list in the wrong order is answered with the right one.
+/// Largest number of sprockets for which the error of a wrong order names the right one: all orders are tried.
 const MOST_TO_ORDER: usize = 8;
 
-/// The belt on the pitch circles.
+/// Belt line on the pitch circles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BeltLine {
-    /// Sprockets (from 0) in the order in which it meets them, counterclockwise; the first one first.
+    /// Sprockets (from 0) in the order along the chain path, counterclockwise; the first one first.
     pub order: Vec<usize>,
-    /// Spans and wraps in that order.
+    /// Belt: spans and wraps in that order.
     pub belt: Belt,
 }
 
 impl BeltLine {
-    /// The belt line of `drive`, whose sprockets are listed one way round or the other.
+    /// Return the belt line of `drive`, whose sprockets are listed in either direction along the chain path.
     ///
     /// # Errors
-    /// When there is none: sprockets that overlap, an order or a side that makes no loop, a line that crosses itself or a sprocket,
-    /// or a wrap below one tooth, with the numbers that say so.
+    /// When no belt line exists: sprockets overlap, the order or a side makes no loop, the line crosses itself or a sprocket,
+    /// or a wrap is below one tooth. The message has the numbers.
     pub fn of(drive: &Drive) -> Result<Self> {
         check_room(drive)?;
         let n = drive.sprockets.len();
@@ -54,19 +54,19 @@ impl BeltLine {
         Ok(line)
     }
 
-    /// Length of a taut chain along it, in pitches: on a wrap they are as many as teeth, whose chords are shorter than the arc.
+    /// Return the length of a taut chain along the line, in pitches; a wrap has as many pitches as teeth (chords, not arcs).
     #[must_use]
     pub fn pitches(&self, drive: &Drive) -> f64 {
         pitches(drive, &self.order, &self.belt)
     }
 
-    /// Place of sprocket `i` in the order.
+    /// Return the position of sprocket `i` in the order.
     #[must_use]
     pub fn place_of(&self, i: usize) -> usize {
         self.order.iter().position(|&j| j == i).unwrap_or(0)
     }
 
-    /// From which to which sprocket each strand leads.
+    /// Return the sprockets at both ends of each strand.
     #[must_use]
     pub fn strands(&self) -> Vec<[usize; 2]> {
         let next = self.order.iter().cycle().skip(1);
@@ -113,7 +113,7 @@ fn refuse<T>(why: &str) -> Result<T> {
     Err(Error::Impossible(format!("no chain can be laid: {why}")))
 }
 
-/// Zero for teeth that cannot be: whoever asks for their profile is told why.
+/// Return the pitch radius; zero for an invalid number of teeth, whose error the profile reports.
 fn outside_radius(drive: &Drive, sprocket: &Sprocket) -> f64 {
     let profile = sprocket.tooth_profile(&drive.chain);
     profile.map_or(0.0, |profile| profile.outside_radius)
@@ -140,13 +140,13 @@ fn check_room(drive: &Drive) -> Result<()> {
     Ok(())
 }
 
-/// The same loop the other way round, from the same sprocket.
+/// Return the same loop in the other direction, from the same sprocket.
 fn reversed(order: &[usize]) -> Vec<usize> {
     let (first, rest) = order.split_at(1);
     first.iter().chain(rest.iter().rev()).copied().collect()
 }
 
-/// The wheels of a belt on the pitch circles, in this order.
+/// Return the wheels of a belt on the pitch circles, in this order.
 pub(super) fn pulleys(drive: &Drive, order: &[usize]) -> Vec<Pulley> {
     let pulley = |&i: &usize| {
         let sprocket = &drive.sprockets[i];
@@ -159,7 +159,7 @@ pub(super) fn pulleys(drive: &Drive, order: &[usize]) -> Vec<Pulley> {
     order.iter().map(pulley).collect()
 }
 
-/// Length of a taut chain along `belt`, in pitches.
+/// Return the length of a taut chain along `belt`, in pitches.
 pub(super) fn pitches(drive: &Drive, order: &[usize], belt: &Belt) -> f64 {
     let straight: f64 = belt.spans.iter().map(|span| span.length).sum();
     let seated = order
@@ -169,7 +169,7 @@ pub(super) fn pitches(drive: &Drive, order: &[usize], belt: &Belt) -> f64 {
     straight / drive.chain.mean_pitch() + seated.sum::<f64>()
 }
 
-/// The belt in this order, where it goes round once.
+/// Return the belt in this order, if its winding number is one.
 fn loop_in(drive: &Drive, order: &[usize]) -> Option<BeltLine> {
     let belt = Belt::around(&pulleys(drive, order)).ok()?;
     belt.is_simple().then(|| BeltLine {
@@ -225,7 +225,7 @@ fn why_no_loop(drive: &Drive, listed: &[usize]) -> String {
     )
 }
 
-/// The shortest loop in another order that crosses nothing, in words; empty when there is none, or too many to look at.
+/// Return the text that names the shortest loop in another order without crossings; empty for none, or for too many sprockets.
 fn suggested_order(drive: &Drive) -> String {
     let n = drive.sprockets.len();
     if n > MOST_TO_ORDER {
@@ -251,7 +251,7 @@ fn suggested_order(drive: &Drive) -> String {
 }
 
 impl BeltLine {
-    /// The same without the answer to a crossing, which asks for orders itself.
+    /// Return the belt line without the proposal of another order.
     fn check_crossings_quietly(&self, drive: &Drive) -> bool {
         let spans = &self.belt.spans;
         let strands = self.strands();
@@ -267,7 +267,7 @@ impl BeltLine {
     }
 }
 
-/// Calls `take` with every order that keeps the first `fixed` places.
+/// Call `take` with every order that keeps the first `fixed` entries.
 fn for_each_order(order: &mut [usize], fixed: usize, take: &mut impl FnMut(&[usize])) {
     if fixed >= order.len() {
         take(order);

@@ -1,13 +1,13 @@
-//! The chain: its links, hinges and contact surfaces.
+//! The chain: links, hinges and contact surfaces.
 
 use super::{LinkStiffness, Material, Variation};
 use crate::error::{Error, Result, check};
 
-/// Largest number of links: 1.3 km of a half-inch chain, beyond whose length rounding is coarser than the default accuracy; a run
-/// takes 0.3 GB, in proportion to them.
+/// Largest number of links: 1.3 km of a half-inch chain. Beyond this length rounding of positions exceeds the default accuracy; a run
+/// takes 0.3 GB.
 pub(crate) const MOST_LINKS: u32 = 100_000;
 
-/// Mass properties of a link about its own centre, midway between its hinges.
+/// Mass properties of a link about its centre, midway between its hinges.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Link {
     /// Mass \[kg\].
@@ -35,10 +35,10 @@ impl ClearanceHinge {
     }
 }
 
-/// A roller that turns on its bushing with play: a body of its own, a hollow cylinder.
+/// A roller on its bushing with radial play: a hollow cylinder with its own degrees of freedom.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Roller {
-    /// Outside radius, where it meets the teeth \[m\].
+    /// Outside radius, in contact with the teeth \[m\].
     pub radius: f64,
     /// Radius of its bore \[m\].
     pub bore_radius: f64,
@@ -50,45 +50,45 @@ pub struct Roller {
     pub inertia: f64,
 }
 
-/// A closed bushing chain: inner links with two bushings alternate with outer links with two pins. In a chain of an odd number of
+/// A bushing chain: inner links with two bushings alternate with outer links with two pins. In a closed chain of an odd number of
 /// links the last one is an offset link: bushing at its rear, pin at its front.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chain {
-    /// Distance of the hinges of a link \[m\].
+    /// Pitch: distance of the hinges of a link \[m\].
     pub pitch: f64,
     /// Number of links.
     pub links: u32,
-    /// Links 1, 3, ...
+    /// Inner links: links 1, 3, ...
     pub inner: Link,
-    /// Links 2, 4, ...
+    /// Outer links: links 2, 4, ...
     pub outer: Link,
-    /// The hinges.
+    /// Clearance hinges.
     pub hinge: ClearanceHinge,
     /// Outside radius of the bushings \[m\].
     pub bushing_radius: f64,
-    /// Length of contact between teeth and what meets them, bushing or roller \[m\].
+    /// Length of contact between teeth and bushing or roller \[m\].
     pub tooth_contact_length: f64,
     /// Material of all contacts.
     pub material: Material,
-    /// The last link of an odd number; `None`: the mean of an inner and an outer one.
+    /// Offset link of an odd number of links; `None`: the mean of an inner and an outer link.
     pub offset: Option<Link>,
     /// Parallel strands on common pins; masses and lengths of contact are those of one.
     pub strands: u32,
-    /// How links differ from the pitch.
+    /// Deviations of the link lengths from the pitch.
     pub variation: Variation,
-    /// Rollers on the bushings; then they meet the teeth in the bushings' place, and the inner links go without their mass.
+    /// Rollers on the bushings; they are then in contact with the teeth, and the mass of inner links excludes them.
     pub roller: Option<Roller>,
-    /// Axial stiffness of the links of one strand; none: links are rigid.
+    /// Axial stiffness of the links of one strand; `None`: rigid links.
     pub link_stiffness: Option<LinkStiffness>,
-    /// What links carry in their middle: number of the link, from 1, and mass \[kg\], all strands together.
+    /// Attached masses in the middle of links: number of the link, from 1, and mass \[kg\] for all strands.
     pub carried: Vec<(u32, f64)>,
 }
 
 impl Chain {
-    /// Checks every field.
+    /// Check every field.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// When a field is out of range: names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
         check::positive("Chain.pitch", self.pitch, "m")?;
         check_links("Chain.links", self.links)?;
@@ -168,7 +168,7 @@ impl Chain {
         Ok(())
     }
 
-    /// Link `i`, from 0, with all strands.
+    /// Return link `i`, from 0, with the mass of all strands.
     #[must_use]
     pub fn link(&self, i: usize) -> Link {
         let last_of_odd = i + 1 == self.links as usize && !self.links.is_multiple_of(2);
@@ -182,7 +182,7 @@ impl Chain {
         self.loaded(i, offset)
     }
 
-    /// Link `i` of an open chain, from 0, with all strands: inner and outer ones alternate to the last.
+    /// Return link `i` of an open chain, from 0, with all strands: inner and outer links alternate to the last.
     #[must_use]
     pub fn strand_link(&self, i: usize) -> Link {
         let link = if i.is_multiple_of(2) {
@@ -193,7 +193,7 @@ impl Chain {
         self.loaded(i, link)
     }
 
-    /// Link `i`, from 0, of all strands and with what it carries.
+    /// Return link `i`, from 0, with all strands and its attached mass.
     fn loaded(&self, i: usize, link: Link) -> Link {
         let strands = f64::from(self.strands);
         let mine = self
@@ -206,20 +206,20 @@ impl Chain {
         }
     }
 
-    /// Outside radius of what meets the teeth: the rollers, or the bushings of a chain without \[m\].
+    /// Return the outside radius in contact with the teeth: of the rollers, or of the bushings without rollers \[m\].
     #[must_use]
     pub fn contact_radius(&self) -> f64 {
         self.roller
             .map_or(self.bushing_radius, |roller| roller.radius)
     }
 
-    /// Length of contact of pin and bushing over all strands \[m\].
+    /// Return the length of contact of pin and bushing over all strands \[m\].
     #[must_use]
     pub fn hinge_contact_length(&self) -> f64 {
         f64::from(self.strands) * self.hinge.length
     }
 
-    /// Pull that makes a link longer by a metre, over all strands \[N/m\]; none: links are rigid.
+    /// Return the axial stiffness of a link over all strands \[N/m\]; `None` for rigid links.
     #[must_use]
     pub fn axial_stiffness(&self) -> Option<f64> {
         let of_one = |given: LinkStiffness| given.value(self.pitch, &self.material);
@@ -227,20 +227,20 @@ impl Chain {
             .map(|given| f64::from(self.strands) * of_one(given))
     }
 
-    /// What a hinge's halves of its two links give way by \[m/N\], over all strands: that of a whole link.
+    /// Return the axial compliance of the two half links at a hinge \[m/N\], over all strands: that of a whole link.
     #[must_use]
     pub fn link_compliance(&self) -> Option<f64> {
         self.axial_stiffness().map(|stiffness| 1.0 / stiffness)
     }
 
-    /// Length of contact of bushing and teeth over all strands \[m\].
+    /// Return the length of contact of bushing and teeth over all strands \[m\].
     #[must_use]
     pub fn teeth_contact_length(&self) -> f64 {
         f64::from(self.strands) * self.tooth_contact_length
     }
 }
 
-/// The number of links must lie in a range that a computer can hold.
+/// Check that the number of links is within the range of memory and accuracy.
 ///
 /// # Errors
 /// Names the field, its value and the range.
@@ -255,10 +255,10 @@ pub fn check_links(field: &str, links: u32) -> Result<()> {
 }
 
 impl Roller {
-    /// Checks every field.
+    /// Check every field.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// When a field is out of range: names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
         check::positive("Roller.radius", self.radius, "m")?;
         check::positive("Roller.bore_radius", self.bore_radius, "m")?;
@@ -275,10 +275,10 @@ impl Roller {
         Ok(())
     }
 
-    /// Checks that it fits on a bushing of this radius in a chain of this pitch \[m\].
+    /// Check that the roller fits on a bushing of this radius in a chain of this pitch \[m\].
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// When a field is out of range: names the field, its value and the range.
     pub fn check_on(&self, bushing_radius: f64, pitch: f64) -> Result<()> {
         if self.bore_radius <= bushing_radius {
             return Err(Error::invalid(
@@ -302,7 +302,7 @@ impl Roller {
         Ok(())
     }
 
-    /// Radial clearance on a bushing of this radius \[m\].
+    /// Return the radial clearance on a bushing of this radius \[m\].
     #[must_use]
     pub fn clearance(&self, bushing_radius: f64) -> f64 {
         self.bore_radius - bushing_radius
@@ -310,10 +310,10 @@ impl Roller {
 }
 
 impl Link {
-    /// Checks every field.
+    /// Check every field.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// When a field is out of range: names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
         check::positive("Link.mass", self.mass, "kg")?;
         check::positive("Link.inertia", self.inertia, "kg m^2")
@@ -321,10 +321,10 @@ impl Link {
 }
 
 impl ClearanceHinge {
-    /// Checks every field.
+    /// Check every field.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// When a field is out of range: names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
         check::positive("ClearanceHinge.pin_radius", self.pin_radius, "m")?;
         check::positive("ClearanceHinge.bore_radius", self.bore_radius, "m")?;
@@ -339,7 +339,7 @@ impl ClearanceHinge {
     }
 }
 
-/// Whether link `i` (from 0) has a bushing at its front: an inner one, but not the offset link that ends an odd number.
+/// Return whether link `i` (from 0) has a bushing at its front: an inner link, except the offset link of an odd number.
 #[must_use]
 pub fn bushing_on_front(link: usize, links: usize) -> bool {
     link.is_multiple_of(2) && (link + 1 < links || links.is_multiple_of(2))

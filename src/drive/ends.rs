@@ -1,37 +1,37 @@
-//! The two ends of an open chain: pinned, carried by a moving point, loaded, or loose.
+//! The two ends of an open chain: anchored, loaded or free.
 
 use super::{Chain, TimeTable};
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
 
-/// What an end of an open chain is joined to, by a hinge like those of the chain.
+/// Boundary condition of one end of an open chain; the hinge is like those of the chain.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ChainEnd {
-    /// A pin that stands still or moves as it is told.
+    /// A pin at rest or with prescribed velocity.
     Anchor {
-        /// Where it is at the start \[m\].
+        /// Position at the start \[m\].
         position: Vec2,
-        /// Its velocity, x and y \[m/s\].
+        /// Velocity, x and y \[m/s\].
         velocity: [TimeTable; 2],
-        /// Links between it and the first sprocket; none: as few as reach.
+        /// Links between the pin and the first sprocket; `None`: the smallest number that fits.
         links: Option<u32>,
     },
-    /// A body that hangs from the chain.
+    /// A body attached to the end.
     Load {
         /// Mass \[kg\].
         mass: f64,
         /// Moment of inertia about its centre of mass \[kg m²\].
         inertia: f64,
-        /// From its pin to its centre of mass \[m\].
+        /// Distance of the centre of mass from the pin \[m\].
         arm: f64,
-        /// Where its pin is at the start \[m\]; none: straight down from the last sprocket, or from the other end.
+        /// Position of its pin at the start \[m\]; `None`: straight below the last sprocket or the other end.
         position: Option<Vec2>,
         /// Links between it and the first sprocket.
         links: Option<u32>,
     },
-    /// Nothing.
+    /// No body.
     Loose {
-        /// Where it is at the start \[m\]; none: straight down from the last sprocket, or from the other end.
+        /// Position at the start \[m\]; `None`: straight below the last sprocket or the other end.
         position: Option<Vec2>,
         /// Links between it and the first sprocket.
         links: Option<u32>,
@@ -39,7 +39,7 @@ pub enum ChainEnd {
 }
 
 impl ChainEnd {
-    /// An anchor at rest.
+    /// Return an anchored end at rest.
     #[must_use]
     pub fn anchor(position: Vec2) -> Self {
         Self::Anchor {
@@ -49,7 +49,7 @@ impl ChainEnd {
         }
     }
 
-    /// A load whose centre of mass is in its pin.
+    /// Return a loaded end with its centre of mass in the pin.
     #[must_use]
     pub fn load(mass: f64, inertia: f64) -> Self {
         Self::Load {
@@ -61,7 +61,7 @@ impl ChainEnd {
         }
     }
 
-    /// A loose end.
+    /// Return a free end.
     #[must_use]
     pub fn loose() -> Self {
         Self::Loose {
@@ -70,7 +70,7 @@ impl ChainEnd {
         }
     }
 
-    /// Its name in descriptions.
+    /// Return the name in descriptions.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -80,7 +80,7 @@ impl ChainEnd {
         }
     }
 
-    /// Where it begins, if that is given \[m\].
+    /// Return the position at the start \[m\], if it is given.
     #[must_use]
     pub fn position(&self) -> Option<Vec2> {
         match self {
@@ -89,7 +89,7 @@ impl ChainEnd {
         }
     }
 
-    /// How many links lie between it and the first sprocket, if that is given.
+    /// Return the number of links between the end and the first sprocket, if it is given.
     #[must_use]
     pub fn links(&self) -> Option<u32> {
         match self {
@@ -99,7 +99,7 @@ impl ChainEnd {
         }
     }
 
-    /// Its velocity at the start \[m/s\].
+    /// Return the velocity at the start \[m/s\].
     #[must_use]
     pub fn velocity(&self) -> Vec2 {
         match self {
@@ -110,7 +110,7 @@ impl ChainEnd {
         }
     }
 
-    /// Distance of its centre of mass from its pin \[m\].
+    /// Return the distance of the centre of mass from the pin \[m\].
     #[must_use]
     pub fn arm(&self) -> f64 {
         match self {
@@ -119,10 +119,10 @@ impl ChainEnd {
         }
     }
 
-    /// Checks every field.
+    /// Check every field.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// When a field is out of range: names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
         let name = self.name();
         if let Some(position) = self.position() {
@@ -146,10 +146,10 @@ impl ChainEnd {
     }
 }
 
-/// Checks two ends and that the chain suits them.
+/// Check both ends, and the chain between them.
 ///
 /// # Errors
-/// Names the field, its value and what is allowed.
+/// When a field is out of range: names the field, its value and the range.
 pub(super) fn check_ends(ends: &[ChainEnd; 2], chain: &Chain) -> Result<()> {
     for end in ends {
         end.validate()?;

@@ -1,22 +1,22 @@
-//! Bounds of what a chain may be loaded and driven by: far above what breaks any, they refuse a slip of units before a run crawls
-//! under it.
+//! Bounds of loads and speeds, far above the breaking load of any chain: they find errors of units before a run becomes
+//! slow by them.
 
 use super::{Chain, ChainEnd, Drive, Mount, SprocketMotion, TimeTable};
 use crate::error::{Error, Result};
 use crate::geometry::path::wrap::pitch_radius;
 
-/// Largest force on a chain over the square of its pitch \[Pa\]. Roller chains of ISO 606 break at 1e8 Pa; under a hundred times
-/// that a default run needs some 1e6 steps per simulated second, under ten thousand times 1e8.
+/// Largest force on a chain over the square of its pitch \[Pa\]. Roller chains of ISO 606 break at 1e8 Pa. With a hundred times that
+/// a default run needs some 1e6 steps per simulated second, with ten thousand times 1e8.
 const MOST_PRESSURE: f64 = 1e10;
 
-/// Largest speed of a chain \[m/s\]. Roller chains run below 50 m/s, and at 1000 m/s the tension that turns its direction alone,
-/// mass per length times the square of the speed, is some 40 times what breaks it.
+/// Largest speed of a chain \[m/s\]. Roller chains run below 50 m/s. At 1000 m/s the centrifugal tension,
+/// mass per length times the square of the speed, is some 40 times the breaking load.
 pub(crate) const MOST_CHAIN_SPEED: f64 = 1e3;
 
-/// What a sprocket may be driven by at most, in a description and while it runs.
+/// Largest speed and torque of a sprocket, in a description and in a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InputBounds {
-    /// Of the chain \[m\].
+    /// Pitch of the chain \[m\].
     pitch: f64,
     /// Largest speed \[rad/s\].
     speed: f64,
@@ -25,7 +25,7 @@ pub struct InputBounds {
 }
 
 impl InputBounds {
-    /// Of a sprocket of so many teeth.
+    /// Return the bounds of a sprocket with this number of teeth.
     pub(crate) fn of(chain: &Chain, teeth: u32) -> Self {
         let radius = pitch_radius(chain.pitch, teeth);
         Self {
@@ -35,7 +35,7 @@ impl InputBounds {
         }
     }
 
-    /// Refuses speeds at which no chain runs; `field` names them.
+    /// Check a speed against the bound; `field` is its name in messages.
     pub(crate) fn check_speed(&self, field: &str, speed: f64) -> Result<()> {
         if speed.abs() <= self.speed {
             return Ok(());
@@ -48,18 +48,18 @@ impl InputBounds {
         Err(Error::invalid(field, speed, expected))
     }
 
-    /// Refuses speeds of a table likewise.
+    /// Check the speeds of a table against the bound.
     pub(crate) fn check_speeds(&self, field: &str, table: &TimeTable) -> Result<()> {
         self.check_speed(field, table.largest())
     }
 
-    /// Refuses torques that no chain bears; `field` names them.
+    /// Check a torque against the bound; `field` is its name in messages.
     pub(crate) fn check_torques(&self, field: &str, table: &TimeTable) -> Result<()> {
         refuse_above(self.torque, self.pitch, "N m", field, table.largest())
     }
 }
 
-/// Largest force on a chain \[N\].
+/// Return the largest force on a chain \[N\].
 fn most_force(chain: &Chain) -> f64 {
     MOST_PRESSURE * chain.pitch * chain.pitch * f64::from(chain.strands)
 }
@@ -76,7 +76,7 @@ fn refuse_above(most: f64, pitch: f64, unit: &str, field: &str, value: f64) -> R
 }
 
 impl Drive {
-    /// Refuses pretension, torques, plungers' forces and weights that no chain of this pitch could bear, and speeds at which none runs.
+    /// Check pretension, torques, plunger forces, weights and speeds against the bounds for a chain of this pitch.
     pub(super) fn check_loads(&self) -> Result<()> {
         let pitch = self.chain.pitch;
         let most = most_force(&self.chain);
@@ -138,7 +138,7 @@ impl Drive {
         Ok(())
     }
 
-    /// The chain's own weight speaks for gravity; what it carries and what hangs from it for themselves.
+    /// Check gravity by the weight of the chain, of attached masses and of loaded ends.
     fn check_weights(&self) -> Result<()> {
         let Chain {
             pitch,

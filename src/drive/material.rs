@@ -1,4 +1,4 @@
-//! What a contact's surfaces are made of.
+//! Material of contact surfaces.
 
 use crate::error::{Result, check};
 
@@ -14,7 +14,7 @@ pub struct Material {
 }
 
 impl Default for Material {
-    /// Steel, as the paper has it.
+    /// Return steel with the values of the published drive.
     fn default() -> Self {
         Self {
             elastic_modulus: 2.07e11,
@@ -25,13 +25,13 @@ impl Default for Material {
 }
 
 impl Material {
-    /// E* \[Pa\] of two bodies of this material: E / (2 (1 - ν²)).
+    /// Return E* \[Pa\] of two bodies of this material: E / (2 (1 - ν²)).
     #[must_use]
     pub fn contact_modulus(&self) -> f64 {
         self.elastic_modulus / (2.0 * (1.0 - self.poisson_ratio * self.poisson_ratio))
     }
 
-    /// E* \[Pa\] of a body of this material and one of the `other`: 1/E* is the sum of (1 - ν²)/E.
+    /// Return E* \[Pa\] of bodies of this material and of the `other`: 1/E* is the sum of (1 - ν²)/E.
     #[must_use]
     pub fn contact_modulus_with(&self, other: &Self) -> f64 {
         if self == other {
@@ -41,10 +41,10 @@ impl Material {
         1.0 / (compliance(self) + compliance(other))
     }
 
-    /// Checks every field.
+    /// Check every field.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// When a field is out of range: names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
         check::positive("Material.elastic_modulus", self.elastic_modulus, "Pa")?;
         check::within("Material.poisson_ratio", self.poisson_ratio, 0.0, 0.5)?;

@@ -1,4 +1,4 @@
-//! What the user describes: plain data in SI, validated once.
+//! Description of a chain drive: plain data in SI units, validated once.
 
 mod belt_line;
 mod chain;
@@ -35,7 +35,7 @@ use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
 use crate::geometry::path::belt::Side;
 
-/// Most pairs of a bushing and a sprocket or guide: they take 150 bytes each.
+/// Largest number of pairs of a bushing and a sprocket or guide; a pair takes 150 bytes.
 const MOST_PAIRS: f64 = 1e7;
 
 /// How the links of a chain are joined.
@@ -53,41 +53,41 @@ pub enum HingeKind {
 pub struct Drive {
     /// The chain.
     pub chain: Chain,
-    /// The sprockets in the order in which the chain meets them, one way round or the other; the first one is the driver by custom.
+    /// Sprockets in the order along the chain path, in either direction; by convention the first one is the driver.
     pub sprockets: Vec<Sprocket>,
-    /// What tightens it, if anything does.
+    /// Tensioner, if any.
     pub tensioner: Option<Tensioner>,
     /// Gravity \[m/s²\].
     pub gravity: Vec2,
-    /// Rails, blades and smooth idlers that the chain bears on besides.
+    /// Rails, blades and smooth idlers.
     pub guides: Vec<Rail>,
-    /// Ends of an open chain: before its first link, behind its last one; none: closed. An open chain may run round no sprocket at
-    /// all.
+    /// Ends of an open chain, before its first link and after its last; `None` for a closed chain. An open chain may have no
+    /// sprocket.
     pub ends: Option<[ChainEnd; 2]>,
     /// How the links are joined.
     pub hinge_kind: HingeKind,
 }
 
 impl Drive {
-    /// Number of bodies: links, both ends of an open chain, rollers, sprockets, guides.
+    /// Return the number of bodies: links, both ends of an open chain, rollers, sprockets, guides.
     #[must_use]
     pub fn bodies(&self) -> usize {
         self.first_wheel() + self.sprockets.len() + self.guides.len()
     }
 
-    /// The body of the first sprocket: links come before, both ends of an open chain, and rollers.
+    /// Return the body of the first sprocket; links, ends of an open chain and rollers precede it.
     #[must_use]
     pub fn first_wheel(&self) -> usize {
         self.hinges() + self.rollers()
     }
 
-    /// Number of rollers that are bodies of their own: one a hinge, or none. Where an open chain has no bushing its roller is none.
+    /// Return the number of rollers with their own degrees of freedom: one per hinge, or none.
     #[must_use]
     pub fn rollers(&self) -> usize {
         self.chain.roller.map_or(0, |_| self.hinges())
     }
 
-    /// Links, and both ends of an open chain, which close it to a ring: as many as hinges.
+    /// Return the number of hinges: links, and both ends of an open chain, which close it to a ring.
     #[must_use]
     pub fn hinges(&self) -> usize {
         self.chain.links as usize + if self.ends.is_some() { 2 } else { 0 }
@@ -112,7 +112,7 @@ impl Drive {
         Ok(())
     }
 
-    /// What the chain runs along lies within the length of the longest chain: the pitches along it are a number of links.
+    /// Check that all parts lie within the length of the longest chain of each other.
     fn check_extent(&self) -> Result<()> {
         let longest = f64::from(MOST_LINKS) * self.chain.pitch;
         let sprockets = self.sprockets.iter().enumerate();
@@ -152,10 +152,10 @@ impl Drive {
         check::within(field, pairs, 0.0, MOST_PAIRS)
     }
 
-    /// Checks every part and that the parts fit together.
+    /// Check every part and the parts against each other.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// When a field is out of range: names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
         self.chain.validate()?;
         for sprocket in &self.sprockets {

@@ -6,13 +6,13 @@ use super::{ChainEnd, Drive};
 use crate::geometry::path::wrap::pitch_radius;
 use crate::geometry::{Vec2, turned_left};
 
-/// Circles that a chain runs along from one end to the other.
+/// Circles along the path of a chain from one end to the other.
 pub(crate) struct OpenLine<'a> {
     drive: &'a Drive,
     ends: &'a [ChainEnd; 2],
-    /// Sense in which the chain turns each sprocket on its way.
+    /// Sense of rotation of the chain path on each sprocket.
     pub(crate) sense: Vec<f64>,
-    /// Radius on which its hinges lie there \[m\].
+    /// Radius of the hinges on each sprocket \[m\].
     pub(crate) radius: Vec<f64>,
     down: Option<Vec2>,
 }
@@ -37,7 +37,7 @@ impl<'a> OpenLine<'a> {
         }
     }
 
-    /// The way with the lesser turn, over the sprockets or under them, along circles of these radii \[m\].
+    /// Return the line with the smaller total wrap, over or under the sprockets, along circles of these radii \[m\].
     pub(crate) fn least_turn(
         drive: &'a Drive,
         ends: &'a [ChainEnd; 2],
@@ -53,7 +53,7 @@ impl<'a> OpenLine<'a> {
         }
     }
 
-    /// That way on the pitch circles of the teeth.
+    /// Return that line on the pitch circles.
     pub(crate) fn on_pitch_circles(
         drive: &'a Drive,
         ends: &'a [ChainEnd; 2],
@@ -65,12 +65,12 @@ impl<'a> OpenLine<'a> {
         Self::least_turn(drive, ends, &radii.collect::<Vec<f64>>())
     }
 
-    /// The direction of gravity, where there is any.
+    /// Return the direction of gravity, if any.
     pub(crate) fn gravity_direction(&self) -> Option<Vec2> {
         self.down
     }
 
-    /// The same, in which the strand at this end hangs.
+    /// Return the direction of gravity if the strand at this end hangs freely.
     pub(crate) fn down(&self, end: usize) -> Result<Vec2, String> {
         self.down.ok_or_else(|| {
             format!(
@@ -80,7 +80,7 @@ impl<'a> OpenLine<'a> {
         })
     }
 
-    /// Direction in which the chain leaves a circle for another one; a point is one of radius zero, radii count positive on the
+    /// Return the direction of the common tangent from a circle to the next. A point has radius zero; radii are positive on the
     /// left.
     fn tangent(
         (from, from_radius): (Vec2, f64),
@@ -108,7 +108,7 @@ impl<'a> OpenLine<'a> {
         )
     }
 
-    /// Directions of the strands, where `slack` says nothing else of the first and the last one.
+    /// Return the directions of the strands; `slack` overrides the first and the last one.
     pub(crate) fn directions(&self, slack: [Option<Vec2>; 2]) -> Result<Vec<Vec2>, String> {
         let count = self.radius.len();
         let mut directions = Vec::new();
@@ -128,11 +128,11 @@ impl<'a> OpenLine<'a> {
         Ok(directions)
     }
 
-    /// Angle by which the chain turns round sprocket `i` between these directions \[rad\].
+    /// Return the wrap of the chain on sprocket `i` between these directions \[rad\].
     pub(crate) fn wrap(&self, i: usize, [before, after]: [Vec2; 2]) -> f64 {
         let cross = before.x * after.y - before.y * after.x;
         let angle = self.sense[i] * cross.atan2(before.dot(&after));
-        // Rounding makes no full turn.
+        // A wrap that is a full turn by rounding is zero.
         if angle < -1e-9 {
             angle + TAU
         } else {
@@ -140,7 +140,7 @@ impl<'a> OpenLine<'a> {
         }
     }
 
-    /// Sum of all wraps of the chain where it is taut \[rad\].
+    /// Return the sum of all wraps of the taut chain \[rad\].
     fn turn(&self) -> Result<f64, String> {
         let directions = self.directions([None, None])?;
         let pairs = directions.windows(2).enumerate();
@@ -149,13 +149,13 @@ impl<'a> OpenLine<'a> {
             .sum())
     }
 
-    /// What a belt of unit tension pulls sprocket `i` by.
+    /// Return the force of a belt of unit tension on sprocket `i`.
     pub(crate) fn pull(&self, i: usize) -> Result<Vec2, String> {
         let directions = self.directions([None, None])?;
         Ok(directions[i + 1] - directions[i])
     }
 
-    /// Pitches of a taut chain from end to end; on a wrap they are as many as teeth. Nothing where an end has no place.
+    /// Return the pitches of a taut chain from end to end (chords on the wraps); `None` where an end has no position.
     pub(crate) fn pitches(&self) -> Result<Option<f64>, String> {
         let [Some(from), Some(to)] = self.ends.each_ref().map(ChainEnd::position) else {
             return Ok(None);

@@ -1,33 +1,33 @@
-//! How hard links are to stretch: given, or from the cross-sections of their plates.
+//! Axial stiffness of links: given, or from the cross-sections of their plates.
 
 use super::Material;
 use crate::error::{Result, check};
 
-/// The plates of a chain's links, as bars of the length of a pitch.
+/// Plates of a link as bars of the length of a pitch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plates {
     /// Cross-section of both plates of an inner link \[m²\].
     pub inner_section: f64,
-    /// That of both plates of an outer link \[m²\].
+    /// Cross-section of both plates of an outer link \[m²\].
     pub outer_section: f64,
-    /// Young's modulus \[Pa\]; none: that of the chain's material.
+    /// Young's modulus \[Pa\]; `None`: that of the chain's material.
     pub elastic_modulus: Option<f64>,
 }
 
 /// Axial stiffness of the links of one strand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LinkStiffness {
-    /// Pull that makes a link longer by a metre \[N/m\], the mean of inner and outer ones.
+    /// Stiffness \[N/m\], the mean of inner and outer links.
     Given(f64),
-    /// What follows from the plates.
+    /// Stiffness from the plates.
     Of(Plates),
 }
 
 impl Plates {
-    /// Checks every field.
+    /// Check every field.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// When a field is out of range: names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
         check::positive("Plates.inner_section", self.inner_section, "m^2")?;
         check::positive("Plates.outer_section", self.outer_section, "m^2")?;
@@ -36,8 +36,8 @@ impl Plates {
         })
     }
 
-    /// Pull that makes the mean of an inner and an outer link of this pitch \[m\] longer by a metre \[N/m\]: the harmonic mean of
-    /// E A/p of both, for the two are pulled one behind the other.
+    /// Return the mean axial stiffness of an inner and an outer link of this pitch \[m\] \[N/m\]: the harmonic mean of
+    /// E A/p of both, as they are in series.
     #[must_use]
     pub fn stiffness(&self, pitch: f64, material: &Material) -> f64 {
         let modulus = self.elastic_modulus.unwrap_or(material.elastic_modulus);
@@ -47,10 +47,10 @@ impl Plates {
 }
 
 impl LinkStiffness {
-    /// Checks it.
+    /// Check the stiffness or the plates.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// When a field is out of range: names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
         match self {
             Self::Given(stiffness) => check::positive("Chain.link_stiffness", *stiffness, "N/m"),
@@ -58,7 +58,7 @@ impl LinkStiffness {
         }
     }
 
-    /// It as a number \[N/m\], of links of this pitch \[m\].
+    /// Return the stiffness \[N/m\] of links of this pitch \[m\].
     #[must_use]
     pub fn value(&self, pitch: f64, material: &Material) -> f64 {
         match self {

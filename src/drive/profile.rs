@@ -1,14 +1,14 @@
-//! The tooth form a user asks for.
+//! Tooth forms of a description.
 
 use super::Chain;
 use crate::error::{Error, Result, check};
 use crate::geometry::path::wrap;
 use crate::geometry::{Blank, IsoGap, Misfit, OutlinePiece, Seat, ToothProfile, iso_tip_diameters};
 
-/// Radius of a broken edge over the roller diameter, where none is given.
+/// Default radius of the edge of a tooth tip, over the roller diameter.
 const EDGE_SHARE: f64 = 0.025;
 
-/// A tooth after one of the forms.
+/// Tooth form.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ToothForm {
     /// ANSI/ASME B29.1.
@@ -17,7 +17,7 @@ pub enum ToothForm {
     Iso(IsoTooth),
     /// Straight flanks.
     Straight(StraightTooth),
-    /// Arcs and lines of the user's own.
+    /// Arcs and lines of a custom outline.
     Custom(CustomTooth),
 }
 
@@ -27,23 +27,23 @@ impl From<AnsiTooth> for ToothForm {
     }
 }
 
-/// How a tooth ends.
+/// Shape of the tooth tip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tip {
-    /// Its flanks go on to the middle of the tooth.
+    /// The flanks continue to the middle of the tooth.
     Full,
-    /// It is cut off at the outside diameter, with a broken edge.
+    /// The tooth ends at the outside diameter with a rounded edge.
     Cut,
 }
 
-/// A tooth after ANSI/ASME B29.1.
+/// Tooth form of ANSI/ASME B29.1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AnsiTooth {
-    /// Where the seating curve's centre lies.
+    /// Position of the seating curve's centre.
     pub seat: Seat,
-    /// Roller diameter Dr that the tooth is cut for \[m\]; `None`: the chain's bushing diameter.
+    /// Roller diameter Dr of the form \[m\]; `None`: the chain's bushing diameter.
     pub roller_diameter: Option<f64>,
-    /// How it ends.
+    /// Shape of the tip.
     pub tip: Tip,
     /// Radius of the edge of a cut tip \[m\]; `None`: 0.025 Dr.
     pub edge_radius: Option<f64>,
@@ -60,44 +60,44 @@ impl Default for AnsiTooth {
     }
 }
 
-/// A tooth after ISO 606.
+/// Tooth form of ISO 606.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IsoTooth {
-    /// From the standard's minimum gap, 0, to its maximum, 1.
+    /// Tooth gap form, from the standard's minimum (0) to its maximum (1).
     pub gap: f64,
-    /// Where the seating curve's centre lies.
+    /// Position of the seating curve's centre.
     pub seat: Seat,
-    /// Roller diameter d1 that the tooth is cut for \[m\]; `None`: the chain's bushing diameter.
+    /// Roller diameter d1 of the form \[m\]; `None`: the chain's bushing diameter.
     pub roller_diameter: Option<f64>,
-    /// Tip diameter \[m\]; `None`: the middle of the standard's range, or its least where that is pointed.
+    /// Tip diameter \[m\]; `None`: the middle of the standard's range, or its minimum where the middle gives a pointed tooth.
     pub tip_diameter: Option<f64>,
     /// Radius of the edge at the tip \[m\]; `None`: 0.025 d1.
     pub edge_radius: Option<f64>,
 }
 
-/// A tooth with a round seat and straight flanks.
+/// Tooth form with a circular seat and straight flanks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StraightTooth {
-    /// Angle between flank and middle of the gap \[rad\].
+    /// Angle between flank and middle of the tooth gap \[rad\].
     pub flank_angle: f64,
     /// Radius of the seat \[m\]; `None`: 0.505 roller diameters.
     pub seat_radius: Option<f64>,
-    /// Where the seat's centre lies.
+    /// Position of the seat's centre.
     pub seat: Seat,
-    /// Roller diameter that the tooth is cut for \[m\]; `None`: the chain's bushing diameter.
+    /// Roller diameter of the form \[m\]; `None`: the chain's bushing diameter.
     pub roller_diameter: Option<f64>,
-    /// Tip diameter \[m\]; `None`: as of an ISO tooth.
+    /// Tip diameter \[m\]; `None`: as for an ISO tooth.
     pub tip_diameter: Option<f64>,
     /// Radius of the edge at the tip \[m\]; `None`: 0.025 roller diameters.
     pub edge_radius: Option<f64>,
 }
 
-/// A tooth of arcs and lines.
+/// Tooth form of arcs and lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CustomTooth {
-    /// From the middle of the gap up the right flank.
+    /// Pieces from the middle of the tooth gap outward along the right flank.
     pub pieces: Vec<OutlinePiece>,
-    /// Diameter at which the tooth is cut off \[m\]; `None`: the pieces go on to the middle of the tooth.
+    /// Outside diameter \[m\]; `None`: the pieces continue to the middle of the tooth.
     pub tip_diameter: Option<f64>,
     /// Radius of the edge of a cut tip \[m\]; `None`: 0.025 bushing diameters.
     pub edge_radius: Option<f64>,
@@ -112,7 +112,7 @@ fn check_lengths(form: &str, lengths: &[(&str, Option<f64>)]) -> Result<()> {
 }
 
 impl ToothForm {
-    /// Name of the form's class.
+    /// Return the name of the form's class.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -123,7 +123,7 @@ impl ToothForm {
         }
     }
 
-    /// The least and the largest number of teeth that the form is for.
+    /// Return the smallest and the largest number of teeth of the form.
     #[must_use]
     pub fn teeth(&self) -> [u32; 2] {
         match self {
@@ -132,10 +132,10 @@ impl ToothForm {
         }
     }
 
-    /// Checks every field.
+    /// Check every field.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// When a field is out of range: names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
         let form = self.name();
         match self {
@@ -189,7 +189,7 @@ impl ToothForm {
         }
     }
 
-    /// Roller diameter \[m\] that the form is cut for.
+    /// Return the roller diameter \[m\] of the form.
     fn roller_diameter(&self, chain: &Chain) -> f64 {
         let given = match self {
             Self::Ansi(tooth) => tooth.roller_diameter,
@@ -200,7 +200,7 @@ impl ToothForm {
         given.unwrap_or(2.0 * chain.contact_radius())
     }
 
-    /// Radius of a broken edge \[m\].
+    /// Return the radius of the tip's edge \[m\].
     pub(super) fn edge_radius(&self, chain: &Chain) -> f64 {
         let given = match self {
             Self::Ansi(tooth) => tooth.edge_radius,
@@ -211,10 +211,10 @@ impl ToothForm {
         given.unwrap_or(EDGE_SHARE * self.roller_diameter(chain))
     }
 
-    /// The teeth for `chain`, as whole as they are drawn.
+    /// Return the profile of undamaged teeth for `chain`.
     ///
     /// # Errors
-    /// When the flanks meet below the tip, pieces do not fit together, or a bushing cannot roll along the gap: with the numbers.
+    /// When the flanks meet below the tip, pieces do not fit together, or a bushing cannot roll along the tooth gap.
     pub(super) fn profile(&self, chain: &Chain, teeth: u32) -> Result<ToothProfile> {
         let roller = self.roller_diameter(chain);
         let edge = self.edge_radius(chain);
@@ -266,8 +266,8 @@ impl ToothForm {
         Ok(profile)
     }
 
-    /// A tooth of this `form` with its tip where it is asked for: by default in the middle of the standard's range, or at its
-    /// least where that is pointed.
+    /// Return a tooth of this `form` with the given tip diameter; by default the middle of the standard's range, or its
+    /// minimum where the middle gives a pointed tooth.
     fn cut_off(
         &self,
         chain: &Chain,

@@ -1,87 +1,87 @@
-//! Smooth guides of the chain: rails, blades on arms, idlers without teeth. The chain's bushings bear on them.
+//! Smooth guides of the chain: rails, blades on arms, idlers without teeth; the bushings slide on them.
 
 use super::Material;
 use crate::error::{Error, Result, check};
 use crate::geometry::{ToothProfile, Vec2, turned_left};
 
-/// What a chain slides along.
+/// A guide.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rail {
-    /// Its outline.
+    /// Outline.
     pub shape: RailShape,
-    /// Its middle \[m\]: of a rail, half-way between its two faces.
+    /// Middle \[m\]; of a rail, half-way between its two faces.
     pub center: Vec2,
-    /// Out of the face on which the chain runs.
+    /// Outward normal of the face in contact with the chain.
     pub direction: Vec2,
-    /// What holds it.
+    /// Support.
     pub mount: Mount,
-    /// What it is made of; `None`: what the chain is made of. Of its restitution nothing is used.
+    /// Material; `None`: that of the chain. Its restitution is not used.
     pub material: Option<Material>,
-    /// Height of the link plates where these bear on it, round the hinges, in place of the bushings \[m\].
+    /// Height of the link plates about the hinges, where plates and not bushings are in contact \[m\].
     pub plate_height: Option<f64>,
 }
 
-/// The outline of a guide.
+/// Outline of a guide.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RailShape {
-    /// A bar with round ends, its two faces straight, arched or hollow.
+    /// A bar with round ends and straight, convex or concave faces.
     Bar {
-        /// \[m\]
+        /// Length \[m\].
         length: f64,
-        /// Of the arch \[m\], negative where it is hollow; `None`: straight.
+        /// Radius of the face \[m\], negative for a concave one; `None`: straight.
         radius: Option<f64>,
-        /// Of the ends \[m\].
+        /// Radius of the ends \[m\].
         end_radius: f64,
     },
     /// A wheel without teeth.
     Wheel {
-        /// \[m\]
+        /// Radius \[m\].
         radius: f64,
     },
 }
 
-/// What holds a guide.
+/// Support of a guide.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Mount {
-    /// Nothing moves it.
+    /// Fixed.
     Fixed,
-    /// A bearing in its middle, in which the chain's forces may turn it.
+    /// A bearing in the middle; the guide rotates freely.
     Turning {
         /// Moment of inertia \[kg m²\].
         inertia: f64,
     },
-    /// An arm that a plunger swings; it presses on the rail's middle, out of its face.
+    /// An arm with a plunger, which presses on the rail's middle along the outward normal of its face.
     Arm(Arm),
 }
 
-/// An arm, and the plunger that swings it: force, spring, dashpot and stops along the plunger's way.
+/// A pivoted arm and its plunger: force, spring, dashpot and stops along the plunger's displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arm {
-    /// Where it turns \[m\].
+    /// Pivot \[m\].
     pub pivot: Vec2,
-    /// Full force of the plunger where the arm is described \[N\].
+    /// Full force of the plunger at the described position \[N\].
     pub force: f64,
-    /// Time in which it grows \[s\].
+    /// Duration of the force's linear ramp \[s\].
     pub ramp_time: f64,
-    /// What the force loses as the plunger moves out \[N/m\].
+    /// Stiffness of the spring: decrease of the force with outward displacement \[N/m\].
     pub stiffness: f64,
-    /// Dashpot \[N s/m\].
+    /// Damping coefficient \[N s/m\].
     pub damping: f64,
-    /// Dashpot against an arm that gives way \[N s/m\]; `None`: the same both ways.
+    /// Damping coefficient for backward motion of the arm \[N s/m\]; `None`: the same in both directions.
     pub damping_back: Option<f64>,
-    /// How far the plunger can go back and out \[m\]; infinite without a stop.
+    /// Largest backward and outward displacement of the plunger \[m\]; infinite without a stop.
     pub travel: [f64; 2],
     /// Moment of inertia of arm and rail about the pivot \[kg m²\].
     pub inertia: f64,
-    /// Distance of the teeth of a ratchet along the plunger's way \[m\], which lets it move out only; 0: it holds anywhere.
+    /// Pitch of a ratchet along the plunger's displacement \[m\], which permits outward motion only; 0: it locks anywhere.
     pub ratchet: Option<f64>,
 }
 
 impl Rail {
-    /// Checks every field.
+    /// Check every field.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// When a field is out of range: names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
         let kind = match self.shape {
             RailShape::Bar { .. } => "GuideRail",
@@ -124,10 +124,10 @@ impl Rail {
         self.profile().map(|_| ())
     }
 
-    /// Its outline as a profile of two gaps.
+    /// Return the outline as a profile of two gaps.
     ///
     /// # Errors
-    /// When there is no such outline.
+    /// When the dimensions give no outline.
     pub fn profile(&self) -> Result<ToothProfile> {
         match self.shape {
             RailShape::Wheel { radius } => {
@@ -171,7 +171,7 @@ impl Rail {
         }
     }
 
-    /// The same rail as the chain's bushings feel it: where plates bear on it, as much larger as they reach beyond the bushings.
+    /// Return the rail for bushings: where plates are in contact, larger by the height of the plates beyond the bushings.
     #[must_use]
     pub fn for_bushings(&self, radius: f64) -> Self {
         let Some(height) = self.plate_height else {
@@ -195,10 +195,10 @@ impl Rail {
         Self { shape, ..*self }
     }
 
-    /// Checks what depends on the chain.
+    /// Check the dimensions against the chain.
     ///
     /// # Errors
-    /// When its plates are lower than the bushings.
+    /// When the plates are lower than the bushings.
     pub(crate) fn validate_for(&self, bushing_radius: f64) -> Result<()> {
         match self.plate_height {
             Some(height) if height < 2.0 * bushing_radius => Err(Error::invalid(
@@ -213,8 +213,8 @@ impl Rail {
         }
     }
 
-    /// How far the middle of its outline lies below the line through the centres of its ends \[m\]: a hollow bar is as deep as it
-    /// needs to be.
+    /// Return the depth of the middle of the outline below the line through the centres of its ends \[m\], for a concave
+    /// bar.
     #[must_use]
     pub fn depth(&self) -> f64 {
         match self.shape {
@@ -227,13 +227,13 @@ impl Rail {
         }
     }
 
-    /// Arm of the plunger's force about the pivot \[m\]: positive where pressing turns the arm counterclockwise.
+    /// Return the lever of the plunger's force about the pivot \[m\]; positive where the force turns the arm counterclockwise.
     #[must_use]
     pub fn lever(&self, arm: &Arm) -> f64 {
         turned_left(self.center - arm.pivot).dot(&self.direction.normalize())
     }
 
-    /// Where it turns or is fixed \[m\].
+    /// Return the pivot, or the point where the guide is fixed \[m\].
     #[must_use]
     pub fn bearing(&self) -> Vec2 {
         match self.mount {
@@ -242,13 +242,13 @@ impl Rail {
         }
     }
 
-    /// Angle of the face's direction where it is described \[rad\].
+    /// Return the described angle of the face's normal \[rad\].
     #[must_use]
     pub fn angle(&self) -> f64 {
         self.direction.y.atan2(self.direction.x)
     }
 
-    /// The middle of its outline in a frame at its bearing that turns with it \[m\].
+    /// Return the middle of the outline in the rotating frame at the bearing \[m\].
     #[must_use]
     pub fn offset(&self) -> Vec2 {
         let along = self.direction.normalize();
@@ -260,14 +260,14 @@ impl Rail {
     }
 }
 
-/// Least lever of a plunger, over the distance of the pivot.
+/// Smallest lever of a plunger, over the distance from the pivot.
 const LEAST_LEVER: f64 = 0.05;
 
 impl Arm {
-    /// Checks every field.
+    /// Check every field.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// When a field is out of range: names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
         check::finite("GuideArm.pivot (x)", self.pivot.x, "m")?;
         check::finite("GuideArm.pivot (y)", self.pivot.y, "m")?;

@@ -1,4 +1,4 @@
-//! A sprocket and what drives it.
+//! A sprocket and its drive.
 
 use std::f64::consts::PI;
 
@@ -7,50 +7,50 @@ use crate::error::{Error, Result, check};
 use crate::geometry::path::belt::Side;
 use crate::geometry::{AnsiCurves, Damage, ToothProfile, Vec2, unit};
 
-/// Density of the disc whose mass a sprocket has when none is given \[kg/m³\].
+/// Density of steel \[kg/m³\], for the default mass of a sprocket as a disc.
 const STEEL_DENSITY: f64 = 7850.0;
 
-/// What a sprocket's rotation obeys. Counterclockwise is positive.
+/// Condition on a sprocket's rotation; counterclockwise is positive.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SprocketMotion {
-    /// Turns at this speed \[rad/s\], whatever it takes.
+    /// Prescribed angular velocity \[rad/s\].
     PrescribedSpeed(TimeTable),
-    /// Is turned by this torque \[N m\].
+    /// Applied torque \[N m\].
     AppliedTorque(TimeTable),
-    /// Is turned by a torque of time \[N m\] and one that its own speed sets: a motor's or a load's curve, rows
-    /// (speed \[rad/s\], torque \[N m\]).
+    /// Torque as a function of time plus a torque as a function of angular velocity (curve of a motor or load), rows
+    /// (angular velocity \[rad/s\], torque \[N m\]).
     TorqueCurve {
-        /// Against time.
+        /// Torque over time.
         torque: TimeTable,
-        /// Against the sprocket's speed.
+        /// Torque over angular velocity.
         curve: TimeTable,
     },
-    /// Turned by the chain alone.
+    /// No torque but that of the chain.
     Free,
 }
 
-/// What holds a sprocket's centre.
+/// Support of a sprocket's centre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bearing {
-    /// A bearing at rest (a tensioner may move it).
+    /// A fixed bearing; a tensioner may move it.
     Fixed,
-    /// Nothing.
+    /// No support.
     Floating,
 }
 
-/// What is wrong with a sprocket's teeth.
+/// Defects of a sprocket's teeth.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Faults {
-    /// Distance of the teeth's centre from the bore's \[m\]: half the full radial runout.
+    /// Eccentricity of the teeth \[m\]: half the full radial runout.
     pub eccentricity: f64,
-    /// Direction of the teeth's centre from the bore's, from that of gap 0 \[rad\].
+    /// Direction of the eccentricity from that of gap 0 \[rad\].
     pub eccentricity_angle: f64,
-    /// Teeth that are not whole.
+    /// Damaged teeth.
     pub damage: Vec<Damage>,
 }
 
 impl Faults {
-    /// The teeth's centre in the frame of the sprocket \[m\].
+    /// Return the centre of the teeth in the frame of the sprocket \[m\].
     #[must_use]
     pub fn offset(&self) -> Vec2 {
         self.eccentricity * unit(self.eccentricity_angle)
@@ -64,7 +64,7 @@ pub struct Sprocket {
     pub teeth: u32,
     /// Centre at the start \[m\].
     pub center: Vec2,
-    /// What its rotation obeys.
+    /// Condition on its rotation.
     pub motion: SprocketMotion,
     /// Tooth form.
     pub profile: ToothForm,
@@ -72,23 +72,23 @@ pub struct Sprocket {
     pub mass: Option<f64>,
     /// Moment of inertia \[kg m²\]; `None`: a steel disc.
     pub inertia: Option<f64>,
-    /// Speed at the start \[rad/s\]; `None`: its prescribed speed, or as the chain turns it.
+    /// Angular velocity at the start \[rad/s\]; `None`: the prescribed one, or the one that follows from the chain.
     pub initial_speed: Option<f64>,
-    /// What holds its centre.
+    /// Support of its centre.
     pub bearing: Bearing,
-    /// On which side of the chain it stands.
+    /// Side of the chain.
     pub side: Side,
-    /// Moment of inertia of all that turns with it: shaft, load, motor \[kg m²\].
+    /// Additional moment of inertia of shaft, load and motor \[kg m²\].
     pub load_inertia: f64,
-    /// What is wrong with its teeth.
+    /// Defects of its teeth.
     pub faults: Faults,
 }
 
 impl Sprocket {
-    /// Checks every field.
+    /// Check every field.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// When a field is out of range: names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
         let [fewest, most] = self.profile.teeth();
         if !(fewest..=most).contains(&self.teeth) {
@@ -149,10 +149,10 @@ impl Sprocket {
         Ok(())
     }
 
-    /// Checks that the teeth suit `chain`.
+    /// Check the teeth against `chain`.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// When a field is out of range: names the field, its value and the range.
     pub fn check_against(&self, chain: &Chain) -> Result<()> {
         let largest = 0.5 * chain.pitch;
         if self.faults.eccentricity >= largest {
@@ -182,10 +182,10 @@ impl Sprocket {
         self.tooth_profile(chain).map(|_| ())
     }
 
-    /// The tooth profile for `chain`.
+    /// Return the tooth profile for `chain`.
     ///
     /// # Errors
-    /// When the form does not make teeth for this chain: with the numbers.
+    /// When the form gives no teeth for this chain.
     pub fn tooth_profile(&self, chain: &Chain) -> Result<ToothProfile> {
         let profile = self.profile.profile(chain, self.teeth)?;
         if self.faults.damage.is_empty() {
@@ -203,8 +203,8 @@ impl Sprocket {
             })
     }
 
-    /// Mass \[kg\] and moment of inertia \[kg m²\]: as given, or those of a steel disc with the pitch circle's radius, as
-    /// thick as the chain's contact with the tooth is long; what turns with it is added.
+    /// Return mass \[kg\] and moment of inertia \[kg m²\]: as given, or those of a steel disc with the pitch radius and the
+    /// length of the contact as its thickness. The additional inertia is included.
     #[must_use]
     pub fn mass_properties(&self, chain: &Chain) -> (f64, f64) {
         let radius = crate::geometry::path::wrap::pitch_radius(chain.pitch, self.teeth);

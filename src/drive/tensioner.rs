@@ -1,4 +1,4 @@
-//! A tensioner: pulls a sprocket's centre along a line, or round the pivot of an arm.
+//! A tensioner: moves a sprocket's centre along a slide or about a pivot.
 
 use super::belt_line::{BeltLine, pitches, pulleys};
 use super::{ChainEnd, Drive, HingeKind, OpenLine};
@@ -10,58 +10,58 @@ use crate::geometry::{Vec2, turned_left};
 
 /// Stiffness of a stop \[N/m\]: 0.1 mm under 1 kN.
 pub(crate) const STOP_STIFFNESS: f64 = 1e7;
-/// How far the place is looked for where a chain is taut, in tenths of a pitch.
+/// Range of the search for the position of a taut chain, in tenths of a pitch.
 const MOST_STEPS: u32 = 1000;
-/// Least share of its force with which a tensioner has to tighten the chain.
+/// Smallest ratio of the change of chain tension to the tensioner's force; below, the direction hardly tightens the chain. A safeguard.
 const LEAST_SHARE: f64 = 0.05;
 
-/// The sprocket's centre slides along a line, or turns about a pivot, pulled by a force that grows linearly and then stays,
-/// held back by a spring and damped by a dashpot, between two stops.
+/// A force on the sprocket's centre along a slide or about a pivot. It grows linearly to its full value;
+/// a spring, a dashpot and two stops act besides.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tensioner {
-    /// Which sprocket it moves, from 1.
+    /// Number of the sprocket, from 1.
     pub sprocket: usize,
-    /// Tension it gives each strand \[N\].
+    /// Tension of each strand \[N\].
     pub pretension: f64,
-    /// Time in which the pull grows \[s\].
+    /// Duration of the linear ramp \[s\].
     pub ramp_time: f64,
-    /// Dashpot \[N s/m\].
+    /// Damping coefficient \[N s/m\].
     pub damping: f64,
-    /// Dashpot against a centre that gives way \[N s/m\]: the leak of a hydraulic tensioner, whose check valve lets it follow the
-    /// chain freely; `None`: the same both ways.
+    /// Damping coefficient for motion against the pull \[N s/m\]: the leakage of a hydraulic tensioner with a check valve;
+    /// `None`: the same in both directions.
     pub damping_back: Option<f64>,
-    /// Direction of the pull; `None`: away from the other one of two sprockets, along the belt line's bisector of more.
+    /// Direction of the pull; `None`: away from the other one of two sprockets, or along the bisector of the belt line.
     pub direction: Option<Vec2>,
-    /// What the pull loses as the centre moves: the stiffness of its spring \[N/m\].
+    /// Stiffness of the spring: decrease of the pull with displacement \[N/m\].
     pub stiffness: f64,
-    /// How far the centre can move against the pull and along it \[m\]; infinite without a stop.
+    /// Largest displacement against and along the pull \[m\]; infinite without a stop.
     pub travel: [f64; 2],
-    /// Where the arm that carries the sprocket turns \[m\]; `None`: a slide.
+    /// Pivot of the arm that carries the sprocket \[m\]; `None`: a slide.
     pub pivot: Option<Vec2>,
     /// Moment of inertia of the arm about its pivot, without the sprocket \[kg m²\].
     pub arm_inertia: f64,
-    /// Distance of the teeth of a ratchet along the way \[m\], which lets the centre move along the pull only; 0: it holds anywhere.
+    /// Pitch of a ratchet along the slide \[m\], which permits motion along the pull only; 0: it locks anywhere.
     pub ratchet: Option<f64>,
 }
 
-/// Where a tensioner lets its sprocket go, and how hard it pulls.
+/// Guide path and pull of a tensioner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TensionerLine {
     /// Unit vector of the pull at the start.
     pub direction: Vec2,
-    /// 1/length of the arm \[1/m\], positive where the pivot lies to the left of the direction; 0 for a slide.
+    /// Curvature 1/length of the arm \[1/m\], positive for a pivot on the left of the direction; 0 for a slide.
     pub curvature: f64,
     /// Full pull \[N\].
     pub pull: f64,
-    /// Where the sprocket has taken up the chain's slack \[m\]; `None` where it never does.
+    /// Displacement at which the chain is taut \[m\]; `None` where none exists.
     pub taut_at: Option<f64>,
 }
 
 impl Tensioner {
-    /// Checks every field.
+    /// Check every field.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// When a field is out of range: names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
         check::not_negative("Tensioner.pretension", self.pretension, "N")?;
         check::not_negative("Tensioner.ramp_time", self.ramp_time, "s")?;
@@ -113,7 +113,7 @@ impl Tensioner {
         Ok(())
     }
 
-    /// The share of the full pull at time `t` \[s\].
+    /// Return the ratio of the pull to its full value at time `t` \[s\].
     #[must_use]
     pub fn ramp(&self, t: f64) -> f64 {
         if t >= self.ramp_time {
@@ -123,12 +123,13 @@ impl Tensioner {
         }
     }
 
-    /// Its line in `drive`. The pull is what a belt of this tension exerts against it on the sprocket, where that has taken up the
-    /// chain's slack; with a spring, what that leaves there. Two sprockets: what parts them
-    /// with that tension in both strands, whatever the direction.
+    /// Return the guide path and pull in `drive`.
+    ///
+    /// The pull is the force of a belt of the given tension on the sprocket, at the position of a taut chain. With two sprockets it is
+    /// the force along the line of centres, whatever the direction.
     ///
     /// # Errors
-    /// When pulling so does not tighten the chain, with the share of the force that does.
+    /// When the pull does not tighten the chain: the message has the ratio of tension to force.
     pub fn line(&self, drive: &Drive) -> Result<TensionerLine> {
         let number = self.sprocket - 1;
         let center = drive.sprockets[number].center;
@@ -166,7 +167,7 @@ impl Tensioner {
                         format!("must lie off the centre of sprocket {}", self.sprocket),
                     ));
                 }
-                // Counterclockwise about the pivot, which then lies on the left.
+                // Counterclockwise about the pivot, which is then on the left.
                 let turning = turned_left(arm) / length;
                 if turning.dot(&against) >= 0.0 {
                     (turning, 1.0 / length)
@@ -208,25 +209,25 @@ impl Tensioner {
     }
 }
 
-/// A taut chain, as a belt sees it.
+/// A taut chain as a belt.
 struct Taut {
-    /// What a belt of unit tension pulls the sprocket by.
+    /// Force of a belt of unit tension on the sprocket.
     pull: Vec2,
-    /// Pitches along it; nothing where an open chain ends at no place of its own.
+    /// Pitches along the belt; `None` where an end of an open chain has no position.
     pitches: Option<f64>,
 }
 
-/// The taut chain round one sprocket that is moved.
+/// Taut chain round one moved sprocket.
 struct Way<'a> {
     drive: &'a Drive,
-    /// The line of a closed chain.
+    /// Belt line of a closed chain.
     line: Option<&'a BeltLine>,
-    /// Which sprocket, from 0.
+    /// Index of the sprocket, from 0.
     number: usize,
 }
 
 impl Way<'_> {
-    /// The chain with the sprocket's centre moved by `offset`; why there is none.
+    /// Return the belt with the sprocket's centre moved by `offset`.
     fn taut_at(&self, offset: Vec2) -> std::result::Result<Taut, String> {
         let Some(line) = self.line else {
             return self.open_at(offset);
@@ -247,7 +248,7 @@ impl Way<'_> {
         moved.sprockets[self.number].center += offset;
         let ends = moved.ends.as_ref().ok_or("its chain is closed")?;
         let line = OpenLine::on_pitch_circles(&moved, ends)?;
-        // What hangs from an end, or lies loose, is taken along wherever the sprocket goes.
+        // Loaded and free ends move with the sprocket.
         let held = ends
             .iter()
             .all(|end| matches!(end, ChainEnd::Anchor { .. }));
@@ -257,13 +258,13 @@ impl Way<'_> {
         })
     }
 
-    /// Force along the way (direction, curvature) at `s` \[m\] of it, per tension.
+    /// Return the force along the slide (direction, curvature) at displacement `s` \[m\], per unit of tension.
     fn share_at(&self, (direction, curvature): (Vec2, f64), s: f64) -> Option<f64> {
         let (offset, tangent) = guide_path::along(direction, curvature, s);
         Some(-self.taut_at(offset).ok()?.pull.dot(&tangent))
     }
 
-    /// Where along it the belt is as long as the chain \[m\]: there the pull has to be what it is asked for. Where a load or nothing at an end
+    /// Return the displacement at which the belt is as long as the chain \[m\]. With a loaded or free end the chain is taut at zero.
     /// keeps it so, at once.
     fn closing_place(&self, (direction, curvature): (Vec2, f64)) -> Option<f64> {
         let chain = &self.drive.chain;

@@ -1,10 +1,10 @@
-//! A number that may depend on time, or on a speed: constant, or piecewise linear between rows.
+//! A constant or piecewise linear function of time or of speed.
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result, check};
 
-/// Value against time (or against a speed); held constant before the first and after the last row.
+/// Values over time or speed; constant before the first and after the last row.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TimeTable {
     times: Vec<f64>,
@@ -24,7 +24,7 @@ impl From<f64> for TimeTable {
 }
 
 impl TimeTable {
-    /// A table of rows (time \[s\], value); `field` names it in errors.
+    /// Return a table of rows (time \[s\], value); `field` is its name in errors.
     ///
     /// # Errors
     /// When there is no row, a number is not finite or times do not increase.
@@ -32,7 +32,7 @@ impl TimeTable {
         Self::against(field, ("time", "s"), unit, rows)
     }
 
-    /// A table of rows (`axis`, value), the axis with its unit.
+    /// Return a table of rows (`axis`, value); `axis` includes the unit.
     ///
     /// # Errors
     /// When there is no row, a number is not finite or the axis does not increase.
@@ -72,7 +72,7 @@ impl TimeTable {
         })
     }
 
-    /// Row at or before `t`, if any.
+    /// Return the index of the row at or before `t`, if any.
     fn row(&self, t: f64) -> Option<usize> {
         self.times.partition_point(|&time| time <= t).checked_sub(1)
     }
@@ -83,26 +83,26 @@ impl TimeTable {
         rows.zip(self.values.iter().copied()).collect()
     }
 
-    /// The values of all rows.
+    /// Return the values of all rows.
     pub(crate) fn values(&self) -> &[f64] {
         &self.values
     }
 
-    /// Largest absolute value.
+    /// Return the largest absolute value.
     pub(super) fn largest(&self) -> f64 {
         self.values
             .iter()
             .fold(0.0, |most, value| most.max(value.abs()))
     }
 
-    /// Largest absolute value of what it stands against.
+    /// Return the largest absolute argument.
     pub(super) fn farthest(&self) -> f64 {
         self.times
             .iter()
             .fold(0.0, |most, time| most.max(time.abs()))
     }
 
-    /// The value at time `t` \[s\].
+    /// Return the value at time `t` \[s\].
     #[must_use]
     pub fn value(&self, t: f64) -> f64 {
         match self.row(t) {
@@ -111,14 +111,14 @@ impl TimeTable {
         }
     }
 
-    /// Time of the first row after `t` \[s\]; infinite when there is none.
+    /// Return the time of the first row after `t` \[s\]; infinite for none.
     #[must_use]
     pub fn next_row(&self, t: f64) -> f64 {
         let next = self.times.partition_point(|&time| time <= t);
         self.times.get(next).copied().unwrap_or(f64::INFINITY)
     }
 
-    /// Its rate of change at `t`, from the right.
+    /// Return the derivative at `t` from the right.
     #[must_use]
     pub fn slope(&self, t: f64) -> f64 {
         self.row(t).map_or(0.0, |i| self.slope_after(i))
@@ -141,7 +141,7 @@ impl TimeTable {
         }
     }
 
-    /// Integral from time zero to `t`.
+    /// Return the integral from time zero to `t`.
     #[must_use]
     pub fn integral(&self, t: f64) -> f64 {
         if self.times.len() == 1 {
@@ -150,7 +150,7 @@ impl TimeTable {
         self.sum(t) - self.sum(0.0)
     }
 
-    /// Whether every value is zero.
+    /// Return whether every value is zero.
     #[must_use]
     pub fn is_zero(&self) -> bool {
         self.values.iter().all(|&v| v == 0.0)

@@ -1,19 +1,19 @@
-//! How links differ from the nominal pitch: wear and the spread of manufacture.
+//! Deviations of the link lengths from the nominal pitch: wear and manufacturing spread.
 
 use super::Chain;
 use crate::error::{Error, Result, check};
 
-/// Uniform numbers whose sum, less half their count, has a variance of one.
+/// Number of uniform variates in a sum: twelve have the variance one.
 const SUMMANDS: u32 = 12;
 
-/// What sets the links' lengths apart from the pitch.
+/// Deviations of the link lengths from the pitch.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Variation {
-    /// Share of the pitch by which links are longer: none, one for all, or one for each.
+    /// Elongation of links by wear as a share of the pitch: none, one for all, or one for each.
     pub elongation: Vec<f64>,
-    /// Standard deviation of the links' lengths, as a share of the pitch.
+    /// Standard deviation of the link lengths, as a share of the pitch.
     pub pitch_spread: f64,
-    /// Which links the spread makes longer and which shorter.
+    /// Seed of the random deviations.
     pub seed: u64,
 }
 
@@ -32,17 +32,17 @@ impl Variation {
         check::within("Chain.pitch_spread", self.pitch_spread, 0.0, 0.01)
     }
 
-    /// Whether all links are as long as the pitch.
+    /// Return whether all links are as long as the pitch.
     pub(crate) fn is_none(&self) -> bool {
         self.elongation.iter().all(|&elongation| elongation == 0.0) && self.pitch_spread == 0.0
     }
 }
 
 impl Chain {
-    /// Distance of the hinges of each link \[m\].
+    /// Return the distance of the hinges of each link \[m\].
     ///
-    /// The spread follows the sum of twelve uniform numbers, which is normal to within a few per cent up to three standard
-    /// deviations and never beyond six; the same on every machine.
+    /// The spread is the sum of twelve uniform variates, which is normal within a few per cent up to three standard
+    /// deviations and never exceeds six. The result is the same on every machine.
     #[must_use]
     pub fn link_pitches(&self) -> Vec<f64> {
         let Variation {
@@ -68,7 +68,7 @@ impl Chain {
             .collect()
     }
 
-    /// Mean distance of the hinges of a link \[m\].
+    /// Return the mean distance of the hinges of a link \[m\].
     #[must_use]
     pub fn mean_pitch(&self) -> f64 {
         if self.variation.is_none() {
@@ -90,12 +90,12 @@ impl SplitMix {
         z ^ (z >> 31)
     }
 
-    /// A number between 0 and 1.
+    /// Return a uniform variate between 0 and 1.
     fn uniform(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// A number of mean 0 and variance 1.
+    /// Return a variate of mean 0 and variance 1.
     fn normal(&mut self) -> f64 {
         (0..SUMMANDS).map(|_| self.uniform()).sum::<f64>() - 0.5 * f64::from(SUMMANDS)
     }

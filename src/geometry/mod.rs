@@ -1,4 +1,4 @@
-//! Plane curves: no bodies, no forces, no time.
+//! Plane geometry: tooth forms and chain paths, without bodies, forces and time.
 
 pub mod path;
 pub(crate) mod tooth;
@@ -14,23 +14,23 @@ pub use tooth::segment::Segment;
 /// A point or a direction in the plane, \[m\] or dimensionless.
 pub type Vec2 = nalgebra::Vector2<f64>;
 
-/// The unit vector at `angle` \[rad\] from the x axis.
+/// Return the unit vector at `angle` \[rad\] from the x axis.
 #[must_use]
 pub fn unit(angle: f64) -> Vec2 {
     let (sin, cos) = angle.sin_cos();
     Vec2::new(cos, sin)
 }
 
-/// The vector turned by +90 degrees.
+/// Return the vector rotated by +90 degrees.
 #[must_use]
 pub fn turned_left(v: Vec2) -> Vec2 {
     Vec2::new(-v.y, v.x)
 }
 
-/// One pair of surfaces, near or in contact.
+/// Distance of a pair of surfaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
-    /// Unit vector in which the penetration grows.
+    /// Unit vector of increasing penetration.
     pub normal: Vec2,
     /// Penetration δ \[m\]; negative when apart.
     pub penetration: f64,

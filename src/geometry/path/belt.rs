@@ -1,24 +1,24 @@
-//! The belt line: the closed line of tangents and arcs that a belt takes round any number of wheels, inside or outside it.
+//! The belt line: the closed line of tangents and arcs round any number of wheels, inside or outside of it.
 //!
-//! Wheels come in the order in which the belt meets them. The belt runs counterclockwise: a wheel inside it lies on its left and
-//! turns counterclockwise, one outside lies on its right and turns clockwise.
+//! Wheels are in the order along the belt, which runs counterclockwise. A wheel inside lies on the left of the belt and
+//! turns counterclockwise; a wheel outside lies on the right and turns clockwise.
 
 use std::f64::consts::TAU;
 
 use crate::geometry::{Vec2, turned_left};
 
-/// On which side of the loop a wheel stands.
+/// Side of the loop on which a wheel lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Side {
-    /// Inside the loop, as sprockets mostly do; it turns with the driver.
+    /// Inside the loop, as most sprockets; it turns with the driver.
     #[default]
     Inside,
-    /// Outside, pressing the chain inward: a reverse idler. It turns against the driver.
+    /// Outside the loop: a reverse idler, which turns against the driver.
     Outside,
 }
 
 impl Side {
-    /// Its name in descriptions.
+    /// Return the name in descriptions.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -27,7 +27,7 @@ impl Side {
         }
     }
 
-    /// +1 inside, -1 outside: the sense in which the chain turns it when running counterclockwise.
+    /// Return +1 inside, -1 outside: the sense of rotation for a counterclockwise chain.
     #[must_use]
     pub fn sign(self) -> f64 {
         match self {
@@ -37,62 +37,62 @@ impl Side {
     }
 }
 
-/// A wheel that a belt runs round.
+/// A wheel of a belt.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pulley {
     /// Centre \[m\].
     pub center: Vec2,
-    /// Radius of the circle that the belt lies on \[m\].
+    /// Radius of the belt's circle \[m\].
     pub radius: f64,
-    /// On which side of the belt it stands.
+    /// Side of the belt.
     pub side: Side,
 }
 
-/// A straight part of the belt.
+/// A straight span of the belt.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Span {
-    /// Where it leaves its first wheel \[m\].
+    /// Tangent point on its first wheel \[m\].
     pub from: Vec2,
-    /// Where it meets the next one \[m\].
+    /// Tangent point on the next wheel \[m\].
     pub to: Vec2,
-    /// Unit vector from one to the other.
+    /// Unit vector from the first to the second tangent point.
     pub direction: Vec2,
-    /// Distance between them \[m\].
+    /// Length \[m\].
     pub length: f64,
 }
 
 /// A belt round wheels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Belt {
-    /// Straight part `i` leads from wheel `i` to the next one.
+    /// Span `i` leads from wheel `i` to the next one.
     pub spans: Vec<Span>,
-    /// Angle that each wheel is wrapped by \[rad\].
+    /// Wrap of each wheel \[rad\].
     pub wraps: Vec<f64>,
-    /// How often the belt goes round in all, counterclockwise positive: 1 for a loop that does not cross itself.
+    /// Winding number, counterclockwise positive: 1 for a loop without crossings.
     pub turns: f64,
-    /// Its length \[m\].
+    /// Length \[m\].
     pub length: f64,
 }
 
-/// Between which wheels there is no tangent.
+/// Two wheels without a common tangent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoTangent {
-    /// Their places in the order.
+    /// Their indices in the order.
     pub wheels: [usize; 2],
     /// Distance of their centres \[m\].
     pub distance: f64,
-    /// What it has to exceed \[m\].
+    /// Lower bound of that distance \[m\].
     pub needed: f64,
 }
 
 impl Belt {
-    /// The belt round `pulleys`, in the order in which it meets them.
+    /// Return the belt round `pulleys`, in the order along the belt.
     ///
     /// The common tangent of two wheels at distance L, with radii r counted negative for a wheel outside, is turned by
     /// -asin((r₂ - r₁)/L) from the line of centres.
     ///
     /// # Errors
-    /// Where two wheels that follow one another are too near to have a common tangent.
+    /// When two consecutive wheels are too near to have a common tangent.
     pub fn around(pulleys: &[Pulley]) -> Result<Self, NoTangent> {
         let n = pulleys.len();
         let mut spans = Vec::with_capacity(n);
@@ -111,7 +111,7 @@ impl Belt {
             let [before, after] = [spans[(i + n - 1) % n], spans[i]].map(|span| span.direction);
             let turn = (before.x * after.y - before.y * after.x).atan2(before.dot(&after));
             let wrap = (pulley.side.sign() * turn).rem_euclid(TAU);
-            // A wheel that is just touched is not wrapped all round.
+            // A wheel that is only touched has no wrap: rounding must not make it a full turn.
             wraps.push(if wrap > TAU - 1e-9 { 0.0 } else { wrap });
         }
         let turned = pulleys.iter().zip(&wraps).map(|(p, w)| p.side.sign() * w);
@@ -124,13 +124,13 @@ impl Belt {
         })
     }
 
-    /// Whether it is a loop that goes once round, counterclockwise.
+    /// Return whether the winding number is one.
     #[must_use]
     pub fn is_simple(&self) -> bool {
         (self.turns - 1.0).abs() < 1e-6
     }
 
-    /// What tension 1 N in both of its spans does to wheel `i` \[N\].
+    /// Return the force of a belt tension of 1 N in both spans on wheel `i` \[N\].
     #[must_use]
     pub fn pull(&self, i: usize) -> Vec2 {
         let n = self.spans.len();
@@ -138,7 +138,7 @@ impl Belt {
     }
 }
 
-/// The common tangent of two wheels, or their distance and what it has to exceed.
+/// Return the common tangent of two wheels, or their distance and its lower bound.
 fn tangent(from: &Pulley, to: &Pulley) -> Result<Span, (f64, f64)> {
     let between = to.center - from.center;
     let distance = between.norm();
@@ -160,7 +160,7 @@ fn tangent(from: &Pulley, to: &Pulley) -> Result<Span, (f64, f64)> {
     })
 }
 
-/// Distance of `point` from the straight part between its ends \[m\].
+/// Return the distance of `point` from the span between its ends \[m\].
 #[must_use]
 pub fn distance_from(span: &Span, point: Vec2) -> f64 {
     let along = (point - span.from)
@@ -169,7 +169,7 @@ pub fn distance_from(span: &Span, point: Vec2) -> f64 {
     (point - span.from - along * span.direction).norm()
 }
 
-/// Whether two straight parts cross.
+/// Return whether two spans cross.
 #[must_use]
 pub fn cross(a: &Span, b: &Span) -> bool {
     let side = |span: &Span, point: Vec2| {

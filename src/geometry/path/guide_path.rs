@@ -1,10 +1,10 @@
-//! The way of a point that is led along a straight line or round a pivot.
+//! Guide path: a straight line or a circle about a pivot.
 
 use crate::geometry::{Vec2, turned_left};
 
-/// Displacement at distance `s` \[m\] along a way that begins in `direction`, and the unit vector of the way there.
+/// Return the displacement at arc length `s` \[m\] of a guide path that begins in `direction`, and the unit tangent there.
 ///
-/// `curvature` \[1/m\]: 1/distance of the pivot, positive where that lies to the left; 0 for a straight line.
+/// `curvature` \[1/m\]: 1/distance of the pivot, positive for a pivot on the left; 0 for a straight line.
 #[must_use]
 pub fn along(direction: Vec2, curvature: f64, s: f64) -> (Vec2, Vec2) {
     if curvature == 0.0 {
@@ -18,7 +18,7 @@ pub fn along(direction: Vec2, curvature: f64, s: f64) -> (Vec2, Vec2) {
     )
 }
 
-/// Distance along the way of a point that is displaced by `offset` from its beginning \[m\].
+/// Return the arc length of a point at `offset` from the beginning of the guide path \[m\].
 #[must_use]
 pub fn place(direction: Vec2, curvature: f64, offset: Vec2) -> f64 {
     if curvature == 0.0 {

@@ -1,6 +1,6 @@
-//! Rigid links that hang between two points: the exact polygon of a chain without friction at rest.
+//! Hanging chain: the exact polygon of rigid links between two points, without friction, in static equilibrium.
 //!
-//! A link is pulled by the tensions T at its two ends and by its weight in the middle. Without moments about its middle it lies along
+//! Each link is loaded by the tensions T at its ends and by its weight in the middle. Without moment about its middle it lies along
 //! the mean of both, `T₀ - (W + w/2) d` with the tension `T₀` at the first end, the weight W of the links before it, its own w and
 //! the direction d of gravity. The links then reach from one point to the other: two equations for `T₀`, the gradient of a convex
 //! function, which Newton's method solves to round-off.
@@ -9,33 +9,33 @@ use nalgebra::Matrix2;
 
 use crate::geometry::Vec2;
 
-/// Misfit of the ends that is let stand, over the length of all links.
+/// Permitted misfit of the ends, over the length of all links: rounding of a sum of vectors.
 const FITTING: f64 = 1e-15;
-/// Misfit with which the method may end where round-off keeps it from better, likewise.
+/// Largest misfit at the end of the iteration where rounding prevents a smaller one, over the length of all links.
 const LARGEST_MISFIT: f64 = 1e-11;
-/// Share of the length below which slack counts as none: links that reach just so lie straight.
+/// Slack, over the length, below which links count as taut: they lie on a straight line.
 const TAUT: f64 = 1e-12;
 
-/// One of the links.
+/// One link.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HangingLink {
     /// Distance of its ends \[m\].
     pub length: f64,
-    /// Its weight, in its middle \[N\].
+    /// Weight, in its middle \[N\].
     pub weight: f64,
 }
 
-/// Links at rest.
+/// Links in static equilibrium.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hanging {
     /// Both ends of every link, one more than links \[m\].
     pub points: Vec<Vec2>,
-    /// Tension at each of them, along the chain \[N\]; infinite where the links are taut.
+    /// Tension at each end, along the chain \[N\]; infinite for taut links.
     pub tensions: Vec<Vec2>,
 }
 
-/// Links that hang from `from` to `to` \[m\], with gravity along the unit vector `down`; nothing where they do not
-/// reach, or where the ends are so near, sideways, that a link would have to push: they would fold.
+/// Return the links that hang between `from` and `to` \[m\], with gravity along the unit vector `down`. `None` where they are
+/// too short, or where the horizontal distance is so small that a link would be in compression.
 #[must_use]
 pub fn hang(from: Vec2, to: Vec2, down: Vec2, links: &[HangingLink]) -> Option<Hanging> {
     let length: f64 = links.iter().map(|link| link.length).sum();
@@ -75,7 +75,7 @@ pub fn hang(from: Vec2, to: Vec2, down: Vec2, links: &[HangingLink]) -> Option<H
     (misfit.0.norm() <= LARGEST_MISFIT * length).then(|| lay(from, tension, down, links))
 }
 
-/// Where links go too far from where they should end \[m\], and how that changes with the tension at the first end.
+/// Return the misfit at the second end \[m\] and its derivative by the tension at the first end.
 fn misfit_of(
     tension: Vec2,
     reach: Vec2,
@@ -123,7 +123,7 @@ fn taut(from: Vec2, along: Vec2, links: &[HangingLink]) -> Hanging {
     }
 }
 
-/// Tension at the first end of a heavy string of that length and weight.
+/// Return the tension at the first end of a heavy string (catenary) of that length and weight.
 fn first_guess(reach: Vec2, down: Vec2, length: f64, weight: f64) -> Vec2 {
     let rise = -reach.dot(&down);
     let across = reach + rise * down;
@@ -133,7 +133,7 @@ fn first_guess(reach: Vec2, down: Vec2, length: f64, weight: f64) -> Vec2 {
     } else {
         Vec2::new(down.y, -down.x)
     };
-    // sinh(x)/x is the length of the arc without its rise over the span.
+    // sinh(x)/x is the ratio of arc length, without its rise, to span.
     let ratio = (length * length - rise * rise).sqrt() / span;
     let mut x = if ratio < 3.0 {
         (6.0 * (ratio - 1.0)).sqrt()

@@ -1,10 +1,10 @@
-//! A chain laid as a polygon round any number of wheels: which pitches are seated where, how long each strand is, where every
-//! hinge lies.
+//! Chain polygon round any number of wheels: seated pitches, length of each strand, position of every
+//! hinge.
 //!
-//! All strands but one are straight and taut; what is left over hangs in that one. The chain is laid strand by strand from the
-//! wheel behind the slack one: the seats of a wheel go on until the one that is nearest to where the belt line leaves it, and a
-//! strand has the number of pitches that ends nearest to where the belt line meets the next wheel. Its end is then the point
-//! of that wheel's circle at exactly so many pitches, so that the polygon effect of every wheel is in the lengths of the strands.
+//! All strands but one are straight and taut; the slack is in that one. The chain is laid strand by strand from the
+//! wheel after the slack strand. The seats of a wheel end at the one nearest to the tangent point of the belt line, and a
+//! strand has the number of pitches that ends nearest to the next tangent point. Its end is the point
+//! of that wheel's circle at exactly this number of pitches: the lengths of the strands include the polygon action.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,14 +12,14 @@ use super::belt::{Belt, NoTangent, Pulley, Side};
 use super::wrap::{Bow, Wheel};
 use crate::geometry::{Vec2, turned_left, unit};
 
-/// A wheel in its place.
+/// A wheel with its position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlacedWheel {
     /// Teeth and radius of the seated hinges.
     pub wheel: Wheel,
     /// Centre \[m\].
     pub center: Vec2,
-    /// On which side of the chain it stands.
+    /// Side of the chain.
     pub side: Side,
 }
 
@@ -32,7 +32,7 @@ impl PlacedWheel {
         }
     }
 
-    /// Angle of seat `index`, counted along the chain \[rad\].
+    /// Return the angle of seat `index`, counted along the chain \[rad\].
     fn seat_angle(&self, first: f64, index: u32) -> f64 {
         first + self.side.sign() * f64::from(index) * self.wheel.gap_angle()
     }
@@ -42,7 +42,7 @@ impl PlacedWheel {
     }
 }
 
-/// Wheels in the order in which the chain meets them, counterclockwise.
+/// Wheels in the order along the chain path, counterclockwise.
 #[derive(Debug, Clone)]
 pub struct WheelSequence {
     /// Pitch of the chain \[m\].
@@ -54,7 +54,7 @@ pub struct WheelSequence {
     belt: Belt,
 }
 
-/// A chain laid round wheels; strand `i` leads from wheel `i` to the next one.
+/// A chain polygon; strand `i` leads from wheel `i` to the next one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Polygon {
     /// Pitches seated on each wheel.
@@ -65,41 +65,41 @@ pub struct Polygon {
     pub first_seat: Vec<f64>,
     /// Straight distance between the ends of each strand \[m\].
     pub spans: Vec<f64>,
-    /// Chain length in each strand less that distance \[m\].
+    /// Chain length minus straight distance of each strand \[m\].
     pub slack: Vec<f64>,
-    /// How far each strand bows out \[m\].
+    /// Sag of each strand \[m\].
     pub sag: Vec<f64>,
-    /// How much longer than a pitch a link of the taut strands would have to be, relative to the pitch; 0 for a chain that is long
+    /// Elongation of the links of taut strands that closes the chain, relative to the pitch; 0 for a chain that is long
     /// enough.
     pub stretch: f64,
-    /// How far a first or last seat is from the belt line's tangent point at most, in pitches.
+    /// Largest distance of a first or last seat from the tangent point of the belt line, in pitches.
     pub off_tangent: f64,
     /// Hinge positions \[m\]: those on the first wheel first.
     pub hinges: Vec<Vec2>,
-    /// On which wheel each hinge is seated.
+    /// Wheel on which each hinge is seated.
     pub seat_of: Vec<Option<usize>>,
 }
 
-/// How the strands and seats follow one another before the hinges are placed.
+/// Numbers of pitches and seats before the hinges are placed.
 struct SeatPlan {
     seated: Vec<u32>,
     strands: Vec<u32>,
     first_seat: Vec<f64>,
     off_tangent: f64,
-    /// Length of the slack strand less the distance that it spans \[m\].
+    /// Length of the slack strand minus the distance of its ends \[m\].
     spare: f64,
 }
 
-/// An angle between -π and π.
+/// Return the angle in the range from -π to π.
 fn wrapped(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
 
 impl WheelSequence {
-    /// The course of a chain round wheels.
+    /// Return the sequence of wheels of a chain.
     ///
     /// # Errors
-    /// Where two wheels that follow one another have no common tangent.
+    /// When two consecutive wheels have no common tangent.
     pub fn new(pitch: f64, links: u32, wheels: Vec<PlacedWheel>) -> Result<Self, NoTangent> {
         let pulleys: Vec<Pulley> = wheels.iter().map(PlacedWheel::pulley).collect();
         Ok(Self {
@@ -110,13 +110,13 @@ impl WheelSequence {
         })
     }
 
-    /// The belt line on the circles of the seated hinges.
+    /// Return the belt line on the circles of the seated hinges.
     #[must_use]
     pub fn belt(&self) -> &Belt {
         &self.belt
     }
 
-    /// Angle at which the belt line meets (or leaves) wheel `i`, seen from its centre \[rad\].
+    /// Return the angle at which the belt line reaches (or leaves) wheel `i`, seen from its centre \[rad\].
     fn tangent_angle(&self, i: usize, leaving: bool) -> f64 {
         let n = self.wheels.len();
         let span = &self.belt.spans[if leaving { i } else { (i + n - 1) % n }];
@@ -124,8 +124,8 @@ impl WheelSequence {
         outward.y.atan2(outward.x)
     }
 
-    /// Lays the chain with the slack in strand `slack`, its first seat behind it `shift` pitches past the tangent point, links of
-    /// the strands longer by the share `stretch`.
+    /// Lay the chain with the slack in strand `slack`. Its first seat after that strand is `shift` pitches past the tangent point;
+    /// links of the taut strands are longer by the share `stretch`.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // counts of pitches, not negative
     fn lay(&self, slack: usize, shift: f64, stretch: f64) -> Option<SeatPlan> {
         let n = self.wheels.len();
@@ -181,14 +181,14 @@ impl WheelSequence {
         Some(laid)
     }
 
-    /// The chain with the slack in strand `slack`, its first seat behind that `shift` pitches past the tangent point of the belt
-    /// line; stretched alike in all strands where it is short by up to `most` of a pitch a link. `None` when it does not fit so.
+    /// Return the polygon with the slack in strand `slack` and the first seat after it `shift` pitches past the tangent point.
+    /// A chain that is too short is stretched in all strands by up to `most` of a pitch per link. `None` where this is not enough.
     #[must_use]
     pub fn polygon(&self, slack: usize, shift: f64, most: f64) -> Option<Polygon> {
         let free = self.lay(slack, shift, 0.0)?;
         let (mut laid, mut stretch) = (free, 0.0);
         if laid.spare < 0.0 {
-            // The spare length grows by a link's share of every strand's length, until a strand takes another pitch.
+            // The slack grows with the stretch in proportion to the strands' lengths, until a strand takes another pitch.
             let (mut low, mut high) = (0.0, most);
             laid = self
                 .lay(slack, shift, most)
@@ -207,13 +207,13 @@ impl WheelSequence {
         Some(self.place(&laid, slack, stretch))
     }
 
-    /// Length of the chain left over in strand `slack` \[m\], negative when it is short, all other strands being taut.
+    /// Return the slack in strand `slack` \[m\] with all other strands taut; negative for a chain that is too short.
     #[must_use]
     pub fn spare(&self, slack: usize, shift: f64) -> Option<f64> {
         self.lay(slack, shift, 0.0).map(|laid| laid.spare)
     }
 
-    /// How far first and last seats are from the tangent points at most, in pitches.
+    /// Return the largest distance of first and last seats from the tangent points, in pitches.
     #[must_use]
     pub fn off_tangent(&self, slack: usize, shift: f64) -> Option<f64> {
         self.lay(slack, shift, 0.0).map(|laid| laid.off_tangent)
@@ -244,7 +244,7 @@ impl WheelSequence {
             let from = wheel.point(wheel.seat_angle(laid.first_seat[i], laid.seated[i]));
             let to = self.wheels[next].point(laid.first_seat[next]);
             let span = (to - from).norm();
-            // A strand that is not the slack one is straight, whatever rounding says.
+            // Strands other than the slack one are straight in spite of rounding.
             let bow = Bow::new(span, laid.strands[i], if i == slack { link } else { 0.0 });
             polygon.spans.push(span);
             polygon
@@ -260,7 +260,7 @@ impl WheelSequence {
     }
 }
 
-/// Angle by which a bow of this height over this span leaves the straight line at its ends \[rad\].
+/// Return the angle at the ends of a bow of this height over this span \[rad\].
 #[must_use]
 pub fn bow_angle(sag: f64, span: f64) -> f64 {
     (2.0 * (2.0 * sag / span).atan()).min(PI)

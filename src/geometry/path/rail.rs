@@ -1,12 +1,12 @@
-//! Smooth bodies that a chain slides along: bars with a straight or an arched face, and wheels without teeth.
+//! Smooth guides: bars with a straight, convex or concave face, and wheels without teeth.
 //!
-//! They are profiles of two equal gaps back to back: v points out of the face that the first gap stands for, and u along it.
+//! They are profiles of two equal gaps back to back: v is the outward normal of the first gap's face, u is along it.
 
 use crate::geometry::tooth::flank::{Flank, SurfaceCurve};
 use crate::geometry::{Arc, Segment, ToothProfile, Vec2, turned_left};
 
 impl ToothProfile {
-    /// A wheel of `radius` \[m\] without teeth.
+    /// Return a wheel of `radius` \[m\] without teeth.
     #[must_use]
     pub fn smooth_wheel(radius: f64) -> Self {
         let rim = SurfaceCurve::Convex(Arc {
@@ -17,12 +17,12 @@ impl ToothProfile {
         Self::of(2, 2.0 * radius, 0.0, radius, flank)
     }
 
-    /// A bar of `length` \[m\] whose ends are round with radius `end` \[m\], its faces straight, or arched with the `radius` \[m\]:
-    /// hollow where that is negative.
+    /// Return a bar of `length` \[m\] with round ends of radius `end` \[m\] and faces of `radius` \[m\]; negative for concave
+    /// ones.
     ///
-    /// A hollow bar is a block: below its ends' centres by [`Self::hollow_depth`] lies its middle, and its two faces look away from there.
+    /// The middle of a concave bar lies below the centres of its ends by [`Self::hollow_depth`]; both faces look outward from there.
     ///
-    /// `None` when there is no such bar: the ends are too large for the length, or the arch is smaller than the bar is long.
+    /// `None` where the ends are too large for the length, or the radius of the face is smaller than the length permits.
     #[must_use]
     pub fn bar(length: f64, radius: Option<f64>, end: f64) -> Option<Self> {
         let half = 0.5 * length - end;
@@ -49,7 +49,7 @@ impl ToothProfile {
                 .then(Vec2::new(half, end), along, "end", round)
             }
             Some(radius) if radius > 0.0 => {
-                // The arch touches the round ends from outside: its centre is (radius - end) from theirs.
+                // The face touches the round ends from outside: its centre is (radius - end) from theirs.
                 let below = ((radius - end).powi(2) - half * half).sqrt();
                 if below.is_nan() || below <= 0.0 || radius <= end {
                     return None;
@@ -87,8 +87,8 @@ impl ToothProfile {
         Some(Self::of(2, length, 0.0, farthest, flank))
     }
 
-    /// How far below the centres of its ends the middle of a hollow bar lies \[m\]: its thinnest place is as thick as an end. Zero
-    /// for an arched bar; no number where the hollow is smaller than the bar is long.
+    /// Return the depth of the middle of a concave bar below the centres of its ends \[m\]; its thinnest section is as thick as an end.
+    /// Zero for a convex bar; NaN where the radius is smaller than the length permits.
     #[must_use]
     pub fn hollow_depth(length: f64, radius: f64, end: f64) -> f64 {
         if radius > 0.0 {
@@ -103,7 +103,7 @@ impl ToothProfile {
     }
 }
 
-/// How far the centre of a hollow of `radius` lies above the centres of the ends, which it touches from outside \[m\].
+/// Return the height of the centre of a concave face of `radius` above the centres of the ends \[m\].
 fn hollow_height(half: f64, radius: f64, end: f64) -> f64 {
     ((radius + end).powi(2) - half * half).sqrt()
 }

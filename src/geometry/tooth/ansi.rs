@@ -1,4 +1,4 @@
-//! The tooth gap of ANSI/ASME B29.1: seven regions from pitch, roller diameter and number of teeth.
+//! The tooth form of ANSI/ASME B29.1: seven regions from pitch, roller diameter and number of teeth.
 
 use std::f64::consts::PI;
 
@@ -7,7 +7,7 @@ use crate::geometry::{Arc, Seat, Segment, ToothProfile, Vec2, turned_left, unit}
 
 const INCH: f64 = 0.0254;
 
-/// The curves of an ANSI tooth in the frame of a gap.
+/// Curves of an ANSI tooth in the frame of a tooth gap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AnsiCurves {
     /// Seating curve: centre a, radius R.
@@ -23,7 +23,7 @@ pub struct AnsiCurves {
 }
 
 impl AnsiCurves {
-    /// The curves for roller diameter Dr \[m\] and N teeth (ANSI/ASME B29.1).
+    /// Return the curves for roller diameter Dr \[m\] and N teeth (ANSI/ASME B29.1).
     #[must_use]
     pub fn new(roller_diameter: f64, teeth: u32) -> Self {
         let n = f64::from(teeth);
@@ -64,12 +64,12 @@ impl AnsiCurves {
         }
     }
 
-    /// Distance from the sprocket's centre \[m\] beyond which a cylinder of `radius` touches no tooth.
+    /// Return the distance from the sprocket's centre \[m\] beyond which a cylinder of `radius` cannot touch a tooth.
     ///
-    /// There the circles of radius F + r about the topping centres of neighbouring gaps cross, on the tooth's centre line;
-    /// inside it a cylinder cannot pass from one gap to the next without deep contact. Rollers thinner than a third of the
-    /// pitch leave room for the topping's centre before that line: then its circle is farthest straight above the centre.
-    /// Cylinders much thinner than a roller of nearly the pitch meet the line on the flat.
+    /// The circles of radius F + r about the topping centres of neighbouring gaps cross there, on the tooth's centre line.
+    /// Inside, a cylinder cannot pass from one gap to the next without deep penetration. Rollers thinner than a third of the
+    /// pitch reach the topping's centre before that line: their circle is then farthest straight above the centre.
+    /// Cylinders much thinner than a roller of nearly the pitch reach the line on the flat.
     pub(crate) fn reach(&self, seat_center_radius: f64, gap_angle: f64, radius: f64) -> f64 {
         let (sin, cos) = (0.5 * gap_angle).sin_cos();
         let b = self.topping.center + Vec2::new(0.0, seat_center_radius);
@@ -83,14 +83,14 @@ impl AnsiCurves {
         let to_cylinder = Vec2::new(0.0, seat_center_radius) - radius * self.flat.normal;
         let start = self.flat.start + to_cylinder;
         if past_line(self.flat.end() + to_cylinder) > 0.0 {
-            // Where the flat meets the line, or where it begins, which is farther out than whatever lies before it.
+            // The point of the flat on the line, or the start of the flat, which is farther out than all curves before it.
             let meets = -past_line(start) / past_line(self.flat.tangent);
             return (start + meets.max(0.0) * self.flat.tangent).norm();
         }
         along + (touch * touch - beyond * beyond).max(0.0).sqrt()
     }
 
-    /// Where the topping curve meets the circle of `outside` or, before that, the tooth's centre line (u, v) \[m\].
+    /// Return the intersection of the topping curve with the circle of `outside`, or with the tooth's centre line before it (u, v) \[m\].
     fn tip(&self, seat_center_radius: f64, gap_angle: f64, outside: f64) -> Vec2 {
         let center = Vec2::new(0.0, -seat_center_radius);
         let axis = unit(PI / 2.0 - 0.5 * gap_angle);
@@ -112,9 +112,9 @@ impl AnsiCurves {
 }
 
 impl ToothProfile {
-    /// The profile for chain `pitch` P and `roller_diameter` Dr, both \[m\] (ANSI/ASME B29.1).
+    /// Return the profile for chain `pitch` P and `roller_diameter` Dr, both \[m\] (ANSI/ASME B29.1).
     ///
-    /// Its topping curves go on to the middle of the tooth; [`Self::cut`] ends them at the outside circle.
+    /// Its topping curves continue to the middle of the tooth; [`Self::cut`] ends them at the outside circle.
     #[must_use]
     pub fn ansi(pitch: f64, roller_diameter: f64, teeth: u32, seat: Seat) -> Self {
         let curves = AnsiCurves::new(roller_diameter, teeth);

@@ -1,8 +1,8 @@
-//! A circular arc of a profile and the depth of a cylinder against it.
+//! A circular arc of a profile and the penetration of a cylinder.
 
 use crate::geometry::Vec2;
 
-/// A circular arc; which part of the circle belongs to the profile is known to the profile.
+/// A circle of which an arc belongs to a profile; the ends of the arc are stored in the profile.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arc {
     /// Centre of curvature \[m\].
@@ -12,7 +12,7 @@ pub struct Arc {
 }
 
 impl Arc {
-    /// Penetration \[m\] of a cylinder of `radius` inside the concave side, and the direction in which it grows.
+    /// Return the penetration \[m\] of a cylinder of `radius` on the concave side, and its direction of increase.
     #[must_use]
     pub fn depth_inside(&self, point: Vec2, radius: f64) -> (f64, Vec2) {
         let offset = point - self.center;
@@ -23,7 +23,7 @@ impl Arc {
         )
     }
 
-    /// Penetration \[m\] of a cylinder of `radius` against the convex side, and the direction in which it grows.
+    /// Return the penetration \[m\] of a cylinder of `radius` on the convex side, and its direction of increase.
     #[must_use]
     pub fn depth_outside(&self, point: Vec2, radius: f64) -> (f64, Vec2) {
         let offset = self.center - point;
@@ -31,14 +31,14 @@ impl Arc {
         (self.radius + radius - distance, direction(offset, distance))
     }
 
-    /// The point of the circle in direction `normal` (a unit vector) from its centre.
+    /// Return the point of the circle in direction `normal` (a unit vector) from its centre.
     #[must_use]
     pub fn point(&self, normal: Vec2) -> Vec2 {
         self.center + self.radius * normal
     }
 }
 
-/// Unit vector along `offset`; for coincident centres, where none exists, straight down.
+/// Return the unit vector along `offset`; for coincident centres, straight down.
 fn direction(offset: Vec2, distance: f64) -> Vec2 {
     if distance > 0.0 {
         offset / distance

@@ -1,44 +1,44 @@
-//! A tooth of the user's own arcs and lines, and what is wrong with one that does not fit together.
+//! A custom tooth form of arcs and lines, and the errors of its pieces.
 
 use super::flank::{Flank, SurfaceCurve};
 use crate::geometry::{Arc, Segment, ToothProfile, Vec2, turned_left};
 
-/// Largest gap between two pieces \[m\].
+/// Largest permitted gap between two pieces \[m\]: coordinates with seven decimals.
 const LARGEST_GAP: f64 = 1e-7;
-/// Largest angle between the tangents of two pieces \[rad\].
+/// Largest permitted angle between the tangents of two pieces \[rad\].
 const LARGEST_ANGLE: f64 = 1e-4;
 
-/// A piece of an outline, in a frame with the sprocket's centre as its origin: u across the gap, v outward through its middle.
+/// A piece of an outline. Frame: origin in the sprocket's centre, u across the tooth gap, v outward through its middle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutlinePiece {
-    /// Where it begins \[m\].
+    /// First point \[m\].
     pub start: Vec2,
-    /// Where it ends \[m\].
+    /// Last point \[m\].
     pub end: Vec2,
     /// Centre of an arc of less than half a turn; `None`: a straight line.
     pub center: Option<Vec2>,
 }
 
-/// Why pieces make no flank; pieces are numbered from 1.
+/// Error of a flank's pieces; pieces are numbered from 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Misfit {
-    /// There are none.
+    /// No pieces.
     Nothing,
-    /// A piece has no length, or an arc's ends are not equally far from its centre: these distances \[m\].
+    /// A piece of zero length, or an arc whose ends have different distances from its centre \[m\].
     NoCurve(usize, f64, f64),
-    /// A piece begins this far \[m\] from where the one before ends.
+    /// Gap between a piece and the one before it \[m\].
     Apart(usize, f64),
-    /// A piece turns by this angle \[rad\], counterclockwise positive, from the one before.
+    /// Angle between the tangents of a piece and the one before it \[rad\], counterclockwise positive.
     Corner(usize, f64),
-    /// The first piece begins this far \[m\] from the middle of the gap.
+    /// Distance of the first piece from the middle of the tooth gap \[m\].
     Beside(f64),
-    /// The first piece leans by this angle \[rad\] where it meets its mirror image.
+    /// Angle of the first piece at its mirror image \[rad\].
     Leans(f64),
-    /// The last piece ends this far \[m\] from the middle of the tooth, and nothing is cut off.
+    /// Distance of the last piece from the middle of an uncut tooth \[m\].
     Open(f64),
-    /// The last piece meets its mirror image in a point, at this angle \[rad\] from level.
+    /// Angle of the last piece at its mirror image \[rad\]: a pointed tooth.
     Point(f64),
-    /// The flanks meet at this radius \[m\], inside the outside circle.
+    /// Radius at which the flanks meet \[m\], inside the outside circle.
     Pointed(f64),
 }
 
@@ -66,7 +66,7 @@ impl OutlinePiece {
             center,
             radius: 0.5 * (first + last),
         };
-        // The material is on the right: an arc about a centre on the left is hollow.
+        // The material is on the right: an arc about a centre on the left is concave.
         Ok(if chord.perp(&(center - self.start)) > 0.0 {
             SurfaceCurve::Concave(arc)
         } else {
@@ -76,11 +76,11 @@ impl OutlinePiece {
 }
 
 impl ToothProfile {
-    /// A tooth of `pieces`, from the middle of the gap up the right flank; they end in the middle of the tooth, or are cut off at
+    /// Return a tooth of `pieces`, from the middle of the gap along the right flank. They end in the middle of the tooth, or are cut at
     /// a circle: (its radius, radius of the edge) \[m\].
     ///
     /// # Errors
-    /// Where and by how much the pieces do not fit.
+    /// The position and size of the first misfit.
     pub fn custom(
         pitch: f64,
         teeth: u32,
@@ -90,7 +90,7 @@ impl ToothProfile {
         let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else {
             return Err(Misfit::Nothing);
         };
-        // A seat about a centre in the middle of the gap is the origin of its frame, as of the other forms.
+        // A seat with its centre in the middle of the gap is the origin of the frame, as in the other forms.
         let seat = first.center.filter(|center| center.x.abs() <= LARGEST_GAP);
         let pitch_radius = crate::geometry::path::wrap::pitch_radius(pitch, teeth);
         let origin = Vec2::new(0.0, seat.map_or(pitch_radius, |center| center.y));

@@ -1,6 +1,6 @@
-//! Half a tooth gap as a row of curves, each tangent to the next, and which of them is nearest to a cylinder.
+//! Half a tooth gap as a sequence of tangent curves, and the curve nearest to a cylinder.
 //!
-//! In the frame of a gap (u, v), the right half: from the middle of the gap up to the middle of the tooth, the material on
+//! Right half in the frame of a gap (u, v): from the middle of the gap to the middle of the tooth, the material on
 //! the right.
 
 use crate::geometry::{Arc, Segment, Vec2, turned_left, unit};
@@ -8,16 +8,16 @@ use crate::geometry::{Arc, Segment, Vec2, turned_left, unit};
 /// A curve of a flank, seen from outside the material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SurfaceCurve {
-    /// An arc that the cylinder lies inside of.
+    /// A concave arc: the cylinder is inside.
     Concave(Arc),
-    /// An arc that the cylinder lies outside of.
+    /// A convex arc: the cylinder is outside.
     Convex(Arc),
     /// A straight line.
     Straight(Segment),
 }
 
 impl SurfaceCurve {
-    /// Penetration \[m\] of a cylinder of `radius` at `point`, and the direction in which it grows.
+    /// Return the penetration \[m\] of a cylinder of `radius` at `point`, and its direction of increase.
     #[must_use]
     pub fn depth(&self, point: Vec2, radius: f64) -> (f64, Vec2) {
         match self {
@@ -27,7 +27,7 @@ impl SurfaceCurve {
         }
     }
 
-    /// Unit tangent at `point` of the curve, in the direction in which the flank runs.
+    /// Return the unit tangent at `point` of the curve, along the flank.
     #[must_use]
     pub fn tangent(&self, point: Vec2) -> Vec2 {
         match self {
@@ -37,7 +37,7 @@ impl SurfaceCurve {
         }
     }
 
-    /// Centres of circles of `radius` in the material that touch the curve from within and the inside of a circle of
+    /// Return the centres of circles of `radius` in the material that touch the curve and the inside of a circle of
     /// `outside` about `center`.
     fn inscribed(&self, radius: f64, center: Vec2, outside: f64) -> Vec<Vec2> {
         let within = outside - radius;
@@ -59,7 +59,7 @@ impl SurfaceCurve {
         }
     }
 
-    /// The point of the curve next to `center`, that of a circle that touches it.
+    /// Return the point of the curve nearest to `center` of a tangent circle.
     fn touched_from(&self, center: Vec2) -> Vec2 {
         match self {
             Self::Concave(arc) | Self::Convex(arc) => arc.point((center - arc.center).normalize()),
@@ -67,7 +67,7 @@ impl SurfaceCurve {
         }
     }
 
-    /// `points` of the curve from `start` to `end`; the two ends of a straight line.
+    /// Return `points` of the curve from `start` to `end`; the two ends of a straight line.
     pub(crate) fn sweep(&self, start: Vec2, end: Vec2, points: usize) -> Vec<Vec2> {
         let (arc, sense) = match self {
             Self::Straight(_) => return vec![start, end],
@@ -94,7 +94,7 @@ impl SurfaceCurve {
     }
 }
 
-/// Where two circles cross; nothing when they do not.
+/// Return the intersections of two circles, if any.
 fn crossings(a: Vec2, radius_a: f64, b: Vec2, radius_b: f64) -> Vec<Vec2> {
     let between = b - a;
     let distance = between.norm();
@@ -109,7 +109,7 @@ fn crossings(a: Vec2, radius_a: f64, b: Vec2, radius_b: f64) -> Vec<Vec2> {
         .to_vec()
 }
 
-/// The normal between a curve and the next one: the next one is nearest to what lies `limit` or more along `tangent`.
+/// Normal at the junction of two curves: the second curve is nearest to points at `limit` or more along `tangent`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Boundary {
     pub(crate) foot: Vec2,
@@ -119,7 +119,7 @@ pub(crate) struct Boundary {
 }
 
 impl Boundary {
-    /// How far `point` lies past the normal \[m\].
+    /// Return the distance of `point` past the normal \[m\].
     fn past(&self, point: Vec2) -> f64 {
         (point - self.foot).dot(&self.tangent) - self.limit
     }
@@ -130,25 +130,25 @@ impl Boundary {
 pub struct SurfacePiece {
     /// The curve.
     pub curve: SurfaceCurve,
-    /// Where it begins \[m\].
+    /// First point \[m\].
     pub start: Vec2,
-    /// Where it ends \[m\].
+    /// Last point \[m\].
     pub end: Vec2,
-    /// What it is called in messages.
+    /// Name in messages.
     pub name: &'static str,
-    /// How many regions of the tooth lie between it and the one in the middle of the gap.
+    /// Number of regions of the tooth between this one and the middle of the gap.
     pub step: u8,
     pub(crate) boundary: Boundary,
 }
 
-/// The curves of half a gap in order.
+/// Curves of half a gap in order.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Flank {
     pub(crate) pieces: Vec<SurfacePiece>,
 }
 
 impl Flank {
-    /// A flank that begins at `start` with `curve`.
+    /// Begin a flank at `start` with `curve`.
     pub(crate) fn begin(name: &'static str, start: Vec2, curve: SurfaceCurve) -> Self {
         let boundary = Boundary {
             foot: start,
@@ -167,7 +167,7 @@ impl Flank {
         }
     }
 
-    /// Goes on with `curve` from `point`, where both have the unit `tangent`.
+    /// Append `curve` at `point`, where both have the unit `tangent`.
     pub(crate) fn then(
         mut self,
         point: Vec2,
@@ -200,7 +200,7 @@ impl Flank {
         self
     }
 
-    /// Ends at `point`.
+    /// End the flank at `point`.
     pub(crate) fn end(mut self, point: Vec2) -> Self {
         if let Some(last) = self.pieces.last_mut() {
             last.end = point;
@@ -208,8 +208,8 @@ impl Flank {
         self
     }
 
-    /// The flank cut off by the circle of `outside` about `center`, its edge broken by an arc of radius `edge`; `axis` is the
-    /// unit vector from `center` along the middle of the tooth. `None` when the circle meets the flank nowhere.
+    /// Return the flank cut by the circle of `outside` about `center`, its edge rounded by an arc of radius `edge`; `axis` is the
+    /// unit vector from `center` along the middle of the tooth. `None` where the circle does not meet the flank.
     pub(crate) fn cut(&self, center: Vec2, axis: Vec2, outside: f64, edge: f64) -> Option<Self> {
         let slack = 1e-9 * outside;
         for (i, piece) in self.pieces.iter().enumerate() {
@@ -250,7 +250,7 @@ impl Flank {
         None
     }
 
-    /// Only the land that is left of a tooth cut down to the circle of `outside` about `center`.
+    /// Return the land of a tooth cut down to the circle of `outside` about `center`.
     pub(crate) fn level(center: Vec2, axis: Vec2, outside: f64) -> Self {
         let land = SurfaceCurve::Convex(Arc {
             center,
@@ -260,7 +260,7 @@ impl Flank {
     }
 }
 
-/// Number of the piece nearest to `point` on the right half: the normals at the junctions divide the plane.
+/// Return the number of the piece nearest to `point` on the right half: the normals at the junctions divide the plane.
 pub(crate) fn nearest_piece(pieces: &[SurfacePiece], point: Vec2) -> usize {
     let last = pieces.len() - 1;
     let within = |piece: &SurfacePiece| {

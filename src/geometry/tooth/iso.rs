@@ -1,11 +1,11 @@
-//! The tooth gap of ISO 606, whose flanks are convex, and one with straight flanks.
+//! The tooth form of ISO 606 with convex flanks, and one with straight flanks.
 
 use std::f64::consts::PI;
 
 use super::flank::{Flank, SurfaceCurve};
 use crate::geometry::{Arc, Seat, Segment, ToothProfile, Vec2, turned_left, unit};
 
-/// Dimensions of an ISO 606 gap \[m, rad\].
+/// Dimensions of an ISO 606 tooth gap \[m, rad\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IsoGap {
     /// Roller seating radius `r_i`.
@@ -17,13 +17,13 @@ pub struct IsoGap {
 }
 
 impl IsoGap {
-    /// Between the standard's minimum (`share` 0) and maximum (1) gap for roller diameter d1 \[m\] and z teeth; each dimension in
-    /// proportion between its limits.
+    /// Return the gap between the standard's minimum (`share` 0) and maximum (1) for roller diameter d1 \[m\] and z teeth; each dimension is
+    /// interpolated linearly between its limits.
     #[must_use]
     pub fn new(roller_diameter: f64, teeth: u32, share: f64) -> Self {
         let (d1, z) = (roller_diameter, f64::from(teeth));
         let between = |least: f64, most: f64| least + share * (most - least);
-        // The standard's 0.069 cbrt(d1) takes and gives millimetres.
+        // The standard's formula 0.069 cbrt(d1) is in millimetres.
         let play = 0.069e-3 * (1e3 * d1).cbrt();
         Self {
             seat_radius: 0.505 * d1 + share * play,
@@ -33,7 +33,7 @@ impl IsoGap {
     }
 }
 
-/// The standard's least and largest tip diameter \[m\] for z teeth.
+/// Return the standard's smallest and largest tip diameter \[m\] for z teeth.
 #[must_use]
 pub fn iso_tip_diameters(pitch: f64, roller_diameter: f64, teeth: u32) -> [f64; 2] {
     let d = 2.0 * crate::geometry::path::wrap::pitch_radius(pitch, teeth);
@@ -44,16 +44,16 @@ pub fn iso_tip_diameters(pitch: f64, roller_diameter: f64, teeth: u32) -> [f64; 
     ]
 }
 
-/// What the tooth of any form is cut with.
+/// Dimensions of a blank for any tooth form.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blank {
     /// Pitch of the chain \[m\].
     pub pitch: f64,
-    /// Roller diameter that the tooth is for \[m\].
+    /// Roller diameter of the form \[m\].
     pub roller_diameter: f64,
     /// Number of teeth.
     pub teeth: u32,
-    /// Where the seating curve's centre lies.
+    /// Position of the seating curve's centre.
     pub seat: Seat,
     /// Radius of the outside circle \[m\].
     pub outside_radius: f64,
@@ -70,7 +70,7 @@ impl Blank {
         }
     }
 
-    /// The flank of a seat of `seat_radius` that goes on at `seat_end`, a unit vector from its centre, with `curve`.
+    /// Return the flank of a seat of `seat_radius` that continues at `seat_end`, a unit vector from its centre, with `curve`.
     fn profile(
         &self,
         seat_radius: f64,
@@ -83,7 +83,7 @@ impl Blank {
         };
         let from = seat.point(seat_end);
         let far = self.outside_radius;
-        // Farther than any tooth; the cut ends it.
+        // Longer than any tooth; the cut ends it.
         let end = match curve {
             SurfaceCurve::Straight(segment) => segment.end(),
             SurfaceCurve::Concave(arc) | SurfaceCurve::Convex(arc) => {
@@ -104,7 +104,7 @@ impl Blank {
 }
 
 impl ToothProfile {
-    /// An ISO 606 tooth: a seat, and flanks that are arcs about centres in the material, tangent where the seat ends.
+    /// Return an ISO 606 tooth: a seat and convex flank arcs, tangent at the end of the seat.
     ///
     /// # Errors
     /// The radius \[m\] at which the flanks meet, when that is inside the outside circle.
@@ -117,7 +117,7 @@ impl ToothProfile {
         blank.profile(gap.seat_radius, seat_end, SurfaceCurve::Convex(flank))
     }
 
-    /// A tooth with straight flanks that lean `flank_angle` \[rad\] from the middle of the gap, tangent to a seat of `seat_radius`
+    /// Return a tooth with straight flanks at `flank_angle` \[rad\] from the middle of the gap, tangent to a seat of `seat_radius`
     /// \[m\].
     ///
     /// # Errors

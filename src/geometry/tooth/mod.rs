@@ -1,4 +1,4 @@
-//! Tooth forms as rows of arcs and segments.
+//! Tooth forms as sequences of arcs and segments.
 
 pub(crate) mod ansi;
 pub(crate) mod arc;

@@ -1,8 +1,8 @@
-//! The teeth of a sprocket: the surfaces of a gap, which of them is nearest to a cylinder, and how deep it is there.
+//! Profile of a sprocket: the surfaces of a tooth gap, the surface nearest to a cylinder, and its penetration.
 //!
-//! Everything here lives in the frame of one gap: `v` points radially outward through the middle of the gap, `u` is
+//! All quantities are in the frame of one gap: `v` points radially outward through the middle of the gap, `u` is
 //! tangential towards the tooth on the right (clockwise), the origin is the centre of the seating curve. The left flank
-//! mirrors the right one, so only the right one is stored.
+//! mirrors the right one; only the right one is stored.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -12,22 +12,22 @@ use serde::{Deserialize, Serialize};
 use super::flank::{Flank, SurfacePiece, nearest_piece};
 use crate::geometry::{AnsiCurves, Vec2, unit};
 
-/// Where the centre of the seating curve lies.
+/// Position of the centre of the seating curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Seat {
-    /// The standards' bottom diameter, pitch diameter less roller diameter: a seated roller just touches.
+    /// The standards' bottom diameter, pitch diameter minus roller diameter: a seated roller touches without force.
     BottomDiameter,
     /// On the pitch circle: a roller on the pitch circle has clearance all round.
     PitchCircle,
 }
 
-/// Number of a surface of a profile: both flanks of whole teeth share their surfaces, from the seat outward; those of damaged
+/// Number of a surface of a profile. Both flanks of undamaged teeth share their surfaces, from the seat outward; those of damaged
 /// teeth follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Surface(pub u8);
 
 impl Surface {
-    /// Seating curve; of every form the one in the middle of the gap.
+    /// Seating curve: the middle of the gap in every form.
     pub const SEATING: Self = Self(0);
     /// Working curve of an ANSI tooth.
     pub const WORKING: Self = Self(1);
@@ -35,39 +35,39 @@ impl Surface {
     pub const FLAT: Self = Self(2);
     /// Topping curve of an ANSI tooth.
     pub const TOPPING: Self = Self(3);
-    /// The four of an ANSI tooth, in the order of their numbers.
+    /// The four surfaces of an ANSI tooth, in the order of their numbers.
     pub const ANSI: [Self; 4] = [Self::SEATING, Self::WORKING, Self::FLAT, Self::TOPPING];
 
-    /// Its place in an array over the surfaces of a profile.
+    /// Return the index in an array over the surfaces of a profile.
     #[must_use]
     pub fn index(self) -> usize {
         usize::from(self.0)
     }
 }
 
-/// A cylinder against one gap of a tooth profile, in the frame of the gap.
+/// Contact of a cylinder in one tooth gap, in the frame of the gap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ToothContact {
     /// The surface nearest to the cylinder.
     pub surface: Surface,
-    /// The region that it belongs to, counted from 1 in the direction of +u; an ANSI gap has seven, the fourth is the seat.
+    /// Region of the surface, counted from 1 in the direction of +u; an ANSI gap has seven, the fourth is the seat.
     pub region: u8,
     /// Penetration δ \[m\]; negative when apart.
     pub penetration: f64,
-    /// Unit vector in which the penetration grows, in the gap's (u, v).
+    /// Unit vector of increasing penetration, in the gap's (u, v).
     pub normal: Vec2,
 }
 
-/// A tooth that is not whole.
+/// A damaged tooth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Damage {
     /// Number of the tooth, from 0: tooth k lies between gaps k and k + 1.
     pub tooth: u32,
-    /// What is left of its height above the bottom of the gap, 0 (gone) to 1.
+    /// Remaining height above the bottom of the gap, from 0 (missing) to 1.
     pub height: f64,
 }
 
-/// The gaps between the teeth of a sprocket.
+/// The tooth gaps of a sprocket.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ToothProfile {
     /// Number of teeth N.
@@ -76,13 +76,13 @@ pub struct ToothProfile {
     pub pitch_radius: f64,
     /// Distance from the sprocket's centre to the origin of a gap's frame, the centre of the seating curve \[m\].
     pub seat_center_radius: f64,
-    /// Radius of the outside circle \[m\], where the blank ends.
+    /// Radius of the outside circle \[m\].
     pub outside_radius: f64,
-    /// The curves of an ANSI tooth that nothing was cut off from.
+    /// Curves of an uncut ANSI tooth.
     ansi: Option<AnsiCurves>,
     /// Surfaces by their number.
     surfaces: Vec<SurfacePiece>,
-    /// Whole teeth first, then damaged ones: which surfaces each kind of flank has.
+    /// Surfaces of each kind of flank: undamaged teeth first, then damaged ones.
     flanks: Vec<Range<usize>>,
     /// Damaged teeth and their flanks.
     damaged: Vec<(u32, usize)>,
@@ -115,25 +115,25 @@ impl ToothProfile {
         }
     }
 
-    /// The curves of an ANSI tooth whose topping curves go on to the middle of the tooth.
+    /// Return the profile of an ANSI tooth whose topping curves continue to the middle of the tooth.
     #[must_use]
     pub fn ansi_curves(&self) -> Option<&AnsiCurves> {
         self.ansi.as_ref()
     }
 
-    /// All surfaces by their number.
+    /// Return all surfaces by their number.
     #[must_use]
     pub fn surfaces(&self) -> &[SurfacePiece] {
         &self.surfaces
     }
 
-    /// Surfaces of whole teeth, from the seat outward.
+    /// Return the surfaces of undamaged teeth, from the seat outward.
     #[must_use]
     pub fn whole(&self) -> &[SurfacePiece] {
         &self.surfaces[self.flanks[0].clone()]
     }
 
-    /// Damaged teeth, each with the numbers of its surfaces.
+    /// Return the damaged teeth, each with the numbers of its surfaces.
     pub fn damaged(&self) -> impl Iterator<Item = (u32, Range<usize>)> {
         let flanks = &self.flanks;
         self.damaged
@@ -141,18 +141,18 @@ impl ToothProfile {
             .map(|&(tooth, flank)| (tooth, flanks[flank].clone()))
     }
 
-    /// The sprocket's centre in the frame of a gap \[m\].
+    /// Return the sprocket's centre in the frame of a gap \[m\].
     #[must_use]
     pub fn center(&self) -> Vec2 {
         Vec2::new(0.0, -self.seat_center_radius)
     }
 
-    /// Unit vector from the sprocket's centre along the middle of the tooth on the right.
+    /// Return the unit vector from the sprocket's centre along the middle of the tooth on the right.
     pub(crate) fn axis(&self) -> Vec2 {
         unit(PI / 2.0 - 0.5 * self.gap_angle())
     }
 
-    /// The same teeth cut off at a circle of `outside` \[m\], their edges broken by a radius `edge` \[m\].
+    /// Return the same teeth cut at a circle of `outside` \[m\], their edges rounded by a radius `edge` \[m\].
     ///
     /// # Errors
     /// The radius \[m\] at which the flanks meet, when that is inside the circle.
@@ -173,7 +173,7 @@ impl ToothProfile {
         Ok(profile)
     }
 
-    /// Radius \[m\] at which the flanks meet in the middle of a tooth, when they go on as they are.
+    /// Return the radius \[m\] at which the extended flanks meet in the middle of a tooth.
     fn point_radius(&self) -> f64 {
         let (center, axis) = (self.center(), self.axis());
         let outside = |radius: f64| self.contact(center + radius * axis, 0.0).penetration < 0.0;
@@ -189,8 +189,8 @@ impl ToothProfile {
         high
     }
 
-    /// The same with damaged teeth, their edges broken by a radius `edge` \[m\]; `None` when more surfaces come of it than there
-    /// are numbers for.
+    /// Return the same profile with damaged teeth, their edges rounded by a radius `edge` \[m\]; `None` for more surfaces than
+    /// numbers.
     #[must_use]
     pub fn with_damage(mut self, damage: &[Damage], edge: f64) -> Option<Self> {
         let bottom = self.seat_center_radius
@@ -226,13 +226,13 @@ impl ToothProfile {
         u8::try_from(self.surfaces.len()).is_ok().then_some(self)
     }
 
-    /// Angle from one gap to the next \[rad\].
+    /// Return the angle from one gap to the next \[rad\].
     #[must_use]
     pub fn gap_angle(&self) -> f64 {
         2.0 * PI / f64::from(self.teeth)
     }
 
-    /// The gap nearest to the direction `angle` \[rad\], between -π and π, in the sprocket's own frame.
+    /// Return the gap nearest to the direction `angle` \[rad\], between -π and π, in the sprocket's frame.
     #[must_use]
     #[allow(
         clippy::cast_possible_truncation,
@@ -248,26 +248,26 @@ impl ToothProfile {
         }) as u32
     }
 
-    /// The surface of a gap between whole teeth that is nearest to a cylinder at `point` (u, v).
+    /// Return the surface of a gap between undamaged teeth nearest to a cylinder at `point` (u, v).
     #[must_use]
     pub fn surface_at(&self, point: Vec2) -> Surface {
         self.nearest_of(0, Vec2::new(point.x.abs(), point.y))
     }
 
-    /// The surface of a right flank that is nearest to `point`.
+    /// Return the surface of a right flank nearest to `point`.
     #[allow(clippy::cast_possible_truncation)] // surfaces are counted when teeth are damaged
     fn nearest_of(&self, flank: usize, point: Vec2) -> Surface {
         let Range { start, end } = self.flanks[flank];
         Surface((start + nearest_piece(&self.surfaces[start..end], point)) as u8)
     }
 
-    /// Contact of a cylinder of `radius` \[m\] centred at `point` (u, v) \[m\] with its nearest surface between whole teeth.
+    /// Return the contact of a cylinder of `radius` \[m\] at `point` (u, v) \[m\] with its nearest surface between undamaged teeth.
     #[must_use]
     pub fn contact(&self, point: Vec2, radius: f64) -> ToothContact {
         self.contact_with(self.surface_at(point), point, radius)
     }
 
-    /// The same in a gap of its own, whose teeth may be damaged: then either flank may be the nearer one, wherever the cylinder is.
+    /// Return the contact in a given gap with damaged teeth; either flank may be the nearer one at any position.
     #[must_use]
     pub fn contact_in(&self, gap: u32, point: Vec2, radius: f64) -> ToothContact {
         let flank_of = |tooth: u32| {
@@ -283,7 +283,7 @@ impl ToothProfile {
             let across = Vec2::new(if left { -point.x } else { point.x }, point.y);
             let flank = flanks[usize::from(left)];
             let surface = self.nearest_of(flank, across);
-            // The curve in the middle of the gap ends there.
+            // The curve in the middle of the gap ends at u = 0 here.
             let there = left == own_side || surface.index() > self.flanks[flank].start;
             there.then(|| self.contact_on(surface, left, point, radius))
         };
@@ -300,7 +300,7 @@ impl ToothProfile {
         }
     }
 
-    /// Contact with a given surface, continued past its ends, of the flank on whose side `point` lies.
+    /// Return the contact with a given surface, extended past its ends, of the flank on the side of `point`.
     #[must_use]
     pub fn contact_with(&self, surface: Surface, point: Vec2, radius: f64) -> ToothContact {
         self.contact_on(surface, point.x < 0.0, point, radius)
@@ -327,7 +327,7 @@ impl ToothProfile {
         }
     }
 
-    /// Distance from the sprocket's centre \[m\] beyond which a cylinder of `radius` touches no tooth.
+    /// Return the distance from the sprocket's centre \[m\] beyond which a cylinder of `radius` cannot touch a tooth.
     #[must_use]
     pub fn reach(&self, radius: f64) -> f64 {
         match &self.ansi {
@@ -336,8 +336,8 @@ impl ToothProfile {
         }
     }
 
-    /// Where a cylinder of `radius` \[m\] that touches one surface between whole teeth is inside another one: the two surfaces,
-    /// the second one's depth \[m\]; `None` when it can roll along the whole gap.
+    /// Return where a cylinder of `radius` \[m\] that touches one surface penetrates another one: both surfaces and the
+    /// penetration \[m\]; `None` where it can roll along the whole gap.
     #[must_use]
     pub fn pinch(&self, radius: f64) -> Option<(Surface, f64)> {
         const POINTS: usize = 24;
@@ -365,7 +365,7 @@ impl ToothProfile {
         None
     }
 
-    /// The outline of the right half of a gap between whole teeth, from its middle to that of the tooth, `points` to a curve \[m\].
+    /// Return the outline of the right half of a gap between undamaged teeth, from its middle to that of the tooth, `points` per curve \[m\].
     ///
     /// In the gap's (u, v); for drawings. Uncut teeth end at the outside circle.
     #[must_use]
@@ -379,7 +379,7 @@ impl ToothProfile {
         pieces.iter().flat_map(sweep).collect()
     }
 
-    /// The closed outline of the whole sprocket in its own frame, counterclockwise \[m\]; `points` to a curve.
+    /// Return the closed outline of the whole sprocket in its own frame, counterclockwise \[m\]; `points` per curve.
     #[must_use]
     pub fn outline(&self, points: usize) -> Vec<Vec2> {
         let halves: Vec<Vec<Vec2>> = (0..self.flanks.len())
@@ -392,7 +392,7 @@ impl ToothProfile {
         let mut outline = Vec::new();
         for gap in 0..self.teeth {
             let (sin, cos) = (f64::from(gap) * self.gap_angle()).sin_cos();
-            // Counterclockwise is -u: the right half is walked from tip to seat, then the left one from seat to tip.
+            // Counterclockwise is -u: the right half from tip to seat, then the left half from seat to tip.
             let place = |p: Vec2| {
                 let (radial, tangential) = (p.y + self.seat_center_radius, -p.x);
                 Vec2::new(

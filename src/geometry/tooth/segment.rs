@@ -1,8 +1,8 @@
-//! A straight piece of a profile and the depth of a cylinder against it.
+//! A straight segment of a profile and the penetration of a cylinder.
 
 use crate::geometry::Vec2;
 
-/// A straight line piece with the material on the side of its normal.
+/// A straight segment with the material on the side of its normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
     /// First point \[m\].
@@ -16,19 +16,19 @@ pub struct Segment {
 }
 
 impl Segment {
-    /// Where `point` lies along the segment \[m\]: 0 at its start, `length` at its end.
+    /// Return the position of `point` along the segment \[m\]: 0 at its start, `length` at its end.
     #[must_use]
     pub fn along(&self, point: Vec2) -> f64 {
         (point - self.start).dot(&self.tangent)
     }
 
-    /// Penetration \[m\] of a cylinder of `radius`, and the direction in which it grows.
+    /// Return the penetration \[m\] of a cylinder of `radius`, and its direction of increase.
     #[must_use]
     pub fn depth(&self, point: Vec2, radius: f64) -> (f64, Vec2) {
         ((point - self.start).dot(&self.normal) + radius, self.normal)
     }
 
-    /// Last point \[m\].
+    /// Return the last point \[m\].
     #[must_use]
     pub fn end(&self) -> Vec2 {
         self.start + self.length * self.tangent
