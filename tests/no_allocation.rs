@@ -14,7 +14,7 @@ use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, OdeSystem, StepControl};
 use rustchain::math::simd::InstructionSet;
 use rustchain::multibody::{
-    ContactLaw, ContactPair, Marker, MechanismModel, Profile, Stabilisation,
+    ContactLaw, ContactPair, Marker, MechanismModel, Profile, Stabilisation, Tribology,
 };
 use rustchain::run::mechanism::MechanismSimulation;
 use rustchain::{ForceLaws, Groups};
@@ -195,6 +195,7 @@ fn steps_of_a_mechanism_allocate_nothing_after_the_first() {
                 stiffness: 1e5,
                 damping: 10.0,
             },
+            tribology: Tribology::default(),
         });
         let control = StepControl {
             corrector,

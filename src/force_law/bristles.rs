@@ -114,6 +114,29 @@ impl LuGre {
         }
     }
 
+    /// Deflection z = `foretold` + γ dz/dt that an implicit step leads to, in a contact that slips at `slip` \[m/s\], and the slope
+    /// of [`Bent::share`] with the slip while z follows it \[s/m\].
+    #[must_use]
+    pub fn solve(&self, foretold: f64, gamma: f64, slip: f64) -> (f64, f64) {
+        let speed = slip.abs();
+        let fall = self.static_coefficient - self.kinetic_coefficient;
+        let power = (speed / self.stribeck_speed).powf(self.stribeck_exponent);
+        let fallen = fall * (-power).exp();
+        let g = self.kinetic_coefficient + fallen;
+        let follows = 1.0 / (1.0 + gamma * self.stiffness * speed / g);
+        let deflection = (foretold + gamma * slip) * follows;
+        // d(|s|/g)/ds
+        let steeper = (g + fallen * self.stribeck_exponent * power) / (g * g);
+        let steeper = if slip < 0.0 { -steeper } else { steeper };
+        let rate = slip - self.stiffness * speed / g * deflection;
+        let of_rate = (1.0 - self.stiffness * steeper * deflection) * follows;
+        let damping = self.damping / (1.0 + self.damping * speed / (4.0 * g));
+        let fading = -0.25 * damping * damping * steeper;
+        let slope =
+            (self.stiffness * gamma + damping) * of_rate + fading * rate + self.viscous_coefficient;
+        (deflection, slope)
+    }
+
     /// Energy stored by bristles that are bent so far, in a contact pressed by one newton \[J/N\].
     #[must_use]
     pub fn stored(&self, deflection: f64) -> f64 {

@@ -103,6 +103,15 @@ pub struct HingeFilm {
     pub speed: f64,
 }
 
+/// How a film's force and shear change with eccentricity (length), velocity along it and velocity left of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct FilmGradient {
+    /// Of both components of the force \[N/m, N s/m, N s/m\].
+    pub(crate) force: [[f64; 3]; 2],
+    /// Of the shear, with the eccentricity \[N s\].
+    pub(crate) shear: f64,
+}
+
 /// What a film does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FilmForce {
@@ -143,6 +152,73 @@ impl HingeFilm {
             ],
             shear: self.shear * weight / root,
         }
+    }
+
+    /// The same with its derivatives.
+    pub(crate) fn slopes(
+        &self,
+        eccentricity: f64,
+        velocity: [f64; 2],
+    ) -> (FilmForce, FilmGradient) {
+        let found = self.at(eccentricity, velocity);
+        let ratio = eccentricity / self.clearance;
+        let mut gradient = FilmGradient {
+            force: [[0.0; 3]; 2],
+            shear: 0.0,
+        };
+        if ratio >= 1.0 {
+            return (found, gradient);
+        }
+        let part = ((1.0 - ratio) / (1.0 - self.handover)).min(1.0);
+        let weight = part.powi(3) * (10.0 + part * (6.0 * part - 15.0));
+        // dw/dε: zero where the hand-over has not begun.
+        let fading = -30.0 * (part * (1.0 - part)).powi(2) / (1.0 - self.handover);
+        let rest = (1.0 - ratio) * (1.0 + ratio);
+        let root = rest.sqrt();
+        let slant = 2.0 / (2.0 + ratio * ratio);
+        let [along, across] = [velocity[0], slant * velocity[1]];
+        let size = along.hypot(across);
+        let over_size = if size > 0.0 { 1.0 / size } else { 0.0 };
+        let [cosine, sine] = [along * over_size, across * over_size];
+        let reach = size.hypot(self.speed);
+        let over_reach = if reach > 0.0 { 1.0 / reach } else { 0.0 };
+        let other = self.speed * over_reach;
+        let tangent = ratio * cosine / root;
+        let angle = tangent.atan();
+        let turn = (PI * (1.0 + other) + 2.0 * (1.0 - other) * angle) / root;
+        let shape = turn * along + 2.0 * ratio * (1.0 - other) * size;
+        gradient.shear =
+            self.shear * (fading / root + weight * ratio / (rest * root)) / self.clearance;
+        for k in 0..3 {
+            // Changes of ε, u_r and u_t, then of what is made of them, in the order of `at`.
+            let [of_ratio, of_along, of_speed] =
+                [0, 1, 2].map(|seed| if seed == k { 1.0 } else { 0.0 });
+            let of_across = slant * of_speed - ratio * slant * slant * velocity[1] * of_ratio;
+            let of_size = cosine * of_along + sine * of_across;
+            let of_cosine = sine * over_size * (sine * of_along - cosine * of_across);
+            let of_other = -other * size * over_reach * over_reach * of_size;
+            let of_tangent = cosine / (rest * root) * of_ratio + ratio / root * of_cosine;
+            let of_angle = of_tangent / (1.0 + tangent * tangent);
+            let of_turn = ((PI - 2.0 * angle) * of_other + 2.0 * (1.0 - other) * of_angle) / root
+                + turn * ratio / rest * of_ratio;
+            let of_shape = of_turn * along
+                + turn * of_along
+                + 2.0 * (1.0 - other) * (size * of_ratio + ratio * of_size)
+                - 2.0 * ratio * size * of_other;
+            let of_weight = fading * of_ratio;
+            let of_push = (weight * of_shape + shape * of_weight) / rest
+                + 2.0 * weight * shape * ratio / (rest * rest) * of_ratio;
+            let of_drag =
+                weight * (turn * of_across + across * of_turn) + turn * across * of_weight;
+            let scale = if k == 0 {
+                -self.pressure / self.clearance
+            } else {
+                -self.pressure
+            };
+            gradient.force[0][k] = scale * of_push;
+            gradient.force[1][k] = scale * of_drag;
+        }
+        (found, gradient)
     }
 }
 

@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use super::constraints::equation::Row;
 use super::constraints::kkt::Constrained;
+use super::constraints::pin_friction::PinTorques;
+use super::contact::bristles::Bristles;
 use super::contact::contact_state::CompiledContact;
 use super::contact::event_screening::ContactEnd;
 use super::contact::impact_memory::{Memory, Touch};
@@ -27,7 +29,7 @@ pub enum Stabilisation {
 
 /// The right-hand side; its memory changes between steps only.
 ///
-/// The state is y = [q, v, energy dissipated, work put in] less a `shift`, which holds what projections have added: the
+/// The state is y = [q, v, energy dissipated, work put in], with the bristles of contacts behind q and v, less a `shift`, which holds what projections have added: the
 /// integrator's own solution and its history stay as they are. During a step the shift of velocities is constant and that of
 /// coordinates grows by it, so that dq/dt = v holds within the integrator's solution as it does within the state: an implicit
 /// corrector takes coordinates from velocities without asking.
@@ -50,6 +52,8 @@ pub struct MechanismDynamics {
     pub(crate) deepest: Vec<[f64; 2]>,
     /// How each contact is where the step under way began.
     pub(crate) starts: Vec<ContactEnd>,
+    pub(crate) bristles: Bristles,
+    pub(crate) pin_torques: PinTorques,
     pub(crate) shift: Vec<f64>,
     /// When the shift of coordinates was what it says \[s\].
     pub(crate) shift_time: f64,
@@ -92,6 +96,8 @@ impl MechanismDynamics {
             near: vec![true; model.contacts.len()],
             deepest: vec![[f64::NEG_INFINITY, 0.0]; model.contacts.len()],
             starts: vec![ContactEnd::FAR; model.contacts.len()],
+            bristles: Bristles::new(model.bristles),
+            pin_torques: PinTorques::new(model.pins.len(), n),
             shift: vec![0.0; 2 * n],
             shift_time: 0.0,
             stabilisation,
@@ -153,6 +159,7 @@ impl MechanismDynamics {
     /// Gathers all loads where the bodies are.
     fn find_loads(&mut self, t: f64) {
         self.loads.clear();
+        self.bristles.begin();
         let model = &self.model;
         for (load, body) in self.loads.on.iter_mut().zip(&model.bodies) {
             load[0] = body.mass * model.gravity.x;
@@ -169,6 +176,14 @@ impl MechanismDynamics {
             if *near {
                 let memory = &self.memory[sides.clone()];
                 *deepest = contact.add(&self.frames, memory, &mut self.loads, touches);
+                if let Some(law) = &contact.friction {
+                    let numbers = &model.bristle_of_side[sides.clone()];
+                    let to = (&mut self.loads, &mut *touches);
+                    contact.add_friction(law, &self.frames, numbers, &mut self.bristles, to);
+                }
+                if let Some(film) = &contact.film {
+                    contact.add_film(film, &self.frames, &mut self.loads, &mut touches[0]);
+                }
             } else if was_near {
                 touches.fill(Touch::default());
             }
@@ -201,21 +216,16 @@ impl MechanismDynamics {
             // it is what is nearly dependent that is left out, while enough is left.
             if !self.hold() {
                 if !self.aside && self.accelerate_across(t) {
+                    self.loads.dissipated += self.pin_losses();
                     return;
                 }
                 self.factorise_whole();
             }
         }
-        if let Some(kkt) = &mut self.kkt
-            && !kkt.solve(
-                &self.forces,
-                &self.rows,
-                &mut self.accelerations,
-                &mut self.multipliers,
-            )
-        {
+        if !self.solve_constrained() {
             self.accelerations.fill(f64::NAN);
         }
+        self.loads.dissipated += self.pin_losses();
     }
 
     /// Independence below which nothing counts: that of rounding, or, where some constraints are redundant, what these seem
@@ -286,6 +296,14 @@ impl MechanismDynamics {
         contact.apart(frames[0], frames[1], side, self.memory[k])
     }
 
+    /// Power dissipated, with the work that bristles store, and power of applied forces and drivers at the last evaluation \[W\].
+    pub(crate) fn powers(&self) -> [f64; 2] {
+        [
+            self.loads.dissipated,
+            self.loads.worked_in + self.driver_power(),
+        ]
+    }
+
     /// Work that the drivers do: power of the multipliers along the prescribed motions \[W\].
     fn driver_power(&self) -> f64 {
         let rows = self.rows.iter().zip(&self.multipliers);
@@ -318,26 +336,27 @@ impl OdeSystem for MechanismDynamics {
     }
 
     fn dimension(&self) -> usize {
-        2 * self.model.coordinates() + 2
+        2 * self.model.unknowns() + 2
     }
 
     /// A damped contact that lets go stores energy without a force: only the sums see it go.
     fn controlled(&self) -> usize {
         let sums = if self.model.watches_energy { 2 } else { 0 };
-        2 * self.model.coordinates() + sums
+        2 * self.model.unknowns() + sums
     }
 
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
-        let n = self.model.coordinates();
+        let (n, unknowns) = (self.model.coordinates(), self.model.unknowns());
         let mut shifted = std::mem::take(&mut self.shifted);
-        shifted.copy_from_slice(&y[..2 * n]);
+        self.read(y, &mut shifted);
         self.add_shift(t, &mut shifted);
         self.time = t;
         self.evaluate(t, &shifted);
-        dydt[..n].copy_from_slice(&y[n..2 * n]);
-        dydt[n..2 * n].copy_from_slice(&self.accelerations);
-        dydt[2 * n] = self.loads.dissipated;
-        dydt[2 * n + 1] = self.loads.worked_in + self.driver_power();
+        dydt[..unknowns].copy_from_slice(&y[unknowns..2 * unknowns]);
+        dydt[unknowns..unknowns + n].copy_from_slice(&self.accelerations);
+        dydt[unknowns + n..2 * unknowns].copy_from_slice(&self.bristles.rate);
+        let powers = self.powers();
+        dydt[2 * unknowns..].copy_from_slice(&powers);
         self.shifted = shifted;
     }
 }

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use super::assembly::load_scales::contact_lengths;
 use super::constraints::equation::{Equation, Quantity};
+use super::constraints::pin_friction::Pin;
 use super::contact::contact_state::CompiledContact;
 use super::description::body::{Body, End, Frame, Marker};
 use super::description::force_element::{Force, ForceKind};
@@ -38,6 +39,11 @@ pub struct MechanismModel {
     numbers: HashMap<String, usize>,
     /// The equations of each joint.
     pub(crate) equations_of_joint: Vec<Range<usize>>,
+    /// The bristle of each side, where it has one, and how many there are.
+    pub(crate) bristle_of_side: Vec<Option<usize>>,
+    pub(crate) bristles: usize,
+    /// Revolute joints with friction.
+    pub(crate) pins: Vec<Pin>,
     /// Whether the error test has to watch the energy.
     pub(crate) watches_energy: bool,
 }
@@ -85,6 +91,9 @@ impl MechanismModel {
             contact_names: mechanism.contacts.iter().map(|c| c.name.clone()).collect(),
             force_names: mechanism.forces.iter().map(|f| f.name.clone()).collect(),
             contact_lengths: contact_lengths(mechanism),
+            bristle_of_side: Vec::new(),
+            bristles: 0,
+            pins: Vec::new(),
             sides: Vec::new(),
             sides_of_contact: Vec::new(),
         };
@@ -95,6 +104,11 @@ impl MechanismModel {
             let first = model.equations.len();
             model.equations.extend(equations);
             model.equations_of_joint.push(first..model.equations.len());
+            if let Some(friction) = joint.friction {
+                model
+                    .pins
+                    .push(Pin::new(number, friction, first, &model.equations));
+            }
         }
         for force in &mechanism.forces {
             force.validate()?;
@@ -123,6 +137,13 @@ impl MechanismModel {
                 .sides
                 .extend((0..compiled.sides()).map(|side| (number, side)));
             model.sides_of_contact.push(first..model.sides.len());
+            let bristled = contact.tribology.bristles().is_some();
+            for _ in 0..compiled.sides() {
+                model
+                    .bristle_of_side
+                    .push(bristled.then_some(model.bristles));
+                model.bristles += usize::from(bristled);
+            }
             model.contacts.push(compiled);
         }
         Ok(model)
@@ -163,6 +184,19 @@ impl MechanismModel {
         (self.bodies.iter())
             .map(|body| Frame::new(body.position, body.velocity))
             .collect()
+    }
+
+    /// The body that a coordinate of the integrator belongs to, or the contact of a bristle, in words.
+    pub(crate) fn owner_of(&self, coordinate: usize) -> String {
+        let Some(bristle) = coordinate.checked_sub(self.coordinates()) else {
+            return format!("body {:?}", self.bodies[self.body_of(coordinate)].name);
+        };
+        let side = self
+            .bristle_of_side
+            .iter()
+            .position(|&b| b == Some(bristle));
+        let contact = side.map_or(0, |side| self.sides[side].0);
+        format!("friction of contact {:?}", self.contact_names[contact])
     }
 
     /// The body that a coordinate belongs to.

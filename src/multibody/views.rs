@@ -40,16 +40,21 @@ impl MechanismDynamics {
     /// Mass or moment of inertia of each coordinate, and the load on it at the last state.
     #[must_use]
     pub fn masses_and_loads(&self) -> (&[f64], &[f64]) {
-        (&self.model.mass, &self.forces)
+        let loads = if self.model.pins.is_empty() {
+            &self.forces
+        } else {
+            &self.pin_torques.loads
+        };
+        (&self.model.mass, loads)
     }
 
-    /// Force of each contact on its circle, of all sides together \[N\].
+    /// Force of each contact on its circle, of all sides, friction and film together \[N\].
     pub(crate) fn pushes(&self) -> impl Iterator<Item = Vec2> {
         let contacts = self.model.sides_of_contact.iter();
         contacts.map(|sides| {
             self.touches[sides.clone()]
                 .iter()
-                .map(|touch| touch.push)
+                .map(|touch| touch.push + touch.friction)
                 .sum()
         })
     }
@@ -80,6 +85,11 @@ impl MechanismDynamics {
             load[1] += y;
             load[2] += torque - (arm.x * y - arm.y * x);
         }
+        let pins = self.model.pins.iter().zip(&self.pin_torques.values);
+        load[2] += pins
+            .filter(|(pin, _)| pin.joint == joint)
+            .map(|(_, torque)| torque)
+            .sum::<f64>();
         load
     }
 
@@ -104,6 +114,11 @@ impl MechanismDynamics {
             let name = &self.model.contact_names[contact];
             format!(", contact {name:?} with {force:.1e} N")
         });
-        joint + &contact + &self.asked()
+        let locked = if self.pin_torques.locked {
+            ", where the friction of a revolute joint locks itself: its coefficient times its radius is too large for the distance to the next joint"
+        } else {
+            ""
+        };
+        joint + &contact + locked + &self.asked()
     }
 }

@@ -153,6 +153,7 @@ fn joint(object: &Bound<'_, PyAny>) -> PyResult<Joint> {
         a,
         b,
         kind,
+        friction: None,
     })
 }
 

@@ -7,7 +7,7 @@ use super::describe::{
 };
 use super::mechanism::{markers, pairs, text};
 use crate::geometry::Vec2;
-use crate::multibody::{ContactLaw, ContactPair, Piece, Profile};
+use crate::multibody::{ContactLaw, ContactPair, Piece, Profile, Tribology};
 
 fn points(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<Vec2>> {
     Ok(pairs(value, field)?
@@ -49,6 +49,7 @@ pub(super) fn contact(object: &Bound<'_, PyAny>) -> PyResult<ContactPair> {
         profile,
         radius: read.number("radius", "m")?,
         law: contact_law(&read.get("law")?)?,
+        tribology: Tribology::default(),
         name,
     })
 }

@@ -8,7 +8,7 @@ use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, StepControl};
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, ForceElement, ForceKind, Marker, Mechanism, MechanismModel,
-    Profile, Stabilisation, TimeFunction,
+    Profile, Stabilisation, TimeFunction, Tribology,
 };
 use rustchain::run::mechanism::MechanismSimulation;
 
@@ -49,6 +49,7 @@ fn ball(law: ContactLaw, height: f64) -> Mechanism {
             profile: Profile::polyline("floor", &floor, false).unwrap(),
             radius: 0.05,
             law,
+            tribology: Tribology::default(),
         }],
         ..Mechanism::default()
     }

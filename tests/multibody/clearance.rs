@@ -4,12 +4,12 @@ use crate::common;
 use std::sync::Arc;
 
 use crate::common::mechanisms::{CRANK, ROD, ground, record, simulation};
-use rustchain::force_law::{Damping, Elastic, ForceLaw, Regions};
+use rustchain::force_law::{Damping, Elastic, ForceLaw, Friction, LuGre, Regions, Regularization};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, StepControl};
 use rustchain::multibody::{
-    Body, ContactLaw, ContactPair, Joint, JointKind, Marker, Mechanism, MechanismModel, Motion,
-    Profile, Stabilisation, TimeFunction,
+    Body, ContactLaw, ContactPair, FrictionLaw, Joint, JointKind, Marker, Mechanism,
+    MechanismModel, Motion, Profile, Stabilisation, TimeFunction, Tribology,
 };
 use rustchain::run::mechanism::{MechanismRecording, MechanismSimulation};
 
@@ -38,6 +38,7 @@ fn machine(clearance: f64, elastic: Elastic) -> Mechanism {
                 length: 0.015,
                 min_approach_speed: 1e-3,
             },
+            tribology: Tribology::default(),
         }],
         ..ideal
     };
@@ -139,6 +140,49 @@ fn the_energy_balance_of_the_play_closes_with_every_law() {
             "{elastic:?} {worst:e} {last:?}"
         );
     }
+}
+
+#[test]
+fn the_energy_balance_of_the_play_closes_with_friction_in_the_bore() {
+    let turn = 60.0 / 5000.0;
+    let lugre = LuGre {
+        static_coefficient: 0.15,
+        kinetic_coefficient: 0.1,
+        stiffness: 1e5,
+        damping: 0.3,
+        viscous_coefficient: 0.0,
+        stribeck_speed: 1e-2,
+        stribeck_exponent: 2.0,
+    };
+    let coulomb = Friction {
+        coefficient: 0.1,
+        regularization: Regularization::Tanh,
+        speed: 1e-2,
+        dead_speed: 0.0,
+    };
+    let mut lost = vec![];
+    for friction in [
+        None,
+        Some(FrictionLaw::Coulomb(coulomb)),
+        Some(FrictionLaw::LuGre(lugre)),
+    ] {
+        let mut rubbing = machine(1e-4, Elastic::Hertz);
+        rubbing.contacts[0].tribology.friction = friction;
+        let mut machine = simulation(&rubbing, 1e-9);
+        let recording = record(&mut machine, turn, turn / 100.0);
+        let last = &recording.energy[recording.energy.len() - 6..];
+        let worst = recording.energy.chunks(6).map(|row| row[5].abs());
+        let worst = worst.fold(0.0, f64::max);
+        assert!(
+            worst < 1e-4 * last[3] && worst < 1e-4,
+            "{friction:?} {worst:e} {last:?}"
+        );
+        lost.push(last[3]);
+    }
+    assert!(
+        lost[1] > 1.5 * lost[0] && lost[2] > 1.5 * lost[0],
+        "{lost:?}"
+    );
 }
 
 #[test]

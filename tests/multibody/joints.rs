@@ -10,6 +10,7 @@ use rustchain::geometry::Vec2;
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, Curve, ForceElement, ForceKind, Joint, JointKind, Marker,
     Mechanism, MechanismModel, Motion, Profile, Spline, SpringLaw, Stabilisation, TimeFunction,
+    Tribology,
 };
 use rustchain::run::mechanism::MechanismSimulation;
 use std::sync::Arc;
@@ -583,6 +584,7 @@ fn a_ball_bounces_on_every_profile_as_high_as_it_fell() {
                     exponent: 1.5,
                     damping: 0.0,
                 },
+                tribology: Tribology::default(),
             }],
             ..Mechanism::default()
         };

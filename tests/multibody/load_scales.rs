@@ -5,7 +5,7 @@ use rustchain::force_law::ForceLaw;
 use rustchain::geometry::Vec2;
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism,
-    Motion, Profile, SpringLaw, TimeFunction,
+    Motion, Profile, SpringLaw, TimeFunction, Tribology,
 };
 
 fn warnings(mechanism: &Mechanism) -> Vec<String> {
@@ -212,6 +212,7 @@ fn contact_lengths_off_by_a_thousand_are_told() {
                 length,
                 min_approach_speed: 1e-3,
             },
+            tribology: Tribology::default(),
         });
         mechanism
     };

@@ -6,6 +6,7 @@
 mod common;
 
 mod clearance;
+mod friction;
 mod joints;
 mod large;
 mod load_scales;

@@ -6,7 +6,7 @@ use crate::common::mechanisms::{GRAVITY, control, ground, record, simulation};
 use rustchain::geometry::Vec2;
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, ForceElement, ForceKind, Marker, Mechanism, MechanismModel,
-    Piece, Profile, SpringLaw, Stabilisation,
+    Piece, Profile, SpringLaw, Stabilisation, Tribology,
 };
 use rustchain::run::mechanism::MechanismSimulation;
 
@@ -29,6 +29,7 @@ fn ball(profile: Profile, law: ContactLaw, position: (f64, f64)) -> Mechanism {
             profile,
             radius: RADIUS,
             law,
+            tribology: Tribology::default(),
         }],
         ..Mechanism::default()
     }

@@ -4,7 +4,7 @@ use crate::common::mechanisms::{bar_chain, four_bars, ground, record, simulation
 use rustchain::geometry::Vec2;
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, Curve, ForceElement, ForceKind, Joint, JointKind, Marker,
-    Mechanism, Motion, Profile, TimeFunction,
+    Mechanism, Motion, Profile, TimeFunction, Tribology,
 };
 
 fn warnings(mechanism: &Mechanism) -> Vec<String> {
@@ -25,6 +25,7 @@ fn with_play() -> Mechanism {
             stiffness: 1e7,
             damping: 10.0,
         },
+        tribology: Tribology::default(),
     });
     mechanism
 }

@@ -7,7 +7,7 @@ use crate::common::mechanisms::{bar, bar_chain, control, ground, record, revolut
 use rustchain::geometry::Vec2;
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism,
-    MechanismModel, Motion, Profile, SpringLaw, Stabilisation,
+    MechanismModel, Motion, Profile, SpringLaw, Stabilisation, Tribology,
 };
 use rustchain::run::mechanism::MechanismSimulation;
 
@@ -95,6 +95,7 @@ fn ball(points: &[(f64, f64)], height: f64, law: ContactLaw) -> Mechanism {
             profile: Profile::polyline("floor", &points, false).unwrap(),
             radius: 0.1,
             law,
+            tribology: Tribology::default(),
         }],
         ..Mechanism::default()
     }

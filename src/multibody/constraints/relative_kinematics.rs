@@ -20,11 +20,30 @@ pub(crate) struct Pair {
 }
 
 /// A force on b, its reaction on a at the same place, and how it changes with place and velocity of point b seen from a.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct PairForce {
     pub(crate) force: Vec2,
     pub(crate) by_place: Matrix2<f64>,
     pub(crate) by_velocity: Matrix2<f64>,
+}
+
+impl PairForce {
+    /// Adds another one between the same points.
+    pub(crate) fn add(&mut self, part: &Self) {
+        self.force += part.force;
+        self.by_place += part.by_place;
+        self.by_velocity += part.by_velocity;
+    }
+}
+
+/// How a torque on b, with its reaction on a, changes with place and velocity of point b and the angular velocity of b, all seen
+/// from a, and how the force beside it changes with that angular velocity.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PairTorque {
+    pub(crate) force_by_spin: Vec2,
+    pub(crate) by_place: Vec2,
+    pub(crate) by_velocity: Vec2,
+    pub(crate) by_spin: f64,
 }
 
 /// The coordinates that are angles.
@@ -123,6 +142,29 @@ impl Pair {
     /// ∂d/∂q for plain d, for joints.
     pub(crate) fn slope(&self, k: usize) -> Vec2 {
         self.plain_first(k)
+    }
+
+    /// The same of a torque beside a pair force that is seen from a.
+    pub(crate) fn add_torque(
+        &self,
+        torque: &PairTorque,
+        by_velocity: f64,
+        by_place: f64,
+        block: &mut Block,
+    ) {
+        // ∂ω/∂v of ω = v₅ - v₂.
+        let arm = [0.0, 0.0, -1.0, 0.0, 0.0, 1.0];
+        let first: [Vec2; 6] = std::array::from_fn(|k| self.first(k));
+        for l in 0..6 {
+            let turning: Vec2 = (0..6).map(|j| self.v[j] * self.second(j, l)).sum();
+            let with_velocity = torque.by_velocity.dot(&first[l]) + torque.by_spin * arm[l];
+            let with_place = torque.by_place.dot(&first[l]) + torque.by_velocity.dot(&turning);
+            let change = by_velocity * with_velocity + by_place * with_place;
+            let force = by_velocity * arm[l] * torque.force_by_spin;
+            for k in 0..6 {
+                block[k][l] += arm[k] * change + first[k].dot(&force);
+            }
+        }
     }
 
     /// Adds ∂Q/∂v · `by_velocity` + ∂Q/∂q · `by_place` of the generalised forces Q of a pair force.

@@ -8,12 +8,12 @@ use crate::multibody::constraints::relative_kinematics::PairForce;
 use crate::multibody::description::body::Frame;
 
 impl CompiledContact {
-    /// Shows `visit` how the force of each place that bears changes.
+    /// Shows `visit` how the force of each place that bears changes, and the side that it is on.
     pub(crate) fn slopes(
         &self,
         frames: &[Frame],
         memory: &[Memory],
-        mut visit: impl FnMut(&PairForce),
+        mut visit: impl FnMut(usize, &PairForce),
     ) {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let approach = self.approach(fa, fb);
@@ -37,13 +37,14 @@ impl CompiledContact {
             let across = bend * (Matrix2::identity() - n * n.transpose());
             // The bend of the weight itself is left out.
             let along = -stiffness * n - damping * (across * approach);
-            visit(&PairForce {
+            let slopes = PairForce {
                 force: w * force * n - energy * slope,
                 by_place: w * (n * along.transpose() + force * across)
                     + force * n * slope.transpose()
                     + elastic * slope * n.transpose(),
                 by_velocity: -w * damping * (n * n.transpose()),
-            });
+            };
+            visit(bearing.side, &slopes);
         });
     }
 }

@@ -3,12 +3,14 @@
 use super::impact_memory::{Memory, Touch};
 use super::outline::{Bearing, Outline, Place, is_tight};
 use crate::error::Result;
+use crate::force_law::HingeFilm;
 use crate::geometry::Contact;
 use crate::geometry::Vec2;
 use crate::multibody::description::body::{End, Frame};
 use crate::multibody::description::contact_law::Prepared;
 use crate::multibody::description::contact_pair::ContactPair;
 use crate::multibody::description::profile::{Curvature, Nearest, Profile, Tooth};
+use crate::multibody::description::tribology::FrictionLaw;
 use crate::multibody::forces::loads::Loads;
 
 /// A contact whose bodies are numbers, with the constants of each piece of its profile.
@@ -23,6 +25,8 @@ pub(crate) struct CompiledContact {
     /// Distance of the markers from which on they are apart; infinite for what has no outside.
     pub(crate) reach: f64,
     pairs: Vec<Prepared>,
+    pub(crate) friction: Option<FrictionLaw>,
+    pub(crate) film: Option<HingeFilm>,
 }
 
 impl CompiledContact {
@@ -51,6 +55,10 @@ impl CompiledContact {
             reach: pair.profile.reach() + pair.radius,
             profile: pair.profile.clone(),
             radius: pair.radius,
+            friction: pair.tribology.friction,
+            film: pair
+                .tribology
+                .film_of(&pair.profile, pair.radius, &pair.law),
         })
     }
 

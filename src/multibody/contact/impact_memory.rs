@@ -29,8 +29,10 @@ pub(crate) struct Touch {
     pub(crate) tooth: Option<Tooth>,
     /// Normal force \[N\].
     pub(crate) force: f64,
-    /// Force on the circle \[N\].
+    /// Normal force on the circle \[N\].
     pub(crate) push: Vec2,
+    /// Force on the circle by friction and film \[N\].
+    pub(crate) friction: Vec2,
 }
 
 impl Default for Touch {
@@ -46,6 +48,7 @@ impl Default for Touch {
             tooth: None,
             force: 0.0,
             push: Vec2::zeros(),
+            friction: Vec2::zeros(),
         }
     }
 }

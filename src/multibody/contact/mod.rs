@@ -1,9 +1,12 @@
 //! Contacts of circles with profiles: place, force, memory, longest safe step.
 
+pub(crate) mod bristles;
 pub(crate) mod contact_path;
 pub(crate) mod contact_slopes;
 pub(crate) mod contact_state;
 pub(crate) mod event_screening;
+pub(crate) mod film;
+pub(crate) mod friction;
 pub(crate) mod impact_memory;
 pub(crate) mod outline;
 pub(crate) mod step_bound;

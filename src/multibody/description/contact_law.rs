@@ -76,6 +76,14 @@ impl ContactLaw {
         }
     }
 
+    /// Length of contact \[m\], of a law that has one.
+    pub(crate) fn length(&self) -> Option<f64> {
+        match self {
+            Self::Surfaces { length, .. } => Some(*length),
+            Self::Linear { .. } | Self::HuntCrossley { .. } => None,
+        }
+    }
+
     /// Whether damping can take the whole force away while the surfaces are still pressed: what is stored then goes without a
     /// force, and only the sums of the energy balance tell.
     pub(crate) fn lets_go(&self) -> bool {

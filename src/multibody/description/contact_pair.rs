@@ -4,6 +4,7 @@
 use super::body::Marker;
 use super::contact_law::ContactLaw;
 use super::profile::Profile;
+use super::tribology::Tribology;
 use crate::error::{Error, Result, check};
 
 /// A circle that may touch a profile.
@@ -21,6 +22,8 @@ pub struct ContactPair {
     pub radius: f64,
     /// How hard they press.
     pub law: ContactLaw,
+    /// Friction and lubricant.
+    pub tribology: Tribology,
 }
 
 impl ContactPair {
@@ -55,6 +58,7 @@ impl ContactPair {
                 ),
             ));
         }
-        self.law.validate(&field)
+        self.law.validate(&field)?;
+        self.tribology.validate(&field, &self.profile, &self.law)
     }
 }

@@ -2,6 +2,7 @@
 
 use super::body::Marker;
 use super::driver::Motion;
+use super::tribology::PinFriction;
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
 
@@ -16,6 +17,8 @@ pub struct Joint {
     pub b: Marker,
     /// What it holds.
     pub kind: JointKind,
+    /// Friction of the pin of a revolute joint.
+    pub friction: Option<PinFriction>,
 }
 
 /// What a joint holds.
@@ -78,7 +81,15 @@ impl Joint {
             a,
             b,
             kind,
+            friction: None,
         }
+    }
+
+    /// The same revolute joint with friction of its pin.
+    #[must_use]
+    pub fn with_friction(mut self, friction: PinFriction) -> Self {
+        self.friction = Some(friction);
+        self
     }
 
     /// Checks every field.
@@ -98,6 +109,16 @@ impl Joint {
                 format!("{:?} twice", self.a.body),
                 "must be two different bodies",
             ));
+        }
+        if let Some(friction) = &self.friction {
+            if self.kind != JointKind::Revolute {
+                return Err(Error::invalid(
+                    field("friction"),
+                    "given",
+                    "must be none: only revolute joints have friction",
+                ));
+            }
+            friction.validate(&format!("joint {:?}", self.name))?;
         }
         match &self.kind {
             JointKind::Revolute | JointKind::Distance { length: None } => Ok(()),

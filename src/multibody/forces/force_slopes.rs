@@ -86,7 +86,7 @@ impl Force {
 }
 
 /// A slope of the torque on b by the angle or spin of b seen from a.
-fn add_twist(slope: f64, block: &mut Block) {
+pub(crate) fn add_twist(slope: f64, block: &mut Block) {
     for (k, sign) in [(2, -1.0), (5, 1.0)] {
         block[k][5] += sign * slope;
         block[k][2] -= sign * slope;

@@ -10,7 +10,9 @@ pub(crate) struct Loads {
     pub(crate) on: Vec<[f64; 3]>,
     /// Energy stored in springs and contacts \[J\].
     pub(crate) elastic: f64,
-    /// Power lost in dampers and contacts \[W\].
+    /// Energy stored in bristles \[J\].
+    pub(crate) bristles: f64,
+    /// Power lost in dampers and contacts, with the work that bristles store \[W\].
     pub(crate) dissipated: f64,
     /// Power of applied forces \[W\].
     pub(crate) worked_in: f64,
@@ -27,7 +29,8 @@ impl Loads {
     /// Begins with nothing.
     pub(crate) fn clear(&mut self) {
         self.on.fill([0.0; 3]);
-        (self.elastic, self.dissipated, self.worked_in) = (0.0, 0.0, 0.0);
+        (self.elastic, self.bristles) = (0.0, 0.0);
+        (self.dissipated, self.worked_in) = (0.0, 0.0);
     }
 
     /// A force on a body at a place of the ground's frame.

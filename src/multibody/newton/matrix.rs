@@ -9,19 +9,29 @@
 //!
 //! for a residual r of the velocities: all derivatives are exact but those of callables and of how a place of contact fades.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVectorViewMut, Dyn, LU};
 
 use super::sparse_system::{PairPlaces, Pattern, RowPlaces, Saddle};
-use crate::integrator::SecondOrderSystem;
+use crate::integrator::{SPEED_PER_LENGTH, SecondOrderSystem};
 use crate::multibody::constraints::kkt::Constrained;
-use crate::multibody::constraints::relative_kinematics::{Block, Pair};
+use crate::multibody::constraints::relative_kinematics::{Block, Pair, PairForce, PairTorque};
+use crate::multibody::contact::contact_state::CompiledContact;
+use crate::multibody::contact::impact_memory::Touch;
+use crate::multibody::description::tribology::FrictionLaw;
 use crate::multibody::dynamics::{MechanismDynamics, Stabilisation};
+use crate::multibody::forces::force_slopes::add_twist;
 
 /// Change of a velocity that differences are taken over \[m/s\]; of an angular one over its arm.
 const CHANGE: f64 = 1e-6;
 
 /// Softness of a constraint beside what it holds: far below rounding of the iteration, above that of the factors.
 const SOFT: f64 = 1e-11;
+
+/// Deflection at break-away of bristles whose error weighs as that of a length \[m\]: at an accuracy of 1e-10 m a thousandth of
+/// it is allowed, as in chain drives. What they get wrong is a share of a force, and not a place.
+const WHOLE_DEFLECTION: f64 = 1e-7;
 
 /// Near singular positions, where accelerations come from both sides, the matrix is made of differences up to so many coordinates.
 const MOST_BY_DIFFERENCES: usize = 150;
@@ -110,17 +120,24 @@ impl MechanismDynamics {
         }
         let contacts = model.contacts.iter().zip(&model.sides_of_contact);
         for ((contact, sides), places) in contacts.zip(&matrix.contacts) {
-            if (self.touches[sides.clone()].iter()).all(|touch| touch.contact.penetration <= 0.0) {
+            let touches = &self.touches[sides.clone()];
+            let apart = |touch: &Touch| touch.contact.penetration <= 0.0;
+            if contact.film.is_none() && touches.iter().all(apart) {
                 continue;
             }
             let pair = Pair::new(contact.a, contact.b, &self.frames, true);
             let mut block = Block::default();
-            contact.slopes(&self.frames, &self.memory[sides.clone()], |force| {
+            contact.slopes(&self.frames, &self.memory[sides.clone()], |_, force| {
                 pair.add(force, by_velocity, by_place, &mut block);
+            });
+            self.tangential_slopes(contact, sides, |force, torque| {
+                pair.add(force, by_velocity, by_place, &mut block);
+                pair.add_torque(torque, by_velocity, by_place, &mut block);
             });
             matrix.saddle.add_pair(places, &block);
         }
         self.linearise_joints(matrix, gamma);
+        self.linearise_pins(matrix, gamma);
         matrix.saddle.factorise()
     }
 
@@ -164,6 +181,48 @@ impl MechanismDynamics {
         }
     }
 
+    /// Shows `visit` how friction of each side of a contact and its film change.
+    fn tangential_slopes(
+        &self,
+        contact: &CompiledContact,
+        sides: &Range<usize>,
+        mut visit: impl FnMut(&PairForce, &PairTorque),
+    ) {
+        if let Some(law) = &contact.friction {
+            let memory = &self.memory[sides.clone()];
+            for k in sides.clone().filter(|&k| self.touches[k].force > 0.0) {
+                let mut push = PairForce::default();
+                contact.slopes(&self.frames, memory, |side, part| {
+                    if sides.start + side == k {
+                        push.add(part);
+                    }
+                });
+                let bent = self.model.bristle_of_side[k].map(|i| self.bristles.bent(i));
+                let (force, torque) = contact.friction_slopes(law, &self.frames, &push, bent);
+                visit(&force, &torque);
+            }
+        }
+        if let Some(film) = &contact.film {
+            let (force, torque) = contact.film_slopes(film, &self.frames);
+            visit(&force, &torque);
+        }
+    }
+
+    /// The friction of pins: with the angular velocity, and with the multipliers, whose corrections are γ times as large.
+    fn linearise_pins(&self, matrix: &mut ImplicitMatrix, gamma: f64) {
+        for pin in &self.model.pins {
+            let torque = pin.torque(&self.frames, &self.multipliers);
+            let mut block = Block::default();
+            add_twist(-gamma * torque.by_spin, &mut block);
+            matrix.saddle.add_pair(&matrix.joints[pin.row].0, &block);
+            for (i, slope) in torque.by_multiplier.into_iter().enumerate() {
+                let places = &matrix.joints[pin.row + i].1;
+                let down = [[0.0, 0.0, slope], [0.0, 0.0, -slope], [0.0; 3]];
+                matrix.saddle.add_row(places, &down, &[[0.0; 3]; 3]);
+            }
+        }
+    }
+
     /// Accelerations of two bodies.
     fn pair_accelerations(&self, bodies: [usize; 2]) -> [f64; 6] {
         let mut found = [0.0; 6];
@@ -180,7 +239,8 @@ impl MechanismDynamics {
         let n = self.model.coordinates();
         let mut lengths = vec![1.0; n];
         self.lengths(&mut lengths);
-        let mut state = y[..2 * n].to_vec();
+        let mut state = vec![0.0; 2 * n];
+        self.read(y, &mut state);
         self.add_shift(self.time, &mut state);
         let mut matrix = DMatrix::identity(n, n);
         for i in 0..n {
@@ -204,15 +264,35 @@ impl MechanismDynamics {
     /// Overwrites a residual of velocities by the correction of the dense matrix by differences at `y`, where the derivative
     /// was just evaluated; false when the matrix is singular. What the sparse matrix is held against.
     pub fn correct_by_differences(&mut self, y: &[f64], gamma: f64, residual: &mut [f64]) -> bool {
-        let n = residual.len();
+        let n = self.model.coordinates();
         let matrix = self.matrix_by_differences(y, gamma);
-        matrix.solve_mut(&mut DVectorViewMut::from_slice(residual, n))
+        residual[n..].fill(0.0);
+        matrix.solve_mut(&mut DVectorViewMut::from_slice(&mut residual[..n], n))
     }
 }
 
 impl SecondOrderSystem for MechanismDynamics {
     fn coordinates(&self) -> usize {
-        self.model.coordinates()
+        self.model.unknowns()
+    }
+
+    fn solves_for(&self) -> Range<usize> {
+        self.model.coordinates()..self.model.unknowns()
+    }
+
+    fn look_ahead(&mut self, step: Option<(&[f64], f64)>) {
+        self.bristles.look_ahead(step);
+    }
+
+    fn write_solved(&self, velocities: &mut [f64]) {
+        velocities.copy_from_slice(&self.bristles.deflection);
+    }
+
+    fn rings(&self) -> bool {
+        self.model
+            .contacts
+            .iter()
+            .any(|contact| contact.film.is_some())
     }
 
     fn factorise(&mut self, y: &[f64], gamma: f64) -> bool {
@@ -239,7 +319,10 @@ impl SecondOrderSystem for MechanismDynamics {
     }
 
     fn correct(&mut self, residual: &mut [f64]) {
-        let n = residual.len();
+        let n = self.model.coordinates();
+        // Evaluations have solved for the bristles.
+        let (residual, bristles) = residual.split_at_mut(n);
+        bristles.fill(0.0);
         let Some(matrix) = &mut self.corrector else {
             return;
         };
@@ -267,6 +350,15 @@ impl SecondOrderSystem for MechanismDynamics {
     }
 
     fn scale(&self, lengths: &mut [f64]) {
-        self.lengths(lengths);
+        let (bodies, bristles) = lengths.split_at_mut(self.model.coordinates());
+        self.lengths(bodies);
+        let contacts = self.model.contacts.iter().zip(&self.model.sides_of_contact);
+        for (contact, sides) in contacts {
+            if let Some(FrictionLaw::LuGre(law)) = &contact.friction {
+                for bristle in self.model.bristle_of_side[sides.clone()].iter().flatten() {
+                    bristles[*bristle] = SPEED_PER_LENGTH * WHOLE_DEFLECTION / law.breakaway();
+                }
+            }
+        }
     }
 }

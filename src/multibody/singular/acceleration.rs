@@ -110,15 +110,7 @@ impl MechanismDynamics {
         // With the velocities just projected, the right-hand sides are those of this place.
         self.find_rows(t);
         self.factorise_whole();
-        let Some(kkt) = &mut self.kkt else {
-            return false;
-        };
-        kkt.solve(
-            &self.forces,
-            &self.rows,
-            &mut self.accelerations,
-            &mut self.multipliers,
-        )
+        self.solve_constrained()
     }
 }
 

@@ -111,7 +111,7 @@ impl MechanismSimulation {
         let (shift, since) = (&self.dynamics.shift, t - self.dynamics.shift_time);
         let value = |i: usize| {
             let grown = if i < n { since * shift[n + i] } else { 0.0 };
-            dense.value(i) + shift[i] + grown
+            dense.value(model.component(i)) + shift[i] + grown
         };
         let frame = |body: usize| match model.first[body] {
             None => self.dynamics.frames[body],

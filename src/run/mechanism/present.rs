@@ -3,6 +3,7 @@
 use super::recording::MechanismRecording;
 use super::simulation::{ITERATIONS, MechanismSimulation};
 use crate::error::{Error, Result};
+use crate::integrator::OdeSystem;
 use crate::multibody::assembly::projection::AtHand;
 use crate::multibody::contact::impact_memory::Memory;
 use crate::multibody::description::body::{Body, Frame};
@@ -80,6 +81,7 @@ impl MechanismSimulation {
         }
         if positions.is_some() {
             dynamics.memory.fill(Memory::default());
+            dynamics.bristles.deflection.fill(0.0);
         }
         let time = time.unwrap_or(self.now);
         dynamics.evaluate(time, &state);
@@ -89,11 +91,13 @@ impl MechanismSimulation {
     /// Reads the state at `t` inside the last step: the dense output and the part of the shift that belongs there.
     pub(crate) fn read(&mut self, t: f64) {
         let end = self.adams.time();
+        self.inside.resize(self.dynamics.dimension(), 0.0);
         if t == end {
             self.inside.copy_from_slice(self.adams.y());
         } else {
             self.adams.interpolate(t, &mut self.inside);
         }
+        self.dynamics.take_bristles(&mut self.inside);
         let part = part_of_step(self.step_start, end, t);
         let n = self.dynamics.model.coordinates();
         let (length, since) = (end - self.step_start, t - self.step_start);

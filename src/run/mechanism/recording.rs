@@ -61,7 +61,7 @@ impl MechanismRecording {
         self.balance.take_in(Energy {
             kinetic,
             gravity,
-            elastic: dynamics.loads.elastic,
+            elastic: dynamics.loads.elastic + dynamics.loads.bristles,
         });
         self.joints.arrive(joint_forces(dynamics));
         self.contacts.arrive(contact_forces(dynamics));
@@ -151,7 +151,9 @@ impl MechanismRecording {
             [&mut self.peak_contact_force, &mut self.peak_contact_impulse],
         );
         let (kinetic, gravity) = dynamics.energy();
-        let elastic = dynamics.loads.elastic;
+        let elastic = dynamics.loads.elastic + dynamics.loads.bristles;
+        // Friction's work is what is lost and what bristles store.
+        let sums = [sums[0] - dynamics.loads.bristles, sums[1]];
         let total = kinetic + gravity + elastic;
         let [dissipated, worked_in, start] =
             *self.reference.get_or_insert([sums[0], sums[1], total]);

@@ -77,7 +77,7 @@ impl MechanismSimulation {
         control.validate()?;
         let mut dynamics = MechanismDynamics::new(model, stabilisation);
         let assembly = dynamics.assemble_unless(give_up)?;
-        let mut y = assembly.state.clone();
+        let mut y = dynamics.with_bristles(&assembly.state);
         y.extend([0.0, 0.0]);
         let mut adams = Adams::new(dynamics.dimension(), control);
         adams.restart(0.0, &y);
@@ -243,10 +243,9 @@ impl MechanismSimulation {
         let step = self.adams.step_second_order(&mut self.dynamics);
         let step = step.map_err(|failure| {
             let model = Arc::clone(self.dynamics.model());
-            let n = model.coordinates();
             failure.into_error(|_, component| {
-                let body = &model.bodies[model.body_of(component % n)].name;
-                format!("body {body:?}{}", self.dynamics.hardest_pressed())
+                let part = model.owner_of(component % model.unknowns());
+                format!("{part}{}", self.dynamics.hardest_pressed())
             })
         })?;
         self.step_start = step.start;
@@ -254,12 +253,29 @@ impl MechanismSimulation {
             self.recording.arrive(&self.dynamics);
         }
         self.find_onsets(step.start, step.end);
+        self.unbend_parted();
         if self.dynamics.stabilisation == Stabilisation::Projection {
             self.project(step.end, at_hand)?;
         }
         // Twice the step that would be next: whether it is near to its limit is asked for, too.
         self.begin_step(step.end, 2.0 * self.adams.step_size());
         Ok(())
+    }
+
+    /// Unbends the bristles of contacts that came apart: they begin anew with the next contact. They bear nothing, and their past
+    /// becomes one in which they were never bent, so that the integrator goes on.
+    fn unbend_parted(&mut self) {
+        if self.dynamics.model.bristles == 0 {
+            return;
+        }
+        let (first, unknowns) = (
+            self.dynamics.model.coordinates(),
+            self.dynamics.model.unknowns(),
+        );
+        for bristle in self.dynamics.parted_bristles() {
+            self.adams.put_to_rest(first + bristle);
+            self.adams.put_to_rest(unknowns + first + bristle);
+        }
     }
 
     /// Bounds the next step by what is near where everything was evaluated last; a bound above `within` is none.
@@ -290,14 +306,15 @@ impl MechanismSimulation {
         let n = self.dynamics.shift.len();
         let state = &mut self.inside[..n];
         let solution = self.adams.y();
-        state.copy_from_slice(&solution[..n]);
+        self.dynamics.read(solution, state);
         self.dynamics.add_shift(t, state);
         if !self.dynamics.project(t, state, ITERATIONS, at_hand) {
             let residuals = self.dynamics.what_misses();
             return Err(Error::JointsApart { time: t, residuals });
         }
-        for ((shift, x), y) in self.dynamics.shift.iter_mut().zip(state).zip(solution) {
-            *shift = *x - y;
+        let dynamics = &mut self.dynamics;
+        for (i, (shift, x)) in dynamics.shift.iter_mut().zip(state).enumerate() {
+            *shift = *x - solution[dynamics.model.component(i)];
         }
         self.dynamics.shift_time = t;
         Ok(())

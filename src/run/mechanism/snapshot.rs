@@ -149,7 +149,7 @@ impl MechanismSimulation {
 
 /// Hash over all that a run of `model` depends on: debug text has every bit of its numbers.
 fn fingerprint(model: &MechanismModel) -> u64 {
-    let bodies = (&model.bodies, &model.gravity, &model.equations);
+    let bodies = (&model.bodies, &model.gravity, &model.equations, &model.pins);
     hash(format!("{:?}", (bodies, &model.forces, &model.contacts)).as_bytes())
 }
 

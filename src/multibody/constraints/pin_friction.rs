@@ -1,0 +1,154 @@
+//! Friction torque in the pins of ideal revolute joints: τ = -μ r |R| h(r ω) on body b, R being the joint's reaction.
+//!
+//! The reaction depends on the torque through the equations of motion, which are linear in it. So both are found by a fixed-point
+//! iteration over right-hand sides, with the factors of the constraints at hand, from no torque on: an evaluation depends on its
+//! state alone. It converges by a factor of about μ r over the distance to the next joint each time; where that is above one the
+//! pin locks itself, whatever turns it, and there is no solution.
+
+use super::equation::Equation;
+use crate::force_law::Friction;
+use crate::multibody::description::body::Frame;
+use crate::multibody::description::tribology::PinFriction;
+use crate::multibody::dynamics::MechanismDynamics;
+
+/// Part of the largest torque by which torques may change in the last iteration: a few units of rounding, for the accelerations
+/// are differentiated by the error test.
+const CONVERGED: f64 = 1e-14;
+
+/// Iterations after which a pin counts as locked: a factor of 0.7 each is enough. Twice as many would do for 0.84.
+const MOST_ITERATIONS: usize = 90;
+
+/// A revolute joint with friction.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pin {
+    pub(crate) joint: usize,
+    /// The first of its two equations.
+    pub(crate) row: usize,
+    bodies: [usize; 2],
+    radius: f64,
+    law: Friction,
+}
+
+/// The torque of a pin on body b, and its slopes.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct PinTorque {
+    pub(crate) value: f64,
+    /// With the angular velocity of b seen from a \[N m s\].
+    pub(crate) by_spin: f64,
+    /// With both multipliers \[m\].
+    pub(crate) by_multiplier: [f64; 2],
+}
+
+/// Friction of all pins at the last evaluation.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct PinTorques {
+    /// Torque of each pin on its body b \[N m\].
+    pub(crate) values: Vec<f64>,
+    /// Loads of the free coordinates with these torques.
+    pub(crate) loads: Vec<f64>,
+    /// Whether the last iteration from a sound state did not end.
+    pub(crate) locked: bool,
+}
+
+impl PinTorques {
+    pub(crate) fn new(pins: usize, coordinates: usize) -> Self {
+        Self {
+            values: vec![0.0; pins],
+            loads: vec![0.0; if pins > 0 { coordinates } else { 0 }],
+            locked: false,
+        }
+    }
+}
+
+impl Pin {
+    pub(crate) fn new(
+        joint: usize,
+        friction: PinFriction,
+        row: usize,
+        equations: &[Equation],
+    ) -> Self {
+        Self {
+            joint,
+            row,
+            bodies: [equations[row].a.body, equations[row].b.body],
+            radius: friction.radius,
+            law: friction.law,
+        }
+    }
+
+    /// Angular velocity of b seen from a \[rad/s\].
+    fn spin(&self, frames: &[Frame]) -> f64 {
+        frames[self.bodies[1]].spin - frames[self.bodies[0]].spin
+    }
+
+    /// The torque at these multipliers.
+    pub(crate) fn torque(&self, frames: &[Frame], multipliers: &[f64]) -> PinTorque {
+        let [x, y] = [multipliers[self.row], multipliers[self.row + 1]];
+        let force = x.hypot(y);
+        let (share, slope) = self.law.share(self.radius * self.spin(frames));
+        let arm = self.law.coefficient * self.radius;
+        let by_force = -arm * share;
+        let along = if force > 0.0 { by_force / force } else { 0.0 };
+        PinTorque {
+            value: by_force * force,
+            by_spin: -arm * force * slope * self.radius,
+            by_multiplier: [along * x, along * y],
+        }
+    }
+}
+
+impl MechanismDynamics {
+    /// Accelerations and multipliers by the factors and the loads at hand, with the friction of pins; false when a motion has no
+    /// mass or a pin locks itself.
+    pub(crate) fn solve_constrained(&mut self) -> bool {
+        let Some(kkt) = &mut self.kkt else {
+            return false;
+        };
+        let (a, multipliers) = (&mut self.accelerations, &mut self.multipliers);
+        let pins = &self.model.pins;
+        if pins.is_empty() {
+            return kkt.solve(&self.forces, &self.rows, a, multipliers);
+        }
+        let torques = &mut self.pin_torques;
+        torques.values.fill(0.0);
+        for _ in 0..MOST_ITERATIONS {
+            torques.loads.copy_from_slice(&self.forces);
+            for (pin, torque) in pins.iter().zip(&torques.values) {
+                for (body, sign) in pin.bodies.iter().zip([-1.0, 1.0]) {
+                    if let Some(first) = self.model.first[*body] {
+                        torques.loads[first + 2] += sign * torque;
+                    }
+                }
+            }
+            if !kkt.solve(&torques.loads, &self.rows, a, multipliers) {
+                return false;
+            }
+            let (mut change, mut largest) = (0.0, 0.0);
+            for (pin, torque) in pins.iter().zip(&mut torques.values) {
+                let found = pin.torque(&self.frames, multipliers).value;
+                change = f64::max(change, (found - *torque).abs());
+                largest = if found.is_nan() { found } else { f64::max(largest, found.abs()) };
+                *torque = found;
+            }
+            if !largest.is_finite() {
+                return false;
+            }
+            if change <= CONVERGED * largest {
+                torques.locked = false;
+                return true;
+            }
+        }
+        torques.locked = true;
+        false
+    }
+
+    /// Power that the friction of pins takes at the multipliers of the last evaluation \[W\].
+    pub(crate) fn pin_losses(&mut self) -> f64 {
+        let pins = self.model.pins.iter().zip(&mut self.pin_torques.values);
+        let losses = pins.map(|(pin, torque)| {
+            *torque = pin.torque(&self.frames, &self.multipliers).value;
+            -*torque * pin.spin(&self.frames)
+        });
+        losses.sum()
+    }
+}

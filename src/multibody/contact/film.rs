@@ -1,0 +1,119 @@
+//! Lubricant film of a clearance joint.
+//!
+//! The film's frame turns with the mean of both angular velocities: of the pin's velocity v as seen from the bore's body only
+//! u = v - ½ ω × d counts, d being the eccentricity and ω the angular velocity of the pin seen from the bore. Force and reaction
+//! act half-way between the two centres: about the pin's centre that is a torque of -½ |d| `F_t` on the pin, beside the shear -S ω.
+
+use nalgebra::Matrix2;
+
+use super::contact_state::CompiledContact;
+use super::impact_memory::Touch;
+use crate::force_law::HingeFilm;
+use crate::geometry::{Vec2, turned_left};
+use crate::multibody::constraints::relative_kinematics::{PairForce, PairTorque};
+use crate::multibody::description::body::Frame;
+use crate::multibody::forces::loads::Loads;
+
+/// Eccentricity over clearance below which its direction is lost in rounding: slopes are those at this one.
+const LEAST_RATIO: f64 = 1e-7;
+
+/// The state of a film.
+struct Wet {
+    /// Along the eccentricity, and left of it.
+    axes: [Vec2; 2],
+    /// |d| \[m\].
+    eccentricity: f64,
+    /// v along both axes \[m/s\].
+    velocity: [f64; 2],
+    /// ω \[rad/s\].
+    spin: f64,
+}
+
+impl Wet {
+    /// u along both axes.
+    fn seen(&self) -> [f64; 2] {
+        let [along, across] = self.velocity;
+        [along, across - 0.5 * self.spin * self.eccentricity]
+    }
+}
+
+impl CompiledContact {
+    fn wet(&self, fa: &Frame, fb: &Frame) -> Wet {
+        let d = fb.place(self.b.point) - fa.place(self.a.point);
+        let eccentricity = d.norm();
+        // In the middle any direction will do.
+        let along = if eccentricity > 0.0 {
+            d / eccentricity
+        } else {
+            Vec2::new(1.0, 0.0)
+        };
+        let axes = [along, turned_left(along)];
+        let approach = self.approach(fa, fb);
+        Wet {
+            axes,
+            eccentricity,
+            velocity: axes.map(|axis| axis.dot(&approach)),
+            spin: fb.spin - fa.spin,
+        }
+    }
+
+    /// Adds the load of the film and what it dissipates.
+    pub(crate) fn add_film(
+        &self,
+        film: &HingeFilm,
+        frames: &[Frame],
+        loads: &mut Loads,
+        touch: &mut Touch,
+    ) {
+        let wet = self.wet(&frames[self.a.body], &frames[self.b.body]);
+        let seen = wet.seen();
+        let found = film.at(wet.eccentricity, seen);
+        let [push, drag] = found.force;
+        let force = push * wet.axes[0] + drag * wet.axes[1];
+        let shear = found.shear * wet.spin;
+        self.add_wrench(frames, force, -0.5 * wet.eccentricity * drag - shear, loads);
+        touch.friction += force;
+        loads.dissipated += shear * wet.spin - (push * seen[0] + drag * seen[1]);
+    }
+
+    /// How the load of the film changes.
+    pub(crate) fn film_slopes(
+        &self,
+        film: &HingeFilm,
+        frames: &[Frame],
+    ) -> (PairForce, PairTorque) {
+        let wet = self.wet(&frames[self.a.body], &frames[self.b.body]);
+        let [x, y] = wet.axes;
+        let length = wet.eccentricity.max(LEAST_RATIO * film.clearance);
+        let (found, slopes) = film.slopes(wet.eccentricity, wet.seen());
+        let [push, drag] = found.force;
+        // Changes of |d|, u_r and u_t with the place of the pin, as covectors.
+        let [along, across] = wet.velocity;
+        let turn = y / length;
+        let by_place = [x, across * turn, -along * turn - 0.5 * wet.spin * x];
+        let chain = |row: [f64; 3]| {
+            let by_place: Vec2 = (0..3).map(|i| row[i] * by_place[i]).sum();
+            let by_velocity = row[1] * x + row[2] * y;
+            let by_spin = -0.5 * wet.eccentricity * row[2];
+            (by_place, by_velocity, by_spin)
+        };
+        let [
+            (push_place, push_velocity, push_spin),
+            (drag_place, drag_velocity, drag_spin),
+        ] = slopes.force.map(chain);
+        let turned: Matrix2<f64> = (push * y - drag * x) * turn.transpose();
+        let half = 0.5 * wet.eccentricity;
+        let force = PairForce {
+            force: push * x + drag * y,
+            by_place: x * push_place.transpose() + y * drag_place.transpose() + turned,
+            by_velocity: x * push_velocity.transpose() + y * drag_velocity.transpose(),
+        };
+        let torque = PairTorque {
+            force_by_spin: push_spin * x + drag_spin * y,
+            by_place: -half * drag_place - (0.5 * drag + wet.spin * slopes.shear) * x,
+            by_velocity: -half * drag_velocity,
+            by_spin: -half * drag_spin - found.shear,
+        };
+        (force, torque)
+    }
+}
