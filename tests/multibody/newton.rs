@@ -381,7 +381,7 @@ fn the_sparse_matrix_has_friction_films_and_pins_as_differences_do() {
     for (name, mechanism) in rubbing() {
         let mut dynamics = dynamics(&mechanism);
         let n = dynamics.coordinates();
-        let bristles = dynamics.solves_for().len();
+        let bristles = dynamics.local_unknowns().len();
         assert_eq!(bristles > 0, name.starts_with("LuGre"), "{name}");
         for gamma in [0.3, 0.01] {
             for _ in 0..10 {
@@ -391,7 +391,7 @@ fn the_sparse_matrix_has_friction_films_and_pins_as_differences_do() {
                 }
                 y.extend([0.0, 0.0]);
                 let foretold: Vec<f64> = (0..bristles).map(|_| 0.1 * random.next()).collect();
-                dynamics.look_ahead((bristles > 0).then_some((&foretold, gamma)));
+                dynamics.begin_implicit_stage((bristles > 0).then_some((&foretold, gamma)));
                 let apart = difference(&mut dynamics, &y, gamma, &mut random);
                 assert!(apart < 2e-6, "{name}, {gamma}: {apart:e}");
             }

@@ -123,14 +123,15 @@ impl MechanismDynamics {
             if !kkt.solve(&torques.loads, &self.rows, a, multipliers) {
                 return false;
             }
-            let (mut change, mut largest) = (0.0, 0.0);
+            let (mut change, mut largest, mut finite) = (0.0, 0.0, true);
             for (pin, torque) in pins.iter().zip(&mut torques.values) {
                 let found = pin.torque(&self.frames, multipliers).value;
                 change = f64::max(change, (found - *torque).abs());
-                largest = if found.is_nan() { found } else { f64::max(largest, found.abs()) };
+                largest = f64::max(largest, found.abs());
+                finite &= found.is_finite();
                 *torque = found;
             }
-            if !largest.is_finite() {
+            if !finite {
                 return false;
             }
             if change <= CONVERGED * largest {

@@ -56,7 +56,7 @@ impl Bristles {
     }
 
     /// Begins an implicit step, or ends it.
-    pub(crate) fn look_ahead(&mut self, step: Option<(&[f64], f64)>) {
+    pub(crate) fn begin_implicit_stage(&mut self, step: Option<(&[f64], f64)>) {
         self.gamma = step.map(|(_, gamma)| gamma);
         if let Some((foretold, _)) = step {
             self.foretold.copy_from_slice(foretold);

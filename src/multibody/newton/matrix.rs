@@ -276,19 +276,19 @@ impl SecondOrderSystem for MechanismDynamics {
         self.model.unknowns()
     }
 
-    fn solves_for(&self) -> Range<usize> {
+    fn local_unknowns(&self) -> Range<usize> {
         self.model.coordinates()..self.model.unknowns()
     }
 
-    fn look_ahead(&mut self, step: Option<(&[f64], f64)>) {
-        self.bristles.look_ahead(step);
+    fn begin_implicit_stage(&mut self, step: Option<(&[f64], f64)>) {
+        self.bristles.begin_implicit_stage(step);
     }
 
-    fn write_solved(&self, velocities: &mut [f64]) {
+    fn write_local_solution(&self, velocities: &mut [f64]) {
         velocities.copy_from_slice(&self.bristles.deflection);
     }
 
-    fn rings(&self) -> bool {
+    fn oscillates_at_order_two(&self) -> bool {
         self.model
             .contacts
             .iter()

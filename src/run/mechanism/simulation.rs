@@ -273,8 +273,8 @@ impl MechanismSimulation {
             self.dynamics.model.unknowns(),
         );
         for bristle in self.dynamics.parted_bristles() {
-            self.adams.put_to_rest(first + bristle);
-            self.adams.put_to_rest(unknowns + first + bristle);
+            self.adams.reset_component(first + bristle);
+            self.adams.reset_component(unknowns + first + bristle);
         }
     }
 
