@@ -2,13 +2,13 @@
 
 use pyo3::prelude::*;
 
-use super::describe::{Reader, checked, number, refuse, truth};
+use super::describe::{Reader, checked, friction, number, refuse, truth};
 use super::errors::InvalidInput;
 use super::mechanism_callable::{Raised, custom};
 use super::mechanism_contact::contact;
 use crate::multibody::{
-    Body, Curve, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, Motion, Spline,
-    SpringLaw, TimeFunction,
+    Body, Curve, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, Motion, PinFriction,
+    Spline, SpringLaw, TimeFunction,
 };
 
 /// Reads a `Mechanism`; callables leave what they raise in `raised`.
@@ -153,8 +153,26 @@ fn joint(object: &Bound<'_, PyAny>) -> PyResult<Joint> {
         a,
         b,
         kind,
-        friction: None,
+        friction: pin_friction(&read)?,
     })
+}
+
+fn pin_friction(read: &Reader<'_, '_>) -> PyResult<Option<PinFriction>> {
+    let law = read.get("friction")?;
+    let radius = optional(&read.get("radius")?, "radius", "m")?;
+    match (law.is_none(), radius) {
+        (true, None) => Ok(None),
+        (false, Some(radius)) => Ok(Some(PinFriction {
+            radius,
+            law: friction(&law, "friction")?,
+        })),
+        (true, Some(radius)) => Err(InvalidInput::new_err(format!(
+            "radius = {radius} m: is of a pin with friction; give friction, a Coulomb, too, or leave it out"
+        ))),
+        (false, None) => Err(InvalidInput::new_err(
+            "radius = None: friction of a pin needs its radius [m]: give radius, too",
+        )),
+    }
 }
 
 fn motion(read: &Reader<'_, '_>) -> PyResult<Motion> {

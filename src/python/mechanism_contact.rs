@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 
 use super::describe::{
-    Reader, chain, checked, force_law, material, number, refuse, sprocket, truth,
+    Reader, chain, checked, law_and_friction, material, number, refuse, sprocket, tribology, truth,
 };
 use super::mechanism::{markers, pairs, text};
 use crate::geometry::Vec2;
@@ -43,13 +43,14 @@ pub(super) fn contact(object: &Bound<'_, PyAny>) -> PyResult<ContactPair> {
             closed: closed()?,
         },
     };
+    let law = read.get("law")?;
     Ok(ContactPair {
         a,
         b,
         profile,
         radius: read.number("radius", "m")?,
-        law: contact_law(&read.get("law")?)?,
-        tribology: Tribology::default(),
+        law: contact_law(&law)?,
+        tribology: surfaces(&law)?,
         name,
     })
 }
@@ -68,6 +69,21 @@ fn arcs(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<Piece>> {
             convex: convex > 0.0,
         })
         .collect())
+}
+
+/// Friction and film of a contact law, or of the law of cylinders in it; a film has the length of contact where it has none.
+fn surfaces(object: &Bound<'_, PyAny>) -> PyResult<Tribology> {
+    if let Ok(law) = object.getattr("law") {
+        return tribology(&law);
+    }
+    let mut found = tribology(object)?;
+    if let (Some(film), Ok(length)) = (&mut found.film, object.getattr("length"))
+        && film.length.is_none()
+        && !length.is_none()
+    {
+        film.length = Some(number(&length, "length", "m")?);
+    }
+    Ok(found)
 }
 
 fn contact_law(object: &Bound<'_, PyAny>) -> PyResult<ContactLaw> {
@@ -91,7 +107,7 @@ fn contact_law(object: &Bound<'_, PyAny>) -> PyResult<ContactLaw> {
             let material = material(&read.get("material")?, "material")?;
             checked(object.py(), material.validate())?;
             ContactLaw::Surfaces {
-                law: force_law(&read.get("law")?, "law")?,
+                law: law_and_friction(&read.get("law")?, "law")?.0,
                 contact_modulus: material.contact_modulus(),
                 restitution: material.restitution,
                 length: read.number("length", "m")?,

@@ -137,12 +137,6 @@ def test_a_sweep_has_friction_as_a_parameter():
             ),
             "friction.*only chain *drives with clearance hinges",
         ),
-        (
-            lambda: rc.Simulation(
-                replace(rc.paper_drive(25.0), hinges="ideal"), tooth_friction=rc.Coulomb(0.1)
-            ),
-            "friction.*only chain *drives with clearance hinges",
-        ),
     ],
 )
 def test_what_means_nothing_is_refused(make, message):

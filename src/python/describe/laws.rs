@@ -8,6 +8,7 @@ use crate::error::{Error, check};
 use crate::force_law::{
     Damping, Elastic, Film, ForceLaw, Friction, LuGre, Regions, Regularization,
 };
+use crate::multibody::{FrictionLaw, Tribology};
 use crate::python::errors::to_python;
 
 pub(super) const LAWS: [&str; 9] = [
@@ -22,20 +23,19 @@ pub(super) const LAWS: [&str; 9] = [
     "Linear",
 ];
 
-/// Reads a force law of a contact that has neither friction nor film.
-pub(crate) fn force_law(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ForceLaw> {
-    let (law, friction) = law_and_friction(object, field)?;
-    if friction.is_some() {
-        return Err(refuse(
-            object.py(),
-            &format!("{}.friction", kind_of(object)),
-            &object.getattr("friction")?,
-            "must be None here: only chain drives with clearance hinges have friction",
-        ));
-    }
-    let remedy = "must be None here: only chain drives with clearance hinges have a film";
-    without_film(object, field, remedy)?;
-    Ok(law)
+/// Reads what a law of a contact has beside its normal force.
+pub(crate) fn tribology(object: &Bound<'_, PyAny>) -> PyResult<Tribology> {
+    let field =
+        |name: &str| Ok::<_, PyErr>((object.getattr(name)?, format!("{}.{name}", kind_of(object))));
+    let ((rubs, friction), (fills, lubricant)) = (field("friction")?, field("film")?);
+    Ok(Tribology {
+        friction: (!rubs.is_none())
+            .then(|| rubbing(&rubs, &friction))
+            .transpose()?,
+        film: (!fills.is_none())
+            .then(|| film(&fills, &lubricant))
+            .transpose()?,
+    })
 }
 
 /// Reads an object that must be a force law.
@@ -86,7 +86,7 @@ fn without_film(object: &Bound<'_, PyAny>, field: &str, remedy: &str) -> PyResul
 pub(crate) fn law_and_friction(
     object: &Bound<'_, PyAny>,
     field: &str,
-) -> PyResult<(ForceLaw, Option<Rubbing>)> {
+) -> PyResult<(ForceLaw, Option<FrictionLaw>)> {
     let read = law_reader(object, field)?;
     let elastic = match read.kind.as_str() {
         "EnhancedCylinder" => read.word(
@@ -120,36 +120,27 @@ pub(crate) fn law_and_friction(
     Ok((law, friction.transpose()?))
 }
 
-/// The friction of a contact: of the slip speed, or of bristles.
-#[derive(Clone, Copy)]
-pub(crate) enum Rubbing {
-    Coulomb(Friction),
-    LuGre(LuGre),
+fn coulomb(law: FrictionLaw) -> Option<Friction> {
+    match law {
+        FrictionLaw::Coulomb(friction) => Some(friction),
+        FrictionLaw::LuGre(_) => None,
+    }
 }
 
-impl Rubbing {
-    fn coulomb(self) -> Option<Friction> {
-        match self {
-            Self::Coulomb(friction) => Some(friction),
-            Self::LuGre(_) => None,
-        }
-    }
-
-    fn bristles(self) -> Option<LuGre> {
-        match self {
-            Self::Coulomb(_) => None,
-            Self::LuGre(bristles) => Some(bristles),
-        }
+fn bristles(law: FrictionLaw) -> Option<LuGre> {
+    match law {
+        FrictionLaw::Coulomb(_) => None,
+        FrictionLaw::LuGre(bristles) => Some(bristles),
     }
 }
 
 /// Reads a `Coulomb` or a `LuGre` and checks it.
-pub(super) fn rubbing(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Rubbing> {
+pub(crate) fn rubbing(object: &Bound<'_, PyAny>, field: &str) -> PyResult<FrictionLaw> {
     let read = Reader::new(object, field, &["Coulomb", "LuGre"])?;
     if read.kind == "LuGre" {
-        lugre(object, field).map(Rubbing::LuGre)
+        lugre(object, field).map(FrictionLaw::LuGre)
     } else {
-        friction(object, field).map(Rubbing::Coulomb)
+        friction(object, field).map(FrictionLaw::Coulomb)
     }
 }
 
@@ -170,7 +161,7 @@ fn lugre(object: &Bound<'_, PyAny>, field: &str) -> PyResult<LuGre> {
 }
 
 /// Reads a `Coulomb` and checks it.
-fn friction(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Friction> {
+pub(crate) fn friction(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Friction> {
     let read = Reader::new(object, field, &["Coulomb"])?;
     let friction = Friction {
         coefficient: read.number("coefficient", "newton a newton")?,
@@ -219,10 +210,10 @@ pub(crate) fn force_laws(
     Ok(ForceLaws {
         hinge,
         tooth,
-        hinge_friction: hinge_friction.and_then(Rubbing::coulomb),
-        tooth_friction: tooth_friction.and_then(Rubbing::coulomb),
-        hinge_bristles: hinge_friction.and_then(Rubbing::bristles),
-        tooth_bristles: tooth_friction.and_then(Rubbing::bristles),
+        hinge_friction: hinge_friction.and_then(coulomb),
+        tooth_friction: tooth_friction.and_then(coulomb),
+        hinge_bristles: hinge_friction.and_then(bristles),
+        tooth_bristles: tooth_friction.and_then(bristles),
         hinge_film,
         min_approach_speed: least,
     })

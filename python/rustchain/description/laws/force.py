@@ -48,10 +48,10 @@ class ForceLaw(Description):
         energy balance. "sharp": the stiffness changes where the bushing crosses into another
         region; under load, energy is not conserved there, at any accuracy.
     friction : Coulomb or LuGre, optional
-        Friction of the contacts that have this law, in chain drives with clearance hinges. None:
-        there is none, and it costs nothing.
+        Friction of the contacts that have this law, in chain drives with clearance hinges and in
+        mechanisms. None: there is none, and it costs nothing.
     film : LubricantFilm, optional
-        Lubricant of the hinges that have this law, likewise; teeth have none.
+        Lubricant of the hinges or clearance joints that have this law; no other contact has one.
     """
 
     elastic: ClassVar[

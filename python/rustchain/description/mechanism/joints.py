@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from rustchain.arguments import shown
+from rustchain.description.laws.friction import Coulomb
 from rustchain.description.mechanism.checks import numbers, one_of, point
 from rustchain.description.mechanism.parts import GROUND, Body, Joint, Point, TimeFunction
 from rustchain.errors import InvalidInput
@@ -26,9 +27,30 @@ class WithJoints:
         point_a: Point | None = None,
         point_b: Point | None = None,
         at: Point | None = None,
+        friction: Coulomb | None = None,
+        radius: float | None = None,
     ) -> None:
-        """Let a point of each body coincide."""
-        self._join("revolute", name, body_a, body_b, point_a, point_b, at)
+        """Let a point of each body coincide.
+
+        Parameters
+        ----------
+        friction : Coulomb, optional
+            Friction of the pin: a torque of `radius` times coefficient times reaction force
+            against the relative rotation. Its `speed` is that of the pin's surface.
+        radius : float, optional
+            Of the pin [m]; only with `friction`, which needs it.
+        """
+        self._join(
+            "revolute",
+            name,
+            body_a,
+            body_b,
+            point_a,
+            point_b,
+            at,
+            friction=friction,
+            radius=radius,
+        )
 
     @known_keywords
     def add_fixed(
@@ -210,6 +232,8 @@ class WithJoints:
         carrier: str | None = None,
         motion: TimeFunction = 0.0,
         by_speed: bool = False,
+        friction: Coulomb | None = None,
+        radius: float | None = None,
     ) -> None:
         """Add a joint; `at` stands for both points."""
         if at is not None:
@@ -240,6 +264,8 @@ class WithJoints:
                 carrier,
                 motion,
                 by_speed,
+                friction,
+                radius,
             )
         )
 

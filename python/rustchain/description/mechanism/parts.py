@@ -12,7 +12,9 @@ from typing import TypeAlias, get_type_hints
 from rustchain.arguments import admitted, shown
 from rustchain.description.base import Description, plain
 from rustchain.description.drive import Chain, Sprocket
+from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.force import ForceLaw, LankaraniNikravesh
+from rustchain.description.laws.friction import Coulomb, LuGre
 from rustchain.description.material import Material
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords
@@ -141,11 +143,17 @@ class LinearContact(_Function):
         [N/m] and [N s/m]; with a length, [N/m^2] and [N s/m^2] of it.
     length : float, optional
         Length of contact [m].
+    friction : Coulomb or LuGre, optional
+        Friction of the surfaces.
+    film : LubricantFilm, optional
+        Lubricant, in clearance joints; without a length of its own it has the length of contact.
     """
 
     stiffness: float
     damping: float = 0.0
     length: float | None = None
+    friction: Coulomb | LuGre | None = dataclasses.field(default=None, kw_only=True)
+    film: LubricantFilm | None = dataclasses.field(default=None, kw_only=True)
 
 
 @known_keywords
@@ -161,11 +169,17 @@ class HuntCrossley(_Function):
         1 to 10.
     damping : float
         [s/m].
+    friction : Coulomb or LuGre, optional
+        Friction of the surfaces.
+    film : LubricantFilm, optional
+        Lubricant, in clearance joints; it needs a length.
     """
 
     stiffness: float
     exponent: float = 1.5
     damping: float = 0.0
+    friction: Coulomb | LuGre | None = dataclasses.field(default=None, kw_only=True)
+    film: LubricantFilm | None = dataclasses.field(default=None, kw_only=True)
 
 
 @known_keywords
@@ -176,6 +190,7 @@ class SurfaceContact(_Function):
     Attributes
     ----------
     law : ForceLaw
+        With its friction and, in clearance joints, its film.
     length : float
         Length of contact [m].
     material : Material
@@ -220,6 +235,8 @@ class Joint(_Part):
     carrier: str | None = None
     motion: TimeFunction = 0.0
     by_speed: bool = False
+    friction: Coulomb | None = None
+    radius: float | None = None
 
 
 @dataclass(frozen=True)
