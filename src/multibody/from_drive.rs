@@ -15,7 +15,7 @@ mod tensioner;
 use super::description::body::Frame;
 use super::{
     Body, ContactLaw, ContactPair, Curve, ForceElement, ForceKind, GROUND, Joint, JointKind,
-    Marker, Mechanism, Motion, Profile, TimeFunction,
+    Marker, Mechanism, Motion, Profile, TimeFunction, Tribology,
 };
 use crate::drive::{Bearing, Drive, HingeKind, SprocketMotion, TimeTable, bushing_on_front};
 use crate::error::{Error, Result};
@@ -30,6 +30,8 @@ pub struct DriveContacts {
     pub law: ForceLaw,
     /// Lower bound on the initial impact velocity used by the damping factor \[m/s\].
     pub min_approach_speed: f64,
+    /// Friction of all contacts; lubricant of hinges that have clearance.
+    pub tribology: Tribology,
 }
 
 impl Mechanism {
@@ -208,6 +210,7 @@ impl Mechanism {
                     },
                     radius: chain.hinge.pin_radius,
                     law: surfaces(chain.hinge_contact_length()),
+                    tribology: contacts.tribology,
                 }),
             }
             for (number, profile) in profiles.iter().enumerate() {
@@ -218,6 +221,10 @@ impl Mechanism {
                     profile: Profile::Teeth(Box::new(profile.clone())),
                     radius: chain.contact_radius(),
                     law: surfaces(chain.teeth_contact_length()),
+                    tribology: Tribology {
+                        film: None,
+                        ..contacts.tribology
+                    },
                 });
             }
         }

@@ -26,8 +26,9 @@ pub(super) fn drive_contacts(
     let allowed = check::positive(name, least, "m/s");
     describe::checked(min_impact_velocity.py(), allowed)?;
     Ok(DriveContacts {
-        law: describe::force_law(force_law, "force_law")?,
+        law: describe::law_and_friction(force_law, "force_law")?.0,
         min_approach_speed: least,
+        tribology: describe::tribology(force_law)?,
     })
 }
 

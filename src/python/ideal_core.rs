@@ -50,6 +50,7 @@ impl IdealCore {
         let py = drive.py();
         let description = describe::drive(drive)?;
         check_hinge_law(force_law, hinge_law)?;
+        tooth_law.map_or(Ok(()), describe::without_film)?;
         let contacts = drive_contacts(tooth_law.unwrap_or(force_law), min_impact_velocity)?;
         let mut control = describe::solver(solver)?;
         if control.corrector == Corrector::Auto {

@@ -183,5 +183,5 @@ def test_only_clearance_joints_have_a_film_and_it_needs_a_length():
     m.add_body("pin", 1.0, 0.1)
     law = rc.HuntCrossley(1e6, film=rc.LubricantFilm(0.1))
     m.add_clearance_joint("wet", "ground", "pin", 1.1, 1.0, law)
-    with pytest.raises(rc.InvalidInput, match="length of the film of contact .wet"):
+    with pytest.raises(rc.InvalidInput, match=r"length of the film of contact .wet"):
         m.check()

@@ -69,14 +69,14 @@ pub(crate) fn film(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Film> {
     Ok(film)
 }
 
-/// Refuses a film where there can be none.
-fn without_film(object: &Bound<'_, PyAny>, field: &str, remedy: &str) -> PyResult<()> {
-    if film_of(object, field)?.is_some() {
+/// Refuses a film in a law of teeth.
+pub(crate) fn without_film(object: &Bound<'_, PyAny>) -> PyResult<()> {
+    if film_of(object, "tooth_law")?.is_some() {
         return Err(refuse(
             object.py(),
             &format!("{}.film", kind_of(object)),
             &object.getattr("film")?,
-            remedy,
+            "must be None in tooth_law: only hinges have a film",
         ));
     }
     Ok(())
@@ -201,8 +201,7 @@ pub(crate) fn force_laws(
     let (tooth, tooth_friction) = own(tooth_law, "tooth_law")?;
     let hinge_film = film_of(hinge_law.unwrap_or(force_law), "hinge_law")?;
     if let Some(own) = tooth_law {
-        let remedy = "must be None in tooth_law: only hinges have a film";
-        without_film(own, "tooth_law", remedy)?;
+        without_film(own)?;
     }
     let least = number(min_impact_velocity, "min_impact_velocity", "m/s")?;
     let allowed = check::positive("min_impact_velocity", least, "m/s");

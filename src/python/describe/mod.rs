@@ -24,7 +24,9 @@ use tightening::{arm, tensioner};
 
 pub(super) use chain::{chain, material};
 pub(super) use ends::chain_end;
-pub(super) use laws::{damping, film, force_laws, friction, law_and_friction, tribology};
+pub(super) use laws::{
+    damping, film, force_laws, friction, law_and_friction, tribology, without_film,
+};
 pub(super) use reader::{Reader, checked, count, finite, number, refuse, table, truth, two_teeth};
 pub(super) use run::{reports, solver};
 pub(super) use sprocket::sprocket;

@@ -33,7 +33,9 @@ def drive_mechanism(
     for method, keywords in _rustchain.drive_mechanism(drive, law, min_impact_velocity):
         if (length := keywords.pop("length", None)) is not None:
             material = drive.chain.material
-            keywords["law"] = SurfaceContact(law, length, material, min_impact_velocity)
+            # Teeth have no film.
+            own = replace(law, film=None) if "sprocket" in keywords else law
+            keywords["law"] = SurfaceContact(own, length, material, min_impact_velocity)
         if (number := keywords.get("sprocket")) is not None:
             keywords |= {"sprocket": drive.sprockets[number], "chain": drive.chain}
         getattr(mechanism, method)(**keywords)
