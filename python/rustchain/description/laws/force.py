@@ -105,7 +105,7 @@ class ForceLaw(Description):
         Examples
         --------
         >>> round(float(rc.Johnson().elastic_force(1e-6, (2.22e-3, 2.245e-3), 0.011)), 1)
-        741.8
+        746.3
         """
         depth = np.asarray(penetration, dtype=np.float64)
         force = _rustchain.law_force(

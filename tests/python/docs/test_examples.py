@@ -1,0 +1,63 @@
+"""Every script in examples/ runs; the long ones with fewer runs of shorter duration."""
+
+from pathlib import Path
+
+import matplotlib as mpl
+import pytest
+
+ROOT = Path(__file__).parents[3] / "examples"
+# What is shortened, with what stands in its place.
+BRIEF = {
+    "film": [("BEGIN, END = 0.1, 0.15", "BEGIN, END = 0.01, 0.015")],
+    "friction": [
+        ("SETTLED = 200.0, 4.0, 0.05", "SETTLED = 200.0, 4.0, 0.005"),
+        ("4.0 * 2.0 * np.pi", "0.5 * 2.0 * np.pi"),
+    ],
+    "outputs": [
+        ("duration=1.5", "duration=0.7"),
+        ("start=0.4", "start=0.1"),
+    ],
+    "paper_drive": [("duration=0.5", "duration=0.1")],
+    "paper_study": [("runs=5", "runs=2"), ("duration=0.3", "duration=0.04"), ("0.15", "0.02")],
+    "paper_study_rollers": [
+        ("runs=5", "runs=2"),
+        ("duration=0.3", "duration=0.04"),
+        ("0.15", "0.02"),
+    ],
+    "polygon_effect": [
+        ("runs=4", "runs=2"),
+        ("duration=0.4, burn_in=0.2", "duration=0.1, burn_in=0.05"),
+    ],
+}
+SCRIPTS = sorted(ROOT.glob("*.py"))
+SLOW = ("friction", "outputs", "paper_study", "paper_study_rollers", "polygon_effect")
+
+
+@pytest.fixture
+def _without_a_window():
+    backend = mpl.get_backend()
+    mpl.use("Agg")
+    yield
+    mpl.pyplot.close("all")
+    mpl.use(backend)
+
+
+@pytest.mark.usefixtures("_without_a_window")
+@pytest.mark.parametrize(
+    "path",
+    [pytest.param(p, marks=[pytest.mark.slow] * (p.stem in SLOW), id=p.stem) for p in SCRIPTS],
+)
+def test_an_example_runs_and_makes_its_picture(path, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    text = path.read_text(encoding="utf-8")
+    for long, brief in BRIEF.get(path.stem, ()):
+        assert long in text
+        text = text.replace(long, brief)
+    exec(compile(text, path, "exec"), {"__name__": "__main__"})
+    pictures = list(tmp_path.glob(f"{path.stem}*.png"))
+    assert pictures
+    assert all(picture.stat().st_size > 5_000 for picture in pictures)
+
+
+def test_only_examples_that_exist_are_shortened_or_slow():
+    assert {*BRIEF, *SLOW} <= {path.stem for path in SCRIPTS}

@@ -1,0 +1,42 @@
+"""Every Python block of README and docs runs, those of one page one after the other."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[3]
+BLOCK = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
+PAGES = [
+    page
+    for page in (ROOT / "README.md", *sorted(ROOT.glob("docs/**/*.md")))
+    if BLOCK.search(page.read_text(encoding="utf-8"))
+]
+SLOW = ("README.md", "outputs.md")
+
+
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(
+            page,
+            marks=[pytest.mark.slow] * (page.name in SLOW),
+            id=str(page.relative_to(ROOT)),
+        )
+        for page in PAGES
+    ],
+)
+def test_the_blocks_of_a_page_run_in_their_order(page, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    text = page.read_text(encoding="utf-8")
+    names = {"__name__": "__main__"}
+    for block in BLOCK.finditer(text):
+        above = text.count("\n", 0, block.start(1))  # so that a traceback has the page's lines
+        exec(compile("\n" * above + block.group(1), page, "exec"), names)
+
+
+def test_the_example_of_the_page_on_files_is_the_file():
+    page = (ROOT / "docs" / "files.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"^```toml\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+    file = (ROOT / "examples" / "three_shafts.toml").read_text(encoding="utf-8")
+    assert re.sub(r"^#.*\n+", "", file, flags=re.MULTILINE) == block

@@ -1,0 +1,96 @@
+"""Figures: no state of pyplot, and every one can be drawn into given axes."""
+
+import inspect
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import rustchain as rc
+from rustchain.plot import Plots, studies
+from rustchain.plot.picture import draw_drive
+
+RESULT = rc.Simulation(rc.paper_drive(25.0)).run(
+    duration=0.02, record=("hinges", "teeth", "sprockets", "bodies"), progress=False
+)
+# Arguments, and the number of panels.
+CALLS = {
+    "contact_pressure": ((), 2),
+    "drive": ((), 1),
+    "energy": ((), 2),
+    "engagements": ((), 2),
+    "force_penetration": ((6, 11), 2),
+    "hinge_force": ((6,), 1),
+    "hinge_loads": ((), 1),
+    "orbit": ((6, 11), 2),
+    "power_balance": ((), 2),
+    "pressure_cycles": ((), 2),
+    "spectrum": (("strand_tension",), 1),
+    "speed_ripple": ((), 2),
+    "strand_motion": (("upper", "lower"), 2),
+    "tension": ((), 1),
+    "tooth_force": ((6, 11), 2),
+    "tooth_loads": ((), 2),
+    "transmission_error": ((), 2),
+    "wrap_loads": ((1, 2), 2),
+}
+OF_OTHER_DRIVES = {"guide_loads", "joint_loads", "strand_spectrum"}
+
+
+def methods(kind):
+    return {
+        name: each
+        for name, each in inspect.getmembers(kind, inspect.isfunction)
+        if not name.startswith("_") and name != "rows"
+    }
+
+
+def test_every_plot_of_a_result_is_drawn_here():
+    assert set(methods(Plots)) == {*CALLS, *OF_OTHER_DRIVES}
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        *methods(Plots).values(),
+        studies.draw_study,
+        studies.draw_sweep,
+        studies.draw_loss_map,
+        draw_drive,
+    ],
+    ids=lambda function: function.__name__,
+)
+def test_every_plot_takes_axes(function):
+    assert inspect.signature(function).parameters["ax"].default is None
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_a_figure_leaves_no_state_in_pyplot(name):
+    arguments, _ = CALLS[name]
+    before = plt.get_fignums()
+    figure = getattr(RESULT.plot, name)(*arguments)
+    assert isinstance(figure, Figure)
+    assert plt.get_fignums() == before
+    assert figure._repr_png_().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_a_figure_can_be_drawn_into_given_axes(name):
+    arguments, panels = CALLS[name]
+    figure = Figure(figsize=(9.0, 3.0))
+    left, *others = figure.subplots(1, panels + 1)
+    ax = others[0] if panels == 1 else others
+    assert getattr(RESULT.plot, name)(*arguments, ax=ax) is figure
+    assert len(figure.axes) == panels + 1
+    assert all(axes.has_data() or axes.get_title("left") for axes in others)
+    assert not (left.has_data() or left.get_title("left"))
+    np.testing.assert_array_equal(figure.get_size_inches(), (9.0, 3.0))
+
+
+@pytest.mark.parametrize("ax", [3, [], "axes"])
+def test_other_axes_than_the_figure_has_panels_are_refused(ax):
+    with pytest.raises(rc.InvalidInput, match=r"ax.*expected .*Axes"):
+        RESULT.plot.orbit(6, 11, ax=ax)
+    with pytest.raises(rc.InvalidInput, match=r"expected 2 matplotlib Axes"):
+        RESULT.plot.orbit(6, 11, ax=Figure().subplots())
