@@ -1,15 +1,15 @@
-//! Links counted from the centres, or a centre found for the links.
+//! Closing of the chain: number of links from the centres, or a centre from the number of links.
 
 use super::many_sprockets::{Around, SHIFTS};
 use crate::drive::{BeltLine, Drive};
 use crate::error::{Error, Result};
 use crate::geometry::Vec2;
 
-/// Where the centre of sprocket `moved` has to be, along `direction` from where it is, for the drive's chain to be taut:
-/// the distance to move \[m\], to be searched within `reach` \[m\] either way.
+/// Return the displacement of sprocket `moved` along `direction` at which the drive's chain is taut \[m\],
+/// within `reach` \[m\] in both directions.
 ///
 /// # Errors
-/// When the chain is too short or too long for that, with the lengths at both ends.
+/// When the chain is too short or too long within this range: the message has the lengths at both ends.
 pub fn closing_move(drive: &Drive, moved: usize, direction: Vec2, reach: f64) -> Result<f64> {
     let along = direction.normalize();
     let at = |s: f64| {
@@ -19,7 +19,7 @@ pub fn closing_move(drive: &Drive, moved: usize, direction: Vec2, reach: f64) ->
     };
     let links = f64::from(drive.chain.links);
     let pitches = |s: f64| BeltLine::of(&at(s)).map(|line| line.pitches(drive));
-    // The nearest place where the belt line is as long as the chain, in steps of half a pitch to both sides.
+    // Search for the nearest position where the belt line is as long as the chain, in steps of half a pitch to both sides.
     let step = 0.5 * drive.chain.pitch;
     let spare = |s: f64| pitches(s).ok().map(|needed| links - needed);
     let here = links - pitches(0.0)?;
@@ -69,13 +69,13 @@ pub fn closing_move(drive: &Drive, moved: usize, direction: Vec2, reach: f64) ->
     Ok(closing.unwrap_or(belt_place))
 }
 
-/// The move near `belt_place` at which the best polygon is taut to rounding.
+/// Return the displacement near `belt_place` at which the best polygon is taut to rounding.
 fn closing_polygon(at: &impl Fn(f64) -> Drive, belt_place: f64, drive: &Drive) -> Option<f64> {
     let there = at(belt_place);
     let around = Around::new(&there).ok()?;
     let slack = around.slack_strands()[0];
     let shift = |i: u32| f64::from(i) / f64::from(SHIFTS) - 0.5;
-    // A twentieth of a pitch of spare chain, so that every split of the pitches is allowed.
+    // A twentieth of a pitch of slack permits every split of the pitches.
     let course = around.course(0.0)?;
     let mut best: Option<(f64, f64)> = None;
     for i in 0..SHIFTS {
@@ -109,10 +109,10 @@ fn closing_polygon(at: &impl Fn(f64) -> Drive, belt_place: f64, drive: &Drive) -
     (g.abs() < 1e-12).then_some(b)
 }
 
-/// Smallest even number of links that closes round the sprockets of `drive` where they are.
+/// Return the smallest even number of links that closes round the sprockets of `drive`.
 ///
 /// # Errors
-/// When no chain can be laid.
+/// When no belt line exists.
 pub fn links_around(drive: &Drive) -> Result<u32> {
     Ok(Around::new(drive)?.links_that_close())
 }

@@ -1,20 +1,20 @@
-//! Hinges that are moved as little as possible until every link has its own length.
+//! Fit of hinges to links of different lengths, with the smallest displacements.
 
 use crate::drive::Chain;
 use crate::geometry::Vec2;
 
-/// Misfit of a link that counts as none, over the largest coordinate of its hinges: a length is the difference of two
-/// coordinates, each rounded by half an epsilon, so that a smaller one would never be met.
+/// Misfit of a link that counts as zero, over the largest coordinate of its hinges. A length is the difference of two
+/// coordinates, each rounded by half an epsilon: a smaller misfit is not reachable.
 const FITTING: f64 = 4.0 * f64::EPSILON;
 
-/// How much of what a link is longer or shorter by its hinges are moved for, the most wanted first: a half is for chains whose
-/// clearances are nearly used up, and finer shares lay hardly any more of them.
+/// Shares of the length differences that the hinges take, tried in this order. One half serves chains with nearly all
+/// clearance in use; finer shares gain hardly any more chains.
 const SHARES: [f64; 3] = [1.0, 0.0, 0.5];
 
-/// The hinges of a chain laid with one pitch for all links, for links of their own lengths; the most wanted first.
+/// Return hinges for links of their own lengths, from those laid with one pitch; the best fit first.
 ///
-/// They are moved until every hinge is as open as it was laid. Where teeth leave no room for that, they stay where they are, or go
-/// half as far, and every link lies in the middle between its hinges: half of the rest is in the clearance of each.
+/// Hinges move until every clearance is as open as it was. Where the teeth leave no room for that, they move half as far or not at
+/// all, and every link lies in the middle between its hinges: each clearance takes half of the difference.
 pub(super) fn for_own_lengths(chain: &Chain, hinges: Vec<Vec2>) -> Vec<Vec<Vec2>> {
     let (pitches, mean) = (chain.link_pitches(), chain.mean_pitch());
     if pitches.iter().all(|&pitch| (pitch - mean).abs() <= 1e-15) {
@@ -31,7 +31,7 @@ pub(super) fn for_own_lengths(chain: &Chain, hinges: Vec<Vec2>) -> Vec<Vec<Vec2>
     SHARES.into_iter().filter_map(moved).collect()
 }
 
-/// What helps where a chain cannot be laid round centres that take `fewest` links.
+/// Return the remedy for a chain that cannot be laid round centres that take `fewest` links.
 pub(super) fn remedy(chain: &Chain, fewest: u32) -> String {
     if fewest != chain.links {
         format!("take {fewest} links")
@@ -43,11 +43,11 @@ pub(super) fn remedy(chain: &Chain, fewest: u32) -> String {
     }
 }
 
-/// Moves `hinges` of a closed chain, link i from hinge i - 1 to hinge i, until link i is `lengths[i]` \[m\] long; false when they
-/// cannot be.
+/// Move `hinges` of a closed chain until link i, from hinge i - 1 to hinge i, is `lengths[i]` \[m\] long; return false where this is
+/// impossible.
 ///
-/// Gauss and Newton's steps of least length: with the links' directions e, a step is `Jᵀ λ`, and `J Jᵀ` is 2 on the diagonal and
-/// -e·e' beside it, round the chain.
+/// Gauss-Newton steps of least norm: with the links' directions e, a step is `Jᵀ λ`, and `J Jᵀ` has 2 on the diagonal and
+/// -e·e' beside it, with the corner entry of a ring.
 fn fit(hinges: &mut [Vec2], lengths: &[f64]) -> bool {
     let n = hinges.len();
     let longest = lengths.iter().copied().fold(0.0, f64::max);
@@ -81,9 +81,9 @@ fn fit(hinges: &mut [Vec2], lengths: &[f64]) -> bool {
     false
 }
 
-/// Solves the symmetric system with 2 on the diagonal and `beside[i]` between i and i + 1, the last one with the first.
+/// Solve the symmetric system with 2 on the diagonal and `beside[i]` between i and i + 1, the last one with the first.
 ///
-/// The corner is taken as a change of rank one (Sherman and Morrison).
+/// The corner entry is a change of rank one (Sherman and Morrison).
 fn solve_ring(beside: &[f64], mut right: Vec<f64>) -> Option<Vec<f64>> {
     let n = right.len();
     let corner = beside[n - 1];

@@ -1,4 +1,4 @@
-//! Where guides begin: clear of the laid chain, arms swung back until they are.
+//! Initial configuration of guides: clear of the laid chain, with arms rotated back as far as needed.
 
 use super::initial::InitialConfiguration;
 use super::report::{GuidePlacement, Layout, Lie, START_GAPS};
@@ -7,19 +7,19 @@ use crate::error::{Error, Result};
 use crate::geometry::path::wrap::pitch_radius;
 use crate::geometry::{ToothProfile, Vec2, turned_left, unit};
 
-/// How far an arm may be swung back \[rad\].
+/// Largest rotation of an arm from its described position \[rad\].
 const FARTHEST_SWING: f64 = 1.0;
-/// Points of each arc of an outline that is held against sprockets.
+/// Points per arc of an outline that is checked against sprockets.
 const OUTLINE_POINTS: usize = 24;
-/// In so many parts of that a place is looked for where the chain is clear.
+/// Number of parts of that rotation in the search for a clear position.
 const SWINGS: u32 = 200;
 
 impl InitialConfiguration {
-    /// The same with the guides of `drive` at rest, clear of its chain; `layout` gets to know where they are.
+    /// Return the same configuration with the guides of `drive` at rest, clear of its chain; writes their positions into `layout`.
     ///
     /// # Errors
-    /// When a guide stands in a sprocket, or in the chain where it is described, and no arm can be swung back, or not so far: by how
-    /// much.
+    /// When a guide penetrates a sprocket, or the chain at its described position without an arm, or with an arm that cannot rotate far
+    /// enough. The message has the penetration.
     pub(super) fn with_guides(mut self, drive: &Drive, layout: &mut Layout) -> Result<Self> {
         if drive.guides.is_empty() {
             return Ok(self);
@@ -43,7 +43,7 @@ impl InitialConfiguration {
             check_beside_sprockets(drive, number, (middle(rail.angle()), rail.angle()))?;
             let angle = clear_angle(rail, gap).ok_or_else(|| {
                 let inside = -1e3 * gap(rail.angle());
-                // A zero without a sign.
+                // Avoids a negative zero in the message.
                 let back = |along: f64| (-1e4 * along).round() / 1e4 + 0.0;
                 Error::Impossible(format!(
                     "guide {} stands in the laid chain by {inside:.3} mm: move it back, out of its face's direction ({:.4}, \
@@ -97,7 +97,7 @@ impl InitialConfiguration {
         Ok(self)
     }
 
-    /// Hinges of the chain \[m\]: between the pin's and the bushing's centre.
+    /// Return the hinges of the chain \[m\]: midpoints of the centres of pin and bushing.
     fn hinges(&self, drive: &Drive) -> Vec<Vec2> {
         let pitches = drive.chain.link_pitches();
         let n = pitches.len();
@@ -118,7 +118,7 @@ impl InitialConfiguration {
     }
 }
 
-/// Refuses a guide, with its middle and its angle, that stands in the body of a sprocket, below the seats of its teeth.
+/// Check that a guide, with its middle and its angle, does not penetrate the body of a sprocket below the seats of its teeth.
 fn check_beside_sprockets(
     drive: &Drive,
     number: usize,
@@ -146,7 +146,7 @@ fn check_beside_sprockets(
     Ok(())
 }
 
-/// Distance of a point from a closed outline, counterclockwise \[m\]; negative inside.
+/// Return the distance of a point from a closed outline, counterclockwise \[m\]; negative inside.
 fn distance(outline: &[Vec2], point: Vec2) -> f64 {
     let (mut nearest, mut turned) = (f64::INFINITY, 0.0);
     for (from, to) in outline.iter().zip(outline.iter().cycle().skip(1)) {
@@ -163,7 +163,7 @@ fn distance(outline: &[Vec2], point: Vec2) -> f64 {
     }
 }
 
-/// A guide where it begins.
+/// A guide in its initial position.
 struct Beside<'a> {
     drive: &'a Drive,
     profile: &'a ToothProfile,
@@ -172,13 +172,13 @@ struct Beside<'a> {
 }
 
 impl Beside<'_> {
-    /// Of bushings at `hinges` the nearest one, its distance \[m\], and how many lie within half a pitch.
+    /// Return the nearest of the bushings at `hinges`, its distance \[m\], and the number within half a pitch.
     fn of(&self, hinges: &[Vec2]) -> (usize, f64, u32) {
         let chain = &self.drive.chain;
         let along = unit(self.angle);
         let gaps = hinges.iter().map(|hinge| {
             let offset = hinge - self.middle;
-            // The half on whose side of the middle it is, out of its face.
+            // The half outline on the side of the face.
             let out = if offset.dot(&along) < 0.0 {
                 -along
             } else {
@@ -201,7 +201,7 @@ impl Beside<'_> {
     }
 }
 
-/// The angle \[rad\] nearest to where a guide is described at which it is clear of the chain, if there is one.
+/// Return the angle \[rad\] nearest to the described one at which the guide is clear of the chain, if any.
 fn clear_angle(rail: &Rail, gap: impl Fn(f64) -> f64) -> Option<f64> {
     let described = rail.angle();
     let clear = |angle: f64| gap(angle) > START_GAPS[0];

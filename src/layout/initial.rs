@@ -1,4 +1,4 @@
-//! The start of a run: where every body lies and how it moves, with nothing in contact.
+//! Initial configuration of a run: positions and velocities of all bodies without contact.
 
 use std::f64::consts::TAU;
 
@@ -14,11 +14,11 @@ use crate::geometry::path::belt::Side;
 use crate::geometry::path::wrap::Path;
 use crate::geometry::{Vec2, turned_left, unit};
 
-/// How often a chain is laid anew round eccentric teeth.
+/// Largest number of layouts round eccentric teeth.
 const MOST_ROUNDS: usize = 30;
-/// By how many gaps the wheels are turned on where the places of eccentric teeth do not settle.
+/// Largest rotation of the wheels, in tooth gaps, where the iteration over eccentric positions does not converge.
 const MOST_TURNS: u32 = 12;
-/// Share of the pitch by which they may move in the last round.
+/// Change of the positions in the last iteration, over the pitch: rounding.
 const SETTLED: f64 = 1e-10;
 
 /// Positions and velocities of all bodies at time zero.
@@ -31,10 +31,10 @@ pub struct InitialConfiguration {
 }
 
 impl InitialConfiguration {
-    /// Lays the chain of `drive` round its sprockets, and brings its guides beside it.
+    /// Lay the chain of `drive` round its sprockets, and place its guides.
     ///
     /// # Errors
-    /// When no such start exists: the numbers that show why, and the nearest that works.
+    /// When no initial configuration exists: the message has the numbers and the nearest possible configuration.
     pub fn generate(drive: &Drive) -> Result<(Self, Layout)> {
         drive.validate()?;
         let (start, mut layout) = Self::lay_round(drive)?;
@@ -46,8 +46,8 @@ impl InitialConfiguration {
         if (drive.sprockets.iter()).all(|sprocket| sprocket.faults.eccentricity == 0.0) {
             return Self::lay(drive);
         }
-        // Where eccentric teeth are follows from the angles that the chain is laid at, which jump where another way to lay it is
-        // the better one. Turned on by a gap the wheels meet that jump elsewhere.
+        // The positions of eccentric teeth depend on the angles of the layout, which jump where another layout becomes
+        // the better one. Rotated by a gap, the wheels jump at other positions.
         let gaps = drive.sprockets.iter().map(|s| s.teeth).min().unwrap_or(1);
         let mut why = None;
         for turned in (0..gaps.min(MOST_TURNS)).map(f64::from) {
@@ -70,7 +70,7 @@ impl InitialConfiguration {
         }))
     }
 
-    /// Lays the chain of `drive` round eccentric teeth, all wheels turned on by so many gaps; nothing where their places do not settle.
+    /// Lay the chain of `drive` round eccentric teeth, all wheels rotated by this number of gaps; `None` without convergence.
     fn lay_eccentric(drive: &Drive, turned: f64) -> Result<Option<(Self, Layout)>> {
         let gap = |i: usize| TAU / f64::from(drive.sprockets[i].teeth);
         let mut centered = drive.clone();
@@ -78,7 +78,7 @@ impl InitialConfiguration {
         for _ in 0..MOST_ROUNDS {
             let (mut start, mut layout) = Self::lay(&centered)?;
             for (i, phase) in layout.phase.iter_mut().enumerate() {
-                // The same gap in every round.
+                // The same gap in every iteration.
                 let near = before.as_ref().map_or(turned * gap(i), |phase| phase[i]);
                 *phase += ((near - *phase) / gap(i)).round() * gap(i);
                 start.positions[drive.first_wheel() + i][2] = *phase;
@@ -119,7 +119,7 @@ impl InitialConfiguration {
         Ok((start, layout))
     }
 
-    /// The same drive with its bodies elsewhere: hinges keep their velocities but for what keeps the links' lengths.
+    /// Return the configuration with the bodies at other positions; hinge velocities change only to keep the links' lengths.
     #[must_use]
     pub fn moved_to(
         &self,
@@ -171,7 +171,7 @@ impl InitialConfiguration {
         }
     }
 
-    /// Rollers in the middle of their play, on the bushings at these hinges, turning with the links that those are of.
+    /// Return rollers concentric with the bushings at these hinges, with the angular velocities of their links.
     fn add_rollers(&mut self, hinges: &[Vec2], velocities: &[Vec2]) {
         let n = hinges.len();
         for (k, (place, velocity)) in hinges.iter().zip(velocities).enumerate() {
@@ -186,7 +186,7 @@ impl InitialConfiguration {
         }
     }
 
-    /// Bodies from hinges: a link's centre and velocity are the means of its two hinges, its rate is (d x dv)/d².
+    /// Return bodies from hinges: centre and velocity of a link are the means of its two hinges, its angular velocity is (d x dv)/d².
     fn of_bodies(drive: &Drive, hinges: &[Vec2], velocities: &[Vec2], layout: &Layout) -> Self {
         let mut start = Self {
             positions: Vec::new(),
@@ -228,7 +228,7 @@ impl Place<'_> {
         InitialConfiguration::of_bodies(self.drive, &hinges, &velocities, layout)
     }
 
-    /// Seated hinges turn with their sprocket; along a strand the velocity changes linearly from end to end.
+    /// Seated hinges rotate with their sprocket; along a strand the velocity is linear from end to end.
     fn hinge_velocities(&self, path: &Path, speeds: [f64; 2]) -> Vec<Vec2> {
         let n = path.hinges.len();
         let seated = |k: usize| {

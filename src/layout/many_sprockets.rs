@@ -1,4 +1,4 @@
-//! How a chain is laid round any number of sprockets, inside and outside of it; and what cannot be laid.
+//! Layout of a chain round any number of sprockets inside and outside of it, and the reasons of failure.
 
 use std::f64::consts::PI;
 
@@ -14,24 +14,24 @@ use crate::geometry::{ToothProfile, turned_left};
 
 /// Share of the hinge clearance below which a stretched chain counts as taut.
 const TAUT_STRETCH: f64 = 0.02;
-/// Largest angle of a slack strand's bow at its ends \[rad\].
+/// Largest angle at the ends of a slack strand's bow \[rad\]: nearly vertical ends.
 const LARGEST_BOW: f64 = 0.45 * PI;
-/// How many places of the first seat are tried within a pitch.
+/// Number of positions of the first seat within a pitch that are tried.
 pub(super) const SHIFTS: u32 = 48;
 
 /// A drive and its belt line.
 pub(super) struct Around<'a> {
     drive: &'a Drive,
     pub(super) line: BeltLine,
-    /// Of each sprocket, as listed.
+    /// Profiles of the sprockets in their described order.
     pub(super) profiles: Vec<ToothProfile>,
 }
 
-/// A chain that lies round its sprockets.
+/// A chain laid round its sprockets.
 pub(super) struct ClosedLayout {
     pub(super) course: WheelSequence,
     pub(super) polygon: Polygon,
-    /// The strand that may sag.
+    /// The strand with the slack.
     pub(super) slack: usize,
 }
 
@@ -49,7 +49,7 @@ impl<'a> Around<'a> {
         })
     }
 
-    /// Wheels in the order of the chain, seated bushings `gap` \[m\] off their seats at least.
+    /// Return the wheels in the order of the chain, with seated bushings at least `gap` \[m\] off their seats.
     pub(super) fn course(&self, gap: f64) -> Option<WheelSequence> {
         let chain = &self.drive.chain;
         let placed = |&i: &usize| PlacedWheel {
@@ -61,8 +61,8 @@ impl<'a> Around<'a> {
         WheelSequence::new(chain.mean_pitch(), chain.links, wheels).ok()
     }
 
-    /// Strands, the one that should take the slack first: the one that gravity pulls outward most; without gravity, the one that
-    /// leaves the driver.
+    /// Return the strands in the order in which they are tried for the slack: the largest outward component of gravity first; without
+    /// gravity, the strand that leaves the driver.
     pub(super) fn slack_strands(&self) -> Vec<usize> {
         let n = self.line.order.len();
         let driver = (0..n)
@@ -77,7 +77,7 @@ impl<'a> Around<'a> {
         let outward = |i: usize| {
             let span = &self.line.belt.spans[i];
             let pull = gravity.dot(&-turned_left(span.direction)) * span.length;
-            // Rounding decides nothing.
+            // Differences by rounding do not decide.
             if pull.abs() > 1e-9 * gravity.norm() * span.length {
                 pull
             } else {
@@ -89,7 +89,7 @@ impl<'a> Around<'a> {
         strands
     }
 
-    /// The chain in the first strand and place of its seats where it touches nothing, as little stretched as can be.
+    /// Return the chain with the first strand and position of its seats without contact, and with the smallest stretch.
     pub(super) fn find(&self) -> Result<ClosedLayout> {
         let chain = &self.drive.chain;
         let (clearance, pitch) = (chain.hinge.clearance(), chain.mean_pitch());
@@ -150,7 +150,7 @@ impl<'a> Around<'a> {
         }))
     }
 
-    /// The polygon with links of their own lengths, where that has no fault; the first fault is kept in `why`.
+    /// Return the polygon with links of their own lengths if it has no fault; the first fault is stored in `why`.
     fn fitted(
         &self,
         mut polygon: Polygon,
@@ -168,7 +168,7 @@ impl<'a> Around<'a> {
         None
     }
 
-    /// Polygons with the slack in one strand: the least stretched first, then those with seats nearest to the tangent points.
+    /// Return the polygons with the slack in one strand: smallest stretch first, then smallest distance of seats from the tangent points.
     fn by_merit(course: &WheelSequence, slack: usize, clearance: f64) -> Vec<Polygon> {
         let most = LARGEST_STRETCH * clearance / course.pitch;
         let shift = |i: u32| f64::from(i) / f64::from(SHIFTS) - 0.5;
@@ -194,10 +194,10 @@ impl<'a> Around<'a> {
         )))
     }
 
-    /// Smallest even number of links that is no shorter than a taut chain.
+    /// Return the smallest even number of links that is not shorter than a taut chain.
     pub(super) fn links_that_close(&self) -> u32 {
         let mut links = even_links(self.line.pitches(self.drive));
-        // The chain is a polygon: it may be a little longer than that.
+        // The polygon may be slightly longer than the belt.
         for _ in 0..3 {
             let spare = self.course(0.0).is_some_and(|mut course| {
                 course.links = links;
@@ -214,7 +214,7 @@ impl<'a> Around<'a> {
         links
     }
 
-    /// Why a polygon will not do.
+    /// Return the fault of a polygon, if any.
     fn fault(&self, polygon: &Polygon, slack: usize) -> Option<String> {
         let chain = &self.drive.chain;
         let lie = self.lie(polygon);

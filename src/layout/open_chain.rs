@@ -1,4 +1,4 @@
-//! How an open chain lies: from its first end along the sprockets in their order to its last, hanging where it is slack.
+//! Layout of an open chain: from its first end along the sprockets to its last end; slack strands hang.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,46 +7,46 @@ use crate::drive::{ChainEnd, Drive, OpenLine};
 use crate::geometry::path::hanging::{Hanging, HangingLink, hang};
 use crate::geometry::{ToothProfile, Vec2, turned_left, unit};
 
-/// How often the chain is laid anew until a hanging strand leaves its sprocket where it touches it.
+/// Largest number of layouts until the tangent points of hanging strands do not change.
 const MOST_ROUNDS: u32 = 60;
-/// How far a direction may turn in the last of them \[rad\].
+/// Change of a direction in the last of them \[rad\]: rounding.
 const SETTLED: f64 = 1e-12;
-/// Pitches by which a strand may be short of reaching: rounding.
+/// Pitches by which a strand may be too short: rounding.
 const JUST: f64 = 1e-9;
 
-/// An open chain that lies somewhere.
+/// A laid open chain.
 pub(super) struct OpenChainShape {
     /// Both ends of every link, one more than links \[m\].
     pub(super) hinges: Vec<Vec2>,
-    /// Which sprocket each is seated on.
+    /// Sprocket on which each hinge is seated.
     pub(super) seat_of: Vec<Option<usize>>,
     /// Pitches seated on each sprocket.
     pub(super) seated: Vec<u32>,
-    /// Angle of the first seat of each \[rad\].
+    /// Angle of the first seat of each sprocket \[rad\].
     pub(super) first_seat: Vec<f64>,
-    /// Radius of its seats \[m\].
+    /// Radius of its seated hinges \[m\].
     pub(super) hinge_radius: Vec<f64>,
-    /// Sense in which the chain turns each on its way from the first end to the last.
+    /// Sense of rotation of the chain path on each sprocket.
     pub(super) sense: Vec<f64>,
-    /// Angle between the tangents on both sides of each \[rad\].
+    /// Wrap of each sprocket: angle between the tangents on both sides \[rad\].
     pub(super) wraps: Vec<f64>,
     /// Pitches in each strand.
     pub(super) strands: Vec<u32>,
 }
 
-/// A drive whose chain is open, and how it is to be laid.
+/// A drive with an open chain, and the parameters of its layout.
 pub(super) struct OpenChainLayout<'a> {
     drive: &'a Drive,
     ends: &'a [ChainEnd; 2],
-    /// The circles that the chain is seated on.
+    /// Circles of the seated hinges.
     line: OpenLine<'a>,
     teeth: Vec<u32>,
-    /// By how much of a gap the first seat lies beside the tangent point.
+    /// Distance of the first seat from the tangent point, in tooth gaps.
     shift: f64,
 }
 
 impl<'a> OpenChainLayout<'a> {
-    /// Seated bushings `gap` \[m\] off their seats at least.
+    /// Return a layout with seated bushings at least `gap` \[m\] off their seats.
     pub(super) fn new(
         drive: &'a Drive,
         ends: &'a [ChainEnd; 2],
@@ -68,7 +68,7 @@ impl<'a> OpenChainLayout<'a> {
         })
     }
 
-    /// Why sprockets cannot stand where they do.
+    /// Return why the sprockets' positions are impossible.
     fn overlap(&self) -> Option<String> {
         let sprockets = &self.drive.sprockets;
         let pairs = (0..sprockets.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
@@ -86,7 +86,7 @@ impl<'a> OpenChainLayout<'a> {
         ))
     }
 
-    /// Lays the chain; why not, where it cannot be laid.
+    /// Lay the chain; the error is the reason of failure.
     pub(super) fn lay(&self) -> Result<OpenChainShape, String> {
         if self.line.radius.is_empty() {
             return self.lay_alone();
@@ -115,7 +115,7 @@ impl<'a> OpenChainLayout<'a> {
         laid
     }
 
-    /// Lays what is seated and taut: hinges from the first seat of the first sprocket to the last one of the last.
+    /// Lay the seated and taut part: hinges from the first seat of the first sprocket to the last seat of the last.
     fn along_sprockets(&self, directions: &[Vec2]) -> Result<OpenChainShape, String> {
         let pitch = self.drive.chain.mean_pitch();
         let mut laid = OpenChainShape {
@@ -181,7 +181,7 @@ impl<'a> OpenChainLayout<'a> {
         Ok(laid)
     }
 
-    /// Adds both ends' strands, and the directions in which those that hang between two points leave the sprockets.
+    /// Add the strands of both ends, and the directions in which hanging strands leave the sprockets.
     fn with_ends(
         &self,
         seated: OpenChainShape,
@@ -205,10 +205,10 @@ impl<'a> OpenChainLayout<'a> {
         Ok((laid, [leaving_first, leaving_last]))
     }
 
-    /// How many links lie between the ends and the first and the last seat, where `between` lie from the one to the other.
+    /// Return the numbers of links between the ends and the first and last seat, with `between` links from seat to seat.
     fn links_of_ends(&self, seats: [Vec2; 2], between: u32) -> Result<[u32; 2], String> {
         let chain = &self.drive.chain;
-        // Counted as for the nominal chain, where shorter links reach as far with half of their clearance open.
+        // Counted for the nominal chain; shorter links reach as far with half of their clearance open.
         let (links, mean) = (chain.links, chain.mean_pitch());
         let pitch = mean + (chain.pitch - mean).clamp(0.0, 0.5 * chain.hinge.clearance());
         let needed = [0, 1].map(|end: usize| {
@@ -259,7 +259,7 @@ impl<'a> OpenChainLayout<'a> {
         Ok(found)
     }
 
-    /// Points from a seat to an end, and the direction of the chain at the seat where it hangs between two points.
+    /// Return the points from a seat to an end, and the direction of the chain at the seat of a hanging strand.
     fn strand(
         &self,
         end: usize,
@@ -278,12 +278,12 @@ impl<'a> OpenChainLayout<'a> {
         Ok((points, Some(if end == 0 { -along } else { along })))
     }
 
-    /// Lengths and weights of these links.
+    /// Return the lengths and weights of these links.
     fn lengths(&self, links: std::ops::Range<usize>) -> Vec<HangingLink> {
         let chain = &self.drive.chain;
         let pitches = chain.link_pitches();
         let gravity = self.drive.gravity.norm();
-        // Without gravity the chain is laid as if it had some.
+        // Without gravity the chain is laid with a fictitious one.
         let heavy = if gravity > 0.0 { gravity } else { 1.0 };
         links
             .map(|i| HangingLink {
@@ -293,7 +293,7 @@ impl<'a> OpenChainLayout<'a> {
             .collect()
     }
 
-    /// Points of links that hang between two; across their line where there is no gravity.
+    /// Return the points of links that hang between two points; sideways without gravity.
     fn between(&self, from: Vec2, to: Vec2, links: &[HangingLink]) -> Result<Vec<Vec2>, String> {
         let apart = to - from;
         let down = self
@@ -303,15 +303,15 @@ impl<'a> OpenChainLayout<'a> {
         let length: f64 = links.iter().map(|link| link.length).sum();
         match hang(from, to, down, links) {
             Some(Hanging { mut points, .. }) => {
-                // Not but for rounding.
+                // Equal except for rounding.
                 points[links.len()] = to;
                 Ok(points)
             }
-            // Short by rounding, or by what was counted as reaching.
+            // Too short by rounding, or by the count of links.
             None if apart.norm() >= length && apart.norm() < length * (1.0 + JUST) => {
                 Ok(straight(from, apart.normalize(), links))
             }
-            // Short by what its hinges open: every link takes its share of the distance.
+            // Too short by the open clearances: every link takes its share of the distance.
             None if apart.norm() >= length && apart.norm() < length + self.opening(links) => {
                 let mut points = straight(from, apart / length, links);
                 points[links.len()] = to;
@@ -335,12 +335,12 @@ impl<'a> OpenChainLayout<'a> {
         }
     }
 
-    /// How far the hinges of these links may open at the start \[m\].
+    /// Return the largest sum of clearances of these links at the start \[m\].
     fn opening(&self, links: &[HangingLink]) -> f64 {
         LARGEST_STRETCH * self.drive.chain.hinge.clearance() * links.len() as f64
     }
 
-    /// A chain without sprockets.
+    /// Lay a chain without sprockets.
     fn lay_alone(&self) -> Result<OpenChainShape, String> {
         let links = self.drive.chain.links;
         let all = self.lengths(0..links as usize);
@@ -372,7 +372,7 @@ impl<'a> OpenChainLayout<'a> {
     }
 }
 
-/// Links from a seat to an end: those of the first end the other way round.
+/// Return the links from a seat to an end; those of the first end in reverse order.
 fn order(end: usize, mut links: Vec<HangingLink>) -> Vec<HangingLink> {
     if end == 0 {
         links.reverse();
@@ -390,7 +390,7 @@ fn straight(from: Vec2, along: Vec2, links: &[HangingLink]) -> Vec<Vec2> {
     points
 }
 
-/// The point of a circle at a whole number of pitches from `from` that is nearest to `wanted`, and that number.
+/// Return the point of a circle at a whole number of pitches from `from` nearest to `wanted`, and that number.
 fn seat_at(
     from: Vec2,
     wanted: Vec2,

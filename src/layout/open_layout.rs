@@ -1,4 +1,4 @@
-//! The start of an open chain: the way it is laid that touches nothing, how it moves, and what was chosen.
+//! Initial configuration of an open chain: the first layout without contact, its velocities, and the report.
 
 use super::initial::InitialConfiguration;
 use super::open_chain::{OpenChainLayout, OpenChainShape};
@@ -9,10 +9,10 @@ use crate::drive::{ChainEnd, Drive};
 use crate::error::{Error, Result};
 use crate::geometry::{ToothProfile, Vec2, turned_left, unit};
 
-/// How many places of the first seat are tried within a pitch.
+/// Number of positions of the first seat within a pitch that are tried.
 const SHIFTS: u32 = 16;
 
-/// Lays the open chain of `drive`.
+/// Lay the open chain of `drive`.
 pub(super) fn lay(drive: &Drive, ends: &[ChainEnd; 2]) -> Result<(InitialConfiguration, Layout)> {
     let profiles = (drive.sprockets.iter())
         .map(|sprocket| sprocket.tooth_profile(&drive.chain))
@@ -34,7 +34,7 @@ fn find(
     let mut why = None;
     for gap in START_GAPS {
         for i in 0..=SHIFTS {
-            // 0, 1, -1, 2, ... sixteenths of a gap.
+            // Shifts of 0, 1, -1, 2, ... sixteenths of a gap.
             let shift = f64::from(i.div_ceil(2)) / f64::from(SHIFTS);
             let shift = if i.is_multiple_of(2) { -shift } else { shift };
             let course = OpenChainLayout::new(drive, ends, profiles, (gap, shift));
@@ -69,7 +69,7 @@ fn lie<'a>(drive: &'a Drive, profiles: &'a [ToothProfile], laid: &'a OpenChainSh
     }
 }
 
-/// Why it will not do.
+/// Return the fault of a layout, if any.
 fn fault(drive: &Drive, profiles: &[ToothProfile], laid: &OpenChainShape) -> Option<String> {
     let lie = lie(drive, profiles, laid);
     let (stretch, clearance) = (lie.stretch(), drive.chain.hinge.clearance());
@@ -89,7 +89,7 @@ fn fault(drive: &Drive, profiles: &[ToothProfile], laid: &OpenChainShape) -> Opt
     })
 }
 
-/// Pitches that pass in a second towards the last end, by the first speed that is given.
+/// Return the speed of the chain towards the last end in pitches per second, from the first given speed.
 fn forward_rate(drive: &Drive, laid: &OpenChainShape) -> f64 {
     let rate = |i: usize| {
         let turn = laid.sense[i] * f64::from(drive.sprockets[i].teeth) / std::f64::consts::TAU;
@@ -104,8 +104,8 @@ fn sprocket_speed(drive: &Drive, laid: &OpenChainShape, forward: f64, i: usize) 
     given_speed(drive, i).unwrap_or(follows)
 }
 
-/// Seated hinges turn with their sprockets; a hanging strand moves along itself, others linearly from end to end, but for what
-/// keeps their links' lengths.
+/// Return the velocities of all hinges. Seated hinges rotate with their sprockets; a hanging strand moves along itself, others
+/// linearly from end to end, with the correction that keeps the links' lengths.
 fn hinge_velocities(
     drive: &Drive,
     ends: &[ChainEnd; 2],
@@ -123,7 +123,7 @@ fn hinge_velocities(
     let known = |end: usize| ends[end].position().map(|_| ends[end].velocity());
     let last = count - 1;
     if laid.sense.is_empty() {
-        // All of it follows the end that is somewhere.
+        // The whole chain moves with the end that has a position.
         let given = [known(0), known(1)];
         let [first, final_one] = [given[0].or(given[1]), given[1].or(given[0])];
         velocities[0] = first.unwrap_or_default();
@@ -134,7 +134,7 @@ fn hinge_velocities(
     let mut from = 0;
     for (strand, &pitches) in laid.strands.iter().enumerate() {
         let to = from + pitches as usize;
-        // At an end: which, its hinge, the seat that it hangs from, and the hinge beside that.
+        // Each end: its index, its hinge, the seat of its strand, and the hinge beside that.
         let end = match (strand, to == last) {
             (0, _) => Some((0, 0, to, to - 1)),
             (_, true) => Some((1, last, from, from + 1)),
@@ -158,7 +158,7 @@ fn hinge_velocities(
     velocities
 }
 
-/// Velocities between two hinges.
+/// Write the velocities between two hinges.
 fn fill(hinges: &[Vec2], velocities: &mut [Vec2], from: usize, to: usize) {
     let ends = [velocities[from], velocities[to]];
     let count = (to - from) as f64;
@@ -189,7 +189,7 @@ fn start(
         start.velocities.push([velocity.x, velocity.y, spin]);
     }
     let last = laid.hinges.len() - 1;
-    // The end of the last link comes first; a load hangs down where there is gravity.
+    // The end of the last link comes first; a load hangs down under gravity.
     for (end, hinge, sign) in [(1, last, 1.0), (0, 0, -1.0)] {
         let along = if drive.gravity.norm() > 0.0 {
             sign * drive.gravity.normalize()
@@ -219,7 +219,7 @@ fn start(
     start
 }
 
-/// Rollers in the middle of their play, hinge by hinge; where there is no bushing one that stands still.
+/// Add rollers concentric with their bushings, hinge by hinge; at rest where there is no bushing.
 fn add_rollers(
     start: &mut InitialConfiguration,
     ends: &[ChainEnd; 2],
@@ -229,7 +229,7 @@ fn add_rollers(
     let links = laid.hinges.len() - 1;
     let count = links + 2;
     for k in 0..count {
-        // The hinge behind the last link is that of end 2, the last one that of end 1.
+        // The hinge after the last link is that of end 2, the last one that of end 1.
         let place = if k == links + 1 {
             0
         } else {
@@ -250,7 +250,7 @@ fn add_rollers(
     }
 }
 
-/// What was chosen, in the words of closed chains.
+/// Return the report, in the terms of closed chains.
 fn layout(drive: &Drive, profiles: &[ToothProfile], laid: &OpenChainShape, forward: f64) -> Layout {
     let count = drive.sprockets.len();
     let by_sprocket = |value: &dyn Fn(usize) -> f64| (0..count).map(value).collect::<Vec<f64>>();
@@ -302,7 +302,7 @@ fn layout(drive: &Drive, profiles: &[ToothProfile], laid: &OpenChainShape, forwa
     layout
 }
 
-/// Strands of an open chain along so many sprockets; its ends are [`usize::MAX`].
+/// Return the strands of an open chain along this number of sprockets; its ends are [`usize::MAX`].
 pub(super) fn open_strands(sprockets: usize) -> Vec<[usize; 2]> {
     let at = |i: Option<usize>| i.filter(|&i| i < sprockets).unwrap_or(usize::MAX);
     (0..=sprockets)

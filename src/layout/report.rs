@@ -1,4 +1,4 @@
-//! What the generator chose for a drive, and what it measures on a chain laid round sprockets.
+//! Report of a layout: the generator's choices, and measurements on the laid chain.
 
 use super::tightness::{Tightness, tightness};
 use crate::drive::{Bearing, Chain, Drive, HingeKind, Sprocket, SprocketMotion, TimeTable};
@@ -8,31 +8,31 @@ use crate::geometry::path::wrap;
 use crate::geometry::path::wrap::Wheel;
 use crate::geometry::{ToothProfile, Vec2, unit};
 
-/// How far off its seat a bushing starts that would otherwise touch \[m\]; a stretched chain, whose bushings stand beside
-/// the middle of their seats, may need more.
+/// Initial distances of seated bushings from their seats that are tried \[m\]; a stretched chain, whose bushings are beside
+/// the middle of their seats, may need the larger ones.
 pub(super) const START_GAPS: [f64; 4] = [1e-6, 3e-6, 1e-5, 3e-5];
-/// Share of the hinge clearance that a chain may be stretched by at the start.
+/// Largest stretch of a chain at the start, over the hinge clearance.
 pub(super) const LARGEST_STRETCH: f64 = 0.9;
 
-/// What the generator chose. One entry for each sprocket as they are listed, or for each strand.
+/// Choices of the generator, one entry per sprocket in the described order or per strand.
 ///
 /// With two sprockets the strands are the upper one (left of the line from the first to the second centre) and the lower one.
 /// With more, strand `i` leads from `order[i]` to the next one, counterclockwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layout {
-    /// Sprockets (from 0) in the order in which the chain meets them, counterclockwise.
+    /// Sprockets (from 0) in the order along the chain path, counterclockwise.
     pub order: Vec<usize>,
-    /// On which side of the chain each stands.
+    /// Side of the chain of each sprocket.
     pub sides: Vec<Side>,
-    /// Which sprocket each hinge is seated on.
+    /// Sprocket on which each hinge is seated.
     pub seat_of: Vec<Option<usize>>,
     /// Pitch radii \[m\].
     pub pitch_radius: Vec<f64>,
-    /// How far outside the pitch circle the seated hinges start \[m\].
+    /// Distance of the seated hinges outside the pitch circle \[m\].
     pub seat_offset: Vec<f64>,
     /// Pitches seated on each sprocket.
     pub seated: Vec<u32>,
-    /// Angle that the belt line on the pitch circles wraps each sprocket by \[rad\].
+    /// Wrap of each sprocket by the belt line on the pitch circles \[rad\].
     pub belt_wrap: Vec<f64>,
     /// Angle of the first seated hinge of each sprocket \[rad\]: seen from its centre; with two sprockets, from the line of centres.
     pub first_seat: Vec<f64>,
@@ -40,17 +40,17 @@ pub struct Layout {
     pub phase: Vec<f64>,
     /// Angular speeds at the start \[rad/s\].
     pub speeds: Vec<f64>,
-    /// Mean speed of each sprocket over that of the first; negative where it turns the other way.
+    /// Ratio of the mean angular velocity of each sprocket to that of the first; negative for the opposite sense.
     pub speed_ratio: Vec<f64>,
-    /// From which to which sprocket (from 0) each strand leads.
+    /// Sprockets (from 0) at both ends of each strand.
     pub strands: Vec<[usize; 2]>,
     /// Pitches in each strand.
     pub strand_pitches: Vec<u32>,
     /// Straight distance between the ends of each strand \[m\].
     pub spans: Vec<f64>,
-    /// Chain length in each strand less the straight distance \[m\]: positive when it sags, negative when it is stretched.
+    /// Chain length minus straight distance of each strand \[m\]: positive for slack, negative for a stretched strand.
     pub slack: Vec<f64>,
-    /// How far each strand bows outward \[m\].
+    /// Outward sag of each strand \[m\].
     pub sag: Vec<f64>,
     /// Length of a taut chain along the belt line, in pitches.
     pub belt_pitches: f64,
@@ -58,34 +58,34 @@ pub struct Layout {
     pub center_distance: Option<f64>,
     /// Centre distance of two sprockets at which the chain is taut \[m\], where there is one.
     pub closing_center_distance: Option<f64>,
-    /// Largest opening of a hinge at the start \[m\]: the chain is stretched by this much a pitch.
+    /// Largest opening of a hinge at the start \[m\]: the stretch of the chain per pitch.
     pub hinge_stretch: f64,
     /// Smallest distance of a bushing from a tooth at the start \[m\].
     pub start_gap: f64,
-    /// Pull of the tensioner \[N\].
+    /// Force of the tensioner \[N\].
     pub tension_force: f64,
-    /// Where the guides begin.
+    /// Initial positions of the guides.
     pub guides: Vec<GuidePlacement>,
-    /// What a designer should know.
+    /// Warnings about the design.
     pub warnings: Vec<String>,
 }
 
-/// Where a guide begins, beside the laid chain.
+/// Initial position of a guide relative to the laid chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GuidePlacement {
-    /// Smallest distance of a bushing, or of a plate where those bear on it \[m\].
+    /// Smallest distance of a bushing, or of a plate where plates are in contact \[m\].
     pub gap: f64,
-    /// How far its arm is swung from where it is described \[rad\].
+    /// Rotation of its arm from the described position \[rad\].
     pub turn: f64,
-    /// How far its plunger can still go back and out until a stop \[m\]; infinite without one, zero without an arm.
+    /// Remaining backward and outward displacement of its plunger \[m\]; infinite without a stop, zero without an arm.
     pub travel: [f64; 2],
-    /// How many bushings lie within half a pitch of its face.
+    /// Number of bushings within half a pitch of its face.
     pub bushings: u32,
-    /// The strand or sprocket that the nearest bushing is at; nothing where none is near.
+    /// Strand or sprocket of the nearest bushing; `None` where none is near.
     pub place: String,
 }
 
-/// Angular speed that a sprocket is given at the start \[rad/s\], if any.
+/// Return the angular velocity of a sprocket at the start \[rad/s\], if given.
 pub(super) fn given_speed(drive: &Drive, sprocket: usize) -> Option<f64> {
     match &drive.sprockets[sprocket].motion {
         SprocketMotion::PrescribedSpeed(table) => Some(table.value(0.0)),
@@ -93,7 +93,7 @@ pub(super) fn given_speed(drive: &Drive, sprocket: usize) -> Option<f64> {
     }
 }
 
-/// Full pull of the drive's tensioner \[N\]; zero without one.
+/// Return the full force of the drive's tensioner \[N\]; zero without one.
 pub(super) fn tension_force(drive: &Drive) -> Result<f64> {
     match &drive.tensioner {
         Some(tensioner) => Ok(tensioner.line(drive)?.pull),
@@ -101,7 +101,7 @@ pub(super) fn tension_force(drive: &Drive) -> Result<f64> {
     }
 }
 
-/// What keeps the drive's tensioner from the tension that it is asked for.
+/// Return the reason why the drive's tensioner does not reach its tension, if any.
 fn tensioner_warning(drive: &Drive) -> Option<String> {
     let tensioner = drive.tensioner.as_ref()?;
     let line = tensioner.line(drive).ok()?;
@@ -145,19 +145,19 @@ fn tightness_warning(drive: &Drive) -> Option<String> {
     })
 }
 
-/// How far a tensioner on a spring may give way under load, in pitches, and the chain still be called seated. Half a pitch is about the
-/// height of a tooth; runs of 17:25 teeth jump when the centre has given way by 1.4 pitches.
+/// Largest displacement of a tensioner on a spring under load, in pitches, at which the chain counts as seated. Half a pitch is about the
+/// height of a tooth; in runs of 17:25 teeth the chain jumps at 1.4 pitches.
 const GIVES_WAY: f64 = 0.5;
 
-/// A load that the drive's tensioner lets jump the teeth: it needs a larger difference of both strands' tensions than the tensioner keeps
-/// as their sum.
+/// Return the warning about a load with which the chain jumps teeth: it needs a larger difference of strand tensions than the
+/// tensioner keeps as their sum.
 fn overload_warning(drive: &Drive, speeds: &[f64]) -> Option<String> {
     let tensioner = drive.tensioner.as_ref().filter(|_| drive.ends.is_none())?;
-    // A ratchet or a stop holds the centre whatever the load.
+    // A ratchet or a stop holds the centre at any load.
     if tensioner.ratchet.is_some() || tensioner.travel[0].is_finite() {
         return None;
     }
-    // Between more sprockets, strands away from the tensioner may be tight.
+    // With more sprockets, strands away from the tensioner may be tight.
     let loaded = match drive.sprockets.len() {
         2 => 0..2,
         _ => tensioner.sprocket - 1..tensioner.sprocket,
@@ -179,7 +179,7 @@ fn overload_warning(drive: &Drive, speeds: &[f64]) -> Option<String> {
     })
 }
 
-/// Size of the largest torque that a sprocket is turned by at its initial speed \[N m\]; nothing where none is applied.
+/// Return the size of the largest torque on a sprocket at its initial angular velocity \[N m\]; `None` without torque.
 fn largest_torque(motion: &SprocketMotion, speed: f64) -> Option<f64> {
     let largest = |table: &TimeTable, of_speed: f64| {
         let sizes = table
@@ -195,7 +195,7 @@ fn largest_torque(motion: &SprocketMotion, speed: f64) -> Option<f64> {
     }
 }
 
-/// The wheel of a sprocket whose seated bushings start `gap` \[m\] off their seats at least.
+/// Return the wheel of a sprocket with seated bushings at least `gap` \[m\] off their seats.
 pub(super) fn wheel(profile: &ToothProfile, chain: &Chain, gap: f64) -> Wheel {
     let depth = seat_depth(profile, chain);
     Wheel {
@@ -204,7 +204,7 @@ pub(super) fn wheel(profile: &ToothProfile, chain: &Chain, gap: f64) -> Wheel {
     }
 }
 
-/// How far the bushing of a hinge on the hinge circle is in its seat \[m\]; negative: room.
+/// Return the penetration of the bushing of a hinge on the hinge circle \[m\]; negative for a clearance.
 pub(super) fn seat_depth(profile: &ToothProfile, chain: &Chain) -> f64 {
     let middle = Vec2::new(
         0.0,
@@ -213,18 +213,18 @@ pub(super) fn seat_depth(profile: &ToothProfile, chain: &Chain) -> f64 {
     profile.contact(middle, chain.contact_radius()).penetration
 }
 
-/// Radius of the hinges of links that are seated all round \[m\]: longer links lie farther out.
+/// Return the radius of the hinges of fully seated links \[m\]; longer links lie farther out.
 fn hinge_circle(profile: &ToothProfile, chain: &Chain) -> f64 {
     wrap::pitch_radius(chain.mean_pitch(), profile.teeth)
 }
 
-/// θ of a sprocket with a gap centre at `angle`: the nearest to zero.
+/// Return the angle θ of a sprocket with a gap centre at `angle`: the one nearest to zero.
 pub(super) fn phase(profile: &ToothProfile, angle: f64) -> f64 {
     let gap = profile.gap_angle();
     angle - (angle / gap).round() * gap
 }
 
-/// A chain laid round sprockets, in one frame.
+/// A chain laid round sprockets.
 pub(super) struct Lie<'a> {
     pub(super) chain: &'a Chain,
     pub(super) hinges: &'a [Vec2],
@@ -238,7 +238,7 @@ impl Lie<'_> {
         self.hinges.len() > self.chain.links as usize
     }
 
-    /// Ends of every link as the model will have them, (rear, front): its hinges lie at half a pitch from its middle.
+    /// Return the ends of every link in the model, (rear, front): half a pitch from its middle.
     fn link_ends(&self) -> Vec<(Vec2, Vec2)> {
         let pitches = self.chain.link_pitches();
         let n = pitches.len();
@@ -256,7 +256,7 @@ impl Lie<'_> {
             .collect()
     }
 
-    /// Largest distance of a pin's centre from its bushing's \[m\].
+    /// Return the largest distance of the centres of pin and bushing \[m\].
     pub(super) fn stretch(&self) -> f64 {
         let ends = self.link_ends();
         let next = ends.iter().cycle().skip(1);
@@ -268,7 +268,7 @@ impl Lie<'_> {
             .fold(0.0, f64::max)
     }
 
-    /// Smallest distance of a bushing from a tooth \[m\]; infinite when none is near.
+    /// Return the smallest distance of a bushing from a tooth \[m\]; infinite where none is near.
     pub(super) fn smallest_gap(&self) -> f64 {
         let radius = self.chain.contact_radius();
         let bushings: Vec<Vec2> = self
@@ -298,17 +298,17 @@ impl Lie<'_> {
     }
 }
 
-/// Fewest pitches in mesh that go without a word.
+/// Number of pitches in mesh below which a warning is given.
 const FEW_IN_MESH: u32 = 3;
 
 impl Layout {
-    /// What a strand is called.
+    /// Return the name of a strand.
     #[must_use]
     pub fn strand_name(&self, strand: usize) -> String {
         strand_name(&self.strands, strand)
     }
 
-    /// What hinge `hinge` is seated on, or the strand that it is in, in words.
+    /// Return the name of the sprocket or strand of `hinge`.
     pub(super) fn place_of(&self, hinge: usize) -> String {
         if let Some(sprocket) = self.seat_of[hinge] {
             return format!("sprocket {}", sprocket + 1);
@@ -328,10 +328,10 @@ impl Layout {
         strand.map_or(String::new(), |i| format!("strand {}", self.strand_name(i)))
     }
 
-    /// What a designer should know of these choices.
+    /// Return the warnings about these choices.
     pub(super) fn warn(&mut self, drive: &Drive) {
         let mut warnings = Vec::new();
-        // How far an open chain hangs is for its ends to say.
+        // The ends determine the sag of an open chain.
         let closed = if drive.ends.is_none() {
             self.strands.len()
         } else {
@@ -350,7 +350,7 @@ impl Layout {
         for (i, sprocket) in drive.sprockets.iter().enumerate() {
             let gap = std::f64::consts::TAU / f64::from(sprocket.teeth);
             let wrap = (f64::from(self.seated[i]) * gap).to_degrees();
-            // Idlers carry no power: a few teeth will do.
+            // Idlers transmit no power: few teeth are sufficient.
             if drive.sprockets.len() == 2 || !matches!(sprocket.motion, SprocketMotion::Free) {
                 if wrap < 120.0 - 1e-9 {
                     warnings.push(format!(
@@ -375,7 +375,7 @@ impl Layout {
     }
 
     fn warn_of_speeds(&self, drive: &Drive, warnings: &mut Vec<String>) {
-        // Speeds that are given must agree; the others follow.
+        // Given speeds must agree; the others follow.
         let given: Vec<usize> = (0..drive.sprockets.len())
             .filter(|&i| given_speed(drive, i).is_some())
             .collect();
@@ -398,12 +398,12 @@ impl Layout {
     }
 }
 
-/// Whether strands lead to the ends of an open chain.
+/// Return whether strands lead to the ends of an open chain.
 fn is_open(strands: &[[usize; 2]]) -> bool {
     strands[0][0] == usize::MAX
 }
 
-/// "upper" and "lower" of two sprockets, "1-3" from sprocket 1 to sprocket 3 of more; `"end_1-1"` from the end of an open chain.
+/// Return "upper" and "lower" for two sprockets, "1-3" from sprocket 1 to sprocket 3 of more; `"end_1-1"` from the end of an open chain.
 #[must_use]
 pub fn strand_name(strands: &[[usize; 2]], strand: usize) -> String {
     let [from, to] = strands[strand];
@@ -420,14 +420,14 @@ pub fn strand_name(strands: &[[usize; 2]], strand: usize) -> String {
     format!("{}-{}", from + 1, to + 1)
 }
 
-/// Smallest even number of links that is `pitches` or more but for a hair.
+/// Return the smallest even number of links not below `pitches`, except for rounding.
 #[must_use]
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a count of links
 pub(super) fn even_links(pitches: f64) -> u32 {
     2 * (0.5 * pitches - 0.05).ceil().max(2.0) as u32
 }
 
-/// Centre distance \[m\] at which a chain of `links` lies taut round two sprockets, its hinges on the pitch circles.
+/// Return the centre distance \[m\] of a taut chain of `links` on two sprockets, its hinges on the pitch circles.
 #[must_use]
 pub fn closing_center_distance(pitch: f64, teeth: [u32; 2], links: u32) -> Option<f64> {
     wrap::taut_path(
@@ -438,11 +438,11 @@ pub fn closing_center_distance(pitch: f64, teeth: [u32; 2], links: u32) -> Optio
     .map(|path| path.center_distance)
 }
 
-/// Smallest even number of links that closes at a centre distance \[m\].
+/// Return the smallest even number of links that closes at a centre distance \[m\].
 #[must_use]
 pub fn links_for(pitch: f64, teeth: [u32; 2], center_distance: f64) -> u32 {
     let mut links = even_links(wrap::belt_length(pitch, teeth, center_distance));
-    // The chain is a polygon: a taut one of this many links may still fall a little short.
+    // A taut polygon of this number of links may be slightly shorter than the belt.
     while closing_center_distance(pitch, teeth, links)
         .is_some_and(|c| c < center_distance * (1.0 - 1e-12))
     {

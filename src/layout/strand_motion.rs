@@ -1,18 +1,18 @@
-//! How the sprockets turn and the hinges move at the start of a drive of many sprockets: links that keep their lengths.
+//! Initial velocities of sprockets and hinges of a drive of many sprockets: the links keep their lengths.
 //!
-//! One speed that is given sets all others by the numbers of teeth: the mean speeds, which the polygon effect leaves by a little
-//! to both sides. Speeds that are given stay.
+//! One given angular velocity determines all others by the numbers of teeth: the mean values, from which the polygon action deviates
+//! by a little. Given angular velocities are not changed.
 
 use super::many_sprockets::ClosedLayout;
 use super::report::given_speed;
 use crate::drive::{BeltLine, Drive};
 use crate::geometry::{Vec2, turned_left};
 
-/// What the links of a slack strand may lengthen, against what their hinges may move for it: a nearly straight strand would
-/// have to leap sideways to keep its length.
+/// Regularisation ε: permitted elongation rate of slack links over the change of their hinges' velocities. Without it a nearly straight
+/// strand gets large transverse velocities.
 const GIVE: f64 = 1e-4;
 
-/// Speeds of the sprockets as listed \[rad/s\], and velocities of all hinges \[m/s\].
+/// Return the angular velocities of the sprockets in the described order \[rad/s\], and the velocities of all hinges \[m/s\].
 pub(super) fn of(drive: &Drive, line: &BeltLine, found: &ClosedLayout) -> (Vec<f64>, Vec<Vec2>) {
     let polygon = &found.polygon;
     let n = line.order.len();
@@ -61,7 +61,7 @@ pub(super) fn of(drive: &Drive, line: &BeltLine, found: &ClosedLayout) -> (Vec<f
     (listed, velocities)
 }
 
-/// Changes the velocities of all hinges that no sprocket seats so that their links keep their lengths.
+/// Change the velocities of all hinges that are not seated so that the links keep their lengths.
 pub(super) fn keep_all_lengths(
     seat_of: &[Option<usize>],
     hinges: &[Vec2],
@@ -85,7 +85,7 @@ pub(super) fn keep_all_lengths(
     }
 }
 
-/// Changes the velocities of a strand's hinges between its ends so that its links keep their lengths.
+/// Change the velocities of a strand's hinges between its ends so that its links keep their lengths.
 pub(super) fn keep_strand_lengths(hinges: &[Vec2], velocities: &mut [Vec2]) {
     let pairs = hinges.windows(2).zip(velocities.windows(2));
     let (links, lengthening) = pairs
@@ -99,14 +99,14 @@ pub(super) fn keep_strand_lengths(hinges: &[Vec2], velocities: &mut [Vec2]) {
     }
 }
 
-/// The first hinge on each wheel.
+/// Return the first hinge on each wheel.
 fn seat_starts(seat_of: &[Option<usize>], wheels: usize) -> Vec<usize> {
     (0..wheels)
         .map(|place| seat_of.iter().position(|&s| s == Some(place)).unwrap_or(0))
         .collect()
 }
 
-/// Speeds of the wheels in the chain's order \[rad/s\].
+/// Return the angular velocities of the wheels in the chain's order \[rad/s\].
 fn wheel_speeds(drive: &Drive, line: &BeltLine) -> Vec<f64> {
     let turn = |i: usize| {
         let sprocket = &drive.sprockets[i];
@@ -119,10 +119,10 @@ fn wheel_speeds(drive: &Drive, line: &BeltLine) -> Vec<f64> {
     line.order.iter().map(speed).collect()
 }
 
-/// The least changes of the inner hinges' velocities with which links along these directions, which lengthen at these rates, keep
-/// their lengths but for [`GIVE`].
+/// Return the smallest changes of the inner hinges' velocities for links along these directions with these elongation rates, so that they
+/// keep their lengths except for [`GIVE`].
 ///
-/// With A the matrix of rates of length by velocities, the changes are -Aᵀ λ with (A Aᵀ + ε) λ = rates: one row a link, tridiagonal.
+/// With A the matrix of elongation rates by velocities, the changes are -Aᵀ λ with (A Aᵀ + ε) λ = rates: one row per link, tridiagonal.
 fn keep_lengths(links: &[Vec2], lengthening: Vec<f64>) -> Vec<Vec2> {
     let n = links.len();
     let ends = |k: usize| if k == 0 || k == n - 1 { 1.0 } else { 2.0 };

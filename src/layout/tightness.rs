@@ -1,4 +1,4 @@
-//! How far a chain whose hinges do not open is too short for its sprockets, and what that presses into their teeth.
+//! Tightness of a chain with ideal hinges: its missing length and the resulting tension.
 
 use super::many_sprockets::{Around, SHIFTS};
 use super::report::seat_depth;
@@ -6,22 +6,22 @@ use crate::drive::Drive;
 use crate::error::Result;
 use crate::force_law::{Elastic, elastic_forces, tooth_surfaces};
 
-/// A chain with ideal hinges where the polygon effect tightens it most.
+/// Tightness at the position where the polygon action is largest.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Tightness {
-    /// Length that the chain lacks, room in the seats counted \[m\]; zero where it does not lack any.
+    /// Missing length of the chain after the clearance of the seats \[m\]; zero for a chain that is long enough.
     pub(super) shortage: f64,
-    /// Tension of a chain whose bushings are pressed into their seats by as much \[N\], by Hertz' law.
+    /// Tension of a chain whose bushings penetrate their seats by as much \[N\], by Hertz' law.
     pub(super) tension: f64,
 }
 
-/// How tight the closed chain of `drive` gets while its sprockets turn by a pitch, if its hinges do not open and no centre gives way.
+/// Return the tightness of the closed chain of `drive` over one pitch of rotation, with ideal hinges and fixed centres.
 ///
-/// Seats that the bushings are pressed into by d, towards the middle of the wrap α, make both strands longer by d sin(α/2) each; the
+/// A penetration d of the seats towards the middle of the wrap α makes both strands longer by d sin(α/2) each; the
 /// tension follows from the work of the seats' forces.
 ///
 /// # Errors
-/// When no belt line can be laid.
+/// When no belt line exists.
 pub(super) fn tightness(drive: &Drive) -> Result<Tightness> {
     let around = Around::new(drive)?;
     let Some(course) = around.course(0.0) else {
@@ -39,7 +39,7 @@ pub(super) fn tightness(drive: &Drive) -> Result<Tightness> {
             .zip(wraps)
             .map(|(&i, &wrap)| (&around.profiles[i], wrap))
     };
-    // What the strands gain for each metre that the seats give way.
+    // Elongation of the strands per unit of penetration.
     let gain: f64 = wheels().map(|(_, wrap)| 2.0 * (0.5 * wrap).sin()).sum();
     let room: f64 = wheels()
         .map(|(profile, wrap)| {
