@@ -84,7 +84,8 @@ def test_a_figure_can_be_drawn_into_given_axes(name):
     assert getattr(RESULT.plot, name)(*arguments, ax=ax) is figure
     assert len(figure.axes) == panels + 1
     assert all(axes.has_data() or axes.get_title("left") for axes in others)
-    assert not (left.has_data() or left.get_title("left"))
+    assert not (left.has_data())
+    assert not (left.get_title("left"))
     np.testing.assert_array_equal(figure.get_size_inches(), (9.0, 3.0))
 
 
