@@ -296,7 +296,8 @@ class Result(Outputs):
 
         The file is there whole or not at all: one that is there already is replaced when the new
         one is complete, and hands on its permissions. A process that is killed meanwhile may leave
-        a hidden file that ends in ``.part``. Ctrl-C is answered when the content is packed.
+        a hidden file that ends in ``.part``. Ctrl-C is answered when the content is packed. To save
+        in a function of `atexit`, import h5py, and dask where it is installed, before.
 
         Parameters
         ----------
