@@ -9,7 +9,7 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use rustchain::drive::Material;
 use rustchain::force_law::{
-    Damping, Elastic, ElasticPair, RegisterForces, SurfacePair, damping_factor,
+    Damping, Elastic, ElasticPair, SurfacePair, VectorForces, damping_factor,
 };
 use rustchain::math::simd::InstructionSet;
 
@@ -71,7 +71,7 @@ fn registers(_: &mut Criterion) {
             black_box(sum);
         }));
         for set in &sets {
-            let mut forces = RegisterForces::new(law, &pin, &depths, *set);
+            let mut forces = VectorForces::new(law, &pin, &depths, *set);
             competitors.push(Box::new(move || {
                 black_box(forces.evaluate());
             }));

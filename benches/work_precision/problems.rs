@@ -1,6 +1,6 @@
 //! Problems with known answers: a planet, and a pin that bounces once.
 
-use rustchain::force_law::{ElasticLaw, Hertz, SurfacePair, damping_factor};
+use rustchain::force_law::{Elastic, ElasticPair, SurfacePair, damping_factor};
 use rustchain::geometry::Contact;
 use rustchain::geometry::Vec2;
 use rustchain::integrator::event_location::first_crossing;
@@ -86,11 +86,11 @@ impl Pin {
     pub(crate) fn new(lambda: f64) -> Self {
         let (mass, speed) = (7e-3, 0.5);
         let surfaces = SurfacePair::internal(2.22e-3, 2.245e-3, 0.011, 2.07e11 / 1.82);
-        let law = Hertz::prepare(&surfaces);
-        let depth = (1.25 * mass * speed * speed / law.stiffness).powf(0.4);
+        let law = ElasticPair::prepare(Elastic::Hertz, &surfaces);
+        let depth = (1.25 * mass * speed * speed / law.force(1.0)).powf(0.4);
         Self {
             lambda,
-            stiffness: Hertz::force(&law, depth) * depth / (mass * speed * speed),
+            stiffness: law.force(depth) * depth / (mass * speed * speed),
             onset_speed: None,
             parting_speed: None,
             matrix: 1.0,
@@ -103,7 +103,7 @@ impl Pin {
             let flight = Self::END + Self::START[0] - Self::DURATION;
             (y[0] + flight).abs()
         } else {
-            let expected = rustchain::force_law::restitution_obtained(self.lambda);
+            let expected = rustchain::force_law::effective_restitution(self.lambda);
             self.parting_speed
                 .map_or(f64::INFINITY, |speed| (speed - expected).abs())
         }

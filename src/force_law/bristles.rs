@@ -9,10 +9,9 @@
 //! With a constant σ₁ bristles would feed the motion at slips above 4 g/σ₁ (Barabanov and Ortega, IEEE Transactions on Automatic
 //! Control 45 (2000) 675). Here it fades, σ₁(s) = σ₁/(1 + σ₁ |s|/(4 g)), and never does.
 
-use pulp::Simd;
-
 use crate::error::{Error, Result, check};
-use crate::math::simd::{Lanes, exp, ln_of_quotient};
+use crate::math::simd::{exp, ln_of_quotient};
+use crate::math::{Real, Truth};
 
 /// Least part of the Stribeck speed whose power is taken: a logarithm has none of zero.
 const LEAST_PART: f64 = 1e-300;
@@ -97,20 +96,18 @@ impl LuGre {
     /// g, the coefficient in steady slip without its viscous part.
     #[must_use]
     pub fn coefficient(&self, slip: f64) -> f64 {
-        let fall = self.static_coefficient - self.kinetic_coefficient;
-        let part = (slip.abs() / self.stribeck_speed).powf(self.stribeck_exponent);
-        self.kinetic_coefficient + fall * (-part).exp()
+        let law = BristleLaw::new((), self);
+        let [_, fallen] = law.fall_of(slip.abs());
+        law.kinetic + fallen
     }
 
     /// Bristles bent by `deflection` \[m\] in a contact that slips at `slip` \[m/s\].
     #[must_use]
     pub fn bent(&self, deflection: f64, slip: f64) -> Bent {
-        let (g, speed) = (self.coefficient(slip), slip.abs());
-        let rate = slip - self.stiffness * speed / g * deflection;
-        let damping = self.damping / (1.0 + self.damping * speed / (4.0 * g));
+        let bristles = BristleLaw::new((), self).bend(1.0, slip, deflection, None);
         Bent {
-            share: self.stiffness * deflection + damping * rate + self.viscous_coefficient * slip,
-            rate,
+            share: bristles.force,
+            rate: bristles.rate,
         }
     }
 
@@ -144,47 +141,47 @@ impl LuGre {
     }
 }
 
-/// Where an implicit step leads bristles: z = foretold + γ dz/dt.
+/// Where an implicit step leads bristles: z = `predicted` + γ dz/dt.
 #[derive(Clone, Copy)]
-pub(crate) struct Ahead<S: Simd> {
+pub(crate) struct Ahead<R> {
     /// What is known of z before the step's own rate \[m\].
-    pub(crate) foretold: Lanes<S>,
-    pub(crate) gamma: Lanes<S>,
+    pub(crate) predicted: R,
+    pub(crate) gamma: R,
 }
 
-/// What bristles do over a register of contacts.
-pub(crate) struct BentLanes<S: Simd> {
+/// What the bristles of a contact, or of a vector of contacts, do.
+pub(crate) struct BristleForce<R> {
     /// Friction \[N\].
-    pub(crate) force: Lanes<S>,
+    pub(crate) force: R,
     /// dz/dt \[m/s\].
-    pub(crate) rate: Lanes<S>,
+    pub(crate) rate: R,
     /// z, where it is solved for \[m\].
-    pub(crate) deflection: Lanes<S>,
-    /// Slope of the friction with the slip while z follows it, not negative \[N s/m\]; means nothing where z is given.
-    pub(crate) slope: Lanes<S>,
+    pub(crate) deflection: R,
+    /// Friction slope while z follows the slip, not negative \[N s/m\]; means nothing where z is given.
+    pub(crate) slope: R,
 }
 
-/// Bristles over registers.
+/// Bristles with their constants at hand, for one contact or a vector of them.
 #[derive(Clone, Copy)]
-pub(crate) struct LuGreLanes<S: Simd> {
+pub(crate) struct BristleLaw<R> {
     /// Whether α is two, which needs no logarithm.
     squared: bool,
-    kinetic: Lanes<S>,
+    kinetic: R,
     /// `μ_s` - `μ_k`.
-    fall: Lanes<S>,
-    stiffness: Lanes<S>,
-    damping: Lanes<S>,
-    quarter_damping: Lanes<S>,
-    viscous: Lanes<S>,
+    fall: R,
+    stiffness: R,
+    damping: R,
+    quarter_damping: R,
+    viscous: R,
     /// 1/v.
-    over_speed: Lanes<S>,
-    exponent: Lanes<S>,
+    over_speed: R,
+    exponent: R,
 }
 
-impl<S: Simd> LuGreLanes<S> {
+impl<R: Real> BristleLaw<R> {
     #[inline(always)]
-    pub(crate) fn new(simd: S, law: &LuGre) -> Self {
-        let splat = |value| Lanes::splat(simd, value);
+    pub(crate) fn new(context: R::Context, law: &LuGre) -> Self {
+        let splat = |value| R::splat(context, value);
         Self {
             squared: law.stribeck_exponent == 2.0,
             kinetic: splat(law.kinetic_coefficient),
@@ -198,34 +195,40 @@ impl<S: Simd> LuGreLanes<S> {
         }
     }
 
+    /// (|s|/v)^α, and what is left of `μ_s` - `μ_k` there.
+    #[inline(always)]
+    fn fall_of(&self, speed: R) -> [R; 2] {
+        let part = speed * self.over_speed;
+        let power = if self.squared {
+            part * part
+        } else {
+            let part = part.max(speed.constant(LEAST_PART));
+            exp(ln_of_quotient(part, speed.constant(1.0)) * self.exponent)
+        };
+        [power, self.fall * exp(-power)]
+    }
+
     /// Friction of contacts pressed by `force` that slip at `slip`, of bristles bent by `given` or, where an implicit step solves
     /// for it, by what that leads to.
     #[inline(always)]
     pub(crate) fn bend(
         &self,
-        force: Lanes<S>,
-        slip: Lanes<S>,
-        given: Lanes<S>,
-        ahead: Option<&Ahead<S>>,
-    ) -> BentLanes<S> {
+        force: R,
+        slip: R,
+        given: R,
+        ahead: Option<&Ahead<R>>,
+    ) -> BristleForce<R> {
         let (zero, one) = (slip.constant(0.0), slip.constant(1.0));
         let speed = slip.abs();
-        let part = speed * self.over_speed;
-        let power = if self.squared {
-            part * part
-        } else {
-            let part = part.max(slip.constant(LEAST_PART));
-            exp(ln_of_quotient(part, one) * self.exponent)
-        };
-        let fallen = self.fall * exp(-power);
+        let [power, fallen] = self.fall_of(speed);
         let coefficient = self.kinetic + fallen;
         let over = one / coefficient;
         let relaxing = self.stiffness * speed * over;
         let damping = self.damping / self.quarter_damping.mul_add(speed * over, one);
         let (mut deflection, mut slope) = (given, zero);
-        if let Some(Ahead { foretold, gamma }) = ahead {
+        if let Some(Ahead { predicted, gamma }) = ahead {
             let share = one / gamma.mul_add(relaxing, one);
-            deflection = gamma.mul_add(slip, *foretold) * share;
+            deflection = gamma.mul_add(slip, *predicted) * share;
             // How the relaxing changes with the speed.
             let steeper =
                 self.stiffness * over * over * (fallen * self.exponent).mul_add(power, coefficient);
@@ -238,7 +241,7 @@ impl<S: Simd> LuGreLanes<S> {
         let sum = self
             .stiffness
             .mul_add(deflection, damping.mul_add(rate, self.viscous * slip));
-        BentLanes {
+        BristleForce {
             force: force * sum,
             rate,
             deflection,
@@ -249,9 +252,11 @@ impl<S: Simd> LuGreLanes<S> {
 
 #[cfg(test)]
 mod tests {
+    use pulp::Simd;
+
     use super::*;
-    use crate::math::simd::InstructionSet;
     use crate::math::simd::testing::{LaneFunction, assert_same_bits, map};
+    use crate::math::simd::{InstructionSet, Lanes};
 
     fn laws() -> Vec<LuGre> {
         let mut laws = Vec::new();
@@ -271,19 +276,32 @@ mod tests {
         laws
     }
 
+    /// The law as it is printed at the head of this file.
+    fn printed(law: &LuGre, z: f64, slip: f64) -> Bent {
+        let fall = law.static_coefficient - law.kinetic_coefficient;
+        let part = (slip.abs() / law.stribeck_speed).powf(law.stribeck_exponent);
+        let g = law.kinetic_coefficient + fall * (-part).exp();
+        let rate = slip - law.stiffness * slip.abs() / g * z;
+        let damping = law.damping / (1.0 + law.damping * slip.abs() / (4.0 * g));
+        Bent {
+            share: law.stiffness * z + damping * rate + law.viscous_coefficient * slip,
+            rate,
+        }
+    }
+
     struct AtTenNewton(LuGre, f64, usize);
 
     impl LaneFunction for AtTenNewton {
         #[inline(always)]
         fn of<S: Simd>(&self, x: Lanes<S>) -> Lanes<S> {
-            let lanes = LuGreLanes::new(x.simd(), &self.0);
+            let lanes = BristleLaw::new(x.simd(), &self.0);
             let bent = lanes.bend(x.constant(10.0), x, x.constant(self.1), None);
             [bent.force, bent.rate][self.2]
         }
     }
 
     #[test]
-    fn registers_give_what_the_scalar_form_gives() {
+    fn vectors_give_the_printed_law() {
         let slips: Vec<f64> = (-60..=60).map(|i| 1e-4 * f64::from(i)).collect();
         for law in laws() {
             let z = 0.3 * law.breakaway();
@@ -291,7 +309,7 @@ mod tests {
                 let function = AtTenNewton(law, z, which);
                 for set in InstructionSet::available() {
                     for (&slip, found) in slips.iter().zip(map(set, &function, &slips)) {
-                        let bent = law.bent(z, slip);
+                        let bent = printed(&law, z, slip);
                         let expected = [10.0 * bent.share, bent.rate][which];
                         let size = [10.0 * (0.15 + law.damping * 6e-3), 0.1][which];
                         assert!(
@@ -312,13 +330,13 @@ mod tests {
     impl LaneFunction for AheadAt {
         #[inline(always)]
         fn of<S: Simd>(&self, x: Lanes<S>) -> Lanes<S> {
-            let lanes = LuGreLanes::new(x.simd(), &self.0);
+            let lanes = BristleLaw::new(x.simd(), &self.0);
             let ahead = Ahead {
-                foretold: x.constant(self.1),
+                predicted: x.constant(self.1),
                 gamma: x.constant(2e-6),
             };
             let bent = lanes.bend(x.constant(10.0), x, x.constant(0.0), Some(&ahead));
-            let wrong = bent.deflection - ahead.gamma.mul_add(bent.rate, ahead.foretold);
+            let wrong = bent.deflection - ahead.gamma.mul_add(bent.rate, ahead.predicted);
             [bent.force, bent.slope, wrong][self.2]
         }
     }

@@ -4,38 +4,31 @@
 //! Machine Theory 42 (2007) 183, from a Winkler foundation fitted to finite elements; checked against public code. Depth and
 //! force grow together without end. With ΔR = `R_i + R_j` the same formula is used outside, where it is a formality.
 
-use pulp::Simd;
+use super::{Conformity, Definition, ElasticLaw, SurfacePair};
+use crate::math::Real;
 
-use super::{Conformity, ElasticLaw, SurfacePair, VectorLaw};
-use crate::math::simd::Lanes;
-
-/// Liu's conformal law.
+/// Liu's conformal law; its constants are π E* L / sqrt(8) \[N/m\], the secant's stiffness of a contact much deeper than ΔR,
+/// and ΔR \[m\].
 #[derive(Debug, Clone, Copy)]
-pub struct Conformal;
+pub(crate) struct Conformal;
 
-/// Constants of one pair.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ConformalPair {
-    /// π E* L / sqrt(8) \[N/m\]: the secant's stiffness of a contact much deeper than ΔR.
-    pub stiffness: f64,
-    /// ΔR \[m\].
-    pub radius_difference: f64,
-}
+/// The law that a user picks.
+pub(super) const LIU_CONFORMAL: Definition = Definition {
+    name: "liu-conformal",
+    prepare: Conformal::prepare,
+    range_note: Conformal::range_note,
+};
 
 impl Conformal {
     /// Stiffness and ΔR of one pair.
-    #[must_use]
-    pub fn prepare(surfaces: &SurfacePair) -> ConformalPair {
-        ConformalPair {
-            stiffness: std::f64::consts::PI * surfaces.contact_modulus * surfaces.length
-                / 8.0f64.sqrt(),
-            radius_difference: surfaces.radius_difference,
-        }
+    fn prepare(surfaces: &SurfacePair) -> [f64; 2] {
+        let stiffness =
+            std::f64::consts::PI * surfaces.contact_modulus * surfaces.length / 8.0f64.sqrt();
+        [stiffness, surfaces.radius_difference]
     }
 
     /// Why the law is outside its range for these surfaces, if it is.
-    #[must_use]
-    pub fn range_note(surfaces: &SurfacePair) -> Option<String> {
+    fn range_note(surfaces: &SurfacePair) -> Option<String> {
         (surfaces.conformity == Conformity::External).then(|| {
             "it is of a cylinder in a bore, here two convex surfaces touch; dR is the sum of their radii"
                 .to_string()
@@ -44,27 +37,21 @@ impl Conformal {
 }
 
 impl ElasticLaw for Conformal {
-    type Pair = ConformalPair;
-
-    fn force(pair: &ConformalPair, penetration: f64) -> f64 {
-        if penetration <= 0.0 {
-            return 0.0;
-        }
-        let share = penetration / (pair.radius_difference + penetration);
-        pair.stiffness * penetration * share.sqrt()
+    #[inline(always)]
+    fn elastic<R: Real>([stiffness, radius_difference]: [R; 2], penetration: R) -> R {
+        let share = penetration / (radius_difference + penetration);
+        stiffness * penetration * share.sqrt()
     }
 
-    fn stiffness(pair: &ConformalPair, penetration: f64) -> f64 {
-        if penetration <= 0.0 {
-            return 0.0;
-        }
-        let share = penetration / (pair.radius_difference + penetration);
-        pair.stiffness * share.sqrt() * (1.5 - 0.5 * share)
+    #[inline(always)]
+    fn slope<R: Real>([stiffness, radius_difference]: [R; 2], penetration: R, _force: R) -> R {
+        let share = penetration / (radius_difference + penetration);
+        let rise = share.negate_mul_add(share.constant(0.5), share.constant(1.5));
+        stiffness * share.sqrt() * rise
     }
 
-    fn energy(pair: &ConformalPair, penetration: f64) -> f64 {
-        let dr = pair.radius_difference;
-        pair.stiffness * dr * dr * integral(penetration.max(0.0) / dr)
+    fn stored([stiffness, dr]: &[f64; 2], penetration: f64, _force: f64) -> f64 {
+        stiffness * dr * dr * integral(penetration / dr)
     }
 }
 
@@ -83,38 +70,12 @@ fn integral(x: f64) -> f64 {
     x * x * x.sqrt() * sum
 }
 
-impl VectorLaw for Conformal {
-    fn constants(pair: &ConformalPair) -> [f64; 2] {
-        [pair.stiffness, pair.radius_difference]
-    }
-
-    #[inline(always)]
-    fn forces<S: Simd>(
-        [stiffness, radius_difference]: [Lanes<S>; 2],
-        penetration: Lanes<S>,
-    ) -> Lanes<S> {
-        let share = penetration / (radius_difference + penetration);
-        stiffness * penetration * share.sqrt()
-    }
-
-    #[inline(always)]
-    fn slopes<S: Simd>(
-        [stiffness, radius_difference]: [Lanes<S>; 2],
-        penetration: Lanes<S>,
-        _forces: Lanes<S>,
-    ) -> Lanes<S> {
-        let share = penetration / (radius_difference + penetration);
-        let rise = share.negate_mul_add(share.constant(0.5), share.constant(1.5));
-        stiffness * share.sqrt() * rise
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::force_law::testing::for_each_force;
 
-    fn pair() -> ConformalPair {
+    fn pair() -> [f64; 2] {
         Conformal::prepare(&SurfacePair::internal(
             2.22e-3,
             2.245e-3,
@@ -134,15 +95,17 @@ mod tests {
     }
 
     #[test]
-    fn the_vector_form_has_the_bits_of_the_twin() {
+    fn vectors_have_the_bits_of_the_formula() {
         let depths = [0.0, 5e-324, 1e-310, 1e-12, 2.5e-6, 1e-4, 1e200];
-        for_each_force::<Conformal>(&pair(), &depths, |set, d, force, twin| {
-            assert_eq!(force.to_bits(), twin.to_bits(), "{set} at {d:e}");
+        for_each_force::<Conformal>(&pair(), &depths, |set, d, force| {
+            let [stiffness, dr] = pair();
+            let expected = stiffness * d * (d / (dr + d)).sqrt();
+            assert_eq!(force.to_bits(), expected.to_bits(), "{set} at {d:e}");
         });
-        // A share of infinities is no number, here as in the twin.
+        // A share of infinities is no number.
         let beyond = [f64::INFINITY, f64::NAN];
-        for_each_force::<Conformal>(&pair(), &beyond, |_, _, force, twin| {
-            assert!(force.is_nan() && twin.is_nan());
+        for_each_force::<Conformal>(&pair(), &beyond, |_, _, force| {
+            assert!(force.is_nan());
         });
     }
 
@@ -151,9 +114,8 @@ mod tests {
         let pair = pair();
         for d in [1e-10, 1e-8, 2.4e-6, 2.6e-6, 1e-5, 1e-4, 1e-3] {
             let h = 1e-4 * d;
-            let difference = |of: fn(&ConformalPair, f64) -> f64| {
-                (of(&pair, d + h) - of(&pair, d - h)) / (2.0 * h)
-            };
+            let difference =
+                |of: fn(&[f64; 2], f64) -> f64| (of(&pair, d + h) - of(&pair, d - h)) / (2.0 * h);
             let slope = difference(Conformal::force) / Conformal::stiffness(&pair, d);
             let power = difference(Conformal::energy) / Conformal::force(&pair, d);
             assert!((slope - 1.0).abs() < 1e-7, "{d}");

@@ -7,6 +7,7 @@
 //! near `c_e` = 1, against the paper's own claim; a test holds λ to that limit.
 
 use crate::error::{Error, Result};
+use crate::math::Real;
 
 /// The damping part of a force law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,11 +105,16 @@ impl Damping {
 }
 
 /// The factor 1 + λ δ'/δ'₀, never negative: damping does not pull. Not a number stays so.
+#[inline(always)]
+pub(super) fn factor<R: Real>(lambda: R, rate: R, inverse_onset: R) -> R {
+    let one = rate.constant(1.0);
+    (lambda * rate).mul_add(inverse_onset, one).positive_part()
+}
+
+/// The same of one contact, whose impact velocity δ'₀ is `onset_speed` \[m/s\].
 #[must_use]
-#[inline]
 pub fn damping_factor(lambda: f64, rate: f64, onset_speed: f64) -> f64 {
-    let factor = 1.0 + lambda * rate / onset_speed;
-    if factor < 0.0 { 0.0 } else { factor }
+    factor(lambda, rate, 1.0 / onset_speed)
 }
 
 /// The restitution e' that a factor with `lambda` >= 0 really gives, whatever the elastic law, mass and speed.

@@ -2,199 +2,218 @@
 //!
 //! The run's loops are compiled once for each form, so that a law of a known form costs nothing but its constants.
 
-use super::{
-    Conformal, ConformalPair, ElasticLaw, EnhancedCylinder, Hertz, HertzPair, LineContact,
-    LogarithmicPair, PowerPair, SurfacePair,
-};
+use super::{ElasticLaw, Power, SurfacePair, conformal, enhanced_cylinder, hertz, line_contact};
 
-/// The elastic law a user picks.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Elastic {
-    /// Hertz for spheres, as Lankarani and Nikravesh use it.
-    Hertz,
-    /// Johnson's cylinders.
-    Johnson,
-    /// The enhanced cylindrical law of Pereira, Ramalho and Ambrósio, coefficients of 2010.
-    EnhancedCylinder,
-    /// The same with the coefficients of 2015.
-    EnhancedCylinder2015,
-    /// Hertz's cylinders as two half-planes.
-    HertzCylinder,
-    /// Radzimovsky's cylinders.
-    Radzimovsky,
-    /// Item 78035 of the Engineering Sciences Data Unit.
-    Esdu78035,
-    /// Liu, Zhang and Yang's conformal cylinders.
-    LiuConformal,
-    /// A constant stiffness \[N/m\], whatever the surfaces.
-    Linear(f64),
+/// An elastic law that a user picks by name.
+pub(crate) struct Definition {
+    /// The name used in messages and descriptions.
+    pub(crate) name: &'static str,
+    /// The constants that its form takes, for one pair.
+    pub(crate) prepare: fn(&SurfacePair) -> [f64; 2],
+    /// Why it is outside its range for these surfaces whatever the penetration, if it is.
+    pub(crate) range_note: fn(&SurfacePair) -> Option<String>,
 }
 
-impl Elastic {
-    /// Those that surfaces and material alone decide.
-    pub const ALL: [Self; 8] = [
-        Self::Hertz,
-        Self::Johnson,
-        Self::EnhancedCylinder,
-        Self::EnhancedCylinder2015,
-        Self::HertzCylinder,
-        Self::Radzimovsky,
-        Self::Esdu78035,
-        Self::LiuConformal,
-    ];
+/// Lists all laws, form by form.
+macro_rules! elastic_laws {
+    ($dollar:tt $($form:ident { $($(#[$doc:meta])* $law:ident = $definition:expr;)+ })+) => {
+        /// The elastic law a user picks.
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub enum Elastic {
+            $($($(#[$doc])* $law,)+)+
+            /// A constant stiffness \[N/m\], whatever the surfaces.
+            Linear(f64),
+        }
 
+        impl Elastic {
+            /// Those that surfaces and material alone decide.
+            pub const ALL: [Self; [$($(stringify!($law),)+)+].len()] = [$($(Self::$law,)+)+];
+
+            /// Its definition; none of the linear law, whose constant is its own.
+            fn definition(self) -> Option<&'static Definition> {
+                match self {
+                    $($(Self::$law => Some(&$definition),)+)+
+                    Self::Linear(_) => None,
+                }
+            }
+
+            fn form(self) -> Form {
+                match self {
+                    $($(Self::$law => Form::$form,)+)+
+                    Self::Linear(_) => Form::Power,
+                }
+            }
+        }
+
+        /// The forms that the loops are compiled for.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[allow(missing_docs)] // the names say it
+        pub(crate) enum Form {
+            $($form,)+
+        }
+
+        /// Runs a generic function over the law of a table: `with_law!(table, Law, pairs => expression)`.
+        macro_rules! with_law {
+            ($dollar table:expr, $dollar law:ident, $dollar pairs:ident => $dollar body:expr) => {{
+                let (form, $dollar pairs) = $dollar table.form_and_pairs();
+                match form {
+                    $($crate::force_law::Form::$form => {
+                        type $dollar law = $crate::force_law::$form;
+                        $dollar body
+                    })+
+                }
+            }};
+        }
+    };
+}
+
+// A law is its own file and a line here; a new form is a name with braces around its laws, and costs loops of its own.
+elastic_laws! { $
+    Hertz {
+        /// Hertz for spheres, as Lankarani and Nikravesh use it.
+        Hertz = hertz::HERTZ;
+    }
+    Logarithmic {
+        /// Johnson's cylinders.
+        Johnson = line_contact::JOHNSON;
+        /// Hertz's cylinders as two half-planes.
+        HertzCylinder = line_contact::HERTZ_CYLINDER;
+        /// Radzimovsky's cylinders.
+        Radzimovsky = line_contact::RADZIMOVSKY;
+        /// Item 78035 of the Engineering Sciences Data Unit.
+        Esdu78035 = line_contact::ESDU_78035;
+    }
+    Power {
+        /// The enhanced cylindrical law of Pereira, Ramalho and Ambrósio, coefficients of 2010.
+        EnhancedCylinder = enhanced_cylinder::ENHANCED_CYLINDER;
+        /// The same with the coefficients of 2015.
+        EnhancedCylinder2015 = enhanced_cylinder::ENHANCED_CYLINDER_2015;
+    }
+    Conformal {
+        /// Liu, Zhang and Yang's conformal cylinders.
+        LiuConformal = conformal::LIU_CONFORMAL;
+    }
+}
+pub(crate) use with_law;
+
+impl Elastic {
     /// The name used in messages and descriptions.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Hertz => "hertz",
-            Self::Johnson => "johnson",
-            Self::EnhancedCylinder => "enhanced-cylinder",
-            Self::EnhancedCylinder2015 => "enhanced-cylinder-2015",
-            Self::HertzCylinder => "hertz-cylinder",
-            Self::Radzimovsky => "radzimovsky",
-            Self::Esdu78035 => "esdu-78035",
-            Self::LiuConformal => "liu-conformal",
-            Self::Linear(_) => "linear",
-        }
+        self.definition().map_or("linear", |law| law.name)
     }
 
     /// Whether the law's range ends at some penetration.
     #[must_use]
     pub fn has_an_end(self) -> bool {
-        matches!(
-            self,
-            Self::Johnson | Self::HertzCylinder | Self::Radzimovsky | Self::Esdu78035
-        )
+        self.form() == Form::Logarithmic
+    }
+
+    /// The constants of one pair.
+    fn prepare(self, surfaces: &SurfacePair) -> [f64; 2] {
+        match (self, self.definition()) {
+            (Self::Linear(stiffness), _) => Power::constants(stiffness, 1.0),
+            (_, Some(law)) => (law.prepare)(surfaces),
+            (_, None) => [0.0; 2],
+        }
     }
 }
 
-/// The constants of all pairs of one group, one arm a form: one match, then a loop without any.
+/// The constants of all pairs of one group: one match of the form, then a loop without any.
 #[derive(Debug, Clone)]
-#[allow(missing_docs)] // the names say it
-pub enum PairTable {
-    Hertz(Vec<HertzPair>),
-    Power(Vec<PowerPair>),
-    Logarithmic(Vec<LogarithmicPair>),
-    Conformal(Vec<ConformalPair>),
+pub struct PairTable {
+    form: Form,
+    pairs: Vec<[f64; 2]>,
 }
 
 impl PairTable {
     /// The constants of `law` for every pair.
     #[must_use]
     pub fn prepare(law: Elastic, surfaces: &[SurfacePair]) -> Self {
-        fn each<Pair>(surfaces: &[SurfacePair], of: impl Fn(&SurfacePair) -> Pair) -> Vec<Pair> {
-            surfaces.iter().map(of).collect()
+        Self {
+            form: law.form(),
+            pairs: surfaces.iter().map(|pair| law.prepare(pair)).collect(),
         }
-        let line = |law: LineContact| Self::Logarithmic(each(surfaces, |pair| law.prepare(pair)));
-        let enhanced =
-            |law: EnhancedCylinder| Self::Power(each(surfaces, |pair| law.prepare(pair)));
-        match law {
-            Elastic::Hertz => Self::Hertz(each(surfaces, Hertz::prepare)),
-            Elastic::Johnson => line(LineContact::Johnson),
-            Elastic::HertzCylinder => line(LineContact::HertzCylinder),
-            Elastic::Radzimovsky => line(LineContact::Radzimovsky),
-            Elastic::Esdu78035 => line(LineContact::Esdu78035),
-            Elastic::EnhancedCylinder => enhanced(EnhancedCylinder::Of2010),
-            Elastic::EnhancedCylinder2015 => enhanced(EnhancedCylinder::Of2015),
-            Elastic::LiuConformal => Self::Conformal(each(surfaces, Conformal::prepare)),
-            Elastic::Linear(stiffness) => Self::Power(each(surfaces, |_| PowerPair {
-                stiffness,
-                exponent: 1.0,
-            })),
+    }
+
+    pub(crate) fn form_and_pairs(&self) -> (Form, &[[f64; 2]]) {
+        (self.form, &self.pairs)
+    }
+
+    /// The constants of every pair.
+    pub(crate) fn pairs(&self) -> &[[f64; 2]] {
+        &self.pairs
+    }
+
+    /// Pair `i` by itself.
+    #[must_use]
+    pub fn pair(&self, i: usize) -> ElasticPair {
+        ElasticPair {
+            form: self.form,
+            constants: [self.pairs[i]],
         }
     }
 }
 
 /// The constants of one pair, for single forces outside the run's loops.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[allow(missing_docs)] // the names say it
-pub enum ElasticPair {
-    Hertz(HertzPair),
-    Power(PowerPair),
-    Logarithmic(LogarithmicPair),
-    Conformal(ConformalPair),
+pub struct ElasticPair {
+    form: Form,
+    constants: [[f64; 2]; 1],
 }
-
-/// Runs a generic function over the form of a law: `with_form!(PairTable, table, Law, pairs => expression)`.
-macro_rules! with_form {
-    ($of:ident, $value:expr, $law:ident, $pairs:ident => $body:expr) => {
-        match $value {
-            $crate::force_law::$of::Hertz($pairs) => {
-                type $law = $crate::force_law::Hertz;
-                $body
-            }
-            $crate::force_law::$of::Power($pairs) => {
-                type $law = $crate::force_law::Power;
-                $body
-            }
-            $crate::force_law::$of::Logarithmic($pairs) => {
-                type $law = $crate::force_law::Logarithmic;
-                $body
-            }
-            $crate::force_law::$of::Conformal($pairs) => {
-                type $law = $crate::force_law::Conformal;
-                $body
-            }
-        }
-    };
-}
-
-/// Runs a generic function over the law of a table: `with_law!(table, Law, pairs => expression)`.
-macro_rules! with_law {
-    ($table:expr, $law:ident, $pairs:ident => $body:expr) => {
-        $crate::force_law::with_form!(PairTable, $table, $law, $pairs => $body)
-    };
-}
-pub(crate) use {with_form, with_law};
 
 impl ElasticPair {
     /// The constants of `law` for one pair.
     #[must_use]
     pub fn prepare(law: Elastic, surfaces: &SurfacePair) -> Self {
-        match PairTable::prepare(law, std::slice::from_ref(surfaces)) {
-            PairTable::Hertz(pairs) => Self::Hertz(pairs[0]),
-            PairTable::Power(pairs) => Self::Power(pairs[0]),
-            PairTable::Logarithmic(pairs) => Self::Logarithmic(pairs[0]),
-            PairTable::Conformal(pairs) => Self::Conformal(pairs[0]),
+        Self {
+            form: law.form(),
+            constants: [law.prepare(surfaces)],
         }
+    }
+
+    /// The law K δ^n, K in N/m^n.
+    #[must_use]
+    pub fn power(stiffness: f64, exponent: f64) -> Self {
+        Self {
+            form: Form::Power,
+            constants: [Power::constants(stiffness, exponent)],
+        }
+    }
+
+    fn form_and_pairs(&self) -> (Form, &[[f64; 2]]) {
+        (self.form, &self.constants)
     }
 
     /// Elastic force \[N\] at penetration δ \[m\]; zero for δ <= 0; not a number stays so.
     #[must_use]
     pub fn force(&self, penetration: f64) -> f64 {
-        with_form!(ElasticPair, self, Law, pair => Law::force(pair, penetration))
+        with_law!(self, Law, pairs => Law::force(&pairs[0], penetration))
     }
 
     /// Its slope df/dδ \[N/m\]; zero for δ <= 0.
     #[must_use]
     pub fn stiffness(&self, penetration: f64) -> f64 {
-        with_form!(ElasticPair, self, Law, pair => Law::stiffness(pair, penetration))
+        with_law!(self, Law, pairs => Law::stiffness(&pairs[0], penetration))
     }
 
     /// Elastic energy \[J\] at penetration δ \[m\], the integral of the force.
     #[must_use]
     pub fn energy(&self, penetration: f64) -> f64 {
-        with_form!(ElasticPair, self, Law, pair => Law::energy(pair, penetration))
+        with_law!(self, Law, pairs => Law::energy(&pairs[0], penetration))
     }
 
     /// Penetration \[m\] at which the law's range ends.
     #[must_use]
     pub fn range_end(&self) -> f64 {
-        with_form!(ElasticPair, self, Law, pair => Law::range_end(pair))
+        with_law!(self, Law, pairs => Law::range_end(&pairs[0]))
     }
 }
 
 /// Why `law` is outside its range for these surfaces whatever the penetration, if it is.
 #[must_use]
 pub fn range_note(law: Elastic, surfaces: &SurfacePair) -> Option<String> {
-    match law {
-        Elastic::EnhancedCylinder | Elastic::EnhancedCylinder2015 => {
-            EnhancedCylinder::range_note(surfaces)
-        }
-        Elastic::LiuConformal => Conformal::range_note(surfaces),
-        _ => None,
-    }
+    law.definition().and_then(|law| (law.range_note)(surfaces))
 }
 
 /// Elastic force \[N\] of one pair over many penetrations \[m\].

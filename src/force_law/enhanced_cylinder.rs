@@ -4,11 +4,11 @@
 //! System Dynamics 35 (2015) 277, whose internal coefficients are taken from two secondary sources that agree. Fitted in
 //! millimetres and N/mm²; converted here, once, so that the run stays in SI.
 
-use super::{Conformity, PowerPair, SurfacePair};
+use super::{Conformity, Definition, Power, SurfacePair};
 
 /// The enhanced cylindrical law; the sets differ for internal contact only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum EnhancedCylinder {
+pub(super) enum EnhancedCylinder {
     /// Coefficients of the conference paper.
     Of2010,
     /// Coefficients of the journal paper.
@@ -18,13 +18,31 @@ pub enum EnhancedCylinder {
 /// Range of ΔR \[mm\] in which the internal exponents were fitted.
 const INTERNAL_RANGE: (f64, f64) = (0.005, 10.0);
 
+/// The coefficients of 2010.
+pub(super) const ENHANCED_CYLINDER: Definition = Definition {
+    name: "enhanced-cylinder",
+    prepare: |surfaces| EnhancedCylinder::Of2010.prepare(surfaces),
+    range_note: EnhancedCylinder::range_note,
+};
+
+/// Those of 2015.
+pub(super) const ENHANCED_CYLINDER_2015: Definition = Definition {
+    name: "enhanced-cylinder-2015",
+    prepare: |surfaces| EnhancedCylinder::Of2015.prepare(surfaces),
+    range_note: EnhancedCylinder::range_note,
+};
+
 const METRE: f64 = 1e3; // in mm
 const PASCAL: f64 = 1e-6; // in N/mm²
 
 impl EnhancedCylinder {
-    /// K and n of one pair.
-    #[must_use]
-    pub fn prepare(self, surfaces: &SurfacePair) -> PowerPair {
+    fn prepare(self, surfaces: &SurfacePair) -> [f64; 2] {
+        let [stiffness, exponent] = self.stiffness_and_exponent(surfaces);
+        Power::constants(stiffness, exponent)
+    }
+
+    /// K \[N/m^n\] and n of one pair.
+    pub(super) fn stiffness_and_exponent(self, surfaces: &SurfacePair) -> [f64; 2] {
         let dr = surfaces.radius_difference * METRE;
         let (a, b, exponent) = match (surfaces.conformity, self) {
             (Conformity::External, _) => (0.39, 0.85, 1.094),
@@ -33,10 +51,7 @@ impl EnhancedCylinder {
         };
         let stiffness =
             (a * dr + b) * (surfaces.length * METRE) * (surfaces.contact_modulus * PASCAL) / dr;
-        PowerPair {
-            stiffness: stiffness * METRE.powf(exponent),
-            exponent,
-        }
+        [stiffness * METRE.powf(exponent), exponent]
     }
 
     /// Exponent n of an internal contact, ΔR in mm; its factor Y is held at the ends of its range.
@@ -53,8 +68,7 @@ impl EnhancedCylinder {
     }
 
     /// Why the law is outside its range for these surfaces, if it is.
-    #[must_use]
-    pub fn range_note(surfaces: &SurfacePair) -> Option<String> {
+    fn range_note(surfaces: &SurfacePair) -> Option<String> {
         let dr = surfaces.radius_difference * METRE;
         let (from, to) = INTERNAL_RANGE;
         (surfaces.conformity == Conformity::Internal && !(from..=to).contains(&dr)).then(|| {
@@ -69,7 +83,7 @@ impl EnhancedCylinder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::force_law::{ElasticLaw, Power};
+    use crate::force_law::ElasticLaw;
 
     const MODULUS: f64 = 2.07e11 / 1.82;
 
@@ -90,8 +104,9 @@ mod tests {
             (EnhancedCylinder::Of2015, pin, 0.1143),
             (EnhancedCylinder::Of2015, working, 0.4055),
         ] {
+            let [stiffness, exponent] = law.stiffness_and_exponent(&surfaces);
+            let penetration = (50.0 / stiffness).powf(1.0 / exponent);
             let pair = law.prepare(&surfaces);
-            let penetration = (50.0 / pair.stiffness).powf(1.0 / pair.exponent);
             assert!((penetration * 1e6 - micrometres).abs() < 5e-5, "{law:?}");
             assert!((Power::force(&pair, penetration) - 50.0).abs() < 1e-9);
         }

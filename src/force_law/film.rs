@@ -25,10 +25,9 @@
 
 use std::f64::consts::PI;
 
-use pulp::Simd;
-
 use crate::error::{Error, Result, check};
-use crate::math::simd::{Lanes, arc_tangent};
+use crate::math::simd::arc_tangent;
+use crate::math::{Real, Truth};
 
 /// The lubricant of the hinges.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -114,11 +113,11 @@ pub(crate) struct FilmGradient {
 
 /// What a film does.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FilmForce {
+pub struct FilmForce<R = f64> {
     /// On the eccentric end, along the eccentricity and left of it \[N\].
-    pub force: [f64; 2],
+    pub force: [R; 2],
     /// S, torque on one end over the spin of the other seen from it \[N m s\].
-    pub shear: f64,
+    pub shear: R,
 }
 
 impl HingeFilm {
@@ -126,32 +125,7 @@ impl HingeFilm {
     /// that turns with the mean spin.
     #[must_use]
     pub fn at(&self, eccentricity: f64, velocity: [f64; 2]) -> FilmForce {
-        let ratio = eccentricity / self.clearance;
-        if ratio >= 1.0 {
-            return FilmForce {
-                force: [0.0; 2],
-                shear: 0.0,
-            };
-        }
-        let part = ((1.0 - ratio) / (1.0 - self.handover)).min(1.0);
-        let weight = part.powi(3) * (10.0 + part * (6.0 * part - 15.0));
-        let rest = (1.0 - ratio) * (1.0 + ratio);
-        let root = rest.sqrt();
-        let [along, across] = [velocity[0], 2.0 * velocity[1] / (2.0 + ratio * ratio)];
-        let size = along.hypot(across);
-        let cosine = if size > 0.0 { along / size } else { 0.0 };
-        let reach = size.hypot(self.speed);
-        let other = if reach > 0.0 { self.speed / reach } else { 0.0 };
-        let angle = (ratio * cosine / root).atan();
-        let turn = (PI * (1.0 + other) + 2.0 * (1.0 - other) * angle) / root;
-        let most = self.pressure * weight;
-        FilmForce {
-            force: [
-                -most * (turn * along + 2.0 * ratio * (1.0 - other) * size) / rest,
-                -most * turn * across,
-            ],
-            shear: self.shear * weight / root,
-        }
+        FilmLaw::new((), self).at(eccentricity, velocity, 1.0).film
     }
 
     /// The same with its derivatives.
@@ -222,67 +196,64 @@ impl HingeFilm {
     }
 }
 
-/// A film over registers of hinges.
+/// A film with its constants at hand, for one hinge or a vector of them.
 #[derive(Clone, Copy)]
-pub(crate) struct FilmLanes<S: Simd> {
-    inverse_clearance: Lanes<S>,
-    pressure: Lanes<S>,
-    shear: Lanes<S>,
+pub(crate) struct FilmLaw<R> {
+    inverse_clearance: R,
+    pressure: R,
+    shear: R,
     /// 1/(1 - handover)
-    over_band: Lanes<S>,
+    over_band: R,
     /// g₀
-    speed: Lanes<S>,
+    speed: R,
 }
 
-/// A register of films.
+/// What films do, and how.
 #[derive(Clone, Copy)]
-pub(crate) struct Filled<S: Simd> {
-    /// As [`FilmForce::force`].
-    pub(crate) force: [Lanes<S>; 2],
-    /// As [`FilmForce::shear`].
-    pub(crate) shear: Lanes<S>,
-    /// What [`FilmLanes::slopes`] goes on from.
-    state: State<S>,
+pub(crate) struct Filled<R> {
+    pub(crate) film: FilmForce<R>,
+    /// What [`FilmLaw::slopes`] goes on from.
+    state: State<R>,
 }
 
 #[derive(Clone, Copy)]
-struct State<S: Simd> {
-    ratio: Lanes<S>,
-    part: Lanes<S>,
-    weight: Lanes<S>,
+struct State<R> {
+    ratio: R,
+    part: R,
+    weight: R,
     /// 1/(1 - ε²)
-    over_rest: Lanes<S>,
+    over_rest: R,
     /// 2/(2 + ε²)
-    slant: Lanes<S>,
-    velocity: [Lanes<S>; 2],
+    slant: R,
+    velocity: [R; 2],
     /// g, its size and its direction.
-    g: [Lanes<S>; 2],
-    size: Lanes<S>,
-    direction: [Lanes<S>; 2],
+    g: [R; 2],
+    size: R,
+    direction: [R; 2],
     /// b
-    other: Lanes<S>,
+    other: R,
     /// π - 2 arctan(...)
-    rest_of_turn: Lanes<S>,
-    over_root: Lanes<S>,
+    rest_of_turn: R,
+    over_root: R,
     /// J, with what the other half adds.
-    turn: Lanes<S>,
+    turn: R,
     /// F over -6 μ L R³/c³ and the weight.
-    shape: [Lanes<S>; 2],
+    shape: [R; 2],
 }
 
-/// How the force of a register of films changes, xx along the eccentricity, yy across, xy; the means of what is not symmetric.
+/// How the forces of films change, xx along the eccentricity, yy across, xy; the means of what is not symmetric.
 #[derive(Clone, Copy)]
-pub(crate) struct FilmSlopes<S: Simd> {
+pub(crate) struct FilmSlopes<R> {
     /// Less force for a velocity \[N s/m\].
-    pub(crate) damping: [Lanes<S>; 3],
+    pub(crate) damping: [R; 3],
     /// Less force for a way \[N/m\].
-    pub(crate) stiffness: [Lanes<S>; 3],
+    pub(crate) stiffness: [R; 3],
 }
 
-impl<S: Simd> FilmLanes<S> {
+impl<R: Real> FilmLaw<R> {
     #[inline(always)]
-    pub(crate) fn new(simd: S, film: &HingeFilm) -> Self {
-        let splat = |value| Lanes::splat(simd, value);
+    pub(crate) fn new(context: R::Context, film: &HingeFilm) -> Self {
+        let splat = |value| R::splat(context, value);
         Self {
             inverse_clearance: splat(1.0 / film.clearance),
             pressure: splat(film.pressure),
@@ -294,12 +265,7 @@ impl<S: Simd> FilmLanes<S> {
 
     /// As [`HingeFilm::at`]; none where `there` is zero, all where it is one.
     #[inline(always)]
-    pub(crate) fn at(
-        &self,
-        eccentricity: Lanes<S>,
-        velocity: [Lanes<S>; 2],
-        there: Lanes<S>,
-    ) -> Filled<S> {
+    pub(crate) fn at(&self, eccentricity: R, velocity: [R; 2], there: R) -> Filled<R> {
         let constant = |value| there.constant(value);
         let (zero, one, two) = (constant(0.0), constant(1.0), constant(2.0));
         let ratio = eccentricity * self.inverse_clearance;
@@ -332,8 +298,10 @@ impl<S: Simd> FilmLanes<S> {
         ];
         let most = self.pressure * weight;
         Filled {
-            force: [-(most * shape[0]), -(most * shape[1])],
-            shear: self.shear * weight * over_root,
+            film: FilmForce {
+                force: [-(most * shape[0]), -(most * shape[1])],
+                shear: self.shear * weight * over_root,
+            },
             state: State {
                 ratio,
                 part,
@@ -358,7 +326,7 @@ impl<S: Simd> FilmLanes<S> {
     /// With the velocity: of the half film alone `∫ (2 - ε cos θ)/(1 - ε cos θ)² n n^T dθ` over the half, times dg/du. With the
     /// eccentricity: of its length, and of its direction by which force and velocity are seen.
     #[inline(always)]
-    pub(crate) fn slopes(&self, filled: &Filled<S>) -> FilmSlopes<S> {
+    pub(crate) fn slopes(&self, filled: &Filled<R>) -> FilmSlopes<R> {
         let s = &filled.state;
         let constant = |value| s.ratio.constant(value);
         let (one, two) = (constant(1.0), constant(2.0));
@@ -415,10 +383,10 @@ impl<S: Simd> FilmLanes<S> {
 
 #[cfg(test)]
 mod tests {
-    use pulp::WithSimd;
+    use pulp::{Simd, WithSimd};
 
     use super::*;
-    use crate::math::simd::InstructionSet;
+    use crate::math::simd::{InstructionSet, Lanes};
 
     const LUBRICANT: Film = Film {
         viscosity: 0.1,
@@ -540,7 +508,7 @@ mod tests {
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) {
-            let film = FilmLanes::new(simd, &self.film);
+            let film = FilmLaw::new(simd, &self.film);
             for &(ratio, [along, across]) in self.states {
                 let splat = |value| Lanes::splat(simd, value);
                 let length = splat(ratio * self.film.clearance);
@@ -548,15 +516,18 @@ mod tests {
                 let slopes = film.slopes(&filled);
                 let [dxx, dyy, dxy] = slopes.damping;
                 let [kxx, kyy, kxy] = slopes.stiffness;
-                let [push, drag] = filled.force;
-                let all = [push, drag, filled.shear, dxx, dyy, dxy, kxx, kyy, kxy];
+                let FilmForce {
+                    force: [push, drag],
+                    shear,
+                } = filled.film;
+                let all = [push, drag, shear, dxx, dyy, dxy, kxx, kyy, kxy];
                 self.found.push(all.map(Lanes::greatest));
             }
         }
     }
 
     #[test]
-    fn registers_give_what_the_scalar_form_gives_and_slopes_those_of_differences() {
+    fn vectors_give_what_single_films_give_and_slopes_those_of_differences() {
         let films = hinges();
         let c = films[0].clearance;
         let states = states();

@@ -1,67 +1,40 @@
 //! Hertz's law for spheres, f = K δ^1.5 with K = (4/3) E* `sqrt(R_i` `R_j` / ΔR) (paper's Eq. 4 without its damping).
 
-use pulp::Simd;
+use super::{Definition, ElasticLaw, SurfacePair};
+use crate::math::Real;
 
-use super::{ElasticLaw, SurfacePair, VectorLaw};
-use crate::math::simd::Lanes;
-
-/// Hertz's law.
+/// Hertz's law; its constants are K \[N/m^1.5\] and nothing.
 #[derive(Debug, Clone, Copy)]
-pub struct Hertz;
+pub(crate) struct Hertz;
 
-/// Constants of one pair.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HertzPair {
-    /// K \[N/m^1.5\].
-    pub stiffness: f64,
-}
+/// The law that a user picks.
+pub(super) const HERTZ: Definition = Definition {
+    name: "hertz",
+    prepare: Hertz::prepare,
+    range_note: |_| None,
+};
 
 impl Hertz {
-    /// K of one pair.
-    #[must_use]
-    pub fn prepare(surfaces: &SurfacePair) -> HertzPair {
-        HertzPair {
-            stiffness: 4.0 / 3.0 * surfaces.contact_modulus * surfaces.effective_radius.sqrt(),
-        }
+    /// K of one pair, and nothing.
+    fn prepare(surfaces: &SurfacePair) -> [f64; 2] {
+        let stiffness = 4.0 / 3.0 * surfaces.contact_modulus * surfaces.effective_radius.sqrt();
+        [stiffness, 0.0]
     }
 }
 
 impl ElasticLaw for Hertz {
-    type Pair = HertzPair;
-
-    fn force(pair: &HertzPair, penetration: f64) -> f64 {
-        if penetration <= 0.0 {
-            return 0.0;
-        }
-        pair.stiffness * penetration * penetration.sqrt()
-    }
-
-    fn stiffness(pair: &HertzPair, penetration: f64) -> f64 {
-        1.5 * pair.stiffness * penetration.max(0.0).sqrt()
-    }
-
-    fn energy(pair: &HertzPair, penetration: f64) -> f64 {
-        0.4 * Self::force(pair, penetration) * penetration.max(0.0)
-    }
-}
-
-impl VectorLaw for Hertz {
-    fn constants(pair: &HertzPair) -> [f64; 2] {
-        [pair.stiffness, 0.0]
-    }
-
     #[inline(always)]
-    fn forces<S: Simd>([stiffness, _]: [Lanes<S>; 2], penetration: Lanes<S>) -> Lanes<S> {
+    fn elastic<R: Real>([stiffness, _]: [R; 2], penetration: R) -> R {
         stiffness * penetration * penetration.sqrt()
     }
 
     #[inline(always)]
-    fn slopes<S: Simd>(
-        [stiffness, _]: [Lanes<S>; 2],
-        penetration: Lanes<S>,
-        _forces: Lanes<S>,
-    ) -> Lanes<S> {
+    fn slope<R: Real>([stiffness, _]: [R; 2], penetration: R, _force: R) -> R {
         stiffness * penetration.constant(1.5) * penetration.sqrt()
+    }
+
+    fn stored(_: &[f64; 2], penetration: f64, force: f64) -> f64 {
+        0.4 * force * penetration
     }
 }
 
@@ -70,8 +43,10 @@ mod tests {
     use super::*;
     use crate::force_law::testing::for_each_force;
 
+    const PAIR: [f64; 2] = [1e10, 0.0];
+
     #[test]
-    fn the_vector_form_has_the_bits_of_the_twin() {
+    fn vectors_have_the_bits_of_the_printed_formula() {
         let depths = [
             0.0,
             5e-324,
@@ -82,20 +57,13 @@ mod tests {
             1e200,
             f64::INFINITY,
         ];
-        for_each_force::<Hertz>(
-            &HertzPair { stiffness: 1e10 },
-            &depths,
-            |set, d, force, twin| {
-                assert_eq!(force.to_bits(), twin.to_bits(), "{set} at {d:e}");
-            },
-        );
-        for_each_force::<Hertz>(
-            &HertzPair { stiffness: 1e10 },
-            &[f64::NAN],
-            |_, _, force, _| {
-                assert!(force.is_nan());
-            },
-        );
+        for_each_force::<Hertz>(&PAIR, &depths, |set, d, force| {
+            let printed = PAIR[0] * d * d.sqrt();
+            assert_eq!(force.to_bits(), printed.to_bits(), "{set} at {d:e}");
+        });
+        for_each_force::<Hertz>(&PAIR, &[f64::NAN], |_, _, force| {
+            assert!(force.is_nan());
+        });
     }
 
     #[test]
@@ -107,15 +75,14 @@ mod tests {
             0.007,
             modulus,
         ));
-        assert!((pair.stiffness * 10f64.powf(-4.5) - 3.844e5).abs() < 50.0);
+        assert!((pair[0] * 10f64.powf(-4.5) - 3.844e5).abs() < 50.0);
         assert!((Hertz::force(&pair, 2.5e-6) - 48.05).abs() < 0.05);
     }
 
     #[test]
     fn energy_is_the_integral_of_the_force() {
-        let pair = HertzPair { stiffness: 1e10 };
         let (d, h) = (2e-6, 1e-9);
-        let slope = (Hertz::energy(&pair, d + h) - Hertz::energy(&pair, d - h)) / (2.0 * h);
-        assert!((slope / Hertz::force(&pair, d) - 1.0).abs() < 1e-6);
+        let slope = (Hertz::energy(&PAIR, d + h) - Hertz::energy(&PAIR, d - h)) / (2.0 * h);
+        assert!((slope / Hertz::force(&PAIR, d) - 1.0).abs() < 1e-6);
     }
 }

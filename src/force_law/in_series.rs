@@ -2,12 +2,10 @@
 //!
 //! With the compliance c of the spring, the contact's depth x under a total of d solves x + c F(x) = d. Newton's method from x = d comes
 //! down to it from above where F is convex; where it is not, at the end of a law's range, halving takes over. It has ended for a number
-//! when that moves by no more than rounding: each for itself, so that the result does not depend on what shares a register.
+//! when that moves by no more than rounding: each for itself, so that the result does not depend on what shares a vector.
 
-use pulp::Simd;
-
-use super::{ElasticLaw, VectorLaw};
-use crate::math::simd::Lanes;
+use super::ElasticLaw;
+use crate::math::{Real, Truth};
 
 /// Moves that are rounding, as a part of the depth.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
@@ -18,49 +16,17 @@ const QUICK_STEPS: usize = 12;
 /// With those that halve every other time, steps enough for any law.
 const MOST_STEPS: usize = 120;
 
-/// The contact's own depth \[m\] where both give way by `depth`, with the spring's compliance \[m/N\].
-#[must_use]
-pub fn depth_in_series<L: ElasticLaw>(pair: &L::Pair, compliance: f64, depth: f64) -> f64 {
-    let (mut x, mut low, mut high) = (depth, 0.0, depth);
-    for round in 0..MOST_STEPS {
-        let excess = compliance.mul_add(L::force(pair, x), x - depth);
-        if excess > 0.0 {
-            high = x;
-        } else {
-            low = x;
-        }
-        let next = x - excess / compliance.mul_add(L::stiffness(pair, x), 1.0);
-        let halves = round > QUICK_STEPS && round % 2 == 0;
-        let next = if next < low || next > high || halves {
-            0.5 * (low + high)
-        } else {
-            next
-        };
-        let moved = (next - x).abs() > ROUNDING * depth;
-        // Nothing gives way by nothing; not a number stays so.
-        if !(moved && depth > 0.0) {
-            break;
-        }
-        x = next;
-    }
-    x
-}
-
-/// The same for a register of depths that are not negative.
+/// The contacts' own depths \[m\] where both give way by `depth`, with the springs' compliances \[m/N\]; depths that are not positive stay.
 #[inline(always)]
-pub(crate) fn depths_in_series<S: Simd, L: VectorLaw>(
-    constants: [Lanes<S>; 2],
-    compliance: Lanes<S>,
-    depth: Lanes<S>,
-) -> Lanes<S> {
+pub(crate) fn depth_in_series<R: Real, L: ElasticLaw>(pair: [R; 2], compliance: R, depth: R) -> R {
     let (one, half) = (depth.constant(1.0), depth.constant(0.5));
     let zero = depth.constant(0.0);
     let rounding = depth * depth.constant(ROUNDING);
     let (mut x, mut low, mut high) = (depth, zero, depth);
     let mut moves = depth.greater(zero);
     for round in 0..MOST_STEPS {
-        let force = L::forces(constants, x);
-        let slope = L::slopes(constants, x, force);
+        let force = L::elastic(pair, x);
+        let slope = L::slope(pair, x, force);
         let excess = compliance.mul_add(force, x - depth);
         let above = excess.greater(zero);
         high = above.select(x, high);
@@ -82,11 +48,11 @@ pub(crate) fn depths_in_series<S: Simd, L: VectorLaw>(
 
 #[cfg(test)]
 mod tests {
-    use pulp::WithSimd;
+    use pulp::{Simd, WithSimd};
 
     use super::*;
     use crate::force_law::{Elastic, PairTable, SurfacePair, with_law};
-    use crate::math::simd::InstructionSet;
+    use crate::math::simd::{InstructionSet, Lanes};
 
     const COMPLIANCES: [f64; 4] = [1e-11, 3e-9, 1e-7, 1e-5];
 
@@ -104,7 +70,7 @@ mod tests {
     }
 
     /// The same by halving.
-    fn halved<L: ElasticLaw>(pair: &L::Pair, compliance: f64, depth: f64) -> f64 {
+    fn halved<L: ElasticLaw>(pair: &[f64; 2], compliance: f64, depth: f64) -> f64 {
         let (mut low, mut high) = (0.0, depth);
         for _ in 0..200 {
             let middle = 0.5 * (low + high);
@@ -123,7 +89,7 @@ mod tests {
             with_law!(&table, Law, pairs => {
                 for compliance in COMPLIANCES {
                     for depth in depths() {
-                        let found = depth_in_series::<Law>(&pairs[0], compliance, depth);
+                        let found = depth_in_series::<f64, Law>(pairs[0], compliance, depth);
                         let expected = halved::<Law>(&pairs[0], compliance, depth);
                         assert!(
                             (found - expected).abs() <= 1e-14 * depth,
@@ -139,9 +105,9 @@ mod tests {
     fn nothing_gives_way_by_nothing() {
         for table in laws() {
             with_law!(&table, Law, pairs => {
-                assert_eq!(depth_in_series::<Law>(&pairs[0], 1e-8, 0.0), 0.0);
-                assert_eq!(depth_in_series::<Law>(&pairs[0], 1e-8, -1e-6), -1e-6);
-                assert!(depth_in_series::<Law>(&pairs[0], 1e-8, f64::NAN).is_nan());
+                assert_eq!(depth_in_series::<f64, Law>(pairs[0], 1e-8, 0.0), 0.0);
+                assert_eq!(depth_in_series::<f64, Law>(pairs[0], 1e-8, -1e-6), -1e-6);
+                assert!(depth_in_series::<f64, Law>(pairs[0], 1e-8, f64::NAN).is_nan());
             });
         }
     }
@@ -160,9 +126,9 @@ mod tests {
         fn with_simd<S: Simd>(self, simd: S) {
             let splat = |value| Lanes::splat(simd, value);
             with_law!(self.table, Law, pairs => {
-                let constants = Law::constants(&pairs[0]).map(splat);
+                let constants = pairs[0].map(splat);
                 for &depth in self.depths {
-                    let x = depths_in_series::<S, Law>(constants, splat(self.compliance), splat(depth));
+                    let x = depth_in_series::<Lanes<S>, Law>(constants, splat(self.compliance), splat(depth));
                     self.found.push(x.greatest());
                 }
             });
@@ -170,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn registers_give_what_the_scalar_form_gives() {
+    fn vectors_give_what_single_depths_give() {
         let depths: Vec<f64> = std::iter::once(0.0).chain(depths()).collect();
         for table in laws() {
             for compliance in COMPLIANCES {
@@ -184,7 +150,7 @@ mod tests {
                     });
                     with_law!(&table, Law, pairs => {
                         for (&depth, found) in depths.iter().zip(found) {
-                            let expected = depth_in_series::<Law>(&pairs[0], compliance, depth);
+                            let expected = depth_in_series::<f64, Law>(pairs[0], compliance, depth);
                             assert!((found - expected).abs() <= 1e-14 * depth, "{table:?} {depth:e}");
                         }
                     });

@@ -4,71 +4,15 @@
 //! law reads x - ln(1 + x) = `ln(δ_end/δ)`, x >= 0, which Newton's method solves without trouble from `δ_end` down to the
 //! smallest number (x = -1 - W₋₁(...), the lower Lambert branch). A, B and C enter through `δ_end` and `f_end` alone.
 
-use pulp::Simd;
+use super::ElasticLaw;
+use crate::math::simd::ln_of_quotient;
+use crate::math::{Real, Truth};
 
-use super::{ElasticLaw, VectorLaw};
-use crate::math::simd::{Lanes, ln_of_quotient};
-
-/// The logarithmic form; [`LineContact`](super::LineContact) names its laws.
+/// The logarithmic form; its constants are `δ_end` \[m\] and the secant's stiffness there, A = `f_end/δ_end` \[N/m\].
 #[derive(Debug, Clone, Copy)]
-pub struct Logarithmic;
+pub(crate) struct Logarithmic;
 
-/// Constants of one pair.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LogarithmicPair {
-    /// Penetration at the end of the physical branch \[m\].
-    pub end_penetration: f64,
-    /// Force there \[N\].
-    pub end_force: f64,
-}
-
-impl ElasticLaw for Logarithmic {
-    type Pair = LogarithmicPair;
-
-    fn force(pair: &LogarithmicPair, penetration: f64) -> f64 {
-        if penetration <= 0.0 {
-            return 0.0;
-        }
-        if penetration >= pair.end_penetration {
-            // Past the end the law has no value; the run says so and goes on with the secant's stiffness.
-            return pair.end_force * (penetration / pair.end_penetration);
-        }
-        pair.end_force * (-exponent(-(penetration / pair.end_penetration).ln())).exp()
-    }
-
-    fn stiffness(pair: &LogarithmicPair, penetration: f64) -> f64 {
-        if penetration <= 0.0 {
-            return 0.0;
-        }
-        let secant = Self::force(pair, penetration) / penetration;
-        if penetration >= pair.end_penetration {
-            return secant;
-        }
-        // d ln f = -dx and d ln δ = -x/(1 + x) dx; at the end of the branch the slope is infinite.
-        let x = exponent(-(penetration / pair.end_penetration).ln());
-        secant * (1.0 + x) / x.max(f64::EPSILON)
-    }
-
-    fn energy(pair: &LogarithmicPair, penetration: f64) -> f64 {
-        if penetration <= 0.0 {
-            return 0.0;
-        }
-        // With f = f_end exp(-x): the integral of f dδ is f²/A (x/2 + 1/4), and A = f_end/δ_end.
-        let up_to =
-            |x: f64| pair.end_force * pair.end_penetration * (-2.0 * x).exp() * (0.5 * x + 0.25);
-        if penetration >= pair.end_penetration {
-            let past = penetration / pair.end_penetration;
-            return up_to(0.0) + 0.5 * pair.end_force * pair.end_penetration * (past * past - 1.0);
-        }
-        up_to(exponent(-(penetration / pair.end_penetration).ln()))
-    }
-
-    fn range_end(pair: &LogarithmicPair) -> f64 {
-        pair.end_penetration
-    }
-}
-
-/// Penetration \[m\] below which the vector form goes on with a secant: the force is below 1e-290 N.
+/// Penetration \[m\] below which the law goes on with a secant: the force is below 1e-290 N.
 const LEAST: f64 = 1e-300;
 
 /// Numerator and denominator, from the linear terms on, of x = s (1 + a s + b s²)/(1 + c s) with s = sqrt(2 tau):
@@ -78,17 +22,13 @@ const START: ([f64; 2], f64) = (
     0.180_995_758_130_717_94,
 );
 
-impl VectorLaw for Logarithmic {
-    /// `δ_end`, and the secant's stiffness there.
-    fn constants(pair: &LogarithmicPair) -> [f64; 2] {
-        [pair.end_penetration, pair.end_force / pair.end_penetration]
-    }
-
-    /// To 6 units in the last place for any δ from 1e-300 m on.
+impl ElasticLaw for Logarithmic {
+    /// To 6 units in the last place for any δ from 1e-300 m on. Past the end the law has no value; the run says so and goes on with
+    /// the secant's stiffness.
     ///
     /// exp(-x) is (δ/`δ_end`)/(1 + x). A closed start and one step of Fritsch, Shafer and Crowley (1973), of fourth order.
     #[inline(always)]
-    fn forces<S: Simd>([end, stiffness]: [Lanes<S>; 2], penetration: Lanes<S>) -> Lanes<S> {
+    fn elastic<R: Real>([end, stiffness]: [R; 2], penetration: R) -> R {
         let number = |value| penetration.constant(value);
         let one = number(1.0);
         let secant = stiffness * penetration;
@@ -110,39 +50,33 @@ impl VectorLaw for Logarithmic {
         penetration.less(end).select(force, secant)
     }
 
-    /// At the end of the branch, where the slope is infinite, it stops at 1/ε of the secant's.
+    /// d ln f = -dx and d ln δ = -x/(1 + x) dx. At the end of the branch, where the slope is infinite, it stops at 1/ε of the secant's.
     #[inline(always)]
-    fn slopes<S: Simd>(
-        [end, stiffness]: [Lanes<S>; 2],
-        penetration: Lanes<S>,
-        forces: Lanes<S>,
-    ) -> Lanes<S> {
+    fn slope<R: Real>([end, stiffness]: [R; 2], penetration: R, force: R) -> R {
         // The force is the secant's over 1 + x, its slope the secant's stiffness over x.
         let number = |value| penetration.constant(value);
         let least = number(LEAST);
-        let over = (stiffness * penetration) / forces.max(least);
+        let over = (stiffness * penetration) / force.max(least);
         let x = (over - number(1.0)).max(number(f64::EPSILON));
         let slope = penetration.less(end).select(stiffness / x, stiffness);
         penetration.greater(least).select(slope, number(0.0))
     }
-}
 
-/// Solves x - ln(1 + x) = `tau` for x >= 0.
-fn exponent(tau: f64) -> f64 {
-    if tau <= 0.0 {
-        return 0.0;
-    }
-    // Convex and increasing: from any positive start Newton lands right of the root and then falls onto it.
-    let mut x = (2.0 * tau).sqrt() + 2.0 / 3.0 * tau;
-    for _ in 0..8 {
-        let step = (x - x.ln_1p() - tau) * (1.0 + x) / x;
-        x -= step;
-        if step.abs() <= 1e-9 * x {
-            // Quadratic: the next step would be below rounding.
-            break;
+    /// With f = `f_end` exp(-x) the integral of f dδ is f²/A (x/2 + 1/4).
+    fn stored(&[end, stiffness]: &[f64; 2], penetration: f64, force: f64) -> f64 {
+        if penetration <= LEAST {
+            return 0.0;
         }
+        if penetration >= end {
+            return 0.5 * stiffness * (penetration * penetration - 0.5 * end * end);
+        }
+        let x = stiffness * penetration / force - 1.0;
+        force * force / stiffness * (0.5 * x + 0.25)
     }
-    x
+
+    fn range_end(&[end, _]: &[f64; 2]) -> f64 {
+        end
+    }
 }
 
 #[cfg(test)]
@@ -150,9 +84,38 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::force_law::SurfacePair;
+    use crate::force_law::line_contact::JOHNSON;
     use crate::force_law::testing::for_each_force;
-    use crate::force_law::{LineContact, SurfacePair};
-    use crate::math::simd::testing::ulps;
+
+    /// Johnson's law.
+    fn prepare(surfaces: &SurfacePair) -> [f64; 2] {
+        (JOHNSON.prepare)(surfaces)
+    }
+
+    /// The force by Newton's method.
+    fn solved(&[end, stiffness]: &[f64; 2], penetration: f64) -> f64 {
+        let tau = -(penetration / end).ln();
+        stiffness * end * (-exponent(tau)).exp()
+    }
+
+    /// Solves x - ln(1 + x) = `tau` for x >= 0.
+    fn exponent(tau: f64) -> f64 {
+        if tau <= 0.0 {
+            return 0.0;
+        }
+        // Convex and increasing: from any positive start Newton lands right of the root and then falls onto it.
+        let mut x = (2.0 * tau).sqrt() + 2.0 / 3.0 * tau;
+        for _ in 0..8 {
+            let step = (x - x.ln_1p() - tau) * (1.0 + x) / x;
+            x -= step;
+            if step.abs() <= 1e-9 * x {
+                // Quadratic: the next step would be below rounding.
+                break;
+            }
+        }
+        x
+    }
 
     fn pin_in_bushing() -> SurfacePair {
         SurfacePair::internal(2.22e-3, 2.245e-3, 0.011, 2.07e11 / 1.82)
@@ -160,18 +123,19 @@ mod tests {
 
     #[test]
     fn the_branch_of_pin_and_bushing_ends_at_13_micrometres_and_53_kilonewtons() {
-        let pair = LineContact::Johnson.prepare(&pin_in_bushing());
-        assert!((pair.end_penetration - 13.534e-6).abs() < 1e-9);
-        assert!((pair.end_force - 53.2e3).abs() < 100.0);
+        let pair = prepare(&pin_in_bushing());
+        let [end, stiffness] = pair;
+        assert!((end - 13.534e-6).abs() < 1e-9);
+        assert!((end * stiffness - 53.2e3).abs() < 100.0);
     }
 
     #[test]
     fn inverse_returns_the_force_to_1e_12_up_to_0_9999_of_the_end() {
         let surfaces = pin_in_bushing();
-        let pair = LineContact::Johnson.prepare(&surfaces);
+        let pair = prepare(&surfaces);
         let scale = std::f64::consts::PI * surfaces.length * surfaces.contact_modulus;
         let mut penetration = 1e-15;
-        while penetration < 0.9999 * pair.end_penetration {
+        while penetration < 0.9999 * pair[0] {
             let f = Logarithmic::force(&pair, penetration);
             let back = f / scale * ((4.0 * scale * surfaces.radius_difference / f).ln() - 1.0);
             assert!(
@@ -184,7 +148,7 @@ mod tests {
 
     #[test]
     fn energy_is_the_integral_of_the_force_before_and_past_the_end() {
-        let pair = LineContact::Johnson.prepare(&pin_in_bushing());
+        let pair = prepare(&pin_in_bushing());
         for d in [1e-8, 1e-6, 10e-6, 15e-6] {
             let h = 1e-4 * d;
             let slope =
@@ -196,11 +160,12 @@ mod tests {
         }
     }
 
-    /// The twin's error: of the exponent it passes to exp, and of δ/`δ_end` near the end.
-    fn assert_as_twin(pair: &LogarithmicPair, penetrations: &[f64]) {
-        for_each_force::<Logarithmic>(pair, penetrations, |set, d, force, twin| {
-            let exponent = (pair.end_force / twin).ln();
-            let to_end = 1.0 - d / pair.end_penetration;
+    /// The bound is the solver's error: of the exponent it passes to exp, and of δ/`δ_end` near the end.
+    fn assert_as_solved(pair: &[f64; 2], penetrations: &[f64]) {
+        for_each_force::<Logarithmic>(pair, penetrations, |set, d, force| {
+            let twin = solved(pair, d);
+            let exponent = (pair[0] * pair[1] / twin).ln();
+            let to_end = 1.0 - d / pair[0];
             let bound = 1.2e-15 + 5e-16 * exponent + 1e-16 / to_end.max(f64::EPSILON).sqrt();
             assert!(
                 (force / twin - 1.0).abs() <= bound,
@@ -210,35 +175,34 @@ mod tests {
     }
 
     #[test]
-    fn ends_of_the_range_of_the_vector_form() {
-        let pair = LineContact::Johnson.prepare(&pin_in_bushing());
-        let end = pair.end_penetration;
-        assert_as_twin(&pair, &[LEAST, 1e-299, 0.999 * end, end.next_down()]);
-        let past = [end, end.next_up(), 2.0 * end, 1e10];
-        for_each_force::<Logarithmic>(&pair, &past, |set, d, force, twin| {
-            assert!(ulps(force, twin) <= 2, "{set} at {d:e}: {force:e} {twin:e}");
+    fn ends_of_the_range() {
+        let pair = prepare(&pin_in_bushing());
+        let end = pair[0];
+        assert_as_solved(&pair, &[LEAST, 1e-299, 0.999 * end, end.next_down()]);
+        let past = [0.0, end, end.next_up(), 2.0 * end, 1e10, f64::INFINITY];
+        for_each_force::<Logarithmic>(&pair, &past, |set, d, force| {
+            assert_eq!(force, pair[1] * d, "{set} at {d:e}");
         });
-        let exact = [0.0, f64::INFINITY, f64::NAN];
-        for_each_force::<Logarithmic>(&pair, &exact, |set, d, force, twin| {
-            assert_eq!(ulps(force, twin), 0, "{set} at {d:e}");
+        for_each_force::<Logarithmic>(&pair, &[f64::NAN], |set, _, force| {
+            assert!(force.is_nan(), "{set}");
         });
         let tiny = [5e-324, 1e-310, LEAST.next_down()];
-        for_each_force::<Logarithmic>(&pair, &tiny, |set, d, force, twin| {
+        for_each_force::<Logarithmic>(&pair, &tiny, |set, d, force| {
             assert!(
-                (0.9..1.1).contains(&(force / twin)) || force < 1e-310,
+                (0.9..1.1).contains(&(force / solved(&pair, d))) || force < 1e-310,
                 "{set} at {d:e}"
             );
         });
     }
 
     #[test]
-    fn the_vector_form_returns_the_force_up_to_the_end() {
+    fn vectors_return_the_force_up_to_the_end() {
         let surfaces = pin_in_bushing();
-        let pair = LineContact::Johnson.prepare(&surfaces);
+        let pair = prepare(&surfaces);
         let scale = std::f64::consts::PI * surfaces.length * surfaces.contact_modulus;
-        let below = |to_end: f64| pair.end_penetration * (1.0 - to_end);
+        let below = |to_end: f64| pair[0] * (1.0 - to_end);
         let depths: Vec<f64> = (1..4000).map(|i| below(0.996f64.powi(i))).collect();
-        for_each_force::<Logarithmic>(&pair, &depths, |set, d, force, _| {
+        for_each_force::<Logarithmic>(&pair, &depths, |set, d, force| {
             let back =
                 force / scale * ((4.0 * scale * surfaces.radius_difference / force).ln() - 1.0);
             assert!((back / d - 1.0).abs() < 2e-15, "{set} at {d:e}: {back:e}");
@@ -247,14 +211,14 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_vector_form_is_the_twin_to_its_error(
+        fn vectors_are_the_solved_force_to_its_error(
             clearance in 1e-6..1e-2f64,
             exponents in proptest::collection::vec(-15.0..0.0f64, 64),
             far in proptest::collection::vec(-290.0..0.0f64, 16),
         ) {
-            let pair = LineContact::Johnson.prepare(&SurfacePair::internal(2.22e-3, 2.22e-3 + clearance, 0.011, 1e11));
-            let depths = exponents.into_iter().chain(far).map(|e| pair.end_penetration * 10f64.powf(e));
-            assert_as_twin(&pair, &depths.collect::<Vec<_>>());
+            let pair = prepare(&SurfacePair::internal(2.22e-3, 2.22e-3 + clearance, 0.011, 1e11));
+            let depths = exponents.into_iter().chain(far).map(|e| pair[0] * 10f64.powf(e));
+            assert_as_solved(&pair, &depths.collect::<Vec<_>>());
         }
     }
 }

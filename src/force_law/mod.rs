@@ -4,11 +4,12 @@
 //! f = elastic(δ) · max(0, 1 + λ δ' / δ'₀). Friction is a share of μ f; a film is a law of
 //! its own beside it.
 
-// The vector forms must be inlined into the kernel that chose the instructions.
+// A law over vectors must be inlined into the kernel that chose the instructions.
 #![allow(clippy::inline_always)]
 
 mod bristles;
 mod conformal;
+mod contact_lane;
 mod dissipation;
 mod elastic;
 mod enhanced_cylinder;
@@ -19,34 +20,30 @@ mod in_series;
 mod line_contact;
 mod logarithmic;
 mod power;
-mod registers;
 #[cfg(test)]
 mod testing;
+mod vector_forces;
 
-pub(crate) use bristles::{Ahead, LuGreLanes};
+pub(crate) use bristles::{Ahead, BristleLaw};
 pub use bristles::{Bent, LuGre};
-pub use conformal::{Conformal, ConformalPair};
+pub(crate) use conformal::Conformal;
+pub(crate) use contact_lane::{ContactLane, RestitutionDamping};
 pub use dissipation::{Damping, damping_factor, effective_restitution};
+pub(crate) use elastic::{Definition, Form, with_law};
 pub use elastic::{Elastic, ElasticPair, PairTable, elastic_forces, range_note};
-pub(crate) use elastic::{with_form, with_law};
-pub use enhanced_cylinder::EnhancedCylinder;
-pub(crate) use film::FilmLanes;
+pub(crate) use film::FilmLaw;
 pub use film::{Film, FilmForce, HingeFilm};
-pub(crate) use friction::FrictionLanes;
+pub(crate) use friction::RegularizedFriction;
 pub use friction::{Friction, Regularization};
-pub use hertz::{Hertz, HertzPair};
-pub use in_series::depth_in_series;
-pub(crate) use in_series::depths_in_series;
-pub use line_contact::LineContact;
-pub use logarithmic::{Logarithmic, LogarithmicPair};
-pub use power::{Power, PowerPair};
-pub use registers::RegisterForces;
-
-use pulp::Simd;
+pub(crate) use hertz::Hertz;
+pub(crate) use in_series::depth_in_series;
+pub(crate) use logarithmic::Logarithmic;
+pub(crate) use power::Power;
+pub use vector_forces::VectorForces;
 
 use crate::error::{Result, check};
 use crate::geometry::{SurfaceCurve, ToothProfile};
-use crate::math::simd::Lanes;
+use crate::math::Real;
 
 /// Inside (a cylinder in a bore or on a concave flank) or outside (two convex cylinders).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -113,40 +110,45 @@ impl SurfacePair {
     }
 }
 
-/// The elastic part of a force law in one of its forms; the run's loops are generic over it.
-pub trait ElasticLaw {
-    /// Constants of one pair of surfaces.
-    type Pair: Copy + std::fmt::Debug + Send + Sync;
+/// The elastic part of a force law in one of its forms, which has two constants for each pair of surfaces.
+pub(crate) trait ElasticLaw {
+    /// Elastic force \[N\] at penetrations δ >= 0 \[m\]; zero at zero; not a number stays so.
+    fn elastic<R: Real>(pair: [R; 2], penetration: R) -> R;
 
-    /// Elastic force \[N\] at penetration δ \[m\]; zero for δ <= 0; not a number stays so.
-    fn force(pair: &Self::Pair, penetration: f64) -> f64;
+    /// Its slope df/dδ \[N/m\], from the penetration and this force; zero at zero.
+    fn slope<R: Real>(pair: [R; 2], penetration: R, force: R) -> R;
 
-    /// Its slope df/dδ \[N/m\]; zero for δ <= 0.
-    fn stiffness(pair: &Self::Pair, penetration: f64) -> f64;
-
-    /// Elastic energy \[J\] at penetration δ \[m\], the integral of the force.
-    fn energy(pair: &Self::Pair, penetration: f64) -> f64;
+    /// Energy stored at a penetration δ > 0 \[J\], the integral of the force, which is `force` there.
+    fn stored(pair: &[f64; 2], penetration: f64, force: f64) -> f64;
 
     /// Penetration \[m\] at which the law's range ends.
-    fn range_end(_pair: &Self::Pair) -> f64 {
+    fn range_end(_pair: &[f64; 2]) -> f64 {
         f64::INFINITY
     }
-}
 
-/// The vector form of a law: the same force for a register of penetrations.
-pub(crate) trait VectorLaw: ElasticLaw {
-    /// The constants of one pair as numbers; what a law does not need is zero.
-    fn constants(pair: &Self::Pair) -> [f64; 2];
+    /// Elastic force \[N\] at any penetration \[m\]; zero for δ <= 0.
+    fn force(pair: &[f64; 2], penetration: f64) -> f64 {
+        if penetration <= 0.0 {
+            return 0.0;
+        }
+        Self::elastic(*pair, penetration)
+    }
 
-    /// Elastic force \[N\] at penetrations δ >= 0 \[m\]; zero at zero; not a number stays so.
-    fn forces<S: Simd>(constants: [Lanes<S>; 2], penetration: Lanes<S>) -> Lanes<S>;
+    /// Its slope df/dδ \[N/m\]; zero for δ <= 0.
+    fn stiffness(pair: &[f64; 2], penetration: f64) -> f64 {
+        if penetration <= 0.0 {
+            return 0.0;
+        }
+        Self::slope(*pair, penetration, Self::force(pair, penetration))
+    }
 
-    /// Their slopes df/dδ \[N/m\], from the penetrations and these forces; zero at zero.
-    fn slopes<S: Simd>(
-        constants: [Lanes<S>; 2],
-        penetration: Lanes<S>,
-        forces: Lanes<S>,
-    ) -> Lanes<S>;
+    /// Energy stored at any penetration \[J\]; zero for δ <= 0.
+    fn energy(pair: &[f64; 2], penetration: f64) -> f64 {
+        if penetration <= 0.0 {
+            return 0.0;
+        }
+        Self::stored(pair, penetration, Self::force(pair, penetration))
+    }
 }
 
 /// Which stiffness a contact on a tooth has when it moves on to the next region under load.

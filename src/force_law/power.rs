@@ -1,66 +1,37 @@
 //! The form f = K δ^n with any exponent: the enhanced cylindrical laws, and the linear one.
 
-use pulp::Simd;
+use super::ElasticLaw;
+use crate::math::simd::{exp_of_remainder, octaves_of_quotient};
+use crate::math::{Real, Truth};
 
-use super::{ElasticLaw, VectorLaw};
-use crate::math::simd::{Lanes, exp_of_remainder, nearest_whole, octaves_of_quotient};
-
-/// The power form. Hertz's exponent 1.5 has a form of its own, which needs a square root only.
+/// The power form; its constants are the force at 2^-20 m \[N\], and n. Hertz's exponent 1.5 has a form of its own, which needs a
+/// square root only.
 #[derive(Debug, Clone, Copy)]
-pub struct Power;
+pub(crate) struct Power;
 
-/// Constants of one pair.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PowerPair {
-    /// Force at a penetration of one metre by the power law \[N\]: the stiffness in N/m^n.
-    pub stiffness: f64,
-    /// Exponent n.
-    pub exponent: f64,
-}
-
-/// Penetration \[m\] that the vector form measures others by: a power of two near a micrometre.
+/// Penetration \[m\] that others are measured by: a power of two near a micrometre.
 const REFERENCE: f64 = f64::from_bits((1023 - 20) << 52);
 
-/// Penetration \[m\] below which the vector form gives zero, 2^-600: a law with n >= 1 gives less than 1e-165 N there.
+/// Penetration \[m\] below which the force is zero, 2^-600: a law with n >= 1 gives less than 1e-165 N there.
 const LEAST: f64 = f64::from_bits((1023 - 600) << 52);
 
-impl ElasticLaw for Power {
-    type Pair = PowerPair;
-
-    fn force(pair: &PowerPair, penetration: f64) -> f64 {
-        if penetration <= 0.0 {
-            return 0.0;
-        }
-        pair.stiffness * penetration.powf(pair.exponent)
-    }
-
-    fn stiffness(pair: &PowerPair, penetration: f64) -> f64 {
-        if penetration <= 0.0 {
-            return 0.0;
-        }
-        pair.exponent * Self::force(pair, penetration) / penetration
-    }
-
-    fn energy(pair: &PowerPair, penetration: f64) -> f64 {
-        Self::force(pair, penetration) * penetration.max(0.0) / (pair.exponent + 1.0)
+impl Power {
+    /// The constants of K δ^n, K in N/m^n.
+    pub(super) fn constants(stiffness: f64, exponent: f64) -> [f64; 2] {
+        // In two factors: of 2^(-20 n) in one the rounding of 20 n alone would cost 10 units in the last place.
+        let whole = (-20.0 * exponent).round();
+        let rest = exponent.mul_add(-20.0, -whole);
+        [stiffness * rest.exp2() * whole.exp2(), exponent]
     }
 }
 
-impl VectorLaw for Power {
-    /// The force at 2^-20 m, and n.
-    fn constants(pair: &PowerPair) -> [f64; 2] {
-        // In two factors: of 2^(-20 n) in one the rounding of 20 n alone would cost 10 units in the last place.
-        let whole = (-20.0 * pair.exponent).round();
-        let rest = pair.exponent.mul_add(-20.0, -whole);
-        [pair.stiffness * rest.exp2() * whole.exp2(), pair.exponent]
-    }
-
+impl ElasticLaw for Power {
     /// From 2^-600 m to 2^600 m to 4 units in the last place; zero below, infinite above.
     ///
     /// With ln(δ/2^-20 m) = k ln 2 + rest the force is that at 2^-20 m times 2^j e^r, where j is whole and
     /// j ln 2 + r = n (k ln 2 + rest). The whole part is taken off before anything is rounded.
     #[inline(always)]
-    fn forces<S: Simd>([force, n]: [Lanes<S>; 2], penetration: Lanes<S>) -> Lanes<S> {
+    fn elastic<R: Real>([force, n]: [R; 2], penetration: R) -> R {
         let number = |value| penetration.constant(value);
         let (k, rest) = octaves_of_quotient(penetration, number(REFERENCE));
         // n to 2^-30: its product with k is exact.
@@ -68,8 +39,9 @@ impl VectorLaw for Power {
         let head = (n + rounding) - rounding;
         let tail = n - head;
         let within_octave = n * rest;
-        let (j, power) =
-            nearest_whole(head.mul_add(k, within_octave * number(std::f64::consts::LOG2_E)));
+        let (j, power) = head
+            .mul_add(k, within_octave * number(std::f64::consts::LOG2_E))
+            .nearest_whole();
         let ln_2 = number(std::f64::consts::LN_2);
         let r = head
             .mul_add(k, -j)
@@ -84,8 +56,24 @@ impl VectorLaw for Power {
     }
 
     #[inline(always)]
-    fn slopes<S: Simd>([_, n]: [Lanes<S>; 2], penetration: Lanes<S>, forces: Lanes<S>) -> Lanes<S> {
-        n * forces / penetration.max(penetration.constant(LEAST))
+    fn slope<R: Real>([_, n]: [R; 2], penetration: R, force: R) -> R {
+        n * force / penetration.max(penetration.constant(LEAST))
+    }
+
+    fn stored([_, n]: &[f64; 2], penetration: f64, force: f64) -> f64 {
+        force * penetration / (n + 1.0)
+    }
+
+    /// A straight line needs no power.
+    fn force(pair: &[f64; 2], penetration: f64) -> f64 {
+        let [reference, n] = *pair;
+        if penetration <= 0.0 {
+            0.0
+        } else if n == 1.0 {
+            reference * (penetration / REFERENCE)
+        } else {
+            Self::elastic(*pair, penetration)
+        }
     }
 }
 
@@ -94,30 +82,43 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::force_law::SurfacePair;
+    use crate::force_law::enhanced_cylinder::EnhancedCylinder;
     use crate::force_law::testing::for_each_force;
-    use crate::force_law::{EnhancedCylinder, SurfacePair};
     use crate::math::simd::testing::ulps;
 
-    fn pair(inner: f64, outer: f64) -> PowerPair {
-        EnhancedCylinder::Of2010.prepare(&SurfacePair::internal(
-            inner,
-            outer,
-            0.011,
-            2.07e11 / 1.82,
-        ))
+    /// K and n of a pin in a bore with this difference of the radii.
+    fn pair(clearance: f64) -> [f64; 2] {
+        let surfaces = SurfacePair::internal(2.22e-3, 2.22e-3 + clearance, 0.011, 2.07e11 / 1.82);
+        EnhancedCylinder::Of2010.stiffness_and_exponent(&surfaces)
+    }
+
+    /// Asserts that the force of K and n is K δ^n, to 5 units in the last place.
+    fn assert_near_printed([stiffness, n]: [f64; 2], depths: &[f64]) {
+        let pair = Power::constants(stiffness, n);
+        for_each_force::<Power>(&pair, depths, |set, d, force| {
+            let printed = stiffness * d.powf(n);
+            assert!(
+                ulps(force, printed) <= 5,
+                "{set} at {d:e}: {force:e} {printed:e}"
+            );
+        });
     }
 
     #[test]
-    fn ends_of_the_range_of_the_vector_form() {
-        let pair = pair(2.22e-3, 2.245e-3);
+    fn ends_of_the_range() {
+        let [stiffness, n] = pair(25e-6);
+        let constants = Power::constants(stiffness, n);
         let zero = [0.0, -0.0, 5e-324, f64::MIN_POSITIVE, LEAST.next_down()];
-        for_each_force::<Power>(&pair, &zero, |set, d, force, twin| {
+        for_each_force::<Power>(&constants, &zero, |set, d, force| {
             assert_eq!(force, 0.0, "{set} at {d:e}");
-            assert!(twin < 1e-170);
+            assert!(stiffness * d.powf(n) < 1e-170);
         });
-        let beyond = [f64::INFINITY, f64::NAN];
-        for_each_force::<Power>(&pair, &beyond, |set, d, force, twin| {
-            assert_eq!(ulps(force, twin), 0, "{set} at {d:e}");
+        for_each_force::<Power>(&constants, &[f64::INFINITY], |set, _, force| {
+            assert_eq!(force, f64::INFINITY, "{set}");
+        });
+        for_each_force::<Power>(&constants, &[f64::NAN], |set, _, force| {
+            assert!(force.is_nan(), "{set}");
         });
         let ends = [
             LEAST,
@@ -126,36 +127,27 @@ mod tests {
             0.75 * REFERENCE,
             1.5 * REFERENCE,
         ];
-        for_each_force::<Power>(&pair, &ends, |set, d, force, twin| {
-            assert!(ulps(force, twin) <= 5, "{set} at {d:e}: {force:e} {twin:e}");
-        });
+        assert_near_printed([stiffness, n], &ends);
     }
 
     proptest! {
         #[test]
-        fn the_vector_form_is_within_5_units_of_the_twin(
+        fn vectors_are_within_5_units_of_the_printed_law(
             clearance in 1e-6..1e-2f64,
             exponents in proptest::collection::vec(-12.0..-4.0f64, 64),
             far in proptest::collection::vec(-180.0..180.0f64, 16),
         ) {
             let depths: Vec<f64> = exponents.into_iter().chain(far).map(|e| 10f64.powf(e)).collect();
-            let pair = pair(2.22e-3, 2.22e-3 + clearance);
-            for_each_force::<Power>(&pair, &depths, |set, d, force, twin| {
-                assert!(ulps(force, twin) <= 5, "{set} at {d:e}: {force:e} {twin:e} {pair:?}");
-            });
+            assert_near_printed(pair(clearance), &depths);
         }
     }
 
     #[test]
-    fn an_exponent_of_one_is_a_straight_line_in_both_forms() {
-        let pair = PowerPair {
-            stiffness: 3e8,
-            exponent: 1.0,
-        };
+    fn an_exponent_of_one_is_a_straight_line() {
         let depths: Vec<f64> = (-120..-20).map(|e| 1.7f64.powi(e)).collect();
-        for_each_force::<Power>(&pair, &depths, |set, d, force, twin| {
-            assert_eq!(twin, 3e8 * d);
-            assert!(ulps(force, twin) <= 5, "{set} at {d:e}: {force:e} {twin:e}");
-        });
+        assert_near_printed([3e8, 1.0], &depths);
+        for d in depths {
+            assert_eq!(Power::force(&Power::constants(3e8, 1.0), d), 3e8 * d);
+        }
     }
 }

@@ -3,5 +3,8 @@
 pub(crate) mod double_double;
 pub mod piecewise;
 pub(crate) mod pivoted_qr;
+mod real;
 pub mod simd;
 pub(crate) mod sparse_kkt;
+
+pub(crate) use real::{Real, Truth};

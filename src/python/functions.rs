@@ -10,7 +10,7 @@ use super::interrupt::interruptible;
 use crate::drive::bushing_on_front;
 use crate::drive::{BeltLine, Drive, MOST_LINKS, check_links};
 use crate::error::{Error, check};
-use crate::force_law::{SurfacePair, elastic_forces, effective_restitution as obtained};
+use crate::force_law::{SurfacePair, effective_restitution as obtained, elastic_forces};
 use crate::geometry::{Vec2, unit};
 use crate::integrator::{Adams, OdeSystem, StepControl};
 use crate::layout::InitialConfiguration;
@@ -461,7 +461,10 @@ pub(super) fn law_force<'py>(
 
 /// Restitution that an impact with a damping law really has when `restitution` is asked of it.
 #[pyfunction]
-pub(super) fn effective_restitution(damping: &str, restitution: &Bound<'_, PyAny>) -> PyResult<f64> {
+pub(super) fn effective_restitution(
+    damping: &str,
+    restitution: &Bound<'_, PyAny>,
+) -> PyResult<f64> {
     let py = restitution.py();
     let law = describe::damping(damping, py)?;
     let asked = describe::number(restitution, "restitution", "1")?;

@@ -8,7 +8,7 @@
 use rustchain::chain::contact::on_teeth;
 use rustchain::chain::dynamics::Dynamics;
 use rustchain::chain::model::{Rotation, Support};
-use rustchain::force_law::{Conformal, ElasticLaw, Hertz, Logarithmic, PairTable, Power, Regions};
+use rustchain::force_law::{PairTable, Regions};
 use rustchain::geometry::{Surface, SurfaceCurve};
 use rustchain::integrator::OdeSystem;
 
@@ -49,28 +49,14 @@ impl Agreement {
 
 /// Elastic force by the scalar form of a law.
 pub fn elastic(table: &PairTable, pair: usize, depth: f64) -> f64 {
-    match table {
-        PairTable::Hertz(pairs) => Hertz::force(&pairs[pair], depth),
-        PairTable::Power(pairs) => Power::force(&pairs[pair], depth),
-        PairTable::Logarithmic(pairs) => Logarithmic::force(&pairs[pair], depth),
-        PairTable::Conformal(pairs) => Conformal::force(&pairs[pair], depth),
-    }
+    table.pair(pair).force(depth)
 }
 
-/// Error of `force` at `depth` \[N\]: one unit, with a logarithmic law what its scalar form makes of one; none with
-/// Hertz's and Liu's, whose forms have the same bits.
+/// Error of `force` at `depth` \[N\]: that of the two roundings of a law, with fused multiply-add and without; steep near the end of
+/// a law's range.
 fn law_error(table: &PairTable, pair: usize, depth: f64, force: f64) -> f64 {
-    match table {
-        PairTable::Hertz(_) | PairTable::Conformal(_) => 0.0,
-        PairTable::Power(_) => UNIT * force,
-        PairTable::Logarithmic(pairs) => {
-            // Its exponent is rounded, and so is δ/δ_end, to which the exponent is steep near the end.
-            let pair = pairs[pair];
-            let to_end = (1.0 - depth / pair.end_penetration).max(UNIT);
-            let exponent = (pair.end_force / force).ln().abs();
-            UNIT * force * (1.0 + exponent + 0.5 / to_end.sqrt())
-        }
-    }
+    let to_end = (1.0 - depth / table.pair(pair).range_end()).max(UNIT);
+    UNIT * force * (1.0 + 0.5 / to_end.sqrt())
 }
 
 /// One contact that the twins found, and its first-order errors for one unit each.

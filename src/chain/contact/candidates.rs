@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::chain::contact::ImpactMemory;
 use crate::chain::model::{Model, SprocketModel, Support};
-use crate::force_law::{VectorLaw, with_law};
+
 use crate::geometry::{Surface, Vec2};
 use crate::math::simd::{Numbers, WIDTH, padded, padded_zeros};
 
@@ -270,7 +270,7 @@ pub(crate) fn gap_direction(
 
 /// Constants of the tooth law for a surface of sprocket `s`.
 pub(crate) fn surface_constants(model: &Model, s: usize, surface: Surface) -> [f64; 2] {
-    with_law!(&model.tooth_law.pairs, Law, pairs => Law::constants(&pairs[model.tooth_pair(s, surface)]))
+    model.tooth_law.pairs.pairs()[model.tooth_pair(s, surface)]
 }
 
 /// Writes the runs of the `near` ones of `n` bushings and returns the number of their slots.

@@ -83,7 +83,7 @@ fn elastic_energy(dynamics: &Dynamics) -> f64 {
         dynamics.hinges.penetration.iter().enumerate().map(|(k, &depth)| match model.compliance_at(k) {
             None => Law::energy(&pairs[0], depth),
             Some(compliance) => {
-                let pressed = depth_in_series::<Law>(&pairs[0], compliance, depth);
+                let pressed = depth_in_series::<f64, Law>(pairs[0], compliance, depth);
                 let force = Law::force(&pairs[0], pressed);
                 Law::energy(&pairs[0], pressed) + 0.5 * compliance * force * force
             }

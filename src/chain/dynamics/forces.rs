@@ -13,7 +13,7 @@ struct Joints<'a> {
 
 /// Forces of all hinges \[N\], with λ and what the plates at each give way by \[m/N\]; returns the dissipated power \[W\] when `ENERGY` is asked for.
 pub(super) fn hinge_forces<L: ElasticLaw, const ENERGY: bool>(
-    pair: &L::Pair,
+    pair: &[f64; 2],
     (lambda, compliance): (f64, Option<&[f64]>),
     memory: &ImpactMemory,
     hinges: &mut HingeContacts,
@@ -34,7 +34,7 @@ pub(super) fn hinge_forces<L: ElasticLaw, const ENERGY: bool>(
 
 /// Forces of all bushings in their rollers, likewise.
 pub(super) fn roller_forces<L: ElasticLaw, const ENERGY: bool>(
-    pair: &L::Pair,
+    pair: &[f64; 2],
     lambda: f64,
     memory: &ImpactMemory,
     rollers: &mut RollerContacts,
@@ -48,7 +48,7 @@ pub(super) fn roller_forces<L: ElasticLaw, const ENERGY: bool>(
 }
 
 fn joint_forces<L: ElasticLaw, const ENERGY: bool>(
-    pair: &L::Pair,
+    pair: &[f64; 2],
     (lambda, compliance): (f64, Option<&[f64]>),
     memory: &ImpactMemory,
     joints: &Joints,
@@ -62,7 +62,8 @@ fn joint_forces<L: ElasticLaw, const ENERGY: bool>(
             continue;
         }
         let rate = joints.rate[k];
-        let pressed = compliance.map_or(depth, |all| depth_in_series::<L>(pair, all[k], depth));
+        let pressed =
+            compliance.map_or(depth, |all| depth_in_series::<f64, L>(*pair, all[k], depth));
         let elastic = L::force(pair, pressed);
         let onset = memory.onset_speed(joints.onset[k], rate);
         let force = elastic * damping_factor(lambda, rate, onset);
@@ -76,7 +77,7 @@ fn joint_forces<L: ElasticLaw, const ENERGY: bool>(
 
 /// Forces of all bushings that are near a sprocket \[N\]; returns the dissipated power \[W\] when `ENERGY` is asked for.
 pub(super) fn tooth_forces<L: ElasticLaw, const ENERGY: bool>(
-    pairs: &[L::Pair],
+    pairs: &[[f64; 2]],
     model: &Model,
     memory: &ImpactMemory,
     teeth: &mut ToothContacts,

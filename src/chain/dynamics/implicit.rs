@@ -22,14 +22,14 @@ const WHERE_CHANGED: f64 = 10.0;
 
 /// Force \[N\] and its slopes with penetration \[N/m\] and rate \[N s/m\].
 fn slopes<L: ElasticLaw>(
-    pair: &L::Pair,
+    pair: &[f64; 2],
     (depth, rate): (f64, f64),
     lambda: f64,
     compliance: Option<f64>,
     remembered: f64,
     floor: f64,
 ) -> (f64, f64, f64) {
-    let pressed = compliance.map_or(depth, |c| depth_in_series::<L>(pair, c, depth));
+    let pressed = compliance.map_or(depth, |c| depth_in_series::<f64, L>(*pair, c, depth));
     let (elastic, alone) = (L::force(pair, pressed), L::stiffness(pair, pressed));
     let stiffness = alone / compliance.unwrap_or(0.0).mul_add(alone, 1.0);
     // Without memory the present rate is the onset speed: the factor is a constant, above the floor.

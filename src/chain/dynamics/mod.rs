@@ -424,14 +424,14 @@ impl Dynamics {
 
     /// Finds the contacts that began in the step just made and their onset speeds; call after it, before another derivative.
     pub fn finish_step(&mut self, adams: &Adams, step: &Step) {
-        let changed = self.kernels.changes();
-        if changed.hinges {
+        let [hinges, rollers, teeth] = self.kernels.changes();
+        if hinges {
             self.find_hinge_onsets(adams, step);
         }
-        if changed.rollers {
+        if rollers {
             self.find_roller_onsets(adams, step);
         }
-        if changed.teeth {
+        if teeth {
             self.find_tooth_onsets(adams, step);
         }
         if std::mem::take(&mut self.turned) {
@@ -736,11 +736,11 @@ fn past_range(law: Elastic, contact: &str, depth: f64, end: f64) -> String {
     )
 }
 
-fn force_at<L: crate::force_law::ElasticLaw>(pair: &L::Pair, depth: f64) -> f64 {
+fn force_at<L: crate::force_law::ElasticLaw>(pair: &[f64; 2], depth: f64) -> f64 {
     L::force(pair, depth)
 }
 
-fn range_end<L: crate::force_law::ElasticLaw>(pair: &L::Pair) -> f64 {
+fn range_end<L: crate::force_law::ElasticLaw>(pair: &[f64; 2]) -> f64 {
     L::range_end(pair)
 }
 

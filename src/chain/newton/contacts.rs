@@ -15,7 +15,7 @@
 use pulp::Simd;
 
 use super::ring::{HingeBlocks, own_registers};
-use crate::chain::rhs::slopes::{RubGroup, SlopeGroup};
+use crate::chain::rhs::slopes::{FrictionGroup, SlopeGroup};
 use crate::math::simd::{Lanes, Numbers, WIDTH, padded_zeros, parts, read, vectors_mut};
 
 /// α and η of register `part` of these contacts.
@@ -110,7 +110,7 @@ impl Arms {
 
 /// Friction of hinges, where there is any.
 pub(super) struct Rubbing<'a> {
-    pub(super) slopes: &'a [RubGroup],
+    pub(super) slopes: &'a [FrictionGroup],
     pub(super) arms: &'a mut Arms,
 }
 

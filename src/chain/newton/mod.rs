@@ -31,7 +31,7 @@ use rollers::RollerTerms;
 use teeth::{AddTeeth, RubbingTeeth, ToothTerms};
 
 use super::rhs::layout::{ChainArrays, FIRST, LinkConstants};
-use super::rhs::slopes::{FilmGroup, RubGroup, SlopeGroup, slope_groups};
+use super::rhs::slopes::{FilmGroup, FrictionGroup, SlopeGroup, slope_groups};
 use super::rhs::teeth::SprocketPose;
 use crate::chain::contact::Candidates;
 use crate::chain::model::Model;
@@ -49,13 +49,13 @@ pub(crate) struct NewtonMatrix {
     /// Of each sprocket's candidates, slot by slot.
     pub(crate) tooth_slopes: Vec<Vec<SlopeGroup>>,
     /// Those of friction in hinges; empty where there is none anywhere.
-    pub(crate) hinge_rubs: Vec<RubGroup>,
+    pub(crate) hinge_rubs: Vec<FrictionGroup>,
     /// Likewise on teeth.
-    pub(crate) tooth_rubs: Vec<Vec<RubGroup>>,
+    pub(crate) tooth_rubs: Vec<Vec<FrictionGroup>>,
     /// Of bushings in rollers; empty where rollers are no bodies.
     pub(crate) roller_slopes: Vec<SlopeGroup>,
     /// Those of friction there.
-    pub(crate) roller_rubs: Vec<RubGroup>,
+    pub(crate) roller_rubs: Vec<FrictionGroup>,
     /// Those of lubricant in hinges; empty where there is none.
     pub(crate) films: Vec<FilmGroup>,
     motions: Vec<SprocketMotions>,
@@ -103,7 +103,7 @@ impl NewtonMatrix {
         let slots = Candidates::most_slots(model);
         let rubs = |contacts: usize| {
             let contacts = if model.has_moments() { contacts } else { 0 };
-            vec![RubGroup::default(); contacts.div_ceil(WIDTH)]
+            vec![FrictionGroup::default(); contacts.div_ceil(WIDTH)]
         };
         Self {
             hinge_slopes: slope_groups(n),

@@ -14,7 +14,7 @@ use super::entries::{Entries, EntriesMut};
 use super::links::{Border, LinkTerms, Spatial};
 use super::teeth::ToothTerms;
 use crate::chain::model::{Model, RollerModel};
-use crate::chain::rhs::slopes::{RubGroup, SlopeGroup};
+use crate::chain::rhs::slopes::{FrictionGroup, SlopeGroup};
 use crate::math::simd::{
     Lanes, Mask, Numbers, Octet, PartialSums, WIDTH, load, padded_zeros, parts, read, vectors,
     vectors_mut, write,
@@ -83,7 +83,7 @@ impl RollerTerms {
         &mut self,
         simd: S,
         gamma: f64,
-        (slopes, rubs): (&[SlopeGroup], &[RubGroup]),
+        (slopes, rubs): (&[SlopeGroup], &[FrictionGroup]),
         teeth: &mut ToothTerms,
         corner: &mut Corner,
     ) {
@@ -518,7 +518,7 @@ struct Rubbing<S: Simd> {
 
 impl<S: Simd> Rubbing<S> {
     #[inline(always)]
-    fn new(simd: S, gamma: f64, normal: &[Octet; 2], rubs: &RubGroup, part: usize) -> Self {
+    fn new(simd: S, gamma: f64, normal: &[Octet; 2], rubs: &FrictionGroup, part: usize) -> Self {
         let [nx, ny] = read(simd, normal, part);
         let [of_roller, of_bushing] = read(simd, &rubs.places, part);
         Self {

@@ -5,7 +5,7 @@ use pulp::{Simd, WithSimd};
 
 use super::contacts::{BASE, scaled};
 use crate::chain::contact::{Run, SprocketCandidates};
-use crate::chain::rhs::slopes::{RubGroup, SlopeGroup};
+use crate::chain::rhs::slopes::{FrictionGroup, SlopeGroup};
 use crate::chain::rhs::teeth::SprocketPose;
 use crate::math::simd::{
     Lanes, Numbers, PartialSums, WIDTH, both, load, padded, padded_zeros, read, vectors_mut,
@@ -156,7 +156,7 @@ fn pulls<const RUBBED: bool>(column: &mut [[Numbers; 3]]) -> impl Iterator<Item 
 
 /// Friction of the candidates of one sprocket, where there is any.
 pub(super) struct RubbingTeeth<'a> {
-    pub(super) slopes: &'a [RubGroup],
+    pub(super) slopes: &'a [FrictionGroup],
     pub(super) bushing_radius: f64,
 }
 

@@ -1,4 +1,4 @@
-//! The gap of a whole ANSI tooth over a register of bushings: the nearest of its four surfaces, the depth there and the direction
+//! The gap of a whole ANSI tooth over a vector of bushings: the nearest of its four surfaces, the depth there and the direction
 //! in which it grows.
 
 use pulp::Simd;
@@ -71,8 +71,8 @@ impl AnsiGap {
     }
 }
 
-/// A gap with its constants in registers.
-pub(crate) struct AnsiRegisters<'a, S: Simd> {
+/// A gap with its constants in vectors.
+pub(crate) struct AnsiVectors<'a, S: Simd> {
     simd: S,
     constants: &'a AnsiGap,
 }
@@ -93,25 +93,25 @@ pub(crate) struct NearestOfFour<S: Simd> {
 }
 
 impl GapConstants for AnsiGap {
-    type Of<'a, S: Simd> = AnsiRegisters<'a, S>;
+    type Of<'a, S: Simd> = AnsiVectors<'a, S>;
 
     #[inline(always)]
-    fn gap<S: Simd>(&self, simd: S) -> AnsiRegisters<'_, S> {
-        AnsiRegisters {
+    fn gap<S: Simd>(&self, simd: S) -> AnsiVectors<'_, S> {
+        AnsiVectors {
             simd,
             constants: self,
         }
     }
 }
 
-impl<S: Simd> AnsiRegisters<'_, S> {
+impl<S: Simd> AnsiVectors<'_, S> {
     #[inline(always)]
     fn splat(&self, value: f64) -> Lanes<S> {
         Lanes::splat(self.simd, value)
     }
 }
 
-impl<S: Simd> Gap<S> for AnsiRegisters<'_, S> {
+impl<S: Simd> Gap<S> for AnsiVectors<'_, S> {
     type Nearest = NearestOfFour<S>;
 
     #[inline(always)]
@@ -256,7 +256,7 @@ impl<S: Simd> Gap<S> for AnsiRegisters<'_, S> {
     }
 }
 
-impl<S: Simd> AnsiRegisters<'_, S> {
+impl<S: Simd> AnsiVectors<'_, S> {
     /// The number of the surface: seating, working, flat, topping.
     #[inline(always)]
     fn of_surface(

@@ -1,24 +1,24 @@
-//! Bristles over registers: deflections taken from the state, their rates put beside the accelerations.
+//! Bristles over vectors: deflections taken from the state, their rates put beside the accelerations.
 //!
-//! In a step of Newton's method an evaluation solves for them: a deflection is what was foretold of it and γ times its rate, one
+//! In a step of Newton's method an evaluation solves for them: a deflection is what was predicted of it and γ times its rate, one
 //! scalar equation that is linear once the slip is known.
 
 use pulp::Simd;
 
 use crate::chain::model::Model;
-use crate::force_law::{Ahead, LuGre, LuGreLanes};
+use crate::force_law::{Ahead, BristleLaw, LuGre};
 use crate::math::simd::{Lanes, Mask, Numbers, load, padded_zeros, vectors_mut};
 
-/// Contacts whose bristles have arrays of their own.
+/// Kinds of contacts, which have loops and arrays of their own.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Place {
+pub(crate) enum ContactKind {
     Hinges,
     Rollers,
     /// Candidates of one sprocket, slot by slot.
     Teeth,
 }
 
-/// Deflections \[m\] of some contacts, or what was foretold of them, and their rates \[m/s\].
+/// Deflections \[m\] of some contacts, or what was predicted of them, and their rates \[m/s\].
 #[derive(Debug, Clone)]
 struct BristleArrays {
     deflection: Numbers,
@@ -30,11 +30,11 @@ struct BristleArrays {
 pub(crate) struct BristleState {
     /// γ of the implicit step under way; none: deflections are those of the state.
     gamma: Option<f64>,
-    /// What was foretold for it \[m\].
-    foretold: Vec<f64>,
+    /// What was predicted for it \[m\].
+    predicted: Vec<f64>,
     /// What the last evaluation solved for \[m\].
     solved: Vec<f64>,
-    /// By [`Place`].
+    /// By [`ContactKind`].
     arrays: [BristleArrays; 3],
 }
 
@@ -50,7 +50,7 @@ impl BristleState {
         let room = [places.hinges.len(), places.rollers.len(), slots];
         Some(Self {
             gamma: None,
-            foretold: vec![0.0; count],
+            predicted: vec![0.0; count],
             solved: vec![0.0; count],
             arrays: room.map(|count| BristleArrays {
                 deflection: padded_zeros(count),
@@ -59,9 +59,9 @@ impl BristleState {
         })
     }
 
-    /// Lets evaluations solve for the deflections, from what is `foretold` of them, with γ.
-    pub(crate) fn begin_implicit_stage(&mut self, foretold: &[f64], gamma: f64) {
-        self.foretold.copy_from_slice(foretold);
+    /// Lets evaluations solve for the deflections, from what is `predicted` of them, with γ.
+    pub(crate) fn begin_implicit_stage(&mut self, predicted: &[f64], gamma: f64) {
+        self.predicted.copy_from_slice(predicted);
         self.gamma = Some(gamma);
     }
 
@@ -79,23 +79,23 @@ impl BristleState {
     pub(crate) fn begin(&mut self, rates: &mut [f64]) {
         rates.fill(0.0);
         if self.gamma.is_some() {
-            self.solved.copy_from_slice(&self.foretold);
+            self.solved.copy_from_slice(&self.predicted);
         }
     }
 
     /// Takes the deflections of a loop from `all`: pairs of a place in its arrays and a number among all.
     pub(crate) fn take(
         &mut self,
-        place: Place,
+        kind: ContactKind,
         all: &[f64],
         slots: impl Iterator<Item = (usize, usize)>,
     ) {
         let from = if self.gamma.is_some() {
-            &self.foretold
+            &self.predicted
         } else {
             all
         };
-        let to = &mut self.arrays[place as usize].deflection;
+        let to = &mut self.arrays[kind as usize].deflection;
         for (slot, number) in slots {
             to[slot] = from[number];
         }
@@ -104,11 +104,11 @@ impl BristleState {
     /// Puts the rates of a loop where they belong among all, and what it solved for.
     pub(crate) fn put(
         &mut self,
-        place: Place,
+        kind: ContactKind,
         rates: &mut [f64],
         slots: impl Iterator<Item = (usize, usize)>,
     ) {
-        let from = &self.arrays[place as usize];
+        let from = &self.arrays[kind as usize];
         for (slot, number) in slots {
             rates[number] = from.rate[slot];
             if self.gamma.is_some() {
@@ -120,11 +120,11 @@ impl BristleState {
     /// The arrays of a loop, and what else it needs.
     pub(crate) fn lend<'a>(
         &'a mut self,
-        place: Place,
+        kind: ContactKind,
         law: &'a LuGre,
         radius: f64,
     ) -> Bristling<'a> {
-        let BristleArrays { deflection, rate } = &mut self.arrays[place as usize];
+        let BristleArrays { deflection, rate } = &mut self.arrays[kind as usize];
         Bristling {
             law,
             radius,
@@ -146,7 +146,7 @@ pub(crate) struct Bristling<'a> {
 }
 
 impl<'a> Bristling<'a> {
-    /// The same as registers, from contact `first` on.
+    /// The same as vectors, from contact `first` on.
     #[inline(always)]
     pub(crate) fn lanes<S: Simd>(
         &mut self,
@@ -155,7 +155,7 @@ impl<'a> Bristling<'a> {
         blocks: usize,
     ) -> BristleLanes<'_, S> {
         BristleLanes {
-            law: LuGreLanes::new(simd, self.law),
+            law: BristleLaw::new(simd, self.law),
             radius: Lanes::splat(simd, self.radius),
             gamma: self.gamma.map(|gamma| Lanes::splat(simd, gamma)),
             deflection: vectors_mut::<S>(&mut self.deflection[first..], blocks),
@@ -167,7 +167,7 @@ impl<'a> Bristling<'a> {
     #[inline(always)]
     pub(crate) fn into_lanes<S: Simd>(self, simd: S, blocks: usize) -> BristleLanes<'a, S> {
         BristleLanes {
-            law: LuGreLanes::new(simd, self.law),
+            law: BristleLaw::new(simd, self.law),
             radius: Lanes::splat(simd, self.radius),
             gamma: self.gamma.map(|gamma| Lanes::splat(simd, gamma)),
             deflection: vectors_mut::<S>(self.deflection, blocks),
@@ -176,9 +176,9 @@ impl<'a> Bristling<'a> {
     }
 }
 
-/// Bristles of a loop's contacts as registers.
+/// Bristles of a loop's contacts as vectors.
 pub(crate) struct BristleLanes<'a, S: Simd> {
-    law: LuGreLanes<S>,
+    law: BristleLaw<Lanes<S>>,
     pub(crate) radius: Lanes<S>,
     gamma: Option<Lanes<S>>,
     deflection: &'a mut [S::f64s],
@@ -186,7 +186,7 @@ pub(crate) struct BristleLanes<'a, S: Simd> {
 }
 
 impl<S: Simd> BristleLanes<'_, S> {
-    /// Friction of register `i` of contacts and its slope with the slip; those that do not touch keep their deflections.
+    /// Friction of vector `i` of contacts and its slope with the slip; those that do not touch keep their deflections.
     #[inline(always)]
     pub(crate) fn bend(
         &mut self,
@@ -197,7 +197,7 @@ impl<S: Simd> BristleLanes<'_, S> {
     ) -> [Lanes<S>; 2] {
         let given = load(slip.simd(), &self.deflection[i]);
         let ahead = self.gamma.map(|gamma| Ahead {
-            foretold: given,
+            predicted: given,
             gamma,
         });
         let bent = self.law.bend(force, slip, given, ahead.as_ref());
@@ -209,7 +209,7 @@ impl<S: Simd> BristleLanes<'_, S> {
         [bent.force, bent.slope]
     }
 
-    /// Register `i` of contacts of which none touches.
+    /// Vector `i` of contacts of which none touches.
     #[inline(always)]
     pub(crate) fn rest(&mut self, i: usize) {
         let simd = self.radius.simd();

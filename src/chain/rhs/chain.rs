@@ -10,7 +10,7 @@ use std::marker::PhantomData;
 use pulp::{Simd, WithSimd};
 
 use super::layout::{ChainArrays, FIRST, LinkConstants};
-use crate::force_law::VectorLaw;
+use crate::force_law::ElasticLaw;
 use crate::math::simd::{
     Lanes, WIDTH, lane_numbers, load, partial_load, sin_cos, vectors, vectors_mut,
 };
@@ -64,7 +64,7 @@ pub(crate) struct JoinChain<
 }
 
 impl<
-    L: VectorLaw,
+    L: ElasticLaw,
     const DAMPED: bool,
     const RUBBED: bool,
     const BRISTLED: bool,
@@ -90,7 +90,7 @@ impl<
             arrays,
             blocks,
         );
-        hinges.lay_in(self.lubricant, self.compliance);
+        hinges.attach_optional_forces(self.lubricant, self.compliance);
         let [x, y, _] = self.places;
         let [vx, vy, spin] = self.speeds;
         let links = [x, y, vx, vy, spin];
@@ -99,7 +99,7 @@ impl<
         let front_arms = Arms::<S>::of(&self.constants.front_arm, direction, 0, blocks);
         let rear_arms = Arms::<S>::of(&self.constants.rear_arm, direction, 1, blocks);
         if S::F64_LANES == WIDTH {
-            // Wide registers that do not begin at a cache line are slow to load: the rear ends are moved on by one link.
+            // Wide vectors that do not begin at a cache line are slow to load: the rear ends are moved on by one link.
             let last_lane = lane_numbers(simd).greater(splat(WIDTH as f64 - 1.5));
             let here = if whole > 0 { fronts.at(simd, 0) } else { last };
             let [arm, cos, sin] = front_arms.at(simd, 0);

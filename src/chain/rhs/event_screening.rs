@@ -247,7 +247,7 @@ impl WithSimd for WatchHinges<'_> {
     }
 }
 
-/// Register `i` of two arrays.
+/// Vector `i` of two arrays.
 #[inline(always)]
 fn two<S: Simd>(simd: S, arrays: [&[S::f64s]; 2], i: usize) -> [Lanes<S>; 2] {
     [load(simd, &arrays[0][i]), load(simd, &arrays[1][i])]

@@ -1,4 +1,4 @@
-//! A tooth gap over a register of bushings: what the loops over a sprocket's candidates ask of its tooth form.
+//! A tooth gap over a vector of bushings: what the loops over a sprocket's candidates ask of its tooth form.
 
 use pulp::Simd;
 

@@ -1,4 +1,4 @@
-//! What the kernels read of a model and the arrays they write, one array a quantity, padded to whole registers.
+//! What the kernels read of a model and the arrays they write, one array a quantity, padded to whole vectors.
 
 use crate::chain::model::{Model, OpenEnds};
 use crate::math::simd::{Numbers, WIDTH, padded_zeros};
@@ -168,7 +168,7 @@ impl ChainArrays {
         behind[..overhang].copy_from_slice(&own[..overhang]);
     }
 
-    /// Puts zeros behind the last of `links` bushings, where longer runs may have left what is no number: registers at the end of
+    /// Puts zeros behind the last of `links` bushings, where longer runs may have left what is no number: vectors at the end of
     /// a run read it, and no number times no force is none.
     pub(crate) fn clear_repeated(&mut self, links: usize) {
         for array in self.bushing.iter_mut().chain(&mut self.bushing_velocity) {

@@ -56,7 +56,7 @@ impl<const RUBBED: bool> WithSimd for AccelerateLinks<'_, RUBBED> {
         let blocks = whole + usize::from(!x_rest.is_empty());
         let loads = Loads::<S, RUBBED> {
             simd,
-            // With no sign on a zero: that of a force of none depends on what shares its register.
+            // With no sign on a zero: that of a force of none depends on what shares its vector.
             gravity: splat_two(simd, [gravity[0] + 0.0, gravity[1] + 0.0]),
             cos: vectors::<S>(cos, blocks),
             sin: vectors::<S>(sin, blocks),
@@ -156,7 +156,7 @@ fn accelerate<S: Simd>(simd: S, force: &[f64], inverse_mass: f64, gravity: f64, 
     }
 }
 
-/// All loads as registers.
+/// All loads as vectors.
 struct Loads<'a, S: Simd, const RUBBED: bool> {
     simd: S,
     gravity: [Lanes<S>; 2],
@@ -172,7 +172,7 @@ struct Loads<'a, S: Simd, const RUBBED: bool> {
 }
 
 impl<S: Simd, const RUBBED: bool> Loads<'_, S, RUBBED> {
-    /// Accelerations of one register of links: x, y, angle.
+    /// Accelerations of one vector of links: x, y, angle.
     #[inline(always)]
     fn accelerations(&self, i: usize) -> [S::f64s; 3] {
         let at = |array: &[S::f64s]| load(self.simd, &array[i]);

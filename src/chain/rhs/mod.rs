@@ -1,5 +1,5 @@
 //! The right-hand side as a run needs it: the same equations as `contact` and `dynamics` write out for one contact, over
-//! registers of contacts and with the instructions that the machine has.
+//! vectors of contacts and with the instructions that the machine has.
 //!
 //! chain (directions, ends, hinges, bushings) -> rollers, where they are bodies -> candidates -> teeth -> loads -> accelerations
 //!
@@ -22,7 +22,7 @@ pub(crate) mod teeth;
 use std::marker::PhantomData;
 
 use crate::chain::newton::{Evaluated, NewtonMatrix};
-use bristles::{BristleState, Bristling, Place};
+use bristles::{BristleState, Bristling, ContactKind};
 use chain::{
     ChainFound, FilledHinges, HingeFriction, JoinChain, JoinRollers, Joints, RepeatBushings,
     Rollers,
@@ -40,7 +40,7 @@ use crate::chain::contact::{
 use crate::chain::dynamics::{Losses, Powers, SprocketLoad, outside_powers, sprocket_acceleration};
 use crate::chain::model::{Model, OpenEnds, RollerModel, Rotation, Support};
 use crate::chain::motion::sprocket_motion;
-use crate::force_law::{LuGre, VectorLaw, with_law};
+use crate::force_law::{ElasticLaw, LuGre, with_law};
 use crate::geometry::Vec2;
 use crate::math::simd::InstructionSet;
 
@@ -52,20 +52,12 @@ fn on_teeth<'a>(chain: &'a ChainArrays, rollers: Option<&'a Rollers>) -> &'a Cha
 /// What a loop needs of bristles, where its contacts have any.
 fn bristling<'a>(
     state: Option<&'a mut BristleState>,
-    (place, law): (Place, Option<&'a LuGre>),
+    (place, law): (ContactKind, Option<&'a LuGre>),
     radius: f64,
 ) -> Option<Bristling<'a>> {
     state
         .zip(law)
         .map(|(state, law)| state.lend(place, law, radius))
-}
-
-/// Kinds of contacts of which one began or ended.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Changed {
-    pub(crate) hinges: bool,
-    pub(crate) rollers: bool,
-    pub(crate) teeth: bool,
 }
 
 /// Arrays of the right-hand side and the instructions it runs with.
@@ -85,8 +77,8 @@ pub(crate) struct Kernels {
     kind: Vec<usize>,
     poses: Vec<SprocketPose>,
     loads: Vec<SprocketLoad>,
-    /// Where at the last evaluation some contact had no memory, or some memory no contact.
-    changed: Changed,
+    /// By [`ContactKind`]: whether at the last evaluation some contact had no memory, or some memory no contact.
+    changed: [bool; 3],
     /// Newton's matrix, once it is asked for.
     newton: Option<Box<NewtonMatrix>>,
     /// Where friction is that of bristles.
@@ -121,11 +113,7 @@ impl Kernels {
             kind,
             poses: vec![SprocketPose::default(); sprockets],
             loads: vec![SprocketLoad::default(); sprockets],
-            changed: Changed {
-                hinges: true,
-                rollers: true,
-                teeth: true,
-            },
+            changed: [true; 3],
             newton: None,
             bristles: BristleState::of(model, Candidates::most_slots(model)).map(Box::new),
             writes_slopes: false,
@@ -167,11 +155,11 @@ impl Kernels {
         }
     }
 
-    /// Lets evaluations solve for bristles in an implicit step, from what is foretold of their deflections, with γ; nothing: no more.
+    /// Lets evaluations solve for bristles in an implicit step, from what is predicted of their deflections, with γ; nothing: no more.
     pub(crate) fn solve_for_bristles(&mut self, step: Option<(&[f64], f64)>) {
         match (&mut self.bristles, step) {
-            (Some(bristles), Some((foretold, gamma))) => {
-                bristles.begin_implicit_stage(foretold, gamma)
+            (Some(bristles), Some((predicted, gamma))) => {
+                bristles.begin_implicit_stage(predicted, gamma);
             }
             (Some(bristles), None) => bristles.end_implicit_stage(),
             (None, _) => {}
@@ -195,16 +183,11 @@ impl Kernels {
 
     /// Whether at the last evaluation some contact had no memory, or some memory no contact.
     pub(crate) fn changed(&self) -> bool {
-        let Changed {
-            hinges,
-            rollers,
-            teeth,
-        } = self.changed;
-        hinges || rollers || teeth
+        self.changed.contains(&true)
     }
 
-    /// Where that was.
-    pub(crate) fn changes(&self) -> Changed {
+    /// Where that was, by [`ContactKind`].
+    pub(crate) fn changes(&self) -> [bool; 3] {
         self.changed
     }
 
@@ -353,7 +336,7 @@ impl Kernels {
             }
         }
         let chain = with_law!(&model.hinge_law.pairs, Law, pairs => {
-            self.join_chain::<Law, ENERGY>(model, memory, Law::constants(&pairs[0]), y)
+            self.join_chain::<Law, ENERGY>(model, memory, pairs[0], y)
         });
         if let Some(ends) = &model.ends {
             self.chain.forget_open_hinges(ends);
@@ -367,7 +350,7 @@ impl Kernels {
                 self.chain.spin_bushings(&self.links, spins, 0);
             }
             with_law!(&of.law.pairs, Law, pairs => {
-                self.join_rollers::<Law, ENERGY>(model, of, memory, Law::constants(&pairs[0]), y)
+                self.join_rollers::<Law, ENERGY>(model, of, memory, pairs[0], y)
             })
         });
         if let (Some(rollers), Some(_)) = (&mut self.rollers, &model.ends) {
@@ -375,11 +358,8 @@ impl Kernels {
         }
         let moved_squared = rolling.map_or(chain.moved_squared, |found| found.moved_squared);
         self.choose_candidates(model, memory, moved_squared);
-        self.changed = Changed {
-            hinges: chain.changed,
-            rollers: rolling.is_some_and(|found| found.changed),
-            teeth: false,
-        };
+        let rollers_changed = rolling.is_some_and(|found| found.changed);
+        self.changed = [chain.changed, rollers_changed, false];
         let mut losses = Losses {
             hinge_contact: chain.dissipated,
             hinge_friction: chain.rubbed,
@@ -405,7 +385,7 @@ impl Kernels {
                 self.touch_teeth::<Law, ENERGY>(model, s)
             });
             self.put_tooth_bristles(model, s, rates);
-            self.changed.teeth |= teeth.changed;
+            self.changed[ContactKind::Teeth as usize] |= teeth.changed;
             losses.tooth_contact += teeth.dissipated;
             losses.tooth_friction += teeth.rubbed;
             self.loads[s] = SprocketLoad {
@@ -441,9 +421,9 @@ impl Kernels {
         let all = &y[model.coordinates..][places.all()];
         bristles.begin(&mut rates[places.all()]);
         let hinges = places.hinges.len();
-        bristles.take(Place::Hinges, all, (0..hinges).map(|k| (k, k)));
+        bristles.take(ContactKind::Hinges, all, (0..hinges).map(|k| (k, k)));
         let rollers = 0..places.rollers.len();
-        bristles.take(Place::Rollers, all, rollers.map(|k| (k, hinges + k)));
+        bristles.take(ContactKind::Rollers, all, rollers.map(|k| (k, hinges + k)));
     }
 
     /// Puts their rates beside the accelerations.
@@ -454,9 +434,13 @@ impl Kernels {
         let places = &model.bristles;
         let rates = &mut rates[places.all()];
         let hinges = places.hinges.len();
-        bristles.put(Place::Hinges, rates, (0..hinges).map(|k| (k, k)));
+        bristles.put(ContactKind::Hinges, rates, (0..hinges).map(|k| (k, k)));
         let rollers = 0..places.rollers.len();
-        bristles.put(Place::Rollers, rates, rollers.map(|k| (k, hinges + k)));
+        bristles.put(
+            ContactKind::Rollers,
+            rates,
+            rollers.map(|k| (k, hinges + k)),
+        );
     }
 
     /// Takes the deflections of the bristles of sprocket `s`, where teeth have any.
@@ -466,7 +450,11 @@ impl Kernels {
             let all = &y[model.coordinates..][places.all()];
             let first = places.teeth.start - places.hinges.start + s * n;
             let slots = self.candidates.sprockets[s].bushings(n);
-            bristles.take(Place::Teeth, all, slots.map(|(slot, k)| (slot, first + k)));
+            bristles.take(
+                ContactKind::Teeth,
+                all,
+                slots.map(|(slot, k)| (slot, first + k)),
+            );
         }
     }
 
@@ -478,7 +466,7 @@ impl Kernels {
             let first = places.teeth.start - places.hinges.start + s * n;
             let slots = self.candidates.sprockets[s].bushings(n);
             bristles.put(
-                Place::Teeth,
+                ContactKind::Teeth,
                 rates,
                 slots.map(|(slot, k)| (slot, first + k)),
             );
@@ -507,11 +495,11 @@ impl Kernels {
         }
     }
 
-    fn join_chain<L: VectorLaw, const ENERGY: bool>(
+    fn join_chain<L: ElasticLaw, const ENERGY: bool>(
         &mut self,
         model: &Model,
         memory: &ImpactMemory,
-        law_constants: [f64; 2],
+        pair: [f64; 2],
         y: &[f64],
     ) -> ChainFound {
         let law = &model.hinge_law;
@@ -541,12 +529,12 @@ impl Kernels {
         });
         let bristles = bristling(
             self.bristles.as_deref_mut(),
-            (Place::Hinges, model.hinge_bristles.as_ref()),
+            (ContactKind::Hinges, model.hinge_bristles.as_ref()),
             model.pin_radius,
         );
         let rubbed = friction.is_some();
         let hinges = Joints {
-            law_constants,
+            pair,
             clearance: model.clearance,
             lambda: law.lambda,
             floor: model.min_approach_speed,
@@ -593,12 +581,12 @@ impl Kernels {
         }
     }
 
-    fn join_rollers<L: VectorLaw, const ENERGY: bool>(
+    fn join_rollers<L: ElasticLaw, const ENERGY: bool>(
         &mut self,
         model: &Model,
         of: &RollerModel,
         memory: &ImpactMemory,
-        law_constants: [f64; 2],
+        pair: [f64; 2],
         y: &[f64],
     ) -> ChainFound {
         let Some(rollers) = &mut self.rollers else {
@@ -622,12 +610,12 @@ impl Kernels {
         });
         let bristles = bristling(
             self.bristles.as_deref_mut(),
-            (Place::Rollers, model.hinge_bristles.as_ref()),
+            (ContactKind::Rollers, model.hinge_bristles.as_ref()),
             of.bushing_radius,
         );
         let rubbed = friction.is_some();
         let bores = Joints {
-            law_constants,
+            pair,
             clearance: of.clearance,
             lambda: of.law.lambda,
             floor: model.min_approach_speed,
@@ -717,7 +705,7 @@ impl Kernels {
         }
     }
 
-    fn touch_teeth<L: VectorLaw, const ENERGY: bool>(
+    fn touch_teeth<L: ElasticLaw, const ENERGY: bool>(
         &mut self,
         model: &Model,
         s: usize,
@@ -738,7 +726,7 @@ impl Kernels {
         });
         let bristles = bristling(
             self.bristles.as_deref_mut(),
-            (Place::Teeth, model.tooth_bristles.as_ref()),
+            (ContactKind::Teeth, model.tooth_bristles.as_ref()),
             model.contact_radius,
         );
         let (links, arrays) = match &mut self.rollers {

@@ -5,8 +5,7 @@
 
 use pulp::Simd;
 
-use crate::force_law::VectorLaw;
-use crate::math::simd::{Lanes, Mask, Octet, WIDTH};
+use crate::math::simd::{Lanes, Octet, WIDTH};
 
 /// Slopes of the forces of eight contacts; all zero where a contact bears nothing.
 #[derive(Debug, Clone, Copy, Default)]
@@ -30,7 +29,7 @@ pub(crate) fn slope_groups(contacts: usize) -> Vec<SlopeGroup> {
 
 /// How friction of eight contacts changes with their slip, and where it acts.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct RubGroup {
+pub(crate) struct FrictionGroup {
     /// Slope of the friction with the slip \[N s/m\].
     pub(crate) slope: Octet,
     /// Where a hinge's contact lies along the normal, seen from the centres of its front and rear ends \[m\].
@@ -48,66 +47,17 @@ pub(crate) struct FilmGroup {
     pub(crate) stiffness: [Octet; 3],
 }
 
-/// The group that register `i` of contacts is in, and its number there.
+/// The group that vector `i` of contacts is in, and its number there.
 #[inline(always)]
 pub(crate) fn group_of<S: Simd, T>(groups: &mut [T], i: usize) -> (&mut T, usize) {
     let parts = WIDTH / S::F64_LANES;
     (&mut groups[i / parts], i % parts)
 }
 
-/// A register of contacts as an evaluation knows them.
-pub(crate) struct Touch<S: Simd> {
-    pub(crate) normal: [Lanes<S>; 2],
-    pub(crate) curvature: Lanes<S>,
-    pub(crate) depth: Lanes<S>,
-    /// Elastic part of the force.
-    pub(crate) elastic: Lanes<S>,
-}
-
-/// The damping factor 1 + λ rate/onset of a register of contacts, and what it came from.
-pub(crate) struct Damped<S: Simd> {
-    pub(crate) lambda: Lanes<S>,
-    pub(crate) rate: Lanes<S>,
-    pub(crate) inverse_onset: Lanes<S>,
-    /// Not negative.
-    pub(crate) factor: Lanes<S>,
-    pub(crate) remembered: Mask<S>,
-    pub(crate) floor: Lanes<S>,
-}
-
 impl SlopeGroup {
-    /// Contacts that bear nothing.
+    /// Writes vector `part`: n, the force, its slopes with penetration and rate, κ.
     #[inline(always)]
-    pub(crate) fn put_nothing<S: Simd>(&mut self, part: usize, zero: Lanes<S>) {
-        self.put(part, [zero; 6]);
-    }
-
-    /// Contacts with the damping factor, where there is one.
-    #[inline(always)]
-    pub(crate) fn put_touch<S: Simd, L: VectorLaw>(
-        &mut self,
-        part: usize,
-        constants: [Lanes<S>; 2],
-        touch: &Touch<S>,
-        damped: Option<&Damped<S>>,
-    ) {
-        let zero = touch.depth.constant(0.0);
-        let [nx, ny] = touch.normal;
-        let mut stiffness = L::slopes(constants, touch.depth, touch.elastic);
-        let (mut damping, mut force) = (zero, touch.elastic);
-        if let Some(d) = damped {
-            stiffness = stiffness * d.factor;
-            force = force * d.factor;
-            // Without memory the present rate is the onset speed and the factor a constant, above the floor.
-            let fresh_and_fast = d.remembered.not().and(d.rate.greater(d.floor));
-            let gone = fresh_and_fast.or(d.factor.greater(zero).not());
-            damping = gone.select(zero, touch.elastic * d.lambda * d.inverse_onset);
-        }
-        self.put(part, [nx, ny, force, stiffness, damping, touch.curvature]);
-    }
-
-    #[inline(always)]
-    fn put<S: Simd>(
+    pub(super) fn put<S: Simd>(
         &mut self,
         part: usize,
         [nx, ny, force, stiffness, damping, curvature]: [Lanes<S>; 6],

@@ -1,4 +1,4 @@
-//! A gap of any surfaces over a register of bushings: from a table, whatever the tooth form; damaged and eccentric teeth too.
+//! A gap of any surfaces over a vector of bushings: from a table, whatever the tooth form; damaged and eccentric teeth too.
 
 use pulp::Simd;
 
@@ -131,18 +131,18 @@ impl SurfaceTable {
     }
 }
 
-/// The table at hand for a register of bushings.
-pub(crate) struct TableRegisters<'a, S: Simd> {
+/// The table at hand for a vector of bushings.
+pub(crate) struct TableVectors<'a, S: Simd> {
     simd: S,
     table: &'a SurfaceTable,
 }
 
 impl GapConstants for SurfaceTable {
-    type Of<'a, S: Simd> = TableRegisters<'a, S>;
+    type Of<'a, S: Simd> = TableVectors<'a, S>;
 
     #[inline(always)]
-    fn gap<S: Simd>(&self, simd: S) -> TableRegisters<'_, S> {
-        TableRegisters { simd, table: self }
+    fn gap<S: Simd>(&self, simd: S) -> TableVectors<'_, S> {
+        TableVectors { simd, table: self }
     }
 }
 
@@ -194,7 +194,7 @@ pub(crate) struct NearestOfTable<S: Simd> {
     near: Mask<S>,
 }
 
-impl<S: Simd> TableRegisters<'_, S> {
+impl<S: Simd> TableVectors<'_, S> {
     #[inline(always)]
     fn splat(&self, value: f64) -> Lanes<S> {
         Lanes::splat(self.simd, value)
@@ -305,7 +305,7 @@ impl<S: Simd> NearestOfTable<S> {
     }
 }
 
-impl<S: Simd> Gap<S> for TableRegisters<'_, S> {
+impl<S: Simd> Gap<S> for TableVectors<'_, S> {
     type Nearest = NearestOfTable<S>;
 
     #[inline(always)]

@@ -7,11 +7,13 @@ use pulp::{Simd, WithSimd};
 use super::bristles::{BristleLanes, Bristling};
 use super::gap::{Gap, GapConstants, InGap};
 use super::layout::{ChainArrays, FIRST, LinkConstants};
-use super::slopes::{Damped, RubGroup, SlopeGroup, Touch, group_of};
+use super::slopes::{FrictionGroup, SlopeGroup, group_of};
 use crate::chain::contact::{Run, SprocketCandidates, gap_direction};
 use crate::chain::dynamics::Moves;
 use crate::chain::model::SprocketModel;
-use crate::force_law::{Friction, FrictionLanes, VectorLaw};
+use crate::force_law::{
+    ContactLane, ElasticLaw, Friction, RegularizedFriction, RestitutionDamping,
+};
 use crate::geometry::Vec2;
 use crate::math::simd::{
     Lanes, Mask, PartialSums, WIDTH, both, both_mut, lane_numbers, load, splat_two, vectors,
@@ -91,7 +93,7 @@ pub(crate) struct TouchTeeth<
     /// Where the slopes of the forces go when they are asked for, slot by slot.
     pub(crate) slopes: Option<&'a mut [SlopeGroup]>,
     /// Those of friction.
-    pub(crate) rubs: Option<&'a mut [RubGroup]>,
+    pub(crate) rubs: Option<&'a mut [FrictionGroup]>,
     /// What `RUBBED` needs.
     pub(crate) friction: Option<ToothFriction<'a>>,
     /// What `BRISTLED` needs, slot by slot.
@@ -100,7 +102,7 @@ pub(crate) struct TouchTeeth<
 
 impl<
     C: GapConstants,
-    L: VectorLaw,
+    L: ElasticLaw,
     const DAMPED: bool,
     const RUBBED: bool,
     const BRISTLED: bool,
@@ -120,8 +122,10 @@ impl<
             velocity: splat_two(simd, self.pose.velocity),
             direction: splat_two(simd, self.pose.direction),
             spin: splat(self.pose.spin),
-            lambda: splat(self.lambda),
-            floor: splat(self.floor),
+            damping: RestitutionDamping {
+                lambda: splat(self.lambda),
+                floor: splat(self.floor),
+            },
             keeps_stiffness: self.keeps_stiffness,
             changed: false,
             sums: [PartialSums::default(); 4],
@@ -133,7 +137,7 @@ impl<
             && let Some(friction) = &self.friction
         {
             teeth.rubbing = Some((
-                FrictionLanes::new(simd, friction.law),
+                RegularizedFriction::new(simd, friction.law),
                 splat(friction.bushing_radius),
             ));
         }
@@ -218,7 +222,7 @@ impl<
     }
 }
 
-/// Arrays of one run as registers.
+/// Arrays of one run as vectors.
 struct RunOfBushings<'a, S: Simd> {
     bushing: [&'a [S::f64s]; 2],
     velocity: [&'a [S::f64s]; 2],
@@ -238,7 +242,7 @@ struct RubbedRun<'a, S: Simd> {
     spin: &'a [S::f64s],
     /// On front and rear ends.
     moments: [&'a mut [S::f64s]; 2],
-    slopes: Option<&'a mut [RubGroup]>,
+    slopes: Option<&'a mut [FrictionGroup]>,
     /// Some where `BRISTLED`.
     bristles: Option<BristleLanes<'a, S>>,
 }
@@ -249,7 +253,7 @@ impl<'a, S: Simd> RubbedRun<'a, S> {
     fn of(
         spin: &'a [f64],
         [front, rear]: [&'a mut [f64]; 2],
-        slopes: Option<&'a mut [RubGroup]>,
+        slopes: Option<&'a mut [FrictionGroup]>,
         blocks: usize,
     ) -> Self {
         Self {
@@ -275,7 +279,7 @@ impl<'a, S: Simd> RubbedRun<'a, S> {
     }
 }
 
-/// A sprocket's teeth in registers, and sums over their contacts.
+/// A sprocket's teeth in vectors, and sums over their contacts.
 struct Teeth<
     S: Simd,
     G,
@@ -291,8 +295,7 @@ struct Teeth<
     velocity: [Lanes<S>; 2],
     direction: [Lanes<S>; 2],
     spin: Lanes<S>,
-    lambda: Lanes<S>,
-    floor: Lanes<S>,
+    damping: RestitutionDamping<Lanes<S>>,
     keeps_stiffness: bool,
     changed: bool,
     /// Force x, y \[N\], moment \[N m\], power dissipated \[W\].
@@ -300,13 +303,13 @@ struct Teeth<
     /// Power dissipated by friction \[W\].
     rubbed: PartialSums,
     /// Friction and the bushings' radius; some where `RUBBED`.
-    rubbing: Option<(FrictionLanes<S>, Lanes<S>)>,
+    rubbing: Option<(RegularizedFriction<Lanes<S>>, Lanes<S>)>,
 }
 
 impl<
     S: Simd,
     G: Gap<S>,
-    L: VectorLaw,
+    L: ElasticLaw,
     const DAMPED: bool,
     const RUBBED: bool,
     const BRISTLED: bool,
@@ -344,7 +347,7 @@ impl<
         self.gap.place(arm, self.direction, gap)
     }
 
-    /// Depth, force and what it does to links and sprocket, for one register of bushings.
+    /// Depth, force and what it does to links and sprocket, for one vector of bushings.
     #[inline(always)]
     fn touch(
         &mut self,
@@ -355,7 +358,7 @@ impl<
         run: &mut RunOfBushings<S>,
     ) {
         let at = |array: &[S::f64s]| load(arm_x.simd(), &array[b]);
-        let (zero, one) = (arm_x.constant(0.0), arm_x.constant(1.0));
+        let zero = arm_x.constant(0.0);
         let surface = self.gap.nearest(place);
         let near = self.gap.near(&surface).and(valid);
         let inverse_onset = at(run.inverse_onset);
@@ -365,7 +368,7 @@ impl<
             run.force[b] = zero.values();
             if let Some(slopes) = &mut run.slopes {
                 let (group, part) = group_of::<S, _>(slopes, b);
-                group.put_nothing(part, zero);
+                group.put(part, [zero; 6]);
             }
             if RUBBED && let Some(rubs) = &mut run.rubbed.slopes {
                 let (group, part) = group_of::<S, _>(rubs, b);
@@ -382,21 +385,14 @@ impl<
         let touching = depth.exceeds(zero);
         self.changed |= touching.differs(remembered).any();
 
-        let mut law = self.gap.law_constants(&surface);
+        let mut pair = self.gap.law_constants(&surface);
         if self.keeps_stiffness {
-            law[0] = remembered.select(at(run.kept_constants[0]), law[0]);
-            law[1] = remembered.select(at(run.kept_constants[1]), law[1]);
+            pair[0] = remembered.select(at(run.kept_constants[0]), pair[0]);
+            pair[1] = remembered.select(at(run.kept_constants[1]), pair[1]);
         }
-        let elastic = L::forces(law, depth);
-        let mut force = elastic;
-        let touch = Touch {
-            normal: [nx, ny],
-            curvature,
-            depth,
-            elastic,
-        };
+        let elastic = L::elastic(pair, depth);
         let mut across = zero;
-        if DAMPED {
+        let contact = if DAMPED {
             // Every surface is at rest in the sprocket: its velocity at the bushing's place gives the rate in every region.
             let vx = self
                 .spin
@@ -404,43 +400,29 @@ impl<
             let vy = self
                 .spin
                 .negate_mul_add(arm_x, at(run.velocity[1]) - self.velocity[1]);
-            let rate = nx.mul_add(vx, ny * vy);
             if RUBBED {
                 across = nx.mul_add(vy, -(ny * vx));
             }
-            let mut inverse_onset = inverse_onset;
-            if touching.and(remembered.not()).any() {
-                inverse_onset = remembered.select(inverse_onset, one / self.floor.max(rate));
-            }
-            let factor = (self.lambda * rate)
-                .mul_add(inverse_onset, one)
-                .positive_part();
-            force = elastic * factor;
-            if ENERGY {
-                self.sums[3].add(b, (force - elastic) * rate);
-            }
-            if let Some(slopes) = &mut run.slopes {
-                let damped = Damped {
-                    lambda: self.lambda,
-                    rate,
-                    inverse_onset,
-                    factor,
-                    remembered,
-                    floor: self.floor,
-                };
-                let (group, part) = group_of::<S, _>(slopes, b);
-                group.put_touch::<S, L>(part, law, &touch, Some(&damped));
-            }
-        } else if let Some(slopes) = &mut run.slopes {
+            let rate = nx.mul_add(vx, ny * vy);
+            ContactLane::damped(elastic, touching, rate, inverse_onset, self.damping)
+        } else {
+            ContactLane::undamped(elastic)
+        };
+        let force = contact.force;
+        if DAMPED && ENERGY {
+            self.sums[3].add(b, contact.power());
+        }
+        if let Some(slopes) = &mut run.slopes {
+            let [stiffness, damping] = contact.slopes(L::slope(pair, depth, elastic));
             let (group, part) = group_of::<S, _>(slopes, b);
-            group.put_touch::<S, L>(part, law, &touch, None);
+            group.put(part, [nx, ny, force, stiffness, damping, curvature]);
         }
         run.depth[b] = depth.values();
         run.force[b] = force.values();
         self.push(b, [arm_x, arm_y], [nx, ny], [force, across], run);
     }
 
-    /// What the forces of a register of bushings do to links and sprocket; `across`: how fast their centres slip.
+    /// What the forces of a vector of bushings do to links and sprocket; `across`: how fast their centres slip.
     #[inline(always)]
     fn push(
         &mut self,
@@ -456,7 +438,7 @@ impl<
         let mut spun = zero;
         if RUBBED {
             let rub;
-            [rub, spun] = self.rub(b, force, across, run);
+            [rub, spun] = self.slide(b, force, across, run);
             push_x = push_x - rub * ny;
             push_y = rub.mul_add(nx, push_y);
         }
@@ -475,10 +457,10 @@ impl<
         run.rear_force[1][b] = (at(run.rear_force[1]) - (push_y - front_y)).values();
     }
 
-    /// Friction of a register of bushings that slip `across` at their centres, on the sprocket \[N\], and its moment about a
+    /// Friction of a vector of bushings that slip `across` at their centres, on the sprocket \[N\], and its moment about a
     /// bushing \[N m\], which the bushings feel the other way round.
     #[inline(always)]
-    fn rub(
+    fn slide(
         &mut self,
         b: usize,
         force: Lanes<S>,

@@ -1,11 +1,9 @@
-//! Arc tangent of a register of numbers.
+//! Arc tangent.
 //!
 //! The argument is turned by none, an eighth or a quarter of a circle to within 0.66 of zero; there the rational form of S. L. Moshier's
 //! Cephes library holds, relative error 2e-17.
 
-use pulp::Simd;
-
-use super::Lanes;
+use crate::math::{Real, Truth};
 
 /// Numerator of (arctan x - x)/x³ in powers of x², highest first.
 const ABOVE: [f64; 5] = [
@@ -36,7 +34,7 @@ const REST: f64 = 6.123_233_995_736_766e-17;
 
 /// arctan x of any number to 2 units in the last place; not a number stays so.
 #[inline(always)]
-pub(crate) fn arc_tangent<S: Simd>(x: Lanes<S>) -> Lanes<S> {
+pub(crate) fn arc_tangent<R: Real>(x: R) -> R {
     let (zero, one) = (x.constant(0.0), x.constant(1.0));
     let size = x.abs();
     let steep = size.greater(x.constant(STEEP));
@@ -69,8 +67,10 @@ pub(crate) fn arc_tangent<S: Simd>(x: Lanes<S>) -> Lanes<S> {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+    use pulp::Simd;
 
     use super::*;
+    use crate::math::simd::Lanes;
     use crate::math::simd::testing::{LaneFunction, assert_near};
 
     struct ArcTangent;

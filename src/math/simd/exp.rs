@@ -1,4 +1,4 @@
-//! Exponential of a register of numbers.
+//! Exponential.
 //!
 //! x = k ln 2 + r with k the nearest whole number; e^r is a minimax polynomial on |r| <= ln(2)/2, relative error 4e-18.
 
@@ -6,6 +6,7 @@ use pulp::Simd;
 
 use super::Lanes;
 use super::ln::LN_2;
+use crate::math::{Real, Truth};
 
 /// (e^r - 1 - r)/r² in powers of r.
 const SERIES: [f64; 10] = [
@@ -23,23 +24,23 @@ const SERIES: [f64; 10] = [
 
 /// e^x of any number to 1 unit in the last place; not a number stays so.
 #[inline(always)]
-pub(crate) fn exp<S: Simd>(x: Lanes<S>) -> Lanes<S> {
+pub(crate) fn exp<R: Real>(x: R) -> R {
     // Beyond these zero and infinity come out by themselves.
     let (least, greatest) = (x.constant(-746.0), x.constant(710.0));
     let x = x.less(least).select(least, x);
     let x = x.greater(greatest).select(greatest, x);
-    let (k, _) = nearest_whole(x * x.constant(std::f64::consts::LOG2_E));
+    let (k, _) = (x * x.constant(std::f64::consts::LOG2_E)).nearest_whole();
     let [head, tail] = [x.constant(LN_2[0]), x.constant(LN_2[1])];
     let r = k.negate_mul_add(tail, k.negate_mul_add(head, x));
     // 2^k in two factors: it may lie outside the normal numbers where e^x does not.
-    let (first, first_power) = nearest_whole(k * x.constant(0.5));
-    let (_, second_power) = nearest_whole(k - first);
+    let (first, first_power) = (k * x.constant(0.5)).nearest_whole();
+    let (_, second_power) = (k - first).nearest_whole();
     exp_of_remainder(r) * first_power * second_power
 }
 
 /// The nearest whole number k, and 2^k if that is a normal number.
 #[inline(always)]
-pub(crate) fn nearest_whole<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
+pub(in crate::math) fn nearest_whole<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     let simd = x.simd();
     // Adding 1.5 2^52 rounds to a whole number, whose last bits are then those of the sum.
     let magic = x.constant(1.5 * (1u64 << 52) as f64);
@@ -55,7 +56,7 @@ pub(crate) fn nearest_whole<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
 
 /// e^r for |r| <= ln(2)/2.
 #[inline(always)]
-pub(crate) fn exp_of_remainder<S: Simd>(r: Lanes<S>) -> Lanes<S> {
+pub(crate) fn exp_of_remainder<R: Real>(r: R) -> R {
     let [a, b, c, d, e, f, g, h, i, j] = SERIES.map(|coefficient| r.constant(coefficient));
     let r2 = r * r;
     let r4 = r2 * r2;

@@ -1,4 +1,4 @@
-//! One register of numbers, with the operators of a number.
+//! One vector of numbers, with the operators of a number.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -6,7 +6,7 @@ use pulp::Simd;
 
 use super::{Numbers, WIDTH};
 
-/// As many numbers as a register of `S` holds.
+/// As many numbers as a vector of `S` holds.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Lanes<S: Simd> {
     simd: S,
@@ -20,7 +20,7 @@ pub(crate) struct Mask<S: Simd> {
     values: S::m64s,
 }
 
-/// The numbers of one register of an array.
+/// The numbers of one vector of an array.
 #[inline(always)]
 pub(crate) fn load<S: Simd>(simd: S, values: &S::f64s) -> Lanes<S> {
     Lanes {
@@ -29,7 +29,7 @@ pub(crate) fn load<S: Simd>(simd: S, values: &S::f64s) -> Lanes<S> {
     }
 }
 
-/// The numbers of `slice`, which may be fewer than a register holds; zeros after them.
+/// The numbers of `slice`, which may be fewer than a vector holds; zeros after them.
 #[inline(always)]
 pub(crate) fn partial_load<S: Simd>(simd: S, slice: &[f64]) -> Lanes<S> {
     Lanes {
@@ -38,7 +38,7 @@ pub(crate) fn partial_load<S: Simd>(simd: S, slice: &[f64]) -> Lanes<S> {
     }
 }
 
-/// The first `count` registers of an array.
+/// The first `count` vectors of an array.
 #[inline(always)]
 pub(crate) fn vectors<S: Simd>(slice: &[f64], count: usize) -> &[S::f64s] {
     &S::as_simd_f64s(slice).0[..count]
@@ -50,7 +50,7 @@ pub(crate) fn vectors_mut<S: Simd>(slice: &mut [f64], count: usize) -> &mut [S::
     &mut S::as_mut_simd_f64s(slice).0[..count]
 }
 
-/// `count` registers of an array of x and of one of y, from entry `first` on.
+/// `count` vectors of an array of x and of one of y, from entry `first` on.
 #[inline(always)]
 pub(crate) fn both<S: Simd>(arrays: &[Numbers; 2], first: usize, count: usize) -> [&[S::f64s]; 2] {
     [
@@ -73,13 +73,13 @@ pub(crate) fn both_mut<S: Simd>(
     ]
 }
 
-/// Two numbers, each everywhere in its register. (What `map` calls is not always inlined, and then loses its instructions.)
+/// Two numbers, each everywhere in its vector. (What `map` calls is not always inlined, and then loses its instructions.)
 #[inline(always)]
 pub(crate) fn splat_two<S: Simd>(simd: S, [x, y]: [f64; 2]) -> [Lanes<S>; 2] {
     [Lanes::splat(simd, x), Lanes::splat(simd, y)]
 }
 
-/// 0, 1, 2, ... in a register.
+/// 0, 1, 2, ... in a vector.
 #[inline(always)]
 pub(crate) fn lane_numbers<S: Simd>(simd: S) -> Lanes<S> {
     const NUMBERS: [f64; WIDTH] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
@@ -96,13 +96,13 @@ impl<S: Simd> Lanes<S> {
         }
     }
 
-    /// From a register.
+    /// From a vector.
     #[inline(always)]
     pub(crate) fn new(simd: S, values: S::f64s) -> Self {
         Self { simd, values }
     }
 
-    /// The register, to be stored.
+    /// The vector, to be stored.
     #[inline(always)]
     pub(crate) fn values(self) -> S::f64s {
         self.values

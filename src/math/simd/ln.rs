@@ -1,4 +1,4 @@
-//! Natural logarithm of a register of numbers, and of quotients without dividing first.
+//! Natural logarithm, and that of quotients without dividing first.
 //!
 //! a/b = 2^k (1 + s)/(1 - s) with s = (a - 2^k b)/(a + 2^k b) and |s| < 0.202: the difference is exact, so that quotients near 1
 //! lose nothing. The series in s² is a minimax fit, relative error 2e-17.
@@ -6,6 +6,7 @@
 use pulp::{Simd, cast};
 
 use super::Lanes;
+use crate::math::Real;
 
 /// ln 2 to 32 bits, whose products with exponents are exact, and the rest.
 pub(super) const LN_2: [f64; 2] = [
@@ -29,14 +30,14 @@ const SERIES: [f64; 7] = [
 /// Means nothing for zero, denormals, negative and still greater numbers. The laws use its parts; tests know the whole.
 #[cfg(test)]
 #[inline(always)]
-pub(crate) fn ln<S: Simd>(x: Lanes<S>) -> Lanes<S> {
+pub(crate) fn ln<R: Real>(x: R) -> R {
     let logarithm = ln_of_quotient(x, x.constant(1.0));
-    x.exceeds(x.constant(f64::MAX)).select(x, logarithm)
+    crate::math::Truth::select(x.exceeds(x.constant(f64::MAX)), x, logarithm)
 }
 
 /// ln(a/b) of numbers from 2^-1021 to 2^1022, to 2.5 units in the last place also near 1.
 #[inline(always)]
-pub(crate) fn ln_of_quotient<S: Simd>(a: Lanes<S>, b: Lanes<S>) -> Lanes<S> {
+pub(crate) fn ln_of_quotient<R: Real>(a: R, b: R) -> R {
     let (k, rest) = octaves_of_quotient(a, b);
     let [head, tail] = LN_2.map(|part| k.constant(part));
     k.mul_add(head, k.mul_add(tail, rest))
@@ -44,8 +45,8 @@ pub(crate) fn ln_of_quotient<S: Simd>(a: Lanes<S>, b: Lanes<S>) -> Lanes<S> {
 
 /// (k, r) of ln(a/b) = k ln 2 + r, k whole and |r| < 0.41, for numbers as in [`ln_of_quotient`].
 #[inline(always)]
-pub(crate) fn octaves_of_quotient<S: Simd>(a: Lanes<S>, b: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
-    let (k, b) = scaled_to(b, a);
+pub(crate) fn octaves_of_quotient<R: Real>(a: R, b: R) -> (R, R) {
+    let (k, b) = b.scaled_to(a);
     let s = (a - b) / (a + b);
     let z = s * s;
     let [c0, c1, c2, c3, c4, c5, c6] = SERIES.map(|coefficient| s.constant(coefficient));
@@ -58,7 +59,7 @@ pub(crate) fn octaves_of_quotient<S: Simd>(a: Lanes<S>, b: Lanes<S>) -> (Lanes<S
 
 /// (k, 2^k b) such that 2^k b lies between 2/3 and 3/2 of a.
 #[inline(always)]
-fn scaled_to<S: Simd>(b: Lanes<S>, a: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
+pub(in crate::math) fn scaled_to<S: Simd>(b: Lanes<S>, a: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     let simd = b.simd();
     let (a_bits, b_bits) = (
         simd.transmute_u64s_f64s(a.values()),

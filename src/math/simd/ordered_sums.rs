@@ -1,15 +1,15 @@
-//! Sums over arrays in [`WIDTH`] parts, so that every width of registers gives the same bits.
+//! Sums over arrays in [`WIDTH`] parts, so that every width of vectors gives the same bits.
 
 use pulp::Simd;
 
 use super::{Lanes, WIDTH, load, vectors_mut};
 
-/// A sum in parts, one for each place in a register of the widest kind. Kept in memory: for loops that seldom add.
+/// A sum in parts, one for each place in a vector of the widest kind. Kept in memory: for loops that seldom add.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct PartialSums([f64; WIDTH]);
 
 impl PartialSums {
-    /// Adds the numbers of register `block` of an array.
+    /// Adds the numbers of vector `block` of an array.
     #[inline(always)]
     pub(crate) fn add<S: Simd>(&mut self, block: usize, values: Lanes<S>) {
         let parts = WIDTH / S::F64_LANES;
@@ -24,14 +24,14 @@ impl PartialSums {
     }
 }
 
-/// Partial sums of [`Squares`]: two registers of the widest kind, so that one sum need not wait for the other.
+/// Partial sums of [`Squares`]: two vectors of the widest kind, so that one sum need not wait for the other.
 const SQUARES: usize = 2 * WIDTH;
 
-/// A sum of squares in registers, for loops that add in every round.
+/// A sum of squares in vectors, for loops that add in every round.
 pub(crate) struct Squares<S: Simd>([Lanes<S>; SQUARES]);
 
 impl<S: Simd> Squares<S> {
-    /// Registers that are added to in turns: register `b` of an array belongs to part `b` modulo this.
+    /// Vectors that are added to in turns: vector `b` of an array belongs to part `b` modulo this.
     pub(crate) const PARTS: usize = SQUARES / S::F64_LANES;
 
     #[inline(always)]
@@ -39,7 +39,7 @@ impl<S: Simd> Squares<S> {
         Self([Lanes::splat(simd, 0.0); SQUARES])
     }
 
-    /// Adds the squares of the numbers of a register that belongs to `part`.
+    /// Adds the squares of the numbers of a vector that belongs to `part`.
     #[inline(always)]
     pub(crate) fn add(&mut self, part: usize, values: Lanes<S>) {
         self.0[part] = values.mul_add(values, self.0[part]);

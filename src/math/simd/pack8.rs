@@ -1,4 +1,4 @@
-//! Eight numbers of one quantity: what the widest registers hold, for arrays of structures with several quantities side by side.
+//! Eight numbers of one quantity: what the widest vectors hold, for arrays of structures with several quantities side by side.
 
 use pulp::Simd;
 
@@ -10,26 +10,26 @@ use super::{Lanes, WIDTH, load, vectors, vectors_mut};
 pub(crate) struct Octet(pub(crate) [f64; WIDTH]);
 
 impl Octet {
-    /// Register `part` of it.
+    /// Vector `part` of it.
     #[inline(always)]
     pub(crate) fn at<S: Simd>(&self, simd: S, part: usize) -> Lanes<S> {
         load(simd, &vectors::<S>(&self.0, WIDTH / S::F64_LANES)[part])
     }
 
-    /// Writes register `part`.
+    /// Writes vector `part`.
     #[inline(always)]
     pub(crate) fn put<S: Simd>(&mut self, part: usize, values: Lanes<S>) {
         vectors_mut::<S>(&mut self.0, WIDTH / S::F64_LANES)[part] = values.values();
     }
 }
 
-/// The registers of an octet.
+/// The vectors of an octet.
 #[inline(always)]
 pub(crate) fn parts<S: Simd>() -> std::ops::Range<usize> {
     0..WIDTH / S::F64_LANES
 }
 
-/// Register `part` of each octet.
+/// Vector `part` of each octet.
 #[inline(always)]
 pub(crate) fn read<S: Simd, const N: usize>(
     simd: S,
@@ -43,7 +43,7 @@ pub(crate) fn read<S: Simd, const N: usize>(
     values
 }
 
-/// Writes register `part` of each octet.
+/// Writes vector `part` of each octet.
 #[inline(always)]
 pub(crate) fn write<S: Simd, const N: usize>(
     octets: &mut [Octet; N],

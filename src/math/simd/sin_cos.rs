@@ -1,4 +1,4 @@
-//! Sine and cosine of a register of angles.
+//! Sine and cosine of a vector of angles.
 //!
 //! x = k π/2 + r with k the nearest whole number. π/2 is held in parts such that for |x| up to 10^6 every difference that
 //! cancels is exact; r is therefore right to half a unit in the last place, also near multiples of π/2. The polynomials on

@@ -4,7 +4,7 @@ use pulp::{Simd, WithSimd};
 
 use super::{InstructionSet, Lanes, padded_zeros, vectors, vectors_mut};
 
-/// A function of one register.
+/// A function of one vector.
 pub(crate) trait LaneFunction {
     fn of<S: Simd>(&self, x: Lanes<S>) -> Lanes<S>;
 }

@@ -1,4 +1,4 @@
-//! Registers transposed: rows become columns without going through memory, where the machine has the instructions.
+//! Vectors transposed: rows become columns without going through memory, where the machine has the instructions.
 
 #[cfg(target_arch = "x86_64")]
 use std::any::Any;
@@ -7,7 +7,7 @@ use pulp::Simd;
 
 use super::{Lanes, WIDTH};
 
-/// Lane i of register j in lane j of register i, for as many registers as one has lanes; what is behind them is left as it is.
+/// Lane i of vector j in lane j of vector i, for as many vectors as one has lanes; what is behind them is left as it is.
 #[inline(always)]
 pub(crate) fn transposed<S: Simd>(simd: S, rows: [Lanes<S>; WIDTH]) -> [Lanes<S>; WIDTH] {
     #[cfg(target_arch = "x86_64")]
@@ -44,7 +44,7 @@ fn eight<S: Simd>(
     rows: &[Lanes<S>; WIDTH],
 ) -> [Lanes<S>; WIDTH] {
     use std::arch::x86_64::__m512d;
-    /// The first and third quarter of one register, then of another.
+    /// The first and third quarter of one vector, then of another.
     const FIRST_AND_THIRD: i32 = 0b10_00_10_00;
     const SECOND_AND_FOURTH: i32 = 0b11_01_11_01;
 
@@ -87,7 +87,7 @@ fn four<S: Simd>(
     rows: [Lanes<S>; WIDTH],
 ) -> [Lanes<S>; WIDTH] {
     use std::arch::x86_64::__m256d;
-    /// The first half of one register, then of another.
+    /// The first half of one vector, then of another.
     const FIRST: i32 = 0b0010_0000;
     const SECOND: i32 = 0b0011_0001;
 

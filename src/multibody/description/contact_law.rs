@@ -1,7 +1,7 @@
 //! Force of one contact of a mechanism: the published laws, a linear one and that of Hunt and Crossley.
 
 use crate::error::{Error, Result, check};
-use crate::force_law::{ElasticPair, ForceLaw, PowerPair, SurfacePair, damping_factor};
+use crate::force_law::{ContactLane, ElasticPair, ForceLaw, RestitutionDamping, SurfacePair};
 
 use super::profile::Curvature;
 
@@ -104,10 +104,7 @@ impl ContactLaw {
     ) -> Result<Prepared> {
         let (elastic, damping) = match self {
             Self::Linear { stiffness, damping } => (
-                ElasticPair::Power(PowerPair {
-                    stiffness: *stiffness,
-                    exponent: 1.0,
-                }),
+                ElasticPair::power(*stiffness, 1.0),
                 DampingPart::Linear(*damping),
             ),
             Self::HuntCrossley {
@@ -115,10 +112,7 @@ impl ContactLaw {
                 exponent,
                 damping,
             } => (
-                ElasticPair::Power(PowerPair {
-                    stiffness: *stiffness,
-                    exponent: *exponent,
-                }),
+                ElasticPair::power(*stiffness, *exponent),
                 DampingPart::Proportional(*damping),
             ),
             Self::Surfaces {
@@ -129,10 +123,13 @@ impl ContactLaw {
                 min_approach_speed,
             } => {
                 let pair = surfaces(field, radius, curvature, *length, *contact_modulus)?;
-                let lambda = law.damping.lambda(*restitution);
+                let damping = RestitutionDamping {
+                    lambda: law.damping.lambda(*restitution),
+                    floor: *min_approach_speed,
+                };
                 (
                     ElasticPair::prepare(law.elastic, &pair),
-                    DampingPart::Restitution(lambda, *min_approach_speed),
+                    DampingPart::Restitution(damping),
                 )
             }
         };
@@ -171,8 +168,8 @@ enum DampingPart {
     Linear(f64),
     /// Factor 1 + χ δ'.
     Proportional(f64),
-    /// Factor 1 + λ δ'/δ'₀, with the floor of δ'₀.
-    Restitution(f64, f64),
+    /// Factor 1 + λ δ'/δ'₀.
+    Restitution(RestitutionDamping<f64>),
 }
 
 /// A law with the constants of one pair of surfaces.
@@ -198,16 +195,30 @@ impl Prepared {
                 elastic: 0.0,
             };
         }
-        let elastic = self.elastic_force(penetration);
+        let elastic = self.elastic.force(penetration);
         let total = match self.damping {
             DampingPart::Linear(c) => (elastic + c * rate).max(0.0),
-            DampingPart::Proportional(chi) => elastic * (1.0 + chi * rate).max(0.0),
-            DampingPart::Restitution(lambda, floor) => {
-                let onset = if onset > 0.0 { onset } else { rate.max(floor) };
-                elastic * damping_factor(lambda, rate, onset)
-            }
+            _ => self.damped(elastic, rate, onset).force,
         };
         ContactForce { total, elastic }
+    }
+
+    /// The contact with its damping factor.
+    fn damped(&self, elastic: f64, rate: f64, onset: f64) -> ContactLane<f64> {
+        let (memory, damping) = match self.damping {
+            DampingPart::Linear(_) => return ContactLane::undamped(elastic),
+            // As if the impact velocity were 1 m/s.
+            DampingPart::Proportional(chi) => (
+                1.0,
+                RestitutionDamping {
+                    lambda: chi,
+                    floor: 1.0,
+                },
+            ),
+            DampingPart::Restitution(damping) if onset > 0.0 => (1.0 / onset, damping),
+            DampingPart::Restitution(damping) => (0.0, damping),
+        };
+        ContactLane::damped(elastic, true, rate, memory, damping)
     }
 
     /// Force \[N\] and its slopes by penetration \[N/m\] and by its rate \[N s/m\], as [`Self::force`] has it.
@@ -216,44 +227,23 @@ impl Prepared {
         if total <= 0.0 {
             return [0.0; 3];
         }
-        let stiffness = self.elastic.stiffness(penetration);
-        let (factor, damping) = match self.damping {
-            DampingPart::Linear(c) => (1.0, c),
-            DampingPart::Proportional(chi) => (1.0 + chi * rate, elastic * chi),
-            // Without memory the present rate is the onset speed: the factor is a constant, above the floor.
-            DampingPart::Restitution(_, floor) if onset <= 0.0 && rate > floor => {
-                (total / elastic, 0.0)
-            }
-            DampingPart::Restitution(lambda, floor) => {
-                let onset = if onset > 0.0 { onset } else { floor };
-                (total / elastic, elastic * lambda / onset)
-            }
-        };
-        [total, factor * stiffness, damping]
-    }
-
-    /// A straight line needs no power.
-    fn elastic_force(&self, penetration: f64) -> f64 {
-        match self.elastic {
-            ElasticPair::Power(pair) if pair.exponent == 1.0 => pair.stiffness * penetration,
-            pair => pair.force(penetration),
+        let contact = self.damped(elastic, rate, onset);
+        let [stiffness, damping] = contact.slopes(self.elastic.stiffness(penetration));
+        match self.damping {
+            DampingPart::Linear(c) => [total, stiffness, c],
+            _ => [total, stiffness, damping],
         }
     }
 
     /// Energy stored at penetration δ \[m\].
     pub(crate) fn energy(&self, penetration: f64) -> f64 {
-        match self.elastic {
-            ElasticPair::Power(pair) if pair.exponent == 1.0 => {
-                0.5 * pair.stiffness * penetration * penetration.max(0.0)
-            }
-            pair => pair.energy(penetration),
-        }
+        self.elastic.energy(penetration)
     }
 
     /// The approach speed to remember of an onset at `rate`.
     pub(crate) fn onset_speed(&self, rate: f64) -> f64 {
         match self.damping {
-            DampingPart::Restitution(_, floor) => rate.max(floor),
+            DampingPart::Restitution(damping) => rate.max(damping.floor),
             _ => rate.max(f64::MIN_POSITIVE),
         }
     }

@@ -1,4 +1,4 @@
-//! Ends of links: where they are and how they move, a register of links at a time.
+//! Ends of links: where they are and how they move, a vector of links at a time.
 
 use pulp::Simd;
 
@@ -32,7 +32,7 @@ impl<'a, S: Simd> Links<'a, S> {
     }
 }
 
-/// The last register of links, from link `from` on.
+/// The last vector of links, from link `from` on.
 #[inline(always)]
 pub(super) fn last_links<S: Simd>(simd: S, links: [&[f64]; 5], from: usize) -> [Lanes<S>; 5] {
     let [x, y, vx, vy, spin] = links;
@@ -45,7 +45,7 @@ pub(super) fn last_links<S: Simd>(simd: S, links: [&[f64]; 5], from: usize) -> [
     ]
 }
 
-/// The register that begins one link later and ends with the first link of all.
+/// The vector that begins one link later and ends with the first link of all.
 #[inline(always)]
 pub(super) fn behind_last<S: Simd>(
     links: [&[f64]; 5],
@@ -95,7 +95,7 @@ impl<'a, S: Simd> Arms<'a, S> {
     }
 }
 
-/// One end of a register of links.
+/// One end of a vector of links.
 #[derive(Clone, Copy)]
 pub(super) struct End<S: Simd> {
     pub(super) x: Lanes<S>,

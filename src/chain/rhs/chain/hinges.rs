@@ -1,4 +1,4 @@
-//! Hinges as registers: who touches whom, how deep, and the normal forces. Links meet in them, and rollers with their bushings.
+//! Hinges as vectors: who touches whom, how deep, and the normal forces. Links meet in them, and rollers with their bushings.
 
 use std::marker::PhantomData;
 
@@ -9,15 +9,17 @@ use super::ends::End;
 use super::losses::{FilledHinges, HingeFriction};
 use crate::chain::rhs::bristles::{BristleLanes, Bristling};
 use crate::chain::rhs::layout::{ChainArrays, FIRST, LinkConstants};
-use crate::chain::rhs::slopes::{Damped, FilmGroup, RubGroup, SlopeGroup, Touch, group_of};
-use crate::force_law::{FilmLanes, FrictionLanes, VectorLaw, depths_in_series};
+use crate::chain::rhs::slopes::{FilmGroup, FrictionGroup, SlopeGroup, group_of};
+use crate::force_law::{
+    ContactLane, ElasticLaw, FilmLaw, RegularizedFriction, RestitutionDamping, depth_in_series,
+};
 use crate::math::simd::{
     Lanes, Numbers, PartialSums, both, both_mut, load, splat_two, vectors, vectors_mut,
 };
 
 /// What is given for all hinges of one loop.
 pub(crate) struct Joints<'a> {
-    pub(crate) law_constants: [f64; 2],
+    pub(crate) pair: [f64; 2],
     pub(crate) clearance: f64,
     pub(crate) lambda: f64,
     pub(crate) floor: f64,
@@ -28,14 +30,14 @@ pub(crate) struct Joints<'a> {
     /// Where the slopes of the forces go when they are asked for.
     pub(crate) slopes: Option<&'a mut [SlopeGroup]>,
     /// Those of friction.
-    pub(crate) rubs: Option<&'a mut [RubGroup]>,
+    pub(crate) rubs: Option<&'a mut [FrictionGroup]>,
     /// What `RUBBED` needs; where rollers turn on them, bushings are the pins.
     pub(crate) friction: Option<HingeFriction<'a>>,
     /// What `BRISTLED` needs.
     pub(crate) bristles: Option<Bristling<'a>>,
 }
 
-/// The hinges as registers.
+/// The hinges as vectors.
 pub(super) struct Hinges<
     'a,
     S: Simd,
@@ -47,10 +49,9 @@ pub(super) struct Hinges<
     const ENERGY: bool,
 > {
     law: PhantomData<L>,
-    law_constants: [Lanes<S>; 2],
+    pair: [Lanes<S>; 2],
     pub(super) clearance: Lanes<S>,
-    lambda: Lanes<S>,
-    floor: Lanes<S>,
+    damping: RestitutionDamping<Lanes<S>>,
     /// Infinite where an open chain is open.
     clearance_squared: &'a [S::f64s],
     onset: &'a [S::f64s],
@@ -71,9 +72,9 @@ pub(super) struct Hinges<
     /// Power dissipated by friction.
     pub(super) rubbed: PartialSums,
     slopes: Option<&'a mut [SlopeGroup]>,
-    pub(super) rubs: Option<&'a mut [RubGroup]>,
+    pub(super) rubs: Option<&'a mut [FrictionGroup]>,
     /// Friction and the pins' radius; some where `RUBBED`.
-    pub(super) rubbing: Option<(FrictionLanes<S>, Lanes<S>)>,
+    pub(super) rubbing: Option<(RegularizedFriction<Lanes<S>>, Lanes<S>)>,
     /// Some where `BRISTLED`.
     pub(super) bristles: Option<BristleLanes<'a, S>>,
     /// On fronts and rears.
@@ -82,7 +83,7 @@ pub(super) struct Hinges<
     pub(super) sheared: PartialSums,
     pub(super) film_slopes: Option<&'a mut [FilmGroup]>,
     /// Some where `EXTRA` and lubricant.
-    pub(super) film: Option<FilmLanes<S>>,
+    pub(super) film: Option<FilmLaw<Lanes<S>>>,
     /// Some where `EXTRA` and elastic plates.
     pub(super) compliance: Option<&'a [S::f64s]>,
 }
@@ -90,7 +91,7 @@ pub(super) struct Hinges<
 impl<
     'a,
     S: Simd,
-    L: VectorLaw,
+    L: ElasticLaw,
     const DAMPED: bool,
     const RUBBED: bool,
     const BRISTLED: bool,
@@ -99,7 +100,7 @@ impl<
 > Hinges<'a, S, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>
 {
     /// Of these joints; also cosines and sines of links, which the rest of the arrays is separate from. Lubricant and elastic plates come
-    /// with [`Self::lay_in`].
+    /// with [`Self::attach_optional_forces`].
     #[inline(always)]
     pub(super) fn new(
         simd: S,
@@ -111,10 +112,12 @@ impl<
         let splat = |value| Lanes::splat(simd, value);
         let mut hinges = Self {
             law: PhantomData,
-            law_constants: splat_two(simd, joints.law_constants),
+            pair: splat_two(simd, joints.pair),
             clearance: splat(joints.clearance),
-            lambda: splat(joints.lambda),
-            floor: splat(joints.floor),
+            damping: RestitutionDamping {
+                lambda: splat(joints.lambda),
+                floor: splat(joints.floor),
+            },
             clearance_squared: vectors::<S>(&constants.clearance_squared, blocks),
             onset: vectors::<S>(joints.inverse_onset, blocks),
             on_front: vectors::<S>(&constants.bushing_on_front, blocks),
@@ -154,7 +157,7 @@ impl<
         } else if RUBBED && let Some(friction) = joints.friction {
             hinges.rubs = joints.rubs;
             hinges.rubbing = Some((
-                FrictionLanes::new(simd, friction.law),
+                RegularizedFriction::new(simd, friction.law),
                 splat(friction.pin_radius),
             ));
         }
@@ -163,7 +166,7 @@ impl<
 
     /// Takes lubricant and elastic plates, where there are any.
     #[inline(always)]
-    pub(super) fn lay_in(
+    pub(super) fn attach_optional_forces(
         &mut self,
         lubricant: Option<FilledHinges<'a>>,
         compliance: Option<&'a [f64]>,
@@ -173,7 +176,7 @@ impl<
             self.compliance = Some(vectors::<S>(compliance, self.onset.len()));
         }
         if EXTRA && let Some(lubricant) = lubricant {
-            self.film = Some(FilmLanes::new(simd, lubricant.film));
+            self.film = Some(FilmLaw::new(simd, lubricant.film));
             self.film_slopes = lubricant.slopes;
         }
     }
@@ -190,7 +193,7 @@ impl<
         }
     }
 
-    /// One register of hinges; whether any of them may touch.
+    /// One vector of hinges; whether any of them may touch.
     #[inline(always)]
     pub(super) fn join(&mut self, i: usize, front: &End<S>, rear: &End<S>) -> bool {
         let simd = self.clearance.simd();
@@ -211,7 +214,7 @@ impl<
             }
             if let Some(slopes) = &mut self.slopes {
                 let (group, part) = group_of::<S, _>(slopes, i);
-                group.put_nothing(part, zero);
+                group.put(part, [zero; 6]);
             }
             if RUBBED && let Some(rubs) = &mut self.rubs {
                 let (group, part) = group_of::<S, _>(rubs, i);
@@ -232,59 +235,31 @@ impl<
         let mut pressed = depth;
         if EXTRA && let Some(compliance) = self.compliance {
             let compliance = load(simd, &compliance[i]);
-            pressed = depths_in_series::<S, L>(self.law_constants, compliance, depth);
+            pressed = depth_in_series::<_, L>(self.pair, compliance, depth);
         }
-        let elastic = L::forces(self.law_constants, pressed);
-        let mut force = elastic;
-        let touch = Touch {
-            normal: [nx, ny],
-            curvature: inverse_distance,
-            depth: pressed,
-            elastic,
-        };
-        if DAMPED {
+        let elastic = L::elastic(self.pair, pressed);
+        let contact = if DAMPED {
             let rate = nx.mul_add(velocity[0], ny * velocity[1]);
-            let mut inverse_onset = inverse_onset;
-            if touching.and(remembered.not()).any() {
-                inverse_onset = remembered.select(inverse_onset, one / self.floor.max(rate));
-            }
-            let factor = (self.lambda * rate)
-                .mul_add(inverse_onset, one)
-                .positive_part();
-            force = elastic * factor;
-            if ENERGY {
-                self.power.add(i, (force - elastic) * rate);
-            }
-            if let Some(slopes) = &mut self.slopes {
-                let damped = Damped {
-                    lambda: self.lambda,
-                    rate,
-                    inverse_onset,
-                    factor,
-                    remembered,
-                    floor: self.floor,
-                };
-                let (group, part) = group_of::<S, _>(slopes, i);
-                group.put_touch::<S, L>(part, self.law_constants, &touch, Some(&damped));
-            }
-        } else if let Some(slopes) = &mut self.slopes {
-            let (group, part) = group_of::<S, _>(slopes, i);
-            group.put_touch::<S, L>(part, self.law_constants, &touch, None);
+            ContactLane::damped(elastic, touching, rate, inverse_onset, self.damping)
+        } else {
+            ContactLane::undamped(elastic)
+        };
+        let force = contact.force;
+        if DAMPED && ENERGY {
+            self.power.add(i, contact.power());
         }
-        if EXTRA
-            && let Some(compliance) = self.compliance
-            && let Some(slopes) = &mut self.slopes
-        {
+        if let Some(slopes) = &mut self.slopes {
+            let alone = L::slope(self.pair, pressed, elastic);
+            let [mut stiffness, damping] = contact.slopes(alone);
+            if EXTRA && let Some(compliance) = self.compliance {
+                stiffness = stiffness / load(simd, &compliance[i]).mul_add(alone, one);
+            }
             let (group, part) = group_of::<S, _>(slopes, i);
-            let alone = L::slopes(self.law_constants, pressed, elastic);
-            let compliance = load(simd, &compliance[i]);
-            let stiffness = group.stiffness.at(simd, part) / compliance.mul_add(alone, one);
-            group.stiffness.put(part, stiffness);
+            group.put(part, [nx, ny, force, stiffness, damping, inverse_distance]);
         }
         let mut pull = [force * nx, force * ny];
         if RUBBED {
-            let touch = Touch { depth, ..touch };
-            pull = self.rub(i, [front, rear], &touch, velocity, force);
+            pull = self.add_friction(i, [front, rear], ([nx, ny], depth), velocity, force);
         }
         self.put(i, [depth, force, pull[0], pull[1]]);
         if EXTRA {

@@ -1,11 +1,11 @@
-//! Friction and lubricant of a register of hinges, after their normal forces.
+//! Friction and lubricant of a vector of hinges, after their normal forces.
 
 use pulp::Simd;
 
 use super::ends::End;
 use super::hinges::Hinges;
-use crate::chain::rhs::slopes::{FilmGroup, Touch, group_of};
-use crate::force_law::{Friction, HingeFilm, VectorLaw};
+use crate::chain::rhs::slopes::{FilmGroup, group_of};
+use crate::force_law::{ElasticLaw, FilmForce, Friction, HingeFilm};
 use crate::math::simd::{Lanes, load, write};
 
 /// Friction in hinges, where there is any.
@@ -24,7 +24,7 @@ pub(crate) struct FilledHinges<'a> {
 
 impl<
     S: Simd,
-    L: VectorLaw,
+    L: ElasticLaw,
     const DAMPED: bool,
     const RUBBED: bool,
     const BRISTLED: bool,
@@ -81,8 +81,11 @@ impl<
         let turning = rear.spin - front.spin;
         let there = load(simd, &self.there[i]);
         let filled = film.at(distance, [along, across], there);
-        let [push, drag] = filled.force;
-        let shear = filled.shear * turning;
+        let FilmForce {
+            force: [push, drag],
+            shear,
+        } = filled.film;
+        let shear = shear * turning;
         if ENERGY {
             let pressed = push.mul_add(along, drag * across);
             self.sheared.add(i, shear.mul_add(turning, -pressed));
@@ -111,17 +114,16 @@ impl<
 
     /// The force on the rear ends with friction, of which the moments are written.
     #[inline(always)]
-    pub(super) fn rub(
+    pub(super) fn add_friction(
         &mut self,
         i: usize,
         [front, rear]: [&End<S>; 2],
-        touch: &Touch<S>,
+        ([nx, ny], depth): ([Lanes<S>; 2], Lanes<S>),
         velocity: [Lanes<S>; 2],
         force: Lanes<S>,
     ) -> [Lanes<S>; 2] {
         let simd = force.simd();
         let zero = force.constant(0.0);
-        let [nx, ny] = touch.normal;
         let radius = if BRISTLED {
             self.bristles.as_ref().map(|bristles| bristles.radius)
         } else {
@@ -132,14 +134,14 @@ impl<
         };
         // The contact is the pin's outermost point: beyond the pin as the bushing sees it, whichever link has the pin.
         let on_front = load(simd, &self.on_front[i]).greater(zero);
-        let distance = touch.depth + self.clearance;
+        let distance = depth + self.clearance;
         let from_front = on_front.select(-(pin_radius + distance), pin_radius);
         let from_rear = from_front + distance;
         let across = nx.mul_add(velocity[1], -(ny * velocity[0]));
         let turning = from_front.mul_add(front.spin, -(from_rear * rear.spin));
         let slip = across + turning;
         let [rub, slope] = if BRISTLED && let Some(bristles) = &mut self.bristles {
-            bristles.bend(i, touch.depth.exceeds(zero), force, slip)
+            bristles.bend(i, depth.exceeds(zero), force, slip)
         } else if let Some((friction, _)) = &self.rubbing {
             friction.force(force, slip)
         } else {

@@ -12,7 +12,7 @@ use super::hinges::{Hinges, Joints};
 use super::{ChainFound, RepeatBushings};
 use crate::chain::model::Model;
 use crate::chain::rhs::layout::{ChainArrays, FIRST, LinkConstants};
-use crate::force_law::VectorLaw;
+use crate::force_law::ElasticLaw;
 use crate::math::simd::{
     Lanes, Mask, both, both_mut, lane_numbers, load, partial_load, vectors, vectors_mut,
 };
@@ -70,8 +70,13 @@ pub(crate) struct JoinRollers<
     pub(crate) rollers: &'a mut Rollers,
 }
 
-impl<L: VectorLaw, const DAMPED: bool, const RUBBED: bool, const BRISTLED: bool, const ENERGY: bool>
-    WithSimd for JoinRollers<'_, L, DAMPED, RUBBED, BRISTLED, ENERGY>
+impl<
+    L: ElasticLaw,
+    const DAMPED: bool,
+    const RUBBED: bool,
+    const BRISTLED: bool,
+    const ENERGY: bool,
+> WithSimd for JoinRollers<'_, L, DAMPED, RUBBED, BRISTLED, ENERGY>
 {
     type Output = ChainFound;
 
@@ -171,7 +176,7 @@ struct PressedEnds<'a, S: Simd> {
 }
 
 impl<S: Simd> PressedEnds<'_, S> {
-    /// Adds forces on register `i` of bushings.
+    /// Adds forces on vector `i` of bushings.
     #[inline(always)]
     fn push(&mut self, i: usize, touching: Mask<S>, [x, y]: [Lanes<S>; 2]) {
         let on_front = load(x.simd(), &self.on_front[i]).greater(x.constant(0.0));
@@ -191,14 +196,14 @@ impl<S: Simd> PressedEnds<'_, S> {
     }
 }
 
-/// Adds where it `acts` and nowhere else: not even the sign of a zero depends on who else is in the register.
+/// Adds where it `acts` and nowhere else: not even the sign of a zero depends on who else is in the vector.
 #[inline(always)]
 fn add<S: Simd>(acts: Mask<S>, felt: Lanes<S>, to: &mut S::f64s) {
     let before = load(felt.simd(), to);
     *to = acts.select(before + felt, before).values();
 }
 
-/// An array that may end within a register, with zeros behind its end.
+/// An array that may end within a vector, with zeros behind its end.
 struct Column<'a, S: Simd> {
     whole: &'a [S::f64s],
     last: Lanes<S>,

@@ -4,12 +4,12 @@ use std::marker::PhantomData;
 
 use pulp::{Simd, WithSimd};
 
-use super::{Elastic, PairTable, SurfacePair, VectorLaw, with_law};
+use super::{Elastic, ElasticLaw, PairTable, SurfacePair, with_law};
 use crate::math::simd::{InstructionSet, Lanes, Numbers, load, padded_zeros, vectors, vectors_mut};
 
 /// One law of one pair, its instructions, and room for its forces.
 #[derive(Debug, Clone)]
-pub struct RegisterForces {
+pub struct VectorForces {
     table: PairTable,
     instructions: InstructionSet,
     penetrations: Numbers,
@@ -17,7 +17,7 @@ pub struct RegisterForces {
     count: usize,
 }
 
-impl RegisterForces {
+impl VectorForces {
     /// `law` for these surfaces at penetrations >= 0 \[m\].
     #[must_use]
     pub fn new(
@@ -42,7 +42,7 @@ impl RegisterForces {
     pub fn evaluate(&mut self) -> &[f64] {
         with_law!(&self.table, Law, pairs => self.instructions.run(Evaluate::<Law> {
             law: PhantomData,
-            constants: Law::constants(&pairs[0]),
+            constants: pairs[0],
             penetrations: &self.penetrations,
             forces: &mut self.forces,
         }));
@@ -57,7 +57,7 @@ struct Evaluate<'a, L> {
     forces: &'a mut [f64],
 }
 
-impl<L: VectorLaw> WithSimd for Evaluate<'_, L> {
+impl<L: ElasticLaw> WithSimd for Evaluate<'_, L> {
     type Output = ();
 
     #[inline(always)]
@@ -69,7 +69,7 @@ impl<L: VectorLaw> WithSimd for Evaluate<'_, L> {
             .iter()
             .zip(vectors_mut::<S>(self.forces, blocks))
         {
-            *force = L::forces(constants, load(simd, depth)).values();
+            *force = L::elastic(constants, load(simd, depth)).values();
         }
     }
 }
@@ -80,7 +80,7 @@ mod tests {
     use crate::force_law::ElasticPair;
 
     #[test]
-    fn every_law_is_its_scalar_form_with_every_instruction_set() {
+    fn every_law_is_the_same_with_every_instruction_set_and_one_by_one() {
         let surfaces = [
             SurfacePair::internal(2.22e-3, 2.245e-3, 0.011, 1.137e11),
             SurfacePair::external(3.968_75e-3, 6.582_621e-3, 0.007, 1.137e11),
@@ -92,7 +92,7 @@ mod tests {
                 let single = ElasticPair::prepare(law, &pair);
                 let end = single.range_end();
                 for set in InstructionSet::available() {
-                    let mut forces = RegisterForces::new(law, &pair, &depths, set);
+                    let mut forces = VectorForces::new(law, &pair, &depths, set);
                     for (&d, &force) in depths.iter().zip(forces.evaluate()) {
                         // Steeper and steeper towards the end: half of a rounding over the root of what is left.
                         let left = (1.0 - d / end).abs().max(f64::EPSILON);

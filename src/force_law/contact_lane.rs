@@ -1,0 +1,148 @@
+//! Normal force of a contact, f = `f_e(δ)` max(0, 1 + λ δ'/δ'₀), its slopes and the power that it dissipates.
+
+use crate::math::{Real, Truth};
+
+use super::dissipation::factor;
+
+/// Damping of a kind of contact by its restitution.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RestitutionDamping<R> {
+    /// λ of the factor.
+    pub(crate) lambda: R,
+    /// Minimum impact velocity, the lower bound on δ'₀ of contacts without a memory \[m/s\].
+    pub(crate) floor: R,
+}
+
+/// Contacts of one law at one penetration and rate.
+#[derive(Clone, Copy)]
+pub(crate) struct ContactLane<R: Real> {
+    /// Elastic force \[N\].
+    elastic: R,
+    /// Normal force \[N\].
+    pub(crate) force: R,
+    /// None where nothing is damped.
+    damped: Option<Damped<R>>,
+}
+
+#[derive(Clone, Copy)]
+struct Damped<R: Real> {
+    damping: RestitutionDamping<R>,
+    rate: R,
+    inverse_onset: R,
+    factor: R,
+    remembered: R::Mask,
+}
+
+impl<R: Real> ContactLane<R> {
+    /// Contacts without damping.
+    #[inline(always)]
+    pub(crate) fn undamped(elastic: R) -> Self {
+        Self {
+            elastic,
+            force: elastic,
+            damped: None,
+        }
+    }
+
+    /// Contacts that penetrate at `rate` δ' \[m/s\]; `memory` is 1/δ'₀ of each \[s/m\], zero where a contact has none yet: then the
+    /// present rate is its impact velocity.
+    #[inline(always)]
+    pub(crate) fn damped(
+        elastic: R,
+        touching: R::Mask,
+        rate: R,
+        memory: R,
+        damping: RestitutionDamping<R>,
+    ) -> Self {
+        let (zero, one) = (rate.constant(0.0), rate.constant(1.0));
+        let remembered = memory.greater(zero);
+        let mut inverse_onset = memory;
+        if touching.and(remembered.not()).any() {
+            inverse_onset = remembered.select(memory, one / damping.floor.max(rate));
+        }
+        let factor = factor(damping.lambda, rate, inverse_onset);
+        Self {
+            elastic,
+            force: elastic * factor,
+            damped: Some(Damped {
+                damping,
+                rate,
+                inverse_onset,
+                factor,
+                remembered,
+            }),
+        }
+    }
+
+    /// Power dissipated \[W\].
+    #[inline(always)]
+    pub(crate) fn power(&self) -> R {
+        match &self.damped {
+            Some(damped) => (self.force - self.elastic) * damped.rate,
+            None => self.elastic.constant(0.0),
+        }
+    }
+
+    /// Slopes of the force with penetration \[N/m\] and rate \[N s/m\], where that of the elastic force is `stiffness`.
+    #[inline(always)]
+    pub(crate) fn slopes(&self, stiffness: R) -> [R; 2] {
+        let zero = stiffness.constant(0.0);
+        let Some(damped) = &self.damped else {
+            return [stiffness, zero];
+        };
+        // Without memory the present rate is the impact velocity and the factor a constant, above the floor.
+        let RestitutionDamping { lambda, floor } = damped.damping;
+        let fresh_and_fast = damped.remembered.not().and(damped.rate.greater(floor));
+        let constant = fresh_and_fast.or(damped.factor.greater(zero).not());
+        let slope = self.elastic * lambda * damped.inverse_onset;
+        [stiffness * damped.factor, constant.select(zero, slope)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DAMPING: RestitutionDamping<f64> = RestitutionDamping {
+        lambda: 0.4,
+        floor: 1e-3,
+    };
+
+    /// A contact with f = 1e8 δ.
+    fn at(depth: f64, rate: f64, memory: f64) -> ContactLane<f64> {
+        ContactLane::damped(1e8 * depth, depth > 0.0, rate, memory, DAMPING)
+    }
+
+    #[test]
+    fn slopes_are_those_of_differences_with_and_without_memory() {
+        let (depth, step) = (1e-6, 1e-9);
+        for memory in [0.0, 20.0] {
+            for rate in [-0.3, -0.02, 2e-4, 0.04] {
+                let [stiffness, damping] = at(depth, rate, memory).slopes(1e8);
+                let by_depth =
+                    at(depth + step, rate, memory).force - at(depth - step, rate, memory).force;
+                let by_rate =
+                    at(depth, rate + step, memory).force - at(depth, rate - step, memory).force;
+                assert!(
+                    (stiffness - by_depth / (2.0 * step)).abs() < 1e-6 * 1e8,
+                    "{memory} {rate}"
+                );
+                assert!(
+                    (damping - by_rate / (2.0 * step)).abs() < 1e-4 * 1e5,
+                    "{memory} {rate}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn power_is_what_damping_takes_and_never_negative() {
+        for rate in [-0.5, -0.03, 0.0, 2e-3, 0.1] {
+            let contact = at(1e-6, rate, 20.0);
+            let damping = contact.force - 100.0;
+            assert_eq!(contact.power(), damping * rate);
+            assert!(contact.power() >= 0.0 && contact.force >= 0.0);
+        }
+        assert_eq!(ContactLane::undamped(100.0).power(), 0.0);
+    }
+}
