@@ -101,10 +101,10 @@ impl Drive {
             let motion = |quantity: &str| format!("ChainDrive.sprockets[{i}].motion.{quantity}");
             match &sprocket.motion {
                 SprocketMotion::PrescribedSpeed(speed) => {
-                    bounds.check_speeds(&motion("speed"), speed)?
+                    bounds.check_speeds(&motion("speed"), speed)?;
                 }
                 SprocketMotion::AppliedTorque(torque) => {
-                    bounds.check_torques(&motion("torque"), torque)?
+                    bounds.check_torques(&motion("torque"), torque)?;
                 }
                 SprocketMotion::TorqueCurve { torque, curve } => {
                     bounds.check_torques(&motion("torque"), torque)?;

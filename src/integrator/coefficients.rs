@@ -57,9 +57,11 @@ impl Coefficients {
     ///
     /// After `NS` equal steps the first `NS` coefficients are those of constant steps: only the rest is computed.
     pub(super) fn update(&mut self, h: f64, order: usize, last_h: f64, last_order: usize) {
+        // Another step size begins a new count of equal steps.
         if h.to_bits() != last_h.to_bits() {
             self.equal_steps = 0;
         }
+        // The count has no effect beyond the order: it is limited, as in STEP.
         if self.equal_steps <= last_order {
             self.equal_steps += 1;
         }
@@ -73,11 +75,13 @@ impl Coefficients {
         self.sigma[ns] = 1.0;
         let (mut sum, mut beta, mut sigma) = (h * ns as f64, 1.0, 1.0);
         for i in ns..k.min(MAX_ORDER) {
+            // ψ_{i+1}(n+1) = ψ_i(n) + h; β and σ are products of the earlier factors.
             let previous = self.psi[i - 1];
             beta = beta * sum / previous;
             (self.psi[i - 1], self.beta[i]) = (sum, beta);
             sum = previous + h;
             self.alpha[i] = h / sum;
+            // σ_{i+1} = i α_i σ_i in the indices of the book.
             sigma *= (i + 1) as f64 * self.alpha[i];
             self.sigma[i + 1] = sigma;
         }
@@ -87,6 +91,7 @@ impl Coefficients {
 
     /// Update v by one round of `v_i - α_NS v_{i+1}`, and the weights from `g_{NS+1}` on.
     fn update_g(&mut self, k: usize, ns: usize, last_order: usize) {
+        // After a change of the step size v begins anew: v_i = 1/(i (i + 1)).
         if ns <= 1 {
             self.v = FIRST;
         } else {
@@ -98,6 +103,7 @@ impl Coefficients {
                     self.v[i] -= self.alpha[j + 1] * self.v[i + 1];
                 }
             }
+            // One more equal step: one round over all entries.
             let alpha = self.alpha[ns - 1];
             let v = &mut self.v[..k - ns + 2];
             for i in 0..v.len() - 1 {
@@ -116,6 +122,7 @@ impl Coefficients {
         // Last entries of the earlier rounds.
         let mut diagonal = [self.v[0]; MAX_ORDER];
         let alpha = &self.alpha[ns..k];
+        // Entry m + 1 of v enters at round 0 and leaves at round m + 1 as the weight g.
         for (m, g) in self.g[ns + 1..=k].iter_mut().enumerate() {
             let mut w = self.v[m + 1];
             for (before, alpha) in diagonal[..=m].iter_mut().zip(alpha) {
@@ -130,6 +137,7 @@ impl Coefficients {
 
     /// Undo the change of ψ by [`Self::update`] after a rejected step (block 3 of STEP).
     pub(super) fn undo_prediction(&mut self, order: usize, h: f64) {
+        // ψ_i(n) = ψ_{i+1}(n+1) - h: the inverse of the sum in update.
         for i in 1..order {
             self.psi[i - 1] = self.psi[i] - h;
         }

@@ -80,6 +80,7 @@ impl CorrectorSwitching {
     /// Record `steps` in favour of a change or against it; return true when the change is made.
     fn record(&mut self, change: bool, steps: u32) -> bool {
         self.steps_since_switch = self.steps_since_switch.saturating_add(steps);
+        // A counter with a lower bound of zero: single steps of noise do not change the corrector.
         self.evidence = if change {
             self.evidence.saturating_add(steps)
         } else {
@@ -97,6 +98,7 @@ impl CorrectorSwitching {
         } else {
             SWITCH_THRESHOLD
         };
+        // Both counters begin anew with the other corrector.
         self.implicit = !self.implicit;
         (self.evidence, self.steps_since_switch) = (0, 0);
         true
@@ -134,16 +136,22 @@ impl Adams {
     /// It would be where the explicit step has a low order or is limited by stability, and the error at order two,
     /// `h γ*_2 |φ_3|`, allows a longer step.
     pub(super) fn check_switch_to_implicit(&mut self, system: &impl SecondOrderSystem) {
+        // Fastest rate of the explicit steps, for the stability limit below.
         let rate = self.rate_from_slopes(system.coordinates());
         self.fastest.record_after(STEPS_PER_CHECK, rate);
         let (k, h) = (self.history.last_order, self.history.last_step_size);
         // The implicit corrector cannot exceed the longest permitted step either.
         let longest = self.next.is_near_longest(&self.control, h);
+        // h ω near the boundary of the stability region of order k.
         let unstable = || h * self.fastest.value() > NEAR_LIMIT * explicit_limit(k);
+        // A low order shows contact onsets in nearly every step.
         let limited = !longest && (k <= LOW_ORDER || unstable());
+        // The implicit corrector's norm is a root mean square; that in use is Euclidean.
         let factor = mean_square_factor(&self.control, system.controlled()).sqrt();
         let difference = || (self.history).norm_of_difference(self.instructions, &self.norm, 2);
+        // Truncation error of the trapezoidal rule for the present step size.
         let at_order_two = || factor * h * gamma_star(2) * difference();
+        // Below order two there is no third difference to estimate from.
         let pays = limited && (k < 2 || at_order_two() <= PROFITABLE_ERROR);
         self.switching.record(pays, STEPS_PER_CHECK);
     }
@@ -151,13 +159,16 @@ impl Adams {
     /// Decide after an implicit step whether explicit steps would be cheaper: cost per step over step size.
     pub(super) fn check_switch_to_explicit(&mut self) {
         let h = self.next.size;
+        // Expected explicit step: by accuracy at most h, by stability at most a multiple of 1/ω.
         let explicit = h.min(EXPLICIT_REACH / self.fastest.value());
         let cost = if self.convergence.unmeasured {
             IMPLICIT_COST
         } else {
             IMPLICIT_COST_OF_TWO
         };
+        // Simulated time per cost of both correctors; the factor prevents changes without gain.
         let pays = explicit / EXPLICIT_COST > GAIN * h / cost;
+        // The first explicit step must be inside the stability region.
         if self.switching.record(pays, 1) {
             self.next.size = explicit;
         }

@@ -25,6 +25,7 @@ impl<'a> DenseOutput<'a> {
         let terms = order + 1;
         let mut weights = [0.0; MAX_ORDER + 1];
         let mut w = [0.0; MAX_ORDER + 1];
+        // Integrals of the powers: w_i = 1/i.
         for (i, w) in w.iter_mut().enumerate().take(terms) {
             *w = 1.0 / (i + 1) as f64;
         }
@@ -33,6 +34,7 @@ impl<'a> DenseOutput<'a> {
         // Recursion of the integrals w of INTRP; the weight of difference j is the first entry of round j.
         for j in 1..terms {
             let psi = psi[j - 1];
+            // γ_j = (s + ψ_{j-1})/ψ_j, η_j = s/ψ_j with the distance s from the end.
             let (gamma, eta) = ((distance + before) / psi, distance / psi);
             for i in 0..(terms - j) {
                 w[i] = gamma * w[i] - eta * w[i + 1];
@@ -59,6 +61,7 @@ impl<'a> DenseOutput<'a> {
                 self.weights[i] * (row[component] + newest.map_or(0.0, |newest| newest[component]))
             })
             .sum();
+        // y(t) = y + s Σ weights φ.
         self.y[component] + self.distance * sum
     }
 

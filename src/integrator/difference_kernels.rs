@@ -136,16 +136,19 @@ impl<S: Simd> Stars<'_, S> {
     fn sum(&mut self, b: usize) -> Lanes<S> {
         let (rows, order, newest) = (&mut self.rows, self.beta.len(), self.newest);
         let zero = Lanes::splat(rows.simd, 0.0);
+        // The newest difference is added to the rows before it, deferred from the last step.
         let latest = if newest > 0 {
             rows.get(newest, b)
         } else {
             zero
         };
+        // The order fell: rows above it are completed, too, for a later rise.
         for i in order..newest {
             rows.set(i, b, rows.get(i, b) + latest);
         }
         // Rows that include the newest difference, and rows to which it is added here.
         let (whole, lacking) = (newest.min(order)..order, 0..newest.min(order));
+        // From the highest order down: partial sums Σ β φ are the extrapolated differences.
         let mut sums = [zero; 2];
         let mut at = order * rows.width + b;
         for (beta, g) in self.beta[whole.clone()].iter().zip(&self.g[whole]).rev() {
@@ -171,6 +174,7 @@ impl<S: Simd> Stars<'_, S> {
 /// `above` accumulates Σ β φ over this order and those above, which is φ*; `sum` accumulates Σ g β φ.
 #[inline(always)]
 fn star<S: Simd>(phi: Lanes<S>, [beta, g]: [f64; 2], [sum, above]: &mut [Lanes<S>; 2]) -> S::f64s {
+    // β φ, whose sum with weight g is the increment of the predicted value.
     let term = phi * phi.constant(beta);
     *sum = term.mul_add(phi.constant(g), *sum);
     *above = *above + term;
@@ -191,6 +195,7 @@ impl WithSimd for UndoPrediction<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
+        // Inverse of the partial sums, row by row from the lowest order.
         let inverse = self.coefficients.beta.map(|beta| 1.0 / beta);
         let mut rows = Rows::<S>::new(simd, self.table, self.width);
         for b in 0..rows.width {
@@ -232,8 +237,10 @@ impl WithSimd for UpdateDifferences<'_> {
         let inverse_weight = vectors::<S>(self.inverse_weight, blocks);
         let mut sum = Squares::new(simd);
         each_block!(S, blocks, |part, b| {
+            // φ_{k+1}(n+1) = f(y) - φ*_1.
             let newest = load(simd, &slope[b]) - rows.get(0, b);
             if self.above {
+                // φ_{k+2}(n+1) = φ_{k+1}(n+1) - φ_{k+1}(n).
                 let above = newest - rows.get(order, b);
                 rows.set(order + 1, b, above);
                 sum.add(part, above * load(simd, &inverse_weight[b]));
@@ -282,10 +289,12 @@ impl WithSimd for Errors<'_> {
         });
         each_block!(S, blocks, |part, b| {
             let weight = load(simd, &inverse_weight[b]);
+            // f(p) - φ*_1; at lower orders φ*_k and φ*_{k-1} belong to the difference.
             let change = load(simd, &slope[b]) - load(simd, &first[b]);
             at.add(part, change * weight);
             one.add(part, (load(simd, &one_below[b]) + change) * weight);
             two.add(part, (load(simd, &two_below[b]) + change) * weight);
+            // y = p + h g_{k+1} (f(p) - φ*_1).
             if let Some((weight, predicted, corrected)) = &mut correction {
                 let predicted = load(simd, &predicted[b]);
                 corrected[b] = change.mul_add(*weight, predicted).values();
@@ -346,7 +355,7 @@ impl WithSimd for Weigh<'_> {
         let y = SliceLanes::<S>::new(simd, self.y, n);
         let mut inverse_weight = SliceLanesMut::<S>::new(simd, self.inverse_weight, n);
         each_vector!(S, n, |at| {
-            inverse_weight.set(at, rtol.constant(1.0) / y.get(at).abs().mul_add(rtol, atol))
+            inverse_weight.set(at, rtol.constant(1.0) / y.get(at).abs().mul_add(rtol, atol));
         });
     }
 }

@@ -58,6 +58,7 @@ impl Differences {
 
     /// Restart from the derivative at one point.
     pub(super) fn restart(&mut self, slope: &[f64], compensate: bool) {
+        // At order one the only difference is the derivative itself.
         self.table.fill(0.0);
         self.table[..slope.len()].copy_from_slice(slope);
         self.newest = 0;
@@ -89,6 +90,7 @@ impl Differences {
 
     /// Return row `i` and, where its addition is deferred, the newest difference.
     pub(super) fn parts_of_row(&self, i: usize) -> (&[f64], Option<&[f64]>) {
+        // Rows before the newest difference lack it until the next prediction.
         let newest = (i < self.newest).then(|| self.row(self.newest));
         (self.row(i), newest)
     }
@@ -121,6 +123,7 @@ impl Differences {
                 .zip(&sums.kept)
                 .zip(&mut sums.predicted)
             {
+                // kept: rounding of the sums so far; lost: rounding of this sum.
                 let tau = *p - kept;
                 *p = y + tau;
                 *lost = (*p - y) - tau;
@@ -167,6 +170,7 @@ impl Differences {
         [predicted, trial]: [&[f64]; 2],
     ) {
         let n = trial.len();
+        // The rows before the newest one receive it in the next prediction.
         self.newest = order;
         let (before, from) = self.table.split_at_mut(order * self.width);
         let (newest_q, newest_v) = from[..2 * n].split_at_mut(n);
@@ -230,6 +234,7 @@ impl Differences {
         inverse_weight: &[f64],
         above: bool,
     ) -> f64 {
+        // Deferred addition to the rows before, as above.
         self.newest = order;
         set.run(UpdateDifferences {
             order,

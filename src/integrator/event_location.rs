@@ -49,12 +49,14 @@ pub fn crossing_between(
         // After an implicit step the penetration at the end is that of the last evaluation, which differs by about the tolerance.
         return (end, at_end[1]);
     }
+    // The bracket begins at the last minimum below zero: the root after it is the onset.
     let mut low = start + apart.unwrap_or(0.0) * length;
     let mut high = end;
     let mut t = start + cubic.upward_root(apart.unwrap_or(0.0)) * length;
     let mut last = (end, at_end[1]);
     for _ in 0..MAX_ITERATIONS {
         let [value, rate] = penetration_and_rate(&contact, t);
+        // Newton's method on the dense output.
         let correction = -value / rate;
         if rate > 0.0 && correction.abs() <= SETTLED * length {
             // Linear extrapolation of the rate to the root.
@@ -73,6 +75,7 @@ pub fn crossing_between(
         }
         last = (t, rate);
         let newton = t + correction;
+        // Bisection where Newton's step leaves the bracket.
         t = if newton > low && newton < high {
             newton
         } else {
@@ -125,6 +128,7 @@ impl Cubic {
     /// Return the position of the minimum inside the step: a root of the quadratic derivative, in the form without cancellation.
     fn minimum_inside(&self) -> Option<f64> {
         let [_, b, c, d] = self.0;
+        // p'(x) = b + 2 c x + 3 d x² = 0 with p'' > 0; NaN without extremum.
         let root = (c * c - 3.0 * b * d).sqrt();
         let x = if c > 0.0 {
             -b / (c + root)

@@ -35,6 +35,7 @@ impl Adams {
         let state = (&self.vectors.y[..], self.starting);
         (self.norm).update_by_scale(self.instructions, &self.control, system, false, state);
         let step = self.step_with_weights(system)?;
+        // The check is a pass over all velocities: not in every step.
         let due = self.counts.steps.is_multiple_of(u64::from(STEPS_PER_CHECK));
         if due && self.control.corrector == Corrector::Auto {
             self.check_switch_to_implicit(system);
@@ -53,6 +54,7 @@ impl Adams {
         let mut failures = 0;
         let estimate = loop {
             self.history.predict(set, &self.next, &mut self.vectors);
+            // P and E: predicted value p, f(p).
             let end = self.time + self.next.size;
             self.vectors.evaluate_at_prediction(system, end);
             self.counts.evaluations += 1;
@@ -66,8 +68,10 @@ impl Adams {
             } else {
                 failures += 1;
             }
+            // A hidden event does not count as a failure of the formula.
             self.reject_step(&estimate, failures, controlled)?;
         };
+        // C and E: corrected value y, f(y), and the differences with it.
         let above = self.correct_and_evaluate(system);
         self.choose_order_and_step(&estimate, above);
         Ok(Step {
@@ -94,6 +98,7 @@ impl Adams {
             shrink = (SAFE_ERROR / error).sqrt();
         }
         self.undo_step(shrink * self.next.size, controlled)?;
+        // The first failures keep the order unless a lower one is better.
         let order = self.next.order;
         if failures >= FAILURES_TO_ORDER_ONE {
             self.next.order = 1;
@@ -109,6 +114,7 @@ impl Adams {
         let (history, vectors) = (&mut self.history, &mut self.vectors);
         self.time += h;
         self.convergence.unmeasured = false;
+        // Without compensation the corrected value was written with the error estimate.
         if history.differences.compensates() {
             let weight = h * history.coefficients.g[k];
             history.differences.correct(
@@ -124,6 +130,7 @@ impl Adams {
         vectors.evaluate_at_solution(system, self.time);
         self.counts.evaluations += 1;
         self.counts.steps += 1;
+        // φ_{k+2} is needed only where the order may rise.
         let raise = history.may_raise(k, self.control.max_order);
         history.update(self.instructions, (k, h), &self.norm, &vectors.slope, raise)
     }

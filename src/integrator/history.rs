@@ -181,6 +181,7 @@ impl History {
         vectors: &Vectors,
         controlled: usize,
     ) -> usize {
+        // The largest term of the error estimate, f - φ*_1 over the weight.
         let first = self.differences.row(0);
         let error = |i: usize| ((vectors.slope[i] - first[i]) * norm.inverse_weight[i]).abs();
         (0..controlled)

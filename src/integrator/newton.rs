@@ -59,6 +59,7 @@ impl Adams {
         let state = (&self.vectors.y[..], self.starting);
         (self.norm).update_by_scale(self.instructions, &self.control, system, true, state);
         if self.starting {
+            // The explicit rule for the first step does not include the stiffness.
             self.start(system);
             self.next.size = self.next.size.min(FIRST_STEP);
         }
@@ -84,12 +85,15 @@ impl Adams {
         let nq = system.coordinates();
         let mut failures = 0;
         loop {
+            // One attempt: predicted value, local unknowns, Newton's method, error test, events.
             self.predict_implicit(nq);
             self.begin_implicit_stage(system);
             let estimate = self.solve_corrector(system);
             system.begin_implicit_stage(None);
             let Some(estimate) = estimate else {
+                // No convergence tells nothing about the error: a fixed factor.
                 failures += 1;
+                // The differences are rebuilt at the smaller size, at the same order.
                 self.reject_newton_step(NOT_CONVERGED, failures, nq)?;
                 if system.oscillates_at_order_two() {
                     // Backward Euler damps such an oscillation in one step.
@@ -106,6 +110,7 @@ impl Adams {
             } else if system.accepts_step(self.next.size, self.allowed()) {
                 return Ok(estimate);
             } else {
+                // An event inside: the error is within the tolerance, the step too long for the contact.
                 HIDDEN_EVENT
             };
             self.reject_newton_step(shrink, failures, nq)?;
@@ -123,12 +128,15 @@ impl Adams {
             return;
         }
         let scale = |order: usize| h * gamma_star(order);
+        // The rate has grown: the order falls at once to the stable one, with its own error estimate.
         let (order, error) = if k > max_order {
             let norm = (self.history).norm_of_difference(self.instructions, &self.norm, max_order);
             (max_order, scale(max_order) * norm)
+        // Up to the trapezoidal rule the order rises without an estimate one order up.
         } else if k < A_STABLE || max_order <= A_STABLE {
             ((k + 1).min(max_order), estimate.local)
         } else {
+            // Inside the stability region the choice is that of the explicit corrector.
             let one_above = || scale(k + 1) * above;
             let raise = self.history.may_raise(k, self.control.max_order);
             let choice = choose_order(k, max_order, estimate, raise, one_above);
@@ -136,6 +144,7 @@ impl Adams {
         };
         // Order one has no advantage over the trapezoidal rule, which is A-stable, too.
         self.next.order = order.max(max_order.min(A_STABLE));
+        // Low orders follow the error; high orders keep equal steps for their coefficients.
         let size = if order <= A_STABLE {
             low_order_step(h, order, error)
         } else {
@@ -161,6 +170,7 @@ impl Adams {
     fn accept_newton(&mut self, nq: usize) -> f64 {
         let (k, h) = (self.next.order, self.next.size);
         let (set, plain) = (self.instructions, self.is_plain(nq));
+        // φ_{k+2} is a second pass over the table: only where it may decide.
         let raise = (self.history).may_raise(k, self.highest_order(k, h));
         let (history, vectors) = (&mut self.history, &mut self.vectors);
         let above = if plain {
@@ -172,6 +182,7 @@ impl Adams {
         } else {
             history.update(set, (k, h), &self.norm, &vectors.slope, raise)
         };
+        // No last evaluation: the derivative follows from the corrector's equation.
         std::mem::swap(&mut vectors.y, &mut vectors.trial);
         self.time += h;
         self.counts.steps += 1;

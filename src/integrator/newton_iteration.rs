@@ -26,6 +26,7 @@ impl Adams {
     /// Compute the predicted value and, with its velocities, the first iterate.
     pub(super) fn predict_implicit(&mut self, nq: usize) {
         let (set, next, history) = (self.instructions, &self.next, &mut self.history);
+        // Orders one and two without sums: one pass for table, velocities and iterate.
         let low_order = history.differences.can_predict_for_newton(next.order);
         if low_order && self.vectors.dimension == 2 * nq {
             history.update_coefficients(next);
@@ -43,6 +44,7 @@ impl Adams {
         history.predict(set, next, &mut self.vectors);
         let gamma = history.gamma(next);
         let predicted = &self.vectors.predicted;
+        // The iteration begins at v = p_v and the coordinates that belong to it; sums at their predicted value.
         let (q, v) = predicted[..2 * nq].split_at(nq);
         self.vectors.trial[2 * nq..].copy_from_slice(&predicted[2 * nq..]);
         set.run(Begin {
@@ -62,17 +64,22 @@ impl Adams {
     ) -> Option<ErrorEstimate> {
         let nq = system.coordinates();
         let gamma = self.history.gamma(&self.next);
+        // Norm of the correction before; infinite, so that the first convergence rate is zero.
         let mut last = f64::INFINITY;
         for iteration in 0..MAX_ITERATIONS {
             let first = iteration == 0;
+            // Residual r = p_v - v + γ (a - φ*_v) at the iterate; at the first one v = p_v.
             self.evaluate_iterate(system, gamma, first)?;
             let residual = self.find_residual(nq, gamma, first);
+            // Δ = (1 - γ ∂a/∂v - γ² ∂a/∂q)⁻¹ r, with the factors of the first iterate.
             system.correct(&mut self.vectors.residual[..nq]);
             let applied = self.apply_correction(nq, gamma);
             if first {
+                // The ratio |r|/|Δ| measures the stiffness; later residuals are too small for that.
                 self.fastest
                     .record_correction(residual, applied.speeds, gamma);
             }
+            // Norm of the correction over coordinates and velocities, as in the error test.
             let size = self.norm.of_sum(applied.lengths + applied.speeds);
             if !size.is_finite() {
                 return None;
@@ -80,11 +87,13 @@ impl Adams {
             let remaining = if first {
                 let sums = [applied.error, 0.0, 0.0];
                 let estimate = self.history.estimate_from(&self.next, &self.norm, sums);
+                // The error estimate after one correction decides already.
                 if estimate.local > HOPELESS {
                     return Some(estimate);
                 }
                 let safety_factor = system.contraction_safety_factor();
                 let (control, convergence) = (&self.control, &mut self.convergence);
+                // The second correction, c |Δ₁|², may be negligible by the constant c of earlier steps.
                 if convergence.may_skip_second_correction(control, size, safety_factor) {
                     return Some(self.finish_corrector(nq, gamma, applied.error));
                 }
@@ -92,9 +101,11 @@ impl Adams {
             } else {
                 self.convergence.measure(size, last)
             };
+            // Converged: the remaining corrections are far below the error test.
             if remaining <= REMAINDER {
                 return Some(self.finish_corrector(nq, gamma, applied.error));
             }
+            // The first rate may be large after a contact onset; the second one is decisive.
             if iteration > 1 && size / last > SLOWEST_RATE {
                 return None;
             }
@@ -119,6 +130,7 @@ impl Adams {
             system.accelerations(end, trial, slope);
         }
         self.counts.evaluations += 1;
+        // Local unknowns are exact for this iterate: they leave the residual.
         self.take_local_solution(system);
         if !first {
             return Some(());
@@ -166,6 +178,7 @@ impl Adams {
         let slope = &vectors.slope[velocities.clone()];
         let first = &self.history.differences.row(0)[velocities.clone()];
         let residual = &mut vectors.residual[..nq];
+        // At the predicted value p_v - v vanishes.
         if at_prediction {
             return self.instructions.run(FirstResidual {
                 gamma,
@@ -181,7 +194,7 @@ impl Adams {
             trial: &vectors.trial[velocities],
             slope,
             first,
-            residual,
+            written: residual,
         });
         0.0
     }
@@ -206,6 +219,7 @@ impl Adams {
             let sums = [error, 0.0, 0.0];
             return self.history.estimate_from(&self.next, &self.norm, sums);
         }
+        // Higher orders and sums need the derivative itself, for the table of differences.
         let (k, h) = (self.next.order, self.next.size);
         let velocities = nq..2 * nq;
         let (vectors, history) = (&mut self.vectors, &self.history);
@@ -219,8 +233,11 @@ impl Adams {
         });
         // Sums have no effect on the motion: the formula of one order more is as stable and has a smaller error.
         let weight = h * history.coefficients.g[k];
-        for i in 2 * nq..vectors.dimension {
-            vectors.trial[i] = vectors.predicted[i] + weight * (vectors.slope[i] - phi[i]);
+        let sums = 2 * nq..vectors.dimension;
+        let slopes = vectors.slope[sums.clone()].iter().zip(&phi[sums.clone()]);
+        let predicted = vectors.predicted[sums.clone()].iter().zip(slopes);
+        for (sum, (predicted, (slope, phi))) in vectors.trial[sums].iter_mut().zip(predicted) {
+            *sum = predicted + weight * (slope - phi);
         }
         history.estimate_error(self.instructions, &self.next, &self.norm, vectors)
     }

@@ -29,6 +29,7 @@ impl WithSimd for Begin<'_> {
         let mut trial_v = SliceLanesMut::<S>::new(simd, self.trial.1, n);
         each_vector!(S, n, |at| {
             let speed = v.get(at);
+            // v = p_v; q = p_q + γ (v - φ*_q).
             trial_v.set(at, speed);
             trial_q.set(at, gamma.mul_add(speed - first.get(at), q.get(at)));
         });
@@ -70,11 +71,13 @@ impl<S: Simd> LowOrderPredictor<S> {
     #[inline(always)]
     fn predict(&self, rows: [Lanes<S>; 3], y: Lanes<S>) -> ([Lanes<S>; 2], Lanes<S>) {
         let [mut first, mut second, third] = rows;
+        // Deferred addition of the newest difference.
         if self.newest == 2 {
             (first, second) = (first + third, second + third);
         } else if self.newest == 1 {
             first = first + second;
         }
+        // Order two: p = y + h (g_1 φ_1 + g_2 β_2 φ_2); order one: p = y + h g_1 φ_1.
         if self.two {
             let phi = second * self.beta;
             let sum = first.mul_add(self.g[0], phi * self.g[1]);
@@ -117,6 +120,7 @@ impl WithSimd for PredictForNewton<'_> {
         let mut trial_q = SliceLanesMut::<S>::new(simd, self.trial.0, n);
         let mut trial_v = SliceLanesMut::<S>::new(simd, self.trial.1, n);
         each_vector!(S, n, |at| {
+            // Velocities first: their predicted value enters the coordinates.
             let rows = [first_v.get(at), second_v.get(at), third_v.get(at)];
             let (rows, speed) = with.predict(rows, y_v.get(at));
             first_v.set(at, rows[0]);
@@ -185,6 +189,7 @@ impl WithSimd for FirstResidual<'_> {
         let mut residual = SliceLanesMut::<S>::new(simd, self.residual, n);
         let mut sum = Squares::new(simd);
         each_vector!(S, n, |part, at| {
+            // r = γ (a - φ*_v) at the predicted value.
             let left = gamma * (slope.get(at) - first.get(at));
             residual.set(at, left);
             sum.add(part, left * weight.get(at));
@@ -200,7 +205,7 @@ pub(super) struct Residual<'a> {
     pub(super) trial: &'a [f64],
     pub(super) slope: &'a [f64],
     pub(super) first: &'a [f64],
-    pub(super) residual: &'a mut [f64],
+    pub(super) written: &'a mut [f64],
 }
 
 impl WithSimd for Residual<'_> {
@@ -208,14 +213,15 @@ impl WithSimd for Residual<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let n = self.residual.len();
+        let n = self.written.len();
         let gamma = Lanes::splat(simd, self.gamma);
         let predicted = SliceLanes::<S>::new(simd, self.predicted, n);
         let trial = SliceLanes::<S>::new(simd, self.trial, n);
         let slope = SliceLanes::<S>::new(simd, self.slope, n);
         let first = SliceLanes::<S>::new(simd, self.first, n);
-        let mut residual = SliceLanesMut::<S>::new(simd, self.residual, n);
+        let mut residual = SliceLanesMut::<S>::new(simd, self.written, n);
         each_vector!(S, n, |at| {
+            // r = p_v - v + γ (a - φ*_v).
             let distance = predicted.get(at) - trial.get(at);
             residual.set(at, gamma.mul_add(slope.get(at) - first.get(at), distance));
         });
@@ -270,10 +276,12 @@ impl<S: Simd> ApplySums<S> {
     /// Return corrected coordinates and velocities; add their squares to the sums.
     #[inline(always)]
     fn correct(&mut self, part: usize, at: &Correction<S>) -> [Lanes<S>; 2] {
+        // Correction of the coordinates: q follows v with the factor γ.
         let length = self.gamma * at.change;
         let v = at.v + at.change;
         self.lengths.add(part, length * at.weight_q);
         self.speeds.add(part, at.change * at.weight_v);
+        // φ_{k+1} of velocities, (v - p_v)/γ, from the corrector's equation.
         let acceleration = (v - at.predicted) * self.inverse;
         // Both differences go into one sum: the error norm is over coordinates and velocities.
         self.error.add(part, (v - at.first) * at.weight_q);

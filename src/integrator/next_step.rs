@@ -50,6 +50,7 @@ impl NextStep {
     ///
     /// `scale` is |y|/|f|, the time in which the solution changes by its own size \[s\]; `slope` is |f| in units of the tolerance.
     pub(super) fn start(&mut self, control: &StepControl, time: f64, scale: f64, slope: f64) {
+        // The solution changes by its own size in the time scale: the first step is not longer.
         let mut h = control.max_step.min(scale).min(self.longest);
         // The error of order one is about h² |f|; the first step takes a sixteenth of the tolerance.
         if 16.0 * slope * h * h > 1.0 {
@@ -97,6 +98,7 @@ impl NextStep {
         max_order: usize,
         control: &StepControl,
     ) -> bool {
+        // Rise while the errors decrease with the order.
         self.growing &= k < max_order && !estimate.prefers_lower(k);
         if self.growing {
             self.order = k + 1;

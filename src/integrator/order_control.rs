@@ -62,8 +62,11 @@ impl ErrorEstimate {
     /// Return whether the errors of the lower orders are not larger.
     pub(super) fn prefers_lower(&self, order: usize) -> bool {
         match order {
+            // There is no order below one.
             1 => false,
+            // Only one estimate below order two: the lower order has to gain a factor.
             2 => self.one_below <= GAIN_AT_LOW_ORDER * self.at_order,
+            // Both lower orders must be as good: one of them may be small by chance.
             _ => self.one_below.max(self.two_below) <= self.at_order,
         }
     }
@@ -99,9 +102,11 @@ pub(super) fn choose_order(
         order: order.saturating_sub(1),
         error: estimate.one_below,
     };
+    // The test of the lower orders does not need equal steps.
     if estimate.prefers_lower(order) {
         return lower;
     }
+    // The estimate one order up, h γ*_{k+1} |φ_{k+2}|, holds for equal steps only.
     if !enough_equal_steps || order >= max_order {
         return keep;
     }
@@ -110,6 +115,7 @@ pub(super) fn choose_order(
         order: order + 1,
         error: above,
     };
+    // At order one there is no estimate below; the rise has to gain a factor.
     if order == 1 {
         return if above < GAIN_AT_LOW_ORDER * estimate.at_order {
             raise
@@ -117,6 +123,7 @@ pub(super) fn choose_order(
             keep
         };
     }
+    // The errors must decrease with the order up to k + 1; otherwise high differences are noise.
     if estimate.one_below <= estimate.at_order.min(above) {
         return lower;
     }
@@ -131,12 +138,15 @@ pub(super) fn choose_order(
 ///
 /// The error is about h^(k+1): a step may double when `error 2^(k+1)` is within the limit. A kept size keeps the coefficients.
 pub(super) fn choose_step(h: f64, order: usize, error: f64) -> f64 {
+    // 2^(k+1) is the growth of the error with a doubled step.
     if SAFE_ERROR >= error * f64::from(2u32 << order) {
         return 2.0 * h;
     }
+    // Equal steps keep coefficients and permit a rise of the order.
     if SAFE_ERROR >= error {
         return h;
     }
+    // Optimal step from error = C h^(k+1).
     let exponent = order as f64 + 1.0;
     let [smallest, largest] = REDUCTION;
     h * (SAFE_ERROR / error)

@@ -44,6 +44,7 @@ pub(super) fn explicit_limit(order: usize) -> f64 {
 /// Return the highest implicit order, at most `order` + 1, that is stable at `step_times_rate`.
 pub(super) fn implicit_order(order: usize, step_times_rate: f64) -> usize {
     let stable = |k: usize| step_times_rate <= IMPLICIT[k - 1];
+    // The order rises by one at most; limits decrease above order six, so that the first unstable order ends the search.
     let highest = (order + 1).min(MAX_ORDER);
     (3..=highest).take_while(|&k| stable(k)).last().unwrap_or(2)
 }
@@ -60,6 +61,7 @@ impl FastestRate {
 
     /// Record the rate of the last of `steps`.
     pub(super) fn record_after(&mut self, steps: u32, rate: f64) {
+        // A rate that was not excited for some steps is forgotten gradually.
         let faded = FADING.powi(steps.cast_signed()) * self.0;
         self.0 = if rate.is_finite() {
             faded.max(rate)
@@ -74,7 +76,9 @@ impl FastestRate {
     /// are sums of squares over all directions: the rate is a lower bound of the largest one.
     pub(super) fn record_correction(&mut self, residual: f64, corrected: f64, gamma: f64) {
         let rate = if corrected > 0.0 {
+            // γ d + γ² ω² of the directions in the residual.
             let stiffness = ((residual / corrected).sqrt() - 1.0).max(0.0);
+            // ω = sqrt(s)/γ for a spring, d = s/γ for a damper: the larger one.
             stiffness.sqrt().max(stiffness) / gamma
         } else {
             0.0

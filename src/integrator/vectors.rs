@@ -56,7 +56,7 @@ impl Vectors {
             &self.trial,
             &self.residual,
         ];
-        let [y, slope, predicted, trial, residual] = vectors.map(|vector| vector.len());
+        let [y, slope, predicted, trial, residual] = vectors.map(|vector| vector.as_slice().len());
         [self.dimension, y, slope, predicted, trial, residual]
     }
 }

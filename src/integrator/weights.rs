@@ -43,6 +43,7 @@ impl ErrorNorm {
         if control.is_by_component() {
             self.update_by_component(set, control, controlled, (y, starting));
         } else if starting {
+            // Padding and sums have zero weight: they do not enter norms.
             self.inverse_weight.fill(0.0);
             self.inverse_weight[..controlled].fill(1.0 / control.accuracy);
         }
@@ -65,6 +66,7 @@ impl ErrorNorm {
             self.update_by_component(set, control, controlled, (y, starting));
             return;
         }
+        // One tolerance serves both correctors with different norms (decision 21).
         if mean {
             self.factor = mean_square_factor(control, controlled);
         }
@@ -73,6 +75,7 @@ impl ErrorNorm {
             let (lengths, rest) = self.inverse_weight.split_at_mut(system.coordinates());
             system.scale(lengths);
             for (length, speed) in lengths.iter_mut().zip(rest) {
+                // 1/weight: scale/accuracy for coordinates, 1e5/s times less for velocities.
                 *length /= control.accuracy;
                 *speed = *length / SPEED_PER_LENGTH;
             }
