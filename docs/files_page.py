@@ -38,14 +38,14 @@ GROUPS: dict[str, list[Callable[..., Any]]] = {
     "drive.tensioner": [rc.Tensioner],
     "drive.guides": [rc.GuideRail, rc.GuideArm, rc.SmoothIdler],
     "drive.ends": [rc.AnchoredEnd, rc.LoadedEnd, rc.FreeEnd],
-    "simulation": [rc.Simulation, rc.Solver],
-    "simulation.friction": [rc.Coulomb, rc.LuGre],
-    "simulation.hinge_film": [rc.LubricantFilm],
+    "simulation": [rc.Scene, rc.Solver],
     "simulation.force_law": [*makers_of(rc.ForceLaw).values()],
+    "simulation.force_law.friction": [rc.Coulomb, rc.LuGre],
+    "simulation.force_law.film": [rc.LubricantFilm],
     "run": [rc.Simulation.run],
     "run.stop": [*makers_of(rc.StopCondition).values()],
 }
-LEFT_OUT = {rc.Simulation: {"drive"}, rc.Simulation.run: {"self", "progress", "callback"}}
+LEFT_OUT = {rc.Scene: {"system"}, rc.Simulation.run: {"self", "progress", "callback"}}
 
 
 def rows(target: Callable[..., Any]) -> Iterator[str]:

@@ -22,7 +22,8 @@ places = {
 }
 lost, force = {name: [] for name in places}, []
 for film in [None, *map(rc.LubricantFilm, viscosities)]:
-    result = rc.Simulation(drive, hinge_film=film).run(END, 1e-4, record=("hinges",))
+    law = rc.LankaraniNikravesh(film=film)
+    result = rc.Simulation(drive, hinge_law=law).run(END, 1e-4, record=("hinges", "energy"))
     late = result.time >= BEGIN
     for name, place in places.items():
         energy = getattr(result.energy, place)

@@ -31,8 +31,8 @@ places = {
 lost, efficiencies, articulation = {name: [] for name in places}, [], []
 for coefficient in coefficients:
     friction = rc.Coulomb(coefficient) if coefficient > 0.0 else None
-    result = rc.Simulation(drive, friction=friction).run(
-        SETTLED + duration, 1e-4, record=("hinges", "sprockets")
+    result = rc.Simulation(drive, force_law=rc.LankaraniNikravesh(friction=friction)).run(
+        SETTLED + duration, 1e-4, record=("hinges", "sprockets", "energy")
     )
     late = result.time >= SETTLED
     for name, place in places.items():

@@ -9,7 +9,9 @@ import rustchain as rc
 drive = rc.two_sprocket_drive(
     "ANSI 40", teeth=(17, 25), links=72, speed=25.0, torque=-3.0, pretension=60.0
 )
-result = rc.Simulation(drive).run(duration=1.5, record=("hinges", "teeth", "sprockets", "bodies"))
+result = rc.Simulation(drive).run(
+    duration=1.5, record=("hinges", "teeth", "sprockets", "bodies", "energy")
+)
 steady = result.between(start=0.4)
 for name, value in steady.summary().items():
     print(f"{name:24} {value:.4g}")

@@ -33,7 +33,9 @@ drive = rc.open_chain(
 )
 print(drive.check())
 
-simulation = rc.Simulation(drive, start="static", tooth_friction=rc.Coulomb(0.15))
+simulation = rc.Simulation(
+    drive, start="static", tooth_law=rc.LankaraniNikravesh(friction=rc.Coulomb(0.15))
+)
 print(f"at rest to {simulation.rest['residual']:.1e} N")
 result = simulation.run(
     duration=0.25, report_step=2e-4, record=["hinges", "teeth", "sprockets", "bodies"]

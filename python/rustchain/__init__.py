@@ -61,11 +61,14 @@ from rustchain.description.mechanism.parts import (
 )
 from rustchain.description.mechanism.report import MechanismReport
 from rustchain.description.report import DriveReport
+from rustchain.description.scene import Scene
+from rustchain.description.solver import Solver
 from rustchain.errors import (
     CaseWarning,
     EnergyWarning,
     InvalidInput,
     MissingExtra,
+    NoSuchPart,
     NotRecorded,
     RangeWarning,
     RustchainError,
@@ -73,14 +76,12 @@ from rustchain.errors import (
     SimulationError,
     ToothJumpWarning,
 )
-from rustchain.files.scene import Scene, load_scene
+from rustchain.files.scene import load_scene, save_scene
 from rustchain.results.files import load_result
-from rustchain.results.mechanism_result import MechanismResult
 from rustchain.results.result import Result
-from rustchain.simulation.mechanism_evaluation import MechanismEvaluation
-from rustchain.simulation.mechanism_simulation import MechanismSimulation
-from rustchain.simulation.mechanism_stop import ContactForceAbove, JointForceAbove
-from rustchain.simulation.simulation import Evaluation, Simulation, Solver
+from rustchain.simulation.evaluation import Evaluation
+from rustchain.simulation.part_stop import ContactForceAbove, JointForceAbove
+from rustchain.simulation.simulation import Simulation
 from rustchain.simulation.stop import (
     HingeForceAbove,
     StopCondition,
@@ -93,6 +94,7 @@ from rustchain.sweeps.loss_map import loss_map
 from rustchain.sweeps.result import SweepResult
 from rustchain.sweeps.study import StudyResult, study
 from rustchain.sweeps.sweep import sweep
+from rustchain.units import rpm
 
 __version__ = version("rustchain")
 
@@ -136,11 +138,9 @@ __all__ = [
     "LubricantFilm",
     "Material",
     "Mechanism",
-    "MechanismEvaluation",
     "MechanismReport",
-    "MechanismResult",
-    "MechanismSimulation",
     "MissingExtra",
+    "NoSuchPart",
     "NotRecorded",
     "Plates",
     "PrescribedSpeed",
@@ -183,6 +183,8 @@ __all__ = [
     "loss_map",
     "open_chain",
     "paper_drive",
+    "rpm",
+    "save_scene",
     "study",
     "sweep",
     "two_sprocket_drive",

@@ -13,8 +13,8 @@ from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.force import ForceLaw
 from rustchain.description.material import Material
 from rustchain.description.mechanism.builder import Mechanism
+from rustchain.description.solver import Solver
 from rustchain.errors import SimulationError
-from rustchain.simulation.simulation import Solver
 
 __all__ = [
     "Case",

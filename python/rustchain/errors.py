@@ -15,6 +15,7 @@ __all__ = [
     "EnergyWarning",
     "InvalidInput",
     "MissingExtra",
+    "NoSuchPart",
     "NotRecorded",
     "RangeWarning",
     "RustchainError",
@@ -65,6 +66,10 @@ class SimulationError(RustchainError, RuntimeError):
 
 class RustchainWarning(UserWarning):
     """Base class of all warnings of this package."""
+
+
+class NoSuchPart(InvalidInput, IndexError):
+    """A result was asked for a hinge, strand, body or other part that its scene does not have."""
 
 
 class RangeWarning(RustchainWarning):

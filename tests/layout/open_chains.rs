@@ -366,7 +366,7 @@ fn what_cannot_be_laid_is_refused_with_numbers() {
     tight.tensioner = Some(common::tensioner(10.0, 0.1));
     assert!(refusal(&tight).contains("Tensioner.sprocket"));
     let heavy = strand(20, [anchor(0.0, 0.0), ChainEnd::load(-1.0, 1e-3)]);
-    assert!(refusal(&heavy).contains("Load.mass"));
+    assert!(refusal(&heavy).contains("LoadedEnd.mass"));
     let mut closed = strand(20, [anchor(0.0, 0.0), ChainEnd::loose()]);
     closed.ends = None;
     assert!(refusal(&closed).contains("must be at least two"));

@@ -108,7 +108,7 @@ def test_what_asks_for_too_much_is_refused_with_its_bound(what):
 
 @pytest.fixture(scope="module")
 def result():
-    record = ("hinges", "teeth", "sprockets", "bodies")
+    record = ("hinges", "teeth", "sprockets", "bodies", "energy")
     return rc.Simulation(DRIVE).run(1e-3, record=record)
 
 

@@ -42,7 +42,9 @@ def test_wild_arguments_are_refused_by_name_in_few_words(tmp_path, monkeypatch):
 @pytest.fixture(scope="module")
 def result():
     simulation = rc.Simulation(rc.paper_drive())
-    return simulation.run(2e-3, record=("hinges", "teeth", "sprockets", "bodies"), progress=False)
+    return simulation.run(
+        2e-3, record=("hinges", "teeth", "sprockets", "bodies", "energy"), progress=False
+    )
 
 
 @pytest.mark.parametrize("kind", wild_values.ALL)
@@ -78,11 +80,11 @@ def test_a_message_shows_any_value_on_one_line_of_eighty_characters(kind):
             lambda r: rc.Hertz().elastic_force(1e-6, (1e-3, 2e-3), length=-1.0),
             "length = -1: must be a positive number in m",
         ),
-        (lambda r: rc.loss_map(None, [1.0], [1.0]), r"loss_map\(drive\): got None; .* ChainDrive"),
+        (lambda r: rc.loss_map(None, [1.0], [1.0]), r"loss_map\(scene\): got None; .* ChainDrive"),
         (lambda r: rc.SmoothStep(0.0, 1.0, "x", 1.0), r"SmoothStep.before: got 'x'; expected"),
         (
-            lambda r: rc.sweep(r.drive, {"pretension": [1.0]}, min_impact_velocity=math.nan),
-            "min_impact_velocity = NaN: must be a positive number in m/s",
+            lambda r: rc.sweep(r.drive, {"min_impact_velocity": [math.nan]}),
+            "min_impact_velocity = nan: must be a positive number in m/s",
         ),
         (
             lambda r: rc.Simulation(r.drive, force_law="x" * 5000),

@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 import rustchain as rc
 from rustchain.cli.app import app
 from rustchain.description.base import Description
+from rustchain.files.scene import SceneFile
 from rustchain.files.source import Source
 
 ROOT = Path(__file__).parents[2]
@@ -52,28 +53,26 @@ def test_the_example_is_the_drive_of_the_script_that_says_the_same():
         name="three shafts",
         adjust=3,
     )
-    scene = rc.load_scene(EXAMPLE)
-    assert scene.drive == drive
-    assert scene.simulation == {
-        "force_law": rc.Hertz(damping="flores"),
-        "solver": rc.Solver(accuracy=1e-9),
-    }
-    assert scene.run == {
+    scene = rc.Scene(drive, rc.Hertz(damping="flores"), solver=rc.Solver(accuracy=1e-9))
+    assert rc.load_scene(EXAMPLE) == scene
+    file = SceneFile.read(EXAMPLE)
+    assert file.scene == scene
+    assert file.run == {
         "duration": 0.02,
         "report_step": 1e-4,
         "stop": [rc.ToothForceAbove(5000.0)],
     }
-    assert scene.out == EXAMPLE.parent / "three_shafts.nc"
+    assert file.out == EXAMPLE.parent / "three_shafts.nc"
 
 
 def test_the_example_runs_from_the_command_line_and_from_python(tmp_path):
     done = rustchain("run", EXAMPLE, "--duration", 2e-3, "--out", tmp_path / "run.nc")
     assert done.exit_code == 0, done.output
     result = rc.load_result(tmp_path / "run.nc")
-    scene = rc.load_scene(EXAMPLE)
-    assert (result.drive, result.solver) == (scene.drive, scene.simulation["solver"])
+    file = SceneFile.read(EXAMPLE)
+    assert result.scene == file.scene
     assert len(result.time) == 21
-    again = scene.changed({}, {}, {"duration": 2e-3, "progress": False})
+    again = file.changed({}, {}, {"duration": 2e-3, "progress": False})
     same = again.run_simulation(again.simulate())
     np.testing.assert_array_equal(same.final_positions, result.final_positions)
 
@@ -341,13 +340,14 @@ def test_every_class_of_description_can_be_written(tmp_path, place, kind):
         with pytest.raises(rc.InvalidInput, match=r"CustomTooth\.pieces"):
             rc.load_scene(path)
         return
-    scene = rc.load_scene(path)
+    file = SceneFile.read(path)
+    scene = file.scene
     first = scene.drive.sprockets[0]
     found = {
         "motion": first.motion,
         "form": first.profile,
-        "law": scene.simulation["hinge_law"],
-        "stop": scene.run["stop"][0],
+        "law": scene.hinge_law,
+        "stop": file.run["stop"][0],
     }
     assert type(found[place]) is getattr(rc, kind)
     assert isinstance(scene.drive.chain.material, rc.Material)
@@ -357,7 +357,7 @@ def test_every_class_of_description_can_be_written(tmp_path, place, kind):
 def test_the_page_has_every_class_and_every_field():
     classes = [kind for name, kind in Description._types.items() if hasattr(rc, name)]
     parts = {
-        *("Mechanism", "LinearContact", "SurfaceContact", "HuntCrossley"),
+        *("Mechanism", "Scene", "LinearContact", "SurfaceContact", "HuntCrossley"),
         *("Sines", "SmoothStep", "Spline", "Table", "ForceLaw", "StopCondition"),
     }
     for kind in classes:
@@ -458,7 +458,7 @@ def test_fifos_and_devices_are_no_drive_files_nor_tables(tmp_path):
 def test_a_scene_without_a_duration_says_where_to_write_it(tmp_path):
     for text in (SHORT, SHORT + "[run]\nreport_step = 1e-4\n"):
         path = written(tmp_path, text + '[simulation]\nforce_law = { type = "Hertz" }\n')
-        scene = rc.load_scene(path)
+        scene = SceneFile.read(path)
         simulation = scene.simulate()
         for call in (scene.run_simulation, scene.check_run):
             with pytest.raises(rc.InvalidInput, match=r"drive\.toml.*run: duration: is missing;"):

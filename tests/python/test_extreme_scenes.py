@@ -51,7 +51,7 @@ def with_link_mass(mass):
 HOPELESS = {
     "links of a microgram": lambda: rc.Simulation(with_link_mass(1e-9)),
     "a lubricant of 1e9 Pa s": lambda: rc.Simulation(
-        drive(), hinge_film=rc.LubricantFilm(viscosity=1e9)
+        drive(), hinge_law=rc.LankaraniNikravesh(film=rc.LubricantFilm(viscosity=1e9))
     ),
     "steps of a picosecond": lambda: rc.Simulation(drive(), solver=rc.Solver(max_step=1e-12)),
 }

@@ -44,8 +44,8 @@ def kinds():
     short = {"duration": 3e-4, "progress": False}
     drive = rc.Simulation(rc.paper_drive())
     return {
-        OF_DRIVE: (drive.run(record=("teeth",), **short).save, rc.load_result),
-        OF_MECHANISM: (rc.Simulation(pendulum()).run(**short).save, rc.MechanismResult.load),
+        OF_DRIVE: (drive.run(record=("teeth", "energy"), **short).save, rc.load_result),
+        OF_MECHANISM: (rc.Simulation(pendulum()).run(**short).save, rc.load_result),
         STATE: (drive.save_state, rc.Simulation.load_state),
     }
 

@@ -142,7 +142,9 @@ FILMS = {
 @pytest.mark.parametrize("which", FILMS)
 def test_forces_and_accelerations_agree_to_round_off(which, paper, states_with_seat):
     film, friction = FILMS[which]
-    simulation = rc.Simulation(paper, hinge_film=film, friction=friction)
+    simulation = rc.Simulation(
+        paper, replace(LN, friction=friction), hinge_law=replace(LN, film=film, friction=friction)
+    )
     equations = DriveEquations(
         paper, replace(LN, film=film, friction=friction), replace(LN, friction=friction)
     )
@@ -164,7 +166,9 @@ def test_forces_and_accelerations_agree_to_round_off(which, paper, states_with_s
 
 
 def test_what_a_film_loses_is_a_place_of_its_own():
-    simulation = rc.Simulation(rc.paper_drive(25.0), hinge_film=rc.LubricantFilm(0.1))
+    simulation = rc.Simulation(
+        rc.paper_drive(25.0), hinge_law=rc.LankaraniNikravesh(film=rc.LubricantFilm(0.1))
+    )
     result = simulation.run(0.02, 1e-3, progress=False)
     energy = result.energy
     assert energy.hinge_film is not None
@@ -180,7 +184,9 @@ def test_what_a_film_loses_is_a_place_of_its_own():
 
 
 def test_a_state_with_a_film_is_saved_and_goes_on(tmp_path):
-    simulation = rc.Simulation(rc.paper_drive(25.0), hinge_film=rc.LubricantFilm(0.1))
+    simulation = rc.Simulation(
+        rc.paper_drive(25.0), hinge_law=rc.LankaraniNikravesh(film=rc.LubricantFilm(0.1))
+    )
     simulation.step_to(3e-3)
     simulation.save_state(tmp_path / "state.npz")
     again = rc.Simulation.load_state(tmp_path / "state.npz")
@@ -193,7 +199,7 @@ def test_a_state_with_a_film_is_saved_and_goes_on(tmp_path):
 def test_a_sweep_has_the_viscosity_as_a_parameter():
     found = rc.sweep(
         rc.paper_drive(25.0),
-        {"hinge_film": [None, rc.LubricantFilm(0.1)]},
+        {"hinge_law.film": [None, rc.LubricantFilm(0.1)]},
         lambda result: result.hinge(3).force.max(),
         duration=8e-3,
         report_step=1e-4,
@@ -217,7 +223,8 @@ def test_a_sweep_has_the_viscosity_as_a_parameter():
         ),
         (
             lambda: rc.Simulation(
-                replace(rc.paper_drive(25.0), hinges="ideal"), hinge_film=rc.LubricantFilm(0.1)
+                replace(rc.paper_drive(25.0), hinges="ideal"),
+                hinge_law=rc.LankaraniNikravesh(film=rc.LubricantFilm(0.1)),
             ),
             "film.*room for a film",
         ),

@@ -24,7 +24,11 @@ FRICTIONS = {
 @pytest.mark.parametrize("which", FRICTIONS)
 def test_forces_and_accelerations_agree_to_round_off(which, paper, states_with_seat):
     hinges, teeth = FRICTIONS[which]
-    simulation = rc.Simulation(paper, hinge_friction=hinges, tooth_friction=teeth)
+    simulation = rc.Simulation(
+        paper,
+        hinge_law=rc.LankaraniNikravesh(friction=hinges),
+        tooth_law=rc.LankaraniNikravesh(friction=teeth),
+    )
     laws = [replace(LN, friction=law) for law in (hinges, teeth)]
     equations = DriveEquations(paper, *laws)
     rubbing = np.zeros(2)
@@ -45,7 +49,11 @@ def test_forces_and_accelerations_agree_to_round_off(which, paper, states_with_s
 def test_friction_is_a_part_of_the_laws():
     drive = rc.paper_drive(pretension=25.0)
     both, teeth = rc.Coulomb(0.1), rc.Coulomb(0.2)
-    simulation = rc.Simulation(drive, friction=both, tooth_friction=teeth)
+    simulation = rc.Simulation(
+        drive,
+        force_law=rc.LankaraniNikravesh(friction=both),
+        tooth_law=rc.LankaraniNikravesh(friction=teeth),
+    )
     assert simulation.hinge_law == rc.LankaraniNikravesh(friction=both)
     assert simulation.tooth_law == rc.LankaraniNikravesh(friction=teeth)
     as_laws = rc.Simulation(drive, hinge_law=simulation.hinge_law, tooth_law=simulation.tooth_law)
@@ -57,7 +65,9 @@ def test_friction_is_a_part_of_the_laws():
 
 
 def test_a_state_with_friction_is_saved_and_goes_on(tmp_path):
-    simulation = rc.Simulation(rc.paper_drive(pretension=25.0), friction=rc.Coulomb(0.1))
+    simulation = rc.Simulation(
+        rc.paper_drive(pretension=25.0), force_law=rc.LankaraniNikravesh(friction=rc.Coulomb(0.1))
+    )
     simulation.step_to(3e-3)
     simulation.save_state(tmp_path / "state.npz")
     again = rc.Simulation.load_state(tmp_path / "state.npz")
@@ -77,7 +87,9 @@ def test_efficiency_falls_with_friction_by_the_work_of_articulation():
     pitches = 2.0 * 0.5 / 17.0  # [s] for two
     found = []
     for law in (None, rc.Coulomb(0.1)):
-        simulation = rc.Simulation(loaded_drive(200.0, 4.0), friction=None, hinge_friction=law)
+        simulation = rc.Simulation(
+            loaded_drive(200.0, 4.0), hinge_law=rc.LankaraniNikravesh(friction=law)
+        )
         result = simulation.run(0.04 + 2.0 * pitches, 1e-4, progress=False)
         energy = result.energy
         assert energy.hinge_friction is not None
@@ -111,7 +123,7 @@ def test_efficiency_needs_rows_and_a_driver():
 def test_a_sweep_has_friction_as_a_parameter():
     found = rc.sweep(
         rc.paper_drive(25.0),
-        {"hinge_friction": [None, rc.Coulomb(0.1)]},
+        {"hinge_law.friction": [None, rc.Coulomb(0.1)]},
         lambda result: result.energy.hinge_friction[-1],
         duration=8e-3,
         report_step=1e-3,
@@ -133,7 +145,8 @@ def test_a_sweep_has_friction_as_a_parameter():
         (lambda: rc.Hertz(friction=0.1), "Hertz.friction"),
         (
             lambda: rc.Simulation(
-                replace(rc.paper_drive(25.0), hinges="ideal"), friction=rc.Coulomb(0.1)
+                replace(rc.paper_drive(25.0), hinges="ideal"),
+                force_law=rc.LankaraniNikravesh(friction=rc.Coulomb(0.1)),
             ),
             "friction.*only chain *drives with clearance hinges",
         ),

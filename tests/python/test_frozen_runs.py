@@ -55,8 +55,12 @@ SCENES = {
         type(law).__name__: lambda law=law: rc.Simulation(_geared(), force_law=law)
         for law in (rc.Hertz(), rc.Johnson(damping="flores"), rc.EnhancedCylinder())
     },
-    "Coulomb": lambda: rc.Simulation(_geared(pretension=25.0), friction=rc.Coulomb(0.1)),
-    "LuGre": lambda: rc.Simulation(_geared(pretension=25.0), friction=rc.LuGre(0.12, 0.1)),
+    "Coulomb": lambda: rc.Simulation(
+        _geared(pretension=25.0), force_law=rc.LankaraniNikravesh(friction=rc.Coulomb(0.1))
+    ),
+    "LuGre": lambda: rc.Simulation(
+        _geared(pretension=25.0), force_law=rc.LankaraniNikravesh(friction=rc.LuGre(0.12, 0.1))
+    ),
     "smooth idler": lambda: rc.Simulation(_idler()),
     "open chain": lambda: rc.Simulation(_hanging()),
     "ideal hinges": lambda: rc.Simulation(_geared(hinges="ideal")),

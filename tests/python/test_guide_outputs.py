@@ -24,7 +24,7 @@ def guided(**of_arm):
 def result():
     simulation = rc.Simulation(guided(), start="static")
     return simulation.run(
-        0.03, 2e-4, record=("hinges", "teeth", "sprockets", "bodies"), progress=False
+        0.03, 2e-4, record=("hinges", "teeth", "sprockets", "bodies", "energy"), progress=False
     )
 
 
@@ -121,7 +121,7 @@ def test_a_ratchet_holds_a_blade_where_it_has_been():
         arm = rc.GuideArm((middle - 0.08, -0.075), 40.0, 1e-3, damping=50.0, ratchet=ratchet)
         blade = rc.GuideRail((middle, -0.057), (0.0, 1.0), length=0.12, radius=0.25, arm=arm)
         drive = replace(paper, gravity=(0.0, 0.0), guides=[blade])
-        run = rc.Simulation(drive).run(0.019, 2e-4, record=["sprockets"], progress=False)
+        run = rc.Simulation(drive).run(0.019, 2e-4, record=["sprockets", "energy"], progress=False)
         angle = run.guide(1).angle
         return (np.maximum.accumulate(angle) - angle).max()
 

@@ -27,7 +27,7 @@ def test_guides_are_bodies_with_names_and_channels():
     drive = guided()
     simulation = rc.Simulation(drive)
     assert simulation.body_names[-2:] == ["guide_1", "guide_2"]
-    result = simulation.run(0.02, record=["hinges", "teeth", "sprockets"])
+    result = simulation.run(0.02, record=["hinges", "teeth", "sprockets", "energy"])
     swung = result.guide(1)
     assert np.ptp(swung.angle) > 1e-3
     assert not np.any(result.guide(2).speed)
@@ -46,7 +46,9 @@ def test_at_rest_a_blade_tightens_both_strands():
     def lower(drive):
         still = replace(drive.sprockets[0], motion=rc.PrescribedSpeed(0.0))
         drive = replace(drive, sprockets=(still, drive.sprockets[1]))
-        run = rc.Simulation(drive, start="static").run(1e-5, report_step=1e-5, record=["hinges"])
+        run = rc.Simulation(drive, start="static").run(
+            1e-5, report_step=1e-5, record=["hinges", "energy"]
+        )
         return run.strand("lower").tension[-1]
 
     assert lower(tight) > lower(loose) + 10.0
@@ -63,7 +65,7 @@ def test_a_drive_with_guides_goes_to_a_file_and_back(tmp_path):
     simulation.step_to(2e-3)
     again.step_to(2e-3)
     assert np.array_equal(simulation.positions, again.positions)
-    result = simulation.run(1e-3, record=["bodies"])
+    result = simulation.run(1e-3, record=["bodies", "energy"])
     result.save(tmp_path / "run.nc")
     assert rc.load_result(tmp_path / "run.nc").drive == drive
     figure = result.plot.drive()
@@ -111,7 +113,7 @@ def test_a_sweep_changes_the_fields_of_guides():
         {"guides.0.arm.force": [5.0, 50.0]},
         lambda result: {"turned": np.ptp(result.guide(1).angle)},
         duration=2e-3,
-        record=["sprockets"],
+        record=["sprockets", "energy"],
     )
     soft, hard = sweep.to_pandas()["turned"]
     assert hard > 2.0 * soft

@@ -250,7 +250,7 @@ def test_newton_and_pece_agree_on_a_pretensioned_strand():
     tension = {}
     for solver in (rc.Solver(method="pece", rtol=1e-5), rc.Solver(method="newton")):
         result = rc.Simulation(rc.paper_drive(25.0), solver=solver).run(
-            0.08, record=("hinges",), progress=False
+            0.08, record=("hinges", "energy"), progress=False
         )
         upper, lower = (result.strand(side).tension for side in ("upper", "lower"))
         tension[solver.method] = np.mean(upper[200:] + lower[200:])
@@ -274,7 +274,7 @@ def test_auto_takes_both_methods_on_a_slack_chain():
 def test_tolerances_that_are_given_take_the_place_of_accuracy(method):
     def steps(**tolerances):
         simulation = rc.Simulation(rc.paper_drive(), solver=rc.Solver(method, **tolerances))
-        return simulation.run(5e-3, record=(), progress=False).stats["steps"]
+        return simulation.run(5e-3, record=("energy",), progress=False).stats["steps"]
 
     assert steps(rtol=1e-6, atol=1e-6, accuracy=1e-3) == steps(rtol=1e-6, atol=1e-6)
     assert steps(rtol=1e-6) == steps(rtol=1e-6, atol=1e-5)

@@ -175,7 +175,10 @@ def test_momentum_stays_without_gravity_driver_and_supports():
 
     before = momentum(positions, velocities)
     result = simulation.run(
-        duration=8e-3, report_step=1e-4, record=("hinges", "teeth", "bodies"), progress=False
+        duration=8e-3,
+        report_step=1e-4,
+        record=("hinges", "teeth", "bodies", "energy"),
+        progress=False,
     )
     peaks = result.peaks
     assert np.sum(peaks.tooth_force.max(axis=0) > 1.0) >= 5

@@ -104,7 +104,7 @@ def test_what_rounds_to_zero_is_printed_without_a_sign():
 
 def test_strands_have_names_numbers_and_a_tension():
     result = rc.Simulation(four_sprockets(adjust=2)).run(
-        duration=0.004, report_step=1e-3, record=["hinges", "sprockets", "bodies"]
+        duration=0.004, report_step=1e-3, record=["hinges", "sprockets", "bodies", "energy"]
     )
     assert result.strand_names == ("1-2", "2-3", "3-4", "4-1")
     assert np.array_equal(result.strand(3).tension, result.strand("3-4").tension)

@@ -63,7 +63,7 @@ def test_forces_of_bent_bristles_agree_to_round_off(which, rollers):
 def test_a_state_with_bent_bristles_is_saved_and_goes_on(tmp_path):
     drive = rc.paper_drive(pretension=100.0)
     drive = replace(drive, tensioner=replace(drive.tensioner, ramp_time=1e-3))
-    simulation = rc.Simulation(drive, friction=LAW)
+    simulation = rc.Simulation(drive, force_law=rc.LankaraniNikravesh(friction=LAW))
     simulation.step_to(4e-3)
     simulation.save_state(tmp_path / "state.npz")
     again = rc.Simulation.load_state(tmp_path / "state.npz")
@@ -80,7 +80,9 @@ def test_losses_are_channels_and_efficiency_counts_them():
     driven = replace(drive.sprockets[1], motion=rc.AppliedTorque(-2.0))
     tensioner = replace(drive.tensioner, ramp_time=2e-3)
     drive = replace(drive, sprockets=(drive.sprockets[0], driven), tensioner=tensioner)
-    result = rc.Simulation(drive, hinge_friction=rc.LuGre(0.1, 0.1)).run(0.03, 1e-4, progress=False)
+    result = rc.Simulation(drive, hinge_law=rc.LankaraniNikravesh(friction=rc.LuGre(0.1, 0.1))).run(
+        0.03, 1e-4, progress=False
+    )
     energy = result.energy
     assert energy.hinge_friction is not None
     assert energy.hinge_friction[-1] > 1e-3
@@ -101,15 +103,18 @@ def test_bristles_are_a_friction_in_laws_files_and_sweeps(tmp_path):
 type = "paper_drive"
 pretension = 25.0
 
-[simulation.friction]
+[simulation.force_law]
+type = "LankaraniNikravesh"
+
+[simulation.force_law.friction]
 static_coefficient = 0.12
 kinetic_coefficient = 0.1
 """
     )
-    assert rc.load_scene(file).simulation["friction"] == rc.LuGre(0.12, 0.1)
+    assert rc.load_scene(file).force_law.friction == rc.LuGre(0.12, 0.1)
     found = rc.sweep(
         rc.paper_drive(25.0),
-        {"hinge_friction": [None, rc.LuGre(0.1, 0.1)]},
+        {"hinge_law.friction": [None, rc.LuGre(0.1, 0.1)]},
         lambda result: result.energy.hinge_friction[-1],
         duration=6e-3,
         report_step=1e-3,
@@ -131,7 +136,8 @@ kinetic_coefficient = 0.1
         (lambda: rc.LuGre(0.1, 0.1, stribeck_exponent=20.0), "LuGre.stribeck_exponent.*0.1 to 10"),
         (
             lambda: rc.Simulation(
-                replace(rc.paper_drive(25.0), hinges="ideal"), friction=rc.LuGre(0.1, 0.1)
+                replace(rc.paper_drive(25.0), hinges="ideal"),
+                force_law=rc.LankaraniNikravesh(friction=rc.LuGre(0.1, 0.1)),
             ),
             "friction.*only chain *drives with clearance hinges",
         ),
@@ -146,5 +152,6 @@ def test_what_means_nothing_is_refused(make, message):
 def test_absurd_bristles_are_warned_of(stiffness, remedy):
     with pytest.warns(rc.RangeWarning, match=f"LuGre friction, hinges.*{remedy}"):
         rc.Simulation(
-            rc.paper_drive(25.0), hinge_friction=rc.LuGre(0.1, 0.1, stiffness=stiffness)
+            rc.paper_drive(25.0),
+            hinge_law=rc.LankaraniNikravesh(friction=rc.LuGre(0.1, 0.1, stiffness=stiffness)),
         ).run(1e-5, 1e-5, progress=False)

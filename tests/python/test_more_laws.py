@@ -166,7 +166,7 @@ def test_a_law_that_diverges_is_refused_with_value_and_remedy(damping):
     contact = rc.SurfaceContact(law, material=rc.Material(restitution=0.005))
     mechanism.add_clearance_joint("play", "ground", "ball", 0.011, 0.01, contact)
     with pytest.raises(rc.InvalidInput, match=expected):
-        rc.MechanismSimulation(mechanism)
+        rc.Simulation(mechanism)
     rc.Simulation(drive, law)
 
 
@@ -229,7 +229,9 @@ def test_a_penetration_past_the_law_at_a_report_inside_a_step_is_told(modulus):
     simulation = rc.Simulation(drive, law, solver=rc.Solver("newton", accuracy=1e-8))
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        result = simulation.run(2e-3, 2e-7, record=["hinges"], energy=False, progress=False)
+        result = simulation.run(
+            2e-3, 2e-7, record=["hinges", "energy"], energy=False, progress=False
+        )
     deepest = max(result.hinge(k).penetration.max() for k in range(1, 31))
     end = 2.0 / np.e**2 * chain.hinge.clearance
     told = any("law, hinge" in str(warning.message) for warning in caught)

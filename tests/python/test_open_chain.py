@@ -104,7 +104,7 @@ def test_a_hanging_chain_pulls_on_its_ends_with_its_weight():
 def test_results_and_states_of_open_chains_go_through_files(tmp_path):
     drive = hoist(motion=rc.PrescribedSpeed([(0.0, 0.0), (0.05, 5.0)]))
     simulation = rc.Simulation(drive, start="static")
-    record = ("hinges", "teeth", "sprockets", "bodies")
+    record = ("hinges", "teeth", "sprockets", "bodies", "energy")
     result = simulation.run(duration=4e-3, report_step=1e-3, record=record)
     result.save(tmp_path / "run.nc")
     again = rc.load_result(tmp_path / "run.nc")
@@ -147,10 +147,9 @@ def test_a_drive_file_describes_an_open_chain(tmp_path):
 
 def test_a_sweep_takes_fields_of_the_ends():
     sweep = rc.sweep(
-        strand(8, last=rc.LoadedEnd(0.5)),
-        {"ends.1.mass": [0.5, 2.0]},
+        rc.Scene(strand(8, last=rc.LoadedEnd(0.5)), start="static"),
+        {"ends.2.mass": [0.5, 2.0]},
         lambda result: {"pull": -result.end(1).force[0, 1]},
-        start="static",
         duration=1e-4,
     )
     weight = 9.81 * (4 * (CHAIN.inner.mass + CHAIN.outer.mass) + np.array([0.5, 2.0]))
@@ -186,7 +185,7 @@ def test_what_an_open_chain_cannot_be_is_refused():
     with pytest.raises(rc.InvalidInput, match="no mechanism"):
         strand().to_mechanism()
     result = rc.Simulation(strand()).run(
-        duration=1e-4, report_step=1e-4, record=("hinges", "teeth", "sprockets", "bodies")
+        duration=1e-4, report_step=1e-4, record=("hinges", "teeth", "sprockets", "bodies", "energy")
     )
     for output in (result.hinge_loads, result.link_tension):
         with pytest.raises(rc.InvalidInput, match=r"ChainDrive\.ends"):
@@ -240,7 +239,7 @@ def test_rollers_of_an_open_chain_are_bodies():
     assert names.index("roller_1") == 42
     assert "roller_42" in names
     assert names[-1] == "sprocket_1"
-    record = ("hinges", "teeth", "sprockets", "bodies")
+    record = ("hinges", "teeth", "sprockets", "bodies", "energy")
     result = simulation.run(0.01, 1e-4, record=record, progress=False)
     # The load bears 3 kg, and the chain with all of its rollers hangs above it.
     assert_allclose(result.end(2).force[0, 1], 9.81 * 3.0 + 9.81 * chain.roller.mass, rtol=1e-4)

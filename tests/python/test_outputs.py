@@ -14,7 +14,7 @@ from rustchain.analysis import rainflow
 from rustchain.analysis.circuit import Belt, Circuit
 from rustchain.analysis.pressure import half_width, line_pressure, surface_curvature
 
-GROUPS = ("hinges", "teeth", "sprockets", "bodies")
+GROUPS = ("hinges", "teeth", "sprockets", "bodies", "energy")
 EQUAL = rc.two_sprocket_drive(teeth=(17, 17), links=60, torque=-1.0, pretension=25.0)
 UNEQUAL = rc.two_sprocket_drive(teeth=(17, 25), links=60, torque=-1.0)
 THREE = rc.chain_drive(
@@ -41,7 +41,9 @@ def three():
 @pytest.mark.parametrize("drive", [EQUAL, UNEQUAL, THREE, BACKWARD])
 def test_seated_hinges_are_where_the_way_says(drive):
     """Over a while, each hinge of a wrap's middle stands at its place's angle and radius."""
-    result = rc.Simulation(drive).run(0.02, record=("sprockets", "bodies"), progress=False)
+    result = rc.Simulation(drive).run(
+        0.02, record=("sprockets", "bodies", "energy"), progress=False
+    )
     circuit, report = Circuit.of(drive), drive.check()
     row = len(result.time) - 1
     places = circuit.positions(result)[row]
@@ -321,7 +323,9 @@ def test_a_part_of_a_result_is_a_result(run, tmp_path):
     assert part.transmission_error().attrs == run.transmission_error(start=0.05, end=0.1).attrs
     part.save(tmp_path / "part.nc")
     assert len(rc.load_result(tmp_path / "part.nc").time) == len(part.time)
-    bare = rc.Simulation(EQUAL).run(2e-3, record=("sprockets",), progress=False).between(1e-3)
+    bare = (
+        rc.Simulation(EQUAL).run(2e-3, record=("sprockets", "energy"), progress=False).between(1e-3)
+    )
     assert np.isnan(bare.initial_positions).all()
     assert np.isfinite(bare.final_positions).all()
 
@@ -330,7 +334,7 @@ def test_summary_takes_what_is_there(run):
     assert run.summary(start=0.05)["tension_upper"] == pytest.approx(
         run.strand("upper").tension[run.time >= 0.05].mean()
     )
-    bare = rc.Simulation(EQUAL).run(2e-3, record=("hinges",), energy=False, progress=False)
+    bare = rc.Simulation(EQUAL).run(2e-3, record=("hinges", "energy"), energy=False, progress=False)
     assert {name.split("_")[0] for name in bare.summary()} == {"tension", "hinge"}
 
 
@@ -354,7 +358,7 @@ def test_bad_requests_name_what_is_allowed(run, ask, words):
 
 
 def test_what_was_not_recorded_is_named():
-    bare = rc.Simulation(EQUAL).run(1e-3, record=("hinges",), energy=False, progress=False)
+    bare = rc.Simulation(EQUAL).run(1e-3, record=("hinges", "energy"), energy=False, progress=False)
     for ask, group in (
         (bare.link_tension, "bodies"),
         (bare.hinge_loads, "sprockets"),

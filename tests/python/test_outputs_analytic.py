@@ -48,7 +48,7 @@ def test_load_along_the_wrap_is_a_geometric_series(teeth, flank):
         profile=rc.StraightTooth(math.radians(flank)),
     )
     result = rc.Simulation(drive, start="static").run(
-        1e-5, report_step=1e-5, record=("hinges", "teeth", "sprockets"), progress=False
+        1e-5, report_step=1e-5, record=("hinges", "teeth", "sprockets", "energy"), progress=False
     )
     load = result.wrap_loads(1, bins_per_pitch=1)
     place = load["position"].to_numpy()
@@ -130,7 +130,9 @@ def test_polygons_make_the_transmission_error(teeth, pitches):
     driven = replace(drive.sprockets[1], motion=brake, inertia=1e-4)
     drive = replace(drive, sprockets=(drive.sprockets[0], driven))
     tooth = 2 * math.pi / teeth[0] / 3.0  # [s]
-    result = rc.Simulation(drive).run(0.3 + 3 * tooth, record=("sprockets",), progress=False)
+    result = rc.Simulation(drive).run(
+        0.3 + 3 * tooth, record=("sprockets", "energy"), progress=False
+    )
     steady = result.between(0.3)
     angle = steady.array("sprocket_angle")
     start = [seat_near_the_top(angle[0, k], teeth[k]) for k in (0, 1)]
@@ -182,7 +184,7 @@ def test_a_tight_moving_strand_sounds_its_natural_frequencies(pretension, speed)
     plucked = replace(drive, tensioner=replace(drive.tensioner, ramp_time=0.0))
     simulation = rc.Simulation(plucked, positions=positions, velocities=velocities)
     result = simulation.run(
-        0.4, report_step=4e-4, record=("hinges", "sprockets", "bodies"), progress=False
+        0.4, report_step=4e-4, record=("hinges", "sprockets", "bodies", "energy"), progress=False
     )
     found = result.strand_spectrum("upper", stations=(1 / 6, 0.25, 0.5, 0.7))
     assert found.attrs["speed"] == pytest.approx(speed, rel=0.02)

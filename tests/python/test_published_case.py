@@ -235,7 +235,7 @@ def test_the_residual_falls_with_the_tolerance(pretension):
     for tolerance in (1e-4, 1e-6, 1e-8):
         solver = rc.Solver(rtol=tolerance, atol=tolerance)
         simulation = rc.Simulation(rc.paper_drive(pretension), solver=solver)
-        energy = simulation.run(0.02, record=(), progress=False).energy
+        energy = simulation.run(0.02, record=("energy",), progress=False).energy
         residuals.append(abs(energy.residual).max() / energy.dissipated[-1])
     # 1.4e-4, 2.8e-5, 1.6e-6 at 0 N; 2.6e-4, 3.4e-5, 1.1e-6 at 25 N.
     assert residuals[0] > 2.0 * residuals[1] > 4.0 * residuals[2], residuals

@@ -9,7 +9,7 @@ import pytest
 
 import rustchain as rc
 
-GROUPS = ("hinges", "teeth", "sprockets", "bodies")
+GROUPS = ("hinges", "teeth", "sprockets", "bodies", "energy")
 DURATION, REPORT_STEP = 6e-3, 1e-4
 ROWS = 61
 
@@ -17,13 +17,15 @@ ROWS = 61
 @pytest.fixture(scope="module")
 def result():
     simulation = rc.Simulation(rc.paper_drive(pretension=25.0))
-    return simulation.run(DURATION, REPORT_STEP, GROUPS, progress=False)
+    return simulation.run(DURATION, REPORT_STEP, record=GROUPS, progress=False)
 
 
 @pytest.fixture(scope="module")
 def bare():
     """Nothing recorded but time."""
-    return rc.Simulation(rc.paper_drive()).run(1e-3, record=(), energy=False, progress=False)
+    return rc.Simulation(rc.paper_drive()).run(
+        1e-3, record=("energy",), energy=False, progress=False
+    )
 
 
 class BrokenCore:
@@ -179,7 +181,7 @@ def test_a_long_table_of_speeds_fits_into_a_file(tmp_path):
     times = np.linspace(0.0, 1.0, 5000)
     speed = np.stack([times, 4 * np.pi + 1e-3 * np.sin(times)], axis=1)
     drive = rc.two_sprocket_drive(chain="ANSI 40", teeth=(17, 17), links=38, speed=speed)
-    rc.Simulation(drive).run(1e-4, record=(), progress=False).save(tmp_path / "run.nc")
+    rc.Simulation(drive).run(1e-4, record=("energy",), progress=False).save(tmp_path / "run.nc")
     assert rc.load_result(tmp_path / "run.nc").drive == drive
 
 
@@ -278,7 +280,7 @@ def test_a_file_that_is_no_result_is_told_with_its_name_and_the_remedy(tmp_path,
     cut = tmp_path / "cut.h5"
     cut.write_bytes(whole.read_bytes()[:3000])
     for path in (junk, cut):
-        with pytest.raises(rc.InvalidInput, match=rf"{path.name}: is no result .* copy or save"):
+        with pytest.raises(rc.InvalidInput, match=rf"{path.name}: is no result.* copy or save"):
             rc.load_result(path)
     with pytest.raises(FileNotFoundError, match=r"path = .*none\.nc: there is no .* Result\.save"):
         rc.load_result(tmp_path / "none.nc")

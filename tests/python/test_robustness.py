@@ -63,19 +63,19 @@ def test_a_run_whose_balance_does_not_close_says_so_once():
     solver = rc.Solver(method="newton", accuracy=1e-4)
     simulation = rc.Simulation(rc.paper_drive(), solver=solver)
     with pytest.warns(rc.EnergyWarning, match="take accuracy = 1e-[0-9]+ or less") as caught:
-        result = simulation.run(DURATION, record=(), progress=False)
+        result = simulation.run(DURATION, record=("energy",), progress=False)
     assert len(caught) == 1
     assert caught[0].filename == __file__
     assert result.stats["largest_residual"] == np.abs(result.energy.residual).max()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        simulation.run(1e-3, record=(), progress=False)
+        simulation.run(1e-3, record=("energy",), progress=False)
 
 
 def test_a_run_whose_balance_closes_does_not():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        result = rc.Simulation(rc.paper_drive()).run(DURATION, record=(), progress=False)
+        result = rc.Simulation(rc.paper_drive()).run(DURATION, record=("energy",), progress=False)
     assert 0.0 < result.stats["largest_residual"] < 0.01 * result.energy.dissipated[-1]
 
 
@@ -86,7 +86,7 @@ def test_a_run_that_starts_from_rest_is_judged_by_all_that_passed():
     drive = rc.chain_drive("ANSI 60", sprockets, links=200, adjust=2, gravity=(0.0, 0.0))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        result = rc.Simulation(drive).run(DURATION, 5e-4, record=(), progress=False)
+        result = rc.Simulation(drive).run(DURATION, 5e-4, record=("energy",), progress=False)
     energy = result.energy
     assert abs(energy.residual[6]) > 0.1 * energy.dissipated[6]
     assert np.abs(energy.residual).max() < 0.01 * energy.dissipated[-1]
@@ -97,7 +97,7 @@ def test_sharp_regions_are_named_where_they_leave_the_balance_open():
     law = rc.LankaraniNikravesh(regions="sharp")
     simulation = rc.Simulation(drive, force_law=law, start="static")
     with pytest.warns(rc.EnergyWarning, match='take regions = "kept": .* at any accuracy'):
-        simulation.run(DURATION, record=(), progress=False)
+        simulation.run(DURATION, record=("energy",), progress=False)
 
 
 def test_energy_that_stays_stored_hides_no_residual():
@@ -106,7 +106,7 @@ def test_energy_that_stays_stored_hides_no_residual():
     solver = rc.Solver("newton", accuracy=1e-9)
     simulation = rc.Simulation(drive, solver=solver, start="static")
     with pytest.warns(rc.EnergyWarning, match="take accuracy = 1e-1[0-9] or less"):
-        result = simulation.run(0.01, record=(), progress=False)
+        result = simulation.run(0.01, record=("energy",), progress=False)
     energy = result.energy
     assert np.abs(energy.residual).max() > energy.dissipated[-1]
     assert energy.elastic.min() > 1000.0 * energy.dissipated[-1]

@@ -39,7 +39,12 @@ def roller_drive(play: float | None = None, pretension: float = 25.0) -> rc.Chai
 def test_forces_and_accelerations_agree_to_round_off(scene, play, states_with_seat):
     law, hinges, teeth = SCENES[scene]
     drive = roller_drive(play)
-    simulation = rc.Simulation(drive, force_law=law, hinge_friction=hinges, tooth_friction=teeth)
+    simulation = rc.Simulation(
+        drive,
+        law,
+        hinge_law=replace(law, friction=hinges),
+        tooth_law=replace(law, friction=teeth),
+    )
     laws = [replace(law, friction=friction) for friction in (hinges, teeth)]
     equations = DriveEquations(drive, *laws)
     rng = np.random.default_rng(7)
@@ -101,7 +106,7 @@ def test_the_report_and_the_picture_have_rollers():
     assert report.roller_play == pytest.approx(50e-6)
     assert "play of the rollers       50.000 um" in str(report)
     assert "rollers" not in str(rc.paper_drive(25.0).check())
-    result = rc.Simulation(drive).run(1e-3, 1e-3, record=["bodies"], progress=False)
+    result = rc.Simulation(drive).run(1e-3, 1e-3, record=["bodies", "energy"], progress=False)
     outlines = [len(artist.get_paths()) for artist in result.plot.drive().axes[0].collections]
     assert outlines.count(38) == 4  # rollers, bores, bushings, pins
     plain = rc.Simulation(rc.paper_drive(25.0)).run(1e-3, 1e-3, progress=False)

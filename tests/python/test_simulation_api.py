@@ -13,7 +13,7 @@ import pytest
 import rustchain as rc
 
 END = 8.3e-3  # [s], after the first contacts of hinges and teeth
-ALL = ("hinges", "teeth", "sprockets", "bodies")
+ALL = ("hinges", "teeth", "sprockets", "bodies", "energy")
 SPEED = 4 * math.pi  # of the paper's driver [rad/s]
 
 
@@ -118,7 +118,10 @@ def test_a_script_with_every_name_of_the_public_face_runs(tmp_path, monkeypatch)
     sim.step_to(5e-4)
     assert sim.time == 5e-4
     result = sim.run(
-        duration=1e-3, report_step=1e-4, record=("hinges", "teeth", "sprockets"), progress=True
+        duration=1e-3,
+        report_step=1e-4,
+        record=("hinges", "teeth", "sprockets", "energy"),
+        progress=True,
     )
 
     assert result.time.shape == (times,)
@@ -182,12 +185,12 @@ def test_a_run_goes_on_where_step_to_stopped(at_end):
     simulation = rc.Simulation(rc.paper_drive(pretension=25.0))
     simulation.step_to(4.05e-3)
     stopped = simulation.positions, simulation.velocities
-    first = simulation.run(1e-3, record="bodies", progress=False)
+    first = simulation.run(1e-3, record=("bodies", "energy"), progress=False)
     assert first.time[0] == 4.05e-3
     assert first.time[-1] == simulation.time == 4.05e-3 + 1e-3
     np.testing.assert_array_equal(first.array("positions")[0], stopped[0])
     np.testing.assert_array_equal(first.array("velocities")[0], stopped[1])
-    second = simulation.run(END - simulation.time, record="bodies", progress=False)
+    second = simulation.run(END - simulation.time, record=("bodies", "energy"), progress=False)
     assert second.time[0] == first.time[-1]
     np.testing.assert_array_equal(second.array("positions")[0], first.array("positions")[-1])
     simulation.step_to(END)
@@ -200,7 +203,7 @@ def test_a_run_goes_on_where_step_to_stopped(at_end):
 )
 def test_reports_and_the_energy_balance_do_not_change_the_path(report_step, record, energy, at_end):
     simulation = rc.Simulation(rc.paper_drive(pretension=25.0))
-    result = simulation.run(END, report_step, record, energy=energy, progress=False)
+    result = simulation.run(END, report_step, record=record, energy=energy, progress=False)
     assert_same_path(simulation, at_end)
     np.testing.assert_array_equal(result.final_positions, at_end.positions)
     assert result.time[-1] == END
@@ -213,7 +216,7 @@ def test_reports_are_where_they_were_asked_for():
 
 def test_rows_at_equal_times_are_equal_whatever_the_report_step():
     results = [
-        rc.Simulation(rc.paper_drive()).run(END, step, ALL, progress=False)
+        rc.Simulation(rc.paper_drive()).run(END, step, record=ALL, progress=False)
         for step in (2.0**-10, 2.0**-13)
     ]
     every = len(results[0].time) - 1  # the last row lies at the end, on no grid
@@ -611,7 +614,7 @@ def test_the_pull_grows_along_its_direction(sprocket, direction, along):
 def test_a_tensioned_centre_stays_on_its_line():
     tensioner = rc.Tensioner(25.0, ramp_time=0.0, direction=(1.0, 0.01))
     drive = replace(rc.paper_drive(), tensioner=tensioner)
-    result = rc.Simulation(drive).run(5e-3, record=("sprockets",), progress=False)
+    result = rc.Simulation(drive).run(5e-3, record=("sprockets", "energy"), progress=False)
     moved = result.sprocket(2).center - result.sprocket(2).center[0]
     assert moved[-1, 0] > 1e-6
     np.testing.assert_allclose(moved[:, 1], 0.01 * moved[:, 0], atol=1e-15)
@@ -675,7 +678,9 @@ def test_a_run_that_cannot_go_on_says_when_and_where_and_keeps_its_rows():
 
 def test_a_failure_names_the_contact_it_happens_in():
     """The first contact of all, with surfaces so hard that no step can follow it."""
-    soft = rc.Simulation(rc.paper_drive()).run(4.2e-3, 1e-6, record=("teeth",), progress=False)
+    soft = rc.Simulation(rc.paper_drive()).run(
+        4.2e-3, 1e-6, record=("teeth", "energy"), progress=False
+    )
     touching = soft.array("tooth_force") > 0.0
     row = int(np.argmax(touching.any(axis=1)))
     first, began = int(np.argmax(touching[row])) + 1, soft.time[row]

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 import rustchain as rc
 
-ALL = ("hinges", "teeth", "sprockets", "bodies")
+ALL = ("hinges", "teeth", "sprockets", "bodies", "energy")
 REST = 1e-3  # [s]
 LAWS = {
     "lankarani-nikravesh": rc.LankaraniNikravesh(),
@@ -54,7 +54,7 @@ def assert_same_rows(one, other):
 
 
 def assert_goes_on_alike(one, other, duration=REST, energy=True):
-    rows = [s.run(duration, 1e-5, ALL, energy=energy, progress=False) for s in (one, other)]
+    rows = [s.run(duration, 1e-5, record=ALL, energy=energy, progress=False) for s in (one, other)]
     assert_same_rows(rows[0].arrays, rows[1].arrays)
     assert_same_state(one.state(), other.state())
 
@@ -98,7 +98,7 @@ def test_a_new_process_goes_on_to_the_same_bits(law, pretension, energy, tmp_pat
         text=True,
     )
     assert child.returncode == 0, child.stderr
-    result = simulation.run(REST, 1e-5, ALL, energy=energy, progress=False)
+    result = simulation.run(REST, 1e-5, record=ALL, energy=energy, progress=False)
     assert simulation._core.stats()["onsets"] > 0
     assert_same_rows(result.arrays, np.load(f"{left}.rows.npz"))
     loaded = rc.Simulation.load_state(left)

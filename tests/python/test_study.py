@@ -33,8 +33,8 @@ def study():
 def made_study(values, confidence):
     """A study of one measure whose runs had these values."""
     sweep = SweepResult(
-        [{"disturbance": k} for k in range(len(values))],
-        {"disturbance": tuple(range(len(values)))},
+        [{"replicate": k} for k in range(len(values))],
+        {"replicate": tuple(range(len(values)))},
         list(values),
     )
     return StudyResult(sweep, confidence, 0.0)
@@ -70,7 +70,7 @@ def test_starts_differ_a_little_and_paths_part(study):
     """Speeds at the start differ by less than 1e-4; forces soon differ by much more."""
     seen = rc.sweep(
         PAPER,
-        {"disturbance": [0, 1, 2, 3]},
+        {"replicate": [0, 1, 2, 3]},
         lambda r: r.initial_velocities[-1, 2],
         duration=1e-4,
         progress=False,
@@ -111,7 +111,7 @@ def test_the_default_measures_are_the_summary():
         ({"confidence": 95}, "between 0 and 1"),
         ({"burn_in": 0.01}, "less than the duration"),
         ({"axes": {"duration": [1e-3]}, "runs": 2}, "less than the duration, 0.001"),
-        ({"axes": {"disturbance": [1]}}, "runs="),
+        ({"axes": {"replicate": [1]}}, "runs="),
         ({"axes": [{"pretension": 1}]}, "sequences of values"),
         ({"axes": {"pretensoin": [1]}}, "did you mean 'pretension'"),
     ],
@@ -122,9 +122,9 @@ def test_what_makes_no_study_is_refused(keywords, words):
 
 
 @pytest.mark.parametrize("seed", [-1, 0.5, True, "one"])
-def test_a_disturbance_is_a_seed(seed):
-    with pytest.raises(rc.InvalidInput, match="disturbance = "):
-        rc.sweep(PAPER, {"disturbance": [seed]}, duration=1e-4, progress=False)
+def test_a_replicate_is_a_seed(seed):
+    with pytest.raises(rc.InvalidInput, match="replicate = "):
+        rc.sweep(PAPER, {"replicate": [seed]}, duration=1e-4, progress=False)
 
 
 def test_a_drive_whose_sprockets_are_all_prescribed_has_no_other_start():
@@ -149,7 +149,9 @@ def test_a_loss_map_holds_the_balances_of_single_runs():
     np.testing.assert_allclose(losses["delivered"], asked, rtol=0.15)
     one = rc.two_sprocket_drive(teeth=(17, 17), links=40, pretension=50.0, speed=12.0, torque=-2.0)
     power = (
-        rc.Simulation(one).run(0.15, record=("sprockets",), progress=False).power_balance(start=0.1)
+        rc.Simulation(one)
+        .run(0.15, record=("sprockets", "energy"), progress=False)
+        .power_balance(start=0.1)
     )
     found = losses.sel(speed=12.0, torque=-2.0)
     assert float(found["efficiency"]) == pytest.approx(float(power["efficiency"]), rel=1e-12)
@@ -183,12 +185,18 @@ def test_a_study_and_a_map_take_friction_and_a_start_at_rest():
     drive = rc.two_sprocket_drive("ANSI 40", links=78, torque=-1.0, pretension=50.0)
     lost = [
         rc.loss_map(
-            drive, [10.0], [-1.0], duration=0.04, burn_in=0.02, friction=law, progress=False
+            rc.Scene(drive, rc.LankaraniNikravesh(friction=law)),
+            [10.0],
+            [-1.0],
+            duration=0.04,
+            burn_in=0.02,
+            progress=False,
         )["lost"].item()
         for law in (None, rc.Coulomb(0.2))
     ]
     assert lost[1] > lost[0]
-    rest = rc.study(drive, runs=2, duration=0.01, burn_in=0.0, start="static", progress=False)
+    static = rc.Scene(drive, start="static")
+    rest = rc.study(static, runs=2, duration=0.01, burn_in=0.0, progress=False)
     laid = rc.study(drive, runs=2, duration=0.01, burn_in=0.0, progress=False)
     assert not rest.statistics.equals(laid.statistics)
 

@@ -47,7 +47,7 @@ def test_every_case_is_its_single_run_to_the_last_bit(threads):
     cases = [
         {"pretension": 0},
         {"pretension": 25},
-        {"pretension": 25, "hinge_law": rc.Johnson(), "record": ("hinges", "bodies")},
+        {"pretension": 25, "hinge_law": rc.Johnson(), "record": ("hinges", "bodies", "energy")},
         {"speed": 10.0, "rtol": 1e-7, "duration": 3e-3},
         {"pretension": 100.0, "min_impact_velocity": 1e-2, "energy": False},
     ]
@@ -61,7 +61,7 @@ def test_every_case_is_its_single_run_to_the_last_bit(threads):
         rc.Simulation(PAPER).run(**run),
         rc.Simulation(rc.paper_drive(25)).run(**run),
         rc.Simulation(rc.paper_drive(25), hinge_law=rc.Johnson()).run(
-            **run, record=("hinges", "bodies")
+            **run, record=("hinges", "bodies", "energy")
         ),
         rc.Simulation(slow, solver=rc.Solver(rtol=1e-7)).run(**(run | {"duration": 3e-3})),
         rc.Simulation(rc.paper_drive(100.0), min_impact_velocity=1e-2).run(**run, energy=False),
@@ -199,11 +199,15 @@ def test_fields_that_only_go_together_are_changed_together():
     assert swept.values == [3.025e-3 - 3e-3]
 
 
-@pytest.mark.parametrize("name", ["sprockets.1.mass", "sprockets[1].mass"])
-def test_the_parts_of_sequences_count_from_0(name):
+def test_the_parts_of_sequences_count_from_1_as_results_do():
     swept = rc.sweep(
         PAPER,
-        {name: [2.0], "gravity.1": [0.0], "solver": [rc.Solver(atol=1e-6)], "rtol": [1e-7]},
+        {
+            "sprockets.2.mass": [2.0],
+            "gravity.2": [0.0],
+            "solver": [rc.Solver(atol=1e-6)],
+            "rtol": [1e-7],
+        },
         duration=1e-4,
     )
     result = swept.results[0]
@@ -254,7 +258,10 @@ def test_an_unknown_axis_is_refused_at_once_with_the_nearest_name(name, said):
 
 
 REFUSED = {
-    "a drive that is none": (lambda: rc.sweep("paper", {}), "drive = 'paper': must be a ChainDr"),
+    "a drive that is none": (
+        lambda: rc.sweep("paper", {}),
+        "scene: got 'paper'; expected a Scene, a ChainDr",
+    ),
     "a value in place of an axis": (lambda: rc.sweep(PAPER, {"rtol": 1e-5}), r"axes\['rtol'\] = 1"),
     "a word in place of an axis": (
         lambda: rc.sweep(PAPER, {"method": "pece"}),
@@ -278,7 +285,7 @@ REFUSED = {
     ),
     "a function that returns no drive to change": (
         lambda: rc.sweep(lambda: None, {"speed": [17]}),
-        "drive = None: the function must return a ChainDrive",
+        "drive = None: must be a ChainDrive",
     ),
     "no driver": (
         lambda: rc.sweep(
@@ -292,8 +299,8 @@ REFUSED = {
         "tensioner.damping: cannot be changed, for drive.tensioner is None",
     ),
     "a field of another motion": (
-        lambda: rc.sweep(PAPER, {"sprockets.1.motion.torque": [1.0]}),
-        "sprockets.1.motion is a Free",
+        lambda: rc.sweep(PAPER, {"sprockets.2.motion.torque": [1.0]}),
+        "sprockets.2.motion is a Free",
     ),
     "a keyword that no case can do with": (
         lambda: rc.sweep(PAPER, {"pretension": [0, 25]}, duration=-1.0),
@@ -303,7 +310,11 @@ REFUSED = {
         lambda: rc.sweep(PAPER, {"pretension": [0]}, record=("hinge",)),
         "did you mean 'hinges'",
     ),
-    "no solver": (lambda: rc.sweep(PAPER, {"rtol": [1e-5]}, solver=None), "solver = None: must be"),
+    "an index in brackets": (
+        lambda: rc.sweep(PAPER, {"sprockets[1].mass": [2.0]}),
+        "parts are numbered from 1 behind a dot: 'sprockets.2.mass'",
+    ),
+    "no solver": (lambda: rc.sweep(PAPER, {"solver": [3]}), "solver = 3: must be a Solver"),
     "no threads": (lambda: rc.sweep(PAPER, {"rtol": [1e-5]}, threads=0), "threads = 0: .*least 1"),
     "half a thread": (lambda: rc.sweep(PAPER, {"rtol": [1e-5]}, threads=0.5), "threads = 0.5"),
 }
@@ -440,7 +451,7 @@ def measure(result):
     return float(result.time[-1])
 
 axes = {{"duration": [1e-3, {FAR}, 2e-3, {FAR}, {FAR}]}}
-swept = rc.sweep(rc.paper_drive(), axes, measure, threads=3, record=(), energy=False)
+swept = rc.sweep(rc.paper_drive(), axes, measure, threads=3, record=("energy",), energy=False)
 print(json.dumps(dict(
     status=swept.status, message=swept.message, success=swept.success, values=swept.values,
     errors=len(swept.errors), missing=int(swept.to_xarray()["value"].isnull().sum()),
@@ -470,7 +481,9 @@ def test_a_handler_of_ones_own_is_heard_and_ends_the_runs():
     try:
         signal.setitimer(signal.ITIMER_REAL, 0.3)
         with pytest.raises(Alarm):
-            rc.sweep(PAPER, {"duration": [FAR, FAR]}, record=(), energy=False, progress=False)
+            rc.sweep(
+                PAPER, {"duration": [FAR, FAR]}, record=("energy",), energy=False, progress=False
+            )
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
@@ -533,7 +546,7 @@ def test_positions_and_velocities_of_ones_own_are_keywords_and_parameters():
     for name, values in alone.arrays.items():
         np.testing.assert_array_equal(found.values[1].arrays[name], values, err_msg=name)
     both = {"positions": calm.positions, "velocities": pushed}
-    same = rc.sweep(PAPER, [{}], duration=2e-4, progress=False, **both)
+    same = rc.sweep(rc.Scene(PAPER, **both), [{}], duration=2e-4, progress=False)
     np.testing.assert_array_equal(same.values[0].final_positions, alone.final_positions)
 
 
@@ -590,8 +603,10 @@ def test_what_a_callback_raises_fails_its_case_and_leaves_the_others():
     assert len(sweep.errors[1].result.time) == 12
 
 
-def test_a_scene_is_no_drive_but_has_one():
-    scene = rc.load_scene(EXAMPLE)
-    for call in (lambda: rc.Simulation(scene), lambda: rc.sweep(scene, {"rtol": [1e-5]})):
-        with pytest.raises(rc.InvalidInput, match=r"a Scene is no drive .* take its \.drive"):
-            call()
+def test_a_simulation_or_a_result_is_no_scene_but_has_one():
+    simulation = rc.Simulation(PAPER)
+    result = simulation.run(1e-4, progress=False)
+    for given, name in ((simulation, "simulation"), (result, "result")):
+        for call in (rc.Simulation, lambda given: rc.sweep(given, {"rtol": [1e-5]})):
+            with pytest.raises(rc.InvalidInput, match=rf"; use {name}\.scene"):
+                call(given)

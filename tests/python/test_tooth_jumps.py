@@ -7,7 +7,7 @@ import pytest
 
 import rustchain as rc
 
-RECORD = ("hinges", "teeth", "sprockets")
+RECORD = ("hinges", "teeth", "sprockets", "energy")
 
 
 def overloaded(torque=-10.0):
@@ -18,7 +18,7 @@ def overloaded(torque=-10.0):
 
 
 def simulation():
-    return rc.Simulation(overloaded(), friction=rc.Coulomb(0.1))
+    return rc.Simulation(overloaded(), force_law=rc.LankaraniNikravesh(friction=rc.Coulomb(0.1)))
 
 
 @pytest.fixture(scope="module")
@@ -123,12 +123,13 @@ def test_a_run_stops_at_the_first_jump_and_a_state_keeps_the_count(tmp_path):
 def test_a_sweep_warns_of_tooth_jumps_and_measures_the_others():
     with pytest.warns(rc.ToothJumpWarning, match=r"1 of 2 cases, first case 1 \(torque=-10\.0\)"):
         found = rc.sweep(
-            overloaded,
+            lambda torque: rc.Scene(
+                overloaded(torque), rc.LankaraniNikravesh(friction=rc.Coulomb(0.1))
+            ),
             {"torque": [-1.0, -10.0]},
             rc.Result.summary,
             duration=0.4,
             report_step=1e-3,
-            friction=rc.Coulomb(0.1),
         )
     assert found.success
     assert list(found.jump_warnings) == [1]
@@ -191,7 +192,9 @@ def test_a_stop_at_a_jump_refuses_what_is_no_sprocket(stop):
 
 
 def test_onset_speeds_and_force_vectors_are_those_of_the_state():
-    simulation = rc.Simulation(rc.paper_drive(25.0), friction=rc.Coulomb(0.1))
+    simulation = rc.Simulation(
+        rc.paper_drive(25.0), force_law=rc.LankaraniNikravesh(friction=rc.Coulomb(0.1))
+    )
     result = simulation.run(0.03, report_step=1e-4, energy=False)
     present, state = simulation.evaluate(), simulation.state()
     vector = result.array("tooth_force_vector")

@@ -11,9 +11,9 @@ import pytest
 import rustchain as rc
 
 PAPER = rc.paper_drive(25.0)
-OUTSIDE = {
-    "hinge_friction": rc.LuGre(0.1, 0.1, stiffness=1e9)
-}  # bristles that a RangeWarning tells
+# Bristles that a RangeWarning tells.
+OUTSIDE = rc.LankaraniNikravesh(friction=rc.LuGre(0.1, 0.1, stiffness=1e9))
+SCENE = rc.Scene(PAPER, OUTSIDE)
 SHORT = {"duration": 1e-3, "report_step": 1e-4, "progress": False}
 SETTLED = {**SHORT, "duration": 8e-3, "burn_in": 4e-3}
 
@@ -27,17 +27,17 @@ def speed(value):
 
 
 CALLS = {
-    "run": lambda: rc.Simulation(PAPER, **OUTSIDE).run(**SHORT),
-    "step_to": lambda: rc.Simulation(PAPER, **OUTSIDE).step_to(1e-3),
-    "sweep": lambda: rc.sweep(PAPER, {"pretension": [25.0]}, one, **SHORT, **OUTSIDE),
+    "run": lambda: rc.Simulation(PAPER, OUTSIDE).run(**SHORT),
+    "step_to": lambda: rc.Simulation(PAPER, OUTSIDE).step_to(1e-3),
+    "sweep": lambda: rc.sweep(SCENE, {"pretension": [25.0]}, one, **SHORT),
     "sweep with a stop condition": lambda: rc.sweep(
-        PAPER, {"pretension": [25.0]}, one, stop=rc.TimeReached(1.0), **SHORT, **OUTSIDE
+        SCENE, {"pretension": [25.0]}, one, stop=rc.TimeReached(1.0), **SHORT
     ),
-    "study": lambda: rc.study(PAPER, one, runs=2, **SETTLED, **OUTSIDE),
+    "study": lambda: rc.study(SCENE, one, runs=2, **SETTLED),
     "study over an axis": lambda: rc.study(
-        PAPER, one, runs=2, axes={"pretension": [25.0, 50.0]}, **SETTLED, **OUTSIDE
+        SCENE, one, runs=2, axes={"pretension": [25.0, 50.0]}, **SETTLED
     ),
-    "loss_map": lambda: rc.loss_map(speed(20.0), [20.0], [-1.0], **SETTLED, **OUTSIDE),
+    "loss_map": lambda: rc.loss_map(rc.Scene(speed(20.0), OUTSIDE), [20.0], [-1.0], **SETTLED),
 }
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import rustchain as rc
 from bad_input.fields import GOOD
 from rustchain.plot import Plots, draw_loss_map
-from rustchain.plot.mechanism import MechanismPlots
+from rustchain.plot.mechanism import MechanismFigures
 
 _LAW = rc.LinearContact(1e6)
 _GROUND = {"body_a": "ground", "body_b": "a"}
@@ -101,15 +101,12 @@ RECORDS = {
     "ChainSize",
     "DriveReport",
     "Evaluation",
-    "MechanismEvaluation",
     "MechanismReport",
-    "MechanismResult",
     "Result",
-    "Scene",
     "StudyResult",
     "SweepResult",
 }
-FILES = {"load", "load_result", "load_scene", "load_state", "save", "save_state", "from_json"}
+FILES = {"load_result", "load_scene", "save_scene", "load_state", "save", "save_state", "from_json"}
 _ABSTRACT = {"ForceLaw", "StopCondition"}
 _ERRORS = {
     "CaseWarning",
@@ -118,6 +115,7 @@ _ERRORS = {
     "RustchainError",
     "RustchainWarning",
     "InvalidInput",
+    "NoSuchPart",
     "NotRecorded",
     "RangeWarning",
     "SimulationError",
@@ -148,16 +146,23 @@ class Scenes:
             rollers="bodies",
         )
         record = ("hinges", "teeth", "sprockets", "bodies", "energy")
-        self.simulation = rc.Simulation(self.drive, friction=rc.Coulomb(0.1))
+        self.simulation = rc.Simulation(
+            self.drive, force_law=rc.LankaraniNikravesh(friction=rc.Coulomb(0.1))
+        )
         self.result = self.simulation.run(2e-3, record=record, progress=False)
         ends = (rc.AnchoredEnd((0.0, 0.0)), rc.FreeEnd())
         hanging = rc.Simulation(rc.open_chain("ANSI 40", ends, 8))
         self.open_result = hanging.run(2e-4, progress=False)
         self.free = rc.Simulation(rc.two_sprocket_drive(torque=-1.0, links=60))
-        self.mechanism_simulation = rc.MechanismSimulation(self.mechanism(joined=True))
+        self.mechanism_simulation = rc.Simulation(self.mechanism(joined=True))
         self.mechanism_result = self.mechanism_simulation.run(2e-3, progress=False)
         self.study = rc.study(
-            rc.paper_drive(), lambda result: result.time[-1], 2, 2e-4, 0.0, progress=False
+            rc.paper_drive(),
+            lambda result: result.time[-1],
+            runs=2,
+            duration=2e-4,
+            burn_in=0.0,
+            progress=False,
         )
         self.losses = rc.loss_map(
             self.drive, [10.0], [0.0], duration=4e-4, burn_in=0.0, progress=False
@@ -245,12 +250,10 @@ def _descriptions() -> Iterator[Target]:
 def _functions() -> Iterator[Target]:
     sprockets = [rc.Sprocket(17, (0, 0), rc.PrescribedSpeed(20.0)), rc.Sprocket(17, (0.15, 0))]
     chain = {"gravity": (0.0, -9.81), "rollers": "fixed", "plates": "rigid"}
-    laws = {"force_law": rc.Hertz(), "friction": None, "hinge_film": None, "solver": rc.Solver()}
-    run = {**_SHORT, **laws, "threads": 1}
+    run = {**_SHORT, "threads": 1}
     more = {
         "record": ("hinges",),
         "energy": False,
-        "start": "generated",
         "stop": (),
         "callback": None,
     }
@@ -301,12 +304,13 @@ def _functions() -> Iterator[Target]:
                 **chain,
             },
         ),
+        (rc.rpm, {"speed": 1.0}),
         (rc.effective_restitution, {"damping": "flores", "restitution": 0.5}),
-        (rc.sweep, {"drive": paper, "axes": {"pretension": [1.0]}, "measure": None, **run, **more}),
+        (rc.sweep, {"scene": paper, "axes": {"pretension": [1.0]}, "measure": None, **run, **more}),
         (
             rc.study,
             {
-                "drive": paper,
+                "scene": paper,
                 "measure": lambda result: result.time[-1],
                 "runs": 2,
                 "burn_in": 0.0,
@@ -319,7 +323,7 @@ def _functions() -> Iterator[Target]:
         (
             rc.loss_map,
             {
-                "drive": paper,
+                "scene": paper,
                 "speeds": [10.0],
                 "torques": [0.0],
                 "loaded": 2,
@@ -362,7 +366,7 @@ def _simulations() -> Iterator[Target]:
             call = simulation.set_torque
             yield _target("Simulation.set_torque", call, call, **torque)
     made = {
-        "drive": paper,
+        "scene": paper,
         "force_law": rc.Hertz(),
         "hinge_law": None,
         "tooth_law": None,
@@ -371,12 +375,10 @@ def _simulations() -> Iterator[Target]:
         "velocities": start.velocities,
         "solver": rc.Solver(),
         "start": "generated",
-        "friction": None,
-        "hinge_friction": rc.Coulomb(0.1),
-        "tooth_friction": None,
-        "hinge_film": None,
     }
     yield _target("Simulation", rc.Simulation, rc.Simulation, **made)
+    made["system"] = made.pop("scene")
+    yield _target("Scene", rc.Scene, rc.Scene, **made)
 
 
 def _mechanisms() -> Iterator[Target]:
@@ -404,11 +406,11 @@ def _mechanisms() -> Iterator[Target]:
 
         yield _target(f"{kind.__name__} in a mechanism", checked, kind, **arguments)
     simulation = shared.mechanism_simulation
-    made = {"mechanism": shared.mechanism(), "solver": rc.Solver(), "baumgarte": None}
-    yield _target("MechanismSimulation", rc.MechanismSimulation, rc.MechanismSimulation, **made)
-    run = {**_SHORT, "stop": (), "callback": None}
+    made = {"scene": shared.mechanism(), "solver": rc.Solver()}
+    yield _target("Simulation of a mechanism", rc.Simulation, rc.Simulation, **made)
+    run = {**_SHORT, "record": ("joints",), "energy": False, "stop": (), "callback": None}
     place = {"positions": simulation.positions, "velocities": simulation.velocities, "time": 0.0}
-    step = lambda t: rc.MechanismSimulation(shared.mechanism()).step_to(t)  # noqa: E731
+    step = lambda t: rc.Simulation(shared.mechanism()).step_to(t)  # noqa: E731
     for name, call, given in (
         ("run", simulation.run, run),
         ("evaluate", simulation.evaluate, place),
@@ -416,7 +418,7 @@ def _mechanisms() -> Iterator[Target]:
         ("step_to", step, {"t": 1e-5}),
     ):
         described = getattr(simulation, name)
-        yield _target(f"MechanismSimulation.{name}", call, described, **given)
+        yield _target(f"Simulation of a mechanism, {name}", call, described, **given)
 
 
 # Arguments of a result's methods and figures; `start` and `end` are given to all that have them.
@@ -435,6 +437,7 @@ _NAMED: dict[str, Any] = {
     "modes": 2,
     "segment": None,
     "number": 1,
+    "numbers": 6,
     "after": 0.0,
     "name": "strand_tension",
     "hinge": 1,
@@ -449,14 +452,19 @@ _NAMED: dict[str, Any] = {
 }
 
 
+_PARTS = {"body": "a", "joint": "pin", "contact": "discs"}
+
+
 def _methods(owner: str, of: Any, names: Iterator[str] | list[str]) -> Iterator[Target]:
     """Yield the methods of an object, with arguments by their names."""
     for name in names:
         method = getattr(of, name)
         parameters = inspect.signature(method).parameters
         given = {p.name: _NAMED[p.name] for p in parameters.values() if p.name in _NAMED}
-        if owner == "MechanismResult":
-            given |= {"name": {"joint": "pin", "contact": "discs"}.get(name, "a")}
+        if name in _PARTS:
+            given["name"] = _PARTS[name]
+            if owner == "Result":
+                given["name"] = "link_1"
         if name == "pressure_cycles":
             given["contact"] = "tooth"
         if name == "strand":
@@ -485,15 +493,18 @@ def _public(kind: type) -> list[str]:
 
 def _outputs() -> Iterator[Target]:
     shared = scenes()
-    yield from _methods("Result", shared.result, _public(rc.Result))
+    of_drives = [name for name in _public(rc.Result) if name not in ("joint", "contact")]
+    yield from _methods("Result", shared.result, of_drives)
     yield from _methods("Result of an open chain", shared.open_result, ["end"])
-    yield from _methods("MechanismResult", shared.mechanism_result, _public(rc.MechanismResult))
+    yield from _methods("Result of a mechanism", shared.mechanism_result, [*_PARTS])
 
 
 def _figures() -> Iterator[Target]:
     shared = scenes()
-    yield from _methods("Plots", shared.result.plot, _public(Plots))
-    yield from _methods("MechanismPlots", shared.mechanism_result.plot, _public(MechanismPlots))
+    of_parts = _public(MechanismFigures)
+    of_drives = [name for name in _public(Plots) if name not in of_parts]
+    yield from _methods("Plots", shared.result.plot, of_drives)
+    yield from _methods("Plots of a mechanism", shared.mechanism_result.plot, of_parts)
     draw = lambda measures="value": shared.study.plot(measures)  # noqa: E731
     yield _target("StudyResult.plot", draw, draw, measures="value")
 

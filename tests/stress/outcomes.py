@@ -49,7 +49,7 @@ class Outcome:
         return f"{self.seed}: {self.outcome}; {self.kind}: {told}; {energy} {self.message}"
 
 
-def energies(result: rc.Result | rc.MechanismResult) -> dict[str, float]:
+def energies(result: rc.Result) -> dict[str, float]:
     """Return the largest residual of a run, and what its energy balance can be held against [J]."""
     energy = result.energy
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import drives
 import mechanisms
@@ -36,7 +36,7 @@ class Scene:
         shares = [kind for kind, (share, _) in KINDS.items() for _ in range(share)]
         self.kind = self.draw.one_of(shares)
 
-    def simulation(self) -> rc.Simulation | rc.MechanismSimulation:
+    def simulation(self) -> rc.Simulation:
         """Return the scene's simulation, at its start."""
         draw = self.draw
         described = KINDS[self.kind][1](draw)
@@ -49,15 +49,17 @@ class Scene:
         if draw.chance(0.15, "other tooth law"):
             laws["tooth_law"] = parts.law(draw)
         if draw.chance(0.3):
-            laws["friction"] = parts.friction(draw)
+            friction = parts.friction(draw)
+            laws = {name: replace(law, friction=friction) for name, law in laws.items()}
         if draw.chance(0.15, "film"):
-            laws["hinge_film"] = rc.LubricantFilm(draw.log_between(0.005, 0.5))
+            film = rc.LubricantFilm(draw.log_between(0.005, 0.5))
+            laws["hinge_law"] = replace(laws["force_law"], film=film)
         if draw.chance(0.2):
             laws["min_impact_velocity"] = draw.log_between(1e-5, 1e-1)
         start = "static" if draw.chance(0.25, "static") else "generated"
         return rc.Simulation(described, solver=parts.solver(draw), start=start, **laws)
 
-    def run(self, longest: float) -> rc.Result | rc.MechanismResult:
+    def run(self, longest: float) -> rc.Result:
         """Run the scene for 2 to 40 ms [s], `longest` at most, and return its result."""
         simulation = self.simulation()
         duration = min(longest, self.draw.log_between(2e-3, 4e-2))

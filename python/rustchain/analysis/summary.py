@@ -54,6 +54,8 @@ _UNITS = {
     "tension_": "N",
     "hinge_force_": "N",
     "tooth_force_": "N",
+    "joint_force_": "N",
+    "contact_force_": "N",
     "engagement_force_": "N",
     "transmission_error_": "m",
     "loss": "W",
@@ -83,8 +85,9 @@ def summary(result: Result, start: float | None, end: float | None) -> Summary:
         if result.drive.hinges == "clearance":
             depth = result.array("hinge_penetration")[rows]
             found["hinge_contact_share"] = float((depth > 0.0).mean())
-    for part, group in (("hinge", "hinges"), ("tooth", "teeth")):
-        if group in result.groups:
+    parts = {"hinges": "hinge", "teeth": "tooth", "joints": "joint", "contacts": "contact"}
+    for group, part in parts.items():
+        if group in result.groups and result.array(f"peak_{part}_force").size:
             peak = result.array(f"peak_{part}_force")[rows]
             found[f"{part}_force_p99"] = float(np.quantile(peak, 0.99))
             found[f"{part}_force_largest"] = float(peak.max())

@@ -11,11 +11,10 @@ from rustchain.errors import InvalidInput
 from rustchain.typing import Array
 
 if TYPE_CHECKING:
-    from rustchain.results.mechanism_result import MechanismResult
     from rustchain.results.result import Result
 
 
-def rows_between(result: Result | MechanismResult, start: float | None, end: float | None) -> slice:
+def rows_between(result: Result, start: float | None, end: float | None) -> slice:
     """Return the rows from `start` to `end` [s]."""
     time = result.time
     first = 0 if start is None else int(np.searchsorted(time, start, "left"))

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn, TextIO
 
 import rustchain as rc
 from rustchain.extras import typer
+from rustchain.files.scene import SceneFile
 from rustchain.names import suggest
 from rustchain.paths import check_writable, path_of, write_whole
 
@@ -198,7 +199,7 @@ def check(drive: Drive) -> None:
     with _clear_errors():
         scene = _scene(drive, None)
         scene = scene.changed({}, {}, {"duration": scene.run.get("duration", 2.0)})
-        typer.echo(scene.drive.check())
+        typer.echo(scene.scene.system.check())
         simulation = scene.simulate()
         scene.check_run(simulation)
         if scene.out is not None:
@@ -309,10 +310,10 @@ def schema(
         typer.echo(out)
 
 
-def _scene(drive: str, pretension: float | None) -> rc.Scene:
+def _scene(drive: str, pretension: float | None) -> SceneFile:
     """Return what a drive file, or the name of a drive, stands for."""
     if drive == "paper":
-        return rc.Scene(rc.paper_drive(pretension or 0.0))
+        return SceneFile(rc.Scene(rc.paper_drive(pretension or 0.0)))
     path = Path(drive)
     if not path.exists():
         hint = suggest(drive, ["paper"])
@@ -321,7 +322,7 @@ def _scene(drive: str, pretension: float | None) -> rc.Scene:
         _fail(f"drive = {drive!r}: is no file, and no drive; {hint}")
     if pretension is not None:
         _fail(f"--pretension = {pretension:g}: is for the paper's drive; write it into {drive}")
-    return rc.load_scene(path)
+    return SceneFile.read(path)
 
 
 def _given(options: dict[str, Any]) -> dict[str, Any]:

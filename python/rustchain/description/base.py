@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 from dataclasses import dataclass
-from typing import Any, ClassVar, TypeAlias, TypeVar
+from typing import Any, ClassVar, NoReturn, TypeAlias, TypeVar
 
 from rustchain import _rustchain
 from rustchain.arguments import plain as plain
@@ -37,9 +37,12 @@ class Description:
             object.__setattr__(self, field.name, plain(getattr(self, field.name)))
         _rustchain.validate(self)
 
-    def to_json(self) -> str:
-        """Return the description as JSON; floats keep every bit."""
-        return json.dumps(self, default=_tagged)
+    def to_json(self, *, placeholders: bool = False) -> str:
+        """Return the description as JSON; floats keep every bit.
+
+        Python functions are refused, or with `placeholders` replaced by what raises when called.
+        """
+        return json.dumps(self, default=_with_placeholders if placeholders else _tagged)
 
     @staticmethod
     def from_json(text: str) -> Any:  # noqa: ANN401
@@ -55,7 +58,7 @@ def short_repr(description: Any) -> str:  # noqa: ANN401
     values = {
         f.name: value
         for f in dataclasses.fields(description)
-        if f.repr and not _is_default(f, value := getattr(description, f.name))
+        if f.repr and not is_default(f, value := getattr(description, f.name))
     }
     name = type(description).__name__
     for longest in (_LINE, _LINE // 3, 0):
@@ -65,7 +68,7 @@ def short_repr(description: Any) -> str:  # noqa: ANN401
     return f"{text[: _LINE - 4]}...)"
 
 
-def _is_default(field: dataclasses.Field[Any], value: object) -> bool:
+def is_default(field: dataclasses.Field[Any], value: object) -> bool:
     """Return whether a field has its default."""
     default = field.default
     if field.default_factory is not dataclasses.MISSING:
@@ -103,6 +106,32 @@ def fields_of(value: object) -> dict[str, Any] | None:
     return {name: getattr(value, name) for name in names}
 
 
+class LostFunction:
+    """The place of a Python function that a file could not hold."""
+
+    def __init__(self, name: str = "") -> None:
+        self.name = name
+
+    def __call__(self, *_: object) -> NoReturn:
+        """Raise: the function is lost."""
+        msg = f"{self.name}: was a Python function, which files do not hold; set it anew"
+        raise InvalidInput(msg)
+
+    def __eq__(self, other: object) -> bool:
+        """Return whether the same function was lost."""
+        return isinstance(other, LostFunction) and other.name == self.name
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def _with_placeholders(value: object) -> dict[str, object]:
+    """Return the tagged fields of a description, or the name of a function."""
+    if callable(value):
+        name = value.name if isinstance(value, LostFunction) else shown(value)
+        return {"type": LostFunction.__name__, "name": name}
+    return _tagged(value)
+
+
 def _tagged(value: object) -> dict[str, object]:
     """Return the fields of a description beside the name of its type."""
     fields = fields_of(value)
@@ -114,4 +143,5 @@ def _tagged(value: object) -> dict[str, object]:
 
 def _revived(fields: dict[str, Any]) -> object:
     """Return the description whose tagged fields these are."""
-    return Description._types[fields.pop("type")](**fields)
+    kind = fields.pop("type")
+    return (LostFunction if kind == LostFunction.__name__ else Description._types[kind])(**fields)

@@ -151,12 +151,3 @@ class ChainDrive(Description):
 
         wanted = self.hinges if hinges is None else hinges
         return drive_mechanism(self, wanted, force_law, min_impact_velocity)
-
-
-def drive_inside(given: object) -> ChainDrive | None:
-    """Return the drive that a scene, a simulation or a result has; None for all else."""
-    try:
-        found = getattr(given, "drive", None)
-    except Exception:
-        return None
-    return found if isinstance(found, ChainDrive) else None

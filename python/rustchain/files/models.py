@@ -13,7 +13,8 @@ from rustchain.catalogue.generators import chain_drive, open_chain
 from rustchain.catalogue.standard import catalogue_chain, paper_drive, two_sprocket_drive
 from rustchain.description.base import Description
 from rustchain.description.drive import Chain, ChainDrive
-from rustchain.description.laws.force import ForceLaw
+from rustchain.description.mechanism.builder import Mechanism
+from rustchain.description.scene import Scene
 from rustchain.simulation.simulation import Simulation
 from rustchain.simulation.stop import StopCondition
 
@@ -43,8 +44,13 @@ def makers_of(kind: type) -> dict[str, Maker]:
     """Return what makes a value of `kind`, by name: the class, or those below an abstract one."""
     if kind in MAKERS:
         return dict(MAKERS[kind])
-    concrete = kind.__subclasses__() if kind in (ForceLaw, StopCondition) else [kind]
-    return {each.__name__: each for each in concrete}
+    return {each.__name__: each for each in _concrete(kind)}
+
+
+def _concrete(kind: type) -> list[type]:
+    """Return the classes that make a value of `kind`: itself, or those below an abstract one."""
+    below: list[type] = kind.__subclasses__()
+    return [one for each in below for one in _concrete(each)] if below else [kind]
 
 
 class Field(NamedTuple):
@@ -71,7 +77,7 @@ def fields_of(maker: Maker) -> dict[str, Field]:
         p.name: Field(
             hints.get(p.name, Any),
             p.default is p.empty,
-            None if p.default is p.empty else p.default,
+            None if p.default is p.empty or repr(p.default) == "<factory>" else p.default,
         )
         for p in inspect.signature(maker).parameters.values()
     }
@@ -89,7 +95,7 @@ def tables_of(hint: Any) -> dict[str, Maker]:  # noqa: ANN401
     return {name: make for kind in kinds for name, make in makers_of(kind).items()}
 
 
-_DESCRIBED = (Description, StopCondition)
+_DESCRIBED = (Description, StopCondition, Mechanism)
 
 
 def item_of(hint: Any) -> Any:  # noqa: ANN401
@@ -117,14 +123,16 @@ def _fits(value: Mapping[str, object], fields: Mapping[str, Field]) -> bool:
     return needed <= set(value) <= set(fields)
 
 
+def may_be_none(hint: Any) -> bool:  # noqa: ANN401
+    """Whether an annotation allows None, which files write as a word of their own."""
+    return NoneType in get_args(hint)
+
+
 @functools.cache
 def sections() -> dict[str, dict[str, Field]]:
     """Return the fields of the tables ``simulation`` and ``run``."""
-    simulation = {
-        name: field
-        for name, field in fields_of(Simulation.__init__).items()
-        if name not in ("self", "drive", "scene")
-    }
+    simulation = {name: f for name, f in fields_of(Scene).items() if name != "system"}
+    simulation["min_approach_speed"] = simulation["min_impact_velocity"]
     run = {
         name: field
         for name, field in fields_of(Simulation.run).items()

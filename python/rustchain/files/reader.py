@@ -8,6 +8,8 @@ from typing import Any, Literal, get_args, get_origin
 
 from rustchain.arguments import shown
 from rustchain.description.drive import ChainDrive
+from rustchain.description.mechanism.builder import Mechanism
+from rustchain.description.scene import Scene
 from rustchain.errors import InvalidInput
 from rustchain.files.models import (
     Field,
@@ -15,12 +17,14 @@ from rustchain.files.models import (
     fields_of,
     item_of,
     leaf_problem,
+    may_be_none,
     members_of,
     sections,
     tables_of,
     tag_of,
 )
 from rustchain.files.source import Key, Source, text_of
+from rustchain.files.writer import NONE
 from rustchain.names import suggest
 from rustchain.paths import reason
 
@@ -28,7 +32,7 @@ __all__ = ["Source", "read"]
 
 
 def read(path: Path) -> tuple[Source, dict[str, Any]]:
-    """Return a drive file and what it describes: drive, simulation, run.
+    """Return a file and what it describes: scene, run.
 
     Raises
     ------
@@ -40,6 +44,9 @@ def read(path: Path) -> tuple[Source, dict[str, Any]]:
     if (out := found["run"].get("out")) is not None:
         found["run"]["out"] = path.parent / out
     return source, found
+
+
+_SYSTEMS = {"drive": ChainDrive, "mechanism": Mechanism}
 
 
 class _Wrong:
@@ -57,23 +64,37 @@ class _Reader:
         self._refusals: list[tuple[tuple[int, int], InvalidInput]] = []
 
     def file(self) -> dict[str, Any]:
-        """Return drive, simulation and run."""
+        """Return the scene and the keywords of its run."""
         content = self._source.content
-        fields = {"drive": Field(ChainDrive, True)}
+        fields = {name: Field(kind, name not in content) for name, kind in _SYSTEMS.items()}
+        if any(name in content for name in _SYSTEMS) or set(content) - {*_SYSTEMS, *sections()}:
+            fields = {name: field._replace(needed=False) for name, field in fields.items()}
+        else:
+            del fields["mechanism"]  # a drive is what is mostly forgotten
         fields |= {name: Field(dict, False) for name in sections()}
         found: dict[str, Any] = {name: {} for name in sections()}
         for name, value in self._entries(content, fields, ()):
             if name in sections():
                 value = self._section(name, value)
             else:
-                value = self._value(value, ChainDrive, (name,))
+                value = self._value(value, _SYSTEMS[name], (name,))
             found[name] = value
         if self._refusals:
             refusals = [error for _, error in sorted(self._refusals, key=lambda each: each[0])]
             if len(refusals) == 1:
                 raise refusals[0]
             raise InvalidInput("\n".join(map(str, refusals))) from refusals[0]
-        return found
+        return {"scene": self._scene(found), "run": found["run"]}
+
+    def _scene(self, found: Mapping[str, Any]) -> Scene:
+        """Return the scene of a system and the keywords that go with it."""
+        systems = [found[name] for name in _SYSTEMS if name in found]
+        if len(systems) != 1:
+            raise self._source.refusal_at((), "has a drive and a mechanism; expected one of them")
+        try:
+            return Scene(systems[0], **found["simulation"])
+        except (InvalidInput, TypeError) as error:
+            raise self._source.refusal(("simulation",), str(error)) from error
 
     def _refuse(self, key: Key, message: str, *, below: bool = False) -> _Wrong:
         """Keep what is wrong with `key`; with `below`, the message tells of a field of it."""
@@ -119,6 +140,8 @@ class _Reader:
             return self._all([self._value(v, item, (*key, i)) for i, v in enumerate(value)])
         if item is not None and len(members_of(hint)) == 1:
             return self._refuse(key, f"{shown(value)}: must be a list of tables")
+        if value == NONE and may_be_none(hint):
+            return None
         if (expected := leaf_problem(value, hint)) is not None:
             near = _near(value, hint)
             return self._refuse(key, f"{shown(value)}: must be {expected}{near}")

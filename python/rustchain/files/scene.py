@@ -1,4 +1,4 @@
-"""A drive, how it is simulated and for how long: what a drive file describes."""
+"""Scenes in files: a drive or mechanism, how it is simulated, and for how long."""
 
 from __future__ import annotations
 
@@ -8,52 +8,62 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rustchain.description.drive import ChainDrive
-from rustchain.description.solver import Solver
+from rustchain.arguments import admitted, shown
+from rustchain.description.scene import Scene, scene_of
 from rustchain.errors import InvalidInput
+from rustchain.files.writer import text_of_scene
 from rustchain.names import known_keywords
-from rustchain.paths import path_of
+from rustchain.paths import path_of, write_whole
 from rustchain.results.result import Result
 from rustchain.simulation.simulation import Simulation
 
 if TYPE_CHECKING:
     from rustchain.files.source import Source
 
+_FORMS = (".toml", ".json")
+
 
 @dataclass(frozen=True)
-class Scene:
-    """What a drive file describes; see `load_scene`.
+class SceneFile:
+    """The content of a file: a scene, and how it is run.
 
     Attributes
     ----------
-    drive : ChainDrive
-        What moves.
-    simulation : dict
-        Keywords of `Simulation`.
+    scene : Scene
+        What is simulated.
     run : dict
         Keywords of `Simulation.run`.
     out : Path, optional
         Where `rustchain run` writes the result.
     """
 
-    drive: ChainDrive
-    simulation: Mapping[str, Any] = field(default_factory=dict)
+    scene: Scene
     run: Mapping[str, Any] = field(default_factory=dict)
     out: Path | None = None
     _source: Source | None = field(default=None, repr=False, compare=False)
 
+    @classmethod
+    def read(cls, path: str | Path) -> SceneFile:
+        """Read a file; parameters and errors are those of `load_scene`."""
+        from rustchain.files.reader import read  # with pydantic, which nothing else needs
+
+        source, found = read(path_of(path))
+        run = dict(found["run"])
+        out = run.pop("out", None)
+        return cls(found["scene"], run, out, source)
+
     def simulate(self) -> Simulation:
         """Return the simulation, at its start."""
         with self._errors_located("simulation"):
-            return Simulation(self.drive, **self.simulation)
+            return Simulation(self.scene)
 
     def run_simulation(self, simulation: Simulation) -> Result:
-        """Run a simulation for as long as the scene says, and record.
+        """Run a simulation for as long as the file says, and record.
 
         Raises
         ------
         InvalidInput
-            The scene has no duration, or an argument of the run is refused.
+            The file has no duration, or an argument of the run is refused.
         """
         with self._errors_located("run"):
             self._check_duration()
@@ -67,21 +77,17 @@ class Scene:
             simulation.run(**{**self.run, **once})
 
     def changed(
-        self, simulation: Mapping[str, Any], solver: Mapping[str, Any], run: Mapping[str, Any]
-    ) -> Scene:
-        """Return the scene with other keywords, and other fields of the solver."""
-        keywords = {**self.simulation, **simulation}
-        if solver:
-            keywords["solver"] = replace(keywords.get("solver", Solver()), **solver)
-        return replace(self, simulation=keywords, run={**self.run, **run})
+        self, scene: Mapping[str, Any], solver: Mapping[str, Any], run: Mapping[str, Any]
+    ) -> SceneFile:
+        """Return the content with other fields of the scene and of its solver, and of the run."""
+        made = replace(self.scene, **scene)
+        made = replace(made, solver=replace(made.solver, **solver))
+        return replace(self, scene=made, run={**self.run, **run})
 
     def _check_duration(self) -> None:
         """Refuse a run without an end."""
         if "duration" not in self.run:
-            msg = (
-                "duration: is missing; expected a time in s; write it in [run], or add it with "
-                'scene.changed({}, {}, {"duration": ...})'
-            )
+            msg = "duration: is missing; expected a time in s; write it in [run]"
             raise InvalidInput(msg)
 
     @contextmanager
@@ -97,10 +103,11 @@ class Scene:
 
 @known_keywords
 def load_scene(path: str | Path) -> Scene:
-    """Read a drive file: a drive, how it is simulated, and for how long.
+    """Read the scene in a file: a drive or a mechanism, its laws, its solver and its start.
 
-    The file is TOML with tables ``drive``, ``simulation`` and ``run``; docs/files.md has every key.
-    Units are SI, and paths in it are relative to the file.
+    The file is TOML, or JSON where its name ends in ``.json``, with tables ``drive`` or
+    ``mechanism``, ``simulation`` and ``run``; docs/files.md has every key. Units are SI, and paths
+    in it are relative to the file. ``run`` is what the command ``rustchain run`` does with it.
 
     Parameters
     ----------
@@ -110,11 +117,35 @@ def load_scene(path: str | Path) -> Scene:
     Raises
     ------
     InvalidInput
-        The file is no TOML, has a key that means nothing or lacks one, or a value is refused: with
-        the file, the line, the key, the value and what is allowed.
+        The file is no TOML or JSON, has a key that means nothing or lacks one, or a value is
+        refused: with the file, the line, the key, the value and what is allowed.
     """
-    from rustchain.files.reader import read  # with pydantic, which nothing else needs
+    return SceneFile.read(path).scene
 
-    source, found = read(path_of(path))
-    run = dict(found["run"])
-    return Scene(found["drive"], found["simulation"], run, run.pop("out", None), source)
+
+@known_keywords
+def save_scene(scene: Scene, path: str | Path) -> None:
+    """Write a scene to a file, for `load_scene`, which gives an equal one.
+
+    Parameters
+    ----------
+    scene : Scene, ChainDrive or Mechanism
+        The scene; of a drive or a mechanism, that with default laws.
+    path : str or Path
+        The file: TOML or JSON by its ending, ``.toml`` or ``.json``.
+
+    Raises
+    ------
+    InvalidInput
+        The ending is another one, or a field has what a file cannot hold, such as a Python
+        function: the message names it.
+    OSError
+        The file cannot be written.
+    """
+    where = path_of(path)
+    form = where.suffix.lower()
+    if form not in _FORMS:
+        msg = f"path = {shown(str(where))}: expected a name that ends in .toml or .json"
+        raise InvalidInput(msg)
+    made = admitted("scene", scene_of(scene), Scene)
+    write_whole(path, memoryview(text_of_scene(made, form).encode()))

@@ -12,6 +12,8 @@ from rustchain.arguments import plain
 from rustchain.catalogue.standard import catalogue_chain
 from rustchain.description.base import Description
 from rustchain.description.drive import Chain, ChainDrive
+from rustchain.description.mechanism.builder import Mechanism
+from rustchain.description.scene import Scene
 from rustchain.files.models import (
     Field,
     Maker,
@@ -36,19 +38,20 @@ _LEAVES = {float: "number", int: "integer", str: "string", bool: "boolean"}
 def schema() -> dict[str, Any]:
     """Return the JSON Schema, draft 2020-12, of a drive file read as JSON."""
     made = _Schema()
-    texts: dict[str, Maker] = {"simulation": Simulation, "run": Simulation.run}
+    texts: dict[str, Maker] = {"simulation": Scene, "run": Simulation.run}
     tables = {
         name: made.table(fields, descriptions_of(texts[name]))
         for name, fields in sections().items()
     }
     drive = made.value(ChainDrive) | {"description": "The drive to simulate."}
+    mechanism = made.value(Mechanism) | {"description": "The mechanism to simulate."}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "rustchain drive file",
         "description": "A drive, how it is simulated and for how long; units are SI.",
         "type": "object",
-        "properties": {"drive": drive, **tables},
-        "required": ["drive"],
+        "properties": {"drive": drive, "mechanism": mechanism, **tables},
+        "oneOf": [{"required": ["drive"]}, {"required": ["mechanism"]}],
         "additionalProperties": False,
         "$defs": {"file": _FILE, **made.definitions},
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import sys
 from dataclasses import dataclass, field
@@ -48,7 +49,7 @@ class Source:
         """Read a file."""
         try:
             text = text_of(path)
-            content = tomllib.loads(text)
+            content = json.loads(text) if path.suffix.lower() == ".json" else tomllib.loads(text)
         except OSError as error:
             where = shown_path(path)
             msg = f"{where}: cannot be read ({reason(error)}): give the path of a drive file"
@@ -58,9 +59,13 @@ class Source:
             raise InvalidInput(msg) from error
         except RecursionError as error:
             raise cls(path, {}).too_deep() from error
+        if not isinstance(content, dict):
+            msg = f"{path}: is no table; expected tables drive or mechanism, simulation and run"
+            raise InvalidInput(msg)
         if _is_deeper(content, DEEPEST):
             raise cls(path, {}).too_deep()
-        return cls(path, content, _Scanner(text).places())
+        places = {} if path.suffix.lower() == ".json" else _Scanner(text).places()
+        return cls(path, content, places)
 
     def too_deep(self) -> InvalidInput:
         """Return the error of tables and lists that are nested without end."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Literal
 
 import numpy as np
@@ -11,9 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from rustchain import _rustchain
-from rustchain.arguments import shown
+from rustchain.arguments import admitted, shown
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords, suggest
+from rustchain.plot.mechanism import force_penetration_figure
 from rustchain.plot.style import (
     BLUE,
     CYCLE,
@@ -96,8 +97,7 @@ class ContactFigures(Figures):
     @styled
     def force_penetration(
         self,
-        number: int,
-        *more: int,
+        *numbers: int | str | Sequence[str],
         contact: Literal["tooth", "hinge"] = "tooth",
         start: float | None = None,
         end: float | None = None,
@@ -107,18 +107,24 @@ class ContactFigures(Figures):
 
         Tooth contacts are coloured by the region of the tooth that the bushing is on; with regions
         "kept" its stiffness is that of the region where the contact began, so that points of one
-        colour may lie on two lines. Hinges are shown with the elastic part of their law.
+        colour may lie on two lines. Hinges are shown with the elastic part of their law. The
+        contacts of a mechanism go by their names; without a name, all are drawn.
         """
+        rows = self.rows(start, end)
+        if self.result.scene.kind == "mechanism":
+            return force_penetration_figure(self.result, numbers, rows, ax)
         if contact not in ("tooth", "hinge"):
             msg = f"contact: {shown(contact)} is no contact; {suggest(contact, ('tooth', 'hinge'))}"
             raise InvalidInput(msg)
-        numbers = (number, *more)
-        rows = self.rows(start, end)
+        if not numbers:
+            raise InvalidInput(
+                "force_penetration(): names no hinge or bushing; expected its number"
+            )
         draw = self._tooth_loops if contact == "tooth" else self._hinge_loops
         label = "bushing / tooth" if contact == "tooth" else "pin / bushing"
         figure, cells = panels(len(numbers), "penetration [µm]", f"{label} force [N]", ax=ax)
         for axes, one in zip(cells, numbers, strict=True):
-            draw(axes, one, rows)
+            draw(axes, admitted("force_penetration(number)", one, int), rows)
             legend_of_distinct(axes)
         cells[0].set(xlim=(0.0, None), ylim=(0.0, None))  # of all panels
         return figure

@@ -48,23 +48,23 @@ class HistoryFigures(Figures):
     def energy(
         self, *, start: float | None = None, end: float | None = None, ax: Ax = None
     ) -> Figure:
-        """Draw the energy balance over time, and what it misses."""
-        return energy_figure(
-            self.result.time, self.result.energy, self.rows(start, end), 1e3, "mJ", ax
-        )
+        """Draw the energy balance over time, and its residual."""
+        scale, unit = (1.0, "J") if self.result.scene.kind == "mechanism" else (1e3, "mJ")
+        rows = self.rows(start, end)
+        return energy_figure(self.result.time, self.result.energy, rows, scale, unit, ax)
 
 
 def energy_figure(
     time: Array, energy: Energy, rows: slice, scale: float, unit: str, ax: Ax
 ) -> Figure:
-    """Return a figure of the energy balance in so many units a joule, and of what it misses."""
+    """Return a figure of the energy balance in so many units a joule, and of its residual."""
     time = time[rows]
     figure, (upper, lower) = subplots(
         2, 1, sharex=True, ax=ax, figsize=(7.0, 4.2), height_ratios=(2.2, 1.0)
     )
     curves = {
         "dissipated": (energy.dissipated, RED),
-        "worked in": (energy.external_work, GREEN),
+        "external work": (energy.external_work, GREEN),
         "kinetic, change": (energy.kinetic - energy.kinetic[0], BLUE),
         "gravity, change": (energy.gravity - energy.gravity[0], GREY),
         "elastic": (energy.elastic, ORANGE),

@@ -1,4 +1,4 @@
-"""The figure of what joints bear, of a drive whose hinges are joints."""
+"""The figure of the loads of joints, of mechanisms and of drives whose hinges are joints."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from rustchain.arguments import shown
 from rustchain.description.drive import PrescribedSpeed
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords, suggest
+from rustchain.plot.mechanism import joint_loads_figure
 from rustchain.plot.style import BLUE, CYCLE, RED, Ax, Figures, legend_above, styled, subplots
 
 
@@ -29,8 +30,11 @@ class JointFigures(Figures):
 
         Joints have the names that they have in `ChainDrive.to_mechanism`: "hinge_6", "motor_1",
         one by one or in a list. Without a name the mean and the largest force of all hinges are
-        drawn, and all motors where sprockets were recorded.
+        drawn, and all motors where sprockets were recorded. Of a mechanism, force and torque of its
+        joints and drivers are drawn, without a name of all.
         """
+        if self.result.scene.kind == "mechanism":
+            return joint_loads_figure(self.result, joints, self.rows(start, end), ax)
         self._check_ideal()
         names = self._joint_names(joints)
         hinges = [name for name in names if name.startswith("hinge_")]

@@ -1,33 +1,32 @@
-"""Figures from a result of a mechanism: motion, paths, loads of joints and contacts, energy."""
+"""Figures of bodies, joints and contacts of mechanisms: motion, paths, loads, residuals."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rustchain.analysis.window import rows_between
-from rustchain.arguments import checked_methods, shown
+from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
-from rustchain.names import known_keywords, named_attributes, suggest
-from rustchain.plot.histories import energy_figure
+from rustchain.names import known_keywords, suggest
 from rustchain.plot.style import (
     BLUE,
     CYCLE,
     ORANGE,
     RED,
     Ax,
+    Figures,
     legend_above,
     legend_outside,
     panels,
     styled,
     subplots,
 )
-from rustchain.results.mechanism_result import MechanismResult
+from rustchain.results.result import Result
 
 _RATES = {
     "position": ("m", "rad"),
@@ -36,17 +35,11 @@ _RATES = {
 }
 
 
-@named_attributes
-@checked_methods
-@dataclass(frozen=True)
-class MechanismPlots:
-    """The figures of a result of a mechanism; every method returns a matplotlib figure.
+class MechanismFigures(Figures):
+    """The figures of bodies, and of joints and contacts of mechanisms.
 
-    Bodies, joints and contacts are named, one by one or in a list; without a name, all are drawn.
-    `start` and `end` [s] choose a part of the time, by default all of it.
+    They are named, one by one or in a list; without a name, all are drawn.
     """
-
-    result: MechanismResult
 
     @known_keywords
     @styled
@@ -62,7 +55,7 @@ class MechanismPlots:
         if quantity not in _RATES:
             msg = f"quantity = {shown(quantity)}: is none; {suggest(quantity, _RATES)}"
             raise InvalidInput(msg)
-        names = self._names("body", bodies)
+        names = names_of(self.result, "body", bodies)
         rows = rows_between(self.result, start, end)
         figure, cells = subplots(3, 1, sharex=True, ax=ax, figsize=(7.0, 5.2))
         way, turn = _RATES[quantity]
@@ -89,7 +82,7 @@ class MechanismPlots:
         ax: Ax = None,
     ) -> Figure:
         """Draw the ways of the bodies' centres of mass in the plane, with where they end."""
-        names = self._names("body", bodies)
+        names = names_of(self.result, "body", bodies)
         rows = rows_between(self.result, start, end)
         figure, axes = subplots(ax=ax, figsize=(5.4, 4.6))
         for k, name in enumerate(names):
@@ -103,31 +96,6 @@ class MechanismPlots:
 
     @known_keywords
     @styled
-    def joint_loads(
-        self,
-        *joints: str | Sequence[str],
-        start: float | None = None,
-        end: float | None = None,
-        ax: Ax = None,
-    ) -> Figure:
-        """Draw force and torque of joints and drivers over time."""
-        names = self._names("joint", joints)
-        rows = rows_between(self.result, start, end)
-        figure, (upper, lower) = subplots(2, 1, sharex=True, ax=ax, figsize=(7.0, 4.2))
-        for k, name in enumerate(names):
-            view = self.result.joint(name)
-            force = np.hypot(*view.force[rows].T)
-            upper.plot(view.time[rows], force, color=_color(k), label=name)
-            lower.plot(view.time[rows], view.torque[rows], color=_color(k))
-        upper.set_ylabel("force [N]")
-        lower.set_ylabel("torque [N m]")
-        lower.set_xlabel("time [s]")
-        _legend(upper)
-        figure.align_ylabels()
-        return figure
-
-    @known_keywords
-    @styled
     def contact_force(
         self,
         *contacts: str | Sequence[str],
@@ -136,7 +104,7 @@ class MechanismPlots:
         ax: Ax = None,
     ) -> Figure:
         """Draw the force of contacts over time, side by side, with the largest between two rows."""
-        names = self._names("contact", contacts)
+        names = names_of(self.result, "contact", contacts)
         rows = rows_between(self.result, start, end)
         figure, cells = panels(len(names), "time [s]", "contact force [N]", ax=ax)
         for axes, name in zip(cells, names, strict=True):
@@ -150,42 +118,18 @@ class MechanismPlots:
 
     @known_keywords
     @styled
-    def force_penetration(
-        self,
-        *contacts: str | Sequence[str],
-        start: float | None = None,
-        end: float | None = None,
-        ax: Ax = None,
-    ) -> Figure:
-        """Draw force against penetration of contacts, side by side."""
-        names = self._names("contact", contacts)
-        rows = rows_between(self.result, start, end)
-        figure, cells = panels(
-            len(names), "penetration [µm]", "contact force [N]", share=False, ax=ax
-        )
-        for axes, name in zip(cells, names, strict=True):
-            view = self.result.contact(name)
-            depth, force = view.penetration[rows], view.force[rows]
-            touching = force > 0.0
-            axes.plot(1e6 * depth[touching], force[touching], "o", markersize=1.8, color=BLUE)
-            axes.set(xlim=(0.0, None), ylim=(0.0, None))
-            axes.set_title(name)
-        return figure
-
-    @known_keywords
-    @styled
     def residuals(
         self, *, start: float | None = None, end: float | None = None, ax: Ax = None
     ) -> Figure:
         """Draw the largest constraint residual of all joints over time, and its rate."""
-        self._names("joint", ())
+        names_of(self.result, "joint", ())
         rows = rows_between(self.result, start, end)
         figure, axes = subplots(ax=ax, figsize=(7.0, 2.8))
         for name, label, color in (
             ("joint_position_residual", "positions [m or rad]", BLUE),
             ("joint_velocity_residual", "velocities [m/s or rad/s]", ORANGE),
         ):
-            worst = self.result.arrays[name][rows].max(axis=1)
+            worst = self.result.array(name)[rows].max(axis=1)
             shown = np.maximum(worst, np.finfo(float).tiny)
             axes.semilogy(self.result.time[rows], shown, color=color, label=label)
         axes.set(xlabel="time [s]", ylabel="largest residual")
@@ -193,31 +137,56 @@ class MechanismPlots:
         legend_above(axes)
         return figure
 
-    @known_keywords
-    @styled
-    def energy(
-        self, *, start: float | None = None, end: float | None = None, ax: Ax = None
-    ) -> Figure:
-        """Draw the energy balance over time, and what it misses."""
-        rows = rows_between(self.result, start, end)
-        return energy_figure(self.result.time, self.result.energy, rows, 1.0, "J", ax)
 
-    def _names(self, part: str, given: tuple[str | Sequence[str], ...]) -> tuple[str, ...]:
-        """Return the names that are given, one by one or in lists, which must exist, or all."""
-        names: tuple[str, ...] = getattr(self.result, f"{part}_names")
-        if not names:
-            msg = f"{part}: this mechanism has none to draw"
+def joint_loads_figure(
+    result: Result, joints: tuple[str | Sequence[str], ...], rows: slice, ax: Ax
+) -> Figure:
+    """Return the figure of force and torque of joints and drivers over time."""
+    names = names_of(result, "joint", joints)
+    figure, (upper, lower) = subplots(2, 1, sharex=True, ax=ax, figsize=(7.0, 4.2))
+    for k, name in enumerate(names):
+        view = result.joint(name)
+        force = np.hypot(*view.force[rows].T)
+        upper.plot(view.time[rows], force, color=_color(k), label=name)
+        lower.plot(view.time[rows], view.torque[rows], color=_color(k))
+    upper.set_ylabel("force [N]")
+    lower.set_ylabel("torque [N m]")
+    lower.set_xlabel("time [s]")
+    _legend(upper)
+    figure.align_ylabels()
+    return figure
+
+
+def force_penetration_figure(
+    result: Result, contacts: tuple[object, ...], rows: slice, ax: Ax
+) -> Figure:
+    """Return the figure of force against penetration of contacts, side by side."""
+    names = names_of(result, "contact", contacts)
+    figure, cells = panels(len(names), "penetration [µm]", "contact force [N]", share=False, ax=ax)
+    for axes, name in zip(cells, names, strict=True):
+        view = result.contact(name)
+        depth, force = view.penetration[rows], view.force[rows]
+        touching = force > 0.0
+        axes.plot(1e6 * depth[touching], force[touching], "o", markersize=1.8, color=BLUE)
+        axes.set(xlim=(0.0, None), ylim=(0.0, None))
+        axes.set_title(name)
+    return figure
+
+
+def names_of(result: Result, part: str, given: tuple[object, ...]) -> tuple[str, ...]:
+    """Return the names that are given, one by one or in lists, which must exist, or all."""
+    names: tuple[str, ...] = getattr(result, f"{part}_names")
+    if not names:
+        msg = f"{part}: the scene has none to draw"
+        raise InvalidInput(msg)
+    wanted: list[Any] = []
+    for one in given:
+        wanted += [one] if isinstance(one, str) or not isinstance(one, Sequence) else one
+    for name in wanted:
+        if name not in names:
+            msg = f"{part}: {shown(name)} is no {part}; {suggest(name, names)}"
             raise InvalidInput(msg)
-        wanted: list[str] = []
-        for one in given:
-            wanted += [one] if isinstance(one, str) or not isinstance(one, Sequence) else one
-        for name in wanted:
-            if name not in names:
-                msg = (
-                    f"{part}: {shown(name)} is no {part} of this mechanism; {suggest(name, names)}"
-                )
-                raise InvalidInput(msg)
-        return tuple(wanted) or names
+    return tuple(wanted) or names
 
 
 def _color(k: int) -> str:

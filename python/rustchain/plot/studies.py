@@ -37,7 +37,7 @@ def draw_study(study: StudyResult, measures: Sequence[str], ax: Ax = None) -> Fi
         raise InvalidInput(msg)
     single = [name for name in numbers if not _own(samples[name], study)]
     chosen = list(measures or single or numbers)
-    axes_of_study = [name for name in study.sweep.axes or {} if name != "disturbance"]
+    axes_of_study = [name for name in study.sweep.axes or {} if name != "replicate"]
     over = axes_of_study[0] if axes_of_study else "run"
     panes: list[tuple[str, dict[str, int]]] = []
     for name in chosen:

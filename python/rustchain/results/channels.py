@@ -1,4 +1,4 @@
-"""The arrays that a drive's result may have: group, dimensions, unit and name of each."""
+"""The arrays that a result may have: group, dimensions, unit and name of each."""
 
 from __future__ import annotations
 
@@ -81,9 +81,36 @@ VARIABLES = {
     "velocities": Variable(
         "bodies", ("body", "coordinate"), "m/s, m/s, rad/s", "velocities of the bodies"
     ),
+    "accelerations": Variable(
+        "bodies", ("body", "coordinate"), "m/s^2, m/s^2, rad/s^2", "accelerations of the bodies"
+    ),
+    "joint_reaction": Variable(
+        "joints", ("joint", "component"), "N, N, N m", "force and torque on body b, about its point"
+    ),
+    "joint_position_residual": Variable("joints", ("joint",), "m or rad", "constraint residual"),
+    "joint_velocity_residual": Variable(
+        "joints", ("joint",), "m/s or rad/s", "rate of the constraint residual"
+    ),
+    "peak_joint_force": Variable("joints", ("joint",), "N", "largest force since the last row"),
+    "peak_joint_impulse": Variable("joints", ("joint",), "N s", "impulse since the last row"),
+    "contact_force": Variable("contacts", ("contact",), "N", "normal force"),
+    "contact_force_vector": Variable("contacts", ("contact", "axis"), "N", "force on the circle"),
+    "contact_impact_velocity": Variable(
+        "contacts",
+        ("contact",),
+        "m/s",
+        "largest initial impact velocity since the last row, 0: no onset",
+    ),
+    "contact_penetration": Variable("contacts", ("contact",), "m", "penetration"),
+    "contact_gap": Variable("contacts", ("contact",), "1", "gap of teeth near, -1: none"),
+    "contact_region": Variable("contacts", ("contact",), "1", "region of tooth near, 0: none"),
+    "peak_contact_force": Variable(
+        "contacts", ("contact",), "N", "largest normal force since the last row"
+    ),
+    "peak_contact_impulse": Variable("contacts", ("contact",), "N s", "impulse since the last row"),
     "energy_kinetic": Variable("energy", (), "J", "kinetic energy"),
     "energy_gravity": Variable("energy", (), "J", "potential energy of gravity"),
-    "energy_elastic": Variable("energy", (), "J", "elastic energy of the contacts"),
+    "energy_elastic": Variable("energy", (), "J", "elastic energy of contacts and springs"),
     "energy_dissipated": Variable("energy", (), "J", "energy dissipated since the first row"),
     "energy_external_work": Variable("energy", (), "J", "external work since the first row"),
     "energy_residual": Variable("energy", (), "J", "residual of the energy balance"),
@@ -95,3 +122,6 @@ VARIABLES = {
     "energy_roller_friction": Variable("energy", (), "J", "dissipated by friction in rollers"),
     "energy_hinge_film": Variable("energy", (), "J", "dissipated by lubricant in hinges"),
 }
+
+OF_MECHANISMS = ("joints", "contacts")
+"""Groups that mechanisms alone have."""

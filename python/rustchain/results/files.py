@@ -1,4 +1,4 @@
-"""Results of drives from their files."""
+"""Results from their files."""
 
 from __future__ import annotations
 
@@ -7,25 +7,26 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from rustchain.description.base import Description
-from rustchain.errors import InvalidInput
+from rustchain.description.scene import Scene
 from rustchain.names import known_keywords
 from rustchain.results import netcdf
-from rustchain.results.channels import VARIABLES
+from rustchain.results.channels import OF_MECHANISMS, VARIABLES
 from rustchain.results.result import Result
-from rustchain.results.tables import ENDS, JUMPS, SCENE
+from rustchain.results.tables import ENDS, JUMPS
 from rustchain.results.views import Jumps
 
 if TYPE_CHECKING:
     import xarray as xr
 
-_OF_DRIVES = ("Result.save", "a drive")  # what writes such files, and what they are of
-
 
 @known_keywords
 def load_result(path: str | Path) -> Result:
     """Return the result that `Result.save` wrote to `path`.
+
+    Python functions of a mechanism are not in the file: those of the scene then raise when called.
 
     Raises
     ------
@@ -33,28 +34,47 @@ def load_result(path: str | Path) -> Result:
         There is no such file (`FileNotFoundError`), it is a directory (`IsADirectoryError`), a
         device or a FIFO, or cannot be read.
     InvalidInput
-        The file holds no result of a drive, or its content does not match its checksum.
+        The file holds no result, or its content does not match its checksum.
     """
-    data = netcdf.read(path, *_OF_DRIVES)
-    if "mechanism" in data.attrs:
-        msg = f"path = {path}: holds the result of a mechanism; MechanismResult.load reads it"
-        raise InvalidInput(msg)
+    data = netcdf.read(path)
     try:
-        scene: dict[str, Any] = {name: Description.from_json(data.attrs[name]) for name in SCENE}
-        scene |= {name: data[name].values for name in ENDS}
+        scene: Scene = Description.from_json(data.attrs["scene"])
+        names = {
+            "body": tuple(map(str, data["body"].values)) if "body" in data else (),
+            "joint": tuple(json.loads(data.attrs["joint_names"])),
+            "contact": tuple(json.loads(data.attrs["contact_names"])),
+        }
+        ends = {name: data[name].values if name in data else np.empty((0, 3)) for name in ENDS}
         return Result(
-            arrays={"time": data["time"].values}
-            | {name: data[name].values for name in VARIABLES if name in data},
-            **scene,
-            min_impact_velocity=float(data.attrs["min_impact_velocity"]),
-            body_names=tuple(map(str, data["body"].values)),
+            arrays=_arrays_of(data, scene, {part: len(listed) for part, listed in names.items()}),
+            scene=scene,
+            body_names=names["body"],
+            joint_names=names["joint"],
+            contact_names=names["contact"],
+            **ends,
             status=data.attrs["status"],
             message=data.attrs["message"],
             stats=json.loads(data.attrs["stats"]),
             jumps=_jumps_of(data),
         )
     except Exception as error:  # so does what is damaged within
-        raise netcdf.damaged(path, *_OF_DRIVES, error) from error
+        raise netcdf.damaged(path, error) from error
+
+
+def _arrays_of(
+    data: xr.Dataset, scene: Scene, sizes: dict[str, int]
+) -> dict[str, npt.NDArray[Any]]:
+    """Return the recorded arrays, with those of a mechanism that are empty and not in the file."""
+    arrays = {"time": data["time"].values}
+    arrays |= {name: data[name].values for name in VARIABLES if name in data}
+    if scene.kind == "mechanism":
+        sizes = sizes | {"coordinate": 3, "component": 3, "axis": 2}
+        for name, v in VARIABLES.items():
+            shape = (len(arrays["time"]), *(sizes.get(d, 1) for d in v.dims))
+            if v.group in ("bodies", *OF_MECHANISMS) and 0 in shape:
+                kind = np.int32 if name in ("contact_gap", "contact_region") else np.float64
+                arrays[name] = np.zeros(shape, kind)
+    return arrays
 
 
 def _jumps_of(data: xr.Dataset) -> Jumps | None:

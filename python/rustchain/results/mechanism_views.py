@@ -5,31 +5,34 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from rustchain.names import named_attributes
+from rustchain.results.values import ArrayValue
 from rustchain.typing import Array, IntArray
 
 
 @named_attributes
 @dataclass(frozen=True, eq=False)
-class BodyMotion:
+class BodyMotion(ArrayValue):
     """One body over time.
 
     Attributes
     ----------
     time : ndarray, (times,)
         Report times [s].
-    position, velocity, acceleration : ndarray, (times, 3)
+    position, velocity : ndarray, (times, 3)
         Of centre of mass and angle [m, m, rad], and their rates.
+    acceleration : ndarray, (times, 3), optional
+        Rates of the velocity [m/s^2, m/s^2, rad/s^2]; only of mechanisms.
     """
 
     time: Array
     position: Array
     velocity: Array
-    acceleration: Array
+    acceleration: Array | None = None
 
 
 @named_attributes
 @dataclass(frozen=True, eq=False)
-class JointHistory:
+class JointHistory(ArrayValue):
     """One joint over time.
 
     Attributes
@@ -57,7 +60,7 @@ class JointHistory:
 
 @named_attributes
 @dataclass(frozen=True, eq=False)
-class ContactHistory:
+class ContactHistory(ArrayValue):
     """One contact over time.
 
     Attributes

@@ -19,6 +19,9 @@ _Given = TypeVar("_Given")
 _Made = TypeVar("_Made")
 
 
+_WRITER = "Result.save"
+
+
 def write(dataset: xr.Dataset, path: object) -> None:
     """Write a dataset to a file, lightly packed, with a checksum behind it."""
     image = _beside(_image, dataset)
@@ -28,25 +31,25 @@ def write(dataset: xr.Dataset, path: object) -> None:
     write_whole(path, image.getbuffer())
 
 
-def read(path: object, writer: str, other: str) -> xr.Dataset:
-    """Return the dataset in a file that `writer` wrote, a result of `other`."""
+def read(path: object) -> xr.Dataset:
+    """Return the dataset in a file that `Result.save` wrote."""
     _ = extras.xarray, extras.h5netcdf  # missing, they are no damage to the file
-    content = check_there(path, writer).read_bytes()
+    content = check_there(path, _WRITER).read_bytes()
     body = memoryview(content)[: -len(_checksum(b""))]
     # HDF5 does not see a damaged file: it reads some as another content, and fails in many ways.
     if content[len(body) :] != _checksum(body):
-        raise damaged(path, writer, other, "it holds no result that matches its checksum")
+        raise damaged(path, "it holds no result that matches its checksum")
     try:
         return _beside(_dataset, content)
     except Exception as error:  # what no file of this package is raises what it likes
-        raise damaged(path, writer, other, error) from error
+        raise damaged(path, error) from error
 
 
-def damaged(path: object, writer: str, other: str, error: object) -> InvalidInput:
+def damaged(path: object, error: object) -> InvalidInput:
     """Return the error that says why a file holds no whole result."""
     return InvalidInput(
-        f"path = {shown_path(path)}: is no result of {other}, or is damaged ({error}): give a file "
-        f"that {writer} wrote, which is netCDF whatever its name, or copy or save it again"
+        f"path = {shown_path(path)}: is no result, or is damaged ({error}): give a file "
+        f"that {_WRITER} wrote, which is netCDF whatever its name, or copy or save it again"
     )
 
 

@@ -14,10 +14,14 @@ from rustchain.analysis.jumps import check_seated, tooth_jumps
 from rustchain.arguments import checked_methods, shown
 from rustchain.description.drive import ChainDrive
 from rustchain.description.laws.force import ForceLaw
-from rustchain.errors import InvalidInput, NotRecorded
+from rustchain.description.scene import Scene
+from rustchain.description.solver import Solver
+from rustchain.errors import NoSuchPart, NotRecorded
 from rustchain.names import named_attributes, suggest
 from rustchain.results import netcdf, tables
-from rustchain.results.channels import VARIABLES
+from rustchain.results.channels import OF_MECHANISMS, VARIABLES
+from rustchain.results.mechanism_views import BodyMotion, ContactHistory, JointHistory
+from rustchain.results.values import ArrayValue
 from rustchain.results.views import (
     Bushing,
     ChainEnd,
@@ -36,7 +40,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rustchain.plot import Plots
-    from rustchain.simulation.simulation import Solver
 
 Status = Literal["finished", "stopped", "interrupted", "failed"]
 
@@ -44,18 +47,20 @@ Status = Literal["finished", "stopped", "interrupted", "failed"]
 @named_attributes
 @checked_methods
 @dataclass(frozen=True, eq=False, repr=False)
-class Result(Outputs):
-    """What a run recorded, and of what.
+class Result(ArrayValue, Outputs):
+    """What a run recorded, and of which scene.
 
-    Hinges, bushings and sprockets are numbered from 1 in calls, from 0 in arrays. What engineers
-    read are the methods from `link_tension` to `engagements`.
+    Hinges, bushings and sprockets are numbered from 1 in calls, from 0 in arrays; bodies, joints
+    and contacts go by their names. The arrays are read-only. Post-processing of chain drives are
+    the methods from `link_tension` to `engagements`.
 
     Attributes
     ----------
     arrays : dict of ndarray
         Everything recorded, by name; time is the first axis. `to_xarray` adds dims and units.
-    drive, hinge_law, tooth_law, solver, min_impact_velocity
-        What was simulated, and how.
+    scene : Scene
+        What was simulated, and how. `drive`, `hinge_law`, `tooth_law`, `solver` and
+        `min_impact_velocity` are its own.
     body_names : tuple of str
         Names of the bodies.
     initial_positions, initial_velocities, final_positions, final_velocities : ndarray, (bodies, 3)
@@ -68,15 +73,13 @@ class Result(Outputs):
         Steps, evaluations, onsets of contacts and wall time by phase [s] of this run.
     jumps : tuple of ndarray, optional
         Times [s], sprockets (from 1) and directions of the tooth jumps since the simulation began;
-        see `tooth_jumps`. None where they are not counted: with ``hinges="ideal"``.
+        see `tooth_jumps`. None where they are not counted: with ``hinges="ideal"``, in mechanisms.
+    joint_names, contact_names : tuple of str
+        Of mechanisms, in the order of the arrays.
     """
 
     arrays: dict[str, npt.NDArray[Any]]
-    drive: ChainDrive
-    hinge_law: ForceLaw
-    tooth_law: ForceLaw
-    solver: Solver
-    min_impact_velocity: float
+    scene: Scene
     body_names: tuple[str, ...]
     initial_positions: Array
     initial_velocities: Array
@@ -86,12 +89,43 @@ class Result(Outputs):
     message: str
     stats: dict[str, Any]
     jumps: Jumps | None = None
+    joint_names: tuple[str, ...] = ()
+    contact_names: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Make the arrays read-only."""
+        self.__setstate__(vars(self))
 
     def __repr__(self) -> str:
         """Return how the run ended and what is there."""
-        name = self.drive.name or "chain drive"
         span = f"{self.time[0]:.6g} to {self.time[-1]:.6g} s in {len(self.time)} rows"
-        return f"<Result of {name}: {self.status}, {span}: {', '.join(self.groups)}>"
+        groups = ", ".join(self.groups)
+        return f"<Result of {self.scene.name}: {self.status}, {span}: {groups}>"
+
+    @property
+    def drive(self) -> ChainDrive:
+        """The drive; raises `InvalidInput` where a mechanism was simulated."""
+        return self.scene.drive
+
+    @property
+    def hinge_law(self) -> ForceLaw:
+        """Law of pins in bushings."""
+        return self.scene.law_of_hinges
+
+    @property
+    def tooth_law(self) -> ForceLaw:
+        """Law of bushings or rollers on teeth."""
+        return self.scene.law_of_teeth
+
+    @property
+    def solver(self) -> Solver:
+        """Method and tolerances."""
+        return self.scene.solver
+
+    @property
+    def min_impact_velocity(self) -> float:
+        """Lower bound on the initial impact velocity used by the damping factor [m/s]."""
+        return self.scene.min_impact_velocity
 
     def _repr_html_(self) -> str:
         """Return a table and a picture for a notebook."""
@@ -119,16 +153,18 @@ class Result(Outputs):
         if name in self.arrays:
             return self.arrays[name]
         if name not in VARIABLES:
-            msg = f"name = {shown(name)}: there is no such array; {suggest(name, VARIABLES)}"
+            msg = f"name = {shown(name)}: there is no such array; {suggest(name, self.arrays)}"
             raise NotRecorded(msg)
         group = VARIABLES[name].group
         if group in self.groups:
             msg = (
-                f"{name}: this drive has no such channel; expected hinges='clearance', and for "
+                f"{name}: this scene has no such channel; expected hinges='clearance', and for "
                 "channels of rollers, film or ends a drive that has them"
             )
         elif group == "energy":
             msg = "the energy balance was not recorded; pass energy=True to run"
+        elif (group in OF_MECHANISMS) != (self.scene.kind == "mechanism"):
+            msg = f"{name}: {self.scene.name} has no {group}; it has recorded {self.groups}"
         else:
             msg = f"{group} were not recorded; pass record=(..., {shown(group)}) to run"
         raise NotRecorded(msg)
@@ -193,11 +229,8 @@ class Result(Outputs):
         names = self.strand_names
         if not isinstance(name, str):
             k = _position("strand", name, len(names))
-        elif name in names:
-            k = names.index(name)
         else:
-            msg = f"strand: {shown(name)} is no strand; {suggest(name, names)}"
-            raise InvalidInput(msg)
+            k = _place("strand", name, names)
         return Strand(self.time, self.array("strand_tension")[:, k])
 
     def sprocket(self, number: int) -> SprocketMotion:
@@ -220,6 +253,49 @@ class Result(Outputs):
         k = _position("guide", number, len(self.drive.guides)) + len(self.drive.sprockets)
         names = ("angle", "speed", "torque", "center")
         return SprocketMotion(self.time, *(self.array(f"sprocket_{name}")[:, k] for name in names))
+
+    def body(self, name: str) -> BodyMotion:
+        """Return a body by its name in `body_names`."""
+        k = _place("body", name, self.body_names)
+        rates = self.arrays.get("accelerations")
+        return BodyMotion(
+            self.time,
+            self.array("positions")[:, k],
+            self.array("velocities")[:, k],
+            None if rates is None else rates[:, k],
+        )
+
+    def joint(self, name: str) -> JointHistory:
+        """Return a joint or driver of a mechanism by its name in `joint_names`."""
+        reaction = self.array("joint_reaction")
+        k = _place("joint", name, self.joint_names)
+        others = (
+            "joint_position_residual",
+            "joint_velocity_residual",
+            "peak_joint_force",
+            "peak_joint_impulse",
+        )
+        return JointHistory(
+            self.time,
+            reaction[:, k, :2],
+            reaction[:, k, 2],
+            *(self.array(part)[:, k] for part in others),
+        )
+
+    def contact(self, name: str) -> ContactHistory:
+        """Return a contact of a mechanism by its name in `contact_names`."""
+        force = self.array("contact_force")
+        k = _place("contact", name, self.contact_names)
+        names = (
+            "contact_penetration",
+            "contact_gap",
+            "contact_region",
+            "peak_contact_force",
+            "peak_contact_impulse",
+            "contact_force_vector",
+            "contact_impact_velocity",
+        )
+        return ContactHistory(self.time, force[:, k], *(self.array(part)[:, k] for part in names))
 
     @property
     def energy(self) -> Energy:
@@ -267,7 +343,7 @@ class Result(Outputs):
         Raises
         ------
         NotRecorded
-            The drive has ideal hinges, for which jumps are not counted.
+            The drive has ideal hinges, or the scene is a mechanism: jumps are not counted.
         """
         return tooth_jumps(self)
 
@@ -317,8 +393,18 @@ class Result(Outputs):
 def _position(part: str, number: int, count: int) -> int:
     """Return the place in arrays of the part with this number."""
     if not 1 <= number <= count:
-        msg = f"{part} {shown(number)}: {part}s are numbered 1 to {count}"
-        if count == 0:
-            msg = f"{part} {shown(number)}: there is none"
-        raise IndexError(msg)
+        near = min(max(number, 1), count)
+        msg = (
+            f"{part} {shown(number)}: {part}s are numbered 1 to {count}; the nearest is {near}"
+            if count
+            else f"{part} {shown(number)}: there is none"
+        )
+        raise NoSuchPart(msg)
     return number - 1
+
+
+def _place(part: str, name: str, names: tuple[str, ...]) -> int:
+    """Return the place in arrays of the part with this name."""
+    if name not in names:
+        raise NoSuchPart(f"{part}: {shown(name)} is no {part}; {suggest(name, names)}")
+    return names.index(name)

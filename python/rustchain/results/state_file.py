@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
@@ -12,8 +12,10 @@ import numpy as np
 
 from rustchain.arguments import rows_of, shown
 from rustchain.description.base import Description
+from rustchain.description.scene import Scene
 from rustchain.errors import InvalidInput
 from rustchain.paths import check_there, shown_path, write_whole
+from rustchain.typing import Array
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -29,20 +31,15 @@ class _HasState(Protocol):
 
 _Core = TypeVar("_Core", bound=_HasState)
 
-_FORMAT = 1  # of the file; what its snapshot holds has a version of its own
-_DESCRIBED = ("drive", "hinge_law", "tooth_law", "solver")
+_FORMAT = 2  # of the file; what its snapshot holds has a version of its own
 _ROWS = ("positions", "velocities")
 
 
 def restored(
     core: _Core,
     state: Mapping[str, Any],
-    start: str = "Simulation with positions= and velocities=",
 ) -> _Core:
-    """Return the simulation of `core` in another state, whose arrays must be as it was taken.
-
-    `start` says what makes a start of one's own.
-    """
+    """Return the simulation of `core` in another state, whose arrays must be as it was taken."""
     snapshot = state.get("snapshot") if isinstance(state, Mapping) else None
     if not isinstance(snapshot, bytes):
         msg = f"state: {type(state).__name__} without a snapshot: pass what Simulation.state() gave"
@@ -53,18 +50,17 @@ def restored(
             change = "was changed" if name in state else "is missing"
             msg = (
                 f"state[{shown(name)}] {change}: a state is set as it was taken; for a start "
-                "of your "
-                f"own, make a {start}"
+                "of your own, make a Simulation with positions= and velocities="
             )
             raise InvalidInput(msg)
     return found
 
 
-def write(path: str | Path, scene: Mapping[str, Any], state: Mapping[str, Any]) -> None:
-    """Write a scene, its start included, and a state; the file is there whole or not at all."""
+def write(path: str | Path, scene: Scene, start: Sequence[Array], state: Mapping[str, Any]) -> None:
+    """Write a scene, its start and a state; the file is there whole or not at all."""
     members: dict[str, Any] = {"format": _FORMAT, "rustchain_version": version("rustchain")}
-    members |= {name: scene[name].to_json() for name in _DESCRIBED}
-    members |= {f"scene.{name}": scene[name] for name in ("min_impact_velocity", *_ROWS)}
+    members["scene"] = scene.to_json()
+    members |= {f"start.{name}": rows for name, rows in zip(_ROWS, start, strict=True)}
     members |= {f"state.{name}": value for name, value in state.items()}
     members["state.snapshot"] = np.frombuffer(state["snapshot"], dtype=np.uint8)
     archive = io.BytesIO()
@@ -72,15 +68,17 @@ def write(path: str | Path, scene: Mapping[str, Any], state: Mapping[str, Any]) 
     write_whole(path, archive.getbuffer())
 
 
-def read(path: str | Path) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the scene and the state that `write` wrote."""
+def read(path: str | Path) -> tuple[Scene, dict[str, Array | None], dict[str, Any]]:
+    """Return the scene, its start and the state that `write` wrote."""
     packed = check_there(path, "Simulation.save_state").read_bytes()
     try:
         with np.load(io.BytesIO(packed), allow_pickle=False) as file:
             members = {name: file[name] for name in file.files}
         found = int(members["format"])
         if found == _FORMAT:
-            return _scene_of(members), _state_of(members)
+            scene: Scene = Description.from_json(str(members["scene"]))
+            start = {name: rows_of(name, members[f"start.{name}"], "bodies") for name in _ROWS}
+            return scene, start, _state_of(members)
     except Exception as error:  # a damaged archive raises what it likes
         msg = (
             f"path = {shown_path(path)}: holds no state of rustchain, or is damaged: give a file "
@@ -92,13 +90,6 @@ def read(path: str | Path) -> tuple[dict[str, Any], dict[str, Any]]:
         f"with the one that wrote it, {members.get('rustchain_version', 'of another version')}"
     )
     raise InvalidInput(msg)
-
-
-def _scene_of(members: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the keywords of the simulation."""
-    scene = {name: Description.from_json(str(members[name])) for name in _DESCRIBED}
-    scene["min_impact_velocity"] = members["scene.min_impact_velocity"].item()
-    return scene | {name: rows_of(name, members[f"scene.{name}"], "bodies") for name in _ROWS}
 
 
 def _state_of(members: Mapping[str, Any]) -> dict[str, Any]:

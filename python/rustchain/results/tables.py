@@ -19,33 +19,40 @@ if TYPE_CHECKING:
 
     from rustchain.results.result import Result
 
-SCENE = ("drive", "hinge_law", "tooth_law", "solver")
 JUMPS = ("jump_time", "jump_sprocket", "jump_direction")
 ENDS = ("initial_positions", "initial_velocities", "final_positions", "final_velocities")
 
 
 def dataset_of(result: Result) -> xr.Dataset:
-    """Return everything in the result of a drive, the scene in the attributes."""
+    """Return everything in a result, the scene in the attributes."""
     from rustchain.extras import xarray as xr
 
-    drive = result.drive
-    coordinates = {
+    coordinates: dict[str, Any] = {
         "time": xr.Variable("time", result.time, {"units": "s", "long_name": "time"}),
-        "hinge": np.arange(1, drive.hinge_count + 1),
-        "bushing": np.arange(1, drive.hinge_count + 1),
-        "end": [1, 2],
-        "sprocket": np.arange(1, len(drive.sprockets) + len(drive.guides) + 1),
-        "strand": list(result.strand_names),
         "axis": ["x", "y"],
         "body": list(result.body_names),
         "coordinate": ["x", "y", "theta"],
+        "joint": np.array(result.joint_names, dtype=str),
+        "contact": np.array(result.contact_names, dtype=str),
+        "component": ["x", "y", "torque"],
     }
-    variables = variables_of(result.arrays, VARIABLES)
+    if result.scene.kind != "mechanism":
+        drive = result.drive
+        coordinates |= {
+            "hinge": np.arange(1, drive.hinge_count + 1),
+            "bushing": np.arange(1, drive.hinge_count + 1),
+            "end": [1, 2],
+            "sprocket": np.arange(1, len(drive.sprockets) + len(drive.guides) + 1),
+            "strand": list(result.strand_names),
+        }
+    there = {name: array for name, array in result.arrays.items() if array.size}
+    variables = variables_of(there, VARIABLES)
     for name in ENDS:
         end, quantity = name.split("_")
         units = VARIABLES[quantity].units
         attributes = {"units": units, "long_name": f"{end} {quantity} of the bodies"}
-        variables[name] = (("body", "coordinate"), getattr(result, name), attributes)
+        if (values := getattr(result, name)).size:
+            variables[name] = (("body", "coordinate"), values, attributes)
     attributes_of_jumps = {}
     if result.jumps is not None:
         attributes_of_jumps["tooth_jumps"] = len(result.jumps[0])
@@ -55,9 +62,10 @@ def dataset_of(result: Result) -> xr.Dataset:
     return dataset(
         variables,
         coordinates,
-        {name: getattr(result, name).to_json() for name in SCENE}
-        | {
-            "min_impact_velocity": result.min_impact_velocity,
+        {
+            "scene": result.scene.to_json(placeholders=True),
+            "joint_names": json.dumps(result.joint_names),
+            "contact_names": json.dumps(result.contact_names),
             "status": result.status,
             "message": result.message,
             "stats": json.dumps(result.stats),

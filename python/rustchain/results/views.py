@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain.names import named_attributes
+from rustchain.results.values import ArrayValue
 from rustchain.typing import Array, IntArray
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ Jumps: TypeAlias = tuple[Array, npt.NDArray[np.int64], npt.NDArray[np.int64]]
 
 @named_attributes
 @dataclass(frozen=True, eq=False)
-class Hinge:
+class Hinge(ArrayValue):
     """One hinge over time.
 
     Attributes
@@ -51,7 +52,7 @@ class Hinge:
 
 @named_attributes
 @dataclass(frozen=True, eq=False)
-class Bushing:
+class Bushing(ArrayValue):
     """One bushing's deepest contact with a tooth, over time.
 
     Attributes
@@ -82,7 +83,7 @@ class Bushing:
 
 @named_attributes
 @dataclass(frozen=True, eq=False)
-class RollerOnBushing:
+class RollerOnBushing(ArrayValue):
     """One roller on its bushing over time.
 
     Attributes
@@ -114,7 +115,7 @@ class RollerOnBushing:
 
 @named_attributes
 @dataclass(frozen=True, eq=False)
-class Strand:
+class Strand(ArrayValue):
     """One strand over time.
 
     Attributes
@@ -131,7 +132,7 @@ class Strand:
 
 @named_attributes
 @dataclass(frozen=True, eq=False)
-class SprocketMotion:
+class SprocketMotion(ArrayValue):
     """One sprocket over time.
 
     Attributes
@@ -153,7 +154,7 @@ class SprocketMotion:
 
 @named_attributes
 @dataclass(frozen=True, eq=False)
-class ChainEnd:
+class ChainEnd(ArrayValue):
     """One end of an open chain over time.
 
     Attributes
@@ -174,7 +175,7 @@ class ChainEnd:
 
 @named_attributes
 @dataclass(frozen=True, eq=False)
-class Energy:
+class Energy(ArrayValue):
     """The energy balance over time.
 
     Attributes
@@ -218,7 +219,7 @@ class Energy:
 
 @named_attributes
 @dataclass(frozen=True, eq=False)
-class Peaks:
+class Peaks(ArrayValue):
     """Largest forces [N] and impulses [N s] within each report interval; row i ends at time i.
 
     An impact lasts 15 to 80 us, so that most of them fall between two rows of the other arrays.

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from rustchain.names import named_attributes
+from rustchain.results.values import ArrayValue, read_only
 from rustchain.typing import Array
 
 
 @named_attributes
-@dataclass(frozen=True, eq=False)
-class Evaluation:
-    """Accelerations and contacts of one state.
+class Evaluation(ArrayValue):
+    """Accelerations and contacts of one state; its arrays are those that the scene has.
 
     Attributes
     ----------
@@ -38,7 +39,16 @@ class Evaluation:
     hinge_bristle : ndarray, (hinges,), optional
     tooth_bristle : ndarray, (bushings, sprockets), optional
     roller_bristle : ndarray, (rollers,), optional
-        How far bristles are bent, where friction is `LuGre` [m]; zero at positions that are given.
+        Deflection of the bristles, where friction is `LuGre` [m]; zero at positions that are given.
+    joint_reaction : ndarray, (joints, 3)
+        Of mechanisms: force and torque on body b about the joint's point [N, N, N m].
+    contact_force, contact_penetration : ndarray, (contacts,)
+        Of mechanisms: normal force [N] and penetration [m].
+    contact_force_vector : ndarray, (contacts, 2)
+        Of mechanisms: force on the circle [N].
+    contact_gap, contact_region : ndarray of int, (contacts,)
+        Of mechanisms, of circles near teeth: the gap, from 0 (-1: none), and its region, counted
+        from 1 along its outline (0: none; an ANSI gap has seven).
     """
 
     accelerations: Array
@@ -56,3 +66,21 @@ class Evaluation:
     hinge_bristle: Array | None = None
     tooth_bristle: Array | None = None
     roller_bristle: Array | None = None
+    joint_reaction: Array
+    contact_force: Array
+    contact_penetration: Array
+    contact_force_vector: Array
+    contact_gap: npt.NDArray[np.int32]
+    contact_region: npt.NDArray[np.int32]
+
+    def __init__(self, arrays: Mapping[str, npt.NDArray[Any]]) -> None:
+        self.__dict__.update({name: read_only(array) for name, array in arrays.items()})
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Refuse: an evaluation is a value."""
+        msg = f"Evaluation.{name}: cannot be set"
+        raise AttributeError(msg)
+
+    def __repr__(self) -> str:
+        """Return the names of the arrays."""
+        return f"<Evaluation: {', '.join(self.__dict__)}>"

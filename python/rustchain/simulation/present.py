@@ -2,47 +2,86 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
-from rustchain import _rustchain
 from rustchain.arguments import rows_of
 from rustchain.caller import warn_caller
 from rustchain.description.drive import ChainDrive
 from rustchain.description.laws.force import ForceLaw
+from rustchain.description.mechanism.report import MechanismReport
+from rustchain.description.report import DriveReport
+from rustchain.description.scene import Scene
 from rustchain.description.solver import Solver
-from rustchain.errors import EnergyWarning, RangeWarning, ToothJumpWarning
+from rustchain.errors import EnergyWarning, InvalidInput, RangeWarning, ToothJumpWarning
 from rustchain.names import known_keywords
 from rustchain.results import state_file
+from rustchain.simulation.core import Core, core_of
 from rustchain.simulation.evaluation import Evaluation
 from rustchain.typing import Array
 
 if TYPE_CHECKING:
-    from typing import TypeAlias
-
     from typing_extensions import Self
-
-    Core: TypeAlias = _rustchain.Core | _rustchain.IdealCore
-
-SCENE = ("drive", "force_law", "hinge_law", "tooth_law", "min_impact_velocity", "solver")
 
 
 class Present:
-    """A drive with its laws and solver, somewhere on its way."""
+    """A scene at some time of its motion."""
 
+    scene: Scene
     _core: Core
+    _running = False
 
     def __repr__(self) -> str:
-        """Return what moves, and the time."""
-        return f"<Simulation of {self.drive.name or 'a chain drive'} at t = {self.time:.6g} s>"
+        """Return what is simulated, and the time."""
+        return f"<Simulation of {self.scene.name} at t = {self.time:.6g} s>"
+
+    @property
+    def drive(self) -> ChainDrive:
+        """The drive; raises `InvalidInput` where a mechanism is simulated."""
+        return self.scene.drive
+
+    @property
+    def hinge_law(self) -> ForceLaw:
+        """Law of pins in bushings."""
+        return self.scene.law_of_hinges
+
+    @property
+    def tooth_law(self) -> ForceLaw:
+        """Law of bushings or rollers on teeth."""
+        return self.scene.law_of_teeth
+
+    @property
+    def min_impact_velocity(self) -> float:
+        """Lower bound on the initial impact velocity used by the damping factor [m/s]."""
+        return self.scene.min_impact_velocity
+
+    @property
+    def solver(self) -> Solver:
+        """Method and tolerances."""
+        return self.scene.solver
 
     @property
     def body_names(self) -> list[str]:
         """Names of the bodies, in the order of every (bodies, 3) array."""
         return self._core.body_names
+
+    @property
+    def joint_names(self) -> list[str]:
+        """Names of the ideal joints and drivers; none in drives with clearance in their hinges."""
+        return getattr(self._core, "joint_names", [])
+
+    @property
+    def contact_names(self) -> list[str]:
+        """Names of the contacts of a mechanism, or of a drive with ideal hinges."""
+        return getattr(self._core, "contact_names", [])
+
+    def last_peaks(self) -> list[Array]:
+        """Return the largest forces of joints and of contacts in the last report interval [N]."""
+        found: list[Array] = self._core.last_peaks()  # type: ignore[attr-defined]
+        return found
 
     @property
     def time(self) -> float:
@@ -59,6 +98,10 @@ class Present:
         """Present velocities [m/s, m/s, rad/s], (bodies, 3)."""
         return self._core.velocities
 
+    def check(self) -> DriveReport | MechanismReport:
+        """Return the report of the drive's layout, or of the mechanism's assembly."""
+        return self.scene.system.check()
+
     def state(self) -> dict[str, Any]:
         """Return all that decides how the run goes on, for `set_state`.
 
@@ -71,8 +114,9 @@ class Present:
 
             - ``time`` [s]; ``positions`` and ``velocities``, (bodies, 3) [m, m, rad], [m/s, m/s,
               rad/s];
-            - ``hinge_onset_speed``, (hinges,), and ``tooth_onset_speed``, (bushings, sprockets):
-              approach speed at which each live contact began [m/s], 0 without contact;
+            - of drives with clearance in their hinges, ``hinge_onset_speed``, (hinges,), and
+              ``tooth_onset_speed``, (bushings, sprockets):
+              initial impact velocity of each present contact [m/s], 0 without contact;
             - ``tooth_onset_surface``, (bushings, sprockets): where it began, 0 seating curve, 1
               working curve, 2 flat, 3 topping curve;
             - ``parted_hinges`` and ``parted_tooth_pairs`` (sprocket · bushings + bushing): what
@@ -95,39 +139,27 @@ class Present:
         Parameters
         ----------
         state : dict
-            What `state` gave, of this simulation or of one with the same drive, laws, solver and
-            start.
+            What `state` gave, of this simulation or of one with the same scene. Python callables
+            of a mechanism are taken to be the same.
 
         Raises
         ------
         InvalidInput
-            The state is of another drive, other laws or another solver, or was changed or damaged.
-            The simulation is then what it was.
+            The state is of another scene, or was changed or damaged. The simulation is then what
+            it was.
         """
+        self._check_idle("set_state")
         self._core = state_file.restored(self._core, state)
         self._warn()
 
     @known_keywords
     def save_state(self, path: str | Path) -> None:
-        """Write the state and what it is of (drive, laws, solver, start) to a file.
+        """Write the state and its scene to a file.
 
         The file is a NumPy archive (.npz); one that is there already is replaced when the new one
         is complete. Parameters and errors are those of `Result.save`.
         """
-        positions, velocities = self._core.start()
-        state_file.write(
-            path,
-            {
-                "drive": self.drive,
-                "hinge_law": self.hinge_law,
-                "tooth_law": self.tooth_law,
-                "solver": self.solver,
-                "min_impact_velocity": self.min_impact_velocity,
-                "positions": positions,
-                "velocities": velocities,
-            },
-            self.state(),
-        )
+        state_file.write(path, self.scene, self._core.start(), self.state())
 
     @classmethod
     @known_keywords
@@ -149,9 +181,8 @@ class Present:
         RangeWarning
             A contact had left the range of its law.
         """
-        scene, state = state_file.read(path)
-        scene |= {"force_law": scene["hinge_law"]}
-        simulation = cls._around(core_for(scene["drive"])(**scene), scene)
+        scene, place, state = state_file.read(path)
+        simulation = cls._around(core_of(scene, place), scene)
         simulation._core = state_file.restored(simulation._core, state)
         simulation._warn()
         return simulation
@@ -168,60 +199,34 @@ class Present:
         Parameters
         ----------
         positions, velocities : array_like, (bodies, 3), optional
-            By default the present ones. With positions given, no contact has a memory.
+            By default the present ones; those of a mechanism are taken as they are, on the
+            constraints or not. With positions given, no contact has a memory.
         time : float, optional
             By default the present one [s].
         """
-        return Evaluation(
-            **self._core.evaluate(
-                rows_of("positions", positions, len(self.body_names)),
-                rows_of("velocities", velocities, len(self.body_names)),
-                time,
-            )
-        )
+        bodies = len(self.body_names)
+        rows = rows_of("positions", positions, bodies), rows_of("velocities", velocities, bodies)
+        return Evaluation(self._core.evaluate(*rows, time))
 
     @classmethod
-    def _around(cls, core: Core, scene: Mapping[str, Any]) -> Self:
+    def _around(cls, core: Core, scene: Scene) -> Self:
         """Return the simulation of `scene` that `core` is in the middle of."""
         simulation = cls.__new__(cls)
-        simulation._core = core
-        simulation._describe(**{name: scene[name] for name in SCENE})
+        simulation.scene, simulation._core = scene, core
         return simulation
-
-    def _describe(
-        self,
-        drive: ChainDrive,
-        force_law: ForceLaw,
-        hinge_law: ForceLaw | None,
-        tooth_law: ForceLaw | None,
-        min_impact_velocity: float,
-        solver: Solver,
-    ) -> None:
-        """Remember what is simulated, and how."""
-        self.drive = drive
-        self.hinge_law = force_law if hinge_law is None else hinge_law
-        self.tooth_law = force_law if tooth_law is None else tooth_law
-        self.min_impact_velocity = float(min_impact_velocity)  # whatever kind of number
-        self.solver = solver
 
     def _warn(self) -> None:
         """Pass the core's warnings on, as if from the innermost line outside the package."""
         categories = (RangeWarning, EnergyWarning, ToothJumpWarning)
-        for category, notes in zip(categories, self._core.take_warnings(), strict=True):
-            for message in notes:
+        for category, messages in zip(categories, self._core.take_warnings(), strict=True):
+            for message in messages:
                 warn_caller(message, category)
 
-
-def core_for(drive: object) -> Callable[..., Core]:
-    """Return what makes the core that runs this drive."""
-    if isinstance(drive, ChainDrive) and drive.hinges == "ideal":
-        return _ideal_core
-    return _rustchain.Core
-
-
-def _ideal_core(**scene: Any) -> _rustchain.IdealCore:  # noqa: ANN401
-    """Return the core of a drive with ideal hinges; warn of links that had to be moved far."""
-    core = _rustchain.IdealCore(**scene)
-    if (note := core.take_start_note()) is not None:
-        warn_caller(note)
-    return core
+    def _check_idle(self, wanted: str) -> None:
+        """Raise where a callback wants to move the simulation that has called it."""
+        if self._running:
+            msg = (
+                f"{wanted}: a run is under way; a callback may look at the simulation, but not "
+                "move it"
+            )
+            raise InvalidInput(msg)

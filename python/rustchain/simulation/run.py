@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from typing import TYPE_CHECKING, Literal, Protocol, get_args
+from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 
@@ -17,36 +17,59 @@ from rustchain.names import suggest
 
 if TYPE_CHECKING:
     from rustchain.description.drive import ChainDrive
+    from rustchain.description.scene import Scene
+    from rustchain.simulation.simulation import Simulation
 
-Group = Literal["hinges", "teeth", "sprockets", "bodies", "energy"]
+
+Group = Literal["hinges", "teeth", "sprockets", "bodies", "joints", "contacts", "energy"]
+
+GROUPS: dict[str, tuple[str, ...]] = {
+    "clearance": ("hinges", "teeth", "sprockets", "bodies", "energy"),
+    "ideal": ("hinges", "teeth", "sprockets", "bodies", "energy"),
+    "mechanism": ("bodies", "joints", "contacts", "energy"),
+}
+"""What can be recorded of each kind of scene; by default all but the bodies of a drive."""
 
 _MOST_GROUPS = 100  # far more than there are; what has more may have no end
 _MOST_ROWS = 1e9  # more are refused whatever they hold
 WALL_BUDGET = 0.05  # [s] between looks at the keyboard and the progress bar
 
 
-def known_groups(record: Sequence[str], energy: bool) -> tuple[list[str], bool]:
-    """Return the groups to record, each of which must exist, and whether to keep the energy."""
-    groups = [record] if isinstance(record, str) else items_within("record", record, _MOST_GROUPS)
+def known_groups(
+    scene: Scene, record: Sequence[str] | None, energy: bool | None
+) -> tuple[list[str], bool]:
+    """Return the groups to record, each of which the scene must have, and whether energy is one."""
+    known, mechanism = GROUPS[scene.kind], scene.kind == "mechanism"
+    if record is None:
+        groups: list[str] | None = [each for each in known if mechanism or each != "bodies"]
+    elif isinstance(record, str):
+        groups = [record]
+    else:
+        groups = items_within("record", record, _MOST_GROUPS)
     if groups is None:
-        msg = (
-            f"record = {shown(record)}: must be a sequence of groups: {', '.join(get_args(Group))}"
-        )
-        raise InvalidInput(msg)
+        raise InvalidInput(f"record = {shown(record)}: must be a sequence of {', '.join(known)}")
     for group in groups:
-        if not isinstance(group, str) or group not in get_args(Group):
-            msg = f"record: {shown(group)} is no group; {suggest(group, get_args(Group))}"
+        if not isinstance(group, str) or group not in known:
+            msg = f"record: {shown(group)} is no group; {suggest(group, known)}"
             raise InvalidInput(msg)
-    if not isinstance(energy, bool | np.bool_):
+    if not isinstance(energy, bool | np.bool_ | None):
         raise InvalidInput(f"energy = {shown(energy)}: must be True or False")
-    return groups, True if "energy" in groups else bool(energy)
+    wanted = "energy" in groups if energy is None else bool(energy)
+    return [group for group in groups if group != "energy"], wanted
 
 
-def numbers_of_a_row(drive: ChainDrive, groups: Sequence[str], energy: bool) -> int:
+def numbers_of_a_row(simulation: Simulation, groups: Sequence[str], energy: bool) -> int:
     """Return how many numbers a row of the result has, about."""
+    scene, bodies = simulation.scene, len(simulation.body_names)
+    joints, contacts = len(simulation.joint_names), len(simulation.contact_names)
+    if scene.kind != "clearance":  # all of the mechanism, whatever is kept
+        return 7 + 9 * bodies + 7 * joints + 9 * contacts
+    return numbers_of_drive_row(scene.drive, groups, energy)
+
+
+def numbers_of_drive_row(drive: ChainDrive, groups: Sequence[str], energy: bool) -> int:
+    """Return how many numbers a row of the result of a drive with clearance has, about."""
     links, sprockets = drive.hinge_count, len(drive.sprockets)
-    if drive.hinges == "ideal":  # all of the mechanism
-        return 7 + (16 + 6 * sprockets) * links
     rollers = 0 if drive.chain.roller is None else links
     each = {"hinges": 10 * links, "teeth": 9 * links, "sprockets": 5 * sprockets}
     each["bodies"] = 6 * (links + rollers + sprockets + len(drive.guides))

@@ -1,26 +1,25 @@
-"""A drive, its force laws and a solver: how it starts, steps and runs."""
+"""The simulation of a scene: how it starts, steps and runs."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from rustchain.arguments import plain, shown
-from rustchain.description.drive import ChainDrive, TimeTable, drive_inside
-from rustchain.description.laws.film import LubricantFilm
-from rustchain.description.laws.force import ForceLaw, LankaraniNikravesh, with_friction
-from rustchain.description.laws.friction import Coulomb, LuGre
+from rustchain.description.drive import ChainDrive, TimeTable
+from rustchain.description.laws.force import ForceLaw
 from rustchain.description.mechanism.builder import Mechanism
-from rustchain.description.solver import Method as Method
-from rustchain.description.solver import Solver as Solver
+from rustchain.description.scene import Scene, Start
+from rustchain.description.solver import Solver
 from rustchain.errors import InvalidInput, SimulationError
 from rustchain.names import known_keywords
 from rustchain.results.result import Result, Status
-from rustchain.simulation.evaluation import Evaluation as Evaluation
-from rustchain.simulation.present import SCENE, Present, core_for
+from rustchain.simulation.core import core_of, start_of
+from rustchain.simulation.present import Present
 from rustchain.simulation.run import (
     WALL_BUDGET,
     Group,
@@ -30,7 +29,6 @@ from rustchain.simulation.run import (
     numbers_of_a_row,
     seconds_bar,
 )
-from rustchain.simulation.start import Start, started
 from rustchain.simulation.stop import StopCondition, looks_of
 from rustchain.typing import Array
 
@@ -38,44 +36,27 @@ if TYPE_CHECKING:
     from rustchain.simulation.stop import Look
 
 
-_LAW = LankaraniNikravesh()
-_SOLVER = Solver()
-
-
-@known_keywords
+@known_keywords(min_approach_speed="min_impact_velocity")
 class Simulation(Present):
-    """A chain drive in motion; a mechanism makes a `MechanismSimulation`, with its keywords.
+    """The simulation of a scene: of a chain drive or a mechanism.
 
     Parameters
     ----------
-    drive : ChainDrive or Mechanism
-        What moves.
-    force_law : ForceLaw
-        Law of every contact.
-    hinge_law, tooth_law : ForceLaw, optional
-        Law of pins in bushings, of bushings on teeth; by default `force_law`.
-    friction : Coulomb or LuGre, optional
-        Friction of every contact: put into the laws, as ``ForceLaw.friction``.
-    hinge_friction, tooth_friction : Coulomb or LuGre, optional
-        Friction of pins in bushings, of bushings on teeth; by default `friction`.
-    hinge_film : LubricantFilm, optional
-        Lubricant between pins and bushings: put into their law, as ``ForceLaw.film``.
-    min_impact_velocity : float
-        Least approach speed that the damping reckons with [m/s]; without it, a contact that begins
-        slowly would be damped without limit.
+    scene : Scene, ChainDrive or Mechanism
+        What to simulate, and how; of a drive or a mechanism, the scene is made with the keywords
+        below. With a scene, they take the place of its own.
+    force_law, hinge_law, tooth_law : ForceLaw, optional
+    min_impact_velocity : float, optional
+        [m/s]; ``min_approach_speed`` is another name of it.
+    solver : Solver, optional
+    start : {"generated", "static"}, optional
     positions, velocities : array_like, (bodies, 3), optional
-        A start of one's own [m, m, rad] and [m/s, m/s, rad/s]; by default the generated one.
-        Positions need velocities with them; velocities alone go with the generated positions. What
-        the drive holds in a place must be there: sprockets on fixed bearings, guides, anchors.
-    solver : Solver
-        Method and tolerances.
-    start : {"generated", "static"}
-        As the generator lays the chain, with nothing in contact; or at rest under gravity, the
-        loads of the first instant and the tensioner's full pull, which then has no ramp. The
-        sprockets' speeds are those of the laid start. `rest` says how well the chain rests.
+        As in `Scene`.
 
     Attributes
     ----------
+    scene : Scene
+        What is simulated, and how.
     rest : dict, optional
         Of a static start: ``residual``, the largest unbalanced force [N], ``largest_force`` of a
         contact [N], and ``iterations``.
@@ -83,66 +64,46 @@ class Simulation(Present):
     Raises
     ------
     InvalidInput
-        A value is out of its range, or nothing holds a load at rest.
+        A value is out of its range, nothing holds a load at rest, or the joints of a mechanism do
+        not go together.
 
     Warns
     -----
     RangeWarning
         A contact has left the range of its law.
+    UserWarning
+        Something of a mechanism is worth a second look; see `Mechanism.check`.
     """
 
     rest: dict[str, float] | None = None
-    _running = False
-
-    def __new__(cls, drive: object = None, *others: Any, **keywords: Any) -> Simulation:  # noqa: ANN401
-        """Return the simulation that suits what is given."""
-        if isinstance(drive, Mechanism):
-            from rustchain.simulation.mechanism_simulation import MechanismSimulation
-
-            return MechanismSimulation(drive, *others, **keywords)  # type: ignore[return-value]
-        return super().__new__(cls)
 
     def __init__(
         self,
-        drive: ChainDrive,
-        force_law: ForceLaw = _LAW,
+        scene: Scene | ChainDrive | Mechanism,
+        force_law: ForceLaw | None = None,
+        *,
         hinge_law: ForceLaw | None = None,
         tooth_law: ForceLaw | None = None,
-        min_impact_velocity: float = 1e-3,
+        min_impact_velocity: float | None = None,
+        solver: Solver | None = None,
+        start: Start | None = None,
         positions: npt.ArrayLike | None = None,
         velocities: npt.ArrayLike | None = None,
-        solver: Solver = _SOLVER,
-        start: Start = "generated",
-        friction: Coulomb | LuGre | None = None,
-        hinge_friction: Coulomb | LuGre | None = None,
-        tooth_friction: Coulomb | LuGre | None = None,
-        hinge_film: LubricantFilm | None = None,
     ) -> None:
-        if drive_inside(drive) is not None:  # a Scene, a Simulation, a Result
-            msg = (
-                f"drive: a {type(drive).__name__} is no drive but has one: take its .drive; of a "
-                "scene, scene.simulate() makes the simulation"
-            )
-            raise InvalidInput(msg)
-        force_law, hinge_law, tooth_law = with_friction(
-            (force_law, hinge_law, tooth_law),
-            friction,
-            hinge_friction,
-            tooth_friction,
-            hinge_film,
-        )
-        scene: dict[str, Any] = {
-            "drive": drive,
+        keywords: dict[str, Any] = {
             "force_law": force_law,
             "hinge_law": hinge_law,
             "tooth_law": tooth_law,
-            "min_impact_velocity": plain(min_impact_velocity),
+            "min_impact_velocity": min_impact_velocity,
             "solver": solver,
+            "start": start,
+            "positions": positions,
+            "velocities": velocities,
         }
-        scene |= started(scene | {"start": start, "positions": positions, "velocities": velocities})
-        self.rest = scene.pop("rest")
-        self._core = core_for(scene["drive"])(**scene)
-        self._describe(**{name: scene[name] for name in SCENE})
+        given = {name: value for name, value in keywords.items() if value is not None}
+        self.scene = replace(scene, **given) if isinstance(scene, Scene) else Scene(scene, **given)
+        place, self.rest = start_of(self.scene)
+        self._core = core_of(self.scene, place)
         self._warn()
 
     @known_keywords
@@ -208,8 +169,9 @@ class Simulation(Present):
         self,
         duration: float,
         report_step: float = 1e-4,
-        record: Sequence[Group] = ("hinges", "teeth", "sprockets"),
-        energy: bool = True,
+        *,
+        record: Sequence[Group] | None = None,
+        energy: bool | None = None,
         progress: bool = True,
         stop: StopCondition | Sequence[StopCondition] = (),
         callback: Callable[[Simulation], object] | None = None,
@@ -222,18 +184,20 @@ class Simulation(Present):
             Simulated time from now on [s].
         report_step : float
             Time between two rows of the result [s].
-        record : sequence of {"hinges", "teeth", "sprockets", "bodies", "energy"}
-            What to record.
-        energy : bool
-            Whether to keep the energy balance. It is metered along every step, three evaluations
-            more: a run takes 1.4 to 1.7 times as long as without. False leaves it out, and with it
-            the `EnergyWarning`; the path is the same to the last bit. With "energy" in `record` it
-            is kept in any case.
+        record : sequence of groups, optional
+            What to record: of drives "hinges", "teeth", "sprockets", "bodies" and "energy", by
+            default all but the bodies; of mechanisms "bodies", "joints", "contacts" and "energy",
+            by default all.
+        energy : bool, optional
+            False takes the energy balance out of `record`, True puts it in. It is metered along
+            every step of a chain, three evaluations more: a run takes 1.4 to 1.7 times as long as
+            without. Without it there is no `EnergyWarning`; the path is the same to the last bit.
         progress : bool
             Whether to show a progress bar, where a terminal is there to show it.
         stop : StopCondition or sequence of them
             Ends the run, with status "stopped", at the first row at which one holds:
-            `HingeForceAbove`, `ToothForceAbove`, `StrandSlack`, `ToothJump`, `TimeReached`.
+            `HingeForceAbove`, `ToothForceAbove`, `StrandSlack`, `ToothJump`, `TimeReached`; of
+            mechanisms `JointForceAbove`, `ContactForceAbove`, `TimeReached`.
         callback : function of the simulation, optional
             Called when a row has been recorded, with the simulation at that time. When it returns
             True, the run stops there. It may look at everything and set speeds and torques; it must
@@ -266,12 +230,12 @@ class Simulation(Present):
             The chain has jumped teeth: how many, and the first; see `Result.tooth_jumps`.
         """
         self._check_idle("run")
-        groups, energy = known_groups(record, energy)
+        groups, energy = known_groups(self.scene, record, energy)
         looks = looks_of(self, stop, callback, groups)
         start = (self.positions, self.velocities)
         check_progress(progress)
         duration, report_step = plain(duration), plain(report_step)
-        check_rows_fit(duration, report_step, numbers_of_a_row(self.drive, groups, energy))
+        check_rows_fit(duration, report_step, numbers_of_a_row(self, groups, energy))
         before = self._core.stats()
         self._core.start_recording(duration, report_step, groups, energy)
         self._running = True
@@ -313,12 +277,10 @@ class Simulation(Present):
             stats["largest_residual"] = float(np.nanmax(np.abs(residual), initial=0.0))
         return Result(
             arrays=arrays,
-            drive=self.drive,
-            hinge_law=self.hinge_law,
-            tooth_law=self.tooth_law,
-            solver=self.solver,
-            min_impact_velocity=self.min_impact_velocity,
+            scene=self.scene,
             body_names=tuple(self.body_names),
+            joint_names=tuple(self.joint_names),
+            contact_names=tuple(self.contact_names),
             initial_positions=start[0],
             initial_velocities=start[1],
             final_positions=self.positions,
@@ -359,15 +321,6 @@ class Simulation(Present):
                 if reasons:
                     return "; ".join(reasons)
         return None
-
-    def _check_idle(self, wanted: str) -> None:
-        """Raise where a callback wants to move the simulation that has called it."""
-        if self._running:
-            msg = (
-                f"{wanted}: a run is under way; a callback may look at the simulation and set its "
-                "speeds and torques, but not move it"
-            )
-            raise InvalidInput(msg)
 
 
 def _sprocket_number(sprocket: object) -> int:

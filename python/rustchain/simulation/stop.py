@@ -6,7 +6,7 @@ import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 import numpy as np
 
@@ -17,15 +17,10 @@ from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords, suggest
 
 if TYPE_CHECKING:
-    from typing import TypeAlias
-
     from rustchain.simulation.simulation import Simulation
 
-    Look: TypeAlias = Callable[[], str | None]
-    """Says why the run is to stop at the report just made, if it is."""
-
-Running = TypeVar("Running")
-"""A simulation of a drive, or of a mechanism."""
+Look: TypeAlias = Callable[[], "str | None"]
+"""Says why the run is to stop at the report just made, if it is."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +32,7 @@ class StopCondition(Description, ABC):
     """
 
     group: ClassVar[str | None] = None  # that a run has to record
+    of_drives: ClassVar[bool] = False  # not for mechanisms
 
     def __post_init__(self) -> None:
         """Turn what NumPy has into Python's, then check every field."""
@@ -111,6 +107,7 @@ class HingeForceAbove(StopCondition):
     """
 
     group: ClassVar[str | None] = "hinges"
+    of_drives: ClassVar[bool] = True
 
     force: float
     hinge: int | None = None
@@ -138,6 +135,7 @@ class ToothForceAbove(StopCondition):
     """
 
     group: ClassVar[str | None] = "teeth"
+    of_drives: ClassVar[bool] = True
 
     force: float
     bushing: int | None = None
@@ -173,6 +171,7 @@ class StrandSlack(StopCondition):
     """
 
     group: ClassVar[str | None] = "hinges"
+    of_drives: ClassVar[bool] = True
 
     tension: float = 0.0
     strand: str | None = None
@@ -224,6 +223,8 @@ class ToothJump(StopCondition):
     sprocket : int, optional
         Number of the sprocket, from 1; by default any.
     """
+
+    of_drives: ClassVar[bool] = True
 
     sprocket: int | None = None
 
@@ -284,30 +285,18 @@ def check_looks(
     stop: StopCondition | Sequence[StopCondition], callback: Callable[[Simulation], object] | None
 ) -> Sequence[StopCondition]:
     """Return the conditions as a list; raise where one of them, or the callback, is none."""
-    from rustchain.simulation.mechanism_stop import MechanismStopCondition
-
-    alone = isinstance(stop, StopCondition | MechanismStopCondition)
-    conditions: Sequence[Any] = [stop] if alone else stop  # type: ignore[assignment]
+    conditions = [stop] if isinstance(stop, StopCondition) else stop
     if isinstance(conditions, str) or not isinstance(conditions, Sequence):
         msg = (
             f"stop = {shown(stop)}: must be a stop condition, such as HingeForceAbove, or a "
             "list of them"
         )
         raise InvalidInput(msg)
-    instead = {"JointForceAbove": "HingeForceAbove", "ContactForceAbove": "ToothForceAbove"}
     for condition in conditions:
-        if (kind := type(condition).__name__) in instead:
-            msg = (
-                f"stop: {shown(condition)} is for mechanisms and drives with hinges = 'ideal'; "
-                "with "
-                f"clearance hinges take {instead[kind]}"
-            )
-            raise InvalidInput(msg)
         if not isinstance(condition, StopCondition):
             msg = (
                 f"stop: {shown(condition)} is no stop condition, such as HingeForceAbove; a "
-                "function of "
-                "your own goes into callback="
+                "function of your own goes into callback="
             )
             raise InvalidInput(msg)
     if callback is not None and not callable(callback):
@@ -316,7 +305,7 @@ def check_looks(
     return conditions
 
 
-def look_of_callback(simulation: Running, callback: Callable[[Running], object]) -> Look:
+def look_of_callback(simulation: Simulation, callback: Callable[[Simulation], object]) -> Look:
     """Return what calls the callback at each report, which may ask for the end."""
 
     def called() -> str | None:
@@ -335,19 +324,14 @@ def looks_of(
     groups: Sequence[str],
 ) -> list[Look]:
     """Return what looks at each report of a run that records `groups`."""
-    from rustchain.simulation.mechanism_stop import (
-        MechanismStopCondition,  # which builds upon this module
-    )
-
     looks: list[Look] = []
-    alone = isinstance(stop, StopCondition | MechanismStopCondition)
-    conditions: Sequence[Any] = [stop] if alone else stop  # type: ignore[assignment]
-    if simulation.drive.hinges == "ideal" and isinstance(conditions, Sequence):
-        # What looks at joints and contacts by their names in the drive's mechanism.
-        of_parts = [one for one in conditions if isinstance(one, MechanismStopCondition)]
-        looks += [one.look_at(simulation) for one in of_parts]  # type: ignore[arg-type]
-        stop = [one for one in conditions if one not in of_parts]
     for condition in check_looks(stop, callback):
+        if condition.of_drives and simulation.scene.kind == "mechanism":
+            msg = (
+                f"stop: {type(condition).__name__} is for chain drives; in a mechanism take "
+                "JointForceAbove, ContactForceAbove or TimeReached"
+            )
+            raise InvalidInput(msg)
         if condition.group is not None and condition.group not in groups:
             msg = (
                 f"stop: {type(condition).__name__} looks at what is recorded of the "

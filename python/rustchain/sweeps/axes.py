@@ -20,20 +20,24 @@ from rustchain.description.drive import (
     PrescribedSpeed,
     Sprocket,
     Tensioner,
-    drive_inside,
 )
 from rustchain.description.ends import AnchoredEnd, FreeEnd, LoadedEnd
 from rustchain.description.guides import GuideRail, SmoothIdler
+from rustchain.description.mechanism.builder import Mechanism
+from rustchain.description.scene import Scene, scene_of
 from rustchain.description.solver import Solver
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
 
-Drive: TypeAlias = ChainDrive | Callable[..., ChainDrive]
+System: TypeAlias = (
+    Scene | ChainDrive | Mechanism | Callable[..., Scene] | Callable[..., ChainDrive | Mechanism]
+)
 Parameters: TypeAlias = dict[str, Any]
 Path: TypeAlias = tuple[str, ...]
 
 _SOLVER_FIELDS = tuple(field.name for field in dataclasses.fields(Solver))
-_SHORTHANDS = ("disturbance", "pretension", "speed")
+_SCENE_FIELDS = tuple(field.name for field in dataclasses.fields(Scene)[1:])  # beside the system
+_SHORTHANDS = ("replicate", "pretension", "speed")
 # Each case holds its scene and its result: a few kilobytes at the least.
 MOST_CASES = 100_000
 _DISTURBANCE = 1e-4  # of a speed at the start
@@ -69,27 +73,35 @@ def cases_of(cases: object) -> list[Parameters]:
     return [{name: plain(value) for name, value in case.items()} for case in listed]
 
 
-def check_names(drive: Drive, scene: Parameters, cases: Sequence[Parameters]) -> None:
-    """Raise where a name of the cases means nothing, or the function `drive` lacks an argument."""
-    if drive_inside(drive) is not None:
-        msg = f"drive: a {type(drive).__name__} is no drive but has one: take its .drive"
+def check_names(system: System, run: Parameters, cases: Sequence[Parameters]) -> None:
+    """Raise where a name of the cases means nothing, or the function `system` lacks an argument."""
+    if not isinstance(system, Scene | ChainDrive | Mechanism) and not callable(system):
+        kind = type(system).__name__
+        has = next((name for name in ("scene", "drive") if hasattr(system, name)), None)
+        remedy = "" if has is None else f"; use {kind.lower()}.{has}"
+        msg = (
+            f"scene: got {shown(system) if has is None else kind}; expected a Scene, a ChainDrive, "
+            f"a Mechanism or a function that returns one{remedy}"
+        )
         raise InvalidInput(msg)
-    if not isinstance(drive, ChainDrive) and not callable(drive):
-        msg = f"drive = {shown(drive)}: must be a ChainDrive, or a function that returns one"
-        raise InvalidInput(msg)
-    own, needed, takes_all = _arguments(drive)
-    known = [*own, *_SHORTHANDS, *scene, *_SOLVER_FIELDS, *_drive_fields()]
+    own, needed, takes_all = _arguments(system)
+    known = [*own, *_SHORTHANDS, *run, *_SCENE_FIELDS, *_SOLVER_FIELDS, *_drive_fields()]
     for name in dict.fromkeys(name for case in cases for name in case):
-        if not takes_all and _dotted(name) not in known:
+        if takes_all or name in known or _in_scene(name):
+            continue
+        if re.search(r"\[\d+\]", str(name)):
+            dotted = re.sub(r"\[(\d+)\]", lambda found: f".{int(found[1]) + 1}", name)
+            near = f"parts are numbered from 1 behind a dot: {dotted!r}"
+        else:
             ends = [path for path in known if path.endswith(f".{name}")]
             main = [each for each in known if "." not in each] + ["chain.pitch", "..."]
             near = f"did you mean {ends[0]!r}?" if ends else suggest(name, known, main)
-            msg = f"axes: {shown(name)} is no parameter of this sweep; {near}"
-            raise InvalidInput(msg)
+        msg = f"axes: {shown(name)} is no parameter of this sweep; {near}"
+        raise InvalidInput(msg)
     for case in cases:
         missing = [name for name in needed if name not in case]
         if missing:
-            msg = f"drive: the function needs {missing[0]!r}: make it an axis, or give it a default"
+            msg = f"scene: the function needs {missing[0]!r}: make it an axis, or give it a default"
             raise InvalidInput(msg)
         twice = _first_twice([name if name in own else _target(name) for name in case])
         if twice is not None:
@@ -97,32 +109,53 @@ def check_names(drive: Drive, scene: Parameters, cases: Sequence[Parameters]) ->
             raise InvalidInput(msg)
 
 
-def scene_of(drive: Drive, scene: Parameters, parameters: Parameters) -> Parameters:
-    """Return `scene` with its drive, changed by the parameters of one case."""
-    own, _, takes_all = _arguments(drive)
-    known = {*_SHORTHANDS, *scene, *_SOLVER_FIELDS, *_drive_fields()}
+def case_of(system: System, run: Parameters, parameters: Parameters) -> tuple[Scene, Parameters]:
+    """Return the scene and the arguments of the run of one case."""
+    own, _, takes_all = _arguments(system)
+    known = {*_SHORTHANDS, *run, *_SCENE_FIELDS, *_SOLVER_FIELDS, *_drive_fields()}
     to_function = {
         name: value
         for name, value in parameters.items()
-        if name in own or (takes_all and _dotted(name) not in known)
+        if name in own or (takes_all and name not in known and not _in_scene(name))
     }
     rest = {name: value for name, value in parameters.items() if name not in to_function}
-    changed = scene | {name: value for name, value in rest.items() if name in scene}
-    steps = {name: value for name, value in rest.items() if name in _SOLVER_FIELDS}
-    if steps and isinstance(changed["solver"], Solver):
-        changed["solver"] = replace(changed["solver"], **steps)
-    made = drive if isinstance(drive, ChainDrive) else drive(**to_function)
-    fields = {n: value for n, value in rest.items() if n not in changed and n not in steps}
-    return changed | {"drive": _with_fields(made, fields) if fields else made}
+    made = system(**to_function) if _is_function(system) else system  # type: ignore[operator]
+    scene = scene_of(made)
+    changed_run = run | {name: value for name, value in rest.items() if name in run}
+    of_scene = {name: value for name, value in rest.items() if _in_scene(_target(name))}
+    of_system = {n: v for n, v in rest.items() if n not in run and n not in of_scene}
+    if of_system:
+        scene = replace(scene, system=_with_fields(scene, of_system))
+    if of_scene:
+        paths = {tuple(_target(name).split(".")): value for name, value in of_scene.items()}
+        laws = ("hinge_law", "tooth_law")
+        for law in laws:  # a field of a law that is by default that of all contacts
+            if any(path[0] == law and len(path) > 1 for path in paths):
+                of_law: dict[str, Any] = {law: getattr(scene, law) or scene.force_law}
+                scene = replace(scene, **of_law)
+        scene = _replaced(scene, paths, "scene")
+    return scene, changed_run
 
 
-def _with_fields(drive: ChainDrive, changes: Parameters) -> ChainDrive:
-    """Return `drive` with other fields, all changed at once."""
-    if not isinstance(drive, ChainDrive):
-        msg = f"drive = {shown(drive)}: the function must return a ChainDrive"
+def _with_fields(scene: Scene, changes: Parameters) -> ChainDrive | Mechanism:
+    """Return the system of a scene with other fields."""
+    if isinstance(scene.system, ChainDrive):
+        return _drive_with_fields(scene.system, changes)
+    others = [name for name in changes if name not in ("replicate", "gravity", "name")]
+    if others:
+        msg = (
+            f"{others[0]}: cannot be changed in a mechanism; expected a function of it that "
+            "returns the mechanism"
+        )
         raise InvalidInput(msg)
-    seed = changes.get("disturbance", 0)
-    changes = {name: value for name, value in changes.items() if name != "disturbance"}
+    fields = {name: value for name, value in changes.items() if name != "replicate"}
+    return _replicated_mechanism(replace(scene.system, **fields), changes.get("replicate", 0))
+
+
+def _drive_with_fields(drive: ChainDrive, changes: Parameters) -> ChainDrive:
+    """Return `drive` with other fields, all changed at once."""
+    seed = changes.get("replicate", 0)
+    changes = {name: value for name, value in changes.items() if name != "replicate"}
     fields = {tuple(_target(name).split(".")): value for name, value in changes.items()}
     if "pretension" in changes and fields.get(("tensioner",), drive.tensioner) is None:
         fields["tensioner",] = Tensioner(pretension=changes["pretension"])
@@ -136,27 +169,46 @@ def _with_fields(drive: ChainDrive, changes: Parameters) -> ChainDrive:
                 "that could be changed"
             )
             raise InvalidInput(msg)
-        fields["sprockets", str(driver), "motion", "speed"] = fields.pop(("speed",))
+        fields["sprockets", str(driver + 1), "motion", "speed"] = fields.pop(("speed",))
     changed: ChainDrive = _replaced(drive, fields, "drive")
     # At 0 N the centres are fixed, as in the generators.
     none = changes.get("pretension") == 0 and changed.tensioner is not None
-    return _disturbed(replace(changed, tensioner=None) if none else changed, seed)
+    return _replicated_drive(replace(changed, tensioner=None) if none else changed, seed)
 
 
-def _disturbed(drive: ChainDrive, seed: object) -> ChainDrive:
-    """Return `drive` with slightly other speeds at the start of what no motor holds."""
+def _checked_seed(seed: object) -> int:
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        msg = f"replicate = {shown(seed)}: must be a whole number from 0, the seed of the replicate"
+        raise InvalidInput(msg)
+    return seed
+
+
+def _replicated_mechanism(mechanism: Mechanism, given: object) -> Mechanism:
+    """Return a mechanism with slightly other velocities at the start, as far as joints allow."""
+    seed = _checked_seed(given)
+    if seed == 0:
+        return mechanism
+    velocities = np.array([body.velocity for body in mechanism.bodies])
+    if not velocities.any():
         msg = (
-            f"disturbance = {shown(seed)}: must be a whole number from 0, the seed of the "
-            "disturbance"
+            f"replicate = {seed}: every body starts at rest, so that none can start a little "
+            "faster or slower; leave it out, or vary another parameter"
         )
         raise InvalidInput(msg)
+    factors = 1.0 + _DISTURBANCE * np.random.default_rng(seed).uniform(-1.0, 1.0, velocities.shape)
+    rows = zip(mechanism.bodies, (velocities * factors).tolist(), strict=True)
+    return replace(mechanism, bodies=[replace(body, velocity=row) for body, row in rows])
+
+
+def _replicated_drive(drive: ChainDrive, given: object) -> ChainDrive:
+    """Return `drive` with slightly other speeds at the start of what no motor holds."""
+    seed = _checked_seed(given)
     if seed == 0:
         return drive
     free = [not isinstance(sprocket.motion, PrescribedSpeed) for sprocket in drive.sprockets]
     if not any(free):
         msg = (
-            f"disturbance = {seed}: every sprocket has a PrescribedSpeed, so that none can start a "
+            f"replicate = {seed}: every sprocket has a PrescribedSpeed, so that none can start a "
             "little faster or slower; leave it out, or vary another parameter"
         )
         raise InvalidInput(msg)
@@ -182,7 +234,7 @@ def _replaced(part: Any, changes: Mapping[Path, Any], name: str) -> Any:  # noqa
     if not below:
         return part
     if isinstance(part, tuple):
-        parts = {str(place): each for place, each in enumerate(part)}
+        parts = {str(place): each for place, each in enumerate(part, 1)}
     else:
         fields = dataclasses.fields(part) if isinstance(part, Description) else ()
         parts = {field.name: getattr(part, field.name) for field in fields}
@@ -199,25 +251,31 @@ def _replaced(part: Any, changes: Mapping[Path, Any], name: str) -> Any:  # noqa
     return replace(part, **changed)
 
 
-def _dotted(name: str) -> str:
-    """Return the name of a field with dots alone: ``sprockets[1].teeth`` is sprockets.1.teeth."""
-    return re.sub(r"\[(\d+)\]", r".\1", str(name))
-
-
 def _target(name: str) -> str:
     """Return the dotted name of what a parameter changes."""
-    return "tensioner.pretension" if name == "pretension" else _dotted(name)
+    if name in _SOLVER_FIELDS:
+        return f"solver.{name}"
+    return "tensioner.pretension" if name == "pretension" else str(name)
+
+
+def _in_scene(name: str) -> bool:
+    """Whether a name is that of a field of the scene, or of what lies in it."""
+    return str(name).split(".")[0] in _SCENE_FIELDS
 
 
 def _first_twice(names: list[str]) -> str | None:
     return next((name for name in names if names.count(name) > 1), None)
 
 
-def _arguments(drive: Drive) -> tuple[list[str], list[str], bool]:
+def _is_function(system: System) -> bool:
+    return not isinstance(system, Scene | ChainDrive | Mechanism)
+
+
+def _arguments(system: System) -> tuple[list[str], list[str], bool]:
     """Return names that a function takes, those it needs, and whether it takes any other too."""
-    if isinstance(drive, ChainDrive):
+    if not _is_function(system):
         return [], [], False
-    found = inspect.signature(drive).parameters.values()
+    found = inspect.signature(system).parameters.values()  # type: ignore[arg-type]
     named = [p for p in found if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
     needed = [p.name for p in named if p.default is p.empty]
     return [p.name for p in named], needed, any(p.kind is p.VAR_KEYWORD for p in found)
@@ -255,6 +313,6 @@ def _inside(hint: Any) -> Iterator[str]:  # noqa: ANN401
         of_one = get_args(hint)[0]
         members = get_args(of_one) or (of_one,)
         inside = dict.fromkeys(path for member in members for path in _inside(member))
-        for place in map(str, range(count)):
+        for place in map(str, range(1, count + 1)):
             yield place
             yield from (f"{place}.{path}" for path in inside)

@@ -9,14 +9,10 @@ import numpy as np
 
 from rustchain.arguments import checked, shown
 from rustchain.description.drive import AppliedTorque, ChainDrive
-from rustchain.description.laws.film import LubricantFilm
-from rustchain.description.laws.force import ForceLaw
-from rustchain.description.laws.friction import Coulomb, LuGre
-from rustchain.description.solver import Solver
+from rustchain.description.scene import Scene, scene_of
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords
 from rustchain.results.result import Result
-from rustchain.simulation.simulation import _LAW, _SOLVER
 from rustchain.sweeps.sweep import sweep
 
 if TYPE_CHECKING:
@@ -26,28 +22,23 @@ if TYPE_CHECKING:
 @known_keywords
 @checked
 def loss_map(
-    drive: ChainDrive,
+    scene: Scene | ChainDrive,
     speeds: Sequence[float],
     torques: Sequence[float],
+    *,
     loaded: int = 2,
     duration: float = 0.5,
     burn_in: float = 0.2,
     report_step: float = 1e-4,
-    force_law: ForceLaw = _LAW,
-    solver: Solver = _SOLVER,
-    friction: Coulomb | LuGre | None = None,
-    hinge_friction: Coulomb | LuGre | None = None,
-    tooth_friction: Coulomb | LuGre | None = None,
     threads: int | None = None,
     progress: bool = True,
-    hinge_film: LubricantFilm | None = None,
 ) -> xr.Dataset:
     """Run a drive at every speed and load, and return its efficiency and losses at each.
 
     Parameters
     ----------
-    drive : ChainDrive
-        What moves; one sprocket has a prescribed speed, sprocket `loaded` takes the load.
+    scene : Scene or ChainDrive
+        What to simulate; one sprocket has a prescribed speed, sprocket `loaded` takes the load.
     speeds : sequence of float
         Speeds of the driver [rad/s].
     torques : sequence of float
@@ -58,10 +49,6 @@ def loss_map(
         Simulated time of each case, and how much of it at the beginning is not measured [s].
     report_step
         As in `Simulation.run`.
-    force_law, solver
-        As in `Simulation`.
-    friction, hinge_friction, tooth_friction, hinge_film
-        As in `Simulation`.
     threads, progress
         As in `sweep`.
 
@@ -73,6 +60,7 @@ def loss_map(
     """
     from rustchain.extras import xarray as xr
 
+    drive = scene_of(scene).drive
     if loaded not in range(1, len(drive.sprockets) + 1):
         msg = (
             f"loaded = {shown(loaded)}: must be the number of a sprocket, 1 to "
@@ -105,20 +93,14 @@ def loss_map(
             "delivered": -float(power["shaft_power"].sel(sprocket=loaded)),
         }
 
-    motion = f"sprockets.{loaded - 1}.motion"
+    motion = f"sprockets.{loaded}.motion"
     swept = sweep(
-        drive,
+        scene,
         {"speed": speeds, motion: [AppliedTorque(torque) for torque in torques]},
         measure,
         duration=duration,
         report_step=report_step,
-        record=("sprockets",),
-        force_law=force_law,
-        solver=solver,
-        friction=friction,
-        hinge_friction=hinge_friction,
-        tooth_friction=tooth_friction,
-        hinge_film=hinge_film,
+        record=("sprockets", "energy"),
         threads=threads,
         progress=progress,
     )

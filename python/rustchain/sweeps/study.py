@@ -1,4 +1,4 @@
-"""A study: a drive run several times from slightly different starts, and what is sure."""
+"""A study: replicate runs of a scene from slightly different starts, and their statistics."""
 
 from __future__ import annotations
 
@@ -9,18 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rustchain.arguments import count_within, finite_number, plain, shown
-from rustchain.description.laws.film import LubricantFilm
-from rustchain.description.laws.force import ForceLaw
-from rustchain.description.laws.friction import Coulomb, LuGre
-from rustchain.description.solver import Solver
 from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.names import known_keywords, named_attributes
 from rustchain.results.result import Result
 from rustchain.simulation.run import Group
-from rustchain.simulation.simulation import _LAW, _SOLVER, Simulation
-from rustchain.simulation.start import Start
+from rustchain.simulation.simulation import Simulation
 from rustchain.simulation.stop import StopCondition
-from rustchain.sweeps.axes import MOST_CASES, Drive, axes_of
+from rustchain.sweeps.axes import MOST_CASES, System, axes_of
 from rustchain.sweeps.measure import numbers_of
 from rustchain.sweeps.result import SweepResult
 from rustchain.sweeps.sweep import sweep
@@ -69,7 +64,7 @@ class StudyResult:
             number, error = next(iter(self.sweep.errors.items()))
             msg = f"no run has a value; the first error, of run {number}: {shown(error)}"
             raise NotRecorded(msg)
-        return self.sweep.to_xarray().rename(disturbance="run")
+        return self.sweep.to_xarray().rename(replicate="run")
 
     @property
     def statistics(self) -> xr.Dataset:
@@ -102,7 +97,7 @@ class StudyResult:
         """
         from rustchain.extras import pandas as pd
 
-        axes = [name for name in self.sweep.axes or {} if name != "disturbance"]
+        axes = [name for name in self.sweep.axes or {} if name != "replicate"]
         series = {}
         for name, found in self.statistics.items():
             own = [dim for dim in found.dims if dim not in (*axes, "statistic")]
@@ -127,42 +122,34 @@ class StudyResult:
 
 @known_keywords
 def study(
-    drive: Drive,
+    scene: System,
     measure: Callable[[Result], Any] | None = None,
+    *,
     runs: int = 8,
     duration: float = 0.5,
     burn_in: float = 0.1,
     confidence: float = 0.95,
     axes: Mapping[str, Iterable[Any]] | None = None,
     report_step: float = 1e-4,
-    record: Sequence[Group] = ("hinges", "teeth", "sprockets"),
-    energy: bool = True,
-    force_law: ForceLaw = _LAW,
-    hinge_law: ForceLaw | None = None,
-    tooth_law: ForceLaw | None = None,
-    min_impact_velocity: float = 1e-3,
-    solver: Solver = _SOLVER,
-    start: Start = "generated",
-    friction: Coulomb | LuGre | None = None,
-    hinge_friction: Coulomb | LuGre | None = None,
-    tooth_friction: Coulomb | LuGre | None = None,
-    threads: int | None = None,
-    progress: bool = True,
+    record: Sequence[Group] | None = None,
+    energy: bool | None = None,
     stop: StopCondition | Sequence[StopCondition] = (),
     callback: Callable[[Simulation], object] | None = None,
-    hinge_film: LubricantFilm | None = None,
+    threads: int | None = None,
+    progress: bool = True,
 ) -> StudyResult:
-    """Run a drive several times from slightly different starts, and tell what is sure about it.
+    """Run replicates of a scene from slightly different starts, and return their statistics.
 
     A slack chain is chaotic: two runs whose starts differ by rounding take different paths after
-    some milliseconds, and one run is one sample. The first run is the drive as it is; in the others
-    every sprocket without a prescribed speed starts up to 1e-4 of its speed faster or slower, by
-    the number of the run: a study gives the same numbers when it is made again.
+    some milliseconds, and one run is one sample. The first run is the scene as it is; in the others
+    every sprocket without a prescribed speed, and every body of a mechanism that moves, starts up
+    to 1e-4 of its speed faster or slower, by the number of the run: a study gives the same numbers
+    when it is made again.
 
     Parameters
     ----------
-    drive : ChainDrive, or function that returns one
-        What moves.
+    scene : Scene, ChainDrive or Mechanism, or function that returns one
+        What to simulate.
     measure : function of a Result, optional
         Returns what to know of a run: a number, an array, or a dict of them, NaN or None where a
         run has none; the result that it is given begins after `burn_in` (its ``stats`` are those of
@@ -180,10 +167,6 @@ def study(
         Parameters as in `sweep`, all of which are combined; each combination is run `runs` times.
     report_step, record, energy
         As in `Simulation.run`.
-    force_law, hinge_law, tooth_law, min_impact_velocity, solver, start
-        As in `Simulation`.
-    friction, hinge_friction, tooth_friction, hinge_film
-        As in `Simulation`.
     threads, progress, stop, callback
         As in `sweep`. A run that is stopped is measured as far as it came.
 
@@ -216,8 +199,8 @@ def study(
     if not isinstance(axes, Mapping):
         msg = f"axes = {shown(axes)}: must map names to sequences of values"
         raise InvalidInput(msg)
-    if "disturbance" in axes:
-        msg = "axes: 'disturbance' is what makes the runs of a study; say how many by runs=..."
+    if "replicate" in axes:
+        msg = "axes: 'replicate' is what makes the runs of a study; say how many by runs=..."
         raise InvalidInput(msg)
     durations = map(finite_number, axes_of(axes).get("duration", ()))
     shortest = min([duration, *(each for each in durations if each is not None)])
@@ -227,25 +210,15 @@ def study(
         )
         raise InvalidInput(msg)
     of = Result.summary if measure is None else measure
-    known = {*axes, "run", "disturbance", "statistic", "measure"}
+    known = {*axes, "run", "replicate", "statistic", "measure"}
     found = sweep(
-        drive,
-        {**axes, "disturbance": range(runs)},
+        scene,
+        {**axes, "replicate": range(runs)},
         lambda result: numbers_of(of(result.between(start=burn_in)), known),
         duration=duration,
         report_step=report_step,
         record=record,
         energy=energy,
-        force_law=force_law,
-        hinge_law=hinge_law,
-        tooth_law=tooth_law,
-        min_impact_velocity=min_impact_velocity,
-        solver=solver,
-        start=start,
-        friction=friction,
-        hinge_friction=hinge_friction,
-        tooth_friction=tooth_friction,
-        hinge_film=hinge_film,
         threads=threads,
         progress=progress,
         stop=stop,

@@ -8,16 +8,10 @@ from contextlib import closing
 from itertools import product
 from typing import Any
 
-import numpy.typing as npt
-
 from rustchain import _rustchain
 from rustchain.arguments import count_within, plain, shown
 from rustchain.caller import warn_caller
-from rustchain.description.drive import ChainDrive
-from rustchain.description.laws.film import LubricantFilm
-from rustchain.description.laws.force import ForceLaw, with_friction
-from rustchain.description.laws.friction import Coulomb, LuGre
-from rustchain.description.solver import Solver
+from rustchain.description.scene import Scene
 from rustchain.errors import (
     CaseWarning,
     EnergyWarning,
@@ -28,81 +22,62 @@ from rustchain.errors import (
 )
 from rustchain.names import known_keywords
 from rustchain.results.result import Result
-from rustchain.simulation.present import SCENE
-from rustchain.simulation.run import (
-    WALL_BUDGET,
-    Group,
-    check_progress,
-    check_rows_fit,
-    known_groups,
-    numbers_of_a_row,
-    seconds_bar,
-)
-from rustchain.simulation.simulation import _LAW, _SOLVER, Simulation
-from rustchain.simulation.start import Start, started
+from rustchain.simulation.run import WALL_BUDGET, Group, check_progress, seconds_bar
+from rustchain.simulation.simulation import Simulation
 from rustchain.simulation.stop import StopCondition, check_looks
 from rustchain.sweeps.axes import (
     MOST_CASES,
-    Drive,
     Parameters,
+    System,
     axes_of,
+    case_of,
     cases_of,
     check_names,
-    scene_of,
 )
 from rustchain.sweeps.result import SweepResult
-from rustchain.sweeps.stoppable import run_looked_at
+from rustchain.sweeps.stoppable import CaseOf, run_looked_at
 from rustchain.typing import Array
 
 
 @known_keywords
 def sweep(
-    drive: Drive,
+    scene: System,
     axes: Mapping[str, Iterable[Any]] | Sequence[Mapping[str, Any]],
     measure: Callable[[Result], Any] | None = None,
+    *,
     duration: float = 2.0,
     report_step: float = 1e-4,
-    record: Sequence[Group] = ("hinges", "teeth", "sprockets"),
-    energy: bool = True,
-    force_law: ForceLaw = _LAW,
-    hinge_law: ForceLaw | None = None,
-    tooth_law: ForceLaw | None = None,
-    min_impact_velocity: float = 1e-3,
-    solver: Solver = _SOLVER,
-    start: Start = "generated",
-    positions: npt.ArrayLike | None = None,
-    velocities: npt.ArrayLike | None = None,
-    threads: int | None = None,
-    progress: bool = True,
-    friction: Coulomb | LuGre | None = None,
-    hinge_friction: Coulomb | LuGre | None = None,
-    tooth_friction: Coulomb | LuGre | None = None,
+    record: Sequence[Group] | None = None,
+    energy: bool | None = None,
     stop: StopCondition | Sequence[StopCondition] = (),
     callback: Callable[[Simulation], object] | None = None,
-    hinge_film: LubricantFilm | None = None,
+    threads: int | None = None,
+    progress: bool = True,
 ) -> SweepResult:
-    """Run a drive with other parameters again and again, several runs at once.
+    """Run a scene with other parameters again and again, several runs at once.
 
     Each case runs on one thread; its numbers are those of ``Simulation(...).run(...)`` to the last
     bit, whatever the number of threads. A case that fails leaves the others alone.
 
     What a parameter may be called:
 
-    - an argument of `drive`, where that is a function: it goes there, before all else;
+    - an argument of `scene`, where that is a function: it goes there, before all else;
     - "pretension" [N]: makes, changes or (0 N) removes the tensioner; "speed" [rad/s]: that of the
       driver;
-    - "disturbance": a seed; every sprocket without a prescribed speed starts at random up to 1e-4
-      of its speed faster or slower; 0: none does;
-    - a keyword below, from `duration` to `velocities`, a friction or the film, which it takes the
-      place of, or a field of the solver, such as "rtol";
-    - a field of the drive, dotted: "chain.material.restitution", "sprockets.1.teeth" (as
-      ``drive.sprockets[1].teeth``: the first sprocket is 0). No other field follows: with other
-      teeth, centre distance or links may have to change as well, which a function does best.
+    - "replicate": a seed; every sprocket without a prescribed speed, and every body of a mechanism
+      that moves, starts at random up to 1e-4 of its speed faster or slower; 0: none does;
+    - a field of the scene, such as "solver", or of what is in it, dotted: "force_law.friction",
+      "solver.rtol"; a field of the solver alone, such as "rtol", too;
+    - an argument of the run: "duration", "report_step", "record", "energy";
+    - a field of the drive, dotted: "chain.material.restitution", "sprockets.1.teeth". Sprockets,
+      guides, ends and coordinates are numbered from 1, as everywhere in names: "sprockets.1" is
+      what ``result.sprocket(1)`` shows. No other field follows: with other teeth, centre distance
+      or links may have to change as well, which a function does best.
 
     Parameters
     ----------
-    drive : ChainDrive, or function that returns one
-        What moves.
+    scene : Scene, ChainDrive or Mechanism, or function that returns one
+        What to simulate.
     axes : mapping of str to sequence, or sequence of mappings
         Values of each parameter, all of which are combined; or the parameters of each case.
     measure : function of a Result, optional
@@ -113,17 +88,13 @@ def sweep(
         Simulated time [s].
     report_step, record, energy
         As in `Simulation.run`.
-    force_law, hinge_law, tooth_law, min_impact_velocity, solver, start, positions, velocities
-        As in `Simulation`.
+    stop, callback
+        As in `Simulation.run`, for each case: one that a condition stops counts as finished, and
+        its result says so. A callback is called in the thread of its case, several at once.
     threads : int, optional
         How many cases run at once; by default as many as there are cores.
     progress : bool
         Whether to show a progress bar, where a terminal is there to show it.
-    friction, hinge_friction, tooth_friction, hinge_film
-        As in `Simulation`.
-    stop, callback
-        As in `Simulation.run`, for each case: one that a condition stops counts as finished, and
-        its result says so. A callback is called in the thread of its case, several at once.
 
     Returns
     -------
@@ -137,7 +108,7 @@ def sweep(
 
     Warns
     -----
-    RuntimeWarning
+    CaseWarning
         Cases have failed: how many, and the first.
     RangeWarning
         Contacts have left the range of their law: in how many cases, and the first.
@@ -146,23 +117,11 @@ def sweep(
     ToothJumpWarning
         The chain has jumped teeth: in how many cases, and the first.
     """
-    scene: Parameters = {
+    run: Parameters = {
         "duration": plain(duration),
         "report_step": plain(report_step),
         "record": record,
         "energy": energy,
-        "force_law": force_law,
-        "hinge_law": hinge_law,
-        "tooth_law": tooth_law,
-        "min_impact_velocity": plain(min_impact_velocity),
-        "solver": solver,
-        "start": start,
-        "positions": positions,
-        "velocities": velocities,
-        "friction": friction,
-        "hinge_friction": hinge_friction,
-        "tooth_friction": tooth_friction,
-        "hinge_film": hinge_film,
     }
     grid = axes_of(axes) if isinstance(axes, Mapping) else None
     if grid is None:
@@ -174,25 +133,24 @@ def sweep(
         msg = f"measure = {shown(measure)}: must be a function of a Result, or None"
         raise InvalidInput(msg)
     check_progress(progress)
-    check_names(drive, scene, cases)
+    check_names(scene, run, cases)
     looked_at = len(check_looks(stop, callback)) > 0 or callback is not None
 
     found = SweepResult(cases, grid, [None] * len(cases), _measured=measure is not None)
-    scenes: dict[int, Parameters] = {}
-    ready: dict[int, _rustchain.Case] = {}
+    ready: dict[int, CaseOf] = {}
     for number, case in enumerate(cases):
         try:
-            scenes[number] = _with_laws(scene_of(drive, scene, case))
-            ready[number] = _ready(scenes[number])
+            ready[number] = CaseOf.made(*case_of(scene, run, case), looked_at)
         except Exception as error:  # a function of the user's may raise anything
             _fail(found, number, error)
     if not ready:
         raise found.errors[0]
-    if looked_at:
-        ready_scenes = {number: scenes[number] for number in ready}
-        _run_looked_at(found, ready_scenes, stop, callback, measure, threads, progress)
-    else:
-        _run_all(found, scenes, ready, measure, threads, progress)
+    in_pool = {number: case for number, case in ready.items() if case.compiled is not None}
+    others = {number: case for number, case in ready.items() if case.compiled is None}
+    if in_pool:
+        _run_in_pool(found, in_pool, measure, threads, progress)
+    if others and found.status == "finished":
+        _run_looked_at(found, others, stop, callback, measure, threads, progress)
     found.errors = dict(sorted(found.errors.items()))
     found.law_warnings = dict(sorted(found.law_warnings.items()))
     found.energy_warnings = dict(sorted(found.energy_warnings.items()))
@@ -201,45 +159,18 @@ def sweep(
     return found
 
 
-def _with_laws(scene: Parameters) -> Parameters:
-    """Return a scene whose laws have its friction and its film."""
-    names = ("force_law", "hinge_law", "tooth_law")
-    given = (scene[name] for name in ("friction", "hinge_friction", "tooth_friction", "hinge_film"))
-    laws = with_friction((scene[names[0]], scene[names[1]], scene[names[2]]), *given)
-    return scene | dict(zip(names, laws, strict=True))
-
-
-def _ready(scene: Parameters) -> _rustchain.Case:
-    """Return a scene as the compiled module runs it."""
-    groups, energy = known_groups(scene["record"], scene["energy"])
-    drive = scene["drive"]
-    if isinstance(drive, ChainDrive) and drive.hinges != "clearance":
-        msg = (
-            f"ChainDrive.hinges = {shown(drive.hinges)}: a sweep runs clearance hinges only; "
-            "run a Simulation of each drive"
-        )
-        raise InvalidInput(msg)
-    scene |= started(scene)
-    names = (*SCENE, "duration", "report_step", "positions", "velocities")
-    given = {name: scene[name] for name in names}
-    case = _rustchain.Case(**given, groups=groups, energy=energy)
-    numbers = numbers_of_a_row(scene["drive"], groups, energy)
-    check_rows_fit(scene["duration"], scene["report_step"], numbers)
-    return case
-
-
-def _run_all(
+def _run_in_pool(
     found: SweepResult,
-    scenes: Mapping[int, Parameters],
-    ready: Mapping[int, _rustchain.Case],
+    cases: Mapping[int, CaseOf],
     measure: Callable[[Result], Any] | None,
     threads: int | None,
     progress: bool,
 ) -> None:
-    """Run the cases that are ready, and measure each as soon as it has ended."""
-    numbers = list(ready)
-    total = sum(scenes[number]["duration"] for number in numbers)
-    ensemble = _rustchain.Ensemble(list(ready.values()), threads)
+    """Run cases in the compiled pool, and measure each as soon as it has ended."""
+    numbers = list(cases)
+    total = sum(case.run["duration"] for case in cases.values())
+    compiled = [case.compiled for case in cases.values() if case.compiled is not None]
+    ensemble = _rustchain.Ensemble(compiled, threads)
     try:
         with seconds_bar(total, progress, f"0 of {len(numbers)} cases") as bar:
             left = len(numbers)
@@ -249,7 +180,7 @@ def _run_all(
                 if fetched is None:
                     continue
                 place, run, error = fetched
-                _take(found, numbers[place], scenes[numbers[place]], run, error, measure)
+                _take(found, numbers[place], cases[numbers[place]].scene, run, error, measure)
                 left -= 1
                 bar.set_description(f"{len(numbers) - left} of {len(numbers)} cases")
     except KeyboardInterrupt:
@@ -260,19 +191,19 @@ def _run_all(
 
 def _run_looked_at(
     found: SweepResult,
-    scenes: Mapping[int, Parameters],
+    cases: Mapping[int, CaseOf],
     stop: StopCondition | Sequence[StopCondition],
     callback: Callable[[Simulation], object] | None,
     measure: Callable[[Result], Any] | None,
     threads: int | None,
     progress: bool,
 ) -> None:
-    """Run cases that are looked at while they run, and measure each as soon as it has ended."""
-    total = sum(scene["duration"] for scene in scenes.values())
+    """Run cases as simulations on threads, and measure each as soon as it has ended."""
+    total = sum(case.run["duration"] for case in cases.values())
     try:
         with (
-            seconds_bar(total, progress, f"0 of {len(scenes)} cases") as bar,
-            closing(run_looked_at(scenes, stop, callback, threads)) as running,
+            seconds_bar(total, progress, f"0 of {len(cases)} cases") as bar,
+            closing(run_looked_at(cases, stop, callback, threads)) as running,
         ):
             for ended in filter(None, running):
                 number, error = ended.number, ended.error
@@ -281,7 +212,7 @@ def _run_looked_at(
                     error = _measured(found, number, ended.result, measure)
                 if error is not None:
                     _fail(found, number, error)
-                bar.update(scenes[number]["duration"])
+                bar.update(cases[number].run["duration"])
     except KeyboardInterrupt:
         found.status = "interrupted"
 
@@ -301,7 +232,7 @@ def _measured(
 def _take(
     found: SweepResult,
     number: int,
-    scene: Parameters,
+    scene: Scene,
     run: tuple[_rustchain.Core, tuple[Array, Array]] | None,
     error: Exception | None,
     measure: Callable[[Result], Any] | None,

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import ClassVar, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from rustchain import _rustchain
-from rustchain.arguments import admitted, checked
+from rustchain.arguments import checked
 from rustchain.description.base import Description
 from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.friction import Coulomb, LuGre
@@ -215,38 +215,6 @@ class Linear(ForceLaw):
     elastic = "linear"
 
     stiffness: float = field(kw_only=True)
-
-
-def with_friction(
-    laws: tuple[ForceLaw, ForceLaw | None, ForceLaw | None],
-    friction: Coulomb | LuGre | None,
-    hinge_friction: Coulomb | LuGre | None,
-    tooth_friction: Coulomb | LuGre | None,
-    hinge_film: LubricantFilm | None = None,
-) -> tuple[ForceLaw, ForceLaw | None, ForceLaw | None]:
-    """Return the laws of all contacts, of hinges and of teeth, with friction and film as given.
-
-    `friction` is that of both; what is not given leaves a law as it is.
-    """
-    law, hinge_law, tooth_law = laws
-    given = {"friction": friction, "hinge_friction": hinge_friction}
-    for name, one in (given | {"tooth_friction": tooth_friction}).items():
-        admitted(name, one, Coulomb | LuGre | None)
-    admitted("hinge_film", hinge_film, LubricantFilm | None)
-
-    def rubbing(own: ForceLaw | None, given: Coulomb | LuGre | None) -> ForceLaw | None:
-        base = law if own is None else own
-        if given is None or not isinstance(base, ForceLaw):  # the core refuses what is no law
-            return own
-        return replace(base, friction=given)
-
-    hinge = rubbing(hinge_law, friction if hinge_friction is None else hinge_friction)
-    if hinge_film is not None:
-        base = law if hinge is None else hinge
-        if isinstance(base, ForceLaw):
-            hinge = replace(base, film=hinge_film)
-    tooth = rubbing(tooth_law, friction if tooth_friction is None else tooth_friction)
-    return law, hinge, tooth
 
 
 @checked

@@ -100,7 +100,13 @@ class SmoothStep(_Function):
 @known_keywords
 @dataclass(frozen=True)
 class Table(_Function):
-    """Straight lines between rows of (time [s], value), held at both ends; a ramp has two rows."""
+    """Straight lines between rows of (time [s], value), held at both ends; a ramp has two rows.
+
+    Attributes
+    ----------
+    rows : sequence of (time, value)
+        At least one; times increase.
+    """
 
     rows: Rows
 
@@ -108,7 +114,13 @@ class Table(_Function):
 @known_keywords
 @dataclass(frozen=True)
 class Spline(_Function):
-    """A cubic spline with free ends through rows of (time [s], value)."""
+    """A cubic spline with free ends through rows of (time [s], value).
+
+    Attributes
+    ----------
+    rows : sequence of (time, value)
+        At least two; times increase.
+    """
 
     rows: Rows
 
@@ -120,7 +132,8 @@ class Sines(_Function):
 
     Attributes
     ----------
-    terms : sequence of (amplitude, angular frequency [rad/s], phase [rad])
+    terms : sequence of (amplitude, angular frequency, phase)
+        The sines [rad/s], [rad].
     offset : float
         Mean value.
     """
@@ -210,7 +223,19 @@ ContactLaw: TypeAlias = LinearContact | HuntCrossley | SurfaceContact
 
 @dataclass(frozen=True)
 class Body(_Part):
-    """A rigid body; its frame sits at the centre of mass. See `Mechanism.add_body`."""
+    """A rigid body; its frame sits at the centre of mass. See `Mechanism.add_body`.
+
+    Attributes
+    ----------
+    name : str
+        Name of the body.
+    mass, inertia : float
+        Mass [kg] and moment of inertia about the centre of mass [kg m^2].
+    position, velocity : (float, float, float)
+        Centre of mass and angle [m, m, rad], and their rates.
+    fixed : bool
+        Whether the body is held where it is.
+    """
 
     name: str
     mass: float
@@ -222,7 +247,33 @@ class Body(_Part):
 
 @dataclass(frozen=True)
 class Joint(_Part):
-    """An ideal joint or a driver. See the methods of `Mechanism`."""
+    """An ideal joint or a driver. See the methods of `Mechanism`.
+
+    Attributes
+    ----------
+    kind : str
+        Kind of joint, as the methods of `Mechanism` name it.
+    name : str
+        Name of the part.
+    body_a, body_b : str
+        Names of the bodies; "ground" is the frame that does not move.
+    point_a, point_b : (float, float)
+        Points in the frames of the bodies [m].
+    direction : (float, float)
+        Line of the joint in the frame of body a.
+    value : float, optional
+        Length [m], angle [rad] or ratio that the joint holds; by default as placed.
+    carrier : str, optional
+        Body that carries the axes of two gears.
+    motion : float or function of time
+        Motion of a driver.
+    by_speed : bool
+        Whether `motion` is a speed.
+    friction : Coulomb, optional
+        Friction of the pin of a revolute joint.
+    radius : float, optional
+        Radius of that pin [m].
+    """
 
     kind: str
     name: str
@@ -241,7 +292,31 @@ class Joint(_Part):
 
 @dataclass(frozen=True)
 class Force(_Part):
-    """A force element. See the methods of `Mechanism`."""
+    """A force element. See the methods of `Mechanism`.
+
+    Attributes
+    ----------
+    kind : str
+        Kind of element, as the methods of `Mechanism` name it.
+    name : str
+        Name of the part.
+    body_a, body_b : str
+        Names of the bodies; "ground" is the frame that does not move.
+    point_a, point_b : (float, float)
+        Points in the frames of the bodies [m].
+    x, y : float or function of time
+        Components of the force [N], or of the torque [N m] in x.
+    follows : bool
+        Whether the force turns with the body.
+    stiffness, cubic, damping : float
+        Coefficients of a spring [N/m, N/m^3, N s/m], or of a torsion spring by radian.
+    rest : float, optional
+        Length [m] or angle [rad] without force; by default as placed.
+    table : sequence of rows, optional
+        Force over elongation, or torque over speed.
+    function : callable, optional
+        Load by a Python function, which files do not hold.
+    """
 
     kind: str
     name: str
@@ -262,7 +337,33 @@ class Force(_Part):
 
 @dataclass(frozen=True)
 class Contact(_Part):
-    """A circle that may touch a profile. See the methods of `Mechanism`."""
+    """A circle that may touch a profile. See the methods of `Mechanism`.
+
+    Attributes
+    ----------
+    kind : str
+        Kind of profile, as the methods of `Mechanism` name it.
+    name : str
+        Name of the part.
+    body_a, body_b : str
+        Names of the bodies; "ground" is the frame that does not move.
+    point_a, point_b : (float, float)
+        Points in the frames of the bodies [m].
+    radius : float
+        Radius of the circle, on body b [m].
+    law : LinearContact, HuntCrossley or SurfaceContact
+        Contact law.
+    profile_radius : float
+        Radius of a round profile [m].
+    points : sequence of rows
+        Points or pieces of an outline [m].
+    closed : bool
+        Whether the outline is closed.
+    sprocket : Sprocket, optional
+        Teeth that are the profile.
+    chain : Chain, optional
+        Chain that these are cut for.
+    """
 
     kind: str
     name: str

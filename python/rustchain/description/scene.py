@@ -1,0 +1,198 @@
+"""A scene: a drive or a mechanism with its laws, its solver and its start, as one value."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal, TypeAlias, get_args
+
+from rustchain.arguments import finite_number, plain, rows_of, shown
+from rustchain.description.base import Description
+from rustchain.description.drive import ChainDrive
+from rustchain.description.laws.force import ForceLaw, LankaraniNikravesh
+from rustchain.description.mechanism.builder import Mechanism
+from rustchain.description.solver import Solver
+from rustchain.errors import InvalidInput
+from rustchain.names import known_keywords
+
+Start = Literal["generated", "static"]
+Rows: TypeAlias = Sequence[Sequence[float]]
+Kind = Literal["clearance", "ideal", "mechanism"]
+
+_LAW = LankaraniNikravesh()
+_MIN_IMPACT_VELOCITY = 1e-3  # [m/s]
+_SOLVER_OF_MECHANISMS = Solver(method="pece", rtol=1e-9, atol=1e-9, max_step=0.01)
+
+
+@known_keywords(min_approach_speed="min_impact_velocity")
+@dataclass(frozen=True)
+class Scene(Description):
+    """What is simulated, and how: a drive or a mechanism, laws, solver and start.
+
+    Attributes
+    ----------
+    system : ChainDrive or Mechanism
+        Drive or mechanism to simulate. Of a mechanism the scene keeps a copy.
+    force_law : ForceLaw
+        Law of every contact of a drive. The contacts of a mechanism have laws of their own.
+    hinge_law, tooth_law : ForceLaw, optional
+        Law of pins in bushings, of bushings on teeth; by default `force_law`.
+    min_impact_velocity : float
+        Lower bound on the initial impact velocity used by the damping factor [m/s]. Prevents
+        unbounded damping of slow contacts. ``min_approach_speed`` is another name of it.
+    solver : Solver, optional
+        Method and tolerances; by default ``Solver()`` for drives, and for mechanisms
+        ``Solver(method="pece", rtol=1e-9, atol=1e-9, max_step=0.01)``.
+    start : {"generated", "static"}
+        The generated configuration, with nothing in contact; or the static equilibrium under
+        gravity, the loads of the first instant and the tensioner's full pull, which then has no
+        ramp. The sprockets' speeds are those of the generated start. "static" is for drives with
+        clearance in their hinges.
+    positions, velocities : array_like, (bodies, 3), optional
+        A start of one's own [m, m, rad] and [m/s, m/s, rad/s]; by default the generated one.
+        Positions need velocities with them; velocities alone go with the generated positions. What
+        the drive holds in a place must be there: sprockets on fixed bearings, guides, anchors.
+
+    Raises
+    ------
+    InvalidInput
+        A value is out of its range, or is not for this kind of system.
+    """
+
+    system: ChainDrive | Mechanism
+    force_law: ForceLaw = _LAW
+    hinge_law: ForceLaw | None = field(default=None, kw_only=True)
+    tooth_law: ForceLaw | None = field(default=None, kw_only=True)
+    min_impact_velocity: float = field(default=_MIN_IMPACT_VELOCITY, kw_only=True)
+    solver: Solver = field(default=None, kw_only=True)  # type: ignore[assignment]
+    start: Start = field(default="generated", kw_only=True)
+    positions: Rows | None = field(default=None, kw_only=True)
+    velocities: Rows | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Convert the fields to plain values and check them."""
+        self._check_system()
+        for name in ("force_law", "hinge_law", "tooth_law"):
+            law = getattr(self, name)
+            if not isinstance(law, ForceLaw) and not (law is None and name != "force_law"):
+                msg = (
+                    f"{name} = {shown(law)}: expected a force law such as LankaraniNikravesh() or "
+                    "Hertz()"
+                )
+                raise InvalidInput(msg)
+        if not isinstance(self.solver, Solver | None):
+            raise InvalidInput(f"solver = {shown(self.solver)}: must be a Solver")
+        if self.solver is None:
+            mechanism = isinstance(self.system, Mechanism)
+            self._set("solver", _SOLVER_OF_MECHANISMS if mechanism else Solver())
+        self._check_velocity()
+        for name in ("positions", "velocities"):
+            rows = rows_of(name, getattr(self, name), self.body_count)
+            self._set(name, None if rows is None else plain(rows))
+        self._check_start()
+        if self.kind == "mechanism":
+            self._check_laws_of_mechanism()
+
+    @property
+    def kind(self) -> Kind:
+        """The kind of system: drive with clearance or ideal hinges, or mechanism."""
+        return self.system.hinges if isinstance(self.system, ChainDrive) else "mechanism"
+
+    @property
+    def drive(self) -> ChainDrive:
+        """The drive; raises `InvalidInput` where the scene has a mechanism."""
+        if isinstance(self.system, ChainDrive):
+            return self.system
+        msg = f"drive: {self.system!r} is no chain drive; expected a scene of a ChainDrive"
+        raise InvalidInput(msg)
+
+    @property
+    def name(self) -> str:
+        """Name of the drive or mechanism, or what it is."""
+        return self.system.name or ("mechanism" if self.kind == "mechanism" else "chain drive")
+
+    @property
+    def body_count(self) -> int:
+        """Number of bodies, in the order of every (bodies, 3) array."""
+        drive = self.system
+        if isinstance(drive, Mechanism):
+            return len(drive.bodies)
+        rollers = 0 if drive.chain.roller is None else drive.hinge_count
+        return drive.hinge_count + rollers + len(drive.sprockets) + len(drive.guides)
+
+    @property
+    def law_of_hinges(self) -> ForceLaw:
+        """Law of pins in bushings."""
+        return self.force_law if self.hinge_law is None else self.hinge_law
+
+    @property
+    def law_of_teeth(self) -> ForceLaw:
+        """Law of bushings or rollers on teeth."""
+        return self.force_law if self.tooth_law is None else self.tooth_law
+
+    def _set(self, name: str, value: object) -> None:
+        object.__setattr__(self, name, value)
+
+    def _check_system(self) -> None:
+        """Refuse what is neither a drive nor a mechanism; keep a copy of a mechanism."""
+        system = self.system
+        if isinstance(system, Mechanism):
+            self._set("system", replace(system))
+        elif not isinstance(system, ChainDrive):
+            has = next((name for name in ("scene", "drive") if hasattr(system, name)), None)
+            kind = type(system).__name__
+            remedy = "" if has is None else f"; use {kind.lower()}.{has}"
+            got = shown(system) if has is None else kind
+            msg = f"drive = {got}: must be a ChainDrive, a Mechanism or a Scene{remedy}"
+            raise InvalidInput(msg)
+
+    def _check_velocity(self) -> None:
+        given = plain(self.min_impact_velocity)
+        speed = finite_number(given)
+        if speed is None or speed <= 0.0:
+            number = isinstance(given, float | int) and not isinstance(given, bool)
+            kind = "a positive number" if number else "a number"
+            got = shown(self.min_impact_velocity)
+            raise InvalidInput(f"min_impact_velocity = {got}: must be {kind} in m/s")
+        self._set("min_impact_velocity", float(speed))
+
+    def _check_start(self) -> None:
+        """Refuse a start that is not defined, or not for this kind of system."""
+        if not isinstance(self.start, str) or self.start not in get_args(Start):
+            msg = f"start = {shown(self.start)}: must be 'generated' or 'static'"
+            raise InvalidInput(msg)
+        if self.start == "static":
+            if self.positions is not None or self.velocities is not None:
+                msg = "start = 'static': there is no room for positions and velocities of one's own"
+                raise InvalidInput(msg)
+            if self.kind != "clearance":
+                msg = "start = 'static': only for drives with clearance in their hinges"
+                raise InvalidInput(msg)
+        if self.positions is not None and self.velocities is None:
+            msg = (
+                "velocities = None: must be given when positions are; those of the generated start "
+                "belong to its own positions"
+            )
+            raise InvalidInput(msg)
+
+    def _check_laws_of_mechanism(self) -> None:
+        """Refuse laws beside a mechanism, whose contacts have their own."""
+        defaults = {
+            "force_law": _LAW,
+            "hinge_law": None,
+            "tooth_law": None,
+            "min_impact_velocity": _MIN_IMPACT_VELOCITY,
+        }
+        for name, default in defaults.items():
+            if getattr(self, name) != default:
+                msg = (
+                    f"{name} = {shown(getattr(self, name))}: is not for a mechanism, whose "
+                    "contacts have laws of their own; give it to the contacts, as in "
+                    "SurfaceContact(law, ...)"
+                )
+                raise InvalidInput(msg)
+
+
+def scene_of(given: object) -> Scene:
+    """Return a scene as it is, and that of a drive or a mechanism with default laws."""
+    return given if isinstance(given, Scene) else Scene(given)  # type: ignore[arg-type]

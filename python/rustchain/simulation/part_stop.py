@@ -1,0 +1,99 @@
+"""When a run ends before its time: at the force of a joint or a contact, by its name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+from rustchain.arguments import admitted, shown
+from rustchain.errors import InvalidInput
+from rustchain.names import known_keywords, suggest
+from rustchain.simulation.stop import Look, StopCondition
+
+if TYPE_CHECKING:
+    from rustchain.simulation.simulation import Simulation
+
+
+@dataclass(frozen=True)
+class _PartForceAbove(StopCondition):
+    """What the conditions on forces of joints and of contacts have in common."""
+
+    part: ClassVar[str]
+    place: ClassVar[int]  # in `Present.last_peaks`
+
+    force: float
+
+    def _check(self) -> None:
+        self._check_number("force", "N")
+        admitted(f"{type(self).__name__}.{self.part}", getattr(self, self.part), str | None)
+
+    def look_at(self, simulation: Simulation) -> Look:
+        """Return what looks at each report of `simulation`."""
+        names: Sequence[str] = getattr(simulation, f"{self.part}_names")
+        wanted = getattr(self, self.part)
+        if not names:
+            other = {"joint": "HingeForceAbove", "contact": "ToothForceAbove"}[self.part]
+            drive = simulation.scene.kind == "clearance"
+            remedy = f"; with clearance hinges take {other}" if drive else ""
+            kind, name = type(self).__name__, simulation.scene.name
+            msg = f"stop: {kind}: {name} has no {self.part}s{remedy}"
+            raise InvalidInput(msg)
+        if wanted is not None and wanted not in names:
+            raise self._refusal(self.part, wanted, f"is no {self.part}; {suggest(wanted, names)}")
+        first = 0 if wanted is None else names.index(wanted)
+        which = slice(first, len(names) if wanted is None else first + 1)
+
+        def look() -> str | None:
+            forces = simulation.last_peaks()[self.place][which]
+            worst = int(forces.argmax())
+            if forces[worst] <= self.force:
+                return None
+            found = shown(names[first + worst])
+            return f"{self.part} {found} bore {forces[worst]:.4g} N, above {self.force:g} N"
+
+        return look
+
+
+@known_keywords
+@dataclass(frozen=True)
+class JointForceAbove(_PartForceAbove):
+    """The reaction force of an ideal joint exceeded a limit since the row before.
+
+    For mechanisms, and for drives with ideal hinges, whose joints are ``"hinge_1"`` and so on,
+    ``"bearing_1"`` and ``"motor_1"``, as in `ChainDrive.to_mechanism`.
+
+    Attributes
+    ----------
+    force : float
+        The limit [N].
+    joint : str, optional
+        Name of the joint or driver; by default any.
+    """
+
+    part: ClassVar[str] = "joint"
+    place: ClassVar[int] = 0
+
+    joint: str | None = None
+
+
+@known_keywords
+@dataclass(frozen=True)
+class ContactForceAbove(_PartForceAbove):
+    """The force of a contact or clearance joint exceeded a limit since the row before.
+
+    For mechanisms, and for drives with ideal hinges, whose contacts are such as
+    ``"bushing_6_on_sprocket_1"``.
+
+    Attributes
+    ----------
+    force : float
+        The limit [N].
+    contact : str, optional
+        Name of the contact; by default any.
+    """
+
+    part: ClassVar[str] = "contact"
+    place: ClassVar[int] = 1
+
+    contact: str | None = None

@@ -1,0 +1,274 @@
+"""What every scene promises: chains with clearance, chains with ideal hinges, and mechanisms."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import rustchain as rc
+
+DURATION, STEP = 4e-3, 1e-4
+
+
+def crank() -> rc.Mechanism:
+    """A crank that a motor turns, and a ball that falls onto a floor."""
+    m = rc.Mechanism(name="crank and ball")
+    m.add_body("crank", 0.4, 1e-3, position=(0.05, 0.0, 0.0), velocity=(0.0, 0.5, 10.0))
+    m.add_revolute("bearing", "ground", "crank", at=(0.0, 0.0))
+    m.add_driver("motor", "ground", "crank", speed=10.0)
+    m.add_body("ball", 1.0, 1e-3, position=(0.5, 0.0505, 0.0), velocity=(0.0, -0.4, 0.0))
+    m.add_outline_contact(
+        "floor",
+        "ground",
+        "ball",
+        [(0.9, 0.0), (0.1, 0.0)],
+        0.05,
+        rc.LinearContact(1e5, 20.0),
+        closed=False,
+    )
+    return m
+
+
+def drive(hinges: str) -> rc.ChainDrive:
+    made = rc.paper_drive(pretension=25.0)
+    return replace(made, hinges=hinges)
+
+
+SYSTEMS: dict[str, Callable[[], rc.ChainDrive | rc.Mechanism]] = {
+    "clearance": lambda: drive("clearance"),
+    "ideal": lambda: drive("ideal"),
+    "mechanism": crank,
+}
+GROUPS = {
+    "clearance": ("hinges", "teeth", "sprockets", "energy"),
+    "ideal": ("hinges", "teeth", "sprockets", "energy"),
+    "mechanism": ("bodies", "joints", "contacts", "energy"),
+}
+STOPS = {
+    "clearance": rc.ToothForceAbove(1e-6),
+    "ideal": rc.JointForceAbove(1e-6),
+    "mechanism": rc.ContactForceAbove(1e-6),
+}
+
+
+@pytest.fixture(scope="module", params=SYSTEMS)
+def scene(request):
+    return rc.Scene(SYSTEMS[request.param]())
+
+
+@pytest.fixture(scope="module")
+def result(scene):
+    return rc.Simulation(scene).run(DURATION, STEP, progress=False)
+
+
+def test_one_class_simulates_and_one_holds_the_result(scene, result):
+    simulation = rc.Simulation(scene)
+    assert type(simulation) is rc.Simulation
+    assert type(simulation.evaluate()) is rc.Evaluation
+    assert type(result) is rc.Result
+    assert simulation.scene == scene == result.scene
+
+
+def test_keywords_make_the_same_scene_as_a_scene_does(scene):
+    solver = rc.Solver(method="pece", rtol=1e-7, atol=1e-8)
+    made = rc.Simulation(scene.system, solver=solver)
+    assert made.scene == replace(scene, solver=solver)
+    assert rc.Simulation(scene, solver=solver).scene == made.scene
+
+
+def test_all_that_the_scene_has_is_recorded_by_default(scene, result):
+    assert set(result.groups) == set(GROUPS[scene.kind])
+    assert (result.success, result.status) == (True, "finished")
+    np.testing.assert_allclose(result.time, np.arange(len(result.time)) * STEP, atol=1e-12)
+    assert len(rc.Simulation(scene).run(2e-4, progress=False).time) == 3  # a row each 1e-4 s
+
+
+def test_energy_is_a_group_like_the_others(scene, result):
+    energy = result.energy
+    balance = energy.kinetic + energy.gravity + energy.elastic
+    left = balance - balance[0] + energy.dissipated - energy.external_work
+    np.testing.assert_allclose(energy.residual, left, atol=1e-9 * np.abs(balance).max())
+    assert energy.worked_in is energy.external_work
+    groups = [group for group in GROUPS[scene.kind] if group != "energy"]
+    for more in ({"record": groups}, {"energy": False}):
+        without = rc.Simulation(scene).run(3e-4, STEP, progress=False, **more)
+        assert set(without.groups) == set(groups)
+        with pytest.raises(rc.NotRecorded, match="energy"):
+            _ = without.energy
+
+
+def test_a_group_that_the_scene_does_not_have_is_refused_with_those_that_it_has(scene):
+    wrong = "hinges" if scene.kind == "mechanism" else "joints"
+    with pytest.raises(rc.InvalidInput, match=f"'{wrong}' is no group; .*'"):
+        rc.Simulation(scene).run(1e-4, record=(wrong,), progress=False)
+
+
+def test_one_group_alone_is_the_same_to_the_last_bit(scene, result):
+    group = GROUPS[scene.kind][1]
+    alone = rc.Simulation(scene).run(DURATION, STEP, record=(group,), progress=False)
+    assert alone.groups == (group,)
+    for name, values in alone.arrays.items():
+        np.testing.assert_array_equal(values, result.arrays[name])
+
+
+def test_a_part_of_the_time_is_a_result(result):
+    part = result.between(start=1e-3, end=2e-3)
+    assert type(part) is rc.Result
+    np.testing.assert_array_equal(part.time, result.time[10:21])
+    np.testing.assert_array_equal(part.energy.kinetic, result.energy.kinetic[10:21])
+
+
+def test_arrays_are_read_only_and_stay_so_in_copies(result):
+    for one in (
+        result,
+        copy.copy(result),
+        copy.deepcopy(result),
+        pickle.loads(pickle.dumps(result)),
+    ):
+        assert one == result
+        for values in (*one.arrays.values(), one.energy.kinetic, one.final_positions):
+            with pytest.raises(ValueError, match="read-only"):
+                values[...] = 0
+
+
+def test_results_of_other_scenes_or_numbers_are_not_equal(scene, result):
+    assert result != replace(result, scene=replace(scene, solver=rc.Solver(accuracy=1e-9)))
+    changed = {name: values + 1 for name, values in result.arrays.items()}
+    assert result != replace(result, arrays=changed)
+
+
+def test_scenes_are_values(scene):
+    for made in (copy.copy(scene), copy.deepcopy(scene), pickle.loads(pickle.dumps(scene))):
+        assert made == scene
+    assert rc.Scene.from_json(scene.to_json()) == scene
+
+
+@pytest.mark.parametrize("form", [".toml", ".json"])
+def test_scenes_come_back_from_their_file(scene, form, tmp_path):
+    path = tmp_path / f"scene{form}"
+    rc.save_scene(scene, path)
+    assert rc.load_scene(path) == scene
+
+
+def test_results_come_back_from_their_file(result, tmp_path):
+    path = tmp_path / "run.nc"
+    result.save(path)
+    assert rc.load_result(path) == result
+
+
+def test_a_state_goes_on_to_the_same_bits(scene, result, tmp_path):
+    first = rc.Simulation(scene)
+    first.run(DURATION / 2, STEP, progress=False)
+    state = first.state()
+    first.save_state(tmp_path / "state.npz")
+    second = rc.Simulation(scene)
+    second.set_state(pickle.loads(pickle.dumps(state)))
+    third = rc.Simulation.load_state(tmp_path / "state.npz")
+    assert third.scene == scene
+    for simulation in (first, second, third):
+        last = simulation.run(DURATION / 2, STEP, progress=False)
+        np.testing.assert_array_equal(last.final_positions, result.final_positions)
+
+
+def test_a_state_of_another_scene_is_refused(scene):
+    other = rc.Simulation(replace(scene, solver=replace(scene.solver, max_step=5e-5)))
+    with pytest.raises(rc.InvalidInput):
+        rc.Simulation(scene).set_state(other.state())
+
+
+def test_a_condition_stops_a_run_which_is_then_a_success(scene):
+    simulation = rc.Simulation(scene)
+    found = simulation.run(0.05, STEP, progress=False, stop=STOPS[scene.kind])
+    assert (found.status, found.success) == ("stopped", True)
+    assert simulation.time == found.time[-1] < 0.05
+    timed = rc.Simulation(scene).run(1.0, STEP, progress=False, stop=rc.TimeReached(5e-4))
+    assert timed.message == "stopped at t = 0.0005 s: reached 0.0005 s"
+
+
+def test_a_callback_sees_every_row_and_does_not_move_the_simulation(scene, result):
+    times = []
+    found = rc.Simulation(scene).run(
+        DURATION, STEP, progress=False, callback=lambda s: times.append(s.time)
+    )
+    np.testing.assert_array_equal(times, found.time)
+    np.testing.assert_array_equal(found.final_positions, result.final_positions)
+    with pytest.raises(rc.InvalidInput, match="a run is under way") as raised:
+        rc.Simulation(scene).run(DURATION, STEP, progress=False, callback=lambda s: s.step_to(1.0))
+    assert len(raised.value.result.time) == 1
+
+
+def test_a_body_is_found_by_its_name_and_a_wrong_one_gets_the_nearest(scene):
+    simulation = rc.Simulation(scene)
+    record = ("bodies",)
+    found = simulation.run(3e-4, STEP, record=record, progress=False)
+    name = simulation.body_names[1]
+    np.testing.assert_array_equal(found.body(name).position, found.arrays["positions"][:, 1])
+    with pytest.raises(rc.NoSuchPart, match=f"did you mean '{name}'"):
+        found.body(name + "x")
+
+
+def test_an_evaluation_has_no_side_effects_and_names_what_it_has(scene):
+    simulation = rc.Simulation(scene)
+    before = simulation.state()
+    first, second = simulation.evaluate(), simulation.evaluate()
+    assert first == second
+    assert simulation.state()["snapshot"] == before["snapshot"]
+    assert first.accelerations.shape == (len(simulation.body_names), 3)
+    missing = "hinge_force" if scene.kind == "mechanism" else "joint_reaction"
+    with pytest.raises(AttributeError, match=missing):
+        getattr(first, missing)
+    with pytest.raises(ValueError, match="read-only"):
+        first.accelerations[0] = 0.0
+
+
+def test_a_start_of_ones_own_is_where_the_simulation_begins(scene):
+    simulation = rc.Simulation(scene)
+    positions, velocities = simulation.positions.copy(), simulation.velocities
+    made = rc.Simulation(scene, positions=positions, velocities=velocities)
+    np.testing.assert_allclose(made.positions, positions, atol=1e-12)
+    assert made.scene.positions == tuple(map(tuple, positions))
+
+
+def test_a_static_start_is_for_clearance_hinges(scene):
+    if scene.kind == "clearance":
+        assert rc.Simulation(scene, start="static").rest["residual"] < 1e-6
+    else:
+        with pytest.raises(rc.InvalidInput, match="start = 'static': only for drives with cl"):
+            replace(scene, start="static")
+
+
+def test_a_sweep_runs_to_the_bits_of_single_runs(scene):
+    solvers = [replace(scene.solver, max_step=step) for step in (1e-4, 5e-5)]
+    found = rc.sweep(scene, {"solver": solvers}, duration=1e-3, progress=False)
+    assert found.success
+    for solver, one in zip(solvers, found.results, strict=True):
+        alone = rc.Simulation(replace(scene, solver=solver)).run(1e-3, progress=False)
+        assert one.scene == alone.scene
+        np.testing.assert_array_equal(one.final_positions, alone.final_positions)
+
+
+def test_a_study_measures_replicates(scene):
+    found = rc.study(
+        scene,
+        lambda result: result.energy.kinetic[-1],
+        runs=3,
+        duration=1e-3,
+        burn_in=0.0,
+        progress=False,
+    )
+    assert found.statistics["value"].sel(statistic="count") == 3
+    assert found.statistics["value"].sel(statistic="std") > 0.0
+
+
+def test_a_wrong_keyword_gets_the_nearest(scene):
+    with pytest.raises(TypeError, match="did you mean 'solver'"):
+        rc.Simulation(scene, slver=rc.Solver())
+
+
+def test_a_figure_of_the_energy_is_drawn(result):
+    assert len(result.plot.energy().axes) == 2
