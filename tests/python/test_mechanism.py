@@ -70,10 +70,11 @@ def test_results_go_to_xarray_pandas_and_files(tmp_path):
 
     result = rc.Simulation(slider_crank()).run(duration=0.1, report_step=0.01, progress=False)
     dataset = result.to_xarray()
-    assert dataset["positions"].sel(body="slider", coordinate="x").shape == (11,)
-    assert dataset["joint_reaction"].attrs["units"] == "N, N, N m"
-    assert dataset["joint_reaction"].sel(joint="motor", component="torque").shape == (11,)
-    assert "positions_slider_x" in result.to_pandas()
+    assert dataset["position"].sel(body="slider", axis="x").shape == (11,)
+    assert dataset["joint_force"].attrs["units"] == "N"
+    assert dataset["joint_torque"].attrs["units"] == "N m"
+    assert dataset["joint_torque"].sel(joint="motor").shape == (11,)
+    assert "position_slider_x" in result.to_pandas()
     result.save(tmp_path / "run.nc")
     loaded = xr.load_dataset(tmp_path / "run.nc", engine="h5netcdf")
     np.testing.assert_array_equal(loaded["energy_kinetic"], result.energy.kinetic)

@@ -9,6 +9,7 @@ import numpy as np
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
+from rustchain.results.channels import PARTS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,7 +25,14 @@ def spectrum(
     from rustchain.extras import xarray as xr
 
     rows = rows_between(result, start, end)
-    values = result.array(name)[rows]
+    if name in PARTS:
+        msg = f"name = {shown(name)}: has two units; expected {' or '.join(map(repr, PARTS[name]))}"
+        raise InvalidInput(msg)
+    dataset = result.to_xarray()
+    if name not in dataset:
+        result.array(name)  # raises, with the remedy
+    recorded = dataset[name]
+    values = recorded.to_numpy()[rows]
     if not np.isfinite(values).all():
         msg = (
             f"name = {shown(name)}: has values that are no finite numbers, of contacts that "
@@ -32,7 +40,6 @@ def spectrum(
             "even near; take a force"
         )
         raise InvalidInput(msg)
-    recorded = result.to_xarray()[name]
     frequency, density = welch(result.time[rows], np.moveaxis(values, 0, -1), segment)
     unit = str(recorded.attrs["units"])
     others = [dim for dim in recorded.dims if dim != "time"]

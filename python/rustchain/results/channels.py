@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 
 class Variable(NamedTuple):
@@ -13,6 +13,30 @@ class Variable(NamedTuple):
     units: str
     long_name: str
 
+    def parts(self, name: str) -> list[tuple[str, Variable, Any]]:
+        """Return what a dataset has of the array `name`, in which a variable has one unit.
+
+        Each part has a name, what it is, and its place along the last axis of the array.
+        """
+        if name not in PARTS:
+            return [(name, self, slice(None))]
+        first, second = PARTS[name]
+        units = self.units.split(", ")
+        inside = self.dims[:-1]
+        linear = self._replace(dims=(*inside, "axis"), units=units[0])
+        return [
+            (first, linear._replace(long_name=f"{self.long_name}: x, y"), slice(0, 2)),
+            (second, self._replace(dims=inside, units=units[-1]), 2),
+        ]
+
+
+PARTS = {
+    "positions": ("position", "angle"),
+    "velocities": ("velocity", "angular_velocity"),
+    "accelerations": ("acceleration", "angular_acceleration"),
+    "joint_reaction": ("joint_force", "joint_torque"),
+}
+"""Arrays of x, y and an angle or a torque: what a dataset calls the two and the one."""
 
 VARIABLES = {
     "hinge_force": Variable("hinges", ("hinge",), "N", "force of pin on bushing"),

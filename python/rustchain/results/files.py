@@ -11,11 +11,13 @@ import numpy.typing as npt
 
 from rustchain.description.base import Description
 from rustchain.description.scene import Scene
+from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords
+from rustchain.paths import shown_path
 from rustchain.results import netcdf
 from rustchain.results.channels import OF_MECHANISMS, VARIABLES
 from rustchain.results.result import Result
-from rustchain.results.tables import ENDS, JUMPS
+from rustchain.results.tables import ENDS, FORMAT, JUMPS, array_of
 from rustchain.results.views import Jumps
 
 if TYPE_CHECKING:
@@ -34,9 +36,16 @@ def load_result(path: str | Path) -> Result:
         There is no such file (`FileNotFoundError`), it is a directory (`IsADirectoryError`), a
         device or a FIFO, or cannot be read.
     InvalidInput
-        The file holds no result, or its content does not match its checksum.
+        The file holds no result, has the format of another version, or its content does not
+        match its checksum.
     """
     data = netcdf.read(path)
+    if (found := data.attrs.get("format", "none")) != FORMAT:
+        msg = (
+            f"path = {shown_path(path)}: has format {found}, this rustchain reads {FORMAT}: load "
+            f"it with the one that wrote it, {data.attrs.get('rustchain_version', 'unknown')}"
+        )
+        raise InvalidInput(msg)
     try:
         scene: Scene = Description.from_json(data.attrs["scene"])
         names = {
@@ -44,7 +53,11 @@ def load_result(path: str | Path) -> Result:
             "joint": tuple(json.loads(data.attrs["joint_names"])),
             "contact": tuple(json.loads(data.attrs["contact_names"])),
         }
-        ends = {name: data[name].values if name in data else np.empty((0, 3)) for name in ENDS}
+        ends = {}
+        for name in ENDS:
+            end, quantity = name.split("_")
+            rows = array_of(data, quantity, end)
+            ends[name] = np.empty((0, 3)) if rows is None else rows
         return Result(
             arrays=_arrays_of(data, scene, {part: len(listed) for part, listed in names.items()}),
             scene=scene,
@@ -66,7 +79,8 @@ def _arrays_of(
 ) -> dict[str, npt.NDArray[Any]]:
     """Return the recorded arrays, with those of a mechanism that are empty and not in the file."""
     arrays = {"time": data["time"].values}
-    arrays |= {name: data[name].values for name in VARIABLES if name in data}
+    found = {name: array_of(data, name) for name in VARIABLES}
+    arrays |= {name: array for name, array in found.items() if array is not None}
     if scene.kind == "mechanism":
         sizes = sizes | {"coordinate": 3, "component": 3, "axis": 2}
         for name, v in VARIABLES.items():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import platform
 from collections.abc import Mapping
 from importlib.metadata import version
 from itertools import product
@@ -11,13 +12,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from rustchain.results.channels import VARIABLES, Variable
+from rustchain._rustchain import instruction_set
+from rustchain.results.channels import PARTS, VARIABLES, Variable
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
     from rustchain.results.result import Result
+
+FORMAT = 1
+"""Number of the format of files; a change of what is in a file and of its names raises it."""
 
 JUMPS = ("jump_time", "jump_sprocket", "jump_direction")
 ENDS = ("initial_positions", "initial_velocities", "final_positions", "final_velocities")
@@ -31,10 +36,8 @@ def dataset_of(result: Result) -> xr.Dataset:
         "time": xr.Variable("time", result.time, {"units": "s", "long_name": "time"}),
         "axis": ["x", "y"],
         "body": list(result.body_names),
-        "coordinate": ["x", "y", "theta"],
         "joint": np.array(result.joint_names, dtype=str),
         "contact": np.array(result.contact_names, dtype=str),
-        "component": ["x", "y", "torque"],
     }
     if result.scene.kind != "mechanism":
         drive = result.drive
@@ -49,10 +52,10 @@ def dataset_of(result: Result) -> xr.Dataset:
     variables = variables_of(there, VARIABLES)
     for name in ENDS:
         end, quantity = name.split("_")
-        units = VARIABLES[quantity].units
-        attributes = {"units": units, "long_name": f"{end} {quantity} of the bodies"}
         if (values := getattr(result, name)).size:
-            variables[name] = (("body", "coordinate"), values, attributes)
+            for part, v, place in VARIABLES[quantity].parts(quantity):
+                attributes = {"units": v.units, "long_name": f"{end} {v.long_name}"}
+                variables[f"{end}_{part}"] = (v.dims, values[:, place], attributes)
     attributes_of_jumps = {}
     if result.jumps is not None:
         attributes_of_jumps["tooth_jumps"] = len(result.jumps[0])
@@ -78,24 +81,42 @@ def variables_of(
     arrays: Mapping[str, npt.NDArray[Any]], known: Mapping[str, Variable]
 ) -> dict[str, Any]:
     """Return the arrays with their dimensions and attributes, those that are there."""
-    return {
-        name: (("time", *v.dims), arrays[name], {"units": v.units, "long_name": v.long_name})
-        for name, v in known.items()
-        if name in arrays
-    }
+    found = {}
+    for name in filter(arrays.__contains__, known):
+        for part, v, place in known[name].parts(name):
+            attributes = {"units": v.units, "long_name": v.long_name}
+            if " or " in v.units:  # of joints of several kinds: a variable has one unit, or none
+                attributes = {"long_name": f"{v.long_name} [{v.units}]"}
+            values = arrays[name] if part == name else arrays[name][..., place]
+            found[part] = (("time", *v.dims), values, attributes)
+    return found
+
+
+def array_of(data: xr.Dataset, name: str, end: str = "") -> npt.NDArray[Any] | None:
+    """Return an array from its parts in a dataset, or None; `end` is "initial" or "final"."""
+    names = [f"{end}_{part}" if end else part for part in PARTS.get(name, (name,))]
+    if names[0] not in data:
+        return None
+    parts = [data[part].values for part in names]
+    return parts[0] if len(parts) == 1 else np.concatenate([parts[0], parts[1][..., None]], -1)
 
 
 def dataset(
     variables: dict[str, Any], coordinates: Mapping[str, Any], attributes: Mapping[str, Any]
 ) -> xr.Dataset:
-    """Return a dataset with the coordinates that its variables have, and the version."""
+    """Return a dataset with the coordinates that its variables have, format and version."""
     from rustchain.extras import xarray as xr
 
     used = {"time"}.union(*(dims for dims, *_ in variables.values()))
     return xr.Dataset(
         variables,
         {name: values for name, values in coordinates.items() if name in used},
-        {**attributes, "rustchain_version": version("rustchain")},
+        {
+            **attributes,
+            "format": FORMAT,
+            "rustchain_version": version("rustchain"),
+            "platform": f"{platform.system()} {platform.machine()}, {instruction_set()}",
+        },
     )
 
 
@@ -105,8 +126,11 @@ def table_of(dataset: xr.Dataset, known: Mapping[str, Variable]) -> pd.DataFrame
 
     time = dataset["time"].values
     columns: dict[str, npt.NDArray[Any]] = {}
-    for name in filter(dataset.data_vars.__contains__, known):
-        labels = product([name], *(dataset[d].values for d in known[name].dims))
+    parts = [(part, v.dims) for name in known for part, v, _ in known[name].parts(name)]
+    for name, dims in parts:
+        if name not in dataset:
+            continue
+        labels = product([name], *(dataset[d].values for d in dims))
         series = dataset[name].values.reshape(len(time), -1).T
         columns |= {
             "_".join(map(str, label)): one for label, one in zip(labels, series, strict=True)

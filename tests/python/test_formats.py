@@ -1,0 +1,106 @@
+"""Formats of files: a number in each, one unit a variable, and stored files of the present one."""
+
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pint_xarray  # noqa: F401, gives datasets their .pint
+import pytest
+import xarray as xr
+
+import rustchain as rc
+from rustchain.results import netcdf
+
+DATA = Path(__file__).parents[1] / "data"
+RESULT, STATE = DATA / "result_format_1.nc", DATA / "state.npz"
+
+
+def drive_run():
+    everything = ("hinges", "teeth", "sprockets", "bodies")
+    simulation = rc.Simulation(rc.paper_drive(25.0))
+    return simulation.run(duration=2e-3, record=everything, progress=False)
+
+
+def mechanism_run():
+    pendulum = rc.Mechanism()
+    pendulum.add_body("bob", 1.0, 0.1, velocity=(1.0, 0.0, 1.0))
+    pendulum.add_revolute("pivot", "ground", "bob", at=(0.0, 1.0))
+    return rc.Simulation(pendulum).run(duration=2e-3, progress=False)
+
+
+RUNS = {"drive": drive_run, "mechanism": mechanism_run}
+# Of joints of several kinds: their rows are lengths or angles.
+WITHOUT_UNIT = {"joint_position_residual", "joint_velocity_residual"}
+
+
+@pytest.mark.parametrize("kind", RUNS)
+def test_every_variable_of_a_file_has_one_unit_that_pint_reads(kind, tmp_path):
+    RUNS[kind]().save(tmp_path / "run.nc")
+    data = xr.load_dataset(tmp_path / "run.nc", engine="h5netcdf", decode_times=False)
+    units = {name: v.pint.units for name, v in data.pint.quantify().data_vars.items()}
+    assert {name for name, unit in units.items() if unit is None} <= WITHOUT_UNIT
+    assert str(units["position"]) == "meter"
+    assert str(units["angle"]) == "radian"
+    assert str(units["angular_velocity"]) == "radian / second"
+
+
+@pytest.mark.parametrize("kind", RUNS)
+def test_a_file_has_format_scene_version_and_platform(kind):
+    attributes = RUNS[kind]().to_xarray().attrs
+    assert attributes["format"] == 1
+    assert attributes["rustchain_version"] == rc.__version__
+    assert rc.instruction_set() in attributes["platform"]
+    assert sys.platform in attributes["platform"].lower()
+    assert attributes["scene"].startswith('{"type": "Scene"')
+
+
+@pytest.mark.parametrize("kind", RUNS)
+def test_arrays_go_through_a_file_with_every_bit(kind, tmp_path):
+    result = RUNS[kind]()
+    result.save(tmp_path / "run.nc")
+    again = rc.load_result(tmp_path / "run.nc")
+    assert again.arrays.keys() == result.arrays.keys()
+    for name, array in result.arrays.items():
+        np.testing.assert_array_equal(again.arrays[name], array)
+    for name in ("initial_positions", "final_velocities"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(result, name))
+
+
+def test_the_stored_result_of_this_format_loads():
+    result = rc.load_result(RESULT)
+    assert result.drive == rc.paper_drive(25.0)
+    assert result.status == "finished"
+    np.testing.assert_allclose(result.time, [0.0, 1e-3, 2e-3])
+    assert result.sprocket(1).speed[-1] == pytest.approx(12.566, abs=1e-3)
+
+
+@pytest.mark.parametrize("number", [2, None])
+def test_a_result_of_another_format_is_refused_by_its_number(number, tmp_path):
+    data = mechanism_run().to_xarray()
+    data.attrs = {name: value for name, value in data.attrs.items() if name != "format"}
+    data.attrs |= {} if number is None else {"format": number}
+    netcdf.write(data, tmp_path / "run.nc")
+    told = rf"has format {'none' if number is None else 2}, this rustchain reads 1: load it with"
+    with pytest.raises(rc.InvalidInput, match=told) as refused:
+        rc.load_result(tmp_path / "run.nc")
+    assert rc.__version__ in str(refused.value)
+
+
+def test_the_stored_state_loads_or_is_refused_by_its_number():
+    with np.load(STATE, allow_pickle=False) as stored:
+        position = stored["state.positions"]
+    try:
+        simulation = rc.Simulation.load_state(STATE)
+    except rc.InvalidInput as refused:
+        assert re.search(r"(format|version) \d+", str(refused))  # noqa: PT017
+        return
+    assert simulation.time == 1e-3
+    np.testing.assert_array_equal(simulation.positions, position)
+
+
+def test_a_spectrum_is_of_one_unit():
+    result = rc.Simulation(rc.paper_drive(25.0)).run(5e-3, record=("bodies",), progress=False)
+    assert result.spectrum("angle").attrs["units"] == "rad^2/Hz"
+    with pytest.raises(rc.InvalidInput, match="has two units; expected 'position' or 'angle'"):
+        result.spectrum("positions")
