@@ -1,4 +1,4 @@
-//! Deflections of LuGre bristles, one for each side of a contact that has them, as unknowns of the ODE.
+//! Deflections of `LuGre` bristles, one for each side of a contact that has them, as unknowns of the ODE.
 //!
 //! The integrator's state is y = [q, Z, v, z, sums]: a deflection z stands among the velocities and its integral Z, which nobody
 //! reads, among the coordinates, as in chain drives. In a step of Newton's method an evaluation solves z = foretold + γ dz/dt,
