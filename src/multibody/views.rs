@@ -85,11 +85,11 @@ impl MechanismDynamics {
             load[1] += y;
             load[2] += torque - (arm.x * y - arm.y * x);
         }
-        let pins = self.model.pins.iter().zip(&self.pin_torques.values);
-        load[2] += pins
-            .filter(|(pin, _)| pin.joint == joint)
-            .map(|(_, torque)| torque)
-            .sum::<f64>();
+        for (pin, torque) in self.model.pins.iter().zip(&self.pin_torques.values) {
+            if pin.joint == joint {
+                load[2] += torque;
+            }
+        }
         load
     }
 

@@ -85,6 +85,10 @@ impl MechanismDynamics {
     /// Reads [q, v] and the deflections from a state of the integrator.
     pub(crate) fn read(&mut self, y: &[f64], state: &mut [f64]) {
         let (n, count) = (self.model.coordinates(), self.model.bristles);
+        if count == 0 {
+            state.copy_from_slice(&y[..2 * n]);
+            return;
+        }
         state[..n].copy_from_slice(&y[..n]);
         let velocities = n + count;
         state[n..2 * n].copy_from_slice(&y[velocities..velocities + n]);
