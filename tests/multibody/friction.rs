@@ -92,8 +92,8 @@ fn a_block_on_an_incline_with_bristles_sticks_below_the_friction_angle_and_slide
             let [half, end] = [1, 2].map(|i| found.positions[3 * i]);
             // From unbent bristles it starts with a jerk, which breaks it away for a moment at 0.95.
             assert!(half < 1e-4, "{part}: {half:e}");
-            // What Newton's iteration leaves shakes them loose by so much; friction that creeps would have gone 1e-3 m.
-            assert!((end - half).abs() < 1e-7, "{part}: {:e}", end - half);
+            // Vibration left of the start shakes them loose by so much; tanh of 1e-3 m/s would creep 1e-3 m at 0.95.
+            assert!((end - half).abs() < 1e-6, "{part}: {:e}", end - half);
         }
         let angle = (1.5 * mu).atan();
         let mut run = run(&incline(angle, FrictionLaw::LuGre(law)), corrector);
