@@ -21,21 +21,11 @@ const UNMEASURED_LENGTH: f64 = 6e-11;
 /// A tenth of [`REMAINDER`] (decision 20).
 const UNMEASURED: f64 = 0.01;
 
-/// Convergence rate from which on convergence is always measured.
-///
-/// A safeguard: where convergence is this slow, the contraction constant is not one of quadratic convergence.
-const SLOWEST_UNMEASURED: f64 = 0.3;
-
 /// Longest first correction \[m\] that may stay unmeasured in a step with contact onsets or ends.
 ///
 /// The contraction constant of such a step differs from those before. Twice the default accuracy: nothing was gained above
 /// (decision 20).
 const LONGEST_WITH_EVENTS: f64 = 2e-10;
-
-/// Lower bound of 1 - θ in the sum of the remaining corrections, for rates θ near one.
-///
-/// A safeguard: at such rates the remaining correction is above [`REMAINDER`] in any case.
-const SMALLEST_COMPLEMENT: f64 = 0.1;
 
 /// Growth of the contraction constant in each step that does not measure it.
 ///
@@ -74,7 +64,8 @@ impl NewtonConvergence {
     pub(super) fn measure(&mut self, size: f64, last: f64) -> f64 {
         let rate = size / last;
         self.contraction = size / (last * last);
-        size * rate / (1.0 - rate).max(SMALLEST_COMPLEMENT)
+        // Infinite for θ of one and above: no convergence.
+        size * rate / (1.0 - rate).max(0.0)
     }
 
     /// Return whether the first correction, of `size`, is the last one of this step.
@@ -98,9 +89,8 @@ impl NewtonConvergence {
         let longest = size.max(1.0) * control.accuracy;
         let is_short = !by_component && longest <= LONGEST_WITH_EVENTS;
         let rate = safety_factor * self.contraction * size;
-        self.unmeasured = rate < SLOWEST_UNMEASURED
-            && rate * size <= allowed
-            && (safety_factor <= 1.0 || is_short);
+        self.unmeasured =
+            rate < 1.0 && rate * size <= allowed && (safety_factor <= 1.0 || is_short);
         if self.unmeasured {
             self.contraction *= GROWTH;
         }

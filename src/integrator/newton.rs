@@ -36,11 +36,6 @@ const CHANGE: [f64; 2] = [0.3, 2.0];
 /// Factors of the step size between which it is kept: equal steps keep their coefficients.
 const KEPT: [f64; 2] = [0.9, 1.15];
 
-/// Smallest error of an accepted step in the choice of its size; prevents a division by zero.
-///
-/// Far below the error at which [`CHANGE`] limits the growth. Doubled: no change.
-const SMALLEST_ERROR: f64 = 1e-6;
-
 /// Failures of one step after which the order is one, as with the explicit corrector.
 const FAILURES_TO_ORDER_ONE: u32 = 3;
 
@@ -211,12 +206,12 @@ impl Adams {
 
 /// Return the next step size at order one or two, from the error: `h (SAFETY/error)^(1/(k+1))`, or h where the change is small.
 fn low_order_step(h: f64, order: usize, error: f64) -> f64 {
-    let error = error.max(SMALLEST_ERROR);
     let root = if order == 1 {
         error.sqrt()
     } else {
         error.cbrt()
     };
+    // An error of zero gives the largest change.
     let change = (SAFETY / root).clamp(CHANGE[0], CHANGE[1]);
     let keep = (KEPT[0]..KEPT[1]).contains(&change);
     if keep { h } else { h * change }
