@@ -71,7 +71,7 @@ demo: build ## Run the paper's drive for 2 s and draw its figures into demo/
 check: lint-text lint-python $(STAMPS)/test-tools ## The quick tier: lints, unit tests of Rust, one run of each law, corrector and kind of scene
 	cargo fmt --check
 	cargo test --lib --test layering
-	$(BIN)/python -m pytest -q tests/python/test_every_kind.py tests/python/test_names.py tests/python/test_bad_calls.py
+	$(BIN)/python -m pytest -q tests/python/validation/test_every_kind.py tests/python/description/test_names.py tests/python/simulation/test_bad_calls.py
 
 test: test-rust test-python ## Run all the tests, Rust and Python
 	@echo

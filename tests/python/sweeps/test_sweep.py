@@ -15,7 +15,7 @@ import pytest
 
 import rustchain as rc
 
-EXAMPLE = Path(__file__).parents[2] / "examples" / "three_shafts.toml"
+EXAMPLE = Path(__file__).parents[3] / "examples" / "three_shafts.toml"
 PAPER = rc.paper_drive()
 SHORT = {"duration": 5e-3, "report_step": 1e-4, "progress": False}  # contacts begin at 4.1 ms
 FAR = 1000.0  # [s], hours of wall time away

@@ -12,7 +12,7 @@ import pytest
 
 import rustchain as rc
 
-PATH = Path(__file__).parents[2] / "benches" / "robustness.py"
+PATH = Path(__file__).parents[3] / "benches" / "robustness.py"
 _SPEC = importlib.util.spec_from_file_location("robustness", PATH)
 robustness = importlib.util.module_from_spec(_SPEC)
 sys.modules["robustness"] = robustness  # where its dataclasses look themselves up

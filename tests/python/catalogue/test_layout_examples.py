@@ -9,7 +9,7 @@ import pytest
 
 import rustchain as rc
 
-LAYOUTS = Path(__file__).parents[2] / "examples" / "layouts"
+LAYOUTS = Path(__file__).parents[3] / "examples" / "layouts"
 
 
 @pytest.mark.parametrize("path", sorted(LAYOUTS.glob("*.py")), ids=lambda path: path.stem)

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 import rustchain as rc
 from rustchain.cli.app import app
 
-EXAMPLE = Path(__file__).parents[2] / "examples" / "three_shafts.toml"
+EXAMPLE = Path(__file__).parents[3] / "examples" / "three_shafts.toml"
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ import xarray as xr
 import rustchain as rc
 from rustchain.results import netcdf
 
-DATA = Path(__file__).parents[1] / "data"
+DATA = Path(__file__).parents[2] / "data"
 RESULT, STATE = DATA / "result_format_1.nc", DATA / "state.npz"
 
 

@@ -15,7 +15,7 @@ from reference.dynamics import DriveEquations
 from reference.generator import paper_start
 from reference.geometry import pitch_radius
 
-DATA = Path(__file__).parents[1] / "data" / "paper_start.csv"
+DATA = Path(__file__).parents[2] / "data" / "paper_start.csv"
 LN = rc.LankaraniNikravesh()
 PITCH = 0.0127
 PAPER = rc.paper_drive().chain

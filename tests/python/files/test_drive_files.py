@@ -17,7 +17,7 @@ from rustchain.description.base import Description
 from rustchain.files.scene import SceneFile
 from rustchain.files.source import Source
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 EXAMPLE = ROOT / "examples" / "three_shafts.toml"
 PAGE = (ROOT / "docs" / "files.md").read_text(encoding="utf-8")
 
