@@ -9,6 +9,7 @@
 //!
 //! Bodies are in the order of the drive's own, so that rows of both agree; an arm, which the drive has no body for, comes last.
 
+#[cfg(feature = "python")]
 pub(crate) mod channels;
 mod tensioner;
 
