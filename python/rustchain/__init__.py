@@ -6,7 +6,7 @@
 >>> force = result.bushing(6).tooth_force  # [N], shape (times,)
 """
 
-from importlib.metadata import version
+from importlib import metadata
 
 from rustchain._rustchain import instruction_set
 from rustchain.catalogue.generators import chain_drive, open_chain
@@ -96,7 +96,7 @@ from rustchain.sweeps.study import StudyResult, study
 from rustchain.sweeps.sweep import sweep
 from rustchain.units import rpm
 
-__version__ = version("rustchain")
+__version__ = metadata.version("rustchain")
 
 __all__ = [
     "AnchoredEnd",
@@ -189,3 +189,7 @@ __all__ = [
     "sweep",
     "two_sprocket_drive",
 ]
+
+
+def __dir__() -> list[str]:
+    return __all__

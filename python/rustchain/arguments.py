@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain.errors import InvalidInput
-from rustchain.names import suggest
+from rustchain.names import known_keywords, suggest
 from rustchain.typing import Array
 
 _Class = TypeVar("_Class", bound=type)
@@ -79,11 +79,12 @@ def _plain(value: Any, levels: int) -> Any:  # noqa: ANN401
 
 
 def checked(function: Any, only: Collection[Any] | None = None) -> Any:  # noqa: ANN401
-    """Let a function check its arguments by their annotations before it is called.
+    """Let a function check its arguments by their names and annotations before it is called.
 
     Numbers are converted to Python's exactly once; they have to be finite. What an annotation does
     not say, such as a range, is left to the function; with `only`, so are all other types.
     """
+    function = known_keywords(function)
 
     @functools.wraps(function)
     def called(*args: Any, **keywords: Any) -> object:  # noqa: ANN401

@@ -12,6 +12,7 @@ from rustchain.analysis.loads import check_sprocket
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
+from rustchain.typing import Time
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -21,12 +22,32 @@ if TYPE_CHECKING:
 
 def engagements(
     result: Result,
-    sprocket: int | str | None,
-    within: float,
-    start: float | None,
-    end: float | None,
+    /,
+    sprocket: int | str | None = None,
+    *,
+    within: float = 0.5,
+    start: Time = None,
+    end: Time = None,
 ) -> pd.DataFrame:
-    """Return what `Outputs.engagements` promises."""
+    """Return a row for each time that a bushing came into a tooth gap, or onto a guide.
+
+    Parameters
+    ----------
+    sprocket : int or str, optional
+        Number of the sprocket, from 1, or the name of a guide: "guide_1". By default all
+        sprockets, without guides, on which bushings dance; a guide has the number behind the
+        sprockets', and for ``tooth`` 0: its face, 1: its back.
+    within : float
+        What counts as the impact: the first so many pitches of the chain's way.
+
+    Returns
+    -------
+    DataFrame
+        ``time`` [s] of the report that first shows the contact, ``bushing``, ``sprocket``,
+        ``tooth`` (gap from 0), ``region``; ``force`` [N] and ``impulse`` [N s] of the impact,
+        from the peaks between reports; ``largest_force`` [N] and length ``pitches`` of the
+        stay.
+    """
     from rustchain.extras import pandas as pd
 
     if not within > 0.0:

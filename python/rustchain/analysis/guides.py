@@ -10,12 +10,13 @@ import numpy as np
 
 from rustchain import _rustchain
 from rustchain.analysis.circuit import Circuit
-from rustchain.analysis.loads import nearest_contact
+from rustchain.analysis.loads import QUANTILES, nearest_contact
 from rustchain.analysis.phases import bins_of, checked_bins, intervals, midway, share, statistics
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
 from rustchain.description.guides import SmoothIdler
 from rustchain.errors import InvalidInput
+from rustchain.typing import Time
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,13 +28,34 @@ _NEWTONS = {"units": "N"}
 
 def guide_loads(
     result: Result,
-    guide: int | str,
-    quantiles: Sequence[float],
-    bins_per_pitch: int,
-    start: float | None,
-    end: float | None,
+    /,
+    guide: int | str = 1,
+    *,
+    quantiles: Sequence[float] = QUANTILES,
+    bins_per_pitch: int = 4,
+    start: Time = None,
+    end: Time = None,
 ) -> xr.Dataset:
-    """Return what `Outputs.guide_loads` promises."""
+    """Return the load of a rail, a blade, a shoe or a smooth idler.
+
+    Parameters
+    ----------
+    guide : int or str
+        Number of the guide, from 1, or its name: "guide_1".
+    quantiles, bins_per_pitch
+        As in `hinge_loads`.
+
+    Returns
+    -------
+    Dataset
+        Over ``position``, the place of a bushing [pitches] from where the chain passed the
+        guide's middle at the start of the run, counterclockwise: ``mean``, ``quantiles``,
+        ``largest`` [N] of the force of each bushing that passes, as in `hinge_loads`. Over
+        ``bushing``: ``bushing_mean``, ``bushing_largest`` [N]. Over ``time``: ``force`` [N],
+        the sum of the forces' sizes at the reports, and ``bushings``, how many bear.
+        ``attrs["mean_force"]`` is the mean of that sum [N], from the impulses. The angle of a
+        blade's arm is that of `Result.guide`.
+    """
     from rustchain.extras import xarray as xr
 
     bins_per_pitch = checked_bins("guide_loads.bins_per_pitch", bins_per_pitch)

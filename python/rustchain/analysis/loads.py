@@ -12,25 +12,51 @@ from rustchain.analysis.phases import bins_of, checked_bins, intervals, midway, 
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import plain, shown
 from rustchain.errors import InvalidInput
+from rustchain.typing import Array, Time
 
 if TYPE_CHECKING:
+    from typing import TypeAlias
+
     import numpy.typing as npt
     import xarray as xr
 
     from rustchain.results.result import Result
-    from rustchain.typing import Array
 
+    SprocketNumber: TypeAlias = int
+else:  # left to `check_sprocket`, which tells what answers the name of a guide
+    SprocketNumber = object
+
+QUANTILES = (0.05, 0.5, 0.95)
 _NEWTONS = {"units": "N"}
 
 
 def hinge_loads(
     result: Result,
-    quantiles: Sequence[float],
-    bins_per_pitch: int,
-    start: float | None,
-    end: float | None,
+    /,
+    *,
+    quantiles: Sequence[float] = QUANTILES,
+    bins_per_pitch: int = 4,
+    start: Time = None,
+    end: Time = None,
 ) -> xr.Dataset:
-    """Return what `Outputs.hinge_loads` promises."""
+    """Return the load of the hinges over a revolution of the chain, and that of each hinge.
+
+    Parameters
+    ----------
+    quantiles : sequence of float
+        Shares, 0 to 1, of the reports that lie below the values of ``quantiles``.
+    bins_per_pitch : int
+        How finely the chain's way is divided, 1 to 1000.
+
+    Returns
+    -------
+    Dataset
+        Over ``position``, how far a hinge has gone round [pitches] from the first seat of
+        sprocket 1 at the start, counterclockwise (``section`` names sprocket or strand):
+        ``mean`` [N], from the impulses; ``quantiles`` [N] of the force at the reports;
+        ``largest`` [N], peaks between reports included; NaN where no hinge has been. Over
+        ``hinge``: ``hinge_mean``, ``hinge_quantiles``, ``hinge_largest`` [N].
+    """
     from rustchain.extras import xarray as xr
 
     bins_per_pitch = checked_bins("hinge_loads.bins_per_pitch", bins_per_pitch)
@@ -71,13 +97,31 @@ def hinge_loads(
 
 def wrap_loads(
     result: Result,
-    sprocket: int,
-    quantiles: Sequence[float],
-    bins_per_pitch: int,
-    start: float | None,
-    end: float | None,
+    /,
+    sprocket: SprocketNumber = 1,
+    *,
+    quantiles: Sequence[float] = QUANTILES,
+    bins_per_pitch: int = 4,
+    start: Time = None,
+    end: Time = None,
 ) -> xr.Dataset:
-    """Return what `Outputs.wrap_loads` promises."""
+    """Return how the load is distributed along the wrap of a sprocket.
+
+    Parameters
+    ----------
+    sprocket : int
+        Number of the sprocket, from 1.
+    quantiles, bins_per_pitch
+        As in `hinge_loads`.
+
+    Returns
+    -------
+    Dataset
+        Over ``position``, the place of a bushing in the wrap [pitches] from where the belt line
+        meets the pitch circle, counterclockwise: ``mean``, ``quantiles``, ``largest`` [N] of
+        the tooth force, as in `hinge_loads`, and ``hinge_mean`` [N], the mean hinge force
+        there. ``attrs["wrap"]`` is the length of the wrap [pitches].
+    """
     from rustchain.extras import xarray as xr
 
     bins_per_pitch = checked_bins("wrap_loads.bins_per_pitch", bins_per_pitch)
@@ -114,13 +158,33 @@ def wrap_loads(
 
 def tooth_loads(
     result: Result,
-    sprocket: int,
-    quantiles: Sequence[float],
-    bins_per_pitch: int,
-    start: float | None,
-    end: float | None,
+    /,
+    sprocket: SprocketNumber = 1,
+    *,
+    quantiles: Sequence[float] = QUANTILES,
+    bins_per_pitch: int = 4,
+    start: Time = None,
+    end: Time = None,
 ) -> xr.Dataset:
-    """Return what `Outputs.tooth_loads` promises."""
+    """Return the load of a sprocket's teeth over its revolution, and that of each tooth.
+
+    A gap counts as the tooth: gap k, from 0, and what bears on either of its flanks.
+
+    Parameters
+    ----------
+    sprocket : int
+        Number of the sprocket, from 1.
+    quantiles, bins_per_pitch
+        As in `hinge_loads`.
+
+    Returns
+    -------
+    Dataset
+        Over ``angle`` [rad], the direction of a gap seen from the centre, from x
+        counterclockwise: ``mean``, ``quantiles``, ``largest`` [N] as in `hinge_loads`, of all
+        gaps that pass there, loaded or not. Over ``tooth``: ``tooth_mean``, ``tooth_largest``
+        [N].
+    """
     from rustchain.extras import xarray as xr
 
     bins_per_pitch = checked_bins("tooth_loads.bins_per_pitch", bins_per_pitch)

@@ -10,19 +10,33 @@ import numpy as np
 from rustchain.analysis.window import mean_over_time, rows_between
 from rustchain.description.drive import Free, PrescribedSpeed
 from rustchain.errors import InvalidInput
+from rustchain.typing import Array, Time
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from rustchain.results.result import Result
-    from rustchain.typing import Array
 
 _STORED = ("kinetic", "gravity", "elastic")
 _SUMS = ("dissipated", "external_work", "residual")
 
 
-def power_balance(result: Result, start: float | None, end: float | None) -> xr.Dataset:
-    """Return what `Outputs.power_balance` promises."""
+def power_balance(result: Result, /, *, start: Time = None, end: Time = None) -> xr.Dataset:
+    """Return where the power comes from and goes to, on average, and the efficiency.
+
+    Needs sprockets and the energy balance recorded.
+
+    Returns
+    -------
+    Dataset
+        ``shaft_power`` [W], (sprocket): into the drive positive. ``loss`` [W], (channel):
+        dissipated power by channel, contacts and whatever other channels the run kept.
+        ``stored`` [W], (store): growth of kinetic, gravity and elastic energy. ``residual``
+        [W]: what the energy balance misses. ``efficiency``: power delivered by the shafts over
+        power delivered and lost, NaN where nothing is delivered; growth of stored energy does
+        not enter. The power of the only motor of prescribed speed holds the tensioner's work.
+        ``attrs``: ``span`` [s]; ``tooth_jumps``, how many teeth the chain jumped meanwhile.
+    """
     from rustchain.extras import xarray as xr
 
     rows = rows_between(result, start, end)

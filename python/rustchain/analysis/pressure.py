@@ -15,6 +15,7 @@ from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
+from rustchain.typing import Array, Time
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from rustchain.description.drive import Chain, ChainDrive
     from rustchain.description.material import Material
     from rustchain.results.result import Result
-    from rustchain.typing import Array
 
 Contact = Literal["hinge", "tooth"]
 _SMALLEST = 0.01  # of the largest pressure: swings below that are not counted
@@ -48,9 +48,26 @@ def half_width(
 
 
 def contact_pressure(
-    result: Result, contact: Contact, start: float | None, end: float | None
+    result: Result, /, contact: Contact = "hinge", *, start: Time = None, end: Time = None
 ) -> xr.Dataset:
-    """Return what `Outputs.contact_pressure` promises."""
+    """Return the largest pressure in each contact by Hertz's line contact.
+
+    p = sqrt(F E* k / (pi L)), half width b = sqrt(4 F / (pi L E* k)) (Johnson, Contact
+    Mechanics, 4.2c): F the force, L the length of contact, 1/E* = 2 (1 - nu^2)/E, k the sum of
+    the curvatures, which for a tooth is that of the surface in contact. It holds while b is
+    small beside the radii, whatever law gave the force.
+
+    Parameters
+    ----------
+    contact : {"hinge", "tooth"}
+        Pins in bushings, or bushings on teeth.
+
+    Returns
+    -------
+    Dataset
+        ``pressure`` [Pa] and ``half_width`` [m] at the reports, ``peak_pressure`` [Pa] of the
+        largest force since the report before; (time, hinge) or (time, bushing).
+    """
     from rustchain.extras import xarray as xr
 
     rows = rows_between(result, start, end)
@@ -86,18 +103,40 @@ def contact_pressure(
 
 def pressure_cycles(
     result: Result,
-    contact: Contact,
-    sprocket: int | None,
-    bins: int,
-    start: float | None,
-    end: float | None,
+    /,
+    contact: Contact = "hinge",
+    sprocket: int | None = None,
+    *,
+    bins: int = 20,
+    start: Time = None,
+    end: Time = None,
 ) -> xr.Dataset:
-    """Return what `Outputs.pressure_cycles` promises."""
+    """Return how many cycles of contact pressure a part sees per revolution, by range.
+
+    Rainflow counting (ASTM E1049-85) of the pressures at the reports and the peaks between
+    them; swings below a hundredth of the largest are left out. A contact that opens and closes
+    twice between two reports counts once.
+
+    Parameters
+    ----------
+    contact : {"hinge", "tooth"}
+        Pins in bushings, or bushings on teeth.
+    sprocket : int, optional
+        With "tooth": count in the gaps of this sprocket, per revolution of it; by default on
+        the bushings, per revolution of the chain.
+    bins : int
+        Number of classes of the range, from 0 to the largest; 1 to 1000.
+
+    Returns
+    -------
+    Dataset
+        ``cycles`` per revolution, (hinge, bushing or tooth; range [Pa]), and ``largest`` [Pa].
+    """
     from rustchain.extras import xarray as xr
 
     bins = checked_bins("pressure_cycles.bins", bins)
     rows = rows_between(result, start, end)
-    found = contact_pressure(result, contact, start, end)
+    found = contact_pressure(result, contact, start=start, end=end)
     now, most = found["pressure"].to_numpy(), found["peak_pressure"].to_numpy()
     if sprocket is None:
         part, labels = ("hinge" if contact == "hinge" else "bushing"), found.coords

@@ -13,17 +13,24 @@ from rustchain.analysis.spectrum import welch
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import count_within, shown
 from rustchain.errors import InvalidInput
+from rustchain.typing import Array, Time
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from rustchain.description.drive import Chain
     from rustchain.results.result import Result
-    from rustchain.typing import Array
 
 
-def link_tension(result: Result, start: float | None, end: float | None) -> xr.DataArray:
-    """Return what `Outputs.link_tension` promises."""
+_STATIONS = (0.25, 0.5, 0.75)
+
+
+def link_tension(result: Result, /, *, start: Time = None, end: Time = None) -> xr.DataArray:
+    """Return the pull in the chain at every hinge [N], (time, hinge).
+
+    The component along the chain of the force between the two links of the hinge. It holds the
+    part mu v^2 of the chain's own motion. Needs hinges and bodies recorded.
+    """
     from rustchain.extras import xarray as xr
 
     rows = rows_between(result, start, end)
@@ -50,12 +57,25 @@ def link_tension(result: Result, start: float | None, end: float | None) -> xr.D
 
 def strand_motion(
     result: Result,
+    /,
     strand: str | int,
-    stations: Sequence[float],
-    start: float | None,
-    end: float | None,
+    *,
+    stations: Sequence[float] = _STATIONS,
+    start: Time = None,
+    end: Time = None,
 ) -> xr.DataArray:
-    """Return what `Outputs.strand_motion` promises."""
+    """Return how far a strand is off its straight line [m], (time, station).
+
+    Positive away from the inside of the loop. Needs sprockets and bodies recorded.
+
+    Parameters
+    ----------
+    strand : str or int
+        Its name in `strand_names`, or its number there, from 1.
+    stations : sequence of float
+        Where to look, fixed in space: shares of the way between the tangent points of the pitch
+        circles, from where a counterclockwise chain leaves its sprocket.
+    """
     from rustchain.extras import xarray as xr
 
     if not len(stations) or not all(0.0 < each < 1.0 for each in stations):
@@ -98,18 +118,41 @@ def strand_motion(
 
 def strand_spectrum(
     result: Result,
+    /,
     strand: str | int,
-    stations: Sequence[float],
-    modes: int,
-    segment: float | None,
-    start: float | None,
-    end: float | None,
+    *,
+    stations: Sequence[float] = _STATIONS,
+    modes: int = 3,
+    segment: float | None = None,
+    start: Time = None,
+    end: Time = None,
 ) -> xr.Dataset:
-    """Return what `Outputs.strand_spectrum` promises."""
+    """Return the spectrum of a strand's transverse motion, and its natural frequencies.
+
+    Needs hinges, sprockets and bodies recorded.
+
+    Parameters
+    ----------
+    strand, stations
+        As in `strand_motion`.
+    modes : int
+        How many natural frequencies to tell, at most the number of hinges.
+    segment : float, optional
+        Length of Welch's segments [s]; by default one segment, the finest resolution.
+
+    Returns
+    -------
+    Dataset
+        ``density`` [m^2/Hz], (station, frequency [Hz]): `scipy.signal.welch`, Hann's window.
+        ``natural_frequency`` [Hz], (mode): of a string of rigid links between fixed ends, at
+        the strand's mean tension and speed (`rustchain.analysis.strands.natural_frequencies`).
+        ``attrs``: ``tension`` [N], ``speed`` [m/s], ``pitches``, ``tooth_frequency`` [Hz]: that
+        of the engagements, pitches a second.
+    """
     from rustchain.extras import xarray as xr
 
     modes = count_within("strand_spectrum.modes", modes, 1, result.drive.hinge_count)
-    motion = strand_motion(result, strand, stations, start, end)
+    motion = strand_motion(result, strand, stations=stations, start=start, end=end)
     time = motion["time"].to_numpy()
     frequency, density = welch(time, motion.to_numpy().T, segment)
     rows = rows_between(result, start, end)

@@ -9,6 +9,7 @@ import numpy as np
 
 from rustchain.analysis.window import rows_between
 from rustchain.description.drive import Free
+from rustchain.typing import Time
 
 if TYPE_CHECKING:
     from rustchain.results.result import Result
@@ -66,11 +67,12 @@ def _unit(name: str) -> str:
     return next((unit for head, unit in _UNITS.items() if name.startswith(head)), "1")
 
 
-def summary(result: Result, start: float | None, end: float | None) -> Summary:
-    """Return what `Outputs.summary` promises.
+def summary(result: Result, /, *, start: Time = None, end: Time = None) -> Summary:
+    """Return key figures of what was recorded, by name: the default measures of a study.
 
-    Forces in N, powers in W, lengths in m; ripples and shares are ratios. Transmission error and
-    efficiency are those of a seated chain: they are left out where it jumped teeth.
+    A dict that prints as a table with units; ``.units`` has these.
+
+    Efficiency and transmission errors are left out where the chain jumped teeth.
     """
     rows = rows_between(result, start, end)
     jumps = None if result.jumps is None else result.between(start, end).tooth_jumps
@@ -112,7 +114,7 @@ def summary(result: Result, start: float | None, end: float | None) -> Summary:
 
 
 def _transmission(
-    result: Result, start: float | None, end: float | None, skipped: Collection[int]
+    result: Result, start: Time, end: Time, skipped: Collection[int]
 ) -> dict[str, float]:
     """Return transmission error and ripple of each sprocket but the first.
 

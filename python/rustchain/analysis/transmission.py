@@ -10,13 +10,13 @@ from rustchain.analysis.jumps import check_seated
 from rustchain.analysis.loads import check_sprocket
 from rustchain.analysis.window import mean_over_time, rows_between
 from rustchain.errors import InvalidInput
+from rustchain.typing import Array, Time
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from rustchain.description.drive import ChainDrive
     from rustchain.results.result import Result
-    from rustchain.typing import Array
 
 
 def mean_ratio(drive: ChainDrive, driven: int, driver: int) -> float:
@@ -27,9 +27,29 @@ def mean_ratio(drive: ChainDrive, driven: int, driver: int) -> float:
 
 
 def transmission_error(
-    result: Result, driven: int, driver: int, start: float | None, end: float | None
+    result: Result, /, driven: int = 2, driver: int = 1, *, start: Time = None, end: Time = None
 ) -> xr.Dataset:
-    """Return what `Outputs.transmission_error` promises."""
+    """Return by how much a sprocket leads or lags the ratio of the teeth.
+
+    Parameters
+    ----------
+    driven, driver : int
+        Numbers of the sprockets, from 1.
+
+    Returns
+    -------
+    Dataset
+        Over ``time``: ``error`` [rad] of the driven sprocket, its mean taken off;
+        ``error_length`` [m], the same at the pitch radius; ``driver_angle`` [rad] turned. Over
+        ``order``, cycles per revolution of the driver: ``amplitude`` [rad] (Hann's window).
+        ``attrs``: ``peak_to_peak`` [rad], ``peak_to_peak_length`` [m], ``ratio``,
+        ``tooth_order``.
+
+    Raises
+    ------
+    InvalidInput
+        The chain jumped teeth of one of them: the error then grows by a gap for each tooth.
+    """
     from rustchain.extras import xarray as xr
 
     rows = rows_between(result, start, end)
@@ -63,9 +83,22 @@ def transmission_error(
 
 
 def speed_ripple(
-    result: Result, sprocket: int, start: float | None, end: float | None
+    result: Result, /, sprocket: int = 2, *, start: Time = None, end: Time = None
 ) -> xr.Dataset:
-    """Return what `Outputs.speed_ripple` promises."""
+    """Return how unevenly a sprocket turns.
+
+    Parameters
+    ----------
+    sprocket : int
+        Number of the sprocket, from 1.
+
+    Returns
+    -------
+    Dataset
+        Over ``time``: ``speed`` [rad/s], ``ripple`` = speed / mean - 1. Over ``order``, cycles
+        per revolution of the sprocket: ``amplitude`` of the ripple. ``attrs``: ``mean``
+        [rad/s], ``rms``, ``peak_to_peak``, ``tooth_order``.
+    """
     from rustchain.extras import xarray as xr
 
     rows = rows_between(result, start, end)

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rustchain.errors import InvalidInput
-from rustchain.typing import Array
+from rustchain.typing import Array, Time
 
 if TYPE_CHECKING:
     from rustchain.results.result import Result
 
 
-def rows_between(result: Result, start: float | None, end: float | None) -> slice:
+def rows_between(result: Result, start: Time, end: Time) -> slice:
     """Return the rows from `start` to `end` [s]."""
     time = result.time
     first = 0 if start is None else int(np.searchsorted(time, start, "left"))
@@ -33,8 +33,11 @@ def mean_over_time(time: Array, values: Array) -> Array:
     return mean
 
 
-def between(result: Result, start: float | None, end: float | None) -> Result:
-    """Return what `Outputs.between` promises."""
+def between(result: Result, /, start: Time = None, end: Time = None) -> Result:
+    """Return the part of the result from `start` to `end` [s], as a result.
+
+    States at ends that were not recorded are NaN. ``stats`` are those of the whole run.
+    """
     rows = rows_between(result, start, end)
     arrays = {name: values[rows] for name, values in result.arrays.items()}
     ends = {}

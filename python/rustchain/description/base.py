@@ -4,13 +4,33 @@ from __future__ import annotations
 
 import dataclasses
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar, NoReturn, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, TypeAlias, TypeVar
 
 from rustchain import _rustchain
-from rustchain.arguments import plain as plain
-from rustchain.arguments import shown
+from rustchain.arguments import plain, shown
 from rustchain.errors import InvalidInput
+from rustchain.names import known_keywords
+
+__all__ = [
+    "Description",
+    "Point",
+    "described",
+    "description",
+    "fields_of",
+    "is_default",
+    "plain",
+]
+
+if TYPE_CHECKING:  # which read the fields of a dataclass by this name alone
+    from dataclasses import dataclass as description
+else:
+
+    def description(**options: bool) -> Callable[[type], type]:
+        """Make a class a dataclass that answers unknown keywords with the nearest known name."""
+        return lambda kind: known_keywords(dataclass(**options)(kind))
+
 
 _Class = TypeVar("_Class")
 

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from rustchain import _rustchain
-from rustchain.description.base import Description
+from rustchain.description.base import Description, description
 from rustchain.description.material import Material
-from rustchain.names import known_keywords
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class Link(Description):
     """A link with all that is fixed to it: plates and bushings (inner), plates and pins (outer).
 
@@ -31,8 +28,7 @@ class Link(Description):
     inertia: float
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class ClearanceHinge(Description):
     """A pin that is loose in the bore of a bushing.
 
@@ -54,8 +50,7 @@ class ClearanceHinge(Description):
         return self.bore_radius - self.pin_radius
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class Roller(Description):
     """A roller that turns on its bushing with play: a body of its own.
 
@@ -80,8 +75,7 @@ class Roller(Description):
     inertia: float
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class Plates(Description):
     """Link plates, from which the axial stiffness of links follows.
 
@@ -102,8 +96,7 @@ class Plates(Description):
     elastic_modulus: float | None = None
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class Chain(Description):
     """A closed bushing or roller chain: inner and outer links in turn; link 1 is an inner one.
 

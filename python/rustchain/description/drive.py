@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from rustchain.arguments import checked
-from rustchain.description.base import Description, Point
+from rustchain.description.base import Description, Point, description
 from rustchain.description.chain import Chain, ClearanceHinge, Link, Plates, Roller
 from rustchain.description.ends import AnchoredEnd, FreeEnd, LoadedEnd
 from rustchain.description.guides import GuideRail, SmoothIdler
@@ -32,7 +31,6 @@ from rustchain.description.teeth import (
     ToothLine,
 )
 from rustchain.description.tensioner import Tensioner
-from rustchain.names import known_keywords
 
 if TYPE_CHECKING:
     from rustchain.description.laws.force import ForceLaw
@@ -69,8 +67,7 @@ __all__ = [
 Hinges = Literal["clearance", "ideal"]
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class ChainDrive(Description):
     """A chain round two sprockets or more, or an open one from end to end.
 

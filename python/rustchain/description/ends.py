@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
-from rustchain.description.base import Description, Point
-from rustchain.names import known_keywords
+from rustchain.description.base import Description, Point, description
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class AnchoredEnd(Description):
     """A pin that holds an end of an open chain, at rest or moved.
 
@@ -30,8 +27,7 @@ class AnchoredEnd(Description):
     links: int | None = None
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class LoadedEnd(Description):
     """A body that hangs from an end of an open chain: a hook, a weight.
 
@@ -57,8 +53,7 @@ class LoadedEnd(Description):
     links: int | None = None
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class FreeEnd(Description):
     """An end of an open chain that nothing holds.
 

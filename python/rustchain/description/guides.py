@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 
 from rustchain import _rustchain
 from rustchain.arguments import checked
-from rustchain.description.base import Description
+from rustchain.description.base import Description, description
 from rustchain.description.material import Material
-from rustchain.names import known_keywords
 
 _Point = tuple[float, float]
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class GuideArm(Description):
     """An arm that carries a rail, swung by a plunger that presses on the rail's middle.
 
@@ -60,8 +56,7 @@ class GuideArm(Description):
     ratchet: float | None = None
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class GuideRail(Description):
     """A bar with round ends that the chain's bushings bear on: a rail, or with an arm a blade.
 
@@ -106,8 +101,7 @@ class GuideRail(Description):
         return _rustchain.guide_outline(self, points)
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class SmoothIdler(Description):
     """A wheel without teeth that the chain's bushings bear on.
 

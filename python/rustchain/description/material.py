@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-from rustchain.description.base import Description
-from rustchain.names import known_keywords
+from rustchain.description.base import Description, description
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class Material(Description):
     """An elastic material; the default is the steel of the published drive.
 

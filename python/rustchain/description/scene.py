@@ -193,6 +193,37 @@ class Scene(Description):
                 raise InvalidInput(msg)
 
 
+class OfScene:
+    """What a simulation and its results have of their scene."""
+
+    scene: Scene
+
+    @property
+    def drive(self) -> ChainDrive:
+        """The drive; raises `InvalidInput` where a mechanism is simulated."""
+        return self.scene.drive
+
+    @property
+    def hinge_law(self) -> ForceLaw:
+        """Law of pins in bushings."""
+        return self.scene.law_of_hinges
+
+    @property
+    def tooth_law(self) -> ForceLaw:
+        """Law of bushings or rollers on teeth."""
+        return self.scene.law_of_teeth
+
+    @property
+    def min_impact_velocity(self) -> float:
+        """Lower bound on the initial impact velocity used by the damping factor [m/s]."""
+        return self.scene.min_impact_velocity
+
+    @property
+    def solver(self) -> Solver:
+        """Method and tolerances."""
+        return self.scene.solver
+
+
 def scene_of(given: object) -> Scene:
     """Return a scene as it is, and that of a drive or a mechanism with default laws."""
     return given if isinstance(given, Scene) else Scene(given)  # type: ignore[arg-type]

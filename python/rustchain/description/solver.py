@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
-from rustchain.description.base import Description
-from rustchain.names import known_keywords
+from rustchain.description.base import Description, description
 
 Method = Literal["auto", "pece", "newton"]
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class Solver(Description):
     """How the equations of motion are integrated: Adams' formulas of variable step and order.
 

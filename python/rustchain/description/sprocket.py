@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -11,11 +10,10 @@ import numpy.typing as npt
 
 from rustchain import _rustchain
 from rustchain.arguments import checked, plain, shown
-from rustchain.description.base import Description, Point
+from rustchain.description.base import Description, Point, description
 from rustchain.description.chain import Chain
 from rustchain.description.teeth import AnsiTooth, ToothForm
 from rustchain.errors import InvalidInput
-from rustchain.names import known_keywords
 
 Side = Literal["inside", "outside"]
 
@@ -35,8 +33,7 @@ def _refuse_a_list_of_numbers(where: str, axis: str, given: object) -> None:
         raise InvalidInput(msg)
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class PrescribedSpeed(Description):
     """A sprocket that turns at a given speed, whatever it takes.
 
@@ -54,8 +51,7 @@ class PrescribedSpeed(Description):
         super().__post_init__()
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class AppliedTorque(Description):
     """A sprocket under a given torque.
 
@@ -78,14 +74,12 @@ class AppliedTorque(Description):
         super().__post_init__()
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class Free(Description):
     """A sprocket that only the chain turns."""
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class Sprocket(Description):
     """A toothed wheel.
 
@@ -124,7 +118,7 @@ class Sprocket(Description):
     teeth: int
     center: Point = (0.0, 0.0)
     motion: PrescribedSpeed | AppliedTorque | Free = Free()
-    profile: ToothForm = AnsiTooth()  # noqa: RUF009  # frozen
+    profile: ToothForm = AnsiTooth()  # frozen
     mass: float | None = None
     inertia: float | None = None
     initial_speed: float | None = None

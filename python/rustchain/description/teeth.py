@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from rustchain.description.base import Description, Point
-from rustchain.names import known_keywords
+from rustchain.description.base import Description, Point, description
 
 Seat = Literal["bottom-diameter", "pitch-circle"]
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class AnsiTooth(Description):
     """The tooth form of ANSI/ASME B29.1.
 
@@ -38,8 +35,7 @@ class AnsiTooth(Description):
     edge_radius: float | None = None
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class IsoTooth(Description):
     """The tooth form of ISO 606: a round seat and convex flanks, cut off at the tip diameter.
 
@@ -65,8 +61,7 @@ class IsoTooth(Description):
     edge_radius: float | None = None
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class StraightTooth(Description):
     """A tooth of straight flanks, tangent to a round seat and cut off at the tip diameter.
 
@@ -94,8 +89,7 @@ class StraightTooth(Description):
     edge_radius: float | None = None
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class ToothLine(Description):
     """A straight piece of a `CustomTooth`.
 
@@ -109,8 +103,7 @@ class ToothLine(Description):
     end: Point
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class ToothArc(Description):
     """A circular piece of a `CustomTooth`, less than half a turn.
 
@@ -126,8 +119,7 @@ class ToothArc(Description):
     center: Point
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class CustomTooth(Description):
     """A tooth of arcs and lines of one's own, tangent to one another.
 

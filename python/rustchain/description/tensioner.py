@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-from rustchain.description.base import Description, Point
-from rustchain.names import known_keywords
+from rustchain.description.base import Description, Point, description
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class Tensioner(Description):
     """A pull on a sprocket's centre, which slides along one direction or swings about a pivot.
 

@@ -13,7 +13,7 @@ from matplotlib.patches import Circle
 from rustchain import _rustchain
 from rustchain.arguments import admitted, shown
 from rustchain.errors import InvalidInput
-from rustchain.names import known_keywords, suggest
+from rustchain.names import suggest
 from rustchain.plot.mechanism import force_penetration_figure
 from rustchain.plot.style import (
     BLUE,
@@ -29,6 +29,7 @@ from rustchain.plot.style import (
     styled,
 )
 from rustchain.results.views import Bushing
+from rustchain.typing import Time
 
 _SURFACES = (BLUE, ORANGE, GREEN, RED)  # of the tooth, from the seat outward
 
@@ -36,15 +37,9 @@ _SURFACES = (BLUE, ORANGE, GREEN, RED)  # of the tooth, from the seat outward
 class ContactFigures(Figures):
     """The figures of single hinges and bushings."""
 
-    @known_keywords
     @styled
     def hinge_force(
-        self,
-        hinge: int,
-        *more: int,
-        start: float | None = None,
-        end: float | None = None,
-        ax: Ax = None,
+        self, hinge: int, *more: int, start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
         """Draw the contact force of hinges over time."""
         numbers = (hinge, *more)
@@ -56,15 +51,9 @@ class ContactFigures(Figures):
             axes.set_title(f"hinge {number}")
         return figure
 
-    @known_keywords
     @styled
     def tooth_force(
-        self,
-        bushing: int,
-        *more: int,
-        start: float | None = None,
-        end: float | None = None,
-        ax: Ax = None,
+        self, bushing: int, *more: int, start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
         """Draw the tooth force of bushings over time, each stay with its sprocket and gap."""
         numbers = (bushing, *more)
@@ -93,14 +82,13 @@ class ContactFigures(Figures):
             legend_of_distinct(axes)
         return figure
 
-    @known_keywords
     @styled
     def force_penetration(
         self,
         *numbers: int | str | Sequence[str],
         contact: Literal["tooth", "hinge"] = "tooth",
-        start: float | None = None,
-        end: float | None = None,
+        start: Time = None,
+        end: Time = None,
         ax: Ax = None,
     ) -> Figure:
         """Draw force against penetration of bushings on teeth, or of pins in bushings.
@@ -129,15 +117,9 @@ class ContactFigures(Figures):
         cells[0].set(xlim=(0.0, None), ylim=(0.0, None))  # of all panels
         return figure
 
-    @known_keywords
     @styled
     def orbit(
-        self,
-        hinge: int,
-        *more: int,
-        start: float | None = None,
-        end: float | None = None,
-        ax: Ax = None,
+        self, hinge: int, *more: int, start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
         """Draw the path of a pin's centre in its bushing, with the circle where contact begins."""
         numbers = (hinge, *more)

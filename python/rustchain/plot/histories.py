@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from rustchain.names import known_keywords
 from rustchain.plot.style import (
     BLUE,
     CYCLE,
@@ -20,17 +19,14 @@ from rustchain.plot.style import (
     subplots,
 )
 from rustchain.results.views import Energy
-from rustchain.typing import Array
+from rustchain.typing import Array, Time
 
 
 class HistoryFigures(Figures):
     """The figures of strands and energy over time."""
 
-    @known_keywords
     @styled
-    def tension(
-        self, *, start: float | None = None, end: float | None = None, ax: Ax = None
-    ) -> Figure:
+    def tension(self, *, start: Time = None, end: Time = None, ax: Ax = None) -> Figure:
         """Draw the tension of all strands over time, and the pretension if there is one."""
         rows = self.rows(start, end)
         figure, (axes,) = panels(1, "time [s]", "strand tension [N]", size=(7.0, 2.8), ax=ax)
@@ -43,11 +39,8 @@ class HistoryFigures(Figures):
         legend_above(axes)
         return figure
 
-    @known_keywords
     @styled
-    def energy(
-        self, *, start: float | None = None, end: float | None = None, ax: Ax = None
-    ) -> Figure:
+    def energy(self, *, start: Time = None, end: Time = None, ax: Ax = None) -> Figure:
         """Draw the energy balance over time, and its residual."""
         scale, unit = (1.0, "J") if self.result.scene.kind == "mechanism" else (1e3, "mJ")
         rows = self.rows(start, end)

@@ -9,22 +9,18 @@ from matplotlib.figure import Figure
 from rustchain.arguments import shown
 from rustchain.description.drive import PrescribedSpeed
 from rustchain.errors import InvalidInput
-from rustchain.names import known_keywords, suggest
+from rustchain.names import suggest
 from rustchain.plot.mechanism import joint_loads_figure
 from rustchain.plot.style import BLUE, CYCLE, RED, Ax, Figures, legend_above, styled, subplots
+from rustchain.typing import Time
 
 
 class JointFigures(Figures):
     """The figure of the joints and drivers of a drive with ideal hinges."""
 
-    @known_keywords
     @styled
     def joint_loads(
-        self,
-        *joints: str | Sequence[str],
-        start: float | None = None,
-        end: float | None = None,
-        ax: Ax = None,
+        self, *joints: str | Sequence[str], start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
         """Draw the force of ideal hinges and the torque of motors over time.
 

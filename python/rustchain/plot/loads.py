@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rustchain.analysis.circuit import Circuit
-from rustchain.names import known_keywords
 from rustchain.plot.style import (
     BLUE,
     CYCLE,
@@ -24,6 +23,7 @@ from rustchain.plot.style import (
     styled,
     subplots,
 )
+from rustchain.typing import Time
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,11 +34,8 @@ _QUANTILES = (0.05, 0.95)
 class LoadFigures(Figures):
     """The figures of loads over a revolution."""
 
-    @known_keywords
     @styled
-    def hinge_loads(
-        self, *, start: float | None = None, end: float | None = None, ax: Ax = None
-    ) -> Figure:
+    def hinge_loads(self, *, start: Time = None, end: Time = None, ax: Ax = None) -> Figure:
         """Draw the hinge force along the chain's way: mean, nine tenths of the reports, largest."""
         found = self.result.hinge_loads(quantiles=_QUANTILES, start=start, end=end)
         figure, axes = subplots(ax=ax, figsize=(7.0, 3.2))
@@ -60,15 +57,9 @@ class LoadFigures(Figures):
         legend_above(axes)
         return figure
 
-    @known_keywords
     @styled
     def tooth_loads(
-        self,
-        sprocket: int = 1,
-        *,
-        start: float | None = None,
-        end: float | None = None,
-        ax: Ax = None,
+        self, sprocket: int = 1, *, start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
         """Draw the tooth force over a sprocket's revolution, and the load of each tooth."""
         found = self.result.tooth_loads(sprocket, quantiles=_QUANTILES, start=start, end=end)
@@ -84,15 +75,9 @@ class LoadFigures(Figures):
         legend_above(right)
         return figure
 
-    @known_keywords
     @styled
     def wrap_loads(
-        self,
-        sprocket: int = 1,
-        *more: int,
-        start: float | None = None,
-        end: float | None = None,
-        ax: Ax = None,
+        self, sprocket: int = 1, *more: int, start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
         """Draw how the load is distributed along the wrap of sprockets."""
         numbers = (sprocket, *more)
@@ -113,14 +98,13 @@ class LoadFigures(Figures):
         cells[0].set(xlim=(-1.0, longest + 1.0), ylim=(0.0, None))
         return figure
 
-    @known_keywords
     @styled
     def contact_pressure(
         self,
         contact: Literal["hinge", "tooth"] = "hinge",
         *,
-        start: float | None = None,
-        end: float | None = None,
+        start: Time = None,
+        end: Time = None,
         ax: Ax = None,
     ) -> Figure:
         """Draw the largest contact pressure over time, and its cycles per revolution."""
@@ -137,7 +121,6 @@ class LoadFigures(Figures):
         _cycles(right, cycles)
         return figure
 
-    @known_keywords
     @styled
     def pressure_cycles(
         self,
@@ -145,8 +128,8 @@ class LoadFigures(Figures):
         sprocket: int | None = None,
         *,
         bins: int = 20,
-        start: float | None = None,
-        end: float | None = None,
+        start: Time = None,
+        end: Time = None,
         ax: Ax = None,
     ) -> Figure:
         """Draw how many cycles of pressure a part sees per revolution, by range; who sees most."""
@@ -159,14 +142,13 @@ class LoadFigures(Figures):
         right.set(xlabel=of, ylabel="largest pressure [MPa]")
         return figure
 
-    @known_keywords
     @styled
     def guide_loads(
         self,
         guide: int | str = 1,
         *more: int | str,
-        start: float | None = None,
-        end: float | None = None,
+        start: Time = None,
+        end: Time = None,
         ax: Ax = None,
     ) -> Figure:
         """Draw the load of guides along the chain's way, and their whole force over time."""
@@ -184,14 +166,13 @@ class LoadFigures(Figures):
             right.set(xlabel="time [s]", ylabel="force of all [N]", ylim=(0.0, None))
         return figure
 
-    @known_keywords
     @styled
     def engagements(
         self,
         sprocket: int | str | None = None,
         *,
-        start: float | None = None,
-        end: float | None = None,
+        start: Time = None,
+        end: Time = None,
         ax: Ax = None,
     ) -> Figure:
         """Draw force and impulse of every engagement impact over time."""

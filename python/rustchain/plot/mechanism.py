@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
-from rustchain.names import known_keywords, suggest
+from rustchain.names import suggest
 from rustchain.plot.style import (
     BLUE,
     CYCLE,
@@ -27,6 +27,7 @@ from rustchain.plot.style import (
     subplots,
 )
 from rustchain.results.result import Result
+from rustchain.typing import Time
 
 _RATES = {
     "position": ("m", "rad"),
@@ -41,14 +42,13 @@ class MechanismFigures(Figures):
     They are named, one by one or in a list; without a name, all are drawn.
     """
 
-    @known_keywords
     @styled
     def motion(
         self,
         *bodies: str | Sequence[str],
         quantity: Literal["position", "velocity", "acceleration"] = "position",
-        start: float | None = None,
-        end: float | None = None,
+        start: Time = None,
+        end: Time = None,
         ax: Ax = None,
     ) -> Figure:
         """Draw positions of bodies, or their rates, over time: x, y and the angle."""
@@ -72,14 +72,9 @@ class MechanismFigures(Figures):
         figure.align_ylabels()
         return figure
 
-    @known_keywords
     @styled
     def paths(
-        self,
-        *bodies: str | Sequence[str],
-        start: float | None = None,
-        end: float | None = None,
-        ax: Ax = None,
+        self, *bodies: str | Sequence[str], start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
         """Draw the ways of the bodies' centres of mass in the plane, with where they end."""
         names = names_of(self.result, "body", bodies)
@@ -94,14 +89,9 @@ class MechanismFigures(Figures):
         _legend(axes)
         return figure
 
-    @known_keywords
     @styled
     def contact_force(
-        self,
-        *contacts: str | Sequence[str],
-        start: float | None = None,
-        end: float | None = None,
-        ax: Ax = None,
+        self, *contacts: str | Sequence[str], start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
         """Draw the force of contacts over time, side by side, with the largest between two rows."""
         names = names_of(self.result, "contact", contacts)
@@ -116,11 +106,8 @@ class MechanismFigures(Figures):
         legend_outside(cells, "outside upper right", ax)
         return figure
 
-    @known_keywords
     @styled
-    def residuals(
-        self, *, start: float | None = None, end: float | None = None, ax: Ax = None
-    ) -> Figure:
+    def residuals(self, *, start: Time = None, end: Time = None, ax: Ax = None) -> Figure:
         """Draw the largest constraint residual of all joints over time, and its rate."""
         names_of(self.result, "joint", ())
         rows = rows_between(self.result, start, end)

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
-from rustchain.names import known_keywords, suggest
+from rustchain.names import suggest
 from rustchain.plot.style import (
     BLUE,
     CYCLE,
@@ -24,6 +24,7 @@ from rustchain.plot.style import (
     styled,
     subplots,
 )
+from rustchain.typing import Time
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,15 +33,14 @@ if TYPE_CHECKING:
 class MotionFigures(Figures):
     """The figures of motion and power."""
 
-    @known_keywords
     @styled
     def transmission_error(
         self,
         driven: int = 2,
         driver: int = 1,
         *,
-        start: float | None = None,
-        end: float | None = None,
+        start: Time = None,
+        end: Time = None,
         ax: Ax = None,
     ) -> Figure:
         """Draw the transmission error over the driver's angle, and its spectrum by order."""
@@ -54,15 +54,9 @@ class MotionFigures(Figures):
         _orders(right, found, 1e6 * radius, "amplitude [µm]", driver)
         return figure
 
-    @known_keywords
     @styled
     def speed_ripple(
-        self,
-        sprocket: int = 2,
-        *,
-        start: float | None = None,
-        end: float | None = None,
-        ax: Ax = None,
+        self, sprocket: int = 2, *, start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
         """Draw the speed of a sprocket over time, and the spectrum of its ripple by order."""
         found = self.result.speed_ripple(sprocket, start=start, end=end)
@@ -73,14 +67,13 @@ class MotionFigures(Figures):
         _orders(right, found, 100.0, "amplitude of the ripple [%]", sprocket)
         return figure
 
-    @known_keywords
     @styled
     def strand_motion(
         self,
         strand: str | int,
         *more: str | int,
-        start: float | None = None,
-        end: float | None = None,
+        start: Time = None,
+        end: Time = None,
         ax: Ax = None,
     ) -> Figure:
         """Draw how far strands are off their straight lines over time, at several stations."""
@@ -98,15 +91,14 @@ class MotionFigures(Figures):
         cells[-1, 0].set(xlabel="time [s]")
         return figure
 
-    @known_keywords
     @styled
     def strand_spectrum(
         self,
         strand: str | int,
         *,
         segment: float | None = None,
-        start: float | None = None,
-        end: float | None = None,
+        start: Time = None,
+        end: Time = None,
         ax: Ax = None,
     ) -> Figure:
         """Draw a strand's transverse motion and its spectrum, with the frequencies to expect."""
@@ -150,8 +142,8 @@ class MotionFigures(Figures):
         name: str,
         *,
         segment: float | None = None,
-        start: float | None = None,
-        end: float | None = None,
+        start: Time = None,
+        end: Time = None,
         ax: Ax = None,
         **of: object,
     ) -> Figure:
@@ -183,11 +175,8 @@ class MotionFigures(Figures):
             legend_above(axes)
         return figure
 
-    @known_keywords
     @styled
-    def power_balance(
-        self, *, start: float | None = None, end: float | None = None, ax: Ax = None
-    ) -> Figure:
+    def power_balance(self, *, start: Time = None, end: Time = None, ax: Ax = None) -> Figure:
         """Draw mean powers: shafts; below, on a scale of their own, what is lost and stored."""
         found = self.result.power_balance(start=start, end=end)
         shafts = [

@@ -19,7 +19,6 @@ from rustchain.caller import warn_caller
 from rustchain.description.drive import ChainDrive
 from rustchain.description.ends import AnchoredEnd, LoadedEnd
 from rustchain.description.guides import GuideRail, SmoothIdler
-from rustchain.names import known_keywords
 from rustchain.plot.style import GREY, Ax, Figures, styled, subplots
 from rustchain.typing import Array
 
@@ -37,7 +36,6 @@ _LABELS = (0.75, 0.65)  # [in] that ticks, labels and title take; less leaves em
 class DrivePicture(Figures):
     """The drive as it stands at one instant."""
 
-    @known_keywords
     @styled
     def drive(self, time: float | None = None, *, ax: Ax = None) -> Figure:
         """Draw the drive at the row nearest to `time` [s], by default at the start.

@@ -16,6 +16,7 @@ from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
 from rustchain.names import named_attributes
+from rustchain.typing import Time
 
 if TYPE_CHECKING:
     from rustchain.results.result import Result
@@ -63,7 +64,7 @@ class Figures:
 
     result: Result
 
-    def rows(self, start: float | None, end: float | None) -> slice:
+    def rows(self, start: Time, end: Time) -> slice:
         """Return the rows from `start` to `end`."""
         return rows_between(self.result, start, end)
 

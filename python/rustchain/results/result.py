@@ -12,10 +12,7 @@ from rustchain import _rustchain
 from rustchain.analysis import Outputs
 from rustchain.analysis.jumps import check_seated, tooth_jumps
 from rustchain.arguments import checked_methods, shown
-from rustchain.description.drive import ChainDrive
-from rustchain.description.laws.force import ForceLaw
-from rustchain.description.scene import Scene
-from rustchain.description.solver import Solver
+from rustchain.description.scene import OfScene, Scene
 from rustchain.errors import NoSuchPart, NotRecorded
 from rustchain.names import named_attributes, suggest
 from rustchain.results import netcdf, tables
@@ -47,7 +44,7 @@ Status = Literal["finished", "stopped", "interrupted", "failed"]
 @named_attributes
 @checked_methods
 @dataclass(frozen=True, eq=False, repr=False)
-class Result(ArrayValue, Outputs):
+class Result(OfScene, ArrayValue, Outputs):
     """What a run recorded, and of which scene.
 
     Hinges, bushings and sprockets are numbered from 1 in calls, from 0 in arrays; bodies, joints
@@ -101,31 +98,6 @@ class Result(ArrayValue, Outputs):
         span = f"{self.time[0]:.6g} to {self.time[-1]:.6g} s in {len(self.time)} rows"
         groups = ", ".join(self.groups)
         return f"<Result of {self.scene.name}: {self.status}, {span}: {groups}>"
-
-    @property
-    def drive(self) -> ChainDrive:
-        """The drive; raises `InvalidInput` where a mechanism was simulated."""
-        return self.scene.drive
-
-    @property
-    def hinge_law(self) -> ForceLaw:
-        """Law of pins in bushings."""
-        return self.scene.law_of_hinges
-
-    @property
-    def tooth_law(self) -> ForceLaw:
-        """Law of bushings or rollers on teeth."""
-        return self.scene.law_of_teeth
-
-    @property
-    def solver(self) -> Solver:
-        """Method and tolerances."""
-        return self.scene.solver
-
-    @property
-    def min_impact_velocity(self) -> float:
-        """Lower bound on the initial impact velocity used by the damping factor [m/s]."""
-        return self.scene.min_impact_velocity
 
     def _repr_html_(self) -> str:
         """Return a table and a picture for a notebook."""

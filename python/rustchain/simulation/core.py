@@ -1,93 +1,21 @@
-"""The compiled core of a scene: what a simulation needs of it, and which one a scene has."""
+"""The compiled core of a scene: how it starts, and which one a scene has."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
 from rustchain import _rustchain
 from rustchain.caller import warn_caller
 from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.scene import Scene
-from rustchain.results.views import Jumps
+from rustchain.simulation.mechanism_core import MechanismCore
 from rustchain.typing import Array
 
-if TYPE_CHECKING:
-    from typing_extensions import Self
-
-
-class Core(Protocol):
-    """What a simulation needs of the compiled core of its scene."""
-
-    @property
-    def body_names(self) -> list[str]:
-        """Names of the bodies, in the order of every (bodies, 3) array."""
-
-    @property
-    def time(self) -> float:
-        """Present time [s]."""
-
-    @property
-    def positions(self) -> Array:
-        """Present positions [m, m, rad], (bodies, 3)."""
-
-    @property
-    def velocities(self) -> Array:
-        """Present velocities [m/s, m/s, rad/s], (bodies, 3)."""
-
-    @property
-    def rows(self) -> int:
-        """Number of rows recorded so far."""
-
-    def state(self) -> dict[str, Any]:
-        """Return the complete state; bytes of it under "snapshot"."""
-
-    def restored(self, snapshot: bytes) -> Self:
-        """Return the same simulation in the state of `snapshot`; this one stays as it is."""
-
-    def start(self) -> Sequence[Array]:
-        """Return positions and velocities that the simulation was made with."""
-
-    def evaluate(
-        self, positions: Array | None, velocities: Array | None, time: float | None
-    ) -> Mapping[str, npt.NDArray[Any]]:
-        """Return the fields of an Evaluation."""
-
-    def start_recording(
-        self, duration: float, report_step: float, groups: list[str], energy: bool
-    ) -> None:
-        """Begin a recording that ends `duration` [s] from now."""
-
-    def advance(self, wall_budget: float) -> bool:
-        """Go on for about `wall_budget` seconds of wall time; return whether the end is reached."""
-
-    def step_to(self, t: float, wall_budget: float) -> bool:
-        """Go on towards exactly `t` [s]; return whether it is reached."""
-
-    def pause_at_reports(self) -> None:
-        """Make `advance` return after each report."""
-
-    def last_row(self, name: str) -> Array:
-        """Return the last row of a channel, flat."""
-
-    def set_input(self, sprocket: int, quantity: str, value: object) -> None:
-        """Let a sprocket, from 1, have another "speed" or "torque" from now on."""
-
-    def take_recording(self) -> dict[str, npt.NDArray[Any]]:
-        """Return the rows recorded up to now."""
-
-    def stats(self) -> Mapping[str, float]:
-        """Return the counts and wall times of the run."""
-
-    def tooth_jumps(self) -> Jumps | None:
-        """Return times [s], sprockets (from 1) and directions of all tooth jumps so far."""
-
-    def take_warnings(self) -> tuple[list[str], list[str], list[str]]:
-        """Return what is new: laws out of range; the energy balance; tooth jumps."""
+Core: TypeAlias = "_rustchain.Core | _rustchain.IdealCore | MechanismCore"
 
 
 def keywords_of(scene: Scene) -> dict[str, Any]:
@@ -116,8 +44,6 @@ def start_of(scene: Scene) -> tuple[dict[str, Any], dict[str, float] | None]:
 def core_of(scene: Scene, place: Mapping[str, Any]) -> Core:
     """Return the compiled core of a scene that begins at `place`."""
     if isinstance(scene.system, Mechanism):
-        from rustchain.simulation.mechanism_core import MechanismCore
-
         return MechanismCore(scene.system, scene.solver, place)
     if scene.kind == "ideal":
         core = _rustchain.IdealCore(**keywords_of(scene), **place)

@@ -32,64 +32,21 @@ class MechanismCore:
         for text in self._core.check()["warnings"]:
             warn_caller(text)
 
-    @property
-    def body_names(self) -> list[str]:
-        """Names of the bodies."""
-        return self._core.body_names
-
-    @property
-    def joint_names(self) -> list[str]:
-        """Names of the joints and drivers."""
-        return self._core.joint_names
-
-    @property
-    def contact_names(self) -> list[str]:
-        """Names of the contacts."""
-        return self._core.contact_names
-
-    @property
-    def time(self) -> float:
-        """Present time [s]."""
-        return self._core.time
-
-    @property
-    def positions(self) -> Array:
-        """Present positions [m, m, rad], (bodies, 3)."""
-        return self._core.positions
-
-    @property
-    def velocities(self) -> Array:
-        """Present velocities [m/s, m/s, rad/s], (bodies, 3)."""
-        return self._core.velocities
-
-    @property
-    def rows(self) -> int:
-        """Number of rows recorded so far."""
-        return self._core.rows
-
-    def check(self) -> dict[str, Any]:
-        """Return the fields of a MechanismReport."""
-        return self._core.check()
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401
+        """Return what the compiled mechanism has alike."""
+        if name == "_core":  # of a copy that is being made
+            raise AttributeError(name)
+        return getattr(self._core, name)
 
     def start(self) -> list[Array]:
         """Return positions and velocities after assembly."""
         return self._start
-
-    def state(self) -> dict[str, Any]:
-        """Return the complete state."""
-        return self._core.state()
 
     def restored(self, snapshot: bytes) -> MechanismCore:
         """Return the same simulation in another state."""
         found = copy.copy(self)
         found._core = self._core.restored(snapshot)
         return found
-
-    def evaluate(
-        self, positions: Array | None, velocities: Array | None, time: float | None
-    ) -> dict[str, npt.NDArray[Any]]:
-        """Return the fields of an Evaluation."""
-        return self._core.evaluate(positions, velocities, time)
 
     def start_recording(
         self, duration: float, report_step: float, groups: list[str], energy: bool
@@ -99,26 +56,10 @@ class MechanismCore:
         self._groups = [*groups, *(["energy"] if energy else [])]
         self._energy = energy
 
-    def advance(self, wall_budget: float) -> bool:
-        """Go on for about `wall_budget` seconds of wall time; return whether the end is reached."""
-        return self._core.advance(wall_budget)
-
-    def step_to(self, t: float, wall_budget: float) -> bool:
-        """Go on towards exactly `t` [s]; return whether it is reached."""
-        return self._core.step_to(t, wall_budget)
-
-    def pause_at_reports(self) -> None:
-        """Make `advance` return after each report."""
-        self._core.pause_at_reports()
-
     def last_row(self, name: str) -> Array:
         """Refuse: stop conditions of drives, which look at rows, are not for mechanisms."""
         msg = f"{name}: is no channel of a mechanism"
         raise InvalidInput(msg)
-
-    def last_peaks(self) -> list[Array]:
-        """Return the last row of the largest forces, of joints and of contacts [N]."""
-        return self._core.last_peaks()
 
     def set_input(self, sprocket: int, quantity: str, value: object) -> None:
         """Refuse: a mechanism has no sprockets by number, and its drivers stay as described."""
@@ -137,10 +78,6 @@ class MechanismCore:
             for name, array in found.items()
             if name == "time" or VARIABLES[name].group in self._groups
         }
-
-    def stats(self) -> dict[str, float]:
-        """Return the counts of the run."""
-        return self._core.stats()
 
     def tooth_jumps(self) -> None:
         """Return nothing: a mechanism does not count tooth jumps."""

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from rustchain.arguments import admitted, shown
+from rustchain.description.base import description
 from rustchain.errors import InvalidInput
-from rustchain.names import known_keywords, suggest
+from rustchain.names import suggest
 from rustchain.simulation.stop import Look, StopCondition
 
 if TYPE_CHECKING:
@@ -55,8 +56,7 @@ class _PartForceAbove(StopCondition):
         return look
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class JointForceAbove(_PartForceAbove):
     """The reaction force of an ideal joint exceeded a limit since the row before.
 
@@ -77,8 +77,7 @@ class JointForceAbove(_PartForceAbove):
     joint: str | None = None
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class ContactForceAbove(_PartForceAbove):
     """The force of a contact or clearance joint exceeded a limit since the row before.
 

@@ -8,14 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
+from rustchain import _rustchain
 from rustchain.arguments import rows_of
 from rustchain.caller import warn_caller
-from rustchain.description.drive import ChainDrive
-from rustchain.description.laws.force import ForceLaw
 from rustchain.description.mechanism.report import MechanismReport
 from rustchain.description.report import DriveReport
-from rustchain.description.scene import Scene
-from rustchain.description.solver import Solver
+from rustchain.description.scene import OfScene, Scene
 from rustchain.errors import EnergyWarning, InvalidInput, RangeWarning, ToothJumpWarning
 from rustchain.names import known_keywords
 from rustchain.results import state_file
@@ -27,41 +25,15 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 
-class Present:
+class Present(OfScene):
     """A scene at some time of its motion."""
 
-    scene: Scene
     _core: Core
     _running = False
 
     def __repr__(self) -> str:
         """Return what is simulated, and the time."""
         return f"<Simulation of {self.scene.name} at t = {self.time:.6g} s>"
-
-    @property
-    def drive(self) -> ChainDrive:
-        """The drive; raises `InvalidInput` where a mechanism is simulated."""
-        return self.scene.drive
-
-    @property
-    def hinge_law(self) -> ForceLaw:
-        """Law of pins in bushings."""
-        return self.scene.law_of_hinges
-
-    @property
-    def tooth_law(self) -> ForceLaw:
-        """Law of bushings or rollers on teeth."""
-        return self.scene.law_of_teeth
-
-    @property
-    def min_impact_velocity(self) -> float:
-        """Lower bound on the initial impact velocity used by the damping factor [m/s]."""
-        return self.scene.min_impact_velocity
-
-    @property
-    def solver(self) -> Solver:
-        """Method and tolerances."""
-        return self.scene.solver
 
     @property
     def body_names(self) -> list[str]:
@@ -80,8 +52,7 @@ class Present:
 
     def last_peaks(self) -> list[Array]:
         """Return the largest forces of joints and of contacts in the last report interval [N]."""
-        found: list[Array] = self._core.last_peaks()  # type: ignore[attr-defined]
-        return found
+        return [] if isinstance(self._core, _rustchain.Core) else self._core.last_peaks()
 
     @property
     def time(self) -> float:

@@ -12,9 +12,9 @@ import numpy as np
 
 from rustchain import _rustchain
 from rustchain.arguments import finite_number, shown
-from rustchain.description.base import Description, plain
+from rustchain.description.base import Description, description, plain
 from rustchain.errors import InvalidInput
-from rustchain.names import known_keywords, suggest
+from rustchain.names import suggest
 
 if TYPE_CHECKING:
     from rustchain.simulation.simulation import Simulation
@@ -93,8 +93,7 @@ class StopCondition(Description, ABC):
         return look
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class HingeForceAbove(StopCondition):
     """A hinge was pressed by more than a limit since the row before.
 
@@ -121,8 +120,7 @@ class HingeForceAbove(StopCondition):
         return self._force(simulation, "hinge", self.force, "peak_hinge_force")
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class ToothForceAbove(StopCondition):
     """A bushing was pressed by its teeth by more than a limit since the row before.
 
@@ -149,8 +147,7 @@ class ToothForceAbove(StopCondition):
         return self._force(simulation, "bushing", self.force, "peak_tooth_force")
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class StrandSlack(StopCondition):
     """A strand that was tight has no tension any more.
 
@@ -213,8 +210,7 @@ class StrandSlack(StopCondition):
         return look
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class ToothJump(StopCondition):
     """The chain has jumped a tooth in this run; see `Result.tooth_jumps`.
 
@@ -255,8 +251,7 @@ class ToothJump(StopCondition):
         return look
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class TimeReached(StopCondition):
     """The simulation's time, which goes on from run to run, has reached a value.
 

@@ -11,7 +11,6 @@ from rustchain.arguments import checked, shown
 from rustchain.description.drive import AppliedTorque, ChainDrive
 from rustchain.description.scene import Scene, scene_of
 from rustchain.errors import InvalidInput
-from rustchain.names import known_keywords
 from rustchain.results.result import Result
 from rustchain.sweeps.sweep import sweep
 
@@ -19,7 +18,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-@known_keywords
 @checked
 def loss_map(
     scene: Scene | ChainDrive,

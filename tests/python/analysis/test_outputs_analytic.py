@@ -278,7 +278,7 @@ def test_centrifugal_tension_is_independent_of_shape(shape, speed):
     change = np.roll(moving, -1, axis=0) - moving
     velocities[:links, 2] = (along[:, 0] * change[:, 1] - along[:, 1] * change[:, 0]) / PITCH
     result = rc.Simulation(drive, positions=positions, velocities=velocities).run(
-        0.1 / speed, 0.002 / speed, ("hinges", "sprockets", "bodies"), progress=False
+        0.1 / speed, 0.002 / speed, record=("hinges", "sprockets", "bodies"), progress=False
     )
     density = 0.5 * (drive.chain.inner.mass + drive.chain.outer.mass) / PITCH
     share = result.link_tension() / (density * speed**2)

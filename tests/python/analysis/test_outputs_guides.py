@@ -51,11 +51,12 @@ def test_a_drive_without_a_load_has_no_efficiency():
     assert np.isnan(still.efficiency())
 
 
-def test_a_mechanism_takes_its_solver_by_place():
+def test_a_mechanism_takes_its_solver_by_keyword_alone():
     mechanism = rc.Mechanism()
     mechanism.add_body("bob", mass=1.0, inertia=0.1)
     mechanism.add_revolute("pivot", "ground", "bob", at=(0.0, 0.1))
     solver = rc.Solver(method="newton", accuracy=1e-3)
-    assert rc.Simulation(mechanism, solver).solver == solver
-    with pytest.raises(rc.InvalidInput):
-        rc.Simulation(mechanism, "rubbish")
+    assert rc.Simulation(mechanism, solver=solver).solver == solver
+    for wrong in (solver, "rubbish"):
+        with pytest.raises(rc.InvalidInput, match="force_law"):
+            rc.Simulation(mechanism, wrong)

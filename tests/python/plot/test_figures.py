@@ -12,7 +12,7 @@ from rustchain.plot import Plots, studies
 from rustchain.plot.picture import draw_drive
 
 RESULT = rc.Simulation(rc.paper_drive(25.0)).run(
-    duration=0.02, record=("hinges", "teeth", "sprockets", "bodies"), progress=False
+    duration=0.02, record=("hinges", "teeth", "sprockets", "bodies", "energy"), progress=False
 )
 # Arguments, and the number of panels.
 CALLS = {
@@ -36,6 +36,7 @@ CALLS = {
     "wrap_loads": ((1, 2), 2),
 }
 OF_OTHER_DRIVES = {"guide_loads", "joint_loads", "strand_spectrum"}
+OF_MECHANISMS = {"contact_force", "motion", "paths", "residuals"}
 
 
 def methods(kind):
@@ -47,7 +48,7 @@ def methods(kind):
 
 
 def test_every_plot_of_a_result_is_drawn_here():
-    assert set(methods(Plots)) == {*CALLS, *OF_OTHER_DRIVES}
+    assert set(methods(Plots)) == {*CALLS, *OF_OTHER_DRIVES, *OF_MECHANISMS}
 
 
 @pytest.mark.parametrize(

@@ -65,10 +65,10 @@ def test_an_interrupted_run_keeps_its_rows_and_can_go_on():
         f"""
 # So fine that the energy balance is closed wherever the run ends.
 simulation = rc.Simulation(rc.paper_drive(), solver=rc.Solver(accuracy=1e-12))
-result = simulation.run({FAR}, 1e-3, ("teeth",), progress=False)
+result = simulation.run({FAR}, 1e-3, record=("teeth",), progress=False)
 stopped = simulation.time
 calls = simulation._core.calls
-more = simulation.run(1e-3, 1e-4, ("teeth",), progress=False)
+more = simulation.run(1e-3, 1e-4, record=("teeth",), progress=False)
 print(json.dumps(dict(
     status=result.status, message=result.message, success=result.success, stopped=stopped,
     calls=calls, rows=len(result.time), begin=result.time[0], end=result.time[-1],

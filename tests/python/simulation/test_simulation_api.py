@@ -210,7 +210,7 @@ def test_reports_and_the_energy_balance_do_not_change_the_path(report_step, reco
 
 
 def test_reports_are_where_they_were_asked_for():
-    result = rc.Simulation(rc.paper_drive()).run(1e-3, 3e-4, ("bodies",), progress=False)
+    result = rc.Simulation(rc.paper_drive()).run(1e-3, 3e-4, record=("bodies",), progress=False)
     np.testing.assert_allclose(result.time, [0.0, 3e-4, 6e-4, 9e-4, 1e-3], rtol=1e-15)
 
 
@@ -380,7 +380,7 @@ def test_counts_add_up():
 def coarse_and_fine():
     """One path, reported every 1e-4 s and every 1e-7 s."""
     return [
-        rc.Simulation(rc.paper_drive()).run(END, step, ("hinges", "teeth"), progress=False)
+        rc.Simulation(rc.paper_drive()).run(END, step, record=("hinges", "teeth"), progress=False)
         for step in (1e-4, 1e-7)
     ]
 
@@ -435,7 +435,7 @@ def test_a_prescribed_speed_follows_its_table():
     assert simulation.evaluate(time=1e-3).accelerations[38, 2] == pytest.approx(5000.0)
     assert simulation.evaluate(time=3e-3).accelerations[38, 2] == pytest.approx(-3000.0)
     assert simulation.evaluate(time=9e-3).accelerations[38, 2] == 0.0
-    result = simulation.run(6e-3, 1e-5, ("sprockets",), progress=False)
+    result = simulation.run(6e-3, 1e-5, record=("sprockets",), progress=False)
     driver = result.sprocket(1)
     np.testing.assert_allclose(
         driver.speed, np.interp(result.time, times, speeds), rtol=1e-12, atol=1e-12
@@ -460,7 +460,7 @@ def test_a_torque_accelerates_a_sprocket_before_anything_touches(sign):
     assert not simulation.velocities.any()
     inertia = drive.sprockets[0].inertia
     assert simulation.evaluate().accelerations[38, 2] == pytest.approx(0.02 * sign / inertia)
-    result = simulation.run(2e-3, 1e-4, ("sprockets", "teeth"), progress=False)
+    result = simulation.run(2e-3, 1e-4, record=("sprockets", "teeth"), progress=False)
     driver = result.sprocket(1)
     assert not result.array("tooth_force").any()
     np.testing.assert_allclose(driver.torque, 0.02 * sign)
@@ -472,7 +472,7 @@ def test_a_torque_accelerates_a_sprocket_before_anything_touches(sign):
 
 def test_a_torque_follows_its_table():
     drive = with_motions(rc.PrescribedSpeed(SPEED), rc.AppliedTorque([(1e-3, 0.0), (3e-3, -0.4)]))
-    result = rc.Simulation(drive).run(5e-3, 1e-4, ("sprockets",), progress=False)
+    result = rc.Simulation(drive).run(5e-3, 1e-4, record=("sprockets",), progress=False)
     expected = np.interp(result.time, [1e-3, 3e-3], [0.0, -0.4])
     np.testing.assert_allclose(result.sprocket(2).torque, expected, atol=1e-15)
     assert result.sprocket(2).speed[-1] < SPEED
@@ -543,7 +543,7 @@ def test_the_other_way_round_works_too(teeth):
 def test_the_work_put_in_is_torque_times_angle():
     drive = with_motions(rc.PrescribedSpeed(SPEED), rc.AppliedTorque(-0.2), rc.paper_drive(25.0))
     simulation = rc.Simulation(drive)
-    result = simulation.run(0.012, 5e-7, ("sprockets",), progress=False)
+    result = simulation.run(0.012, 5e-7, record=("sprockets",), progress=False)
     t, energy = result.time, result.energy
     center = result.sprocket(2).center[:, 0]
     pull = 50.0 * np.minimum(t / 0.1, 1.0)
@@ -562,10 +562,10 @@ def test_the_work_put_in_is_torque_times_angle():
 
 def test_the_balance_does_not_depend_on_when_it_begins():
     """A balance begun in the middle of a run gains what one kept from the start gains."""
-    whole = rc.Simulation(rc.paper_drive(25.0)).run(END, 1e-4, (), progress=False)
+    whole = rc.Simulation(rc.paper_drive(25.0)).run(END, 1e-4, record=(), progress=False)
     simulation = rc.Simulation(rc.paper_drive(25.0))
     simulation.step_to(5e-3)
-    part = simulation.run(END - 5e-3, 1e-4, (), progress=False)
+    part = simulation.run(END - 5e-3, 1e-4, record=(), progress=False)
     for name in ("kinetic", "gravity", "elastic"):
         values, all_values = getattr(part.energy, name), getattr(whole.energy, name)
         np.testing.assert_allclose(values, all_values[50:], rtol=1e-6, atol=1e-9)

@@ -33,7 +33,7 @@ import rustchain as rc
 
 loaded, left, duration, energy = sys.argv[1:]
 simulation = rc.Simulation.load_state(loaded)
-result = simulation.run(float(duration), 1e-5, ("hinges", "teeth", "sprockets", "bodies"),
+result = simulation.run(float(duration), 1e-5, record=("hinges", "teeth", "sprockets", "bodies"),
                         energy=energy == "True", progress=False)
 simulation.save_state(left)
 np.savez(left + ".rows", **result.arrays)

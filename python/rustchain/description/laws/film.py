@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import numpy.typing as npt
 
 from rustchain import _rustchain
 from rustchain.arguments import checked
-from rustchain.description.base import Description
+from rustchain.description.base import Description, description
 from rustchain.errors import InvalidInput
-from rustchain.names import known_keywords
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class LubricantFilm(Description):
     """Lubricant that fills hinges: squeeze and wedge film of a long bearing, half film.
 

@@ -10,11 +10,10 @@ import numpy.typing as npt
 
 from rustchain import _rustchain
 from rustchain.arguments import checked
-from rustchain.description.base import Description
+from rustchain.description.base import Description, description
 from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.friction import Coulomb, LuGre
 from rustchain.description.material import Material
-from rustchain.names import known_keywords
 
 Damping = Literal[
     "lankarani-nikravesh",
@@ -119,16 +118,14 @@ class ForceLaw(Description):
         return force.reshape(depth.shape)
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class Hertz(ForceLaw):
     """Hertz's contact of spheres, undamped unless asked: (4/3) E* sqrt(Ri Rj / dR) delta^1.5."""
 
     elastic = "hertz"
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class LankaraniNikravesh(ForceLaw):
     """Hertz's contact of spheres with the damping of Lankarani and Nikravesh (1990)."""
 
@@ -137,16 +134,14 @@ class LankaraniNikravesh(ForceLaw):
     damping: Damping | None = "lankarani-nikravesh"
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class Johnson(ForceLaw):
     """Johnson's contact of cylinders (1985), implicit in the force; undamped unless asked."""
 
     elastic = "johnson"
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class EnhancedCylinder(ForceLaw):
     """The enhanced cylindrical law of Pereira, Ramalho and Ambrosio: a power of the penetration.
 
@@ -163,32 +158,28 @@ class EnhancedCylinder(ForceLaw):
     coefficients: Literal["2010", "2015"] = "2010"
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class HertzCylinder(ForceLaw):
     """Hertz's cylinders as two half-planes, implicit in the force; undamped unless asked."""
 
     elastic = "hertz-cylinder"
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class Radzimovsky(ForceLaw):
     """Radzimovsky's contact of cylinders (1953), implicit in the force; undamped unless asked."""
 
     elastic = "radzimovsky"
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class Esdu78035(ForceLaw):
     """Contact of cylinders after ESDU 78035, implicit in the force; undamped unless asked."""
 
     elastic = "esdu-78035"
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class LiuConformal(ForceLaw):
     """Liu, Zhang and Yang's pin in a close bore (2007), undamped unless asked.
 
@@ -198,8 +189,7 @@ class LiuConformal(ForceLaw):
     elastic = "liu-conformal"
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class Linear(ForceLaw):
     """A constant stiffness, whatever the surfaces; undamped unless asked.
 

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
-from rustchain.description.base import Description
-from rustchain.names import known_keywords
+from rustchain.description.base import Description, description
 
 Regularization = Literal["tanh", "threlfall", "ambrosio"]
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class Coulomb(Description):
     """Coulomb's friction made a function of the slip speed; none sticks, what would stick creeps.
 
@@ -36,8 +33,7 @@ class Coulomb(Description):
     dead_speed: float = 0.0
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class LuGre(Description):
     """Friction of bristles that bend before they slip; it sticks, and needs less to break away.
 

@@ -114,16 +114,14 @@ def _parts(where: str, given: object, kind: type[_Kind]) -> list[_Kind]:
     return list(found)
 
 
-# Errors of a call, such as of a missing argument, name the method by this class.
-for _part in (WithJoints, WithForces, WithContacts):
+# Errors of a call, such as of a missing argument, name the method by this class. What else is wrong
+# is told of the part, when the mechanism is put together.
+for _part, _only in (
+    (WithJoints, (str,)),
+    (WithForces, (str, float | None)),
+    (WithContacts, (str, float, bool)),
+):
     for _name, _method in vars(_part).items():
         if _name.startswith("add_"):
-            for _function in (_method, _method.__wrapped__):
-                _function.__qualname__ = f"Mechanism.{_name}"
-            # What else is wrong is told of the part, when the mechanism is put together.
-            _only = {
-                WithJoints: (str,),
-                WithForces: (str, float | None),
-                WithContacts: (str, float, bool),
-            }[_part]
+            _method.__qualname__ = f"Mechanism.{_name}"
             setattr(Mechanism, _name, checked(_method, _only))

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from rustchain.arguments import shown
 from rustchain.description.drive import Chain, Sprocket
 from rustchain.description.mechanism.checks import arcs, point, rows
 from rustchain.description.mechanism.parts import Contact, ContactLaw, Point, Rows
 from rustchain.errors import InvalidInput
-from rustchain.names import known_keywords
 
 
 class WithContacts:
@@ -17,7 +17,6 @@ class WithContacts:
 
     contacts: list[Contact]
 
-    @known_keywords
     def add_clearance_joint(
         self,
         name: str,
@@ -30,21 +29,10 @@ class WithContacts:
         pin_point: Point = (0.0, 0.0),
     ) -> None:
         """Let a pin of one body play in a bore of another [m]."""
-        self.contacts.append(
-            Contact(
-                "bore",
-                name,
-                bore,
-                pin,
-                point("bore_point", "contact", name, bore_point),
-                point("pin_point", "contact", name, pin_point),
-                pin_radius,
-                law,
-                profile_radius=bore_radius,
-            )
-        )
+        points = {"bore_point": bore_point, "pin_point": pin_point}
+        round_profile = {"profile_radius": bore_radius}
+        self._touch("bore", name, (bore, pin), points, pin_radius, law, **round_profile)
 
-    @known_keywords
     def add_disc_contact(
         self,
         name: str,
@@ -57,21 +45,10 @@ class WithContacts:
         point_b: Point = (0.0, 0.0),
     ) -> None:
         """Let two discs touch from outside [m]."""
-        self.contacts.append(
-            Contact(
-                "disc",
-                name,
-                body_a,
-                body_b,
-                point("point_a", "contact", name, point_a),
-                point("point_b", "contact", name, point_b),
-                radius_b,
-                law,
-                profile_radius=radius_a,
-            )
-        )
+        points = {"point_a": point_a, "point_b": point_b}
+        round_profile = {"profile_radius": radius_a}
+        self._touch("disc", name, (body_a, body_b), points, radius_b, law, **round_profile)
 
-    @known_keywords
     def add_outline_contact(
         self,
         name: str,
@@ -103,22 +80,9 @@ class WithContacts:
         rows(f"points of contact {shown(name)}", points, 2)
         if bulges is not None:
             kind, pieces = "arcs", arcs(name, points, bulges, closed)
-        self.contacts.append(
-            Contact(
-                kind,
-                name,
-                outline,
-                circle,
-                (0.0, 0.0),
-                point("circle_point", "contact", name, circle_point),
-                radius,
-                law,
-                points=pieces,
-                closed=closed,
-            )
-        )
+        places, profile = {"circle_point": circle_point}, {"points": pieces, "closed": closed}
+        self._touch(kind, name, (outline, circle), places, radius, law, **profile)
 
-    @known_keywords
     def add_sprocket_contact(
         self,
         name: str,
@@ -136,17 +100,21 @@ class WithContacts:
                     f"{field} of contact {shown(name)} = {shown(given)}: must be a {kind.__name__}"
                 )
                 raise InvalidInput(msg)
-        self.contacts.append(
-            Contact(
-                "sprocket",
-                name,
-                wheel,
-                circle,
-                (0.0, 0.0),
-                point("circle_point", "contact", name, circle_point),
-                chain.contact_radius,
-                law,
-                sprocket=sprocket,
-                chain=chain,
-            )
-        )
+        places, radius = {"circle_point": circle_point}, chain.contact_radius
+        profile: dict[str, Any] = {"sprocket": sprocket, "chain": chain}
+        self._touch("sprocket", name, (wheel, circle), places, radius, law, **profile)
+
+    def _touch(
+        self,
+        kind: str,
+        name: str,
+        bodies: tuple[str, str],
+        places: Mapping[str, Point],
+        radius: float,
+        law: ContactLaw,
+        **profile: Any,  # noqa: ANN401
+    ) -> None:
+        """Add a contact; of the places on both bodies, by name, the first may be left out."""
+        at = [point(field, "contact", name, place) for field, place in places.items()]
+        first, last = (at[0] if len(at) == 2 else (0.0, 0.0)), at[-1]
+        self.contacts.append(Contact(kind, name, *bodies, first, last, radius, law, **profile))

@@ -18,7 +18,6 @@ from rustchain.description.mechanism.parts import (
     TimeFunction,
 )
 from rustchain.errors import InvalidInput
-from rustchain.names import known_keywords
 
 
 class WithForces:
@@ -26,7 +25,6 @@ class WithForces:
 
     forces: list[Force]
 
-    @known_keywords
     def add_force(
         self,
         name: str,
@@ -52,7 +50,6 @@ class WithForces:
             )
         )
 
-    @known_keywords
     def add_torque(
         self,
         name: str,
@@ -71,7 +68,6 @@ class WithForces:
         else:
             self.forces.append(Force("torque", name, reaction, body, x=torque))
 
-    @known_keywords
     def add_spring(
         self,
         name: str,
@@ -118,7 +114,6 @@ class WithForces:
             )
         )
 
-    @known_keywords
     def add_torsion_spring(
         self,
         name: str,
@@ -145,7 +140,6 @@ class WithForces:
             )
         )
 
-    @known_keywords
     def add_callable(self, name: str, body: str, function: LoadFunction) -> None:
         """Load a body by a function of Python: for prototypes, clearly slower than the rest.
 

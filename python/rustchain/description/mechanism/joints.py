@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from rustchain.arguments import shown
 from rustchain.description.laws.friction import Coulomb
 from rustchain.description.mechanism.checks import numbers, one_of, point
 from rustchain.description.mechanism.parts import GROUND, Body, Joint, Point, TimeFunction
 from rustchain.errors import InvalidInput
-from rustchain.names import known_keywords, suggest
+from rustchain.names import suggest
 
 
 class WithJoints:
@@ -18,7 +19,6 @@ class WithJoints:
     bodies: list[Body]
     joints: list[Joint]
 
-    @known_keywords
     def add_revolute(
         self,
         name: str,
@@ -40,19 +40,9 @@ class WithJoints:
         radius : float, optional
             Of the pin [m]; only with `friction`, which needs it.
         """
-        self._join(
-            "revolute",
-            name,
-            body_a,
-            body_b,
-            point_a,
-            point_b,
-            at,
-            friction=friction,
-            radius=radius,
-        )
+        pin: dict[str, Any] = {"friction": friction, "radius": radius}
+        self._join("revolute", name, body_a, body_b, point_a, point_b, at, **pin)
 
-    @known_keywords
     def add_fixed(
         self,
         name: str,
@@ -66,7 +56,6 @@ class WithJoints:
         """Weld two bodies; `angle` of b less that of a [rad], by default as placed."""
         self._join("fixed", name, body_a, body_b, point_a, point_b, at, value=angle)
 
-    @known_keywords
     def add_prismatic(
         self,
         name: str,
@@ -79,19 +68,9 @@ class WithJoints:
         angle: float | None = None,
     ) -> None:
         """Let b slide on a line of a without turning: through point a, along `direction` of a."""
-        self._join(
-            "prismatic",
-            name,
-            body_a,
-            body_b,
-            point_a,
-            point_b,
-            at,
-            direction=direction,
-            value=angle,
-        )
+        line: dict[str, Any] = {"direction": direction, "value": angle}
+        self._join("prismatic", name, body_a, body_b, point_a, point_b, at, **line)
 
-    @known_keywords
     def add_point_on_line(
         self,
         name: str,
@@ -105,7 +84,6 @@ class WithJoints:
         """Keep point b on the line of a through point a, along `direction` of a."""
         self._join("point_on_line", name, body_a, body_b, point_a, point_b, at, direction=direction)
 
-    @known_keywords
     def add_distance(
         self,
         name: str,
@@ -116,18 +94,8 @@ class WithJoints:
         length: float | None = None,
     ) -> None:
         """Keep two points at a distance [m], by default as placed."""
-        self._join(
-            "distance",
-            name,
-            body_a,
-            body_b,
-            point("point_a", "joint", name, point_a),
-            point("point_b", "joint", name, point_b),
-            None,
-            value=length,
-        )
+        self._join_at("distance", name, body_a, body_b, point_a, point_b, value=length)
 
-    @known_keywords
     def add_gear(
         self, name: str, body_a: str, body_b: str, ratio: float, carrier: str | None = None
     ) -> None:
@@ -141,9 +109,8 @@ class WithJoints:
         carrier : str, optional
             The body on which both turn; by default the ground.
         """
-        self._join("gear", name, body_a, body_b, None, None, None, value=ratio, carrier=carrier)
+        self._join("gear", name, body_a, body_b, value=ratio, carrier=carrier)
 
-    @known_keywords
     def add_rack(
         self,
         name: str,
@@ -155,19 +122,9 @@ class WithJoints:
         point_b: Point = (0.0, 0.0),
     ) -> None:
         """Let a wheel b roll on a line of a: way along `direction` = `radius` * turns of b."""
-        self._join(
-            "rack",
-            name,
-            body_a,
-            body_b,
-            point("point_a", "joint", name, point_a),
-            point("point_b", "joint", name, point_b),
-            None,
-            direction=direction,
-            value=radius,
-        )
+        line: dict[str, Any] = {"direction": direction, "value": radius}
+        self._join_at("rack", name, body_a, body_b, point_a, point_b, **line)
 
-    @known_keywords
     def add_driver(
         self,
         name: str,
@@ -178,20 +135,8 @@ class WithJoints:
     ) -> None:
         """Prescribe the angle [rad] or the speed [rad/s] of b seen from a."""
         motion = one_of(name, "angle", angle, "speed", speed)
-        by_speed = angle is None
-        self._join(
-            "driven_angle",
-            name,
-            body_a,
-            body_b,
-            None,
-            None,
-            None,
-            motion=motion,
-            by_speed=by_speed,
-        )
+        self._join("driven_angle", name, body_a, body_b, motion=motion, by_speed=angle is None)
 
-    @known_keywords
     def add_position_driver(
         self,
         name: str,
@@ -205,18 +150,27 @@ class WithJoints:
     ) -> None:
         """Prescribe the way [m] or speed [m/s] of point b along `direction` from point a."""
         motion = one_of(name, "position", position, "speed", speed)
-        self._join(
-            "driven_position",
-            name,
-            body_a,
-            body_b,
-            point("point_a", "joint", name, point_a),
-            point("point_b", "joint", name, point_b),
-            None,
-            direction=direction,
-            motion=motion,
-            by_speed=position is None,
-        )
+        law: dict[str, Any] = {
+            "direction": direction,
+            "motion": motion,
+            "by_speed": position is None,
+        }
+        self._join_at("driven_position", name, body_a, body_b, point_a, point_b, **law)
+
+    def _join_at(
+        self,
+        kind: str,
+        name: str,
+        body_a: str,
+        body_b: str,
+        point_a: Point,
+        point_b: Point,
+        **others: Any,  # noqa: ANN401
+    ) -> None:
+        """Add a joint with points that must be given."""
+        point_a = point("point_a", "joint", name, point_a)
+        point_b = point("point_b", "joint", name, point_b)
+        self._join(kind, name, body_a, body_b, point_a, point_b, **others)
 
     def _join(
         self,
@@ -224,18 +178,14 @@ class WithJoints:
         name: str,
         body_a: str,
         body_b: str,
-        point_a: Point | None,
-        point_b: Point | None,
-        at: Point | None,
+        point_a: Point | None = None,
+        point_b: Point | None = None,
+        at: Point | None = None,
+        *,
         direction: Point = (1.0, 0.0),
-        value: float | None = None,
-        carrier: str | None = None,
-        motion: TimeFunction = 0.0,
-        by_speed: bool = False,
-        friction: Coulomb | None = None,
-        radius: float | None = None,
+        **others: Any,  # noqa: ANN401
     ) -> None:
-        """Add a joint; `at` stands for both points."""
+        """Add a joint; `at` stands for both points, `others` are further fields of the joint."""
         if at is not None:
             if point_a is not None or point_b is not None:
                 msg = (
@@ -251,23 +201,7 @@ class WithJoints:
             (0.0, 0.0) if place is None else point(f"point_{end}", "joint", name, place)
             for end, place in points
         )
-        self.joints.append(
-            Joint(
-                kind,
-                name,
-                body_a,
-                body_b,
-                place_a,
-                place_b,
-                direction,
-                value,
-                carrier,
-                motion,
-                by_speed,
-                friction,
-                radius,
-            )
-        )
+        self.joints.append(Joint(kind, name, body_a, body_b, place_a, place_b, direction, **others))
 
     def _local(self, joint: str, body: str, at: Point) -> tuple[float, float]:
         """Return a point of the ground's frame in the frame of a body as placed."""

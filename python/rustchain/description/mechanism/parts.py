@@ -10,14 +10,13 @@ from dataclasses import dataclass
 from typing import TypeAlias, get_type_hints
 
 from rustchain.arguments import admitted, shown
-from rustchain.description.base import Description, plain
+from rustchain.description.base import Description, description, plain
 from rustchain.description.drive import Chain, Sprocket
 from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.force import ForceLaw, LankaraniNikravesh
 from rustchain.description.laws.friction import Coulomb, LuGre
 from rustchain.description.material import Material
 from rustchain.errors import InvalidInput
-from rustchain.names import known_keywords
 
 Point: TypeAlias = Sequence[float]
 Rows: TypeAlias = Sequence[Sequence[float]]
@@ -78,8 +77,7 @@ class _Function(_Part):
             object.__setattr__(self, field.name, value)
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class SmoothStep(_Function):
     """From one value to another with two continuous derivatives.
 
@@ -97,8 +95,7 @@ class SmoothStep(_Function):
     after: float
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class Table(_Function):
     """Straight lines between rows of (time [s], value), held at both ends; a ramp has two rows.
 
@@ -111,8 +108,7 @@ class Table(_Function):
     rows: Rows
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class Spline(_Function):
     """A cubic spline with free ends through rows of (time [s], value).
 
@@ -125,8 +121,7 @@ class Spline(_Function):
     rows: Rows
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class Sines(_Function):
     """A sum of sines: offset + sum of amplitude * sin(frequency * t + phase).
 
@@ -145,8 +140,7 @@ class Sines(_Function):
 TimeFunction: TypeAlias = float | SmoothStep | Table | Spline | Sines
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class LinearContact(_Function):
     """Contact force: stiffness * penetration + damping * its rate, never pulling.
 
@@ -169,8 +163,7 @@ class LinearContact(_Function):
     film: LubricantFilm | None = dataclasses.field(default=None, kw_only=True)
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class HuntCrossley(_Function):
     """Contact force: stiffness * penetration**exponent * (1 + damping * rate), never pulling.
 
@@ -195,8 +188,7 @@ class HuntCrossley(_Function):
     film: LubricantFilm | None = dataclasses.field(default=None, kw_only=True)
 
 
-@known_keywords
-@dataclass(frozen=True)
+@description(frozen=True)
 class SurfaceContact(_Function):
     """Contact by a law of cylinders, its stiffness from radii, length and material.
 
