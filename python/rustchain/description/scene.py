@@ -143,7 +143,7 @@ class Scene(Description):
             kind = type(system).__name__
             remedy = "" if has is None else f"; use {kind.lower()}.{has}"
             got = shown(system) if has is None else kind
-            msg = f"drive = {got}: must be a ChainDrive, a Mechanism or a Scene{remedy}"
+            msg = f"drive = {got}: must be a ChainDrive, a Mechanism or their scene{remedy}"
             raise InvalidInput(msg)
 
     def _check_velocity(self) -> None:

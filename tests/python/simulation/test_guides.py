@@ -110,7 +110,7 @@ def test_mechanisms_take_no_guides():
 def test_a_sweep_changes_the_fields_of_guides():
     sweep = rc.sweep(
         guided(),
-        {"guides.0.arm.force": [5.0, 50.0]},
+        {"guides.1.arm.force": [5.0, 50.0]},
         lambda result: {"turned": np.ptp(result.guide(1).angle)},
         duration=2e-3,
         record=["sprockets", "energy"],

@@ -376,7 +376,7 @@ def test_the_file_shows_what_is_in_it_to_numpy_alone(file, under_way):
     members = np.load(file)
     np.testing.assert_array_equal(members["state.positions"], under_way.positions)
     assert members["state.time"] == under_way.time
-    assert json.loads(str(members["drive"]))["type"] == "ChainDrive"
+    assert json.loads(str(members["scene"]))["system"]["type"] == "ChainDrive"
     assert members["rustchain_version"] == rc.__version__
 
 
@@ -414,16 +414,16 @@ def test_a_file_that_holds_no_state_is_refused(tmp_path):
 
 
 def test_parts_of_two_files_are_refused(file, tmp_path, under_way):
-    other = rc.paper_drive(pretension=26.0).to_json()
+    other = rc.Scene(rc.paper_drive(pretension=26.0)).to_json()
     with pytest.raises(rc.InvalidInput, match="state, drive = model"):
-        rc.Simulation.load_state(rewritten(file, tmp_path / "drive.npz", drive=other))
+        rc.Simulation.load_state(rewritten(file, tmp_path / "scene.npz", scene=other))
     moved = {"state.positions": under_way.positions + 1e-9}
     with pytest.raises(rc.InvalidInput, match=r"state\['positions'\] was changed"):
         rc.Simulation.load_state(rewritten(file, tmp_path / "moved.npz", **moved))
-    with pytest.raises(rc.InvalidInput, match="has format 2, this rustchain reads 1"):
-        rc.Simulation.load_state(rewritten(file, tmp_path / "newer.npz", format=2))
+    with pytest.raises(rc.InvalidInput, match="has format 3, this rustchain reads 2"):
+        rc.Simulation.load_state(rewritten(file, tmp_path / "newer.npz", format=3))
     with pytest.raises(rc.InvalidInput, match="holds no state"):
-        rc.Simulation.load_state(rewritten(file, tmp_path / "none.npz", solver=None))
+        rc.Simulation.load_state(rewritten(file, tmp_path / "none.npz", scene=None))
 
 
 def test_a_file_is_replaced_whole_or_not_at_all(tmp_path, under_way, monkeypatch):
@@ -448,12 +448,12 @@ def test_a_file_is_replaced_whole_or_not_at_all(tmp_path, under_way, monkeypatch
 @pytest.mark.parametrize(
     ("name", "changed"),
     [
-        ("scene.positions", lambda rows: rows[0]),
-        ("scene.positions", lambda rows: rows[None]),
-        ("scene.positions", lambda rows: rows.astype(str)),
-        ("scene.velocities", np.ravel),
-        ("scene.velocities", lambda rows: rows + 1j),
-        ("scene.min_impact_velocity", lambda speed: np.full(2, speed)),
+        ("start.positions", lambda rows: rows[0]),
+        ("start.positions", lambda rows: rows[None]),
+        ("start.positions", lambda rows: rows.astype(str)),
+        ("start.velocities", np.ravel),
+        ("start.velocities", lambda rows: rows + 1j),
+        ("scene", lambda text: np.array([str(text)] * 2)),
     ],
 )
 def test_a_start_of_another_shape_or_kind_is_refused(name, changed, file, tmp_path):
