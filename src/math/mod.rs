@@ -1,8 +1,8 @@
 //! Numerics without physics: SIMD arithmetic, piecewise functions, factorisations, roots along a step.
 
+pub(crate) mod cholesky;
 pub(crate) mod double_double;
 pub mod piecewise;
-pub(crate) mod pivoted_qr;
 mod real;
 pub mod simd;
 pub(crate) mod sparse_kkt;

@@ -42,13 +42,6 @@ impl Curve {
         &self.arguments
     }
 
-    /// Largest value without its sign.
-    pub(crate) fn largest(&self) -> f64 {
-        self.values
-            .iter()
-            .fold(0.0, |most, value| most.max(value.abs()))
-    }
-
     /// Value at `x`.
     #[must_use]
     pub fn value(&self, x: f64) -> f64 {

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::constraints::equation::Row;
-use super::constraints::kkt::Constrained;
 use super::constraints::pin_friction::PinTorques;
+use super::constraints::sparse_kkt::SparseKkt;
 use super::contact::bristles::Bristles;
 use super::contact::contact_state::CompiledContact;
 use super::contact::event_screening::ContactEnd;
@@ -21,10 +21,9 @@ use crate::integrator::OdeSystem;
 pub enum Stabilisation {
     /// Projected after every step, to round-off.
     Projection,
-    /// Pulled back by a damped oscillator of this angular frequency \[rad/s\] (Baumgarte 1972), for comparison.
+    /// Pulled back by a damped oscillator of this angular frequency \[rad/s\] (Baumgarte 1972), for comparison; at 0 the drift of the
+    /// formulas shows.
     Baumgarte(f64),
-    /// Left alone: the drift of the formulas shows.
-    None,
 }
 
 /// The right-hand side; its memory changes between steps only.
@@ -40,7 +39,7 @@ pub struct MechanismDynamics {
     pub(crate) loads: Loads,
     pub(crate) rows: Vec<Row>,
     /// Present when there are constraints.
-    pub(crate) kkt: Option<Constrained>,
+    pub(crate) kkt: Option<SparseKkt>,
     pub(crate) accelerations: Vec<f64>,
     pub(crate) multipliers: Vec<f64>,
     /// What happens on each side of each contact, and what it remembers.
@@ -88,7 +87,7 @@ impl MechanismDynamics {
             frames: model.start_frames(),
             loads: Loads::new(bodies),
             rows: vec![Row::default(); m],
-            kkt: (m > 0).then(|| Constrained::new(&model)),
+            kkt: (m > 0).then(|| SparseKkt::of(&model)),
             accelerations: vec![0.0; n],
             multipliers: vec![0.0; m],
             touches: vec![Touch::default(); model.sides.len()],

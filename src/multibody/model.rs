@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use super::assembly::load_scales::contact_lengths;
 use super::constraints::equation::{Equation, Quantity};
 use super::constraints::pin_friction::Pin;
 use super::contact::contact_state::CompiledContact;
@@ -28,9 +27,6 @@ pub struct MechanismModel {
     pub(crate) forces: Vec<Force>,
     pub(crate) contacts: Vec<CompiledContact>,
     pub(crate) contact_names: Vec<String>,
-    pub(crate) force_names: Vec<String>,
-    /// Length of each contact whose law has one \[m\].
-    pub(crate) contact_lengths: Vec<Option<f64>>,
     /// The sides of all contacts that may bear at once, one after another: contact and number of the side.
     pub(crate) sides: Vec<(usize, usize)>,
     /// The sides of each contact.
@@ -89,8 +85,6 @@ impl MechanismModel {
             numbers,
             equations_of_joint: Vec::new(),
             contact_names: mechanism.contacts.iter().map(|c| c.name.clone()).collect(),
-            force_names: mechanism.forces.iter().map(|f| f.name.clone()).collect(),
-            contact_lengths: contact_lengths(mechanism),
             bristle_of_side: Vec::new(),
             bristles: 0,
             pins: Vec::new(),

@@ -1,4 +1,4 @@
-//! What is told of how a mechanism is placed and described: singular positions, circles behind outlines, signs and units; and
+//! What is told of how a mechanism is placed and described: singular positions, circles behind outlines; and
 //! that a bounce between two rows is no energy lost.
 
 use std::sync::Arc;
@@ -6,8 +6,8 @@ use std::sync::Arc;
 use crate::common::mechanisms::{bar, bar_chain, control, ground, record, revolute, simulation};
 use rustchain::geometry::Vec2;
 use rustchain::multibody::{
-    Body, ContactLaw, ContactPair, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism,
-    MechanismModel, Motion, Profile, SpringLaw, Stabilisation, Tribology,
+    Body, ContactLaw, ContactPair, Joint, JointKind, Marker, Mechanism, MechanismModel, Motion,
+    Profile, Stabilisation, Tribology,
 };
 use rustchain::run::mechanism::MechanismSimulation;
 
@@ -142,73 +142,6 @@ fn bounces_between_rows_are_exchanged_and_a_loss_beside_rows_is_still_told() {
     assert!(!warned, "{missing}");
     let (warned, missing) = note(3e-3, period);
     assert!(missing > 0.1 && warned, "{missing}");
-}
-
-#[test]
-fn a_softening_spring_that_turns_over_within_the_mechanism_is_told() {
-    let with = |cubic: f64| {
-        let mut mechanism = bar_chain(1, 0.4);
-        let bar = mechanism.bodies[0].name.clone();
-        mechanism.forces.push(ForceElement::new(
-            "spring",
-            ground(0.3, 0.0),
-            Marker::new(bar, 0.0, 0.0),
-            ForceKind::Spring {
-                law: SpringLaw {
-                    stiffness: 100.0,
-                    cubic,
-                    ..SpringLaw::default()
-                },
-                rest: None,
-            },
-        ));
-        warnings(&mechanism)
-    };
-    let sign = "cubic of spring \"spring\"";
-    assert!(!told(&with(1e6), sign) && !told(&with(-1.0), sign));
-    assert!(told(&with(-1e6), sign));
-}
-
-#[test]
-fn masses_in_grams_are_told_once() {
-    let sound = bar_chain(4, 0.4);
-    assert_eq!(warnings(&sound), [""; 0]);
-    let mut grams = sound.clone();
-    grams.bodies.iter_mut().for_each(|body| body.mass *= 1000.0);
-    let found = warnings(&grams);
-    assert_eq!(found.len(), 1, "{found:?}");
-    assert!(told(&found, "are the masses 1000 times too large"));
-}
-
-#[test]
-fn a_force_may_be_small_beside_a_stiff_bush() {
-    let with = |force: f64| {
-        let mut mechanism = bar_chain(2, 0.4);
-        let names: Vec<String> = mechanism.bodies.iter().map(|b| b.name.clone()).collect();
-        mechanism.forces.push(ForceElement::new(
-            "bush",
-            Marker::new(names[0].clone(), 0.0, 0.0),
-            Marker::new(names[1].clone(), 0.0, 0.0),
-            ForceKind::Spring {
-                law: SpringLaw::linear(1e6, 0.0),
-                rest: None,
-            },
-        ));
-        mechanism.forces.push(ForceElement::new(
-            "push",
-            ground(0.0, 0.0),
-            Marker::new(names[1].clone(), 0.0, 0.0),
-            ForceKind::Force {
-                x: force.into(),
-                y: 0.0.into(),
-                follows: false,
-            },
-        ));
-        warnings(&mechanism)
-    };
-    assert_eq!(with(3.0), [""; 0]);
-    // Small beside the weights, too.
-    assert!(told(&with(3e-4), "force \"push\""));
 }
 
 #[test]

@@ -13,6 +13,7 @@ from rustchain import _rustchain
 from rustchain.arguments import plain
 from rustchain.caller import warn_caller
 from rustchain.description.mechanism.builder import Mechanism
+from rustchain.description.mechanism.plausibility import implausible_inputs
 from rustchain.description.solver import Solver
 from rustchain.errors import InvalidInput
 from rustchain.results.channels import VARIABLES
@@ -29,7 +30,8 @@ class MechanismCore:
         self._groups: list[str] = []
         self._energy = False
         self._start = [self._core.positions, self._core.velocities]
-        for text in self._core.check()["warnings"]:
+        # As described: the angles of a later state may be many turns.
+        for text in (*self._core.check()["warnings"], *implausible_inputs(mechanism)):
             warn_caller(text)
 
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401

@@ -1,7 +1,7 @@
 //! Multipliers of redundant constraints that together do nothing: which constraints they belong to, and the least
 //! (Euclidean norm) of all multipliers that do the same.
 
-use crate::math::pivoted_qr::solve_positive;
+use crate::math::cholesky::solve_positive;
 
 /// Independent vectors, each a set of multipliers in the order of elimination.
 #[derive(Debug, Clone, Default)]

@@ -68,10 +68,9 @@ impl MechanismDynamics {
                 return true;
             }
             let jacobian = self.scaled_jacobian(size);
-            let weights = self.inverse_masses();
             let mut weighed = jacobian.clone();
-            for (mut column, weight) in weighed.column_iter_mut().zip(&weights) {
-                column *= *weight;
+            for (mut column, mass) in weighed.column_iter_mut().zip(&self.model.mass) {
+                column *= 1.0 / mass;
             }
             let square = &weighed * jacobian.transpose();
             let scale = square.diagonal().amax();
@@ -143,15 +142,5 @@ impl MechanismDynamics {
         } else {
             size
         }
-    }
-
-    /// What has no mass is as heavy as the heaviest, for others carry it.
-    fn inverse_masses(&self) -> Vec<f64> {
-        let heaviest = self.model.mass.iter().copied().fold(0.0, f64::max);
-        let heaviest = if heaviest > 0.0 { heaviest } else { 1.0 };
-        let masses = self.model.mass.iter();
-        masses
-            .map(|&m| 1.0 / if m > 0.0 { m } else { heaviest })
-            .collect()
     }
 }

@@ -2,10 +2,8 @@
 
 pub(crate) mod approach;
 pub(crate) mod changes;
-pub(crate) mod load_scales;
 pub(crate) mod placement;
-pub(crate) mod plausibility;
 pub(crate) mod projection;
 pub(crate) mod residual_report;
 pub(crate) mod residuals;
-pub(crate) mod scales;
+pub(crate) mod start_warnings;

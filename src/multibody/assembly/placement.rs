@@ -1,11 +1,10 @@
 //! Assembly and projection: the nearest positions and velocities, weighed by mass, that satisfy the constraints.
 
 use super::changes::Changes;
-use super::plausibility::{loose_parts, softening_springs};
 use super::projection::AtHand;
-use super::scales::odd_scales;
+use super::start_warnings::loose_parts;
 use crate::error::{Error, Result};
-use crate::multibody::constraints::kkt::Constrained;
+use crate::multibody::constraints::sparse_kkt::SparseKkt;
 use crate::multibody::dynamics::MechanismDynamics;
 
 /// What assembling a mechanism found.
@@ -35,7 +34,7 @@ impl MechanismDynamics {
     /// Brings the mechanism together from where it is placed.
     ///
     /// # Errors
-    /// When no positions or velocities satisfy all constraints: with the residuals by joint; when a motion has no mass.
+    /// When no positions or velocities satisfy all constraints: with the residuals by joint.
     pub fn assemble(&mut self) -> Result<Assembly> {
         self.assemble_unless(&|| false)
     }
@@ -57,10 +56,9 @@ impl MechanismDynamics {
             return Err(self.refuse());
         }
         self.evaluate(0.0, &state);
-        self.check_masses()?;
         self.check_starts()?;
         let changes = Changes::between(&placed, &state);
-        let rank = self.kkt.as_ref().map_or(0, Constrained::rank);
+        let rank = self.kkt.as_ref().map_or(0, SparseKkt::rank);
         let redundant = self.redundant();
         let between = self.look_beside(&state);
         let mut assembly = Assembly {
@@ -75,23 +73,6 @@ impl MechanismDynamics {
         };
         assembly.warnings = self.warnings(&assembly, between);
         Ok(assembly)
-    }
-
-    /// Every motion that the joints leave must move some mass.
-    fn check_masses(&self) -> Result<()> {
-        let nothing = |i: usize| self.model.mass[i] == 0.0;
-        if let Some(bad) = (0..self.model.coordinates())
-            .find(|&i| nothing(i) && (self.kkt.is_none() || self.accelerations[i].is_nan()))
-        {
-            let body = &self.model.bodies[self.model.body_of(bad)];
-            let field = if bad % 3 == 2 { "inertia" } else { "mass" };
-            return Err(Error::invalid(
-                format!("{field} of body {:?}", body.name),
-                0.0,
-                "no joint carries this motion along with a mass: give it a value above zero, or join the body to others",
-            ));
-        }
-        Ok(())
     }
 
     /// No circle begins with its centre in material.
@@ -146,9 +127,7 @@ impl MechanismDynamics {
         }
         warnings.extend(self.pressed_starts());
         warnings.extend(self.starts_behind());
-        warnings.extend(softening_springs(&self.model, self.size()));
         warnings.extend(loose_parts(&self.model));
-        warnings.extend(odd_scales(&self.model));
         warnings
     }
 }

@@ -1,6 +1,6 @@
 //! Positions, then velocities, back onto the constraints: the least change, weighed by mass.
 
-use crate::multibody::constraints::kkt::Constrained;
+use crate::multibody::constraints::sparse_kkt::SparseKkt;
 use crate::multibody::dynamics::MechanismDynamics;
 
 /// Residual of positions, in parts of the size, that may be left where it does not fall; of velocities, in parts of the largest;
@@ -35,7 +35,7 @@ pub(crate) enum AtHand {
 
 /// The factors a projection uses, and what is known of them.
 struct Held {
-    kkt: Constrained,
+    kkt: SparseKkt,
     /// Whether they are of the state as it is.
     fresh: bool,
     /// Whether something has next to no hold.

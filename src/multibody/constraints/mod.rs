@@ -1,9 +1,7 @@
 //! Constraint equations and the linear systems in which they stand.
 
-pub(crate) mod dense_kkt;
 pub(crate) mod equation;
 pub(crate) mod joint_slopes;
-pub(crate) mod kkt;
 pub(crate) mod pin_friction;
 pub(crate) mod relative_kinematics;
 pub(crate) mod sparse_kkt;

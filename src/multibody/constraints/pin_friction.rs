@@ -98,8 +98,8 @@ impl Pin {
 }
 
 impl MechanismDynamics {
-    /// Accelerations and multipliers by the factors and the loads at hand, with the friction of pins; false when a motion has no
-    /// mass or a pin locks itself.
+    /// Accelerations and multipliers by the factors and the loads at hand, with the friction of pins; false when a pin
+    /// locks itself.
     pub(crate) fn solve_constrained(&mut self) -> bool {
         let Some(kkt) = &mut self.kkt else {
             return false;
@@ -107,7 +107,8 @@ impl MechanismDynamics {
         let (a, multipliers) = (&mut self.accelerations, &mut self.multipliers);
         let pins = &self.model.pins;
         if pins.is_empty() {
-            return kkt.solve(&self.forces, &self.rows, a, multipliers);
+            kkt.solve(&self.forces, &self.rows, a, multipliers);
+            return true;
         }
         let torques = &mut self.pin_torques;
         torques.values.fill(0.0);
@@ -120,9 +121,7 @@ impl MechanismDynamics {
                     }
                 }
             }
-            if !kkt.solve(&torques.loads, &self.rows, a, multipliers) {
-                return false;
-            }
+            kkt.solve(&torques.loads, &self.rows, a, multipliers);
             let (mut change, mut largest, mut finite) = (0.0, 0.0, true);
             for (pin, torque) in pins.iter().zip(&mut torques.values) {
                 let found = pin.torque(&self.frames, multipliers).value;

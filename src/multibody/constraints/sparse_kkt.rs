@@ -1,4 +1,4 @@
-//! The constrained equations where all bodies have mass: S λ = G M⁻¹ f - γ with S = G M⁻¹ Gᵀ, as sparse as the joints are connected.
+//! The constrained equations of motion: S λ = G M⁻¹ f - γ with S = G M⁻¹ Gᵀ, as sparse as the joints are connected.
 //!
 //! The order of elimination (least degree first) and the places of all numbers are found once; each state then costs what
 //! they ask for: for a chain of hinges, open or closed, a fixed number of operations a link. A constraint whose pivot
@@ -14,6 +14,7 @@ use crate::math::sparse_kkt::null_space::NullSpace;
 use crate::math::sparse_kkt::symbolic::{
     least_degree_order, patterns, rows_on_bodies, upper_triangle,
 };
+use crate::multibody::model::MechanismModel;
 
 /// Factors L D Lᵀ of S, and room to solve.
 #[derive(Debug, Clone)]
@@ -52,8 +53,15 @@ const DEPENDENT: f64 = 1e-10;
 const ROUNDED: f64 = 1e-6;
 
 impl SparseKkt {
+    /// For the constraints of `model`.
+    pub(crate) fn of(model: &MechanismModel) -> Self {
+        let bodies = model.equations.iter();
+        let bodies: Vec<_> = bodies.map(|e| [e.a.body, e.b.body, e.carrier]).collect();
+        Self::new(&model.mass, &model.first, &bodies)
+    }
+
     /// For constraints over `bodies`; all masses must be above zero.
-    pub(crate) fn new(mass: &[f64], first: &[Option<usize>], bodies: &[[usize; 3]]) -> Self {
+    fn new(mass: &[f64], first: &[Option<usize>], bodies: &[[usize; 3]]) -> Self {
         let m = bodies.len();
         let on_body = rows_on_bodies(first, bodies);
         let mut neighbours = vec![BTreeSet::new(); m];

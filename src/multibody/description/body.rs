@@ -8,7 +8,7 @@ use crate::geometry::{Vec2, turned_left};
 pub struct Body {
     /// Unique name.
     pub name: String,
-    /// Mass \[kg\]; may be zero where the joints carry the body along with others.
+    /// Mass \[kg\].
     pub mass: f64,
     /// Moment of inertia about the centre of mass \[kg m²\].
     pub inertia: f64,

@@ -41,11 +41,6 @@ impl SpringLaw {
         }
     }
 
-    /// Largest force of its table; zero without one.
-    pub(crate) fn largest(&self) -> f64 {
-        self.table.as_ref().map_or(0.0, Curve::largest)
-    }
-
     pub(crate) fn energy(&self, x: f64) -> f64 {
         match &self.table {
             Some(curve) => curve.integral(x),

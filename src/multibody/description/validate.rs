@@ -1,9 +1,9 @@
-//! What is checked of a mechanism as a whole: gravity, that there is something, and names.
+//! What is checked of a mechanism as a whole: gravity, that there is something, names, masses and inertias.
 
 use std::collections::HashSet;
 
 use crate::error::{Error, Result};
-use crate::multibody::Mechanism;
+use crate::multibody::{Body, Mechanism};
 
 impl Mechanism {
     /// Checks what is of no part alone.
@@ -25,9 +25,40 @@ impl Mechanism {
         for body in &self.bodies {
             check_name("body", &body.name)?;
         }
+        self.check_masses()?;
         check_names("joint", self.joints.iter().map(|j| &j.name))?;
         check_names("force", self.forces.iter().map(|f| &f.name))?;
         check_names("contact", self.contacts.iter().map(|c| &c.name))
+    }
+}
+
+/// Least mass or inertia that is proposed, over the largest of the mechanism: the constrained equations lose as many digits.
+const LEAST_SHARE: f64 = 1e-6;
+
+impl Mechanism {
+    /// A body that is not held needs mass and inertia: the equations of motion divide by them.
+    fn check_masses(&self) -> Result<()> {
+        self.check_above_zero("mass", "kg", |body| body.mass)?;
+        self.check_above_zero("inertia", "kg m^2", |body| body.inertia)
+    }
+
+    fn check_above_zero(&self, name: &str, unit: &str, value: fn(&Body) -> f64) -> Result<()> {
+        let moving = || self.bodies.iter().filter(|body| !body.fixed);
+        let Some(without) = moving().find(|body| value(body) == 0.0) else {
+            return Ok(());
+        };
+        let largest = moving().map(value).fold(0.0, f64::max);
+        let least = if largest > 0.0 {
+            let least = LEAST_SHARE * largest;
+            format!(
+                "; {least:.1e} {unit}, {LEAST_SHARE:e} of the largest of the mechanism, is the least that is of use"
+            )
+        } else {
+            String::new()
+        };
+        let expected = format!("must be above zero in {unit}, for a body that moves{least}");
+        let field = format!("{name} of body {:?}", without.name);
+        Err(Error::invalid(field, 0.0, expected))
     }
 }
 

@@ -15,8 +15,8 @@ use nalgebra::{DMatrix, DVectorViewMut, Dyn, LU};
 
 use super::sparse_system::{PairPlaces, Pattern, RowPlaces, Saddle};
 use crate::integrator::{SPEED_PER_LENGTH, SecondOrderSystem};
-use crate::multibody::constraints::kkt::Constrained;
 use crate::multibody::constraints::relative_kinematics::{Block, Pair, PairForce, PairTorque};
+use crate::multibody::constraints::sparse_kkt::SparseKkt;
 use crate::multibody::contact::contact_state::CompiledContact;
 use crate::multibody::contact::impact_memory::Touch;
 use crate::multibody::description::tribology::FrictionLaw;
@@ -146,7 +146,7 @@ impl MechanismDynamics {
         let n = model.coordinates();
         let pulled = match self.stabilisation {
             Stabilisation::Baumgarte(w) => 2.0 * w * gamma + (w * gamma).powi(2),
-            _ => 0.0,
+            Stabilisation::Projection => 0.0,
         };
         for (i, equation) in model.equations.iter().enumerate() {
             let row = &self.rows[i];
@@ -303,7 +303,7 @@ impl SecondOrderSystem for MechanismDynamics {
         let nearness = self
             .kkt
             .as_ref()
-            .map_or(f64::INFINITY, Constrained::independence);
+            .map_or(f64::INFINITY, SparseKkt::independence);
         let singular = nearness < self.near_singular;
         let regular = if singular && self.model.coordinates() <= MOST_BY_DIFFERENCES {
             let factors = self.matrix_by_differences(y, gamma);

@@ -1,6 +1,7 @@
 """What is wrong in a description of a mechanism is told with part, field, value and remedy."""
 
 import math
+import re
 import warnings
 
 import numpy as np
@@ -118,6 +119,49 @@ def test_what_is_wrong_is_told_with_part_field_value_and_remedy(change, says):
 def test_a_gravity_that_is_no_vector_is_refused():
     with pytest.raises(rc.InvalidInput, match=r"gravity = 9.81: must be two finite numbers"):
         rc.Mechanism(gravity=9.81).check()
+
+
+def held_bar(**changed):
+    """A bar of 0.2 m on a bearing, with other inputs."""
+    given = {"mass": 1.0, "inertia": 1e-2, "position": (0.1, 0.0, 0.0), "velocity": (0.0,) * 3}
+    given |= {name: value for name, value in changed.items() if name in given}
+    mechanism = rc.Mechanism(gravity=changed.get("gravity", (0.0, -9.81)))
+    mechanism.add_body("bar", **given)
+    points = {"point_a": (0.0, 0.0), "point_b": (-0.1, 0.0)}
+    points |= {name: value for name, value in changed.items() if name in points}
+    mechanism.add_revolute("bearing", "ground", "bar", **points)
+    return mechanism
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        ({"gravity": (0.0, -9810.0)}, r"gravity = 9810 m/s\^2: .* give it in m/s\^2"),
+        (
+            {"position": (100.1, 0.0, 0.0), "point_b": (-100.1, 0.0)},
+            "position of body .* divide millimetres by 1000",
+        ),
+        ({"point_a": (100.0, 0.0), "position": (100.1, 0.0, 0.0)}, "point_a of joint 'bearing'"),
+        ({"position": (0.1, 0.0, 45.0)}, "its angle = 45 rad: .* convert degrees"),
+        ({"velocity": (0.0, 5e3, 5e4)}, "its rate of turning = 5e.04 rad/s: give it in rad/s"),
+        ({"inertia": 1e3}, r"radius of gyration of 31.62 m; give it in kg m\^2"),
+    ],
+)
+def test_inputs_in_another_unit_are_told_with_field_value_and_remedy(changed, says):
+    assert held_bar().check().warnings == []
+    (told,) = [text for text in held_bar(**changed).check().warnings if re.search(says, text)]
+    with pytest.warns(rc.RustchainWarning) as caught:
+        rc.Simulation(held_bar(**changed))
+    assert told in [str(warning.message) for warning in caught]
+
+
+def test_a_body_without_mass_is_told_the_least_that_is_of_use():
+    with pytest.raises(rc.InvalidInput, match=r"mass of body \"bar\" = 0: must be above zero"):
+        held_bar(mass=0.0).check()
+    mechanism = held_bar(inertia=0.0)
+    mechanism.add_body("wheel", 2.0, 0.5)
+    with pytest.raises(rc.InvalidInput, match=r"inertia of body \"bar\" = 0: .* 5.0e-7 kg m\^2"):
+        mechanism.check()
 
 
 def drop(tolerance):

@@ -21,6 +21,7 @@ from rustchain.description.mechanism.parts import (
     check_name,
     check_part_name,
 )
+from rustchain.description.mechanism.plausibility import implausible_inputs
 from rustchain.description.mechanism.report import MechanismReport
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords
@@ -88,7 +89,7 @@ class Mechanism(WithJoints, WithForces, WithContacts):
         Parameters
         ----------
         mass, inertia : float
-            [kg] and, about the centre of mass, [kg m^2]; zero where joints carry the body along.
+            [kg] and, about the centre of mass, [kg m^2]; above zero for a body that moves.
         position, velocity : (float, float, float)
             Centre of mass and angle [m, m, rad], and their rates.
         fixed : bool
@@ -105,7 +106,8 @@ class Mechanism(WithJoints, WithForces, WithContacts):
         from rustchain import _rustchain
         from rustchain.description.solver import Solver
 
-        return MechanismReport(**_rustchain.MechanismCore(self, Solver(), None).check())
+        found = _rustchain.MechanismCore(self, Solver(), None).check()
+        return MechanismReport(**found | {"warnings": found["warnings"] + implausible_inputs(self)})
 
 
 def _parts(where: str, given: object, kind: type[_Kind]) -> list[_Kind]:

@@ -1,6 +1,5 @@
 //! What of a mechanism is worth a second look: parts that nothing holds, contacts that begin pressed in.
 
-use crate::multibody::description::force_element::ForceKind;
 use crate::multibody::dynamics::MechanismDynamics;
 use crate::multibody::model::MechanismModel;
 
@@ -38,27 +37,6 @@ impl MechanismDynamics {
         });
         found.collect()
     }
-}
-
-/// Springs that soften until they drive away from their rest within the mechanism: of a sign that may be wrong.
-pub(crate) fn softening_springs(model: &MechanismModel, size: f64) -> Vec<String> {
-    let forces = model.forces.iter().zip(&model.force_names);
-    let found = forces.filter_map(|(force, name)| {
-        let (law, size, unit, units) = match &force.kind {
-            ForceKind::Spring { law, .. } => (law, size, "m", "N/m^3"),
-            ForceKind::TorsionSpring { law, .. } => (law, 1.0, "rad", "N m/rad^3"),
-            _ => return None,
-        };
-        let zero = (law.stiffness.max(0.0) / -law.cubic).sqrt();
-        (law.cubic < 0.0 && zero < size).then(|| {
-            format!(
-                "cubic of spring {name:?} is {:.4e} {units}: from {zero:.1e} {unit} on it drives away from its rest; is \
-                 the sign right?",
-                law.cubic
-            )
-        })
-    });
-    found.collect()
 }
 
 /// Bodies that nothing ties to the rest.
