@@ -7,6 +7,7 @@ mod common;
 
 mod clearance;
 mod friction;
+mod from_drive;
 mod joints;
 mod large;
 mod mechanism;

@@ -14,8 +14,8 @@ use crate::multibody::{
 /// Mass of an arm over that of its sprocket.
 ///
 /// A drive's arm has inertia alone, and a body needs mass. A bar of this share of the sprocket's mass, half of which the sprocket
-/// gives and which has a fourth of its mass times the length squared for an inertia, leaves mass, weight and inertia about the pivot
-/// what they are: exact for any share below 2.
+/// gives and which has a fourth of its mass times the length squared for an inertia, leaves the moment of the weight and the inertia
+/// about the pivot what they are: exact for any share below 2. The pivot alone bears the other half of its weight.
 const ARM_SHARE: f64 = 0.1;
 
 /// Distance \[m\] of the point behind a slide where its spring begins, and of a stop's second row from its first.
