@@ -109,19 +109,15 @@ impl Mechanism {
         let body = drive.first_wheel() + number;
         let [x, y, _] = start.positions[body];
         let center = Vec2::new(x, y);
-        match drive.tensioner.filter(|t| t.sprocket == number + 1) {
-            Some(tensioner) => {
-                let [vx, vy, _] = start.velocities[body];
-                self.add_tensioner(drive, &tensioner, center, Vec2::new(vx, vy))
-            }
-            None => {
-                if drive.sprockets[number].bearing == Bearing::Fixed {
-                    let name = format!("bearing_{}", number + 1);
-                    self.add_revolute(name, GROUND, &sprocket_name(number), center);
-                }
-                Ok(())
-            }
+        if let Some(tensioner) = drive.tensioner.filter(|t| t.sprocket == number + 1) {
+            let [vx, vy, _] = start.velocities[body];
+            return self.add_tensioner(drive, &tensioner, center, Vec2::new(vx, vy));
         }
+        if drive.sprockets[number].bearing == Bearing::Fixed {
+            let name = format!("bearing_{}", number + 1);
+            self.add_revolute(name, GROUND, &sprocket_name(number), center);
+        }
+        Ok(())
     }
 
     /// A revolute joint at a point of the ground's frame.

@@ -94,6 +94,7 @@ impl IdealCore {
     }
 
     #[getter]
+    #[allow(clippy::needless_pass_by_value)] // PyO3 hands over what is borrowed
     fn body_names(slf: PyRef<'_, Self>) -> Vec<String> {
         let mut names = slf.as_super().simulation.model().body_names();
         names.truncate(slf.view.bodies());
@@ -137,6 +138,7 @@ impl IdealCore {
     }
 
     /// The same simulation in another state.
+    #[allow(clippy::needless_pass_by_value)] // PyO3 hands over what is borrowed
     fn restored(slf: PyRef<'_, Self>, py: Python<'_>, snapshot: &[u8]) -> PyResult<Py<Self>> {
         let core = slf.as_super().in_state(py, snapshot)?;
         let ideal = Self {
@@ -199,6 +201,7 @@ impl IdealCore {
     }
 
     /// The last row of a channel that a stop condition looks at.
+    #[allow(clippy::needless_pass_by_value)] // PyO3 hands over what is borrowed
     fn last_row<'py>(
         slf: PyRef<'py, Self>,
         py: Python<'py>,
@@ -211,7 +214,7 @@ impl IdealCore {
     }
 
     /// Refuses: a mechanism's drivers stay as they were described.
-    #[allow(clippy::needless_pass_by_value)] // keywords of `Core`
+    #[allow(clippy::needless_pass_by_value, clippy::unused_self)] // a method of `Core`, with its keywords
     fn set_input(
         &self,
         py: Python<'_>,
