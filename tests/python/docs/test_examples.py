@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import matplotlib as mpl
+import matplotlib.pyplot as plt
 import pytest
 
 ROOT = Path(__file__).parents[3] / "examples"
@@ -38,7 +39,7 @@ def _without_a_window():
     backend = mpl.get_backend()
     mpl.use("Agg")
     yield
-    mpl.pyplot.close("all")
+    plt.close("all")
     mpl.use(backend)
 
 
