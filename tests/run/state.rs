@@ -203,7 +203,7 @@ fn a_state_of_another_scene_is_refused_with_what_differs() {
         ),
         (
             snapshot(&paper_drive(), &floor),
-            "state, min_approach_speed = 0.002: the simulation has 0.001: make",
+            "state, min_impact_velocity = 0.002: the simulation has 0.001: make",
         ),
         (
             with_control(control(1e-6)),
