@@ -6,7 +6,7 @@
 >>> force = result.bushing(6).tooth_force  # [N], shape (times,)
 """
 
-from importlib import metadata
+from typing import TYPE_CHECKING
 
 from rustchain._rustchain import instruction_set
 from rustchain.catalogue.generators import chain_drive, open_chain
@@ -77,6 +77,7 @@ from rustchain.errors import (
     ToothJumpWarning,
 )
 from rustchain.files.scene import load_scene, save_scene
+from rustchain.names import suggest
 from rustchain.results.files import load_result
 from rustchain.results.result import Result
 from rustchain.simulation.evaluation import Evaluation
@@ -96,7 +97,7 @@ from rustchain.sweeps.study import StudyResult, study
 from rustchain.sweeps.sweep import sweep
 from rustchain.units import rpm
 
-__version__ = metadata.version("rustchain")
+__version__: str
 
 __all__ = [
     "AnchoredEnd",
@@ -193,3 +194,14 @@ __all__ = [
 
 def __dir__() -> list[str]:
     return __all__
+
+
+if not TYPE_CHECKING:  # for checkers, other names are none
+
+    def __getattr__(name: str) -> str:
+        if name == "__version__":  # reading it takes longer than the package's own modules
+            from importlib.metadata import version
+
+            return version("rustchain")
+        msg = f"module 'rustchain' has no attribute {name!r}; {suggest(name, __all__)}"
+        raise AttributeError(msg)

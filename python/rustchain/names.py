@@ -70,11 +70,16 @@ def _known_keywords(target: _Target, other_names: Mapping[str, str]) -> _Target:
     return _checked(target, target.__name__, other_names)
 
 
-def _checked(function: _Target, name: str, other_names: Mapping[str, str]) -> _Target:
-    """Wrap `function` so that unknown keywords raise before it is called."""
+@functools.cache
+def _keywords(function: Callable[..., object]) -> list[str]:
+    """Return the names of the keywords; most functions of an import are never called."""
     named = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
     parameters = inspect.signature(function).parameters.values()
-    known = [p.name for p in parameters if p.kind in named and p.name not in ("self", "cls")]
+    return [p.name for p in parameters if p.kind in named and p.name not in ("self", "cls")]
+
+
+def _checked(function: _Target, name: str, other_names: Mapping[str, str]) -> _Target:
+    """Wrap `function` so that unknown keywords raise before it is called."""
 
     @functools.wraps(function)
     def checked(*args: Any, **keywords: Any) -> object:  # noqa: ANN401
@@ -84,7 +89,7 @@ def _checked(function: _Target, name: str, other_names: Mapping[str, str]) -> _T
                 raise TypeError(msg)
             keywords[proper] = keywords.pop(other)
         for keyword in keywords:
-            if keyword not in known:
+            if keyword not in (known := _keywords(function)):
                 msg = f"{name}() has no argument {keyword!r}; {suggest(keyword, known)}"
                 raise TypeError(msg)
         return function(*args, **keywords)

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
-import secrets
 import stat
-import tempfile
 from contextlib import suppress
 from pathlib import Path
 
@@ -77,6 +75,8 @@ def check_there(path: object, writer: str) -> Path:
 
 def check_writable(path: object, field: str = "path") -> None:
     """Raise where `write_whole` could not write to `path`; nothing is left there."""
+    import tempfile  # takes longer than the package's own modules
+
     try:
         with tempfile.TemporaryFile(dir=_target(path, field).parent):
             pass
@@ -100,7 +100,7 @@ def write_whole(path: object, content: bytes | memoryview, field: str = "path") 
     try:
         target = _target(path, field)
         # A name of its own length, since one derived from a long name is too long.
-        part = target.with_name(f".{secrets.token_hex(8)}.part")
+        part = target.with_name(f".{os.urandom(8).hex()}.part")
         try:
             with part.open("xb") as file:
                 file.write(content)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping, Sequence
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
@@ -58,7 +57,9 @@ def restored(
 
 def write(path: str | Path, scene: Scene, start: Sequence[Array], state: Mapping[str, Any]) -> None:
     """Write a scene, its start and a state; the file is there whole or not at all."""
-    members: dict[str, Any] = {"format": _FORMAT, "rustchain_version": version("rustchain")}
+    from rustchain import __version__
+
+    members: dict[str, Any] = {"format": _FORMAT, "rustchain_version": __version__}
     members["scene"] = scene.to_json()
     members |= {f"start.{name}": rows for name, rows in zip(_ROWS, start, strict=True)}
     members |= {f"state.{name}": value for name, value in state.items()}

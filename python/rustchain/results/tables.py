@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import platform
 from collections.abc import Mapping
-from importlib.metadata import version
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -105,6 +104,7 @@ def dataset(
     variables: dict[str, Any], coordinates: Mapping[str, Any], attributes: Mapping[str, Any]
 ) -> xr.Dataset:
     """Return a dataset with the coordinates that its variables have, format and version."""
+    from rustchain import __version__
     from rustchain.extras import xarray as xr
 
     used = {"time"}.union(*(dims for dims, *_ in variables.values()))
@@ -114,7 +114,7 @@ def dataset(
         {
             **attributes,
             "format": FORMAT,
-            "rustchain_version": version("rustchain"),
+            "rustchain_version": __version__,
             "platform": f"{platform.system()} {platform.machine()}, {instruction_set()}",
         },
     )

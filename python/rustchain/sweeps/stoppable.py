@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Generator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 
 from rustchain import _rustchain
@@ -108,6 +107,8 @@ def run_looked_at(
     ):
         msg = f"threads = {shown(threads)}: must be a whole number of at least 1, or None"
         raise InvalidInput(msg)
+    from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
+
     given_up = threading.Event()
 
     def run(number: int) -> Ended:
