@@ -50,15 +50,8 @@ from rustchain.description.laws.force import (
 from rustchain.description.laws.friction import Coulomb, LuGre
 from rustchain.description.material import Material
 from rustchain.description.mechanism.builder import Mechanism
-from rustchain.description.mechanism.parts import (
-    HuntCrossley,
-    LinearContact,
-    Sines,
-    SmoothStep,
-    Spline,
-    SurfaceContact,
-    Table,
-)
+from rustchain.description.mechanism.functions import Sines, SmoothStep, Spline, Table
+from rustchain.description.mechanism.parts import HuntCrossley, LinearContact, SurfaceContact
 from rustchain.description.mechanism.report import MechanismReport
 from rustchain.description.report import DriveReport
 from rustchain.description.scene import Scene

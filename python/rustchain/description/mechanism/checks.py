@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain.arguments import finite_array, shown
-from rustchain.description.mechanism.parts import Rows, TimeFunction
+from rustchain.description.mechanism.functions import Rows, TimeFunction
 from rustchain.errors import InvalidInput
 
 

@@ -9,14 +9,8 @@ import numpy as np
 from rustchain.arguments import shown
 from rustchain.description.mechanism.checks import one_of
 from rustchain.description.mechanism.checks import point as point_of
-from rustchain.description.mechanism.parts import (
-    GROUND,
-    Force,
-    LoadFunction,
-    Point,
-    Rows,
-    TimeFunction,
-)
+from rustchain.description.mechanism.functions import Point, Rows, TimeFunction
+from rustchain.description.mechanism.parts import GROUND, Force, LoadFunction
 from rustchain.errors import InvalidInput
 
 

@@ -8,7 +8,8 @@ from typing import Any
 from rustchain.arguments import shown
 from rustchain.description.laws.friction import Coulomb
 from rustchain.description.mechanism.checks import numbers, one_of, point
-from rustchain.description.mechanism.parts import GROUND, Body, Joint, Point, TimeFunction
+from rustchain.description.mechanism.functions import Point, TimeFunction
+from rustchain.description.mechanism.parts import GROUND, Body, Joint
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
 

@@ -1,147 +1,29 @@
-"""The parts of a mechanism: bodies, joints, forces, contacts, their laws, and functions of time."""
+"""The parts of a mechanism: bodies, joints, forces, contacts, and their laws."""
 
 from __future__ import annotations
 
 import dataclasses
-import json
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
-from typing import TypeAlias, get_type_hints
+from typing import TypeAlias
 
-from rustchain.arguments import admitted, shown
-from rustchain.description.base import Description, description, plain
+from rustchain.description.base import description
 from rustchain.description.drive import Chain, Sprocket
 from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.force import ForceLaw, LankaraniNikravesh
 from rustchain.description.laws.friction import Coulomb, LuGre
 from rustchain.description.material import Material
-from rustchain.errors import InvalidInput
+from rustchain.description.mechanism.functions import Function, Part, Point, Rows, TimeFunction
 
-Point: TypeAlias = Sequence[float]
-Rows: TypeAlias = Sequence[Sequence[float]]
 LoadFunction: TypeAlias = Callable[[float, list[float], list[float]], Sequence[float]]
 
 GROUND = "ground"
-_LONGEST_NAME = 200  # characters: two lines of a message, and the width of a legend
 _LAW = LankaraniNikravesh()
 _STEEL = Material()
 
 
-class _Part(Description):
-    """A part of a mechanism, which is checked when the mechanism is put together."""
-
-    def __post_init__(self) -> None:
-        """Turn lists and arrays into tuples."""
-        for field in dataclasses.fields(self):
-            object.__setattr__(self, field.name, plain(getattr(self, field.name)))
-        check_part_name(f"name of a {type(self).__name__.lower()}", getattr(self, "name", None))
-
-
-def check_part_name(field: str, name: object) -> None:
-    """Refuse what results and messages cannot tell a part by."""
-    if not isinstance(name, str):
-        raise InvalidInput(f"{field} = {shown(name)}: must be text")
-    if not name.strip():
-        quoted = json.dumps(name[:_LONGEST_NAME])
-        msg = f"{field} = {quoted}: must not be blank: results and messages are by name"
-        raise InvalidInput(msg)
-    if len(name) > _LONGEST_NAME:
-        msg = (
-            f"{field} = {shown(name)}: has {len(name)} characters; expected at most {_LONGEST_NAME}"
-        )
-        raise InvalidInput(msg)
-    check_name(field, name)
-
-
-def check_name(field: str, name: object) -> None:
-    """Refuse a name that a file of results cannot hold; what is no text is refused elsewhere."""
-    if not isinstance(name, str):
-        return
-    with suppress(UnicodeEncodeError):
-        if b"\0" not in name.encode():
-            return
-    msg = f"{field} = {name!r}: cannot be saved; expected text without NUL and lone surrogates"
-    raise InvalidInput(msg)
-
-
-class _Function(_Part):
-    """A function of time or of penetration: the types of its fields are checked at once."""
-
-    def __post_init__(self) -> None:
-        """Turn lists and arrays into tuples, and check the type of every field."""
-        types = get_type_hints(type(self))
-        for field in dataclasses.fields(self):
-            where = f"{type(self).__name__}.{field.name}"
-            value = admitted(where, getattr(self, field.name), types[field.name])
-            object.__setattr__(self, field.name, value)
-
-
 @description(frozen=True)
-class SmoothStep(_Function):
-    """From one value to another with two continuous derivatives.
-
-    Attributes
-    ----------
-    start, end : float
-        When it changes [s].
-    before, after : float
-        Values.
-    """
-
-    start: float
-    end: float
-    before: float
-    after: float
-
-
-@description(frozen=True)
-class Table(_Function):
-    """Straight lines between rows of (time [s], value), held at both ends; a ramp has two rows.
-
-    Attributes
-    ----------
-    rows : sequence of (time, value)
-        At least one; times increase.
-    """
-
-    rows: Rows
-
-
-@description(frozen=True)
-class Spline(_Function):
-    """A cubic spline with free ends through rows of (time [s], value).
-
-    Attributes
-    ----------
-    rows : sequence of (time, value)
-        At least two; times increase.
-    """
-
-    rows: Rows
-
-
-@description(frozen=True)
-class Sines(_Function):
-    """A sum of sines: offset + sum of amplitude * sin(frequency * t + phase).
-
-    Attributes
-    ----------
-    terms : sequence of (amplitude, angular frequency, phase)
-        The sines [rad/s], [rad].
-    offset : float
-        Mean value.
-    """
-
-    terms: Rows
-    offset: float = 0.0
-
-
-TimeFunction: TypeAlias = float | SmoothStep | Table | Spline | Sines
-
-
-@description(frozen=True)
-class LinearContact(_Function):
+class LinearContact(Function):
     """Contact force: stiffness * penetration + damping * its rate, never pulling.
 
     Attributes
@@ -164,7 +46,7 @@ class LinearContact(_Function):
 
 
 @description(frozen=True)
-class HuntCrossley(_Function):
+class HuntCrossley(Function):
     """Contact force: stiffness * penetration**exponent * (1 + damping * rate), never pulling.
 
     Attributes
@@ -189,7 +71,7 @@ class HuntCrossley(_Function):
 
 
 @description(frozen=True)
-class SurfaceContact(_Function):
+class SurfaceContact(Function):
     """Contact by a law of cylinders, its stiffness from radii, length and material.
 
     Attributes
@@ -214,7 +96,7 @@ ContactLaw: TypeAlias = LinearContact | HuntCrossley | SurfaceContact
 
 
 @dataclass(frozen=True)
-class Body(_Part):
+class Body(Part):
     """A rigid body; its frame sits at the centre of mass. See `Mechanism.add_body`.
 
     Attributes
@@ -238,7 +120,7 @@ class Body(_Part):
 
 
 @dataclass(frozen=True)
-class Joint(_Part):
+class Joint(Part):
     """An ideal joint or a driver. See the methods of `Mechanism`.
 
     Attributes
@@ -283,7 +165,7 @@ class Joint(_Part):
 
 
 @dataclass(frozen=True)
-class Force(_Part):
+class Force(Part):
     """A force element. See the methods of `Mechanism`.
 
     Attributes
@@ -328,7 +210,7 @@ class Force(_Part):
 
 
 @dataclass(frozen=True)
-class Contact(_Part):
+class Contact(Part):
     """A circle that may touch a profile. See the methods of `Mechanism`.
 
     Attributes
