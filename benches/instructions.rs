@@ -134,7 +134,7 @@ const SCENES: [Scene; 21] = [
         name: "driver free to turn",
         build: || {
             changed(|drive, _| {
-                drive.sprockets[0].motion = SprocketMotion::AppliedTorque(0.0.into())
+                drive.sprockets[0].motion = SprocketMotion::AppliedTorque(0.0.into());
             })
         },
         absent: Some(("no torque at all", || {
