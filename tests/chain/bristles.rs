@@ -1,10 +1,8 @@
-//! Friction of bristles in hinges, rollers and teeth: kernels beside the scalar reference, sticking, energy, restart, both correctors.
+//! Friction of bristles in hinges, rollers and teeth: kernels beside their twins, sticking, energy, restart, both correctors.
 
 use crate::common;
 use crate::common::checks::{floating, keeps_momentum, lacks, largest};
-use crate::common::rubbing::{
-    Standing, both_chains, kernels_beside_reference, lost, pulled, standing,
-};
+use crate::common::rubbing::{Standing, both_chains, kernels_beside_twins, lost, pulled, standing};
 use rustchain::chain::model::Quantity;
 use rustchain::force_law::{Film, Friction, LuGre, Regularization};
 use rustchain::integrator::{Adams, Corrector, SecondOrderSystem, StepControl};
@@ -67,22 +65,19 @@ fn pressed() -> Vec<(ForceLaws, Standing)> {
 }
 
 #[test]
-fn kernels_give_what_the_scalar_reference_gives() {
+fn kernels_give_what_their_twins_give() {
     for (laws, state) in pressed() {
-        for beside in kernels_beside_reference(&state, 0.0) {
-            let model = state.0.model();
+        for beside in kernels_beside_twins(&state, 0.0) {
+            let model = beside.twins.model();
             let bent = &beside.slope[model.coordinates..][model.bristles.all()];
-            let expected = beside.reference.bristle_rates(model);
-            assert_eq!(bent.len(), expected.len());
+            let twins = &beside.twins.bristles.rate;
+            assert_eq!(bent.len(), twins.len());
             let size = largest(bent);
-            for (rate, expected) in bent.iter().zip(expected) {
-                assert!(
-                    (rate - expected).abs() <= 1e-7 * size,
-                    "{rate} for {expected}"
-                );
+            for (rate, twin) in bent.iter().zip(twins) {
+                assert!((rate - twin).abs() <= 1e-7 * size, "{rate} for {twin}");
             }
             assert!(bent.iter().filter(|rate| **rate != 0.0).count() > 4);
-            let losses = beside.losses;
+            let losses = beside.twins_losses;
             // Oil may bear all hinges.
             if laws.hinge_film.is_none() {
                 assert_eq!(losses.hinge_friction != 0.0, laws.hinge_bristles.is_some());

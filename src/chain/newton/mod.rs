@@ -91,8 +91,6 @@ pub(crate) struct Evaluated<'a> {
     pub(crate) on_teeth: &'a ChainArrays,
     pub(crate) candidates: &'a Candidates,
     pub(crate) poses: &'a [SprocketPose],
-    /// How far the pawls of ratchets have come.
-    pub(crate) pawls: &'a [f64],
 }
 
 impl NewtonMatrix {
@@ -190,10 +188,8 @@ impl NewtonMatrix {
         gamma: f64,
     ) {
         self.teeth.clear::<RUBBED>();
-        let supports = (evaluated.poses, evaluated.pawls);
-        self.corner.start(model, supports, gamma);
+        self.corner.start(model, gamma);
         for (s, candidates) in evaluated.candidates.sprockets.iter().enumerate() {
-            self.motions[s].follow(&model.sprockets[s], &evaluated.poses[s]);
             let SprocketMotions { first, motions } = &self.motions[s];
             let among = AddTeeth::<RUBBED> {
                 gamma,

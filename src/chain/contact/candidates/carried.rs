@@ -40,13 +40,15 @@ struct CarriedRuns {
 impl Candidates {
     /// The present list.
     pub(crate) fn carried(&self, model: &Model) -> CarriedCandidates {
-        let runs = |candidates: &SprocketCandidates| {
+        let runs = |(s, candidates): (usize, &SprocketCandidates)| {
             let bushings = candidates.bushings(model.links);
             CarriedRuns {
                 runs: (candidates.runs.iter())
                     .map(|run| (run.first, run.length))
                     .collect(),
-                gaps: bushings.map(|(slot, _)| candidates.gap[slot]).collect(),
+                gaps: bushings
+                    .filter_map(|(_, k)| self.gap(model, s, k))
+                    .collect(),
             }
         };
         CarriedCandidates {
@@ -55,7 +57,7 @@ impl Candidates {
                 centers: (self.movable.iter())
                     .map(|&(_, center)| center.into())
                     .collect(),
-                sprockets: self.sprockets.iter().map(runs).collect(),
+                sprockets: self.sprockets.iter().enumerate().map(runs).collect(),
             }),
             refreshes: self.refreshes,
         }
@@ -132,9 +134,8 @@ impl SprocketCandidates {
             return None;
         }
         for ((slot, k), &gap) in bushings.into_iter().zip(&carried.gaps) {
-            let sprocket = &model.sprockets[s];
-            sprocket.gap_directions.get(gap as usize)?;
-            self.put_into_gap(slot, sprocket, gap);
+            let direction = model.sprockets[s].gap_directions.get(gap as usize)?;
+            (self.gap_cos[slot], self.gap_sin[slot]) = *direction;
             self.remember(model, memory, s, slot, k);
         }
         Some(())
