@@ -155,7 +155,7 @@ def run(scene: Scene, solver: rc.Solver, duration: float) -> Outcome:
             simulation = rc.Simulation(
                 scene.drive, scene.law, min_impact_velocity=scene.floor, solver=solver
             )
-            result = simulation.run(duration, report_step=1e-3, record=(), progress=False)
+            result = simulation.run(duration, report_step=1e-3, record=("energy",), progress=False)
         except rc.SimulationError as error:
             message, result = str(error), error.result
         except rc.InvalidInput as error:

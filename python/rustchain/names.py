@@ -71,10 +71,15 @@ def _known_keywords(target: _Target, other_names: Mapping[str, str]) -> _Target:
 
 
 @functools.cache
-def _keywords(function: Callable[..., object]) -> list[str]:
-    """Return the names of the keywords; most functions of an import are never called."""
+def _keywords(function: Callable[..., object]) -> list[str] | None:
+    """Return the names of the keywords, None if any is allowed.
+
+    Most functions of an import are never called: their signatures are not read.
+    """
     named = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
     parameters = inspect.signature(function).parameters.values()
+    if any(p.kind is inspect.Parameter.VAR_KEYWORD for p in parameters):
+        return None
     return [p.name for p in parameters if p.kind in named and p.name not in ("self", "cls")]
 
 
@@ -89,7 +94,8 @@ def _checked(function: _Target, name: str, other_names: Mapping[str, str]) -> _T
                 raise TypeError(msg)
             keywords[proper] = keywords.pop(other)
         for keyword in keywords:
-            if keyword not in (known := _keywords(function)):
+            known = _keywords(function)
+            if known is not None and keyword not in known:
                 msg = f"{name}() has no argument {keyword!r}; {suggest(keyword, known)}"
                 raise TypeError(msg)
         return function(*args, **keywords)

@@ -197,8 +197,8 @@ fn time_function<'py>(
     match function {
         TimeFunction::Constant(value) => Ok(value.into_pyobject(py)?.into_any()),
         TimeFunction::Table(curve) => {
-            let parts = py.import("rustchain.description.mechanism.parts")?;
-            parts.getattr("Table")?.call1((curve.rows(),))
+            let functions = py.import("rustchain.description.mechanism.functions")?;
+            functions.getattr("Table")?.call1((curve.rows(),))
         }
         _ => Err(unknown(name)),
     }

@@ -19,7 +19,7 @@ def file(tmp_path_factory):
     path = tmp_path_factory.mktemp("run") / "new" / "run.nc"
     done = rustchain(
         "run", "paper", "--duration", 2e-3, "--pretension", 25, "--law", "enhanced-cylinder",
-        "--rtol", 1e-6, "--atol", 1e-6, "--report-step", 5e-4, "--record", "hinges,teeth",
+        "--rtol", 1e-6, "--atol", 1e-6, "--report-step", 5e-4, "--record", "hinges,teeth,energy",
         "--out", path,
     )  # fmt: skip
     assert done.exit_code == 0, done.output

@@ -201,7 +201,7 @@ def test_every_variable_of_the_dataset_has_unit_and_name(result):
     force = dataset["hinge_force"].sel(hinge=6)
     np.testing.assert_array_equal(force, result.hinge(6).force)
     np.testing.assert_array_equal(
-        dataset["positions"].sel(body="sprocket_1", coordinate="theta"),
+        dataset["angle"].sel(body="sprocket_1"),
         result.array("positions")[:, 38, 2],
     )
 
