@@ -5,6 +5,7 @@ from typing import Any, Literal, final
 
 import numpy as np
 import numpy.typing as npt
+from typing_extensions import disjoint_base
 
 from rustchain.description.base import Description
 from rustchain.description.drive import Chain, ChainDrive, Sprocket
@@ -266,6 +267,7 @@ class Ensemble:
     def close(self) -> None:
         """Stop all cases, and wait until they have."""
 
+@disjoint_base
 class MechanismCore:
     """A compiled mechanism, its state and its integrator."""
 

@@ -129,10 +129,11 @@ def test_the_enhanced_law_is_stiffer(kind, band, nikravesh, enhanced):
     assert 0.0 < depth[1] < 0.25 * depth[0]
 
 
-def test_the_enhanced_law_penetrates_less_than_half_a_micrometre(enhanced):
+def test_the_enhanced_law_penetrates_by_tenths_of_a_micrometre(enhanced):
     depth = np.stack([enhanced.bushing(number).tooth_penetration for number in SHOWN])
-    assert 0.1 * MICRO <= depth.max() <= 0.8 * MICRO  # 0.45 um
-    assert np.quantile(depth[depth > 0.0], 0.99) <= 0.2 * MICRO  # 0.06 um
+    # The largest value of a chaotic run is itself random: 0.27 to 0.84 um in six replicates.
+    assert 0.1 * MICRO <= depth.max() <= 1.2 * MICRO
+    assert np.quantile(depth[depth > 0.0], 0.99) <= 0.1 * MICRO  # 0.048 to 0.060 um
 
 
 def test_the_enhanced_law_takes_more_steps(nikravesh, enhanced):
