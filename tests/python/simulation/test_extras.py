@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import textwrap
+from pathlib import Path
 
 import pytest
 
@@ -77,3 +78,11 @@ def test_the_base_install_runs_and_says_what_it_did():
     ended = python(BLOCKED.format(blocked=set(HEAVY)) + "print(result.status, result.hinge(6))")
     assert ended.returncode == 0, ended.stderr
     assert ended.stdout.startswith("finished")
+
+
+def test_the_extra_of_all_has_what_each_extra_has():
+    tomllib = pytest.importorskip("tomllib")  # Python 3.11
+    text = (Path(__file__).parents[3] / "pyproject.toml").read_text("utf-8")
+    extras = tomllib.loads(text)["project"]["optional-dependencies"]
+    everything = set(extras.pop("all"))
+    assert everything == {package for packages in extras.values() for package in packages}
