@@ -197,7 +197,7 @@ def package_time(drive, slices):
     simulation.step_to(UNDER_WAY)
     least = np.inf
     for _ in range(slices):
-        run = simulation.run(2e-4, 2e-4, ("bodies",), energy=False, progress=False)
+        run = simulation.run(2e-4, 2e-4, record=("bodies",), energy=False, progress=False)
         least = min(least, run.stats["wall_stepping"] / run.stats["evaluations"])
     return least
 

@@ -39,7 +39,7 @@ def run(start, method, tolerance, end, energy):
         with warnings.catch_warnings():
             # What is missing is in the table.
             warnings.simplefilter("ignore", rc.EnergyWarning)
-            result = sim.run(end, end, (), energy=energy, progress=False)
+            result = sim.run(end, end, record=(), energy=energy, progress=False)
     except rc.SimulationError as error:
         result = error.result
     wall = time.thread_time() - begin
@@ -62,5 +62,5 @@ def long_run(start, method, tolerance, duration):
     """Return the result of a run with hinge and tooth forces every 0.1 ms, and its wall time."""
     sim = simulation(start, solver(method, tolerance))
     begin = time.thread_time()
-    result = sim.run(duration, 1e-4, ("hinges", "teeth", "energy"), progress=False)
+    result = sim.run(duration, 1e-4, record=("hinges", "teeth", "energy"), progress=False)
     return result, time.thread_time() - begin
