@@ -5,4 +5,5 @@ pub mod dynamics;
 pub mod model;
 pub mod motion;
 pub(crate) mod newton;
+pub mod report;
 pub(crate) mod rhs;

@@ -18,9 +18,9 @@ pub struct Motion {
     pub vy: Vec<f64>,
     /// dθ/dt \[rad/s\]
     pub spin: Vec<f64>,
-    /// cos θ
+    /// cos θ of links at the last evaluation of their hinges
     pub cos: Vec<f64>,
-    /// sin θ
+    /// sin θ of links, likewise
     pub sin: Vec<f64>,
 }
 
@@ -43,12 +43,6 @@ impl Motion {
 
     /// Reads the state `y` = [q, dq/dt, ...] at time `t`.
     pub fn read(&mut self, model: &Model, t: f64, y: &[f64]) {
-        self.read_places(model, t, y);
-        self.turn();
-    }
-
-    /// The same without sines and cosines.
-    pub(crate) fn read_places(&mut self, model: &Model, t: f64, y: &[f64]) {
         let n = model.links;
         let (q, v) = (
             &y[..model.coordinates],
@@ -84,14 +78,6 @@ impl Motion {
         for (i, (p, v)) in positions.iter().zip(velocities).enumerate() {
             [self.x[i], self.y[i], self.angle[i]] = *p;
             [self.vx[i], self.vy[i], self.spin[i]] = *v;
-        }
-        self.turn();
-    }
-
-    /// Sines and cosines of the angles.
-    pub(crate) fn turn(&mut self) {
-        for ((angle, cos), sin) in self.angle.iter().zip(&mut self.cos).zip(&mut self.sin) {
-            (*sin, *cos) = angle.sin_cos();
         }
     }
 

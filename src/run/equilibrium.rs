@@ -15,7 +15,7 @@ use crate::drive::{ChainEnd, Drive, Mount, SprocketMotion, Tensioner, TimeTable}
 use crate::error::{Error, Result};
 use crate::geometry::path::guide_path;
 use crate::geometry::{Vec2, turned_left, unit};
-use crate::integrator::OdeSystem;
+use crate::integrator::SecondOrderSystem;
 use crate::layout::{InitialConfiguration, Layout};
 
 /// First γ \[s\]: a link falls by 10 nm.
@@ -27,6 +27,9 @@ const SHORTEST_GAMMA: f64 = 1e-6;
 /// Iterations after which contacts remember anew which surface of a tooth they are on: where two of unlike stiffness meet, the
 /// force jumps, and there may be no balance until one is kept.
 const BETWEEN_MEMORIES: u32 = 500;
+/// How often a balance is found anew because contacts turn out to be on other surfaces than those that they remember: a contact
+/// at a junction of two may change between them for ever.
+const MOST_RENEWALS: u32 = 4;
 /// Share of the hinge clearance that the two ends in a hinge may move by against each other in one iteration.
 const HINGE_SHARE: f64 = 0.2;
 /// How far anything may move in one iteration, in pitches.
@@ -237,7 +240,8 @@ impl Settling {
 
     /// Evaluates the accelerations at the present places; the largest unbalanced force \[N\].
     fn unbalanced(&mut self) -> f64 {
-        self.dynamics.derivative(0.0, &self.y, &mut self.rates);
+        self.dynamics
+            .accelerations_with_slopes(0.0, &self.y, &mut self.rates);
         let model = self.dynamics.model();
         let (n, accelerations) = (model.links, &self.rates[model.coordinates..]);
         let mut largest: f64 = 0.0;
@@ -278,10 +282,20 @@ impl Settling {
         let mut residual = self.unbalanced();
         let mut step = vec![0.0; coordinates];
         let begin = self.y.clone();
+        let mut renewals = 0;
         loop {
             if residual <= TOLERANCE * applied.max(self.largest_force()) {
-                self.places.read(self.dynamics.model(), 0.0, &self.y);
-                return Ok(residual);
+                // In balance with surfaces that contacts remember, which may not be those that they are on by now.
+                let remembers = self.iterations >= BETWEEN_MEMORIES && renewals < MOST_RENEWALS;
+                if remembers {
+                    renewals += 1;
+                    self.dynamics.remember_present_contacts(0.0, &self.y);
+                    residual = self.unbalanced();
+                }
+                if !remembers || residual <= TOLERANCE * applied.max(self.largest_force()) {
+                    self.places.read(self.dynamics.model(), 0.0, &self.y);
+                    return Ok(residual);
+                }
             }
             if self.iterations == MOST_ITERATIONS || !residual.is_finite() || give_up() {
                 return Err(residual);
@@ -300,10 +314,11 @@ impl Settling {
             for (step, acceleration) in step.iter_mut().zip(&self.rates[coordinates..]) {
                 *step = gamma * acceleration;
             }
-            if !self.dynamics.correct_exactly(&self.y, gamma, &mut step) {
+            if !self.dynamics.factorise(&self.y, gamma) {
                 gamma *= 0.25;
                 continue;
             }
+            self.dynamics.correct(&mut step);
             for step in &mut step {
                 *step *= gamma;
             }
@@ -352,12 +367,10 @@ impl Settling {
         }
         // The matrix is made from the last evaluation.
         self.unbalanced();
-        if !self
-            .dynamics
-            .correct_exactly(&self.y, TRAVEL_GAMMA, &mut rates)
-        {
+        if !self.dynamics.factorise(&self.y, TRAVEL_GAMMA) {
             return false;
         }
+        self.dynamics.correct(&mut rates);
         self.places.set(&start.positions, &start.velocities);
         let mut y = self.y.clone();
         self.places.write(&model, &mut y);

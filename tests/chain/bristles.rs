@@ -1,8 +1,10 @@
-//! Friction of bristles in hinges, rollers and teeth: kernels beside their twins, sticking, energy, restart, both correctors.
+//! Friction of bristles in hinges, rollers and teeth: kernels beside the scalar reference, sticking, energy, restart, both correctors.
 
 use crate::common;
 use crate::common::checks::{floating, keeps_momentum, lacks, largest};
-use crate::common::rubbing::{Standing, both_chains, kernels_beside_twins, lost, pulled, standing};
+use crate::common::rubbing::{
+    Standing, both_chains, kernels_beside_reference, lost, pulled, standing,
+};
 use rustchain::chain::model::Quantity;
 use rustchain::force_law::{Film, Friction, LuGre, Regularization};
 use rustchain::integrator::{Adams, Corrector, SecondOrderSystem, StepControl};
@@ -65,19 +67,22 @@ fn pressed() -> Vec<(ForceLaws, Standing)> {
 }
 
 #[test]
-fn kernels_give_what_their_twins_give() {
+fn kernels_give_what_the_scalar_reference_gives() {
     for (laws, state) in pressed() {
-        for beside in kernels_beside_twins(&state, 0.0) {
-            let model = beside.twins.model();
+        for beside in kernels_beside_reference(&state, 0.0) {
+            let model = state.0.model();
             let bent = &beside.slope[model.coordinates..][model.bristles.all()];
-            let twins = &beside.twins.bristles.rate;
-            assert_eq!(bent.len(), twins.len());
+            let expected = beside.reference.bristle_rates(model);
+            assert_eq!(bent.len(), expected.len());
             let size = largest(bent);
-            for (rate, twin) in bent.iter().zip(twins) {
-                assert!((rate - twin).abs() <= 1e-7 * size, "{rate} for {twin}");
+            for (rate, expected) in bent.iter().zip(expected) {
+                assert!(
+                    (rate - expected).abs() <= 1e-7 * size,
+                    "{rate} for {expected}"
+                );
             }
             assert!(bent.iter().filter(|rate| **rate != 0.0).count() > 4);
-            let losses = beside.twins_losses;
+            let losses = beside.losses;
             // Oil may bear all hinges.
             if laws.hinge_film.is_none() {
                 assert_eq!(losses.hinge_friction != 0.0, laws.hinge_bristles.is_some());

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use crate::common::scalar_reference::Reference;
 use crate::common::scenes::{Noise, Scene, geared_drive, laws};
 use crate::common::{control, paper_drive, tensioner};
 use proptest::prelude::*;
@@ -23,19 +24,20 @@ fn assert_none_missed(dynamics: &mut Dynamics, t: f64, y: &[f64]) -> usize {
     let kernels: Vec<_> = dynamics.candidates().filter(|c| c.2 > 0.0).collect();
     dynamics.evaluate(t, y);
     let links = dynamics.model().links;
-    let mut missing: Vec<usize> = Vec::new();
-    for &pair in &dynamics.teeth.near {
-        if dynamics.teeth.penetration[pair as usize] > ROUNDING {
-            missing.push(pair as usize);
-        }
-    }
+    let reference = Reference::of(dynamics, t, y);
+    let depth_of = |pair: usize| {
+        reference.teeth[pair].map_or(f64::NEG_INFINITY, |tooth| tooth.contact.penetration)
+    };
+    let mut missing: Vec<usize> = (0..reference.teeth.len())
+        .filter(|&pair| depth_of(pair) > ROUNDING)
+        .collect();
     let count = missing.len();
     for (s, k, depth, _) in kernels {
         let pair = s * links + k;
-        let twin = dynamics.teeth.penetration[pair].max(0.0);
+        let expected = depth_of(pair).max(0.0);
         assert!(
-            (depth - twin).abs() < ROUNDING,
-            "bushing {k} on sprocket {s} at {t} s: {depth:e} m, by brute force {twin:e} m"
+            (depth - expected).abs() < ROUNDING,
+            "bushing {k} on sprocket {s} at {t} s: {depth:e} m, by brute force {expected:e} m"
         );
         missing.retain(|&other| other != pair);
     }

@@ -1,10 +1,10 @@
-//! Lubricant in hinges: kernels beside their twins, momentum, Newton's matrix, energy, and steps that it does not hold.
+//! Lubricant in hinges: kernels beside the scalar reference, momentum, Newton's matrix, energy, and steps that it does not hold.
 
 use crate::common;
 use crate::common::checks::{
     corrections_have_the_same_bits, floating, keeps_momentum, lacks, largest, newton,
 };
-use crate::common::rubbing::{kernels_beside_twins, pulled, standing};
+use crate::common::rubbing::{kernels_beside_reference, pulled, standing};
 use rustchain::force_law::{Film, Friction, Regularization};
 use rustchain::{ForceLaws, Groups, Simulation};
 
@@ -44,13 +44,13 @@ fn drive(laws: &ForceLaws, pretension: f64) -> Simulation {
 }
 
 #[test]
-fn kernels_give_what_their_twins_give() {
+fn kernels_give_what_the_scalar_reference_gives() {
     for viscosity in [0.01, 0.5] {
         for laws in scenes(viscosity) {
             for pretension in [0.0, 100.0] {
                 let state = standing(drive(&laws, pretension), 6e-3);
                 // The rate of the eccentricity is a difference of velocities a thousand times as large.
-                for beside in kernels_beside_twins(&state, 1.0) {
+                for beside in kernels_beside_reference(&state, 1.0) {
                     assert!(beside.losses.hinge_film > 0.0);
                 }
             }

@@ -1,10 +1,12 @@
-//! Friction in hinges and on teeth: kernels beside their twins, momentum, Newton's matrix, energy and what it costs.
+//! Friction in hinges and on teeth: kernels beside the scalar reference, momentum, Newton's matrix, energy and what it costs.
 
 use crate::common;
 use crate::common::checks::{
     corrections_have_the_same_bits, floating, keeps_momentum, lacks, newton,
 };
-use crate::common::rubbing::{Standing, both_chains, kernels_beside_twins, lost, pulled, standing};
+use crate::common::rubbing::{
+    Standing, both_chains, kernels_beside_reference, lost, pulled, standing,
+};
 
 use rustchain::drive::Drive;
 use rustchain::force_law::{Friction, Regularization};
@@ -50,15 +52,15 @@ fn pressed(drive: Drive, laws: &ForceLaws, pretension: f64) -> Standing {
 }
 
 #[test]
-fn kernels_give_what_their_twins_give() {
+fn kernels_give_what_the_scalar_reference_gives() {
     for regularization in Regularization::ALL {
         for (laws, drive) in places_on(&both_chains(), friction(regularization, 0.2)) {
             // A micrometre of depth has ten digits; full slip has no more.
-            for beside in kernels_beside_twins(&pressed(drive.clone(), &laws, 100.0), 0.0) {
+            for beside in kernels_beside_reference(&pressed(drive.clone(), &laws, 100.0), 0.0) {
                 let losses = beside.losses.values();
                 assert_eq!(losses[2] > 0.0, laws.hinge_friction.is_some());
                 assert_eq!(losses[3] > 0.0, laws.tooth_friction.is_some());
-                let rolling = beside.twins.model().rollers.is_some();
+                let rolling = drive.chain.roller.is_some();
                 assert_eq!(losses[4] > 0.0, rolling);
                 assert_eq!(losses[5] > 0.0, rolling && laws.hinge_friction.is_some());
             }

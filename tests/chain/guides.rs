@@ -4,6 +4,7 @@ use crate::common;
 use std::sync::Arc;
 
 use crate::common::layouts::{PITCH, drive_of, sprocket};
+use crate::common::scalar_reference::Reference;
 use rustchain::chain::dynamics::Dynamics;
 use rustchain::drive::{Arm, Drive, Material, Mount, Rail, RailShape, SprocketMotion};
 use rustchain::geometry::Vec2;
@@ -233,7 +234,7 @@ fn both_methods_agree_with_guides() {
 }
 
 #[test]
-fn the_kernels_agree_with_their_scalar_twins_on_guides() {
+fn the_kernels_agree_with_the_scalar_reference_on_guides() {
     let drive = guided();
     let laws = ForceLaws::default();
     let rest = Equilibrium::find(&drive, &laws).unwrap();
@@ -245,18 +246,17 @@ fn the_kernels_agree_with_their_scalar_twins_on_guides() {
     motion.write(&model, &mut y);
     let mut rates = vec![0.0; y.len()];
     dynamics.derivative(0.0, &y, &mut rates);
-    dynamics.evaluate(0.0, &y);
+    let reference = Reference::of(&dynamics, 0.0, &y);
     let n = model.links;
-    let touching = dynamics.teeth.near.iter().filter(|&&pair| {
-        pair as usize >= n * model.toothed() && dynamics.teeth.force[pair as usize] > 0.0
-    });
+    let on_guides = reference.teeth[n * model.toothed()..].iter().flatten();
+    let touching = on_guides.filter(|guided| guided.contact.force > 0.0);
     assert!(touching.count() > 0);
     let largest = rates[model.coordinates..]
         .iter()
         .fold(1.0, |a: f64, b| a.max(b.abs()));
     for i in 0..n {
         let kernel = rates[model.coordinates + n + i];
-        assert!((kernel - dynamics.accelerations.y[i]).abs() < 1e-9 * largest);
+        assert!((kernel - reference.accelerations[1][i]).abs() < 1e-9 * largest);
     }
 }
 

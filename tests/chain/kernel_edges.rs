@@ -1,10 +1,11 @@
-//! Kernels and twins at the edges: nothing between the centres, no speed, surfaces that just touch, numbers that are none.
+//! Kernels and the scalar reference at the edges: nothing between the centres, no speed, surfaces that just touch, numbers that are none.
 
 use std::sync::Arc;
 
+use crate::common::agreement::{Agreement, compare};
 use crate::common::paper_drive;
+use crate::common::scalar_reference::Reference;
 use crate::common::scenes::{Noise, Scene, laws};
-use crate::common::twins::{Agreement, compare};
 use rustchain::ForceLaws;
 use rustchain::chain::dynamics::Dynamics;
 use rustchain::chain::model::Support;
@@ -127,7 +128,7 @@ fn without_clearance_a_hinge_is_as_deep_as_it_is_open() {
 }
 
 #[test]
-fn denormal_places_and_speeds_are_those_of_the_twins() {
+fn denormal_places_and_speeds_are_those_of_the_scalar_reference() {
     let mut noise = Noise(5);
     for laws in all_laws() {
         for size in [5e-324, 1e-310, 1e-160] {
@@ -148,7 +149,7 @@ fn denormal_places_and_speeds_are_those_of_the_twins() {
 }
 
 #[test]
-fn links_that_have_turned_by_huge_angles_are_those_of_the_twins() {
+fn links_that_have_turned_by_huge_angles_are_those_of_the_scalar_reference() {
     for laws in all_laws() {
         for angle in [1e5, 1e6, 1.000_001e6, 1e9, 1e15] {
             for away in [0.0, 1.0] {
@@ -206,8 +207,8 @@ fn a_bushing_on_the_tooth_s_centre_line_is_pushed_to_one_side_or_the_other() {
                     let nq = scene.model.coordinates;
                     return Vec2::new(dydt[nq], dydt[nq + scene.model.links]);
                 }
-                dynamics.evaluate(0.0, &y);
-                Vec2::new(dynamics.accelerations.x[0], dynamics.accelerations.y[0])
+                let [x, y, _] = Reference::of(&dynamics, 0.0, &y).accelerations;
+                Vec2::new(x[0], y[0])
             };
             let sides = [-1e-13, 1e-13].map(|turn| slope(&at(turn), None));
             assert!(
@@ -236,14 +237,19 @@ fn shaken(laws: &ForceLaws, shake: f64) -> Scene {
     scene
 }
 
-/// Accelerations (x, y, angle) of link `i`, with the kernels and with the twins.
-fn link_accelerations(dynamics: &Dynamics, dydt: &[f64], i: usize) -> [[f64; 3]; 2] {
-    let model = dynamics.model();
-    let (n, nq) = (model.links, model.coordinates);
-    let twins = &dynamics.accelerations;
+/// Accelerations (x, y, angle) of link `i`: of the kernels in a step, of the kernels for readers, of the scalar reference.
+fn link_accelerations(dynamics: &mut Dynamics, y: &[f64], i: usize) -> [[f64; 3]; 3] {
+    let mut dydt = vec![0.0; y.len()];
+    dynamics.derivative(0.0, y, &mut dydt);
+    dynamics.evaluate(0.0, y);
+    let (n, nq) = (dynamics.model().links, dynamics.model().coordinates);
+    let read = &dynamics.accelerations;
     [
         [dydt[nq + i], dydt[nq + n + i], dydt[nq + 2 * n + i]],
-        [twins.x[i], twins.y[i], twins.angle[i]],
+        [read.x[i], read.y[i], read.angle[i]],
+        Reference::of(dynamics, 0.0, y)
+            .accelerations
+            .map(|axis| axis[i]),
     ]
 }
 
@@ -265,16 +271,14 @@ fn a_place_that_is_no_number_comes_out_at_both_hinges() {
                 for before in [None, Some(scene.y())] {
                     let mut dynamics = Dynamics::new(Arc::clone(&scene.model));
                     dynamics.use_instructions(set);
-                    let mut dydt = vec![0.0; y.len()];
                     if let Some(before) = before {
+                        let mut dydt = vec![0.0; y.len()];
                         dynamics.derivative(0.0, &before, &mut dydt);
                     }
-                    dynamics.derivative(0.0, &y, &mut dydt);
-                    dynamics.evaluate(0.0, &y);
                     for link in [(i + n - 1) % n, i, (i + 1) % n] {
-                        let found = link_accelerations(&dynamics, &dydt, link);
+                        let found = link_accelerations(&mut dynamics, &y, link);
                         assert!(
-                            any_nan(found[0]) && any_nan(found[1]),
+                            found.into_iter().all(any_nan),
                             "{} {laws:?}: coordinate {coordinate}, link {link}: {found:?}",
                             set.name()
                         );
@@ -307,13 +311,12 @@ fn a_speed_that_is_no_number_comes_out_where_a_damped_contact_feels_it() {
                 y[nq + i] = f64::NAN;
                 let mut dydt = vec![0.0; y.len()];
                 dynamics.derivative(0.0, &y, &mut dydt);
-                dynamics.evaluate(0.0, &y);
                 assert!(dydt[i].is_nan());
                 for k in [(i + n - 1) % n, i] {
                     for link in [k, (k + 1) % n] {
-                        let [kernel, twin] = link_accelerations(&dynamics, &dydt, link);
-                        let expected = !deep[k] || (any_nan(kernel) && any_nan(twin));
-                        assert!(expected, "{} link {link}: {kernel:?} {twin:?}", set.name());
+                        let found = link_accelerations(&mut dynamics, &y, link);
+                        let expected = !deep[k] || found.into_iter().all(any_nan);
+                        assert!(expected, "{} link {link}: {found:?}", set.name());
                     }
                 }
             }
@@ -340,15 +343,18 @@ fn a_sprocket_that_is_nowhere_is_felt_by_every_bushing_near_it_and_by_itself() {
                 }
                 y[x] = f64::NAN;
                 dynamics.derivative(0.0, &y, &mut dydt);
-                dynamics.evaluate(0.0, &y);
+                let touched = dynamics.candidates().filter(|c| c.0 == 1 && c.2.is_nan());
+                assert!(touched.count() > 5);
                 assert!(
                     dydt[nq + x].is_nan() && dydt[nq + up].is_nan(),
                     "{}",
                     set.name()
                 );
-                assert!(dynamics.accelerations.x[scene.model.links + 1].is_nan());
-                let touched = dynamics.candidates().filter(|c| c.0 == 1 && c.2.is_nan());
-                assert!(touched.count() > 5);
+                dynamics.evaluate(0.0, &y);
+                let wheel = scene.model.links + 1;
+                assert!(dynamics.accelerations.x[wheel].is_nan());
+                let reference = Reference::of(&dynamics, 0.0, &y);
+                assert!(reference.loads[1].force.x.is_nan());
             }
         }
     }

@@ -1,9 +1,9 @@
-//! The kernels against their scalar twins: the same contacts, forces, accelerations and powers, to roundings that are stated.
+//! The kernels against the scalar reference: the same contacts, forces, accelerations and powers, to roundings that are stated.
 
 #![allow(clippy::print_stdout)] // what a machine lacks is said
 
+use crate::common::agreement::{Agreement, compare};
 use crate::common::scenes::{Noise, Scene, VARIED, geared_drive, laws, varied_drive};
-use crate::common::twins::{Agreement, compare};
 use crate::common::{control, paper_drive, roller_chain, roller_drive, tensioner};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -155,7 +155,7 @@ proptest! {
     })]
 
     #[test]
-    fn kernels_are_their_twins_to_first_order_in_roundings(choice in choices()) {
+    fn kernels_are_the_scalar_reference_to_first_order_in_roundings(choice in choices()) {
         for set in InstructionSet::available() {
             assert_agreement(&choice.agreement(set), set.name());
         }
@@ -323,9 +323,9 @@ fn same_bits(least: u64, make: impl Fn(&mut Adams, &mut Dynamics) -> Step) {
     assert!(steps > least && refreshes >= 2, "{steps} {refreshes}");
 }
 
-/// Both are twins of one scalar form; between them lie twice the roundings.
+/// Both are vector forms of one scalar one; between them lie twice the roundings.
 #[test]
-fn the_plain_set_stays_as_near_to_the_twins_as_the_others() {
+fn the_plain_set_stays_as_near_to_the_scalar_reference_as_the_others() {
     let sets = InstructionSet::available();
     let plain = *sets.last().unwrap();
     assert!(!plain.has_fused_multiply_add());

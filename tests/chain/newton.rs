@@ -1,9 +1,7 @@
 //! The implicit corrector: its matrix against finite differences, and runs with it.
 
 use crate::common;
-use crate::common::checks::{
-    exact_matrix_is_that_of_finite_differences, kernels_matrix_is_the_exact_one, newton,
-};
+use crate::common::checks::{matrix_is_that_of_finite_differences, newton};
 use rustchain::chain::dynamics::Dynamics;
 use rustchain::force_law::{Damping, Elastic, ForceLaw};
 use rustchain::integrator::{Adams, OdeSystem, SecondOrderSystem, StepControl};
@@ -58,16 +56,9 @@ fn touches(dynamics: &Dynamics) -> bool {
 }
 
 #[test]
-fn the_exact_matrix_is_that_of_finite_differences() {
+fn the_matrix_is_that_of_finite_differences_but_for_angles_turned_in_a_step() {
     for (scene, run) in pressed_scenes() {
-        exact_matrix_is_that_of_finite_differences(&scene, &run, touches);
-    }
-}
-
-#[test]
-fn the_kernels_matrix_is_the_exact_one_but_for_angles_turned_in_a_step() {
-    for (scene, run) in pressed_scenes() {
-        kernels_matrix_is_the_exact_one(&scene, &run);
+        matrix_is_that_of_finite_differences(&scene, &run, touches);
     }
 }
 

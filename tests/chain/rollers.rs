@@ -1,9 +1,7 @@
-//! Rollers as bodies of their own: forces beside their scalar twins, the implicit corrector's matrix, and runs.
+//! Rollers as bodies of their own: forces beside the scalar reference, the implicit corrector's matrix, and runs.
 
 use crate::common;
-use crate::common::checks::{
-    exact_matrix_is_that_of_finite_differences, kernels_matrix_is_the_exact_one, newton,
-};
+use crate::common::checks::{matrix_is_that_of_finite_differences, newton};
 use crate::common::scenes::Scene;
 use rustchain::chain::dynamics::Dynamics;
 use rustchain::drive::Chain;
@@ -71,16 +69,9 @@ fn all_kinds_touch(dynamics: &Dynamics) -> bool {
 }
 
 #[test]
-fn the_exact_matrix_is_that_of_finite_differences() {
+fn the_matrix_is_that_of_finite_differences_but_for_angles_turned_in_a_step() {
     for (scene, run) in pressed_scenes() {
-        exact_matrix_is_that_of_finite_differences(&scene, &run, all_kinds_touch);
-    }
-}
-
-#[test]
-fn the_kernels_matrix_is_the_exact_one_but_for_angles_turned_in_a_step() {
-    for (scene, run) in pressed_scenes() {
-        kernels_matrix_is_the_exact_one(&scene, &run);
+        matrix_is_that_of_finite_differences(&scene, &run, all_kinds_touch);
     }
 }
 

@@ -3,13 +3,14 @@
 // Every test binary compiles this file anew and uses a part of it.
 #![allow(dead_code, unreachable_pub)]
 
+pub mod agreement;
 pub mod checks;
 pub mod layouts;
 pub mod mechanisms;
 pub mod open;
 pub mod rubbing;
+pub mod scalar_reference;
 pub mod scenes;
-pub mod twins;
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! What tests of friction, bristles and films share: drives under pull, kernels beside their twins, energy by place.
+//! What tests of friction, bristles and films share: drives under pull, kernels beside the scalar reference, energy by place.
 
 use rustchain::chain::dynamics::{Dynamics, Losses};
 use rustchain::drive::Drive;
@@ -7,6 +7,7 @@ use rustchain::math::simd::InstructionSet;
 use rustchain::{ForceLaws, Groups, Simulation};
 
 use super::checks::largest;
+use super::scalar_reference::Reference;
 
 /// With bushings on the teeth, and with rollers.
 pub fn both_chains() -> [Drive; 2] {
@@ -31,19 +32,18 @@ pub fn standing(mut run: Simulation, time: f64) -> Standing {
     (run.dynamics().clone(), t, y)
 }
 
-/// What kernels and their twins make of one state.
+/// What kernels and reference make of one state.
 pub struct Beside {
     /// Rates of the state, from the kernels.
     pub slope: Vec<f64>,
-    /// The twins, evaluated.
-    pub twins: Dynamics,
+    /// The scalar reference.
+    pub reference: Reference,
     pub losses: Losses,
-    pub twins_losses: Losses,
 }
 
-/// Asserts that each set of instructions gives the accelerations of links and rollers that the twins give, to 1e-7 of the largest
+/// Asserts that each set of instructions gives the accelerations of links and rollers that the reference gives, to 1e-7 of the largest
 /// along that axis or of `least`, and the losses to 1e-7; hands on each.
-pub fn kernels_beside_twins(
+pub fn kernels_beside_reference(
     (dynamics, t, y): &Standing,
     least: f64,
 ) -> impl Iterator<Item = Beside> {
@@ -54,33 +54,34 @@ pub fn kernels_beside_twins(
         let mut slope = vec![0.0; y.len()];
         dynamics.derivative(*t, y, &mut slope);
         let losses = dynamics.powers().losses;
-        let twins_losses = dynamics.evaluate(*t, y).losses;
+        let reference = Reference::of(&dynamics, *t, y);
         let model = dynamics.model().clone();
         let (n, rates) = (model.links, &slope[model.coordinates..]);
         let rollers = model.rollers.as_ref().map(|rollers| rollers.first);
-        let twins = &dynamics.accelerations;
-        for (axis, twins) in [&twins.x, &twins.y, &twins.angle].into_iter().enumerate() {
+        for (axis, expected) in reference.accelerations.iter().enumerate() {
             for (first, body) in [(Some(0), 0), (rollers, n)] {
                 let Some(first) = first else { continue };
                 let own = &rates[first + axis * n..first + (axis + 1) * n];
                 let size = largest(own).max(least);
-                for (i, (rate, twin)) in own.iter().zip(&twins[body..]).enumerate() {
+                for (i, (rate, expected)) in own.iter().zip(&expected[body..]).enumerate() {
                     assert!(
-                        (rate - twin).abs() <= 1e-7 * size,
-                        "{}, axis {axis}, {i}: {rate:e} for {twin:e}, of {size:e}",
+                        (rate - expected).abs() <= 1e-7 * size,
+                        "{}, axis {axis}, {i}: {rate:e} for {expected:e}, of {size:e}",
                         set.name()
                     );
                 }
             }
         }
-        for (loss, twin) in losses.values().iter().zip(twins_losses.values()) {
-            assert!((loss - twin).abs() <= 1e-7 * twin.abs(), "{losses:?}");
+        for (loss, expected) in losses.values().iter().zip(reference.losses.values()) {
+            assert!(
+                (loss - expected).abs() <= 1e-7 * expected.abs(),
+                "{losses:?}"
+            );
         }
         Beside {
             slope,
-            twins: dynamics,
+            reference,
             losses,
-            twins_losses,
         }
     })
 }

@@ -52,7 +52,9 @@ pub(crate) struct Run {
 pub(crate) struct SprocketCandidates {
     /// The runs.
     pub(crate) runs: Vec<Run>,
-    /// Direction of the gap of each in the sprocket's own frame, cosine.
+    /// Number of the gap that each was last seen in.
+    pub(crate) gap: Vec<u32>,
+    /// Direction of that gap in the sprocket's own frame, cosine.
     pub(crate) gap_cos: Numbers,
     /// The same, sine.
     pub(crate) gap_sin: Numbers,
@@ -64,6 +66,8 @@ pub(crate) struct SprocketCandidates {
     pub(crate) depth: Numbers,
     /// Normal force on each \[N\]. Written by the kernel.
     pub(crate) force: Numbers,
+    /// Friction on the sprocket, along the normal turned left \[N\]. Written by the kernel where teeth have friction.
+    pub(crate) friction: Numbers,
 }
 
 impl SprocketCandidates {
@@ -71,12 +75,14 @@ impl SprocketCandidates {
         let room = || Numbers::with_capacity(64, slots);
         Self {
             runs: Vec::with_capacity(slots / WIDTH),
+            gap: Vec::with_capacity(slots),
             gap_cos: room(),
             gap_sin: room(),
             inverse_onset: room(),
             kept_constants: [room(), room()],
             depth: room(),
             force: room(),
+            friction: room(),
         }
     }
 
@@ -95,6 +101,16 @@ impl SprocketCandidates {
     }
 
     fn resize(&mut self, slots: usize) {
+        self.gap.clear();
+        self.gap.resize(slots, 0);
+        for array in self.arrays() {
+            array.clear();
+            array.resize(slots, 0.0);
+        }
+    }
+
+    /// The arrays over slots.
+    fn arrays(&mut self) -> [&mut Numbers; 8] {
         let Self {
             gap_cos,
             gap_sin,
@@ -102,9 +118,10 @@ impl SprocketCandidates {
             kept_constants: [kept_0, kept_1],
             depth,
             force,
+            friction,
             ..
         } = self;
-        for array in [
+        [
             gap_cos,
             gap_sin,
             inverse_onset,
@@ -112,10 +129,28 @@ impl SprocketCandidates {
             kept_1,
             depth,
             force,
-        ] {
-            array.clear();
-            array.resize(slots, 0.0);
+            friction,
+        ]
+    }
+
+    /// Becomes what `other` is, within its own room.
+    fn copy(&mut self, other: &Self) {
+        self.runs.clear();
+        self.runs.extend_from_slice(&other.runs);
+        self.resize(other.gap.len());
+        self.gap.copy_from_slice(&other.gap);
+        self.gap_cos.copy_from_slice(&other.gap_cos);
+        self.gap_sin.copy_from_slice(&other.gap_sin);
+        self.inverse_onset.copy_from_slice(&other.inverse_onset);
+        for (own, other) in self.kept_constants.iter_mut().zip(&other.kept_constants) {
+            own.copy_from_slice(other);
         }
+    }
+
+    /// Puts the candidate in `slot` into a gap of its sprocket.
+    pub(crate) fn put_into_gap(&mut self, slot: usize, sprocket: &SprocketModel, gap: u32) {
+        self.gap[slot] = gap;
+        (self.gap_cos[slot], self.gap_sin[slot]) = sprocket.gap_directions[gap as usize];
     }
 }
 
@@ -149,6 +184,18 @@ impl Candidates {
     /// Forgets the list.
     pub(crate) fn invalidate(&mut self) {
         self.stale = true;
+    }
+
+    /// Becomes the list `other`, within its own room.
+    pub(crate) fn copy(&mut self, other: &Self) {
+        for (own, other) in self.sprockets.iter_mut().zip(&other.sprockets) {
+            own.copy(other);
+        }
+        for (own, other) in self.reference.iter_mut().zip(&other.reference) {
+            own.copy_from_slice(other);
+        }
+        self.movable.copy_from_slice(&other.movable);
+        (self.overhang, self.stale) = (other.overhang, other.stale);
     }
 
     /// How often the list was made.
@@ -209,9 +256,9 @@ impl Candidates {
                     let k = (run.first + j) % n;
                     let arm = Vec2::new(x[k], y[k]) - center;
                     let slot = run.slot + j;
-                    (candidates.gap_cos[slot], candidates.gap_sin[slot]) =
-                        gap_direction(&model.sprockets[s], arm, direction);
-                    candidates.remember(model, memory, s, run.slot + j, k);
+                    let sprocket = &model.sprockets[s];
+                    candidates.put_into_gap(slot, sprocket, gap_of(sprocket, arm, direction));
+                    candidates.remember(model, memory, s, slot, k);
                 }
             }
         }
@@ -221,8 +268,7 @@ impl Candidates {
     pub(crate) fn gap(&self, model: &Model, s: usize, k: usize) -> Option<u32> {
         let candidates = &self.sprockets[s];
         let slot = candidates.slot_of(k, model.links)?;
-        let angle = candidates.gap_sin[slot].atan2(candidates.gap_cos[slot]);
-        Some(model.sprockets[s].profile.nearest_gap(angle))
+        Some(candidates.gap[slot])
     }
 
     /// Brings what the slot of bushing `k` on sprocket `s` knows of its onset in line with `memory`.
@@ -251,21 +297,17 @@ impl SprocketCandidates {
     }
 }
 
-/// Direction, in the sprocket's own frame, of the gap that a bushing at `arm` from its centre is in.
+/// The gap that a bushing at `arm` from a sprocket's centre is in.
 ///
 /// `direction`: cosine and sine of the sprocket's angle.
 #[cold]
 #[inline(never)]
-pub(crate) fn gap_direction(
-    sprocket: &SprocketModel,
-    arm: Vec2,
-    [cos, sin]: [f64; 2],
-) -> (f64, f64) {
+pub(crate) fn gap_of(sprocket: &SprocketModel, arm: Vec2, [cos, sin]: [f64; 2]) -> u32 {
     let (x, y) = (
         arm.x * cos + arm.y * sin - sprocket.offset.x,
         arm.y * cos - arm.x * sin - sprocket.offset.y,
     );
-    sprocket.gap_directions[sprocket.profile.nearest_gap(y.atan2(x)) as usize]
+    sprocket.profile.nearest_gap(y.atan2(x))
 }
 
 /// Constants of the tooth law for a surface of sprocket `s`.

@@ -23,7 +23,7 @@ pub struct ImpactMemory {
     /// Floor of the approach speed \[m/s\].
     floor: f64,
     /// How far forward the pawl of each sprocket's or guide's ratchet has come, see [`crate::chain::model::Ratchet`].
-    pub(crate) pawls: Vec<f64>,
+    pub pawls: Vec<f64>,
     /// Onsets so far.
     counts: OnsetCounts,
 }

@@ -1,7 +1,7 @@
 //! A hinge, or a bushing and a sprocket, along the integrator's last step: what only its two bodies need.
 
 use super::clearance_joint::pin_in_bushing;
-use super::tooth_contact::{OnGap, SprocketFrame, bushing_near_gap};
+use super::tooth_gap::{OnGap, SprocketFrame, bushing_near_gap};
 use crate::chain::model::{Model, Rotation, SprocketModel, Support};
 use crate::geometry::Contact;
 use crate::geometry::{Vec2, turned_left, unit};

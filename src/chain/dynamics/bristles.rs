@@ -1,4 +1,4 @@
-//! Scalar twin: bristles of all contacts, what they store, and how they begin and end.
+//! Bristles of all contacts: what they store, and how they begin and end.
 //!
 //! A contact's bristle is bent as long as it touches. When it has come apart its deflection has no part in anything; before the next
 //! step it is made zero, with a past in which it was never bent, so that nothing jumps.
@@ -33,16 +33,15 @@ impl Bristles {
         self.deflection.copy_from_slice(all);
     }
 
+    /// Puts the deflections into the state `y`.
+    pub(crate) fn write(&self, model: &Model, y: &mut [f64]) {
+        let all = &mut y[model.coordinates..2 * model.coordinates][model.bristles.all()];
+        all.copy_from_slice(&self.deflection);
+    }
+
     /// Unbends them all.
     pub(crate) fn clear(&mut self) {
         self.deflection.fill(0.0);
-    }
-
-    /// Friction of contact `number` among all that is pressed by `force` \[N\] and slips at `slip` \[m/s\].
-    pub(super) fn rub(&mut self, law: &LuGre, number: usize, force: f64, slip: f64) -> f64 {
-        let bent = law.bent(self.deflection[number], slip);
-        self.rate[number] = bent.rate;
-        force * bent.share
     }
 }
 

@@ -4,21 +4,15 @@
 //! the implicit corrector, where it is asked for.
 
 mod bristles;
-mod chain_solver;
 mod checkpoint;
 mod energy;
 mod energy_quadrature;
-mod film;
-mod forces;
-mod friction;
 mod implicit;
 mod in_step_events;
-mod jacobian;
 mod loads;
 mod output_request;
 mod powers;
 mod rollback;
-mod roller_matrix;
 
 use std::sync::Arc;
 
@@ -34,18 +28,17 @@ pub(crate) use output_request::{Needs, Want};
 pub use powers::{Losses, Powers};
 
 use crate::chain::contact::{
-    HingeContacts, HingePath, ImpactMemory, RollerContacts, RollerPath, ToothContacts, ToothJump,
-    ToothJumps, ToothPath,
+    HingePath, ImpactMemory, RollerPath, ToothJump, ToothJumps, ToothPath,
 };
 use crate::chain::model::Model;
 use crate::chain::motion::Motion;
+use crate::chain::report::{Accelerations, HingeContacts, Reader, RollerContacts, ToothContacts};
 use crate::chain::rhs::Kernels;
 use crate::force_law::{Elastic, Regions, with_law};
 use crate::geometry::Surface;
 use crate::integrator::event_location::first_crossing;
 use crate::integrator::{Adams, OdeSystem, Step};
 use crate::math::simd::{InstructionSet, padded};
-use loads::Accelerations;
 
 /// A drive in motion: the right-hand side that the integrator calls, and the memory of its contacts.
 ///
@@ -68,6 +61,8 @@ pub struct Dynamics {
     /// Accelerations at the last evaluation.
     pub accelerations: Accelerations,
     kernels: Kernels,
+    /// Evaluates for all who read contacts.
+    reader: Box<Reader>,
     keeps_energy: bool,
     /// Powers at the last derivative, while energy is kept.
     powers: Powers,
@@ -119,12 +114,13 @@ impl Dynamics {
                 model.min_approach_speed,
             ),
             motion: Motion::new(model.bodies()),
-            hinges: HingeContacts::of(&model),
+            hinges: HingeContacts::new(links),
             rollers: RollerContacts::new(model.roller_count()),
             teeth: ToothContacts::new(links, sprockets),
             bristles: Bristles::of(&model),
             accelerations: Accelerations::new(model.bodies(), sprockets),
             kernels: Kernels::new(&model),
+            reader: Box::new(Reader::new(&model)),
             keeps_energy: false,
             powers: Powers::default(),
             meter: EnergyMeter::new(),
@@ -196,172 +192,93 @@ impl Dynamics {
     pub fn evaluate(&mut self, t: f64, y: &[f64]) -> Powers {
         self.motion.read(&self.model, t, y);
         self.bristles.read(&self.model, y);
-        self.evaluate_motion(t)
+        self.reader.state.copy_from_slice(y);
+        self.evaluate_state(t)
     }
 
     /// The same for motion and bristles as they stand.
     pub fn evaluate_motion(&mut self, t: f64) -> Powers {
-        self.hinges.find(&self.model, &self.motion);
-        self.rollers.find(&self.model, &self.motion, &self.hinges);
-        self.teeth.find(&self.model, &self.motion, &self.hinges);
-        let (hinge_contact, roller_contact, tooth_contact) = if self.keeps_energy {
-            (
-                self.hinge_forces::<true>(),
-                self.roller_forces::<true>(),
-                self.tooth_forces::<true>(),
-            )
+        self.motion.write(&self.model, &mut self.reader.state);
+        self.bristles.write(&self.model, &mut self.reader.state);
+        self.evaluate_state(t)
+    }
+
+    /// Evaluates the reader's state; candidates are found anew, wherever bodies are.
+    fn evaluate_state(&mut self, t: f64) -> Powers {
+        let Reader {
+            kernels,
+            state,
+            rates,
+            ..
+        } = &mut *self.reader;
+        let (model, memory, place) = (&self.model, &self.memory, (&self.motion, t));
+        kernels.candidates.invalidate();
+        let powers = if self.keeps_energy {
+            kernels.evaluate_placed::<true>(model, memory, place, state, rates)
         } else {
-            (
-                self.hinge_forces::<false>(),
-                self.roller_forces::<false>(),
-                self.tooth_forces::<false>(),
-            )
+            kernels.evaluate_placed::<false>(model, memory, place, state, rates);
+            Powers::default()
         };
-        let losses = Losses {
-            hinge_contact,
-            tooth_contact,
-            hinge_friction: self.rub_hinges(),
-            tooth_friction: self.rub_teeth(),
-            roller_contact,
-            roller_friction: self.rub_rollers(),
-            hinge_film: self.fill_hinges(),
-        };
-        let contacts = (&self.hinges, &self.rollers, &self.teeth);
-        let pawls = &self.memory.pawls;
+        self.accelerations.on_ends = kernels.forces_on_ends(model).unwrap_or_default();
         self.accelerations
-            .gather(&self.model, &self.motion, contacts, pawls, t);
-        let mut powers = Powers::default();
-        if self.keeps_energy {
-            powers = Powers::of(losses);
-            let motion = &self.motion;
-            for (s, sprocket) in self.model.sprockets.iter().enumerate() {
-                let body = self.model.wheel_body(s);
-                let moves = Moves::of(motion, body);
-                let chain = &self.accelerations.chain[s];
-                powers += outside_powers(sprocket, &moves, chain, t);
-            }
-            if let Some(ends) = &self.model.ends {
-                powers.worked_in += ends.worked_in(self.accelerations.on_ends, t);
-            }
-        }
+            .chain
+            .copy_from_slice(kernels.sprocket_loads());
+        self.accelerations
+            .read(model, &self.motion, rates, &memory.pawls, t);
+        self.read_hinges();
+        self.read_teeth();
         powers
     }
 
     /// Evaluates at (`t`, `y`) what `needs` asks for; the rest stays as it was, or what it was is gone.
     pub(crate) fn evaluate_for(&mut self, needs: Needs, t: f64, y: &[f64]) {
-        self.motion.read_places(&self.model, t, y);
+        self.motion.read(&self.model, t, y);
         if needs.hinges == Want::Nothing && needs.teeth == Want::Nothing {
             return;
         }
-        self.motion.turn();
         self.bristles.read(&self.model, y);
-        if needs.hinges == Want::Nothing {
-            self.hinges.place_ends(&self.model, &self.motion);
-        } else {
-            self.hinges.find(&self.model, &self.motion);
+        let Reader { kernels, rates, .. } = &mut *self.reader;
+        let teeth = needs.teeth != Want::Nothing;
+        if teeth {
+            kernels.candidates.copy(&self.kernels.candidates);
+        }
+        kernels.evaluate_contacts(&self.model, &self.memory, &self.motion, (y, rates), teeth);
+        if needs.sprocket_loads {
+            self.accelerations
+                .chain
+                .copy_from_slice(kernels.sprocket_loads());
         }
         if needs.hinges != Want::Nothing {
-            self.rollers.find(&self.model, &self.motion, &self.hinges);
+            self.read_hinges();
         }
-        if needs.hinges == Want::Forces {
-            self.hinge_forces::<false>();
-            self.rub_hinges();
-            self.roller_forces::<false>();
-            self.rub_rollers();
-            self.fill_hinges();
-        }
-        if needs.teeth != Want::Nothing {
-            self.teeth.find(&self.model, &self.motion, &self.hinges);
-        }
-        if needs.teeth == Want::Forces {
-            self.tooth_forces::<false>();
-            self.rub_teeth();
-        }
-        if needs.sprocket_loads {
-            self.accelerations.gather_teeth(&self.model, &self.teeth);
+        if teeth {
+            self.read_teeth();
         }
     }
 
-    /// Normal forces of all hinges; returns the power they dissipate when asked to \[W\].
-    fn hinge_forces<const ENERGY: bool>(&mut self) -> f64 {
-        let model = &self.model;
-        with_law!(&model.hinge_law.pairs, Law, pairs => {
-            let law = (model.hinge_law.lambda, model.link_compliance.as_deref());
-            forces::hinge_forces::<Law, ENERGY>(&pairs[0], law, &self.memory, &mut self.hinges)
-        })
+    /// Takes hinges, rollers and bristles from the reader's last evaluation.
+    fn read_hinges(&mut self) {
+        let (model, kernels) = (&self.model, &self.reader.kernels);
+        let chain = kernels.chain();
+        self.motion.cos[..model.links].copy_from_slice(&chain.cos[..model.links]);
+        self.motion.sin[..model.links].copy_from_slice(&chain.sin[..model.links]);
+        self.hinges.read(model, &self.motion, chain);
+        self.rollers
+            .read(model, &self.motion, &self.hinges, kernels.rollers());
+        let rates = &self.reader.rates[model.bristles.all()];
+        self.bristles.rate.copy_from_slice(rates);
     }
 
-    /// The same of all bushings in their rollers.
-    fn roller_forces<const ENERGY: bool>(&mut self) -> f64 {
-        let Some(rollers) = &self.model.rollers else {
-            return 0.0;
-        };
-        with_law!(&rollers.law.pairs, Law, pairs => {
-            forces::roller_forces::<Law, ENERGY>(&pairs[0], rollers.law.lambda, &self.memory, &mut self.rollers)
-        })
-    }
-
-    /// The same of all teeth.
-    fn tooth_forces<const ENERGY: bool>(&mut self) -> f64 {
-        let model = &self.model;
-        with_law!(&model.tooth_law.pairs, Law, pairs => {
-            forces::tooth_forces::<Law, ENERGY>(pairs, model, &self.memory, &mut self.teeth)
-        })
-    }
-
-    /// Friction of all hinges; returns the power that it takes \[W\].
-    fn rub_hinges(&mut self) -> f64 {
-        let (model, motion, hinges) = (&self.model, &self.motion, &mut self.hinges);
-        if let Some(law) = &model.hinge_bristles {
-            let bristles = &mut self.bristles;
-            bristles.rate[..model.bristles.hinges.len()].fill(0.0);
-            let rub = |k, force, slip| bristles.rub(law, k, force, slip);
-            return friction::rub_hinges(rub, model, motion, hinges);
+    /// Takes the teeth from the reader's last evaluation.
+    fn read_teeth(&mut self) {
+        let Reader {
+            kernels, readings, ..
+        } = &mut *self.reader;
+        self.teeth.clear();
+        for s in 0..self.model.sprockets.len() {
+            let candidates = kernels.read_teeth(s, readings);
+            self.teeth.read(&self.model, s, candidates, readings);
         }
-        model.hinge_friction.as_ref().map_or(0.0, |law| {
-            let rub = |_, force, slip| law.coefficient * force * law.share(slip).0;
-            friction::rub_hinges(rub, model, motion, hinges)
-        })
-    }
-
-    /// The same of all bushings in their rollers.
-    fn rub_rollers(&mut self) -> f64 {
-        let (model, motion, rollers) = (&self.model, &self.motion, &mut self.rollers);
-        if let Some(law) = &model.hinge_bristles {
-            let (bristles, first) = (&mut self.bristles, model.bristles.hinges.len());
-            bristles.rate[first..][..model.bristles.rollers.len()].fill(0.0);
-            let rub = |k, force, slip| bristles.rub(law, first + k, force, slip);
-            return friction::rub_rollers(rub, model, motion, &self.hinges, rollers);
-        }
-        model.hinge_friction.as_ref().map_or(0.0, |law| {
-            let rub = |_, force, slip| law.coefficient * force * law.share(slip).0;
-            friction::rub_rollers(rub, model, motion, &self.hinges, rollers)
-        })
-    }
-
-    /// The same of all teeth.
-    fn rub_teeth(&mut self) -> f64 {
-        let (model, motion, teeth) = (&self.model, &self.motion, &mut self.teeth);
-        if let Some(law) = &model.tooth_bristles {
-            let places = &model.bristles;
-            let first = places.teeth.start - places.hinges.start;
-            let bristles = &mut self.bristles;
-            bristles.rate[first..].fill(0.0);
-            let rub = |pair, force, slip| bristles.rub(law, first + pair, force, slip);
-            return friction::rub_teeth(rub, model, motion, &self.hinges, teeth);
-        }
-        model.tooth_friction.as_ref().map_or(0.0, |law| {
-            let rub = |_, force, slip| law.coefficient * force * law.share(slip).0;
-            friction::rub_teeth(rub, model, motion, &self.hinges, teeth)
-        })
-    }
-
-    /// Lubricant of all hinges; returns the power it dissipates \[W\].
-    fn fill_hinges(&mut self) -> f64 {
-        let model = &self.model;
-        model.hinge_film.as_ref().map_or(0.0, |law| {
-            film::fill_hinges(law, model, &self.motion, &mut self.hinges)
-        })
     }
 
     /// Gives every pair that is in contact now a memory, as if it had begun here (positions just given).
@@ -719,6 +636,7 @@ impl Dynamics {
     /// Goes on with other instructions than the widest ones that this machine has.
     pub fn use_instructions(&mut self, instructions: InstructionSet) {
         self.kernels.use_instructions(instructions);
+        self.reader.kernels.use_instructions(instructions);
     }
 
     /// The instructions in use.

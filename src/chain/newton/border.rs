@@ -1,9 +1,10 @@
 //! The sprockets' own coordinates on the border of Newton's matrix, and the small dense system that they leave.
 
-use crate::chain::model::{Model, Rotation, Support};
+use crate::chain::model::{Model, Rotation, SprocketModel, Support};
 
 use super::dense::Dense;
 use super::teeth::Motion;
+use crate::chain::rhs::teeth::SprocketPose;
 
 /// The coordinates of one sprocket: numbers `first`, `first` + 1, ... on the border.
 #[derive(Debug, Clone)]
@@ -46,6 +47,16 @@ impl SprocketMotions {
         }
         all
     }
+
+    /// Turns the way of a tensioner's sprocket to where that is.
+    pub(super) fn follow(&mut self, sprocket: &SprocketModel, pose: &SprocketPose) {
+        if let (Some(Motion::Along(way)), Some((_, tangent))) = (
+            self.motions.first_mut(),
+            sprocket.slide_at(pose.center.into()),
+        ) {
+            *way = tangent.into();
+        }
+    }
 }
 
 /// What the border's coordinates leave among themselves.
@@ -67,22 +78,37 @@ impl Corner {
         }
     }
 
-    /// Masses, and the tensioner's dashpot.
-    pub(super) fn start(&mut self, model: &Model, gamma: f64) {
+    /// Masses, and the dashpots, springs and stops of tensioners and arms: the harder dashpot, whichever acts.
+    pub(super) fn start(
+        &mut self,
+        model: &Model,
+        (poses, pawls): (&[SprocketPose], &[f64]),
+        gamma: f64,
+    ) {
         self.matrix.clear();
         let start = 3 * model.links;
-        for sprocket in &model.sprockets {
-            sprocket
-                .for_each_inertia(|index, inertia| self.add(index - start, index - start, inertia));
-            if let Support::Slide { index, damping, .. } = sprocket.support {
-                self.add(index - start, index - start, gamma * damping);
+        for ((sprocket, pose), &pawl) in model.sprockets.iter().zip(poses).zip(pawls) {
+            let mut add = |index: usize, value| self.add(index - start, index - start, value);
+            sprocket.for_each_inertia(&mut add);
+            if let Support::Slide {
+                index,
+                damping,
+                guide,
+                ..
+            } = sprocket.support
+            {
+                let (s, _) = sprocket.slide_at(pose.center.into()).unwrap_or_default();
+                add(
+                    index,
+                    gamma * damping + gamma * gamma * guide.stiffness_at(s, pawl),
+                );
             }
             if let (Some(swing), Rotation::Free { index, .. }) =
                 (sprocket.swing, &sprocket.rotation)
             {
-                // The harder dashpot, whichever acts; of the stops' stiffness nothing, which is small times the step's square.
                 let [back, forth] = swing.dashpots;
-                self.add(index - start, index - start, gamma * back.max(forth));
+                let stiffness = swing.stiffness_at(pose.angle - sprocket.phase, pawl);
+                add(*index, gamma * back.max(forth) + gamma * gamma * stiffness);
             }
         }
         for (own, entry) in self.own.iter_mut().zip(self.matrix.diagonal()) {

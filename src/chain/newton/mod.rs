@@ -91,6 +91,8 @@ pub(crate) struct Evaluated<'a> {
     pub(crate) on_teeth: &'a ChainArrays,
     pub(crate) candidates: &'a Candidates,
     pub(crate) poses: &'a [SprocketPose],
+    /// How far the pawls of ratchets have come.
+    pub(crate) pawls: &'a [f64],
 }
 
 impl NewtonMatrix {
@@ -188,8 +190,10 @@ impl NewtonMatrix {
         gamma: f64,
     ) {
         self.teeth.clear::<RUBBED>();
-        self.corner.start(model, gamma);
+        let supports = (evaluated.poses, evaluated.pawls);
+        self.corner.start(model, supports, gamma);
         for (s, candidates) in evaluated.candidates.sprockets.iter().enumerate() {
+            self.motions[s].follow(&model.sprockets[s], &evaluated.poses[s]);
             let SprocketMotions { first, motions } = &self.motions[s];
             let among = AddTeeth::<RUBBED> {
                 gamma,

@@ -247,6 +247,12 @@ impl<S: Simd> Gap<S> for AnsiVectors<'_, S> {
     }
 
     #[inline(always)]
+    fn surface(&self, surface: &NearestOfFour<S>, place: &InGap<S>) -> (Lanes<S>, Mask<S>) {
+        let numbers = Surface::ANSI.map(|surface| f64::from(surface.0));
+        (self.of_surface(&numbers, surface), place.on_left())
+    }
+
+    #[inline(always)]
     fn law_constants(&self, surface: &NearestOfFour<S>) -> [Lanes<S>; 2] {
         let [first, second] = &self.constants.law;
         [

@@ -128,6 +128,9 @@ pub(crate) trait Gap<S: Simd> {
         velocity: [Lanes<S>; 2],
     ) -> [Lanes<S>; 2];
 
+    /// Numbers of the surfaces, and which of them are on left flanks.
+    fn surface(&self, surface: &Self::Nearest, place: &InGap<S>) -> (Lanes<S>, Mask<S>);
+
     /// Law constants of the surfaces.
     fn law_constants(&self, surface: &Self::Nearest) -> [Lanes<S>; 2];
 

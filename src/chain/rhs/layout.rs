@@ -81,6 +81,10 @@ pub(crate) struct ChainArrays {
     pub(crate) depth: Numbers,
     /// Normal force of every hinge \[N\].
     pub(crate) force: Numbers,
+    /// Friction on the rear end of link k + 1, along the normal turned left \[N\]; zero without a law of friction.
+    pub(crate) friction: Numbers,
+    /// Force of lubricant on the front end of link k, x and y \[N\]; zero without any.
+    pub(crate) film: [Numbers; 2],
     /// Squared distance of pin and bushing of every hinge \[m²\].
     pub(crate) distance_squared: Numbers,
     /// Their distance times the rate at which it grows \[m²/s\].
@@ -115,6 +119,8 @@ impl ChainArrays {
             sin: padded_zeros(n + WIDTH),
             depth: padded_zeros(n),
             force: padded_zeros(n),
+            friction: padded_zeros(n),
+            film: [0, 1].map(|_| padded_zeros(n)),
             distance_squared: padded_zeros(n),
             along: padded_zeros(n),
             front_force: twice(),

@@ -1,5 +1,4 @@
-//! The right-hand side as a run needs it: the same equations as `contact` and `dynamics` write out for one contact, over
-//! vectors of contacts and with the instructions that the machine has.
+//! The right-hand side: the equations of motion over vectors of contacts, with the instructions that the machine has.
 //!
 //! chain (directions, ends, hinges, bushings) -> rollers, where they are bodies -> candidates -> teeth -> loads -> accelerations
 //!
@@ -15,6 +14,7 @@ mod event_screening;
 pub(crate) mod gap;
 pub(crate) mod layout;
 mod loads;
+mod readout;
 pub(crate) mod slopes;
 mod surface_table;
 pub(crate) mod teeth;
@@ -32,6 +32,7 @@ use event_screening::{WatchHinges, WatchTeeth};
 use gap::{Form, ToothConstants};
 use layout::{ChainArrays, FIRST, LinkConstants};
 use loads::{AccelerateLinks, AccelerateRollers};
+pub(crate) use readout::ToothReadings;
 use teeth::{SprocketPose, TeethFound, ToothFriction, TouchTeeth};
 
 use crate::chain::contact::{
@@ -134,7 +135,7 @@ impl Kernels {
     }
 
     /// Factorises Newton's matrix of the last evaluation, which wrote slopes; false when it is singular.
-    pub(crate) fn factorise(&mut self, model: &Model, gamma: f64) -> bool {
+    pub(crate) fn factorise(&mut self, model: &Model, pawls: &[f64], gamma: f64) -> bool {
         let evaluated = Evaluated {
             instructions: self.instructions,
             constants: &self.links,
@@ -142,6 +143,7 @@ impl Kernels {
             on_teeth: on_teeth(&self.chain, self.rollers.as_deref()),
             candidates: &self.candidates,
             poses: &self.poses,
+            pawls,
         };
         self.newton
             .as_mut()
@@ -189,11 +191,6 @@ impl Kernels {
     /// Where that was, by [`ContactKind`].
     pub(crate) fn changes(&self) -> [bool; 3] {
         self.changed
-    }
-
-    /// Direction of link `i` at the last evaluation.
-    pub(crate) fn link_direction(&self, i: usize) -> Vec2 {
-        Vec2::new(self.chain.cos[i], self.chain.sin[i])
     }
 
     /// Place and motion of sprocket `s` at the last evaluation.
@@ -328,6 +325,47 @@ impl Kernels {
         rates: &mut [f64],
     ) -> Powers {
         self.place_sprockets(model, t, y);
+        self.accelerate_placed::<ENERGY>(model, memory, t, y, rates)
+    }
+
+    /// The same with sprockets that are placed already.
+    fn accelerate_placed<const ENERGY: bool>(
+        &mut self,
+        model: &Model,
+        memory: &ImpactMemory,
+        t: f64,
+        y: &[f64],
+        rates: &mut [f64],
+    ) -> Powers {
+        let (moved_squared, mut losses) = self.join::<ENERGY>(model, memory, y, rates);
+        self.touch::<ENERGY>(model, memory, (y, moved_squared), rates, &mut losses);
+        self.put_bristles(model, rates);
+        self.accelerate_links(model, rates);
+        self.accelerate_rollers(model, rates);
+        let moved = model
+            .ends
+            .as_ref()
+            .map_or(0.0, |ends| self.move_ends(ends, t, rates));
+        self.accelerate_sprockets(model, &memory.pawls, t, rates);
+        let mut powers = Powers::of(losses);
+        if ENERGY {
+            powers.worked_in += moved;
+            for ((sprocket, pose), load) in model.sprockets.iter().zip(&self.poses).zip(&self.loads)
+            {
+                powers += outside_powers(sprocket, &pose.moves(), load, t);
+            }
+        }
+        powers
+    }
+
+    /// Hinges and rollers at `y`: the largest squared distance of what meets the teeth from its reference \[m²\], and the losses.
+    fn join<const ENERGY: bool>(
+        &mut self,
+        model: &Model,
+        memory: &ImpactMemory,
+        y: &[f64],
+        rates: &mut [f64],
+    ) -> (f64, Losses) {
         self.take_bristles(model, y, rates);
         if model.has_moments() {
             self.chain.clear_moments();
@@ -356,11 +394,9 @@ impl Kernels {
         if let (Some(rollers), Some(_)) = (&mut self.rollers, &model.ends) {
             rollers.arrays.forget_absent_rollers(model);
         }
-        let moved_squared = rolling.map_or(chain.moved_squared, |found| found.moved_squared);
-        self.choose_candidates(model, memory, moved_squared);
         let rollers_changed = rolling.is_some_and(|found| found.changed);
         self.changed = [chain.changed, rollers_changed, false];
-        let mut losses = Losses {
+        let losses = Losses {
             hinge_contact: chain.dissipated,
             hinge_friction: chain.rubbed,
             roller_contact: rolling.map_or(0.0, |found| found.dissipated),
@@ -368,6 +404,20 @@ impl Kernels {
             hinge_film: chain.sheared,
             ..Losses::default()
         };
+        let moved_squared = rolling.map_or(chain.moved_squared, |found| found.moved_squared);
+        (moved_squared, losses)
+    }
+
+    /// Teeth at `y`, after hinges and rollers, which have moved by so much; adds their losses.
+    fn touch<const ENERGY: bool>(
+        &mut self,
+        model: &Model,
+        memory: &ImpactMemory,
+        (y, moved_squared): (&[f64], f64),
+        rates: &mut [f64],
+        losses: &mut Losses,
+    ) {
+        self.choose_candidates(model, memory, moved_squared);
         if model.teeth_rub() {
             let (n, overhang) = (model.links, self.candidates.overhang);
             let spins = &y[model.coordinates..];
@@ -393,23 +443,6 @@ impl Kernels {
                 moment: teeth.moment,
             };
         }
-        self.put_bristles(model, rates);
-        self.accelerate_links(model, rates);
-        self.accelerate_rollers(model, rates);
-        let moved = model
-            .ends
-            .as_ref()
-            .map_or(0.0, |ends| self.move_ends(ends, t, rates));
-        self.accelerate_sprockets(model, &memory.pawls, t, rates);
-        let mut powers = Powers::of(losses);
-        if ENERGY {
-            powers.worked_in += moved;
-            for ((sprocket, pose), load) in model.sprockets.iter().zip(&self.poses).zip(&self.loads)
-            {
-                powers += outside_powers(sprocket, &pose.moves(), load, t);
-            }
-        }
-        powers
     }
 
     /// Takes the deflections of hinges' and rollers' bristles, where there are any.
@@ -805,12 +838,16 @@ impl Kernels {
                 (rates[i], rates[n + i], rates[2 * n + i]) = (given.x, given.y, 0.0);
             }
         }
-        let force = ends.bodies.each_ref().map(|end| {
+        ends.worked_in(self.on_ends(ends), t)
+    }
+
+    /// Force of the chain on both ends of an open one at the last evaluation \[N\].
+    fn on_ends(&self, ends: &OpenEnds) -> [Vec2; 2] {
+        ends.bodies.each_ref().map(|end| {
             let [front, rear] = [&self.chain.front_force, &self.chain.rear_force];
             let [x, y] = [0, 1].map(|axis| front[axis][end.body] + rear[axis][FIRST + end.body]);
             Vec2::new(x, y)
-        });
-        ends.worked_in(force, t)
+        })
     }
 
     fn accelerate_sprockets(&self, model: &Model, pawls: &[f64], t: f64, rates: &mut [f64]) {

@@ -401,6 +401,11 @@ impl<S: Simd> Gap<S> for TableVectors<'_, S> {
     }
 
     #[inline(always)]
+    fn surface(&self, surface: &NearestOfTable<S>, _place: &InGap<S>) -> (Lanes<S>, Mask<S>) {
+        (surface.found.number, surface.left)
+    }
+
+    #[inline(always)]
     fn law_constants(&self, surface: &NearestOfTable<S>) -> [Lanes<S>; 2] {
         let rows = &self.table.rows;
         let mut law = splat_two(self.simd, rows[0].law);

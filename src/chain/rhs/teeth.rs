@@ -8,7 +8,7 @@ use super::bristles::{BristleLanes, Bristling};
 use super::gap::{Gap, GapConstants, InGap};
 use super::layout::{ChainArrays, FIRST, LinkConstants};
 use super::slopes::{FrictionGroup, SlopeGroup, group_of};
-use crate::chain::contact::{Run, SprocketCandidates, gap_direction};
+use crate::chain::contact::{Run, SprocketCandidates, gap_of};
 use crate::chain::dynamics::Moves;
 use crate::chain::model::SprocketModel;
 use crate::force_law::{
@@ -143,12 +143,14 @@ impl<
         }
         let SprocketCandidates {
             runs,
+            gap,
             gap_cos,
             gap_sin,
             inverse_onset,
             kept_constants,
             depth,
             force,
+            friction,
         } = self.candidates;
         let slopes = &mut self.slopes;
         let mut rubs = if RUBBED { self.rubs } else { None };
@@ -189,6 +191,7 @@ impl<
                 ];
                 let slopes = rubs.as_mut().map(|rubs| &mut rubs[slot / WIDTH..]);
                 run.rubbed = RubbedRun::of(&bushing_spin[first..], moments, slopes, blocks);
+                run.rubbed.friction = vectors_mut::<S>(&mut friction[slot..], blocks);
             }
             if BRISTLED && let Some(bristles) = &mut self.bristles {
                 run.rubbed.bristles = Some(bristles.lanes(simd, slot, blocks));
@@ -203,8 +206,9 @@ impl<
                     for j in from..length.min(from + S::F64_LANES) {
                         let arm = Vec2::new(bushing[0][first + j], bushing[1][first + j])
                             - Vec2::from(self.pose.center);
-                        (gap_cos[j], gap_sin[j]) =
-                            gap_direction(self.sprocket, arm, self.pose.direction);
+                        let number = gap_of(self.sprocket, arm, self.pose.direction);
+                        gap[slot + j] = number;
+                        (gap_cos[j], gap_sin[j]) = self.sprocket.gap_directions[number as usize];
                     }
                     place = teeth.place(b, arm, gap_cos, gap_sin);
                 }
@@ -242,6 +246,7 @@ struct RubbedRun<'a, S: Simd> {
     spin: &'a [S::f64s],
     /// On front and rear ends.
     moments: [&'a mut [S::f64s]; 2],
+    friction: &'a mut [S::f64s],
     slopes: Option<&'a mut [FrictionGroup]>,
     /// Some where `BRISTLED`.
     bristles: Option<BristleLanes<'a, S>>,
@@ -262,6 +267,7 @@ impl<'a, S: Simd> RubbedRun<'a, S> {
                 vectors_mut::<S>(front, blocks),
                 vectors_mut::<S>(rear, blocks),
             ],
+            friction: &mut [],
             slopes,
             bristles: None,
         }
@@ -273,6 +279,7 @@ impl<'a, S: Simd> RubbedRun<'a, S> {
         Self {
             spin: &[],
             moments: [&mut [], &mut []],
+            friction: &mut [],
             slopes: None,
             bristles: None,
         }
@@ -370,9 +377,12 @@ impl<
                 let (group, part) = group_of::<S, _>(slopes, b);
                 group.put(part, [zero; 6]);
             }
-            if RUBBED && let Some(rubs) = &mut run.rubbed.slopes {
-                let (group, part) = group_of::<S, _>(rubs, b);
-                group.slope.put(part, zero);
+            if RUBBED {
+                run.rubbed.friction[b] = zero.values();
+                if let Some(rubs) = &mut run.rubbed.slopes {
+                    let (group, part) = group_of::<S, _>(rubs, b);
+                    group.slope.put(part, zero);
+                }
             }
             if BRISTLED && let Some(bristles) = &mut run.rubbed.bristles {
                 bristles.rest(b);
@@ -492,6 +502,7 @@ impl<
         if ENERGY {
             self.rubbed.add(b, rub * slip);
         }
+        run.rubbed.friction[b] = rub.values();
         if let Some(slopes) = &mut run.rubbed.slopes {
             let (group, part) = group_of::<S, _>(slopes, b);
             group.slope.put(part, slope);

@@ -306,7 +306,15 @@ impl ToothProfile {
         self.contact_on(surface, point.x < 0.0, point, radius)
     }
 
+    /// The region of a surface on one flank of a gap, counted from 1 in the direction of +u.
+    #[must_use]
     #[allow(clippy::cast_possible_truncation)] // regions are fewer than surfaces
+    pub fn region(&self, surface: Surface, left: bool) -> u8 {
+        let middle = self.flanks[0].len() as u8;
+        let step = self.surfaces[surface.index()].step;
+        if left { middle - step } else { middle + step }
+    }
+
     fn contact_on(&self, surface: Surface, left: bool, point: Vec2, radius: f64) -> ToothContact {
         let across = Vec2::new(if left { -point.x } else { point.x }, point.y);
         let piece = &self.surfaces[surface.index()];
@@ -314,14 +322,9 @@ impl ToothProfile {
         if left {
             normal.x = -normal.x;
         }
-        let middle = self.flanks[0].len() as u8;
         ToothContact {
             surface,
-            region: if left {
-                middle - piece.step
-            } else {
-                middle + piece.step
-            },
+            region: self.region(surface, left),
             penetration,
             normal,
         }

@@ -1,8 +1,8 @@
 //! Rows of the channels of hinges, rollers, teeth and sprockets.
 
 use super::{Channel, Values, ends};
-use crate::chain::contact::ToothContacts;
 use crate::chain::dynamics::Dynamics;
+use crate::chain::report::ToothContacts;
 use crate::geometry::Vec2;
 use crate::geometry::path::belt::Pulley;
 use crate::layout::ChainRow;

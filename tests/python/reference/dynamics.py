@@ -557,11 +557,9 @@ class DriveEquations:
         )
 
     def _bound(self, force: Normal, turning: Array, delta_x: float, delta_v: float) -> Array:
-        """`force_bound`; where rollers are loose, also what a turned normal does to the rate."""
-        bound = force_bound(force, delta_x, delta_v)
-        if self.rollers:
-            bound = bound + np.abs(force.by_rate) * np.abs(turning) * delta_x
-        return bound
+        """`force_bound`, and what a turned normal does to the rate."""
+        turned = np.abs(force.by_rate) * np.abs(turning) * delta_x
+        return force_bound(force, delta_x, delta_v) + turned
 
     def _rub(
         self,

@@ -40,15 +40,13 @@ struct CarriedRuns {
 impl Candidates {
     /// The present list.
     pub(crate) fn carried(&self, model: &Model) -> CarriedCandidates {
-        let runs = |(s, candidates): (usize, &SprocketCandidates)| {
+        let runs = |candidates: &SprocketCandidates| {
             let bushings = candidates.bushings(model.links);
             CarriedRuns {
                 runs: (candidates.runs.iter())
                     .map(|run| (run.first, run.length))
                     .collect(),
-                gaps: bushings
-                    .filter_map(|(_, k)| self.gap(model, s, k))
-                    .collect(),
+                gaps: bushings.map(|(slot, _)| candidates.gap[slot]).collect(),
             }
         };
         CarriedCandidates {
@@ -57,7 +55,7 @@ impl Candidates {
                 centers: (self.movable.iter())
                     .map(|&(_, center)| center.into())
                     .collect(),
-                sprockets: self.sprockets.iter().enumerate().map(runs).collect(),
+                sprockets: self.sprockets.iter().map(runs).collect(),
             }),
             refreshes: self.refreshes,
         }
@@ -134,8 +132,9 @@ impl SprocketCandidates {
             return None;
         }
         for ((slot, k), &gap) in bushings.into_iter().zip(&carried.gaps) {
-            let direction = model.sprockets[s].gap_directions.get(gap as usize)?;
-            (self.gap_cos[slot], self.gap_sin[slot]) = *direction;
+            let sprocket = &model.sprockets[s];
+            sprocket.gap_directions.get(gap as usize)?;
+            self.put_into_gap(slot, sprocket, gap);
             self.remember(model, memory, s, slot, k);
         }
         Some(())

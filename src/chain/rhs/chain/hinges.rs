@@ -60,6 +60,10 @@ pub(super) struct Hinges<
     reference: [&'a [S::f64s]; 2],
     pub(super) depth: &'a mut [S::f64s],
     force: &'a mut [S::f64s],
+    /// Some numbers where `RUBBED`.
+    pub(super) friction: &'a mut [S::f64s],
+    /// Force of lubricant on the front ends; some numbers where `EXTRA`.
+    pub(super) film_force: [&'a mut [S::f64s]; 2],
     distance_squared: &'a mut [S::f64s],
     along: &'a mut [S::f64s],
     pub(super) front_force: [&'a mut [S::f64s]; 2],
@@ -128,6 +132,8 @@ impl<
             distance_squared: vectors_mut::<S>(&mut arrays.distance_squared, blocks),
             along: vectors_mut::<S>(&mut arrays.along, blocks),
             moments: [&mut [], &mut []],
+            friction: &mut [],
+            film_force: [&mut [], &mut []],
             front_force: both_mut::<S>(&mut arrays.front_force, 0, blocks),
             rear_force: both_mut::<S>(&mut arrays.rear_force, FIRST + 1, blocks),
             bushing: both_mut::<S>(&mut arrays.bushing, 0, blocks),
@@ -145,7 +151,11 @@ impl<
             film: None,
             compliance: None,
         };
+        if EXTRA {
+            hinges.film_force = both_mut::<S>(&mut arrays.film, 0, blocks);
+        }
         if RUBBED {
+            hinges.friction = vectors_mut::<S>(&mut arrays.friction, blocks);
             hinges.moments = [
                 vectors_mut::<S>(&mut arrays.front_moment, blocks),
                 vectors_mut::<S>(&mut arrays.rear_moment[FIRST + 1..], blocks),
@@ -216,9 +226,8 @@ impl<
                 let (group, part) = group_of::<S, _>(slopes, i);
                 group.put(part, [zero; 6]);
             }
-            if RUBBED && let Some(rubs) = &mut self.rubs {
-                let (group, part) = group_of::<S, _>(rubs, i);
-                group.slope.put(part, zero);
+            if RUBBED {
+                self.put_no_friction(i);
             }
             if BRISTLED && let Some(bristles) = &mut self.bristles {
                 bristles.rest(i);
@@ -277,6 +286,17 @@ impl<
         self.front_force[1][i] = (-y).values();
         self.rear_force[0][i] = x.values();
         self.rear_force[1][i] = y.values();
+    }
+
+    /// Hinges that do not touch.
+    #[inline(always)]
+    fn put_no_friction(&mut self, i: usize) {
+        let zero = self.clearance.constant(0.0);
+        self.friction[i] = zero.values();
+        if let Some(rubs) = &mut self.rubs {
+            let (group, part) = group_of::<S, _>(rubs, i);
+            group.slope.put(part, zero);
+        }
     }
 
     /// The bushings of these hinges, and how far they have moved from their references.

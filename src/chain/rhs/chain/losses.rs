@@ -92,6 +92,7 @@ impl<
         }
         let force = [push.mul_add(nx, -(drag * ny)), push.mul_add(ny, drag * nx)];
         for (axis, force) in force.into_iter().enumerate() {
+            self.film_force[axis][i] = force.values();
             let front = &mut self.front_force[axis][i];
             *front = (load(simd, front) + force).values();
             let rear = &mut self.rear_force[axis][i];
@@ -150,6 +151,7 @@ impl<
         if ENERGY {
             self.rubbed.add(i, rub * slip);
         }
+        self.friction[i] = rub.values();
         self.moments[0][i] = (-(from_front * rub)).values();
         self.moments[1][i] = (from_rear * rub).values();
         if let Some(rubs) = &mut self.rubs {

@@ -1,20 +1,21 @@
-//! The right-hand side of the kernels beside that of the scalar twins, difference by difference over its rounding.
+//! The right-hand side of the kernels beside the scalar reference implementation, difference by difference over its rounding.
 //!
 //! A depth is a small difference of large numbers: its error counts in units in the last place of the largest coordinate it
 //! comes from, called the grain of the contact. Directions are wrong by grain over distance of centres, rates by that times
 //! the speed, forces by what depth and rate make of them; the rest is counted in units of the quantity itself. All sums below are
 //! those of first order with every rounding taken as one unit; the ratios say how many units it were.
 
-use rustchain::chain::contact::on_teeth;
 use rustchain::chain::dynamics::Dynamics;
 use rustchain::chain::model::{Rotation, Support};
-use rustchain::force_law::{PairTable, Regions};
-use rustchain::geometry::{Surface, SurfaceCurve};
+use rustchain::force_law::PairTable;
+use rustchain::geometry::{SurfaceCurve, Vec2};
 use rustchain::integrator::OdeSystem;
+
+use super::scalar_reference::{Contact, Reference, ToothContact, elastic};
 
 const UNIT: f64 = f64::EPSILON;
 
-/// How many roundings lie between kernels and twins, the most of all contacts or bodies.
+/// How many roundings lie between kernels and reference, the most of all contacts or bodies.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Agreement {
     /// Contacts that touch.
@@ -26,10 +27,10 @@ pub struct Agreement {
     pub elastic: f64,
     /// Normal forces, over their first-order error.
     pub force: f64,
-    /// Accelerations of links and of sprockets, over theirs.
+    /// Accelerations of links and loads on sprockets, over theirs.
     pub link: f64,
     pub sprocket: f64,
-    /// Powers, over theirs.
+    /// Power dissipated in contacts, over its.
     pub power: f64,
 }
 
@@ -47,11 +48,6 @@ impl Agreement {
     }
 }
 
-/// Elastic force by the scalar form of a law.
-pub fn elastic(table: &PairTable, pair: usize, depth: f64) -> f64 {
-    table.pair(pair).force(depth)
-}
-
 /// Error of `force` at `depth` \[N\]: that of the two roundings of a law, with fused multiply-add and without; steep near the end of
 /// a law's range.
 fn law_error(table: &PairTable, pair: usize, depth: f64, force: f64) -> f64 {
@@ -59,7 +55,7 @@ fn law_error(table: &PairTable, pair: usize, depth: f64, force: f64) -> f64 {
     UNIT * force * (1.0 + 0.5 / to_end.sqrt())
 }
 
-/// One contact that the twins found, and its first-order errors for one unit each.
+/// One contact of the reference, and its first-order errors for one unit each.
 #[derive(Debug, Clone, Copy)]
 struct Errors {
     grain: f64,
@@ -122,49 +118,52 @@ fn ratio(a: f64, b: f64, error: f64) -> f64 {
     }
 }
 
-/// Runs kernels and twins at one state.
+/// Evaluates kernels and reference at one state.
 pub fn compare(dynamics: &mut Dynamics, t: f64, y: &[f64]) -> Agreement {
     let mut dydt = vec![0.0; y.len()];
     dynamics.derivative(t, y, &mut dydt);
-    let found = dynamics.powers();
-    let powers = dynamics.evaluate(t, y);
+    let found = dynamics.powers().losses.values();
+    let reference = Reference::of(dynamics, t, y);
+    dynamics.evaluate(t, y);
     let model = dynamics.model().clone();
     let (n, nq) = (model.links, model.coordinates);
     assert_eq!(dydt[..nq], y[nq..2 * nq]);
     let mut all = Agreement::default();
 
-    let hinges: Vec<Errors> = (0..n).map(|k| hinge_errors(dynamics, k)).collect();
+    let hinges: Vec<Errors> = (0..n)
+        .map(|k| hinge_errors(dynamics, &reference, k))
+        .collect();
     for (k, ((depth, force), errors)) in dynamics.hinge_contacts().zip(&hinges).enumerate() {
-        let twin = dynamics.hinges.penetration[k].max(0.0);
+        let expected = reference.hinges[k].penetration.max(0.0);
         all.touching += usize::from(depth > 0.0);
-        all.hinge_depth = all.hinge_depth.max(ratio(depth, twin, errors.grain));
+        all.hinge_depth = all.hinge_depth.max(ratio(depth, expected, errors.grain));
         all.force = all
             .force
             .max(ratio(force, errors.force, errors.force_error));
         if model.hinge_law.lambda == 0.0 {
-            let law = elastic(&model.hinge_law.pairs, 0, depth);
+            let law = elastic(&model.hinge_law.pairs, 0, 0.0, depth);
             let error = law_error(&model.hinge_law.pairs, 0, depth, law);
             all.elastic = all.elastic.max(ratio(force, law, error));
         }
     }
 
     let rollers: Vec<Errors> = (0..model.roller_count())
-        .map(|k| roller_errors(dynamics, k))
+        .map(|k| roller_errors(dynamics, &reference, k))
         .collect();
     assert_eq!(dynamics.roller_contacts().count(), rollers.len());
     for (k, ((depth, force), errors)) in dynamics.roller_contacts().zip(&rollers).enumerate() {
-        let twin = dynamics.rollers.penetration[k].max(0.0);
+        let expected = reference.rollers[k].penetration.max(0.0);
         all.touching += usize::from(depth > 0.0);
-        all.hinge_depth = all.hinge_depth.max(ratio(depth, twin, errors.grain));
+        all.hinge_depth = all.hinge_depth.max(ratio(depth, expected, errors.grain));
         all.force = all
             .force
             .max(ratio(force, errors.force, errors.force_error));
     }
 
-    let mut teeth = vec![None; n * model.sprockets.len()];
-    for &pair in &dynamics.teeth.near {
-        teeth[pair as usize] = Some(tooth_errors(dynamics, pair as usize));
-    }
+    let near = reference.teeth.iter().enumerate();
+    let teeth: Vec<Option<Errors>> = near
+        .map(|(pair, tooth)| tooth.map(|tooth| tooth_errors(dynamics, &reference, pair, &tooth)))
+        .collect();
     let mut seen = vec![false; teeth.len()];
     for (s, k, depth, force) in dynamics.candidates() {
         let pair = s * n + k;
@@ -176,67 +175,72 @@ pub fn compare(dynamics: &mut Dynamics, t: f64, y: &[f64]) -> Agreement {
             );
             continue;
         };
-        let twin = dynamics.teeth.penetration[pair].max(0.0);
+        let expected = depth_of(&reference, pair).max(0.0);
         all.touching += usize::from(depth > 0.0);
-        all.tooth_depth = all.tooth_depth.max(ratio(depth, twin, errors.grain));
+        all.tooth_depth = all.tooth_depth.max(ratio(depth, expected, errors.grain));
         all.force = all
             .force
             .max(ratio(force, errors.force, errors.force_error));
         if model.tooth_law.lambda == 0.0 {
-            let number = model.tooth_pair(s, stiffness_surface(dynamics, pair));
-            let law = elastic(&model.tooth_law.pairs, number, depth);
+            let surface = reference.teeth[pair].unwrap().stiffness_surface;
+            let number = model.tooth_pair(s, surface);
+            let law = elastic(&model.tooth_law.pairs, number, 0.0, depth);
             let error = law_error(&model.tooth_law.pairs, number, depth, law);
             all.elastic = all.elastic.max(ratio(force, law, error));
         }
     }
-    for &pair in &dynamics.teeth.near {
-        let pair = pair as usize;
-        assert!(
-            seen[pair] || dynamics.teeth.penetration[pair] <= 0.0,
-            "pair {pair} was not looked at"
-        );
+    for (pair, seen) in seen.into_iter().enumerate() {
+        let looked_at = seen || depth_of(&reference, pair) <= 0.0;
+        assert!(looked_at, "pair {pair} was not looked at");
     }
 
-    compare_links(dynamics, &hinges, &rollers, &teeth, &dydt[nq..], &mut all);
-    compare_rollers(dynamics, &rollers, &teeth, &dydt[nq..2 * nq], &mut all);
-    compare_sprockets(dynamics, &teeth, &dydt[nq..2 * nq], &mut all);
-    let mut dissipated_error = UNIT * powers.dissipated.abs();
-    let mut worked_in_error = UNIT * powers.worked_in.abs();
-    for errors in hinges.iter().chain(&rollers).chain(teeth.iter().flatten()) {
-        dissipated_error += errors.power_error;
-    }
-    for (s, sprocket) in model.sprockets.iter().enumerate() {
-        let (_, moment_error) = sprocket_errors(dynamics, &teeth, s);
-        if matches!(sprocket.rotation, Rotation::Prescribed(_)) {
-            worked_in_error += moment_error * dynamics.motion.spin[model.wheel_body(s)].abs();
+    compare_links(
+        dynamics,
+        &reference,
+        &hinges,
+        &rollers,
+        &teeth,
+        &dydt[nq..],
+        &mut all,
+    );
+    compare_rollers(
+        dynamics,
+        &reference,
+        &rollers,
+        &teeth,
+        &dydt[nq..2 * nq],
+        &mut all,
+    );
+    compare_sprockets(dynamics, &reference, &teeth, &dydt[nq..2 * nq], &mut all);
+    if dynamics.keeps_energy() {
+        let dissipated = reference.losses.values().iter().sum::<f64>();
+        let mut error = UNIT * dissipated.abs();
+        for errors in hinges.iter().chain(&rollers).chain(teeth.iter().flatten()) {
+            error += errors.power_error;
         }
-        if let Support::Slide { damping, .. } = sprocket.support {
-            let body = model.wheel_body(s);
-            let speed = dynamics.motion.vx[body].hypot(dynamics.motion.vy[body]);
-            dissipated_error += 4.0 * UNIT * damping * speed * speed;
-        }
+        all.power = ratio(found.iter().sum(), dissipated, error);
     }
-    all.power = ratio(found.dissipated, powers.dissipated, dissipated_error).max(ratio(
-        found.worked_in,
-        powers.worked_in,
-        worked_in_error,
-    ));
     all
 }
 
-fn hinge_errors(dynamics: &Dynamics, k: usize) -> Errors {
-    let (model, hinges, motion) = (dynamics.model(), &dynamics.hinges, &dynamics.motion);
+fn hinge_errors(dynamics: &Dynamics, reference: &Reference, k: usize) -> Errors {
+    let (model, motion) = (dynamics.model(), &reference.motion);
+    let Contact {
+        penetration,
+        rate,
+        force,
+        ..
+    } = reference.hinges[k];
     let next = (k + 1) % model.links;
     let size = [k, next].map(|i| motion.x[i].abs().max(motion.y[i].abs()));
     let speed = [k, next].map(|i| {
         motion.vx[i].abs().max(motion.vy[i].abs()) + model.half_pitch * motion.spin[i].abs()
     });
-    let rate = hinges.rate[k];
     Found {
-        depth: hinges.penetration[k],
+        depth: penetration,
         rate,
-        force: hinges.force[k],
-        distance: hinges.penetration[k] + model.clearance,
+        force,
+        distance: penetration + model.clearance,
         size: size[0].max(size[1]) + model.half_pitch,
         speed: speed[0].max(speed[1]),
         onset: dynamics
@@ -244,23 +248,28 @@ fn hinge_errors(dynamics: &Dynamics, k: usize) -> Errors {
             .onset_speed(dynamics.memory.hinge_speed()[k], rate),
         lambda: model.hinge_law.lambda,
     }
-    .errors(|depth| elastic(&model.hinge_law.pairs, 0, depth))
+    .errors(|depth| elastic(&model.hinge_law.pairs, 0, 0.0, depth))
 }
 
-fn roller_errors(dynamics: &Dynamics, k: usize) -> Errors {
-    let (model, found, motion) = (dynamics.model(), &dynamics.rollers, &dynamics.motion);
+fn roller_errors(dynamics: &Dynamics, reference: &Reference, k: usize) -> Errors {
+    let (model, motion) = (dynamics.model(), &reference.motion);
+    let Contact {
+        penetration,
+        rate,
+        force,
+        ..
+    } = reference.rollers[k];
     let rollers = model.rollers.as_ref().unwrap();
     let bodies = [model.link_of_bushing(k), model.links + k];
     let size = bodies.map(|i| motion.x[i].abs().max(motion.y[i].abs()));
     let speed = bodies.map(|i| {
         motion.vx[i].abs().max(motion.vy[i].abs()) + model.half_pitch * motion.spin[i].abs()
     });
-    let rate = found.rate[k];
     Found {
-        depth: found.penetration[k],
+        depth: penetration,
         rate,
-        force: found.force[k],
-        distance: found.penetration[k] + rollers.clearance,
+        force,
+        distance: penetration + rollers.clearance,
         size: size[0].max(size[1]) + model.half_pitch,
         speed: speed[0].max(speed[1]),
         onset: dynamics
@@ -268,38 +277,42 @@ fn roller_errors(dynamics: &Dynamics, k: usize) -> Errors {
             .onset_speed(dynamics.memory.roller_speed()[k], rate),
         lambda: rollers.law.lambda,
     }
-    .errors(|depth| elastic(&rollers.law.pairs, 0, depth))
+    .errors(|depth| elastic(&rollers.law.pairs, 0, 0.0, depth))
 }
 
-fn stiffness_surface(dynamics: &Dynamics, pair: usize) -> Surface {
-    let kept = dynamics.model().tooth_law.regions == Regions::Kept;
-    if kept && dynamics.memory.tooth_speed[pair] > 0.0 {
-        dynamics.memory.tooth_surface[pair]
-    } else {
-        dynamics.teeth.surface[pair]
-    }
+fn depth_of(reference: &Reference, pair: usize) -> f64 {
+    reference.teeth[pair].map_or(f64::NEG_INFINITY, |tooth| tooth.contact.penetration)
 }
 
-fn tooth_errors(dynamics: &Dynamics, pair: usize) -> Errors {
-    let (model, teeth, motion) = (dynamics.model(), &dynamics.teeth, &dynamics.motion);
+fn tooth_errors(
+    dynamics: &Dynamics,
+    reference: &Reference,
+    pair: usize,
+    tooth: &ToothContact,
+) -> Errors {
+    let (model, motion) = (dynamics.model(), &reference.motion);
     let (s, k) = (pair / model.links, pair % model.links);
     let profile = &model.sprockets[s].profile;
-    let ((bushing, velocity), turning) = on_teeth(model, motion, &dynamics.hinges, k);
+    let ([bushing, velocity], turning) = reference.on_teeth(model, k);
     let body = model.wheel_body(s);
-    let depth = teeth.penetration[pair];
+    let Contact {
+        penetration: depth,
+        rate,
+        force,
+        ..
+    } = tooth.contact;
     let radius = model.contact_radius;
-    let distance = match profile.surfaces()[teeth.surface[pair].index()].curve {
+    let distance = match profile.surfaces()[tooth.surface.index()].curve {
         SurfaceCurve::Concave(arc) => depth + arc.radius - radius,
         SurfaceCurve::Straight(_) => f64::INFINITY,
         SurfaceCurve::Convex(arc) => arc.radius + radius - depth,
     };
-    let rate = teeth.rate[pair];
-    let number = model.tooth_pair(s, stiffness_surface(dynamics, pair));
+    let number = model.tooth_pair(s, tooth.stiffness_surface);
     let reach = model.sprockets[s].reach;
     Found {
         depth,
         rate,
-        force: teeth.force[pair],
+        force,
         distance,
         size: bushing
             .amax()
@@ -315,18 +328,19 @@ fn tooth_errors(dynamics: &Dynamics, pair: usize) -> Errors {
             .onset_speed(dynamics.memory.tooth_speed[pair], rate),
         lambda: model.tooth_law.lambda,
     }
-    .errors(|depth| elastic(&model.tooth_law.pairs, number, depth))
+    .errors(|depth| elastic(&model.tooth_law.pairs, number, 0.0, depth))
 }
 
 fn compare_links(
     dynamics: &Dynamics,
+    reference: &Reference,
     hinges: &[Errors],
     rollers: &[Errors],
     teeth: &[Option<Errors>],
     accelerations: &[f64],
     all: &mut Agreement,
 ) {
-    let (model, twins) = (dynamics.model(), &dynamics.accelerations);
+    let (model, [x, y, angle]) = (dynamics.model(), &reference.accelerations);
     let n = model.links;
     for i in 0..n {
         let before = (i + n - 1) % n;
@@ -349,20 +363,21 @@ fn compare_links(
         let angular = error * 2.0 * model.half_pitch * model.inverse_inertia[i];
         all.link = all
             .link
-            .max(ratio(accelerations[i], twins.x[i], linear))
-            .max(ratio(accelerations[n + i], twins.y[i], linear))
-            .max(ratio(accelerations[2 * n + i], twins.angle[i], angular));
+            .max(ratio(accelerations[i], x[i], linear))
+            .max(ratio(accelerations[n + i], y[i], linear))
+            .max(ratio(accelerations[2 * n + i], angle[i], angular));
     }
 }
 
 fn compare_rollers(
     dynamics: &Dynamics,
+    reference: &Reference,
     rollers: &[Errors],
     teeth: &[Option<Errors>],
     accelerations: &[f64],
     all: &mut Agreement,
 ) {
-    let (model, twins) = (dynamics.model(), &dynamics.accelerations);
+    let (model, [x, y, angle]) = (dynamics.model(), &reference.accelerations);
     let Some(of) = &model.rollers else {
         return;
     };
@@ -373,13 +388,13 @@ fn compare_rollers(
             error += errors.vector_error + UNIT * errors.force;
         }
         let linear = error / of.mass + UNIT * model.gravity.amax();
-        let (x, y) = (of.first + k, of.first + n + k);
+        let (at_x, at_y) = (of.first + k, of.first + n + k);
         all.link = all
             .link
-            .max(ratio(accelerations[x], twins.x[n + k], linear))
-            .max(ratio(accelerations[y], twins.y[n + k], linear));
+            .max(ratio(accelerations[at_x], x[n + k], linear))
+            .max(ratio(accelerations[at_y], y[n + k], linear));
         // Without friction nothing turns them.
-        assert_eq!(accelerations[of.first + 2 * n + k], twins.angle[n + k]);
+        assert_eq!(accelerations[of.first + 2 * n + k], angle[n + k]);
     }
 }
 
@@ -400,46 +415,47 @@ fn sprocket_errors(dynamics: &Dynamics, teeth: &[Option<Errors>], s: usize) -> (
     )
 }
 
+/// What readers are given of the sprockets, and the accelerations of their coordinates, which follow from it.
 fn compare_sprockets(
     dynamics: &Dynamics,
+    reference: &Reference,
     teeth: &[Option<Errors>],
     accelerations: &[f64],
     all: &mut Agreement,
 ) {
-    let (model, twins) = (dynamics.model(), &dynamics.accelerations);
+    let (model, found) = (dynamics.model(), &dynamics.accelerations);
+    // Sums over the same teeth, perhaps in another order.
+    let same = |index: usize, expected: f64, error: f64| {
+        let error = error + 1e2 * UNIT * expected.abs();
+        let off = ratio(accelerations[index], expected, error);
+        assert!(off <= 1.0, "{} for {expected}", accelerations[index]);
+    };
     for (s, sprocket) in model.sprockets.iter().enumerate() {
         let body = model.wheel_body(s);
         let (force_error, moment_error) = sprocket_errors(dynamics, teeth, s);
-        let linear =
-            |twin: f64| force_error / sprocket.mass + UNIT * (model.gravity.amax() + twin.abs());
+        let (load, expected) = (found.chain[s], reference.loads[s]);
+        for (own, other) in [
+            (load.force.x, expected.force.x),
+            (load.force.y, expected.force.y),
+        ] {
+            all.sprocket = all.sprocket.max(ratio(own, other, force_error));
+        }
+        all.sprocket = (all.sprocket).max(ratio(load.moment, expected.moment, moment_error));
+        let linear = force_error / sprocket.mass;
+        let along = |direction: Vec2| direction.x * found.x[body] + direction.y * found.y[body];
         match sprocket.support {
             Support::Fixed => {}
-            Support::Slide {
-                index,
-                direction,
-                damping,
-                pull,
-                ..
-            } => {
-                let twin = direction.x * twins.x[body] + direction.y * twins.y[body];
-                let speed = dynamics.motion.vx[body].hypot(dynamics.motion.vy[body]);
-                let other = UNIT * (damping * speed + pull) / sprocket.mass;
-                all.sprocket =
-                    all.sprocket
-                        .max(ratio(accelerations[index], twin, linear(twin) + other));
+            Support::Slide { index, .. } => {
+                let center = Vec2::new(reference.motion.x[body], reference.motion.y[body]);
+                same(index, along(sprocket.slide_at(center).unwrap().1), linear);
             }
             Support::Floating { x, y } => {
-                for (index, twin) in [(x, twins.x[body]), (y, twins.y[body])] {
-                    all.sprocket =
-                        all.sprocket
-                            .max(ratio(accelerations[index], twin, linear(twin)));
-                }
+                same(x, found.x[body], linear);
+                same(y, found.y[body], linear);
             }
         }
         if let Rotation::Free { index, .. } = sprocket.rotation {
-            let twin = twins.angle[body];
-            let error = moment_error / sprocket.inertia + UNIT * twin.abs();
-            all.sprocket = all.sprocket.max(ratio(accelerations[index], twin, error));
+            same(index, found.angle[body], moment_error / sprocket.inertia);
         }
     }
 }

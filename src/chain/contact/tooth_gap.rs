@@ -1,103 +1,7 @@
 //! Bushing on the surfaces of a tooth gap.
 
-use super::{HingeContacts, on_teeth};
-use crate::chain::model::{Model, SprocketModel};
-use crate::chain::motion::Motion;
-use crate::geometry::Contact;
-use crate::geometry::{Surface, Vec2, turned_left};
-
-/// All bushings against all sprockets; pair `sprocket * links + bushing`.
-#[derive(Debug, Clone)]
-pub struct ToothContacts {
-    /// Penetration δ \[m\]; -inf when not even near.
-    pub penetration: Vec<f64>,
-    /// The pairs that are near, in rising order; the arrays below hold for these only.
-    pub near: Vec<u32>,
-    /// dδ/dt \[m/s\].
-    pub rate: Vec<f64>,
-    /// Direction in which the penetration grows, x.
-    pub normal_x: Vec<f64>,
-    /// The same, y.
-    pub normal_y: Vec<f64>,
-    /// Bushing's centre seen from the sprocket's, x \[m\].
-    pub arm_x: Vec<f64>,
-    /// The same, y \[m\].
-    pub arm_y: Vec<f64>,
-    /// Number of the surface.
-    pub surface: Vec<Surface>,
-    /// Region from 1.
-    pub region: Vec<u8>,
-    /// Gap the bushing is in.
-    pub gap: Vec<u32>,
-    /// Normal force \[N\], written by the dynamics.
-    pub force: Vec<f64>,
-    /// Friction on the sprocket, along the normal turned left \[N\]; zero without a law of friction.
-    pub friction: Vec<f64>,
-}
-
-impl ToothContacts {
-    /// Room for every pair.
-    #[must_use]
-    pub fn new(links: usize, sprockets: usize) -> Self {
-        let pairs = links * sprockets;
-        let zeros = || vec![0.0; pairs];
-        Self {
-            penetration: vec![f64::NEG_INFINITY; pairs],
-            near: Vec::with_capacity(pairs),
-            rate: zeros(),
-            normal_x: zeros(),
-            normal_y: zeros(),
-            arm_x: zeros(),
-            arm_y: zeros(),
-            surface: vec![Surface::SEATING; pairs],
-            region: vec![0; pairs],
-            gap: vec![0; pairs],
-            force: zeros(),
-            friction: zeros(),
-        }
-    }
-
-    /// Force of the sprocket on the bushing of a near pair, friction included \[N\].
-    #[must_use]
-    pub fn force_on_bushing(&self, pair: usize) -> Vec2 {
-        let normal = Vec2::new(self.normal_x[pair], self.normal_y[pair]);
-        -self.force[pair] * normal - self.friction[pair] * turned_left(normal)
-    }
-
-    /// Finds the depth of every bushing on every sprocket that is near enough.
-    #[allow(clippy::cast_possible_truncation)] // pairs are far fewer than 2^32
-    pub fn find(&mut self, model: &Model, motion: &Motion, hinges: &HingeContacts) {
-        for &pair in &self.near {
-            self.penetration[pair as usize] = f64::NEG_INFINITY;
-            self.force[pair as usize] = 0.0;
-            self.friction[pair as usize] = 0.0;
-        }
-        self.near.clear();
-        for (s, sprocket) in model.sprockets.iter().enumerate() {
-            let frame = SprocketFrame::of(motion, model.wheel_body(s));
-            let reach_squared = sprocket.reach * sprocket.reach;
-            for k in (0..model.links).filter(|&k| model.bushing_is_there(k)) {
-                let ((point, velocity), _) = on_teeth(model, motion, hinges, k);
-                let arm = point - frame.center;
-                if arm.norm_squared() >= reach_squared {
-                    continue;
-                }
-                let found = on_gap(sprocket, &frame, arm, velocity, model.contact_radius);
-                let pair = s * model.links + k;
-                self.near.push(pair as u32);
-                self.penetration[pair] = found.contact.penetration;
-                self.rate[pair] = found.contact.penetration_rate;
-                self.normal_x[pair] = found.contact.normal.x;
-                self.normal_y[pair] = found.contact.normal.y;
-                self.arm_x[pair] = arm.x;
-                self.arm_y[pair] = arm.y;
-                self.surface[pair] = found.surface;
-                self.region[pair] = found.region;
-                self.gap[pair] = found.gap;
-            }
-        }
-    }
-}
+use crate::chain::model::SprocketModel;
+use crate::geometry::{Contact, Surface, Vec2};
 
 /// A sprocket's place and motion.
 #[derive(Debug, Clone, Copy)]
@@ -125,16 +29,6 @@ impl SprocketFrame {
             spin,
             cos,
             sin,
-        }
-    }
-
-    fn of(motion: &Motion, body: usize) -> Self {
-        Self {
-            center: Vec2::new(motion.x[body], motion.y[body]),
-            velocity: Vec2::new(motion.vx[body], motion.vy[body]),
-            spin: motion.spin[body],
-            cos: motion.cos[body],
-            sin: motion.sin[body],
         }
     }
 }

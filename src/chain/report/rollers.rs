@@ -1,9 +1,10 @@
-//! Roller on bushing: a clearance joint between each bushing and the roller that turns on it.
+//! Roller on bushing: a clearance joint between each bushing and the roller that turns on it, as the kernels left it.
 
 use super::HingeContacts;
-use super::clearance_joint::pin_in_bushing;
+use super::hinges::Gap;
 use crate::chain::model::Model;
 use crate::chain::motion::Motion;
+use crate::chain::rhs::layout::ChainArrays;
 use crate::geometry::{Vec2, turned_left};
 
 /// All rollers on their bushings; empty where rollers are no bodies of their own.
@@ -17,12 +18,10 @@ pub struct RollerContacts {
     pub penetration: Vec<f64>,
     /// dδ/dt \[m/s\].
     pub rate: Vec<f64>,
-    /// Normal force \[N\], written by the dynamics.
+    /// Normal force \[N\].
     pub force: Vec<f64>,
     /// Friction on the roller, along the direction turned left \[N\]; zero without a law of friction.
     pub friction: Vec<f64>,
-    /// Moments of friction about the bushing and about the roller \[N m\].
-    pub moments: Vec<[f64; 2]>,
     /// Bushing's centre seen from the roller's \[m\].
     pub eccentricity: Vec<Vec2>,
 }
@@ -39,28 +38,29 @@ impl RollerContacts {
             rate: zeros(),
             force: zeros(),
             friction: zeros(),
-            moments: vec![[0.0; 2]; rollers],
             eccentricity: vec![Vec2::zeros(); rollers],
         }
     }
 
-    /// Finds the depth of every bushing in its roller's bore, where there are rollers; the ends of links are known.
-    pub fn find(&mut self, model: &Model, motion: &Motion, hinges: &HingeContacts) {
-        let Some(rollers) = &model.rollers else {
+    /// Takes all rollers from what an evaluation left of them; those that are none stay as they were.
+    pub(crate) fn read(
+        &mut self,
+        model: &Model,
+        motion: &Motion,
+        hinges: &HingeContacts,
+        arrays: Option<&ChainArrays>,
+    ) {
+        let (Some(rollers), Some(arrays)) = (&model.rollers, arrays) else {
             return;
         };
-        for k in 0..model.links {
-            if !model.bushing_is_there(k) {
-                continue;
-            }
-            let ((bushing, bushing_velocity), (roller, velocity)) =
-                (hinges.bushing(k), roller_center(model, motion, k));
-            let offset = bushing - roller;
-            let contact = pin_in_bushing(offset, bushing_velocity - velocity, rollers.clearance);
-            self.direction_x[k] = contact.normal.x;
-            self.direction_y[k] = contact.normal.y;
-            self.penetration[k] = contact.penetration;
-            self.rate[k] = contact.penetration_rate;
+        for k in (0..model.links).filter(|&k| model.bushing_is_there(k)) {
+            let body = model.links + k;
+            let offset = hinges.bushing[k] - Vec2::new(motion.x[body], motion.y[body]);
+            let gap = Gap::of(arrays, k, rollers.clearance);
+            let direction = gap.over_distance * offset;
+            (self.direction_x[k], self.direction_y[k]) = (direction.x, direction.y);
+            (self.penetration[k], self.rate[k]) = (gap.penetration, gap.rate);
+            (self.force[k], self.friction[k]) = (arrays.force[k], arrays.friction[k]);
             self.eccentricity[k] = offset;
         }
     }
@@ -73,15 +73,6 @@ impl RollerContacts {
     }
 }
 
-/// Centre of roller `k` and its velocity.
-fn roller_center(model: &Model, motion: &Motion, k: usize) -> (Vec2, Vec2) {
-    let body = model.links + k;
-    (
-        Vec2::new(motion.x[body], motion.y[body]),
-        Vec2::new(motion.vx[body], motion.vy[body]),
-    )
-}
-
 /// Centre of what meets the teeth at hinge `k`, roller or bushing, its velocity, and the body that it turns with.
 #[must_use]
 pub fn on_teeth(
@@ -90,9 +81,11 @@ pub fn on_teeth(
     hinges: &HingeContacts,
     k: usize,
 ) -> ((Vec2, Vec2), usize) {
-    if model.rollers.is_some() {
-        (roller_center(model, motion, k), model.links + k)
-    } else {
-        (hinges.bushing(k), model.link_of_bushing(k))
+    if model.rollers.is_none() {
+        return (hinges.bushing(k), model.link_of_bushing(k));
     }
+    let body = model.links + k;
+    let center = Vec2::new(motion.x[body], motion.y[body]);
+    let velocity = Vec2::new(motion.vx[body], motion.vy[body]);
+    ((center, velocity), body)
 }

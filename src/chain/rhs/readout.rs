@@ -1,0 +1,196 @@
+//! What the kernels leave for those who read contacts: signed penetrations, rates, normals and surfaces of all candidates on teeth.
+//!
+//! A step needs of a tooth contact its depth and its force only; reports need the rest, which is found here by the same tooth forms.
+
+use pulp::{Simd, WithSimd};
+
+use super::gap::{Form, Gap, GapConstants};
+use super::layout::ChainArrays;
+use super::teeth::SprocketPose;
+use super::{Kernels, on_teeth};
+use crate::chain::contact::{ImpactMemory, SprocketCandidates};
+use crate::chain::dynamics::{Powers, SprocketLoad};
+use crate::chain::model::Model;
+use crate::chain::motion::Motion;
+use crate::geometry::Vec2;
+use crate::math::simd::{
+    Lanes, Numbers, both, both_mut, load, padded_zeros, splat_two, vectors, vectors_mut,
+};
+
+/// Candidates of one sprocket as reports have them, slot by slot.
+#[derive(Debug, Clone)]
+pub(crate) struct ToothReadings {
+    /// Penetration \[m\]; negative when apart.
+    pub(crate) penetration: Numbers,
+    /// Its rate \[m/s\].
+    pub(crate) rate: Numbers,
+    /// Direction in which it grows, x and y.
+    pub(crate) normal: [Numbers; 2],
+    /// Bushing's centre seen from the sprocket's, x and y \[m\].
+    pub(crate) arm: [Numbers; 2],
+    /// Number of the nearest surface.
+    pub(crate) surface: Numbers,
+    /// One on a left flank, zero on a right one.
+    pub(crate) left: Numbers,
+}
+
+impl ToothReadings {
+    /// Room for `slots` candidates.
+    pub(crate) fn new(slots: usize) -> Self {
+        let zeros = || padded_zeros(slots);
+        Self {
+            penetration: zeros(),
+            rate: zeros(),
+            normal: [zeros(), zeros()],
+            arm: [zeros(), zeros()],
+            surface: zeros(),
+            left: zeros(),
+        }
+    }
+}
+
+/// Reads the candidates of one sprocket where the last evaluation was.
+pub(super) struct ReadTeeth<'a, C> {
+    pub(super) constants: &'a C,
+    pub(super) pose: &'a SprocketPose,
+    pub(super) arrays: &'a ChainArrays,
+    pub(super) candidates: &'a SprocketCandidates,
+    pub(super) readings: &'a mut ToothReadings,
+}
+
+impl<C: GapConstants> WithSimd for ReadTeeth<'_, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let splat = |value| Lanes::splat(simd, value);
+        let (zero, one) = (splat(0.0), splat(1.0));
+        let gaps = self.constants.gap(simd);
+        let center = splat_two(simd, self.pose.center);
+        let own = splat_two(simd, self.pose.velocity);
+        let direction = splat_two(simd, self.pose.direction);
+        let spin = splat(self.pose.spin);
+        for run in &self.candidates.runs {
+            let (slot, blocks) = (run.slot, run.length.div_ceil(S::F64_LANES));
+            let bushing = both::<S>(&self.arrays.bushing, run.first, blocks);
+            let velocity = both::<S>(&self.arrays.bushing_velocity, run.first, blocks);
+            let gap_cos = vectors::<S>(&self.candidates.gap_cos[slot..], blocks);
+            let gap_sin = vectors::<S>(&self.candidates.gap_sin[slot..], blocks);
+            let depth = vectors::<S>(&self.candidates.depth[slot..], blocks);
+            let readings = &mut *self.readings;
+            let penetration = vectors_mut::<S>(&mut readings.penetration[slot..], blocks);
+            let rate = vectors_mut::<S>(&mut readings.rate[slot..], blocks);
+            let normal = both_mut::<S>(&mut readings.normal, slot, blocks);
+            let arm = both_mut::<S>(&mut readings.arm, slot, blocks);
+            let number = vectors_mut::<S>(&mut readings.surface[slot..], blocks);
+            let on_left = vectors_mut::<S>(&mut readings.left[slot..], blocks);
+            for b in 0..blocks {
+                let at = |array: &[S::f64s]| load(simd, &array[b]);
+                let [x, y] = [at(bushing[0]) - center[0], at(bushing[1]) - center[1]];
+                let place = gaps.place([x, y], direction, [at(gap_cos), at(gap_sin)]);
+                let surface = gaps.nearest(&place);
+                let (found, [nx, ny], _) = gaps.depth(&surface, &place);
+                // A contact that bears nothing for its rounding is apart.
+                let apart = -(-found).positive_part();
+                let depth = at(depth);
+                penetration[b] = depth.exceeds(zero).select(depth, apart).values();
+                let vx = spin.mul_add(y, at(velocity[0]) - own[0]);
+                let vy = spin.negate_mul_add(x, at(velocity[1]) - own[1]);
+                rate[b] = nx.mul_add(vx, ny * vy).values();
+                (normal[0][b], normal[1][b]) = (nx.values(), ny.values());
+                (arm[0][b], arm[1][b]) = (x.values(), y.values());
+                let (which, left) = gaps.surface(&surface, &place);
+                number[b] = which.values();
+                on_left[b] = left.select(one, zero).values();
+            }
+        }
+    }
+}
+
+impl Kernels {
+    /// Evaluates with the sprockets where `motion` has them, wherever that is, and the rest at `y`; writes accelerations into `rates`.
+    pub(crate) fn evaluate_placed<const ENERGY: bool>(
+        &mut self,
+        model: &Model,
+        memory: &ImpactMemory,
+        (motion, t): (&Motion, f64),
+        y: &[f64],
+        rates: &mut [f64],
+    ) -> Powers {
+        self.place_sprockets_as(model, motion);
+        self.accelerate_placed::<ENERGY>(model, memory, t, y, rates)
+    }
+
+    /// The same without accelerations: hinges and rollers, and `teeth` where they are asked for.
+    pub(crate) fn evaluate_contacts(
+        &mut self,
+        model: &Model,
+        memory: &ImpactMemory,
+        motion: &Motion,
+        (y, rates): (&[f64], &mut [f64]),
+        teeth: bool,
+    ) {
+        self.place_sprockets_as(model, motion);
+        let (moved_squared, mut losses) = self.join::<false>(model, memory, y, rates);
+        if teeth {
+            self.touch::<false>(model, memory, (y, moved_squared), rates, &mut losses);
+        }
+        self.put_bristles(model, rates);
+    }
+
+    fn place_sprockets_as(&mut self, model: &Model, motion: &Motion) {
+        let angles = self.chain.sprocket_angle.iter_mut();
+        for (s, (pose, angle)) in self.poses.iter_mut().zip(angles).enumerate() {
+            let body = model.wheel_body(s);
+            *pose = SprocketPose {
+                center: [motion.x[body], motion.y[body]],
+                velocity: [motion.vx[body], motion.vy[body]],
+                angle: motion.angle[body],
+                spin: motion.spin[body],
+                direction: [1.0, 0.0],
+            };
+            *angle = pose.angle;
+        }
+    }
+
+    /// What the last evaluation left of links and hinges.
+    pub(crate) fn chain(&self) -> &ChainArrays {
+        &self.chain
+    }
+
+    /// The same of rollers on their bushings.
+    pub(crate) fn rollers(&self) -> Option<&ChainArrays> {
+        self.rollers.as_ref().map(|rollers| &rollers.arrays)
+    }
+
+    /// What the chain does to every sprocket at the last evaluation.
+    pub(crate) fn sprocket_loads(&self) -> &[SprocketLoad] {
+        &self.loads
+    }
+
+    /// Force of the chain on both ends of an open one at the last evaluation \[N\].
+    pub(crate) fn forces_on_ends(&self, model: &Model) -> Option<[Vec2; 2]> {
+        model.ends.as_ref().map(|ends| self.on_ends(ends))
+    }
+
+    /// Reads the candidates of sprocket `s` where the last evaluation was.
+    pub(crate) fn read_teeth(&self, s: usize, readings: &mut ToothReadings) -> &SprocketCandidates {
+        let candidates = &self.candidates.sprockets[s];
+        macro_rules! read {
+            ($constants:expr) => {
+                self.instructions.run(ReadTeeth {
+                    constants: $constants,
+                    pose: &self.poses[s],
+                    arrays: on_teeth(&self.chain, self.rollers.as_deref()),
+                    candidates,
+                    readings,
+                })
+            };
+        }
+        match &self.teeth[self.kind[s]].form {
+            Form::Ansi(gap) => read!(gap),
+            Form::Table(gap) => read!(gap),
+        }
+        candidates
+    }
+}
