@@ -123,10 +123,10 @@ bench-smoke: build rivals ## Run every benchmark once, without measuring
 	$(BIN)/python benches/ideal_drive_peer.py --test
 	$(BIN)/python benches/work_precision.py --test
 
-robustness: build ## Run scenes that are hard in different ways, 2 s each, and write docs/robustness.md
+robustness: build ## Run scenes that are hard in different ways, 2 s each, and write docs/performance/robustness.md
 	$(BIN)/python benches/robustness.py --write $(BENCH_ARGS)
 
-work-precision: build rivals ## Run time against error, beside rivals: docs/work-precision.md anew, in 12 minutes
+work-precision: build rivals ## Run time against error, beside rivals: docs/performance/work-precision.md anew, in 12 minutes
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benches/work_precision.py
 
 # Other integrators, and the right-hand side that they call.

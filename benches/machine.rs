@@ -1,5 +1,5 @@
 //! What this machine can do at most with the widest registers that it has, the least time of a right-hand side that follows from
-//! it, and the time it takes: the figures of docs/roofline.md.
+//! it, and the time it takes: the figures of docs/development/roofline.md.
 //!
 //! Limits come from small loops of one instruction each, counts from the kernels' source, one line of it at a time.
 

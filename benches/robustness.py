@@ -1,7 +1,7 @@
 """Whether scenes that are hard in different ways end, at what cost, with what residual.
 
-Prints a line for each scene; with --write, the table goes into docs/robustness.md. The exit status
-is 1 when a scene fails: it does not end, or its energy balance does not close.
+Prints a line for each scene; with --write, the table goes into docs/performance/robustness.md. The
+exit status is 1 when a scene fails: it does not end, or its energy balance does not close.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 
 import rustchain as rc
 
-TABLE = Path(__file__).parent.parent / "docs" / "robustness.md"
+TABLE = Path(__file__).parent.parent / "docs" / "performance" / "robustness.md"
 SPEED = 4.0 * np.pi  # of the published drive [rad/s]
 SUDDEN = 1e-9  # [s] in which a load is there or gone
 

@@ -1,9 +1,9 @@
 """Run time against error: this project's integrator and rivals on the same right-hand side.
 
 `make work-precision` builds what it needs, runs all scenes (at most 12 minutes on an idle
-machine) and writes the chart and the tables of docs/work-precision.md. `--only SCENE`, as often as
-wanted, runs these alone and puts them into the last full run's place; `--redraw` makes chart and
-tables anew from the last run; `--test` runs a few short scenes (or those of `--only`, shortened)
+machine) and writes the chart and tables of docs/performance/work-precision.md. `--only SCENE`, as
+often as wanted, runs these alone and puts them into the last full run's place; `--redraw` draws
+chart and tables of the last run; `--test` runs a few short scenes (or those of `--only`, shortened)
 and writes nothing.
 """
 
@@ -26,7 +26,7 @@ from work_precision.analysis import force_statistics
 from work_precision.peers import Start
 
 ROOT = Path(__file__).parent.parent
-RECORD = ROOT / "docs/work-precision.json"
+RECORD = ROOT / "docs/performance/work-precision.json"
 ACCURACIES = [3e-9, 1e-9, 3e-10, 1e-10, 1e-11]
 # Of all three where runs are short: from what is too loose to what rounding leaves.
 ALL_ACCURACIES = [3e-8, *ACCURACIES, 1e-12, 1e-13, 1e-14, 3e-15]

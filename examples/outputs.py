@@ -1,4 +1,4 @@
-"""What engineers read from a run: the figures of docs/outputs.md, for a loaded drive of 17:25.
+"""Post-processing of a loaded drive of 17:25: the figures of docs/reference/outputs.md.
 
 A motor at 25 rad/s, a load of 3 N m, 60 N of pretension; one revolution of the chain after the
 start has settled.

@@ -1,4 +1,4 @@
-//! The direction of imports between the folders of `src`, as docs/architecture.md states it.
+//! The direction of imports between the folders of `src`, as docs/development/architecture.md states it.
 
 #![allow(clippy::unwrap_used)]
 

@@ -250,7 +250,7 @@ def _orders(record):
 def write(record, docs):
     """Draw the chart and put the tables and verdicts between the marks of the page."""
     draw(record, docs / CHART)
-    page = docs / "work-precision.md"
+    page = docs / "performance" / "work-precision.md"
     text = page.read_text()
     for name, block in {
         "verdicts": "\n".join(f"- {line}" for line in verdicts(record)),

@@ -1,6 +1,6 @@
 """Post-processing of runs: loads, transmission, power, pressure, strands, impacts.
 
-Each function is a method of a `Result`; docs/outputs.md explains the numbers.
+Each function is a method of a `Result`; docs/reference/outputs.md explains the numbers.
 """
 
 from __future__ import annotations

@@ -102,7 +102,7 @@ class ChainSize:
 
     @property
     def parts(self) -> dict[str, Part]:
-        """Parts of an inner and an outer link, in the shapes that docs/chains.md gives, unscaled.
+        """Parts of an inner and an outer link, in the shapes of docs/reference/chains.md, unscaled.
 
         Keys are "inner plates", "bushings", "rollers" (of an inner link), "outer plates" and "pins"
         (of an outer link); each counts both of its kind.

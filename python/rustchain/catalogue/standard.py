@@ -195,7 +195,7 @@ def catalogue_chain(
 ) -> Chain:
     """Return a chain of the catalogue, such as "ANSI 40" or "ISO 08B".
 
-    Where its numbers come from: `catalogue` and docs/chains.md.
+    Where its numbers come from: `catalogue` and docs/reference/chains.md.
 
     Parameters
     ----------

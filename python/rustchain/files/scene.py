@@ -106,8 +106,9 @@ def load_scene(path: str | Path) -> Scene:
     """Read the scene in a file: a drive or a mechanism, its laws, its solver and its start.
 
     The file is TOML, or JSON where its name ends in ``.json``, with tables ``drive`` or
-    ``mechanism``, ``simulation`` and ``run``; docs/files.md has every key. Units are SI, and paths
-    in it are relative to the file. ``run`` is what the command ``rustchain run`` does with it.
+    ``mechanism``, ``simulation`` and ``run``; docs/reference/files.md has every key. Units
+    are SI, and paths in it are relative to the file. ``run`` is what the command
+    ``rustchain run`` does with it.
 
     Parameters
     ----------

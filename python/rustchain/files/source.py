@@ -55,7 +55,9 @@ class Source:
             msg = f"{where}: cannot be read ({reason(error)}): give the path of a drive file"
             raise InvalidInput(msg) from error
         except ValueError as error:  # of TOML, of UTF-8, or an integer of too many digits
-            msg = f"{path}: is no TOML ({error}): give a drive file, as docs/files.md has them"
+            msg = (
+                f"{path}: is no TOML ({error}); expected a drive file as in docs/reference/files.md"
+            )
             raise InvalidInput(msg) from error
         except RecursionError as error:
             raise cls(path, {}).too_deep() from error
@@ -71,7 +73,7 @@ class Source:
         """Return the error of tables and lists that are nested without end."""
         return InvalidInput(
             f"{self.path}: has tables or lists nested more than {DEEPEST} deep; expected a drive "
-            "file, as docs/files.md has them; close the brackets where a value ends"
+            "file as in docs/reference/files.md; close the brackets where a value ends"
         )
 
     def refusal(self, key: Key, message: str) -> InvalidInput:

@@ -19,7 +19,7 @@ from rustchain.files.source import Source
 
 ROOT = Path(__file__).parents[3]
 EXAMPLE = ROOT / "examples" / "three_shafts.toml"
-PAGE = (ROOT / "docs" / "files.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "reference" / "files.md").read_text(encoding="utf-8")
 
 
 def rustchain(*arguments):
@@ -372,8 +372,8 @@ def test_the_page_has_every_class_and_every_field():
 
 
 def test_the_tables_of_the_page_are_those_that_its_script_writes():
-    script = runpy.run_path(str(ROOT / "docs" / "files_page.py"))
-    assert PAGE.endswith(script["tables"]()), "run docs/files_page.py"
+    script = runpy.run_path(str(ROOT / "docs" / "reference" / "files_page.py"))
+    assert PAGE.endswith(script["tables"]()), "run docs/reference/files_page.py"
 
 
 @pytest.mark.parametrize(

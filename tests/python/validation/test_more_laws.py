@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 
 import rustchain as rc
 
-PATH = Path(__file__).parents[3] / "docs" / "laws_page.py"
+PATH = Path(__file__).parents[3] / "docs" / "theory" / "force_laws_page.py"
 _SPEC = importlib.util.spec_from_file_location("laws_page", PATH)
 laws_page = importlib.util.module_from_spec(_SPEC)
 sys.modules["laws_page"] = laws_page

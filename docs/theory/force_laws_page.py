@@ -1,4 +1,4 @@
-"""The tables and figures of laws.md, from the laws themselves; running it writes them."""
+"""The tables and figures of force_laws.md, from the laws themselves; running it writes them."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 
 import rustchain as rc
 
-DOCS = Path(__file__).parent
-PAGE = DOCS / "laws.md"
+DOCS = Path(__file__).parents[1]
+PAGE = Path(__file__).with_name("force_laws.md")
 LOAD = 50.0  # [N]
 
 LAWS: dict[str, rc.ForceLaw] = {

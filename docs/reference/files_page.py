@@ -1,4 +1,4 @@
-"""Write the tables of keys in docs/files.md anew, from the descriptions and their docstrings."""
+"""Write the tables of keys in files.md from the descriptions and their docstrings."""
 
 from __future__ import annotations
 
