@@ -21,7 +21,7 @@ unexport CONDA_PREFIX
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help venv build demo check test test-rust test-python lint lint-text lint-rust lint-python bench bench-smoke robustness work-precision stress dist clean
+.PHONY: help venv build demo docs check test test-rust test-python lint lint-text lint-rust lint-python bench bench-smoke robustness work-precision stress dist clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -134,11 +134,24 @@ work-precision: build rivals ## Run time against error, beside rivals: docs/perf
 rivals: $(STAMPS)/bench-tools
 	cargo build --release --locked --quiet --manifest-path benches/compiled_rhs/Cargo.toml
 
+# --- documentation
+
+docs: build $(STAMPS)/docs-tools ## The site, executed and checked, into docs/_build/html; works without network
+	$(BIN)/python -m sphinx -W --keep-going -j auto -q docs docs/_build/html
+	@echo "Done: docs/_build/html/index.html"
+
 # --- release
 
-dist: $(STAMPS)/build-tools ## Wheel and source archive into dist/
-	$(BIN)/maturin build --release --locked --sdist --out dist
+# On Linux, linked against the C library of manylinux2014, so that the wheel runs on every distribution since 2014.
+MANYLINUX := $(if $(filter Linux,$(shell uname -s)),--zig --compatibility manylinux2014)
+
+dist: $(STAMPS)/dist-tools ## Wheel and source archive into dist/
+	@command -v cargo >/dev/null || { echo "error: no cargo found. Install Rust: https://rustup.rs" >&2; exit 1; }
+	rm -rf dist
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/maturin build --release --locked --sdist --out dist $(MANYLINUX)
+	$(if $(MANYLINUX),$(BIN)/auditwheel show dist/*.whl)
 
 clean: ## Remove all that the other targets made
+	rm -rf docs/_build docs/_examples docs/gallery docs/reference/generated docs/reference/_cli.md
 	rm -rf target benches/compiled_rhs/target $(VENV) demo dist $(EXTENSION) .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find python tests examples benches -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -195,6 +195,8 @@ if not TYPE_CHECKING:  # for checkers, other names are none
         if name == "__version__":  # reading it takes longer than the package's own modules
             from importlib.metadata import version
 
-            return version("rustchain")
+            from rustchain.extras import DISTRIBUTION
+
+            return version(DISTRIBUTION)
         msg = f"module 'rustchain' has no attribute {name!r}; {suggest(name, __all__)}"
         raise AttributeError(msg)

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from scipy import stats as stats
     from tqdm import auto as auto
 
+DISTRIBUTION = "rustchain-dynamics"
+"""Name in the package index, where ``rustchain`` is another project's."""
+
 _MODULES = {
     "matplotlib": ("matplotlib", "plot"),
     "xarray": ("xarray", "io"),
@@ -47,6 +50,6 @@ def __getattr__(name: str) -> object:
     except ModuleNotFoundError as error:
         msg = (
             f"{error.name} is not installed; it belongs to the extra {extra!r}: "
-            f'pip install "rustchain[{extra}]"'
+            f'pip install "{DISTRIBUTION}[{extra}]"'
         )
         raise MissingExtra(msg, name=error.name) from error

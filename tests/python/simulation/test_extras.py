@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from rustchain.extras import _MODULES, DISTRIBUTION
+
 HEAVY = ("matplotlib", "xarray", "h5netcdf", "h5py", "pandas", "scipy", "tqdm", "typer", "dask")
 
 BLOCKED = """
@@ -55,12 +57,12 @@ def test_the_import_loads_no_package_of_an_extra():
 def test_a_missing_extra_is_named_with_its_pip_command(call, extra):
     ended = python(BLOCKED.format(blocked=set(HEAVY)) + call)
     assert "rustchain.errors.MissingExtra: " in ended.stderr, ended.stderr
-    assert f'pip install "rustchain[{extra}]"' in ended.stderr
+    assert f'pip install "rustchain-dynamics[{extra}]"' in ended.stderr
 
 
 def test_scipy_alone_is_named_with_the_extra_analysis():
     ended = python(BLOCKED.format(blocked={"scipy"}) + "result.spectrum('hinge_force')")
-    assert 'pip install "rustchain[analysis]"' in ended.stderr, ended.stderr
+    assert 'pip install "rustchain-dynamics[analysis]"' in ended.stderr, ended.stderr
 
 
 def test_the_command_names_its_extra_without_a_traceback():
@@ -69,7 +71,7 @@ def test_the_command_names_its_extra_without_a_traceback():
     assert ended.returncode == 1
     assert ended.stderr.splitlines()[-1] == (
         "error: typer is not installed; it belongs to the extra 'cli': "
-        'pip install "rustchain[cli]"'
+        'pip install "rustchain-dynamics[cli]"'
     )
     assert "Traceback" not in ended.stderr
 
@@ -80,9 +82,19 @@ def test_the_base_install_runs_and_says_what_it_did():
     assert ended.stdout.startswith("finished")
 
 
-def test_the_extra_of_all_has_what_each_extra_has():
+@pytest.fixture
+def project():
     tomllib = pytest.importorskip("tomllib")  # Python 3.11
     text = (Path(__file__).parents[3] / "pyproject.toml").read_text("utf-8")
-    extras = tomllib.loads(text)["project"]["optional-dependencies"]
+    return tomllib.loads(text)["project"]
+
+
+def test_the_pip_command_names_the_distribution(project):
+    assert project["name"] == DISTRIBUTION
+    assert {extra for _, extra in _MODULES.values()} <= set(project["optional-dependencies"])
+
+
+def test_the_extra_of_all_has_what_each_extra_has(project):
+    extras = project["optional-dependencies"]
     everything = set(extras.pop("all"))
     assert everything == {package for packages in extras.values() for package in packages}
