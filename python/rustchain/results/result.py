@@ -30,13 +30,14 @@ from rustchain.results.views import (
     SprocketMotion,
     Strand,
 )
-from rustchain.typing import Array
+from rustchain.typing import Array, Time
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
     from rustchain.plot import Plots
+    from rustchain.plot.animation import Animation
 
 Status = Literal["finished", "stopped", "interrupted", "failed"]
 
@@ -330,6 +331,77 @@ class Result(OfScene, ArrayValue, Outputs):
         from rustchain.plot import Plots
 
         return Plots(self)
+
+    def animate(
+        self,
+        path: str | Path | None = None,
+        *,
+        start: Time = None,
+        end: Time = None,
+        slow_motion: float | None = None,
+        fps: float = 25.0,
+        camera: str = "scene",
+        view: float | None = None,
+        forces: bool = True,
+        width: int = 900,
+    ) -> Animation:
+        """Show the motion that was recorded as an animation.
+
+        Bodies are drawn between the rows by cubic interpolation, so that ``record`` must have
+        "bodies" in it; contact forces and joint reactions that were recorded are arrows.
+
+        Parameters
+        ----------
+        path : str or Path, optional
+            File to write: ``.gif`` or ``.mp4``, which needs the program ffmpeg. Without one nothing
+            is written.
+        start, end : float, optional
+            Part of the time [s], by default all of it.
+        slow_motion : float, optional
+            Seconds of animation for one of simulation; by default such that it lasts ten seconds.
+        fps : float
+            Frames a second. A GIF has delays of whole hundredths of a second.
+        camera : str
+            "scene", or the name of the body that stays in the middle: "sprocket_1", "link_6".
+        view : float, optional
+            Width of the view [m]; by default the whole scene, a sprocket, or eight pitches.
+        forces : bool
+            Whether forces are drawn.
+        width : int
+            Width of a frame [pixels], 100 to 4000.
+
+        Returns
+        -------
+        Animation
+            The frames, which `Animation.save` writes.
+
+        Raises
+        ------
+        NotRecorded
+            The bodies were not recorded.
+        InvalidInput
+            An option is out of its range.
+        MissingExtra
+            matplotlib is not installed, or of ".mp4" the program ffmpeg.
+        OSError
+            The file cannot be written.
+        """
+        from rustchain.plot.animation import Animation
+
+        found = Animation(
+            self,
+            start=start,
+            end=end,
+            slow_motion=slow_motion,
+            fps=fps,
+            camera=camera,
+            view=view,
+            forces=forces,
+            width=width,
+        )
+        if path is not None:
+            found.save(path)
+        return found
 
     def to_xarray(self) -> xr.Dataset:
         """Return everything as a dataset with units; the scene is in its attributes."""
