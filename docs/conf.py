@@ -29,8 +29,8 @@ extensions = [
 exclude_patterns = [
     "_build",
     "_examples",
-    "gallery/**/*.ipynb",
-    "gallery/**/*.py",
+    "gallery/**.ipynb",
+    "gallery/**.py",
     "reference/_cli.md",
 ]
 templates_path = ["_templates"]

@@ -37,12 +37,17 @@ class Coulomb(Description):
 class LuGre(Description):
     """Friction of bristles that bend before they slip; it sticks, and needs less to break away.
 
-    With f the normal force, s the slip and z the deflection of the bristles of a contact,
-    dz/dt = s - stiffness |s| z / g(s) and F = f (stiffness z + damping' dz/dt +
-    viscous_coefficient s); g(s) = kinetic_coefficient + (static_coefficient -
-    kinetic_coefficient) exp(-(|s|/stribeck_speed)^stribeck_exponent), and damping' =
-    damping / (1 + damping |s| / (4 g)), with which it never drives (Canudas de Wit, Olsson,
-    Astrom and Lischinsky 1995; by the normal force: Canudas de Wit and Tsiotras 1999).
+    With f the normal force, s the sliding velocity and z the deflection of the bristles of a
+    contact::
+
+        dz/dt = s - stiffness |s| z / g(s)
+        F = f (stiffness z + damping' dz/dt + viscous_coefficient s)
+        g(s) = kinetic_coefficient + (static_coefficient - kinetic_coefficient) b(s)
+        b(s) = exp(-(|s|/stribeck_speed)^stribeck_exponent)
+        damping' = damping / (1 + damping |s| / (4 g)), so that F never drives
+
+    (Canudas de Wit, Olsson, Astrom and Lischinsky 1995; in proportion to the normal force:
+    Canudas de Wit and Tsiotras 1999).
 
     Attributes
     ----------
