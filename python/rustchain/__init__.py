@@ -86,6 +86,7 @@ from rustchain.simulation.stop import (
 )
 from rustchain.sweeps.loss_map import loss_map
 from rustchain.sweeps.result import SweepResult
+from rustchain.sweeps.samples import samples
 from rustchain.sweeps.study import StudyResult, study
 from rustchain.sweeps.sweep import sweep
 from rustchain.units import rpm
@@ -178,6 +179,7 @@ __all__ = [
     "open_chain",
     "paper_drive",
     "rpm",
+    "samples",
     "save_scene",
     "study",
     "sweep",

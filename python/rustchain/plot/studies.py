@@ -37,7 +37,7 @@ def draw_study(study: StudyResult, measures: Sequence[str], ax: Ax = None) -> Fi
         raise InvalidInput(msg)
     single = [name for name in numbers if not _own(samples[name], study)]
     chosen = list(measures or single or numbers)
-    axes_of_study = [name for name in study.sweep.axes or {} if name != "replicate"]
+    axes_of_study = study.dims
     over = axes_of_study[0] if axes_of_study else "run"
     panes: list[tuple[str, dict[str, int]]] = []
     for name in chosen:
@@ -65,7 +65,7 @@ def draw_study(study: StudyResult, measures: Sequence[str], ax: Ax = None) -> Fi
 def draw_sweep(sweep: SweepResult, *, ax: Ax = None) -> Figure:
     """Draw the measured numbers of a sweep over its first axis, a panel each, six at most."""
     measured = sweep.to_xarray()
-    over = str(next(iter(sweep.axes or ("case",))))
+    over = sweep.dims[0]
     names = [str(name) for name, values in measured.items() if over in values.dims][:6]
     if not names:
         msg = "sweep: nothing that was measured is a number of each case"
@@ -80,7 +80,7 @@ def draw_sweep(sweep: SweepResult, *, ax: Ax = None) -> Figure:
 
 def _own(values: xr.DataArray, study: StudyResult) -> list[str]:
     """Return the dimensions that a measure has itself: none where it is a number."""
-    axes = {*(study.sweep.axes or {}), "run"}
+    axes = {*study.dims, "run"}
     return [str(dim) for dim in values.dims if dim not in axes]
 
 

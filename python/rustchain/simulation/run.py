@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
 
@@ -116,6 +116,7 @@ class Bar(Protocol):
     """A progress bar: what is done of its total."""
 
     n: float
+    total: Any
 
     def update(self, n: float) -> object:
         """Count on."""
@@ -128,6 +129,7 @@ class _NoBar:
     """What counts the progress where no bar is shown."""
 
     n = 0.0
+    total = 0.0
 
     def update(self, n: float) -> None:
         """Count on."""

@@ -6,15 +6,15 @@ import dataclasses
 import functools
 import inspect
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import UnionType
 from typing import Any, TypeAlias, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from rustchain.arguments import items_within, shown
-from rustchain.description.base import Description, plain
+from rustchain.arguments import shown
+from rustchain.description.base import Description
 from rustchain.description.drive import (
     ChainDrive,
     PrescribedSpeed,
@@ -28,49 +28,17 @@ from rustchain.description.scene import Scene, scene_of
 from rustchain.description.solver import Solver
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
+from rustchain.sweeps.cases import Parameters
 
 System: TypeAlias = (
     Scene | ChainDrive | Mechanism | Callable[..., Scene] | Callable[..., ChainDrive | Mechanism]
 )
-Parameters: TypeAlias = dict[str, Any]
 Path: TypeAlias = tuple[str, ...]
 
 _SOLVER_FIELDS = tuple(field.name for field in dataclasses.fields(Solver))
 _SCENE_FIELDS = tuple(field.name for field in dataclasses.fields(Scene)[1:])  # beside the system
 _SHORTHANDS = ("replicate", "pretension", "speed")
-# Each case holds its scene and its result: a few kilobytes at the least.
-MOST_CASES = 100_000
 _DISTURBANCE = 1e-4  # of a speed at the start
-
-
-def axes_of(axes: Mapping[str, Iterable[Any]]) -> dict[str, tuple[Any, ...]]:
-    """Return the values of each axis as a tuple."""
-    found = {}
-    for name, values in axes.items():
-        listed = items_within(f"axes[{shown(name)}]", values, MOST_CASES)
-        if listed is None:
-            msg = (
-                f"axes[{shown(name)}] = {shown(values)}: must be a sequence of values, one for "
-                "each case"
-            )
-            raise InvalidInput(msg)
-        found[name] = tuple(map(plain, listed))
-        if not found[name]:
-            msg = f"axes[{shown(name)}] = {shown(values)}: must hold at least one value"
-            raise InvalidInput(msg)
-    return found
-
-
-def cases_of(cases: object) -> list[Parameters]:
-    """Return the parameters of each case of a list of cases."""
-    listed = items_within("axes", cases, MOST_CASES) or []
-    if not listed or not all(isinstance(case, Mapping) for case in listed):
-        msg = (
-            f"axes = {shown(cases)}: must map names to sequences of values, "
-            "or be a list with a mapping of names to values for each case"
-        )
-        raise InvalidInput(msg)
-    return [{name: plain(value) for name, value in case.items()} for case in listed]
 
 
 def check_names(system: System, run: Parameters, cases: Sequence[Parameters]) -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,10 +14,16 @@ from rustchain.description.drive import AppliedTorque, ChainDrive
 from rustchain.description.scene import Scene, scene_of
 from rustchain.errors import InvalidInput
 from rustchain.results.result import Result
+from rustchain.sweeps.running import DaskClient
 from rustchain.sweeps.sweep import sweep
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     import xarray as xr
+
+
+_LOSS = "loss of "  # before the name of a channel
 
 
 @checked
@@ -29,6 +37,9 @@ def loss_map(
     burn_in: float = 0.2,
     report_step: float = 1e-4,
     threads: int | None = None,
+    executor: Executor | DaskClient | None = None,
+    store: str | Path | None = None,
+    retry: bool = False,
     progress: bool = True,
 ) -> xr.Dataset:
     """Run a drive at every speed and load, and return its efficiency and losses at each.
@@ -47,7 +58,7 @@ def loss_map(
         Simulated time of each case, and how much of it at the beginning is not measured [s].
     report_step
         As in `Simulation.run`.
-    threads, progress
+    threads, executor, store, retry, progress
         As in `sweep`.
 
     Returns
@@ -79,40 +90,33 @@ def loss_map(
                 f"the way it goes, so that it drives; a load has the other sign: {-torque:g} N m"
             )
             raise InvalidInput(msg)
-    channels: list[str] = []
-
-    def measure(result: Result) -> dict[str, Any]:
-        power = result.power_balance(start=burn_in)
-        channels[:] = map(str, power["channel"].to_numpy())
-        return {
-            "efficiency": float(power["efficiency"]),
-            "loss": power["loss"].to_numpy(),
-            "lost": float(power["loss"].sum()),
-            "delivered": -float(power["shaft_power"].sel(sprocket=loaded)),
-        }
-
     motion = f"sprockets.{loaded}.motion"
     swept = sweep(
         scene,
         {"speed": speeds, motion: [AppliedTorque(torque) for torque in torques]},
-        measure,
+        partial(_balance, loaded=loaded, burn_in=burn_in),
         duration=duration,
         report_step=report_step,
         record=("sprockets", "energy"),
         threads=threads,
+        executor=executor,
+        store=store,
+        retry=retry,
         progress=progress,
     )
+    found = swept.to_xarray()
+    channels = [str(name).removeprefix(_LOSS) for name in found if str(name).startswith(_LOSS)]
     if not channels:  # no case has ended
         raise KeyboardInterrupt if swept.status == "interrupted" else swept.errors[0]
-    found = swept.to_xarray()
     watts = {"units": "W"}
-    data = {name: found[name].to_numpy() for name in ("efficiency", "loss", "lost", "delivered")}
+    data = {name: found[name].to_numpy() for name in ("efficiency", "lost", "delivered")}
+    loss = np.stack([found[_LOSS + channel].to_numpy() for channel in channels], -1)
     return xr.Dataset(
         {
             "efficiency": (("speed", "torque"), data["efficiency"], {"units": "1"}),
             "lost": (("speed", "torque"), data["lost"], watts),
             "delivered": (("speed", "torque"), data["delivered"], watts),
-            "loss": (("speed", "torque", "channel"), data["loss"], watts),
+            "loss": (("speed", "torque", "channel"), loss, watts),
         },
         {
             "speed": ("speed", np.asarray(speeds, dtype=float), {"units": "rad/s"}),
@@ -120,3 +124,16 @@ def loss_map(
             "channel": channels,
         },
     )
+
+
+def _balance(result: Result, *, loaded: int, burn_in: float) -> dict[str, float]:
+    """Return efficiency, power lost, in all and by channel, and delivered [W] after the burn-in."""
+    power = result.power_balance(start=burn_in)
+    loss = power["loss"]
+    channels = map(str, power["channel"].to_numpy())
+    return {
+        "efficiency": float(power["efficiency"]),
+        "lost": float(loss.sum()),
+        "delivered": -float(power["shaft_power"].sel(sprocket=loaded)),
+        **{_LOSS + name: float(value) for name, value in zip(channels, loss, strict=True)},
+    }

@@ -15,7 +15,7 @@ from rustchain.description.base import Description
 from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.names import named_attributes
 from rustchain.results.result import Result
-from rustchain.sweeps.axes import Parameters
+from rustchain.sweeps.cases import Axes, Parameters, dims_of, names_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -37,12 +37,13 @@ class SweepResult:
         The parameters of each case.
     axes : dict of tuple, or None
         The axes of the grid; None where the cases were listed.
-    values : list
+    values : sequence
         What was measured of each case, or its Result where nothing was to be measured; None for a
-        case that failed or did not end before Ctrl-C.
+        case that failed or did not end before Ctrl-C. With a store, results are read when they are
+        asked for.
     errors : dict of Exception
         What went wrong, by the number of the case, from 0. The error of a run that could not go on
-        has its rows until then in ``error.result``.
+        has its rows until then in ``error.result``, unless there is a store.
     law_warnings : dict of list of str
         Which laws left their range, by the number of the case.
     energy_warnings : dict of list of str
@@ -54,8 +55,8 @@ class SweepResult:
     """
 
     cases: list[Parameters]
-    axes: dict[str, tuple[Any, ...]] | None
-    values: list[Any]
+    axes: Axes | None
+    values: Any
     errors: dict[int, Exception] = field(default_factory=dict)
     law_warnings: dict[int, list[str]] = field(default_factory=dict)
     energy_warnings: dict[int, list[str]] = field(default_factory=dict)
@@ -86,38 +87,50 @@ class SweepResult:
         return fate if self.status == "finished" else f"interrupted: {fate}"
 
     @property
-    def results(self) -> list[Result | None]:
+    def results(self) -> Sequence[Result | None]:
         """The Result of each case, where nothing was to be measured."""
         if self._measured:
             msg = "the results were measured and let go; call sweep without measure to keep them"
             raise NotRecorded(msg)
-        return self.values
+        found: Sequence[Result | None] = self.values
+        return found
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Dimensions of the cases in `to_xarray`: of each axis, or "case" for listed cases.
+
+        Parameters that vary together have the dimension "sample".
+        """
+        return ("case",) if self.axes is None else tuple(dims_of(self.axes).values())
 
     def to_xarray(self) -> xr.Dataset:
         """Return what was measured, NaN where a case has none.
 
-        The dimensions are the axes of the grid, or "case" for listed cases, then those of an array
-        that was measured: ``value_0``, ``value_1``. The variables are the keys of a measured dict,
-        or "value".
+        The dimensions are those of the cases, `dims`, then those of an array that was measured:
+        ``value_0``, ``value_1``. The variables are the keys of a measured dict, or "value".
         """
         from rustchain.extras import xarray as xr
 
         shape: tuple[int, ...] = (len(self.cases),)
-        dims: tuple[str, ...] = ("case",)
         coordinates = {n: ("case", _labels(values)) for n, values in self._columns().items()}
         if self.axes is not None:
-            shape, dims = tuple(map(len, self.axes.values())), tuple(self.axes)
-            coordinates = {n: (n, _labels(values)) for n, values in self.axes.items()}
+            shape = tuple(map(len, self.axes.values()))
+            coordinates = {}
+            for (axis, rows), dim in zip(self.axes.items(), self.dims, strict=True):
+                columns = zip(*rows, strict=True) if isinstance(axis, tuple) else [rows]
+                for n, column in zip(names_of(axis), columns, strict=True):
+                    coordinates[n] = (dim, _labels(tuple(column)))
         variables = {}
         for name, values in self._arrays().items():
             own = tuple(f"{name}_{k}" for k in range(values.ndim - 1))
-            variables[name] = ((*dims, *own), values.reshape(shape + values.shape[1:]))
+            variables[name] = ((*self.dims, *own), values.reshape(shape + values.shape[1:]))
         return xr.Dataset(variables, coordinates, {"status": self.status, "message": self.message})
 
     def to_pandas(self) -> pd.DataFrame:
         """Return a row for each case and a column for each parameter and each measured number.
 
-        The numbers of an array have their place in the name: ``value_0``, ``value_1``.
+        The numbers of an array have their place in the name: ``value_0``, ``value_1``. Where cases
+        have failed, the column "error" says why.
         """
         from rustchain.extras import pandas as pd
 
@@ -126,7 +139,10 @@ class SweepResult:
             for place in np.ndindex(values.shape[1:]):
                 label = "_".join(map(str, (name, *place)))
                 columns[label] = values[(slice(None), *place)]
-        return pd.DataFrame(columns, index=pd.RangeIndex(len(self.cases), name="case"))
+        table = pd.DataFrame(columns, index=pd.RangeIndex(len(self.cases), name="case"))
+        if self.errors:
+            table["error"] = pd.Series({n: _told(error) for n, error in self.errors.items()})
+        return table
 
     def _columns(self) -> dict[str, list[Any]]:
         """Return each parameter over the cases."""
@@ -150,6 +166,11 @@ class SweepResult:
                 msg = f"measure: {shown(name)} is a parameter of the sweep too; name it otherwise"
                 raise InvalidInput(msg)
         return {str(name): _stacked(str(name), [row.get(name) for row in rows]) for name in names}
+
+
+def _told(error: Exception) -> str:
+    """Return an error in words."""
+    return f"{type(error).__name__}: {error}"
 
 
 def _stacked(name: str, values: Sequence[Any]) -> _Values:

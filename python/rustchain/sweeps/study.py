@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,12 +17,16 @@ from rustchain.results.result import Result
 from rustchain.simulation.run import Group
 from rustchain.simulation.simulation import Simulation
 from rustchain.simulation.stop import StopCondition
-from rustchain.sweeps.axes import MOST_CASES, System, axes_of
+from rustchain.sweeps.axes import System
+from rustchain.sweeps.cases import MOST_CASES, axes_of, names_of
 from rustchain.sweeps.measure import numbers_of
 from rustchain.sweeps.result import SweepResult
+from rustchain.sweeps.running import DaskClient
 from rustchain.sweeps.sweep import sweep
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     import pandas as pd
     import xarray as xr
     from matplotlib.figure import Figure
@@ -56,6 +62,11 @@ class StudyResult:
         from rustchain.notebook import html_of_study
 
         return html_of_study(self)
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Dimensions of the cases in `statistics`; `samples` has "run", too."""
+        return tuple(dim for dim in self.sweep.dims if dim != "replicate")
 
     @property
     def samples(self) -> xr.Dataset:
@@ -97,14 +108,14 @@ class StudyResult:
         """
         from rustchain.extras import pandas as pd
 
-        axes = [name for name in self.sweep.axes or {} if name != "replicate"]
         series = {}
         for name, found in self.statistics.items():
-            own = [dim for dim in found.dims if dim not in (*axes, "statistic")]
+            own = [dim for dim in found.dims if dim not in (*self.dims, "statistic")]
             for place in np.ndindex(*(found.sizes[dim] for dim in own)):
                 one = found.isel(dict(zip(own, place, strict=True))).drop_vars(own, errors="ignore")
                 label = "_".join(map(str, (name, *place)))
-                series[label] = one.to_series()
+                # Parameters that vary together are no index of rows.
+                series[label] = one.drop_vars(set(one.coords) - set(one.dims)).to_series()
         frame: pd.DataFrame = pd.concat(series, names=["measure"]).unstack("statistic")
         return frame[list(_STATISTICS)]
 
@@ -129,13 +140,16 @@ def study(
     duration: float = 0.5,
     burn_in: float = 0.1,
     confidence: float = 0.95,
-    axes: Mapping[str, Iterable[Any]] | None = None,
+    axes: Mapping[Any, Iterable[Any]] | None = None,
     report_step: float = 1e-4,
     record: Sequence[Group] | None = None,
     energy: bool | None = None,
     stop: StopCondition | Sequence[StopCondition] = (),
     callback: Callable[[Simulation], object] | None = None,
     threads: int | None = None,
+    executor: Executor | DaskClient | None = None,
+    store: str | Path | None = None,
+    retry: bool = False,
     progress: bool = True,
 ) -> StudyResult:
     """Run replicates of a scene from slightly different starts, and return their statistics.
@@ -163,11 +177,11 @@ def study(
         of what the start stirred up.
     confidence : float
         Of the interval of each mean, between 0 and 1.
-    axes : mapping of str to sequence, optional
+    axes : mapping of str or tuple of str to sequence, optional
         Parameters as in `sweep`, all of which are combined; each combination is run `runs` times.
     report_step, record, energy
         As in `Simulation.run`.
-    threads, progress, stop, callback
+    threads, executor, store, retry, progress, stop, callback
         As in `sweep`. A run that is stopped is measured as far as it came.
 
     Returns
@@ -199,10 +213,12 @@ def study(
     if not isinstance(axes, Mapping):
         msg = f"axes = {shown(axes)}: must map names to sequences of values"
         raise InvalidInput(msg)
-    if "replicate" in axes:
+    grid = axes_of(axes)
+    names = [name for axis in grid for name in names_of(axis)]
+    if "replicate" in names:
         msg = "axes: 'replicate' is what makes the runs of a study; say how many by runs=..."
         raise InvalidInput(msg)
-    durations = map(finite_number, axes_of(axes).get("duration", ()))
+    durations = map(finite_number, grid.get("duration", ()))
     shortest = min([duration, *(each for each in durations if each is not None)])
     if not 0.0 <= burn_in < shortest:
         msg = (
@@ -210,18 +226,28 @@ def study(
         )
         raise InvalidInput(msg)
     of = Result.summary if measure is None else measure
-    known = {*axes, "run", "replicate", "statistic", "measure"}
+    known = (*names, "run", "replicate", "statistic", "measure")
     found = sweep(
         scene,
-        {**axes, "replicate": range(runs)},
-        lambda result: numbers_of(of(result.between(start=burn_in)), known),
+        {**grid, "replicate": range(runs)},
+        partial(_numbers, of=of, burn_in=burn_in, taken=known),
         duration=duration,
         report_step=report_step,
         record=record,
         energy=energy,
         threads=threads,
+        executor=executor,
+        store=store,
+        retry=retry,
         progress=progress,
         stop=stop,
         callback=callback,
     )
     return StudyResult(found, confidence, burn_in)
+
+
+def _numbers(
+    result: Result, *, of: Callable[[Result], Any], burn_in: float, taken: tuple[str, ...]
+) -> dict[str, Any]:
+    """Return what was measured of a run after the burn-in [s], under names that are not `taken`."""
+    return numbers_of(of(result.between(start=burn_in)), taken)

@@ -2,47 +2,48 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
-from itertools import product
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from rustchain import _rustchain
-from rustchain.arguments import count_within, plain, shown
+from rustchain.arguments import finite_number, plain, shown
 from rustchain.caller import warn_caller
-from rustchain.description.scene import Scene
 from rustchain.errors import (
     CaseWarning,
     EnergyWarning,
     InvalidInput,
     RangeWarning,
-    SimulationError,
     ToothJumpWarning,
 )
 from rustchain.names import known_keywords
 from rustchain.results.result import Result
-from rustchain.simulation.run import WALL_BUDGET, Group, check_progress, seconds_bar
+from rustchain.simulation.run import Bar, Group, check_progress, seconds_bar
 from rustchain.simulation.simulation import Simulation
 from rustchain.simulation.stop import StopCondition, check_looks
-from rustchain.sweeps.axes import (
-    MOST_CASES,
-    Parameters,
-    System,
-    axes_of,
-    case_of,
-    cases_of,
-    check_names,
-)
+from rustchain.sweeps.axes import System, case_of, check_names
+from rustchain.sweeps.cases import Parameters, cases_of
 from rustchain.sweeps.result import SweepResult
-from rustchain.sweeps.stoppable import CaseOf, run_looked_at
-from rustchain.typing import Array
+from rustchain.sweeps.running import (
+    Case,
+    DaskClient,
+    Looks,
+    Outcome,
+    check_executor,
+    number_of_threads,
+    run_here,
+    run_on,
+)
+from rustchain.sweeps.store import Measured, Store, StoredResults
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
 
 
 @known_keywords
 def sweep(
     scene: System,
-    axes: Mapping[str, Iterable[Any]] | Sequence[Mapping[str, Any]],
+    axes: Mapping[Any, Iterable[Any]] | Sequence[Mapping[str, Any]],
     measure: Callable[[Result], Any] | None = None,
     *,
     duration: float = 2.0,
@@ -52,12 +53,15 @@ def sweep(
     stop: StopCondition | Sequence[StopCondition] = (),
     callback: Callable[[Simulation], object] | None = None,
     threads: int | None = None,
+    executor: Executor | DaskClient | None = None,
+    store: str | Path | None = None,
+    retry: bool = False,
     progress: bool = True,
 ) -> SweepResult:
     """Run a scene with other parameters again and again, several runs at once.
 
     Each case runs on one thread; its numbers are those of ``Simulation(...).run(...)`` to the last
-    bit, whatever the number of threads. A case that fails leaves the others alone.
+    bit, whatever the number of threads and the executor. A case that fails leaves the others alone.
 
     What a parameter may be called:
 
@@ -78,12 +82,15 @@ def sweep(
     ----------
     scene : Scene, ChainDrive or Mechanism, or function that returns one
         What to simulate.
-    axes : mapping of str to sequence, or sequence of mappings
-        Values of each parameter, all of which are combined; or the parameters of each case.
+    axes : mapping of str or tuple of str to sequence, or sequence of mappings
+        Values of each parameter, all of which are combined; or the parameters of each case. With a
+        tuple of names the values are rows, whose parameters vary together: paired lists, samples
+        (see `samples`), or an array of `scipy.stats.qmc`.
     measure : function of a Result, optional
         Returns what to keep of a case: a number, an array, or a dict of them. It is called in the
-        thread that called `sweep`, for one case at a time, while others go on running. By default
-        the results themselves are kept, which takes memory for all of them.
+        thread that called `sweep`, for one case at a time, while others go on running; with an
+        executor, where the case has run. By default the results themselves are kept, which takes
+        memory for all of them, unless there is a store.
     duration : float
         Simulated time [s].
     report_step, record, energy
@@ -93,6 +100,18 @@ def sweep(
         its result says so. A callback is called in the thread of its case, several at once.
     threads : int, optional
         How many cases run at once; by default as many as there are cores.
+    executor : Executor or Client of Dask, optional
+        Where the cases run: an executor of `concurrent.futures`, loky or `mpi4py.futures`, or
+        ``dask.distributed.Client(...)``. It stays open. By default threads of this process.
+    store : str or Path, optional
+        A folder that keeps what came of each case, failed ones too, in a netCDF file each. What is
+        there of the same scene, run, stop conditions and functions, by the same version of
+        rustchain, is not run again: an interrupted sweep goes on. Several sweeps may use a folder
+        at once. Of functions, code and the numbers and functions of their module that it refers to
+        count, not what other modules do. What is measured must then be numbers, arrays, or a dict
+        of them; without `measure`, results are read from the folder when they are asked for.
+    retry : bool
+        Whether cases that are stored as failed are run again.
     progress : bool
         Whether to show a progress bar, where a terminal is there to show it.
 
@@ -104,7 +123,10 @@ def sweep(
     Raises
     ------
     InvalidInput
-        A parameter is not known, or no case has values that are allowed.
+        A parameter is not known, no case has values that are allowed, or a store cannot tell
+        whether a function is the same.
+    OSError
+        The store cannot be written.
 
     Warns
     -----
@@ -123,34 +145,45 @@ def sweep(
         "record": record,
         "energy": energy,
     }
-    grid = axes_of(axes) if isinstance(axes, Mapping) else None
-    if grid is None:
-        cases = cases_of(axes)
-    else:
-        count_within("cases of the sweep", math.prod(map(len, grid.values())), 1, MOST_CASES)
-        cases = [dict(zip(grid, values, strict=True)) for values in product(*grid.values())]
+    grid, cases = cases_of(axes)
     if measure is not None and not callable(measure):
         msg = f"measure = {shown(measure)}: must be a function of a Result, or None"
         raise InvalidInput(msg)
     check_progress(progress)
     check_names(scene, run, cases)
-    looked_at = len(check_looks(stop, callback)) > 0 or callback is not None
+    looks = Looks(stop, callback, len(check_looks(stop, callback)) > 0 or callback is not None)
+    number_of_threads(threads)
+    if executor is not None:
+        check_executor(executor)
+        if threads is not None:
+            msg = f"threads = {threads}: is for executor=None; an executor has its own workers"
+            raise InvalidInput(msg)
 
+    kept = None
     found = SweepResult(cases, grid, [None] * len(cases), _measured=measure is not None)
-    ready: dict[int, CaseOf] = {}
-    for number, case in enumerate(cases):
-        try:
-            ready[number] = CaseOf.made(*case_of(scene, run, case), looked_at)
-        except Exception as error:  # a function of the user's may raise anything
-            _fail(found, number, error)
-    if not ready:
+    if store is not None:
+        kept = Store(store, measure, looks, retry)
+        measure = None if measure is None else Measured(measure)
+        if measure is None:
+            found.values = StoredResults([None] * len(cases))
+    sweep = _Sweep(found, kept)
+    total = sum(_seconds(run | case) for case in cases)
+    try:
+        with seconds_bar(total, progress, f"0 of {len(cases)} cases") as bar:
+            todo = sweep.todo(scene, run, bar)
+            running = (
+                run_here(todo, looks, measure, threads, bar)
+                if executor is None
+                else run_on(executor, todo, looks, measure, bar)
+            )
+            with closing(running):
+                for ended in filter(None, running):
+                    sweep.take(*ended)
+                    sweep.tell(bar)
+    except KeyboardInterrupt:
+        found.status = "interrupted"
+    if len(sweep.unmade) == len(cases):
         raise found.errors[0]
-    in_pool = {number: case for number, case in ready.items() if case.compiled is not None}
-    others = {number: case for number, case in ready.items() if case.compiled is None}
-    if in_pool:
-        _run_in_pool(found, in_pool, measure, threads, progress)
-    if others and found.status == "finished":
-        _run_looked_at(found, others, stop, callback, measure, threads, progress)
     found.errors = dict(sorted(found.errors.items()))
     found.law_warnings = dict(sorted(found.law_warnings.items()))
     found.energy_warnings = dict(sorted(found.energy_warnings.items()))
@@ -159,110 +192,69 @@ def sweep(
     return found
 
 
-def _run_in_pool(
-    found: SweepResult,
-    cases: Mapping[int, CaseOf],
-    measure: Callable[[Result], Any] | None,
-    threads: int | None,
-    progress: bool,
-) -> None:
-    """Run cases in the compiled pool, and measure each as soon as it has ended."""
-    numbers = list(cases)
-    total = sum(case.run["duration"] for case in cases.values())
-    compiled = [case.compiled for case in cases.values() if case.compiled is not None]
-    ensemble = _rustchain.Ensemble(compiled, threads)
-    try:
-        with seconds_bar(total, progress, f"0 of {len(numbers)} cases") as bar:
-            left = len(numbers)
-            while left:
-                fetched = ensemble.fetch(WALL_BUDGET)
-                bar.update(ensemble.simulated - bar.n)
-                if fetched is None:
-                    continue
-                place, run, error = fetched
-                _take(found, numbers[place], cases[numbers[place]].scene, run, error, measure)
-                left -= 1
-                bar.set_description(f"{len(numbers) - left} of {len(numbers)} cases")
-    except KeyboardInterrupt:
-        found.status = "interrupted"
-    finally:
-        ensemble.close()
+class _Sweep:
+    """A sweep under way: what has come of its cases, and where that is stored."""
 
+    def __init__(self, found: SweepResult, store: Store | None) -> None:
+        self.found = found
+        self.notes = (found.law_warnings, found.energy_warnings, found.jump_warnings)
+        self.unmade: set[int] = set()
+        self._store = store
+        self._paths: dict[int, Path] = {}
 
-def _run_looked_at(
-    found: SweepResult,
-    cases: Mapping[int, CaseOf],
-    stop: StopCondition | Sequence[StopCondition],
-    callback: Callable[[Simulation], object] | None,
-    measure: Callable[[Result], Any] | None,
-    threads: int | None,
-    progress: bool,
-) -> None:
-    """Run cases as simulations on threads, and measure each as soon as it has ended."""
-    total = sum(case.run["duration"] for case in cases.values())
-    try:
-        with (
-            seconds_bar(total, progress, f"0 of {len(cases)} cases") as bar,
-            closing(run_looked_at(cases, stop, callback, threads)) as running,
-        ):
-            for ended in filter(None, running):
-                number, error = ended.number, ended.error
-                _note(found, number, ended.law_warnings, ended.energy_warnings, ended.jump_warnings)
-                if ended.result is not None:
-                    error = _measured(found, number, ended.result, measure)
-                if error is not None:
-                    _fail(found, number, error)
-                bar.update(cases[number].run["duration"])
-    except KeyboardInterrupt:
-        found.status = "interrupted"
+    def todo(self, scene: System, run: Parameters, bar: Bar) -> Iterator[Case]:
+        """Yield the cases that are neither refused nor stored, as they are asked for."""
+        for number, parameters in enumerate(self.found.cases):
+            try:
+                case = Case(number, *case_of(scene, run, parameters))
+                if self._store is not None:
+                    self._paths[number] = self._store.path(case)
+                stored = None if self._store is None else self._store.get(self._paths[number])
+            except Exception as error:  # a function of the user's may raise anything
+                stored = Outcome(error=error, made=False)
+            if stored is None:
+                yield case
+            else:
+                self._keep(number, stored)
+                bar.total -= _seconds(run | parameters)
+                self.tell(bar)
 
+    def take(self, case: Case, outcome: Outcome) -> None:
+        """Take what came of a case; store it, unless it is the executor that failed."""
+        if self._store is not None and outcome.made:
+            self._store.put(self._paths[case.number], case, outcome)
+        self._keep(case.number, outcome)
 
-def _measured(
-    found: SweepResult, number: int, result: Result, measure: Callable[[Result], Any] | None
-) -> Exception | None:
-    """Keep the measured value of a case; return what its measure raised."""
-    try:
-        found.values[number] = result if measure is None else measure(result)
+    def _keep(self, number: int, outcome: Outcome) -> None:
+        found = self.found
+        for notes, new in zip(self.notes, outcome.notes, strict=True):
+            if new:
+                notes[number] = new
+        if not outcome.made:
+            self.unmade.add(number)
+        if outcome.error is not None:
+            if self._store is not None:  # which has what memory need not hold
+                outcome.error.__traceback__ = None
+                if hasattr(outcome.error, "result"):
+                    outcome.error.result = None
+            _fail(found, number, outcome.error)
+            return
         found._ended.add(number)
-    except Exception as raised:  # a function of the user's may raise anything
-        return raised
-    return None
+        if isinstance(found.values, StoredResults):
+            found.values.paths[number] = self._paths[number]
+        else:
+            found.values[number] = outcome.value
+
+    def tell(self, bar: Bar) -> None:
+        """Say how many cases there are and how many have failed."""
+        done, failed = len(self.found._ended), len(self.found.errors)
+        told = f"{done + failed} of {len(self.found.cases)} cases"
+        bar.set_description(f"{told}, {failed} failed" if failed else told)
 
 
-def _take(
-    found: SweepResult,
-    number: int,
-    scene: Scene,
-    run: tuple[_rustchain.Core, tuple[Array, Array]] | None,
-    error: Exception | None,
-    measure: Callable[[Result], Any] | None,
-) -> None:
-    """Take what came of a case: its measured value, or its error."""
-    if run is not None:
-        core, start = run
-        simulation = Simulation._around(core, scene)
-        if error is None:
-            result = simulation._result("finished", start, {})
-            error = _measured(found, number, result, measure)
-        elif isinstance(error, SimulationError):
-            error.result = simulation._result("failed", start, {}, str(error))
-        # The energy balance is judged when its recording has been taken.
-        _note(found, number, *core.take_warnings())
-    if error is not None:
-        _fail(found, number, error)
-
-
-def _note(
-    found: SweepResult, number: int, ranges: list[str], balances: list[str], jumps: list[str]
-) -> None:
-    """Keep what there was to warn of in a case."""
-    for notes, new in (
-        (found.law_warnings, ranges),
-        (found.energy_warnings, balances),
-        (found.jump_warnings, jumps),
-    ):
-        if new:
-            notes[number] = new
+def _seconds(parameters: Parameters) -> float:
+    """Return the simulated time of a case [s]; 0 where it is no number, which the run refuses."""
+    return finite_number(parameters["duration"]) or 0.0
 
 
 def _fail(found: SweepResult, number: int, error: Exception) -> None:

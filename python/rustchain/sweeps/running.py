@@ -1,0 +1,359 @@
+"""Cases of a sweep on their way: in the compiled pool, on threads, or where an executor is."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import threading
+from collections.abc import Callable, Generator, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import islice
+from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias
+
+from rustchain import _rustchain
+from rustchain.arguments import finite_number, shown
+from rustchain.description.scene import Scene
+from rustchain.errors import InvalidInput, RustchainError, SimulationError
+from rustchain.results.result import Result
+from rustchain.simulation.core import keywords_of, start_of
+from rustchain.simulation.run import (
+    WALL_BUDGET,
+    Bar,
+    check_rows_fit,
+    known_groups,
+    numbers_of_drive_row,
+)
+from rustchain.simulation.simulation import Simulation
+from rustchain.simulation.stop import StopCondition
+from rustchain.sweeps.cases import Parameters
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor, Future
+
+Measure: TypeAlias = Callable[[Result], Any]
+Notes: TypeAlias = tuple[list[str], list[str], list[str]]
+"""What there was to warn of: laws out of range, the energy balance, tooth jumps."""
+
+# Cases per thread that are made ahead for the compiled pool. Between two such portions threads wait
+# for the last case of one: with 64, less than 1 % of the time where cases are about equally long.
+_PORTION = 64
+# Cases that an executor holds at once: enough for some hundred workers, some 20 MB of scenes.
+_MOST_SUBMITTED = 1024
+
+
+class DaskClient(Protocol):
+    """What is asked of a client of Dask."""
+
+    def get_executor(self, *, pure: bool) -> Executor:
+        """Return an executor that runs on the client's cluster."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A case of a sweep: its number, from 0, what is simulated, and the arguments of its run."""
+
+    number: int
+    scene: Scene
+    run: Parameters
+
+    @property
+    def seconds(self) -> float:
+        """Simulated time [s]; 0 where it is no number, which the run refuses."""
+        return finite_number(self.run["duration"]) or 0.0
+
+    def groups(self) -> tuple[list[str], bool]:
+        """Return what is recorded, and whether the energy balance is kept."""
+        return known_groups(self.scene, self.run["record"], self.run["energy"])
+
+
+@dataclass(frozen=True)
+class Looks:
+    """What looks at each row of a run."""
+
+    stop: StopCondition | Sequence[StopCondition]
+    callback: Callable[[Simulation], object] | None
+    any: bool
+
+
+class Outcome(NamedTuple):
+    """What came of a case.
+
+    Attributes
+    ----------
+    value : object
+        What was measured, or its Result.
+    error : Exception, optional
+        What went wrong.
+    notes : tuple of lists of str
+        What there was to warn of.
+    made : bool
+        Whether the run began: a scene that is refused, or an executor that is broken, has no run.
+    """
+
+    value: Any = None
+    error: Exception | None = None
+    notes: Notes = ([], [], [])
+    made: bool = True
+
+
+Running: TypeAlias = Generator["tuple[Case, Outcome] | None", None, None]
+"""Cases as they end; None now and then, for Ctrl-C."""
+
+
+class Quiet(Simulation):
+    """A simulation that leaves its warnings to the sweep, and ends with it."""
+
+    given_up: threading.Event | None = None
+
+    def _warn(self) -> None:
+        pass
+
+    def take_warnings(self) -> Notes:
+        """Return what is new: laws out of range; the energy balance; tooth jumps."""
+        return self._core.take_warnings()
+
+    def _slice(self) -> bool:
+        if self.given_up is not None and self.given_up.is_set():
+            raise KeyboardInterrupt
+        return super()._slice()
+
+
+def number_of_threads(threads: object) -> int:
+    """Return how many threads are asked for; None: as many as there are cores."""
+    if threads is None:
+        return os.cpu_count() or 1
+    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
+        msg = f"threads = {shown(threads)}: must be a whole number of at least 1, or None"
+        raise InvalidInput(msg)
+    return threads
+
+
+def run_here(
+    cases: Iterator[Case], looks: Looks, measure: Measure | None, threads: int | None, bar: Bar
+) -> Running:
+    """Run cases in this process: in the compiled pool, or on threads where it does not run them.
+
+    The pool runs drives with clearance in their hinges, whose runs nothing looks at. Cases are
+    measured in this thread.
+    """
+    count = number_of_threads(threads)
+    while portion := list(islice(cases, _PORTION * count)):
+        others = [case for case in portion if looks.any or case.scene.kind != "clearance"]
+        if len(others) < len(portion):
+            kept = {case.number for case in others}
+            for_pool = [case for case in portion if case.number not in kept]
+            yield from _run_in_pool(for_pool, measure, threads, bar)
+        yield from _run_on_threads(iter(others), looks, measure, count, bar)
+
+
+def _run_in_pool(
+    cases: list[Case], measure: Measure | None, threads: int | None, bar: Bar
+) -> Running:
+    """Run cases in the compiled pool."""
+    ready, compiled = [], []
+    for case in cases:
+        try:
+            compiled.append(_compiled(case))
+            ready.append(case)
+        except Exception as error:  # what is refused
+            yield case, Outcome(error=error, made=False)
+    if not ready:
+        return
+    ensemble, before = _rustchain.Ensemble(compiled, threads), bar.n
+    try:
+        for _ in ready:
+            fetched = None
+            while fetched is None:
+                fetched = ensemble.fetch(WALL_BUDGET)
+                bar.update(before + ensemble.simulated - bar.n)
+                if fetched is None:
+                    yield None
+            place, run, failure = fetched
+            case = ready[place]
+            yield case, _fetched(case, run, failure, measure)
+    finally:
+        ensemble.close()
+
+
+def _compiled(case: Case) -> _rustchain.Case:
+    """Return a case as the compiled pool runs it, checked."""
+    groups, energy = case.groups()
+    times = {name: case.run[name] for name in ("duration", "report_step")}
+    place, _ = start_of(case.scene)
+    compiled = _rustchain.Case(
+        **keywords_of(case.scene), **place, **times, groups=groups, energy=energy
+    )
+    numbers = numbers_of_drive_row(case.scene.drive, groups, energy)
+    check_rows_fit(times["duration"], times["report_step"], numbers)
+    return compiled
+
+
+def _fetched(
+    case: Case,
+    run: Any,  # noqa: ANN401, the core and the state that it began with
+    error: Exception | None,
+    measure: Measure | None,
+) -> Outcome:
+    """Return what came of a case that the pool has run."""
+    if run is None:
+        return Outcome(error=error, made=False)
+    core, start = run
+    simulation = Simulation._around(core, case.scene)
+    if error is None:
+        ended = _measured(Outcome(simulation._result("finished", start, {})), measure)
+    else:
+        if isinstance(error, SimulationError):
+            error.result = simulation._result("failed", start, {}, str(error))
+        ended = Outcome(error=error)
+    # The energy balance is judged when its recording has been taken.
+    return ended._replace(notes=core.take_warnings())
+
+
+def _run_on_threads(
+    cases: Iterator[Case], looks: Looks, measure: Measure | None, threads: int, bar: Bar
+) -> Running:
+    """Run cases as simulations on threads.
+
+    When the caller goes on no more, the cases under way stop within a moment of wall time.
+    """
+    from concurrent.futures import ThreadPoolExecutor
+
+    given_up = threading.Event()
+    run = partial(_run, looks=looks, given_up=given_up)
+    with ThreadPoolExecutor(threads) as pool:
+        try:
+            for ended in _in_turn(cases, partial(pool.submit, run), 2 * threads):
+                if ended is not None:
+                    case, outcome = ended
+                    bar.update(case.seconds)
+                    ended = case, _measured(outcome, measure)
+                yield ended
+        finally:
+            given_up.set()
+
+
+def run_on(
+    executor: Executor | DaskClient,
+    cases: Iterator[Case],
+    looks: Looks,
+    measure: Measure | None,
+    bar: Bar,
+) -> Running:
+    """Run cases where an executor is; they are measured there."""
+    dask = getattr(executor, "get_executor", None)
+    pool: Any = executor if dask is None else dask(pure=False)
+    run = partial(_run_and_measure, looks=looks, measure=measure)
+    for ended in _in_turn(cases, partial(pool.submit, run), _MOST_SUBMITTED):
+        if ended is not None:
+            bar.update(ended[0].seconds)
+        yield ended
+
+
+def check_executor(executor: object) -> None:
+    """Refuse what runs nothing."""
+    if not callable(getattr(executor, "submit", None)):
+        msg = (
+            f"executor = {shown(executor)}: runs nothing; expected an Executor as in "
+            "concurrent.futures, a Client of Dask, or None for threads of this process"
+        )
+        raise InvalidInput(msg)
+
+
+def _in_turn(
+    cases: Iterator[Case], submit: Callable[[Case], Future[Outcome]], most: int
+) -> Running:
+    """Submit cases, so many at once at the most, and yield each as it ends."""
+    ended: SimpleQueue[Future[Outcome]] = SimpleQueue()
+    waiting: dict[Future[Outcome], Case] = {}
+    left = True
+    try:
+        while left or waiting:
+            while left and len(waiting) < most:
+                case = next(cases, None)
+                if case is None:
+                    left = False
+                    break
+                try:
+                    future = submit(case)
+                except Exception as error:  # of a pool that is broken or closed
+                    yield case, Outcome(error=error, made=False)
+                    continue
+                waiting[future] = case
+                future.add_done_callback(ended.put)
+            if waiting:
+                try:
+                    future = ended.get(timeout=WALL_BUDGET)
+                except Empty:
+                    yield None
+                    continue
+                yield waiting.pop(future), _outcome(future)
+    finally:
+        for future in waiting:
+            future.cancel()
+
+
+def _outcome(future: Future[Outcome]) -> Outcome:
+    """Return what came of a case; what an executor raises is no failure of the case's run."""
+    try:
+        return future.result()
+    except Exception as error:
+        if "pickle" not in str(error).lower():
+            return Outcome(error=error, made=False)
+        msg = (
+            f"measure: the case cannot be sent to another process ({error}); expected functions "
+            "of a module; take a def in a file in place of a lambda, or loky"
+        )
+        return Outcome(error=InvalidInput(msg), made=False)
+
+
+def _run_and_measure(case: Case, *, looks: Looks, measure: Measure | None) -> Outcome:
+    """Run and measure a case, in whatever process; return what can be sent back."""
+    outcome = _measured(_run(case, looks), measure)
+    error = outcome.error
+    return outcome if error is None else outcome._replace(error=_sendable(error))
+
+
+def _sendable(error: Exception) -> Exception:
+    """Return an error, or what stands for it where it does not survive pickling."""
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception as reason:  # whatever a class of the user's does
+        found = RustchainError(f"{type(error).__name__}: {error}")
+        found.__notes__ = [f"the error itself cannot be sent to another process: {reason}"]
+        return found
+    return error
+
+
+def _run(case: Case, looks: Looks, given_up: threading.Event | None = None) -> Outcome:
+    """Run a case as a simulation."""
+    if given_up is not None and given_up.is_set():
+        raise KeyboardInterrupt
+    try:
+        simulation = Quiet(case.scene)
+    except Exception as error:  # what is refused
+        return Outcome(error=error, made=False)
+    simulation.given_up = given_up
+    result: Result | None = None
+    failure: Exception | None = None
+    try:
+        stop, callback = looks.stop, looks.callback
+        result = simulation.run(**case.run, progress=False, stop=stop, callback=callback)
+    except Exception as error:  # a callback of the user's may raise anything
+        failure = error
+    if result is not None and result.status == "interrupted":
+        raise KeyboardInterrupt
+    # With the first row, an error has the rows until then.
+    made = failure is None or hasattr(failure, "result")
+    return Outcome(result, failure, simulation.take_warnings(), made)
+
+
+def _measured(outcome: Outcome, measure: Measure | None) -> Outcome:
+    """Return what came of a case whose run has ended, measured."""
+    if measure is None or outcome.error is not None:
+        return outcome
+    try:
+        return outcome._replace(value=measure(outcome.value))
+    except Exception as raised:  # a function of the user's may raise anything
+        return outcome._replace(value=None, error=raised)
