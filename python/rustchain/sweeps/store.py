@@ -13,6 +13,7 @@ from urllib.parse import quote, unquote
 import numpy as np
 
 import rustchain.errors
+from rustchain import extras
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput, RustchainError
 from rustchain.paths import path_of, reason
@@ -90,6 +91,7 @@ class Store:
     """
 
     def __init__(self, folder: object, measure: Measure | None, looks: Looks, retry: bool) -> None:
+        _ = extras.xarray, extras.h5netcdf  # missing, they are told before anything runs
         self._folder = path_of(folder, "store")
         self._measured = measure is not None
         self._retry = retry

@@ -225,12 +225,11 @@ def study(
             f"burn_in = {shown(burn_in)}: must be from 0 to less than the duration, {shortest:g} s"
         )
         raise InvalidInput(msg)
-    of = Result.summary if measure is None else measure
     known = (*names, "run", "replicate", "statistic", "measure")
     found = sweep(
         scene,
         {**grid, "replicate": range(runs)},
-        partial(_numbers, of=of, burn_in=burn_in, taken=known),
+        partial(_numbers, of=measure, burn_in=burn_in, taken=known),
         duration=duration,
         report_step=report_step,
         record=record,
@@ -247,7 +246,8 @@ def study(
 
 
 def _numbers(
-    result: Result, *, of: Callable[[Result], Any], burn_in: float, taken: tuple[str, ...]
+    result: Result, *, of: Callable[[Result], Any] | None, burn_in: float, taken: tuple[str, ...]
 ) -> dict[str, Any]:
     """Return what was measured of a run after the burn-in [s], under names that are not `taken`."""
-    return numbers_of(of(result.between(start=burn_in)), taken)
+    part = result.between(start=burn_in)
+    return numbers_of(part.summary() if of is None else of(part), taken)

@@ -25,6 +25,14 @@ BRIEF = {
         ("duration=0.3", "duration=0.04"),
         ("0.15", "0.02"),
     ],
+    "tensioner": [
+        ("SETTLED = 0.25, 0.12", "SETTLED = 0.015, 0.005"),
+        ('"xatol": 0.1', '"maxiter": 3'),
+    ],
+    "tolerances": [
+        ("CHAINS = 60", "CHAINS = 4"),
+        ("SETTLED = 0.2, 0.1", "SETTLED = 0.02, 0.01"),
+    ],
     "polygon_effect": [
         ("runs=4", "runs=2"),
         ("duration=0.4, burn_in=0.2", "duration=0.1, burn_in=0.05"),

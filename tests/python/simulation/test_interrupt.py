@@ -131,7 +131,9 @@ def test_the_command_saves_its_file_and_says_how_it_ended(tmp_path):
 # Calls that stay long in the compiled module, or in threads of their own.
 LONG_CALLS = {
     "static start": "rc.Simulation(restless, start='static')",
-    "study from static starts": "rc.study(rc.Scene(restless, start='static'), progress=False)",
+    "study from static starts": (
+        "rc.study(rc.Scene(restless, start='static'), progress=False).sweep"
+    ),
     "loss map": (
         "rc.loss_map(rc.Scene(rc.two_sprocket_drive(links=38, torque=-1.0), "
         "rc.LankaraniNikravesh(friction=rc.Coulomb(0.1))), speeds=[10.0], torques=[-1.0], "

@@ -1,0 +1,189 @@
+"""Executors: the same bits from each, lost workers, what cannot be sent."""
+
+import importlib.util
+import json
+import shutil
+import subprocess
+import sys
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import rustchain as rc
+
+PAPER = rc.paper_drive()
+SHORT = {"duration": 5e-3, "progress": False}
+
+SCRIPT = """
+import contextlib, json, os, signal, sys, threading, time, warnings
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+import rustchain as rc
+
+AXES = {"pretension": [0, 25, 50], "chain.material.elastic_modulus": [2e11, 1e300]}
+SHORT = {"duration": 5e-3, "progress": False}
+
+class Own(Exception):  # does not survive pickling
+    def __init__(self, one, two):
+        super().__init__(f"{one} {two}")
+
+def measure(result):
+    if result.drive.tensioner is None:
+        raise Own("no", "tensioner")
+    return {"peak": result.peaks.tooth_force.max(), "end": result.final_positions}
+
+def stop(simulation):
+    return simulation.time > 4e-3
+
+def told(found):
+    values = [v and [v["peak"].hex(), v["end"].tobytes().hex()] for v in found.values]
+    # An error that cannot be sent is another one with its class in the message.
+    errors = {n: [str(error).replace("Own: ", "")] for n, error in found.errors.items()}
+    for n, error in found.errors.items():
+        if isinstance(error, rc.SimulationError):
+            errors[n].append(len(error.result.time))
+    return json.dumps([found.status, values, errors])
+
+def made(kind):
+    if kind == "threads":
+        return ThreadPoolExecutor(2)
+    if kind == "processes":
+        return ProcessPoolExecutor(2)
+    if kind == "loky":
+        import loky
+        return loky.get_reusable_executor(2)
+    if kind == "mpi":
+        from mpi4py.futures import MPIPoolExecutor
+        return MPIPoolExecutor()
+    return contextlib.nullcontext()
+
+if __name__ == "__main__":
+    warnings.simplefilter("ignore")
+    with made(sys.argv[1]) as executor:
+        found = rc.sweep(rc.paper_drive(), AXES, measure, executor=executor, **SHORT)
+        print(told(found))
+        looked = rc.sweep(rc.paper_drive(), {"pretension": [25, 50]}, measure, executor=executor,
+                          callback=stop, stop=[rc.ToothForceAbove(1e9)], **SHORT)
+        print(told(looked))
+        whole = rc.sweep(rc.paper_drive(), {"pretension": [25]}, executor=executor, **SHORT)
+        print(whole.results[0].final_positions.tobytes().hex())
+        study = rc.study(rc.paper_drive(), runs=3, burn_in=1e-3, executor=executor, **SHORT)
+        print(study.samples.to_dict()["data_vars"])
+"""
+
+
+def said(tmp_path, kind, before=()):
+    script = tmp_path / "script.py"
+    script.write_text(SCRIPT)
+    arguments = [*before, sys.executable]
+    arguments += ["-m", "mpi4py.futures"] if kind == "mpi" else []
+    done = subprocess.run([*arguments, str(script), kind], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def here(tmp_path_factory):
+    return said(tmp_path_factory.mktemp("here"), "none")
+
+
+@pytest.mark.parametrize("kind", ["threads", "processes", "loky", "mpi"])
+def test_every_executor_gives_the_same_bits_and_errors(kind, here, tmp_path):
+    before = []
+    if kind == "loky":
+        pytest.importorskip("loky")
+    if kind == "mpi":
+        launcher = shutil.which("mpiexec")
+        if importlib.util.find_spec("mpi4py") is None or launcher is None:
+            pytest.skip("no MPI here")
+        before = [launcher, "-n", "3"]
+    first = json.loads(here.splitlines()[0])
+    assert [value is None for value in first[1]] == [True, True, False, True, False, True]
+    assert said(tmp_path, kind, before) == here
+
+
+DASK = """
+import json, os, signal, sys, threading, time
+import rustchain as rc
+from dask.distributed import Client, LocalCluster
+
+def peak(result):
+    return float(result.peaks.tooth_force.max())
+
+def kill_a_busy_worker(client, pids):
+    while not any(client.processing().values()):
+        time.sleep(0.01)
+    worker = next(name for name, tasks in client.processing().items() if tasks)
+    os.kill(pids[worker], signal.SIGKILL)
+
+if __name__ == "__main__":
+    drive, axes = rc.paper_drive(), {"pretension": [0, 25, 50, 75], "speed": [10.0, 11.0]}
+    run = {"duration": 1.5e-2, "progress": False}
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        with Client(cluster) as client:
+            pids = client.run(os.getpid)
+            killer = threading.Thread(target=kill_a_busy_worker, args=(client, pids))
+            killer.start()
+            found = rc.sweep(drive, axes, peak, executor=client, store=sys.argv[1], **run)
+            killer.join()
+            lost = [pid for pid in pids.values() if not os.path.exists(f"/proc/{pid}")]
+            study = rc.study(drive, lambda r: r.time[-1], runs=2, burn_in=0.0, executor=client,
+                             duration=1e-3, progress=False)
+    here = rc.sweep(drive, axes, peak, **run)
+    print(json.dumps([found.success, found.values == here.values, len(lost),
+                      len(os.listdir(sys.argv[1])), study.sweep.success]))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks for processes in /proc")
+def test_a_worker_of_dask_that_is_killed_loses_no_case(tmp_path):
+    pytest.importorskip("distributed")
+    script = tmp_path / "script.py"
+    script.write_text(DASK)
+    arguments = [sys.executable, str(script), str(tmp_path / "runs")]
+    done = subprocess.run(arguments, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout) == [True, True, 1, 8, True]
+
+
+def test_a_lambda_that_cannot_be_sent_is_told():
+    said = "cannot be sent to another process"
+    with ProcessPoolExecutor(1) as pool, pytest.raises(rc.InvalidInput, match=said):
+        rc.sweep(PAPER, {"speed": [10.0, 11.0]}, lambda r: r.time, executor=pool, **SHORT)
+
+
+def test_what_runs_nothing_is_refused():
+    with pytest.raises(rc.InvalidInput, match=r"executor = 4: runs nothing; expected an Executor"):
+        rc.sweep(PAPER, {"speed": [10.0]}, executor=4, **SHORT)
+    with ThreadPoolExecutor(1) as pool:
+        with pytest.raises(rc.InvalidInput, match="threads = 2: is for executor=None"):
+            rc.sweep(PAPER, {"speed": [10.0]}, executor=pool, threads=2, **SHORT)
+        with pytest.raises(rc.InvalidInput, match="duration = -1: must be a positive"):
+            rc.sweep(PAPER, {"speed": [10.0]}, executor=pool, duration=-1, progress=False)
+
+
+def test_an_executor_stays_open_and_measures_where_it_runs():
+    threads = set()
+
+    def measure(result):
+        import threading
+
+        threads.add(threading.current_thread().name)
+        return float(result.time[-1])
+
+    with ThreadPoolExecutor(2, thread_name_prefix="own") as pool:
+        for _ in range(2):
+            found = rc.sweep(PAPER, {"speed": [10.0, 11.0]}, measure, executor=pool, **SHORT)
+            assert found.values == [5e-3, 5e-3]
+    assert all(name.startswith("own") for name in threads)
+
+
+def test_a_loss_map_runs_on_an_executor():
+    drive = rc.two_sprocket_drive(teeth=(17, 17), links=40, pretension=50.0)
+    keywords = {"duration": 0.02, "burn_in": 0.01, "progress": False}
+    here = rc.loss_map(drive, [6.0], [-1.0], **keywords)
+    with ProcessPoolExecutor(1) as pool:
+        there = rc.loss_map(drive, [6.0], [-1.0], executor=pool, **keywords)
+    assert here.equals(there)
+    assert np.isfinite(here["efficiency"]).all()

@@ -1,0 +1,340 @@
+"""The store of a sweep: nothing runs twice, all that changes a case makes it another one."""
+
+import functools
+import os
+import signal
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import rustchain as rc
+from rustchain.sweeps.identity import digest_of
+
+PAPER = rc.paper_drive()
+SHORT = {"duration": 5e-3, "progress": False}
+AXES = {"pretension": [0, 25], "speed": [10.0, 12.0]}
+FAILING = {"chain.material.elastic_modulus": [1e300, 2e11]}
+LIMIT = 1.0
+
+
+class Counted:
+    """A measure that counts its calls, which are no part of what it is."""
+
+    calls = 0
+
+    def __call__(self, result):
+        Counted.calls += 1
+        return {
+            "peak": result.peaks.tooth_force.max(),
+            "N/m (mean)": result.strand("upper").tension[-3:],
+            "rows": len(result.time),
+            "high": bool(result.peaks.tooth_force.max() > LIMIT),
+            "none": None,
+        }
+
+
+def counted(*arguments, **keywords):
+    before = Counted.calls
+    found = rc.sweep(*arguments, **keywords)
+    return found, Counted.calls - before
+
+
+def assert_same(one, other):
+    for value, expected in zip(one.values, other.values, strict=True):
+        assert value.keys() == expected.keys()
+        for name in value:
+            np.testing.assert_array_equal(value[name], expected[name])
+
+
+def test_what_is_stored_is_not_run_again_and_has_the_same_bits(tmp_path):
+    plain = rc.sweep(PAPER, AXES, Counted(), **SHORT)
+    first, ran = counted(PAPER, AXES, Counted(), store=tmp_path, **SHORT)
+    assert ran == 4
+    assert len(list(tmp_path.iterdir())) == 4
+    second, again = counted(PAPER, AXES, Counted(), store=str(tmp_path), **SHORT)
+    assert again == 0
+    for value, other in zip(first.values, second.values, strict=True):
+        assert {n: type(v) for n, v in value.items()} == {n: type(v) for n, v in other.items()}
+        assert (type(value["rows"]), type(value["high"])) == (int, bool)
+        assert np.isnan(value["none"])
+    assert_same(first, second)
+    for value in plain.values:
+        value["none"] = np.nan
+    assert_same(first, plain)
+    assert second.success
+    more, ran = counted(PAPER, AXES | {"speed": [12.0, 14.0]}, Counted(), store=tmp_path, **SHORT)
+    assert ran == 2  # of 14 rad/s alone
+    assert more.values[0]["peak"] == first.values[1]["peak"]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"duration": 4e-3},
+        {"report_step": 5e-4},
+        {"energy": False},
+        {"record": ("teeth", "hinges")},
+        {"stop": rc.TimeReached(3e-3)},
+        {"callback": lambda _: False},
+    ],
+    ids=lambda change: next(iter(change)),
+)
+def test_another_run_is_another_case(change, tmp_path):
+    axes = {"pretension": [0]}
+    _, ran = counted(PAPER, axes, Counted(), store=tmp_path, **SHORT)
+    _, other = counted(PAPER, axes, Counted(), store=tmp_path, **(SHORT | change))
+    assert (ran, other) == (1, 1)
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_groups_in_another_order_and_by_default_are_the_same_case(tmp_path):
+    for record in (None, ("energy", "sprockets", "teeth", "hinges")):
+        found, _ = counted(PAPER, {"rtol": [1e-5]}, Counted(), store=tmp_path, record=record,
+                           **SHORT)  # fmt: skip
+        assert found.success
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_results_themselves_are_stored_and_read_when_asked_for(tmp_path):
+    kept = rc.sweep(PAPER, AXES, **SHORT)
+    for _ in range(2):
+        stored = rc.sweep(PAPER, AXES, store=tmp_path, **SHORT)
+        assert [one == other for one, other in zip(stored.results, kept.results, strict=True)]
+        assert len(stored.results) == 4
+        for one, other in zip(stored.results, kept.results, strict=True):
+            for name, values in other.arrays.items():
+                np.testing.assert_array_equal(one.arrays[name], values)
+    (path, *_) = stored.values.paths
+    assert rc.load_result(path).drive == kept.results[0].drive
+    assert [result.time[-1] for result in stored.results[1:3]] == [5e-3, 5e-3]
+
+
+def test_a_damaged_file_is_run_again(tmp_path):
+    first, _ = counted(PAPER, AXES, Counted(), store=tmp_path, **SHORT)
+    files = sorted(tmp_path.iterdir())
+    files[0].write_bytes(files[0].read_bytes()[:-200])
+    files[1].write_bytes(b"")
+    again, ran = counted(PAPER, AXES, Counted(), store=tmp_path, **SHORT)
+    assert ran == 2
+    assert_same(first, again)
+    assert counted(PAPER, AXES, Counted(), store=tmp_path, **SHORT)[1] == 0
+
+
+def test_failed_cases_are_stored_with_their_error_and_repeated_on_demand(tmp_path):
+    with pytest.warns(RuntimeWarning, match="1 of 2 cases failed"):
+        first, ran = counted(PAPER, FAILING, Counted(), store=tmp_path, **SHORT)
+    assert ran == 1
+    assert len(list(tmp_path.iterdir())) == 2
+    runs = []
+
+    def build():
+        runs.append(1)
+        return PAPER
+
+    for retry, steps in ((False, 0), (True, 1)):
+        seen = []
+        with pytest.warns(RuntimeWarning, match="1 of 2 cases failed"):
+            found = rc.sweep(build, FAILING, Counted(), store=tmp_path, retry=retry,
+                             executor=_Watched(seen), **SHORT)  # fmt: skip
+        assert len(seen) == steps
+        error = found.errors[0]
+        assert isinstance(error, rc.SimulationError)
+        assert str(error) == str(first.errors[0])
+        assert error.time == first.errors[0].time > 4e-3
+        assert error.result is None
+        table = found.to_pandas()
+        assert table["error"][0] == f"SimulationError: {error}"
+        assert np.isnan(table["peak"][0])
+        assert table["peak"][1] == first.values[1]["peak"]
+
+
+class _Watched(ThreadPoolExecutor):
+    def __init__(self, seen):
+        super().__init__(1)
+        self._seen = seen
+
+    def submit(self, *arguments, **keywords):
+        self._seen.append(1)
+        return super().submit(*arguments, **keywords)
+
+
+def test_errors_of_a_measure_come_back_as_what_they_were(tmp_path):
+    def measure(result):
+        raise {10.0: LookupError, 12.0: Own}[result.drive.sprockets[0].motion.speed]("not there")
+
+    for _ in range(2):
+        with pytest.warns(RuntimeWarning, match="2 of 2 cases failed"):
+            found = rc.sweep(PAPER, {"speed": [10.0, 12.0]}, measure, store=tmp_path, **SHORT)
+        assert type(found.errors[0]) is LookupError
+        assert "not there" in str(found.errors[1])
+    assert str(found.errors[1]) == "Own: not there"
+
+
+class Own(Exception):
+    pass
+
+
+@pytest.mark.parametrize("measured", ["text", {"a": [None, "b"]}, 1j])
+def test_what_is_no_number_fails_its_case(measured, tmp_path):
+    with pytest.warns(RuntimeWarning, match="1 of 1 cases failed"):
+        found = rc.sweep(PAPER, {"rtol": [1e-5]}, lambda _: measured, store=tmp_path, **SHORT)
+    assert isinstance(found.errors[0], rc.InvalidInput)
+
+
+def test_an_executor_that_breaks_leaves_no_failures_in_the_store(tmp_path):
+    closed = ThreadPoolExecutor(1)
+    closed.shutdown()
+    with pytest.raises(RuntimeError, match="after shutdown"):
+        rc.sweep(PAPER, AXES, Counted(), store=tmp_path, executor=closed, **SHORT)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_warnings_of_stored_cases_are_told_again(tmp_path):
+    drive = rc.two_sprocket_drive(chain="ANSI 160", teeth=(17, 17), links=38)
+    for _ in range(2):
+        with pytest.warns(rc.RangeWarning, match="1 of 1 cases"):
+            found = rc.sweep(
+                rc.Scene(drive, rc.EnhancedCylinder()), {"speed": [5.0]}, Counted(), duration=1e-4,
+                store=tmp_path, progress=False,
+            )  # fmt: skip
+        assert list(found.law_warnings) == [0]
+
+
+def test_studies_and_loss_maps_have_stores_too(tmp_path):
+    given = {"runs": 2, "duration": 8e-3, "burn_in": 4e-3, "store": tmp_path, "progress": False}
+    one, other = rc.study(PAPER, **given), rc.study(PAPER, **given)
+    assert one.samples.equals(other.samples)
+    assert len(list(tmp_path.iterdir())) == 2
+    drive = rc.two_sprocket_drive(teeth=(17, 17), links=40, pretension=50.0)
+    arguments = (drive, [6.0, 12.0], [-1.0])
+    keywords = {"duration": 0.02, "burn_in": 0.01, "store": tmp_path, "progress": False}
+    losses = [rc.loss_map(*arguments, **keywords) for _ in range(2)]
+    assert losses[0].equals(losses[1])
+    np.testing.assert_allclose(losses[0]["loss"].sum("channel"), losses[0]["lost"])
+    assert len(list(tmp_path.iterdir())) == 4
+
+
+def test_a_folder_that_cannot_be_made_and_a_measure_without_identity_are_told(tmp_path):
+    (tmp_path / "taken").write_text("a file")
+    with pytest.raises(OSError, match=r"store: the folder .*taken cannot be made"):
+        rc.sweep(PAPER, AXES, Counted(), store=tmp_path / "taken", **SHORT)
+    said = "has no identity by which a stored case"
+    with (tmp_path / "open").open("w") as file, pytest.raises(rc.InvalidInput, match=said):
+        rc.sweep(PAPER, AXES, lambda _: file.name, store=tmp_path, **SHORT)
+
+
+# --- identity of functions
+
+
+def test_two_functions_of_one_code_are_the_same_and_any_change_is_another():
+    def made(limit, text="def measure(r, a=1): return r + limit + a"):
+        space = {"limit": limit, "__name__": "somewhere"}
+        exec(text, space)
+        return space["measure"]
+
+    base = digest_of(made(1.0))
+    assert digest_of(made(1.0)) == base
+    assert digest_of(made(2.0)) != base
+    for text in (
+        "def measure(r, a=2): return r + limit + a",
+        "def measure(r, a=1): return r - limit + a",
+        "def measure(r, a=1): return r + limit + a + 0.5",
+        "def inner(r): return 3\ndef measure(r, a=1): return inner(r)",
+        "def inner(r): return 4\ndef measure(r, a=1): return inner(r)",
+        "measure = lambda r, a=1: r + limit + a",
+    ):
+        other = digest_of(made(1.0, text))
+        assert other != base
+        assert digest_of(made(1.0, text)) == other
+    text = "def inner(r): return {}\ndef measure(r): return [inner(x) for x in r]"
+    calls = [digest_of(made(1.0, text.format(k))) for k in (3, 4)]
+    assert calls[0] != calls[1]
+
+    def closed(value):
+        return lambda: value
+
+    assert digest_of(closed(1)) == digest_of(closed(1)) != digest_of(closed(2))
+    one, other = (functools.partial(made(1.0), a=a) for a in (1, 2))
+    assert digest_of(one) != digest_of(other)
+
+    def again(n):
+        return again(n - 1) if n else 0
+
+    assert digest_of(again)
+    assert digest_of(np.arange(3.0)) != digest_of(np.arange(3))
+
+
+def test_an_identity_is_that_of_every_process():
+    script = (
+        "from rustchain.sweeps.identity import digest_of\n"
+        "import numpy as np, rustchain as rc\n"
+        "names = {'upper', 'lower', 'left', 'right'}\n"
+        "def measure(result, of=frozenset(names)):\n"
+        "    if result in {'a', 'b', 'c', 'd'}: return np.pi\n"
+        "    return [n for n in names if n in of]\n"
+        "print(digest_of([measure, rc.Result.summary, rc.Scene(rc.paper_drive(25.0))]))\n"
+    )
+    found = {
+        subprocess.run(
+            [sys.executable, "-c", script], capture_output=True, text=True, check=True,
+            env=os.environ | {"PYTHONHASHSEED": seed},
+        ).stdout
+        for seed in ("1", "2", "3")
+    }  # fmt: skip
+    assert len(found) == 1
+
+
+# --- several processes
+
+SWEEP = """
+import sys
+import rustchain as rc
+
+def peak(result):
+    return {"peak": result.peaks.tooth_force.max(), "end": result.time[-1]}
+
+if __name__ == "__main__":
+    axes = {"pretension": [0, 25, 50, 75, 100, 125], "duration": [2e-3, 4e-3]}
+    found = rc.sweep(rc.paper_drive(), axes, peak, store=sys.argv[1], threads=1, progress=False)
+    print(found.status, len(found._ended), [value and value["peak"] for value in found.values])
+"""
+
+
+def started(folder):
+    script = folder.parent / "script.py"
+    script.write_text(SWEEP)
+    arguments = [sys.executable, "-W", "error", str(script), str(folder)]
+    return subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def test_several_processes_fill_one_store(tmp_path):
+    running = [started(tmp_path / "runs") for _ in range(3)]
+    said = [one.communicate() for one in running]
+    assert [one.returncode for one in running] == [0, 0, 0], said
+    assert len({out for out, _ in said}) == 1
+    files = list((tmp_path / "runs").iterdir())
+    assert len(files) == 12
+    assert all(file.suffix == ".nc" for file in files)
+
+
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGKILL])
+def test_a_sweep_that_is_ended_goes_on_where_it_was(end, tmp_path):
+    folder = tmp_path / "runs"
+    running = started(folder)
+    while running.poll() is None and len(list(folder.glob("*.nc")) if folder.exists() else []) < 2:
+        pass
+    running.send_signal(end)
+    running.communicate()
+    kept = {path: path.stat().st_mtime_ns for path in folder.glob("*.nc")}
+    assert len(kept) >= 2
+    going_on = started(folder)
+    out, err = going_on.communicate()
+    assert going_on.returncode == 0, err
+    assert out.startswith("finished 12 ")
+    assert all(path.stat().st_mtime_ns == when for path, when in kept.items())
+    assert len(list(folder.glob("*.nc"))) == 12
+    alone = tmp_path / "alone"
+    assert started(alone).communicate()[0] == out
