@@ -1,4 +1,4 @@
-"""Animations of a result: frames drawn from the recorded bodies, written as GIF or MP4."""
+"""Animations of a result: frames drawn from the recorded bodies, written as GIF, MP4 or HTML."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from io import BytesIO
 from pathlib import Path
@@ -29,13 +29,13 @@ if TYPE_CHECKING:
 
 _SECONDS = 10.0  # that an animation lasts, unless slow motion is given
 _FRAMES = 20_000  # more are refused: thirteen minutes at 25 a second
-_FORMS = (".gif", ".mp4")
+_FORMS = (".gif", ".mp4", ".html")
 _COLORS = 96  # of a GIF; with twice as many it is a fifth larger and looks the same
 
 
 @dataclass(frozen=True)
 class Animation:
-    """The motion that a result recorded, as frames.
+    """The motion that a result recorded, as frames; shows the player in a notebook.
 
     Attributes
     ----------
@@ -127,12 +127,16 @@ class Animation:
         there = [each for each in found.forces if self.forces and self._recorded(each)]
         return Shapes(found.outlines, tuple(there), found.size)
 
+    def of_scene(self) -> Animation:
+        """Return the same with the whole scene in view."""
+        return replace(self, camera="scene", view=None)
+
     def _recorded(self, forces: Forces) -> bool:
         array = self.result.arrays.get(forces.array)
         return array is not None and array.shape[1] == len(forces.bodies)
 
     def save(self, path: str | Path) -> None:
-        """Write a GIF or an MP4 video, as the name ends.
+        """Write a GIF, an MP4 video or a page with the player, as the name ends.
 
         Raises
         ------
@@ -146,13 +150,23 @@ class Animation:
         where = path_of(path)
         form = where.suffix.lower()
         if form not in _FORMS:
-            msg = f"path = {str(where)!r}: ends in {form!r}; expected .gif or .mp4"
+            msg = f"path = {str(where)!r}: ends in {form!r}; expected .gif, .mp4 or .html"
             raise InvalidInput(msg)
         check_writable(where)
-        if form == ".gif":
+        if form == ".html":
+            from rustchain.plot.player import player_page
+
+            write_whole(where, player_page(self).encode())
+        elif form == ".gif":
             write_whole(where, _gif(self))
         else:
             write_whole(where, _mp4(self))
+
+    def _repr_html_(self) -> str:
+        """Return the player for a notebook."""
+        from rustchain.plot.player import player_frame
+
+        return player_frame(self)
 
     def frames(self, rows: Array | None = None) -> Iterator[Array]:
         """Yield the frames, (height, width, 3) of 8 bits; those of `rows` alone where given."""
@@ -198,7 +212,7 @@ def _mp4(animation: Animation) -> bytes:
     if program is None:
         msg = (
             "ffmpeg is not installed, which .mp4 needs: apt install ffmpeg, brew install ffmpeg or "
-            "conda install ffmpeg; or name a .gif"
+            "conda install ffmpeg; or name a .gif or .html"
         )
         raise MissingExtra(msg, name="ffmpeg")
     frames = animation.frames()

@@ -22,11 +22,12 @@ if TYPE_CHECKING:
 
 _THEME: Theme = "light"
 _SAMPLES = 24  # rows from which the view is chosen
-_ARROW = 2.0  # length of the arrow of a large force, in sizes of a part
+ARROW = 2.0  # length of the arrow of a large force, in sizes of a part
+THICKNESS = 0.16  # of arrows, in sizes of a part
 _VIEW = 8.0  # width of a view that follows a body, in sizes of a part
 _MARGIN = 0.6  # round all that moves, in sizes of a part
 _HEAD = 44  # [pixels] above the scene, for the scales
-_NAMES = {"joint": "reaction"}  # in legends; others are "tooth force" and so on
+NAMES = {"joint": "reaction"}  # in legends; others are "tooth force" and so on
 
 
 def view_of(animation: Animation) -> tuple[Array, Array]:
@@ -62,7 +63,7 @@ class Canvas:
         large = large_force(self.result, animation.shapes.forces, animation.rows)
         self.force_shown = round_number(large)
         # Length of an arrow for each newton [m/N].
-        self.arrow = _ARROW * animation.shapes.size / large if large > 0.0 else 0.0
+        self.arrow = ARROW * animation.shapes.size / large if large > 0.0 else 0.0
         self._set_up()
 
     @styled
@@ -128,7 +129,7 @@ class Canvas:
         length = round_number(0.15 * (high - low))
         entries: list[tuple[float, str, str | None]] = [(length, _length_text(length), None)]
         for group, _ in self.arrows if self.arrow > 0.0 else ():
-            text = f"{_NAMES.get(group.kind, f'{group.kind} force')} {self.force_shown:g} N"
+            text = f"{NAMES.get(group.kind, f'{group.kind} force')} {self.force_shown:g} N"
             color = FORCE_COLORS[_THEME][group.kind]
             entries.append((self.arrow * self.force_shown, text, color))
         x = width - 14.0
@@ -164,7 +165,7 @@ class Canvas:
         for group, patch in self.arrows:
             at = force_points(group, poses) + shift
             vectors = self.arrow * forces_at(self.result, group.array, np.array([time]))[0]
-            _set_points(patch, arrows(at, vectors, 0.16 * self.animation.shapes.size))
+            _set_points(patch, arrows(at, vectors, THICKNESS * self.animation.shapes.size))
         slow = self.animation.slowdown
         speed = f"{slow:.3g} times slower" if slow >= 1.0 else f"{1.0 / slow:.3g} times faster"
         self.clock.set_text(f"t = {1e3 * time:.2f} ms, {speed}")

@@ -64,3 +64,33 @@ FORCE_COLORS: dict[Theme, dict[str, str]] = {
 """Colours of the arrows of each kind of force."""
 PAPER: dict[Theme, str] = {"light": "#ffffff", "dark": "#14181d"}
 INK: dict[Theme, str] = {"light": "#22262b", "dark": "#dfe5ec"}
+
+_CSS: dict[Theme, dict[str, str]] = {
+    "light": {
+        "ink": INK["light"], "dim": "#5c636c", "paper": PAPER["light"], "soft": "#f1f4f7",
+        "line": "#d8dde3", "accent": "#0b64a0",
+        "c1": "#0b64a0", "c2": "#d9730d", "c3": "#2a8f5b", "c4": "#b8323a", "c5": "#7d5ba6",
+        "c6": "#8c6d1f",
+    },
+    "dark": {
+        "ink": INK["dark"], "dim": "#9aa5b1", "paper": PAPER["dark"], "soft": "#222830",
+        "line": "#38414c", "accent": "#6db7ee",
+        "c1": "#6db7ee", "c2": "#f2a154", "c3": "#63c593", "c4": "#f0858c", "c5": "#b79be0",
+        "c6": "#cdb05c",
+    },
+}  # fmt: skip
+
+
+def theme_css() -> str:
+    """Return the colours of pages: light or dark as the reader has it, or as `data-theme` says."""
+    light, dark = (
+        "; ".join(f"--{name}: {color}" for name, color in _CSS[theme].items())
+        for theme in ("light", "dark")
+    )
+    return (
+        f":root {{ color-scheme: light dark; {light} }}\n"
+        f"@media (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}\n"
+        f':root[data-theme="light"] {{ color-scheme: light; {light} }}\n'
+        f':root[data-theme="dark"] {{ color-scheme: dark; {dark} }}\n'
+        "body { background: var(--paper); color: var(--ink); }"
+    )

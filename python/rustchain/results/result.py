@@ -345,7 +345,7 @@ class Result(OfScene, ArrayValue, Outputs):
         forces: bool = True,
         width: int = 900,
     ) -> Animation:
-        """Show the motion that was recorded as an animation.
+        """Show the motion that was recorded, in a notebook or as a file.
 
         Bodies are drawn between the rows by cubic interpolation, so that ``record`` must have
         "bodies" in it; contact forces and joint reactions that were recorded are arrows.
@@ -353,8 +353,8 @@ class Result(OfScene, ArrayValue, Outputs):
         Parameters
         ----------
         path : str or Path, optional
-            File to write: ``.gif`` or ``.mp4``, which needs the program ffmpeg. Without one nothing
-            is written.
+            File to write: ``.gif``, ``.mp4`` (needs the program ffmpeg) or ``.html``, a page with
+            the player. Without one nothing is written, and a notebook shows the player.
         start, end : float, optional
             Part of the time [s], by default all of it.
         slow_motion : float, optional

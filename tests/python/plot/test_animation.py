@@ -177,7 +177,7 @@ def test_without_bodies_the_remedy_is_told():
         ({"slow_motion": 1e6}, "makes 500000 frames; expected at most"),
         ({"width": 20}, "100 to 4000 pixels"),
         ({"start": 1.0}, "no rows there"),
-        ({"path": "run.avi"}, "ends in '.avi'; expected .gif or .mp4"),
+        ({"path": "run.avi"}, "ends in '.avi'; expected .gif, .mp4 or .html"),
         ({"slowmotion": 3}, "slow_motion"),
     ],
 )
@@ -190,7 +190,7 @@ def test_what_cannot_be_is_refused_with_what_is_expected(options, told, tmp_path
 
 def test_without_ffmpeg_the_remedy_is_named(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(rc.MissingExtra, match=r"ffmpeg.*apt install ffmpeg.*a .gif"):
+    with pytest.raises(rc.MissingExtra, match=r"ffmpeg.*apt install ffmpeg.*\.gif or \.html"):
         RESULT.animate(tmp_path / "run.mp4")
 
 
