@@ -39,6 +39,7 @@ __all__ = [
     "links_around",
     "links_for",
     "panicked",
+    "read_toml",
     "static_start",
     "strand_names",
     "tooth_contacts",
@@ -149,6 +150,11 @@ def law_force(
 
 def effective_restitution(damping: str, restitution: float) -> float:
     """Return the restitution that an impact with a damping law really has."""
+
+def read_toml(
+    text: str,
+) -> tuple[dict[str, Any], dict[tuple[str | int, ...], tuple[int, int]]]:
+    """Return the content of a TOML text, and line and column of each key and item in it."""
 
 def integrate(
     fun: Callable[[float, _Array], npt.ArrayLike],

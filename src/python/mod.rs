@@ -14,6 +14,7 @@ mod mechanism_callable;
 mod mechanism_contact;
 mod mechanism_core;
 mod surfaces;
+mod toml;
 
 use pyo3::prelude::*;
 
@@ -51,5 +52,6 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(functions::film_forces, module)?)?;
     module.add_function(wrap_pyfunction!(functions::law_force, module)?)?;
     module.add_function(wrap_pyfunction!(functions::effective_restitution, module)?)?;
+    module.add_function(wrap_pyfunction!(toml::read_toml, module)?)?;
     module.add_function(wrap_pyfunction!(functions::integrate, module)?)
 }

@@ -1,9 +1,9 @@
-"""The standard chains: the numbers of each size, where they come from, and masses of the parts.
+"""The standard chains: sizes, from the table sizes.toml, and masses of the parts.
 
-Sources, by the words that `ChainSize.sources` uses:
+Sources, by the words of `ChainSize.sources`:
 
 - "standard": the standard's own number as two published tables give it alike (ANSI/ASME B29.1:
-  rounded decimals that stand for fractions are fractions here; ISO 606: pitch, width, roller).
+  decimals that tables round are not rounded here; ISO 606: pitch, width, roller).
 - "makers": makers' tables, which differ by about 5 % among themselves.
 - "limit": the standard's limit, not a nominal size: largest heights of ANSI plates (0.95 and 0.82
   pitches), largest pin and smallest bore (0.0005 and 0.0015 in over the pin's nominal diameter).
@@ -15,11 +15,14 @@ Sources, by the words that `ChainSize.sources` uses:
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from difflib import get_close_matches
 from math import pi
-from typing import NamedTuple
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from rustchain import _rustchain
 
 INCH = 0.0254  # [m]
 _POUND_PER_FOOT = 0.45359237 / 0.3048  # [kg/m]
@@ -214,69 +217,14 @@ def _sum(*parts: Part) -> Part:
     return Part(sum(p.mass for p in parts), sum(p.inertia for p in parts))
 
 
-# No.: pitch, roller, width, pin, plate thickness [in], strength [lbf], weight [lb/ft]
-_ANSI: dict[str, tuple[float, ...]] = {
-    "25": (1 / 4, 0.130, 1 / 8, 0.0905, 0.030, 780, 0.084),
-    "35": (3 / 8, 0.200, 3 / 16, 0.141, 0.050, 1760, 0.21),
-    "41": (1 / 2, 0.306, 1 / 4, 0.141, 0.050, 1500, 0.28),
-    "40": (1 / 2, 5 / 16, 5 / 16, 0.156, 0.060, 3125, 0.41),
-    "50": (5 / 8, 0.400, 3 / 8, 0.200, 0.080, 4880, 0.68),
-    "60": (3 / 4, 15 / 32, 1 / 2, 0.234, 0.094, 7030, 1.00),
-    "80": (1, 5 / 8, 5 / 8, 0.312, 0.125, 12500, 1.69),
-    "100": (1 + 1 / 4, 3 / 4, 3 / 4, 0.375, 0.156, 19530, 2.49),
-    "120": (1 + 1 / 2, 7 / 8, 1, 0.437, 0.187, 28125, 3.67),
-    "140": (1 + 3 / 4, 1, 1, 0.500, 0.219, 38280, 4.93),
-    "160": (2, 1 + 1 / 8, 1 + 1 / 4, 0.562, 0.250, 50000, 6.43),
-    "180": (2 + 1 / 4, 1 + 13 / 32, 1 + 13 / 32, 0.687, 0.281, 63280, 8.70),
-    "200": (2 + 1 / 2, 1 + 9 / 16, 1 + 1 / 2, 0.781, 0.312, 78125, 10.51),
-    "240": (3, 1 + 7 / 8, 1 + 7 / 8, 0.937, 0.375, 112500, 16.90),
-}
-_WITHOUT_ROLLERS = ("25", "35")
-
-# No.: pitch, roller, width, pin; heights and thicknesses of plates, inner and outer [mm];
-# strength [kN], mass [kg/m]
-_ISO: dict[str, tuple[float, ...]] = {
-    "05B": (8.0, 5.0, 3.0, 2.31, 7.11, 7.11, 0.75, 0.75, 4.4, 0.18),
-    "06B": (9.525, 6.35, 5.72, 3.28, 8.26, 8.26, 1.3, 1.0, 8.9, 0.41),
-    "08B": (12.7, 8.51, 7.75, 4.45, 11.8, 11.8, 1.6, 1.6, 17.8, 0.70),
-    "10B": (15.875, 10.16, 9.65, 5.08, 14.7, 14.7, 1.7, 1.7, 22.2, 0.92),
-    "12B": (19.05, 12.07, 11.68, 5.72, 16.1, 16.1, 1.85, 1.85, 28.9, 1.16),
-    "16B": (25.4, 15.88, 17.02, 8.28, 21.1, 21.1, 4.15, 3.1, 60.0, 2.70),
-    "20B": (31.75, 19.05, 19.56, 10.19, 26.4, 26.4, 4.5, 3.5, 95.0, 3.50),
-    "24B": (38.1, 25.4, 25.4, 14.63, 33.4, 33.4, 6.0, 4.8, 160.0, 6.80),
-    "28B": (44.45, 27.94, 30.99, 15.9, 37.08, 37.08, 7.5, 6.3, 200.0, 9.1),
-    "32B": (50.8, 29.21, 30.99, 17.81, 42.3, 42.3, 7.0, 6.0, 250.0, 10.5),
-}
-# Sizes whose pin, plate heights or strength a second source confirms.
-_CONFIRMED = {
-    "pin_diameter": ("08B", "10B", "12B", "16B"),
-    "inner_plate_height": ("08B", "10B"),
-    "outer_plate_height": ("08B", "10B"),
-    "strength": ("16B",),
-}
-
-
-def _ansi(number: str) -> ChainSize:
-    pitch, roller, width, pin, thickness = (INCH * length for length in _ANSI[number][:5])
-    bare = number in _WITHOUT_ROLLERS
-    sources = {
-        "pitch": "standard",
-        "roller_diameter": "standard, bushing" if bare else "standard",
-        "inner_width": "standard",
-        "pin_diameter": "limit",
-        "bore_diameter": "limit",
-        "bushing_diameter": "standard" if bare else "derived",
-        "inner_plate_height": "limit",
-        "outer_plate_height": "limit",
-        "inner_plate_thickness": "standard",
-        "outer_plate_thickness": "standard",
-        "tooth_width": "standard, largest",
-        "mass_per_length": "makers",
-        "strength": "standard",
-    }
+def _ansi(name: str, row: Sequence[float], table: Mapping[str, Any]) -> ChainSize:
+    """Return an ANSI size; the file has what its numbers are."""
+    pitch, roller, width, pin, thickness = (INCH * length for length in row[:5])
+    bare = name in table["without_rollers"]
+    bushings = {"roller_diameter": "standard, bushing", "bushing_diameter": "standard"}
     return ChainSize(
-        name=f"ANSI {number}",
-        standard="ANSI/ASME B29.1",
+        name=f"ANSI {name}",
+        standard=table["standard"],
         pitch=pitch,
         roller_diameter=roller,
         inner_width=width,
@@ -288,51 +236,47 @@ def _ansi(number: str) -> ChainSize:
         inner_plate_thickness=thickness,
         outer_plate_thickness=thickness,
         tooth_width=0.93 * width - 0.006 * INCH,
-        mass_per_length=_POUND_PER_FOOT * _ANSI[number][6],
-        strength=_POUND_FORCE * _ANSI[number][5],
-        sources=sources,
+        mass_per_length=_POUND_PER_FOOT * row[6],
+        strength=_POUND_FORCE * row[5],
+        sources=table["sources"] | (bushings if bare else {}),
     )
 
 
-def _iso(number: str) -> ChainSize:
-    lengths = [1e-3 * length for length in _ISO[number][:8]]
-    pitch, roller, width, pin = lengths[:4]
-    sources = dict.fromkeys(
-        (
-            "pin_diameter",
-            "bore_diameter",
-            "inner_plate_height",
-            "outer_plate_height",
-            "inner_plate_thickness",
-            "outer_plate_thickness",
-            "tooth_width",
-            "strength",
-        ),
-        "typical",
-    )
-    sources |= {name: "makers" for name, sizes in _CONFIRMED.items() if number in sizes}
-    sources |= dict.fromkeys(("pitch", "roller_diameter", "inner_width"), "standard")
+def _iso(name: str, row: Sequence[float], table: Mapping[str, Any]) -> ChainSize:
+    """Return an ISO size; the file has what its numbers are."""
+    pitch, roller, width, pin, *plates = (1e-3 * length for length in row[:8])
+    confirmed = {field: "makers" for field, names in table["confirmed"].items() if name in names}
     return ChainSize(
-        name=f"ISO {number}",
-        standard="ISO 606",
+        name=f"ISO {name}",
+        standard=table["standard"],
         pitch=pitch,
         roller_diameter=roller,
         inner_width=width,
         pin_diameter=pin,
         bore_diameter=pin + 0.05e-3,
         bushing_diameter=_BUSHING_OVER_ROLLER * roller,
-        inner_plate_height=lengths[4],
-        outer_plate_height=lengths[5],
-        inner_plate_thickness=lengths[6],
-        outer_plate_thickness=lengths[7],
+        inner_plate_height=plates[0],
+        outer_plate_height=plates[1],
+        inner_plate_thickness=plates[2],
+        outer_plate_thickness=plates[3],
         tooth_width=(0.93 if pitch <= 0.0127 else 0.95) * width,
-        mass_per_length=_ISO[number][9],
-        strength=1e3 * _ISO[number][8],
-        sources=sources | {"bushing_diameter": "derived", "mass_per_length": "makers"},
+        mass_per_length=row[9],
+        strength=1e3 * row[8],
+        sources=table["sources"] | confirmed,
     )
 
 
-SIZES: dict[str, ChainSize] = {size.name: size for size in (*map(_ansi, _ANSI), *map(_iso, _ISO))}
+def _sizes() -> Iterator[ChainSize]:
+    """Yield the sizes in the file beside this one."""
+    text = Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")
+    tables, _ = _rustchain.read_toml(text)
+    for standard, make in (("ANSI", _ansi), ("ISO", _iso)):
+        table = tables[standard]
+        for name, row in table["sizes"].items():
+            yield make(name, row, table)
+
+
+SIZES: dict[str, ChainSize] = {size.name: size for size in _sizes()}
 
 # ISO 606 lists the ANSI sizes too: their pitch in sixteenths of an inch and "A", but for these.
 _ISO_OF_ANSI = {"25": "04C", "35": "06C", "41": "085"}
