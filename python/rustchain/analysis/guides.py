@@ -10,8 +10,17 @@ import numpy as np
 
 from rustchain import _rustchain
 from rustchain.analysis.circuit import Circuit
-from rustchain.analysis.loads import QUANTILES, nearest_contact
-from rustchain.analysis.phases import bins_of, checked_bins, intervals, midway, share, statistics
+from rustchain.analysis.loads import nearest_contact
+from rustchain.analysis.phases import (
+    NEWTONS,
+    QUANTILES,
+    Forces,
+    bins_of,
+    checked_bins,
+    intervals,
+    load_variables,
+    midway,
+)
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
 from rustchain.description.guides import SmoothIdler
@@ -22,8 +31,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rustchain.results.result import Result
-
-_NEWTONS = {"units": "N"}
 
 
 def guide_loads(
@@ -66,9 +73,11 @@ def guide_loads(
     # Most impacts are over before a row: they count where the bushing was last.
     nearest = np.take_along_axis(wheel, nearest_contact(result), 0)[rows]
     met = nearest == len(result.drive.sprockets) + number
-    force = np.where(here, result.array("tooth_force")[rows], 0.0)
-    peak = np.where(met, result.array("peak_tooth_force")[rows], 0.0)
-    impulse = np.where(met, result.array("peak_tooth_impulse")[rows], 0.0)
+    forces = Forces(
+        np.where(here, result.array("tooth_force")[rows], 0.0),
+        np.where(met, result.array("peak_tooth_force")[rows], 0.0),
+        np.where(met, result.array("peak_tooth_impulse")[rows], 0.0),
+    )
     span = intervals(result.time)[rows, None]
 
     circuit = Circuit.of(result.drive)
@@ -78,18 +87,14 @@ def guide_loads(
     along = np.mod(along + 0.5 * circuit.links, circuit.links) - 0.5 * circuit.links
     bins = round(2 * reach * bins_per_pitch)
     place = bins_of(along, -reach, 1.0 / bins_per_pitch, bins)
-    found = statistics(place, bins, force, peak, quantiles)
-    spread = np.broadcast_to(span, place.shape)
     position = -reach + (np.arange(bins) + 0.5) / bins_per_pitch
     return xr.Dataset(
-        {
-            "mean": ("position", share(place, bins, impulse, spread), _NEWTONS),
-            "quantiles": (("position", "quantile"), found["quantiles"], _NEWTONS),
-            "largest": ("position", found["largest"], _NEWTONS),
-            "bushing_mean": ("bushing", impulse.sum(0) / span.sum(), _NEWTONS),
-            "bushing_largest": ("bushing", peak.max(0), _NEWTONS),
-            "force": ("time", force.sum(1), _NEWTONS),
-            "bushings": ("time", (here & (force > 0.0)).sum(1)),
+        load_variables("position", place, bins, forces, span, quantiles)
+        | {
+            "bushing_mean": ("bushing", forces.impulse.sum(0) / span.sum(), NEWTONS),
+            "bushing_largest": ("bushing", forces.peak.max(0), NEWTONS),
+            "force": ("time", forces.force.sum(1), NEWTONS),
+            "bushings": ("time", (here & (forces.force > 0.0)).sum(1)),
         },
         {
             "position": ("position", position, {"units": "pitches"}),
@@ -97,7 +102,7 @@ def guide_loads(
             "bushing": np.arange(1, circuit.links + 1),
             "time": ("time", result.time[rows], {"units": "s"}),
         },
-        {"guide": number, "mean_force": float(impulse.sum() / span.sum())},
+        {"guide": number, "mean_force": float(forces.impulse.sum() / span.sum())},
     )
 
 

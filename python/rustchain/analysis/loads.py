@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rustchain.analysis.circuit import Circuit
-from rustchain.analysis.phases import bins_of, checked_bins, intervals, midway, share, statistics
+from rustchain.analysis.phases import (
+    NEWTONS,
+    QUANTILES,
+    Forces,
+    bins_of,
+    checked_bins,
+    intervals,
+    load_variables,
+    midway,
+    share,
+)
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import plain, shown
 from rustchain.errors import InvalidInput
-from rustchain.typing import Array, Time
+from rustchain.typing import Time
 
 if TYPE_CHECKING:
     from typing import TypeAlias
@@ -25,9 +35,6 @@ if TYPE_CHECKING:
     SprocketNumber: TypeAlias = int
 else:  # left to `check_sprocket`, which tells what answers the name of a guide
     SprocketNumber = object
-
-QUANTILES = (0.05, 0.5, 0.95)
-_NEWTONS = {"units": "N"}
 
 
 def hinge_loads(
@@ -65,31 +72,23 @@ def hinge_loads(
     where = midway(circuit.moved(result))[rows, None] + np.arange(circuit.links)
     bins = bins_per_pitch * circuit.links
     place = np.floor(np.mod(where, circuit.links) * bins_per_pitch).astype(np.intp) % bins
-    force = result.array("hinge_force")[rows]
-    peak, impulse = _peaks(result, "hinge", rows)
+    forces = _forces(result, "hinge", rows)
     span = intervals(result.time)[rows, None]
-    found = statistics(place, bins, force, peak, quantiles)
-    mean = share(place, bins, impulse, np.broadcast_to(span, place.shape))
     position = (np.arange(bins) + 0.5) / bins_per_pitch
-    hinges = np.arange(1, circuit.links + 1)
+    variables = load_variables("position", place, bins, forces, span, quantiles)
+    shares = np.quantile(forces.force, quantiles, axis=0).T
     return xr.Dataset(
-        {
-            "mean": ("position", mean, _NEWTONS),
-            "quantiles": (("position", "quantile"), found["quantiles"], _NEWTONS),
-            "largest": ("position", found["largest"], _NEWTONS),
-            "hinge_mean": ("hinge", impulse.sum(0) / span.sum(), _NEWTONS),
-            "hinge_quantiles": (
-                ("hinge", "quantile"),
-                np.quantile(force, quantiles, axis=0).T,
-                _NEWTONS,
-            ),
-            "hinge_largest": ("hinge", peak.max(0), _NEWTONS),
+        variables
+        | {
+            "hinge_mean": ("hinge", forces.impulse.sum(0) / span.sum(), NEWTONS),
+            "hinge_quantiles": (("hinge", "quantile"), shares, NEWTONS),
+            "hinge_largest": ("hinge", forces.peak.max(0), NEWTONS),
         },
         {
             "position": ("position", position, {"units": "pitches"}),
             "section": ("position", circuit.names(position)),
             "quantile": list(quantiles),
-            "hinge": hinges,
+            "hinge": np.arange(1, circuit.links + 1),
         },
         {"revolutions": _revolutions(circuit, result, rows)},
     )
@@ -135,19 +134,13 @@ def wrap_loads(
     here = midway(circuit.moved(result))[rows, None] + np.arange(circuit.links)
     along = np.mod(here - section.begin - begin, circuit.links) + begin
     place = bins_of(along, begin, 1.0 / bins_per_pitch, bins)
-    span = np.broadcast_to(intervals(result.time)[rows, None], place.shape)
+    span = intervals(result.time)[rows, None]
     # A bushing near this sprocket touches no other one.
-    tooth, hinge = (_peaks(result, part, rows) for part in ("tooth", "hinge"))
-    force = result.array("tooth_force")[rows]
-    found = statistics(place, bins, force, tooth[0], quantiles)
+    tooth, hinge = (_forces(result, part, rows) for part in ("tooth", "hinge"))
     position = begin + (np.arange(bins) + 0.5) / bins_per_pitch
     return xr.Dataset(
-        {
-            "mean": ("position", share(place, bins, tooth[1], span), _NEWTONS),
-            "quantiles": (("position", "quantile"), found["quantiles"], _NEWTONS),
-            "largest": ("position", found["largest"], _NEWTONS),
-            "hinge_mean": ("position", share(place, bins, hinge[1], span), _NEWTONS),
-        },
+        load_variables("position", place, bins, tooth, span, quantiles)
+        | {"hinge_mean": ("position", share(place, bins, hinge.impulse, span), NEWTONS)},
         {
             "position": ("position", position, {"units": "pitches"}),
             "quantile": list(quantiles),
@@ -191,23 +184,19 @@ def tooth_loads(
     rows = rows_between(result, start, end)
     check_sprocket(result, sprocket)
     teeth = result.drive.sprockets[sprocket - 1].teeth
-    force, peak, impulse = by_gap(result, sprocket, rows)
+    forces = by_gap(result, sprocket, rows)
     turned = midway(result.array("sprocket_angle")[:, sprocket - 1])[rows, None]
     around = np.mod((turned + 2 * np.pi * np.arange(teeth) / teeth) / (2 * np.pi), 1.0)
     bins = bins_per_pitch * teeth
     place = np.floor(around * bins).astype(np.intp) % bins
     span = intervals(result.time)[rows, None]
-    found = statistics(place, bins, force, peak, quantiles)
-    spread = np.broadcast_to(span, place.shape)
     angle = 2 * np.pi * (np.arange(bins) + 0.5) / bins
     turns = float(np.abs(turned[-1, 0] - turned[0, 0]) / (2 * np.pi)) if len(turned) else 0.0
     return xr.Dataset(
-        {
-            "mean": ("angle", share(place, bins, impulse, spread), _NEWTONS),
-            "quantiles": (("angle", "quantile"), found["quantiles"], _NEWTONS),
-            "largest": ("angle", found["largest"], _NEWTONS),
-            "tooth_mean": ("tooth", impulse.sum(0) / span.sum(), _NEWTONS),
-            "tooth_largest": ("tooth", peak.max(0), _NEWTONS),
+        load_variables("angle", place, bins, forces, span, quantiles)
+        | {
+            "tooth_mean": ("tooth", forces.impulse.sum(0) / span.sum(), NEWTONS),
+            "tooth_largest": ("tooth", forces.peak.max(0), NEWTONS),
         },
         {
             "angle": ("angle", angle, {"units": "rad"}),
@@ -218,25 +207,25 @@ def tooth_loads(
     )
 
 
-def by_gap(result: Result, sprocket: int, rows: slice) -> tuple[Array, Array, Array]:
-    """Return force and peaks [N] and impulses [N s] of each gap of a sprocket, (times, gaps).
+def by_gap(result: Result, sprocket: int, rows: slice) -> Forces:
+    """Return the forces in each gap of a sprocket, (times, gaps).
 
     A bushing that is in no contact at a row counts, with what it met since the row before, where
     it was last in contact, or where it is next.
     """
     teeth = result.drive.sprockets[sprocket - 1].teeth
-    names = ("tooth_sprocket", "tooth_index", "tooth_force")
-    wheel, gap, force = (result.array(name) for name in names)
     nearest = nearest_contact(result)
-    of = [np.take_along_axis(each, nearest, 0)[rows] for each in (wheel, gap)]
-    peak, impulse = _peaks(result, "tooth", rows)
-    row, bushing = np.nonzero((of[0] == sprocket) & ((peak > 0.0) | (force[rows] > 0.0)))
-    gaps = of[1][row, bushing]
-    shape = (len(peak), teeth)
-    found = np.zeros(shape), np.zeros(shape), np.zeros(shape)
-    np.add.at(found[0], (row, gaps), force[rows][row, bushing])
-    np.maximum.at(found[1], (row, gaps), peak[row, bushing])
-    np.add.at(found[2], (row, gaps), impulse[row, bushing])
+    wheel, gap = (
+        np.take_along_axis(result.array(name), nearest, 0)[rows]
+        for name in ("tooth_sprocket", "tooth_index")
+    )
+    of = _forces(result, "tooth", rows)
+    met = np.nonzero((wheel == sprocket) & ((of.peak > 0.0) | (of.force > 0.0)))
+    place, shape = (met[0], gap[met]), (len(of.peak), teeth)
+    found = Forces(np.zeros(shape), np.zeros(shape), np.zeros(shape))
+    np.add.at(found.force, place, of.force[met])
+    np.maximum.at(found.peak, place, of.peak[met])
+    np.add.at(found.impulse, place, of.impulse[met])
     return found
 
 
@@ -266,9 +255,10 @@ def check_sprocket(result: Result, number: object, argument: str = "sprocket") -
         raise InvalidInput(msg)
 
 
-def _peaks(result: Result, part: str, rows: slice) -> tuple[Any, Any]:
-    """Return peaks [N] and impulses [N s] of hinges or teeth."""
-    return tuple(result.array(f"peak_{part}_{what}")[rows] for what in ("force", "impulse"))  # type: ignore[return-value]
+def _forces(result: Result, part: str, rows: slice) -> Forces:
+    """Return the forces of hinges or of teeth."""
+    names = (f"{part}_force", f"peak_{part}_force", f"peak_{part}_impulse")
+    return Forces(*(result.array(name)[rows] for name in names))
 
 
 def _revolutions(circuit: Circuit, result: Result, rows: slice) -> float:

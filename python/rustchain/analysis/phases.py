@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rustchain.typing import Array
 
 QUANTILES = (0.05, 0.5, 0.95)
+NEWTONS = {"units": "N"}
 # Far finer than rows lie in a pitch: with more bins most are empty.
 _MOST_BINS = 1000
 
@@ -25,39 +26,52 @@ def checked_bins(where: str, bins: object) -> int:
     return count_within(where, bins, 1, _MOST_BINS)
 
 
-def statistics(
+class Forces(NamedTuple):
+    """Forces of parts at the reports, and their peaks [N] and impulses [N s] since the rows before.
+
+    All have the same shape, (times, parts).
+    """
+
+    force: Array
+    peak: Array
+    impulse: Array
+
+
+def load_variables(
+    axis: str,
     place: npt.NDArray[np.intp],
     bins: int,
-    values: Array,
-    largest: Array,
+    forces: Forces,
+    span: Array,
     quantiles: Sequence[float],
-) -> dict[str, Array]:
-    """Return quantiles of `values` and the greatest of `largest` in each bin, NaN in empty ones.
+) -> dict[str, Any]:
+    """Return mean, quantiles and largest force of each bin [N], NaN in empty ones, over `axis`.
 
-    All arguments but `bins` and `quantiles` have the same shape; `place` is the bin of each value,
-    negative for one that counts nowhere.
+    `place` is the bin of each force, negative for one that counts nowhere; `span` the length of its
+    interval [s].
     """
     for k, quantile in enumerate(quantiles):
         if not 0.0 <= quantile <= 1.0:
             msg = f"quantiles[{k}] = {shown(quantile)}: must be between 0 and 1"
             raise InvalidInput(msg)
-    place, values, largest = place.ravel(), values.ravel(), largest.ravel()
-    order = np.argsort(place, kind="stable")
-    order = order[place[order] >= 0]
-    edges = np.searchsorted(place[order], np.arange(1, bins))
-    found = {
-        "quantiles": np.full((bins, len(quantiles)), np.nan),
-        "largest": np.full(bins, np.nan),
-    }
+    where, force, peak = place.ravel(), forces.force.ravel(), forces.peak.ravel()
+    order = np.argsort(where, kind="stable")
+    order = order[where[order] >= 0]
+    edges = np.searchsorted(where[order], np.arange(1, bins))
+    shares, largest = np.full((bins, len(quantiles)), np.nan), np.full(bins, np.nan)
     for k, members in enumerate(np.split(order, edges)):
         if members.size:
-            found["quantiles"][k] = np.quantile(values[members], quantiles)
-            found["largest"][k] = largest[members].max()
-    return found
+            shares[k] = np.quantile(force[members], quantiles)
+            largest[k] = peak[members].max()
+    return {
+        "mean": (axis, share(place, bins, forces.impulse, span), NEWTONS),
+        "quantiles": ((axis, "quantile"), shares, NEWTONS),
+        "largest": (axis, largest, NEWTONS),
+    }
 
 
 def share(place: npt.NDArray[np.intp], bins: int, amount: Array, span: Array) -> Array:
-    """Return the sum of `amount` in each bin over that of `span`, NaN where nothing was."""
+    """Return the sum of `amount` in each bin over that of `span`, NaN in empty ones."""
     counted = place >= 0
     sums = [
         np.bincount(place[counted], np.broadcast_to(each, place.shape)[counted], bins)
