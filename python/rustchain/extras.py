@@ -6,6 +6,7 @@ import importlib
 from typing import TYPE_CHECKING
 
 from rustchain.errors import MissingExtra
+from rustchain.names import DISTRIBUTION
 
 if TYPE_CHECKING:
     import h5netcdf as h5netcdf
@@ -16,9 +17,6 @@ if TYPE_CHECKING:
     from scipy import signal as signal
     from scipy import stats as stats
     from tqdm import auto as auto
-
-DISTRIBUTION = "rustchain-dynamics"
-"""Name in the package index, where ``rustchain`` is another project's."""
 
 _MODULES = {
     "matplotlib": ("matplotlib", "plot"),

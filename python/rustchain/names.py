@@ -1,4 +1,4 @@
-"""Unknown names are answered with the nearest known one."""
+"""Names: that of the distribution, and unknown ones answered with the nearest known one."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ from collections.abc import Callable, Iterable, Mapping
 from difflib import get_close_matches
 from itertools import accumulate
 from typing import Any, TypeVar, overload
+
+DISTRIBUTION = "rustchain-dynamics"
+"""Name in the package index, where ``rustchain`` is another project's."""
 
 _FEWEST = 3  # known names that are listed, however long
 _LONGEST = 160  # [characters] of the list of known names: two lines of a terminal

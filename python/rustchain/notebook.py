@@ -7,14 +7,16 @@ import warnings
 from collections.abc import Callable, Iterable
 from html import escape
 from io import BytesIO
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rustchain.errors import InvalidInput, MissingExtra, NotRecorded, SimulationError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from rustchain.analysis.summary import Summary
     from rustchain.description.drive import ChainDrive
+    from rustchain.description.mechanism.report import MechanismReport
     from rustchain.description.report import DriveReport, Row
     from rustchain.results.result import Result
     from rustchain.sweeps.result import SweepResult
@@ -25,7 +27,12 @@ _PICTURE = 420  # width of a picture [pixels]
 _LACKING = (MissingExtra, NotRecorded, InvalidInput, SimulationError)
 
 
-def html_of_drive(drive: ChainDrive) -> str:
+def html_of(value: Any) -> str:  # noqa: ANN401
+    """Return what a notebook shows of a value."""
+    return _VIEWS[type(value).__name__](value)
+
+
+def _html_of_drive(drive: ChainDrive) -> str:
     """Return the layout of a drive as a table, and the drive at its start."""
 
     def picture() -> Figure:
@@ -36,28 +43,28 @@ def html_of_drive(drive: ChainDrive) -> str:
             warnings.simplefilter("ignore")  # a simulation that is to be run tells them
             return draw_drive(drive, Simulation(drive).positions)
 
-    report = _part(lambda: html_of_report(drive.check()))
+    report = _part(lambda: _html_of_report(drive.check()))
     return _view(repr(drive), report, picture)
 
 
-def html_of_report(report: DriveReport) -> str:
+def _html_of_report(report: DriveReport) -> str:
     """Return a report as a table."""
     warnings = "".join(f"<p><b>warning:</b> {escape(text)}</p>" for text in report.warnings)
     return _table(report.rows()) + warnings
 
 
-def html_of_lines(text: str) -> str:
-    """Return a table set in characters of equal width."""
-    return f"<pre>{escape(text)}</pre>"
+def _html_of_assembly(report: MechanismReport) -> str:
+    """Return the lines of a report, set in characters of equal width."""
+    return f"<pre>{escape(str(report))}</pre>"
 
 
-def html_of_result(result: Result) -> str:
+def _html_of_result(result: Result) -> str:
     """Return the key figures of a result, and the tension of its strands."""
     summary = _part(lambda: result.summary()._repr_html_())
     return _view(f"{result!r}: {result.message}", summary, lambda: result.plot.tension())
 
 
-def html_of_sweep(sweep: SweepResult) -> str:
+def _html_of_sweep(sweep: SweepResult) -> str:
     """Return what was measured of each case as a table, and over the first axis as a figure."""
 
     def picture() -> Figure:
@@ -68,14 +75,14 @@ def html_of_sweep(sweep: SweepResult) -> str:
     return _view(repr(sweep), _part(lambda: sweep.to_pandas().to_html(max_rows=20)), picture)
 
 
-def html_of_study(study: StudyResult) -> str:
+def _html_of_study(study: StudyResult) -> str:
     """Return the statistics of a study as a table, and its figure."""
     return _view(repr(study), _part(lambda: study.to_pandas().to_html(max_rows=20)), study.plot)
 
 
-def html_of_rows(rows: Iterable[tuple[str, ...]]) -> str:
-    """Return rows of texts, the first in each its label, as a table."""
-    return _table((label, tuple(cells)) for label, *cells in rows)
+def _html_of_summary(summary: Summary) -> str:
+    """Return the key figures as a table."""
+    return _table((name, (value, unit)) for name, value, unit in summary.rows())
 
 
 def _view(head: str, table: str, picture: Callable[[], Figure]) -> str:
@@ -108,3 +115,15 @@ def _image(figure: Figure) -> str:
     figure.savefig(image, format="png")
     data = base64.b64encode(image.getvalue()).decode()
     return f'<img width="{_PICTURE}" src="data:image/png;base64,{data}">'
+
+
+_VIEWS: dict[str, Callable[[Any], str]] = {
+    "ChainDrive": _html_of_drive,
+    "DriveReport": _html_of_report,
+    "MechanismReport": _html_of_assembly,
+    "Result": _html_of_result,
+    "StudyResult": _html_of_study,
+    "Summary": _html_of_summary,
+    "SweepResult": _html_of_sweep,
+}
+"""The view of each class that has one, by its name."""

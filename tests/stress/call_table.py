@@ -259,7 +259,7 @@ def _functions() -> Iterator[Target]:
     }
     paper = rc.paper_drive()
     table: list[tuple[Callable[..., object], dict[str, Any]]] = [
-        (rc.catalogue, {}),
+        (rc.chain_sizes, {}),
         (rc.instruction_set, {}),
         (rc.catalogue_chain, {"name": "ANSI 40", "links": 38, "strands": 1, "rollers": "fixed"}),
         (rc.paper_drive, {"pretension": 1.0, "hinges": "clearance", "rollers": "fixed"}),

@@ -40,9 +40,9 @@ def pendulum(draw: Draw) -> rc.Mechanism:
         mechanism.add_revolute(f"joint_{k}", before, f"rod_{k}", at=point)
         if draw.chance(0.3, "spring"):
             stiffness = draw.log_between(10.0, 1e4)
-            mechanism.add_spring(
-                f"spring_{k}", "ground", f"rod_{k}", stiffness, draw.between(0.0, 10.0), (0.3, 0.4)
-            )
+            damping = draw.between(0.0, 10.0)
+            ends = (f"spring_{k}", "ground", f"rod_{k}")
+            mechanism.add_spring(*ends, stiffness, damping, point_a=(0.3, 0.4))
         if draw.chance(0.2, "torsion spring"):
             mechanism.add_torsion_spring(f"torsion_{k}", before, f"rod_{k}", 5.0, 0.01)
         before, point = f"rod_{k}", end

@@ -33,12 +33,13 @@ LAWS = (
 
 def chain(draw: Draw, links: int = 100) -> rc.Chain:
     """Return a chain of the catalogue, often changed; `links` may be counted anew later."""
-    name = draw.one_of(sorted(rc.catalogue()))
+    name = draw.one_of(sorted(rc.chain_sizes()))
     rollers = (
-        "bodies" if rc.catalogue()[name].has_rollers and draw.chance(0.2, "rollers") else "fixed"
+        "bodies" if rc.chain_sizes()[name].has_rollers and draw.chance(0.2, "rollers") else "fixed"
     )
     plates = "elastic" if draw.chance(0.2, "elastic links") else "rigid"
-    made = rc.catalogue_chain(name, links, draw.one_of((1, 1, 1, 2, 3)), rollers, plates)
+    strands = draw.one_of((1, 1, 1, 2, 3))
+    made = rc.catalogue_chain(name, links, strands=strands, rollers=rollers, plates=plates)
     if draw.chance(0.3):
         made = replace(made, material=replace(made.material, restitution=draw.between(0.05, 0.95)))
     if draw.chance(0.2, "clearance"):

@@ -5,9 +5,12 @@ Each function is a method of a `Result`; docs/reference/outputs.md explains the 
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, cast
+
 from rustchain.analysis import (
     engagement,
     guides,
+    jumps,
     loads,
     power,
     pressure,
@@ -17,6 +20,11 @@ from rustchain.analysis import (
     transmission,
     window,
 )
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from rustchain.results.result import Result
 
 
 class Outputs:
@@ -39,6 +47,24 @@ class Outputs:
     transmission_error = transmission.transmission_error
     speed_ripple = transmission.speed_ripple
     power_balance = power.power_balance
+    efficiency = power.efficiency
     strand_motion = strands.strand_motion
     strand_spectrum = strands.strand_spectrum
     spectrum = spectrum.spectrum
+
+    @property
+    def tooth_jumps(self) -> pd.DataFrame:
+        """The jumps of the chain over teeth in this run, a row for each tooth.
+
+        Columns: ``time`` [s] of the end of the first step after which all seated bushings of the
+        sprocket are in other gaps than before; ``sprocket``, from 1; ``direction``, 1 where the
+        sprocket has turned counterclockwise by a tooth against the chain, -1 clockwise. A bushing
+        is seated where its centre is less than halfway from the pitch circle to where it passes
+        over the tips.
+
+        Raises
+        ------
+        NotRecorded
+            The drive has ideal hinges, or the scene is a mechanism: jumps are not counted.
+        """
+        return jumps.tooth_jumps(cast("Result", self))

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def tooth_jumps(result: Result) -> pd.DataFrame:
-    """Return what `Result.tooth_jumps` promises."""
+    """Return the table that `Result.tooth_jumps` describes."""
     from rustchain.extras import pandas as pd
 
     if result.jumps is None:

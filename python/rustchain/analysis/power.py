@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rustchain.analysis.jumps import check_seated
 from rustchain.analysis.window import mean_over_time, rows_between
 from rustchain.description.drive import Free, PrescribedSpeed
 from rustchain.errors import InvalidInput
@@ -75,6 +76,28 @@ def power_balance(result: Result, /, *, start: Time = None, end: Time = None) ->
         },
         {"span": span} | jumped,
     )
+
+
+def efficiency(result: Result, /, after: float = 0.0) -> float:
+    """Return the power delivered over the power delivered and lost, as `power_balance` has it.
+
+    Parameters
+    ----------
+    after : float
+        Start of the evaluated part [s], when the drive should have settled.
+
+    Returns
+    -------
+    float
+        NaN where nothing is delivered, or no shaft puts work in.
+
+    Raises
+    ------
+    InvalidInput
+        The part has fewer than two rows, or the chain jumped teeth in it.
+    """
+    check_seated(result.between(start=after), "efficiency")
+    return float(result.power_balance(start=after)["efficiency"])
 
 
 def _losses(result: Result, rate: Callable[[str], float]) -> dict[str, float]:

@@ -9,13 +9,14 @@ import numpy as np
 
 from rustchain.analysis.window import rows_between
 from rustchain.description.drive import Free
+from rustchain.html import HtmlView
 from rustchain.typing import Time
 
 if TYPE_CHECKING:
     from rustchain.results.result import Result
 
 
-class Summary(dict[str, float]):
+class Summary(dict[str, float], HtmlView):
     """Key figures by name; prints as a table with units.
 
     Attributes
@@ -42,12 +43,6 @@ class Summary(dict[str, float]):
         width = max(map(len, self), default=0)
         lines = (f"{name:<{width}}  {value:>12} {unit}" for name, value, unit in self.rows())
         return "\n".join(map(str.rstrip, lines)) or "nothing was recorded to sum up"
-
-    def _repr_html_(self) -> str:
-        """Return the table for a notebook."""
-        from rustchain.notebook import html_of_rows
-
-        return html_of_rows(self.rows())
 
 
 # Of the figures whose names begin so; all others are ratios or counts.

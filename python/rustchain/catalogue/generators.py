@@ -29,6 +29,7 @@ _ANY_LINKS = 100  # of a chain whose links are still to be counted
 def chain_drive(
     chain: str | Chain,
     sprockets: Sequence[Sprocket],
+    *,
     links: int | None = None,
     adjust: int | None = None,
     direction: Point | None = None,
@@ -117,6 +118,7 @@ def open_chain(
     ends: Sequence[AnchoredEnd | LoadedEnd | FreeEnd],
     links: int,
     sprockets: Sequence[Sprocket] = (),
+    *,
     gravity: Point = (0.0, -9.81),
     name: str = "",
     guides: Sequence[GuideRail | SmoothIdler] = (),

@@ -52,6 +52,7 @@ PAPER_CHAIN = Chain(
 @known_keywords
 def paper_drive(
     pretension: float | None = 0.0,
+    *,
     hinges: Hinges = "clearance",
     rollers: Rollers = "fixed",
 ) -> ChainDrive:
@@ -93,6 +94,7 @@ def paper_drive(
 def two_sprocket_drive(
     chain: str | Chain = "ANSI 40",
     teeth: tuple[int, int] = (17, 25),
+    *,
     links: int | None = None,
     center_distance: float | None = None,
     speed: TimeTable = 12.566,
@@ -180,7 +182,7 @@ def two_sprocket_drive(
     )
 
 
-def catalogue() -> dict[str, ChainSize]:
+def chain_sizes() -> dict[str, ChainSize]:
     """Return the standard chains by name: ANSI/ASME B29.1 and ISO 606; print one to read it."""
     return dict(SIZES)
 
@@ -189,20 +191,21 @@ def catalogue() -> dict[str, ChainSize]:
 def catalogue_chain(
     name: str,
     links: int,
+    *,
     strands: int | None = None,
     rollers: Rollers = "fixed",
     plates: Stretch = "rigid",
 ) -> Chain:
     """Return a chain of the catalogue, such as "ANSI 40" or "ISO 08B".
 
-    Where its numbers come from: `catalogue` and docs/reference/chains.md.
+    Sources of its numbers: `chain_sizes` and docs/reference/chains.md.
 
     Parameters
     ----------
     name : str
-        Name in `catalogue()`, or what the size is called elsewhere: the number alone ("40", "08B"),
-        "#40", "RS40", and of ANSI sizes that of ISO 606 ("ISO 08A" is "ANSI 40"). Behind it "-1",
-        "-2" or "-3" gives the strands, as in "08B-2".
+        Name in `chain_sizes()`, or another name of the size: the number alone ("40", "08B"), "#40",
+        "RS40", and of ANSI sizes that of ISO 606 ("ISO 08A" is "ANSI 40"). A suffix "-1", "-2" or
+        "-3" gives the number of strands, as in "08B-2".
     links : int
         Number of links.
     strands : int, optional

@@ -275,7 +275,7 @@ def catalogue(
 ) -> None:
     """List the standard chains, or all numbers of one with their sources."""
     with _clear_errors():
-        sizes = rc.catalogue()
+        sizes = rc.chain_sizes()
         if name is not None:
             typer.echo(sizes[rc.catalogue_chain(name, links=8).name])
             return

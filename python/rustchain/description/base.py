@@ -6,12 +6,13 @@ import dataclasses
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, TypeAlias, TypeVar
 
 from rustchain import _rustchain
 from rustchain.arguments import plain, shown
 from rustchain.errors import InvalidInput
-from rustchain.names import known_keywords
+from rustchain.names import known_keywords, suggest
 
 __all__ = [
     "Description",
@@ -66,7 +67,13 @@ class Description:
 
     @staticmethod
     def from_json(text: str) -> Any:  # noqa: ANN401
-        """Return the description that `to_json` wrote."""
+        """Return the description that `to_json` wrote.
+
+        Raises
+        ------
+        InvalidInput
+            The text names a type that is no description.
+        """
         return json.loads(text, object_hook=_revived)
 
 
@@ -163,5 +170,12 @@ def _tagged(value: object) -> dict[str, object]:
 
 def _revived(fields: dict[str, Any]) -> object:
     """Return the description whose tagged fields these are."""
-    kind = fields.pop("type")
-    return (LostFunction if kind == LostFunction.__name__ else Description._types[kind])(**fields)
+    name = fields.pop("type", None)
+    if name == LostFunction.__name__:
+        return LostFunction(**fields)
+    if name not in Description._types:
+        import_module("rustchain.description.scene")  # and with it all descriptions of a scene
+    if name not in Description._types:
+        known = suggest(name, Description._types)
+        raise InvalidInput(f"type = {shown(name)}: is no description; expected one; {known}")
+    return Description._types[name](**fields)

@@ -31,6 +31,7 @@ from rustchain.description.teeth import (
     ToothLine,
 )
 from rustchain.description.tensioner import Tensioner
+from rustchain.html import HtmlView
 
 if TYPE_CHECKING:
     from rustchain.description.laws.force import ForceLaw
@@ -68,7 +69,7 @@ Hinges = Literal["clearance", "ideal"]
 
 
 @description(frozen=True)
-class ChainDrive(Description):
+class ChainDrive(Description, HtmlView):
     """A chain round two sprockets or more, or an open one from end to end.
 
     Attributes
@@ -114,12 +115,6 @@ class ChainDrive(Description):
         and end 2, the last one joins end 1 and the first link, and the one between is none.
         """
         return self.chain.links + (0 if self.ends is None else 2)
-
-    def _repr_html_(self) -> str:
-        """Return a table of the layout and a picture of the drive, for a notebook."""
-        from rustchain.notebook import html_of_drive
-
-        return html_of_drive(self)
 
     def check(self) -> DriveReport:
         """Lay the chain out and return what was chosen; print the report to read it as a table."""

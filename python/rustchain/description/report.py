@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from rustchain import _rustchain
 from rustchain.description.base import plain
+from rustchain.html import HtmlView
 from rustchain.names import named_attributes
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ Row: TypeAlias = tuple[str, str | tuple[str, ...]]
 
 @named_attributes
 @dataclass(frozen=True)
-class DriveReport:
+class DriveReport(HtmlView):
     """How a chain lies round its sprockets at the start; ``print(report)`` shows it as a table.
 
     Tuples have an entry for each sprocket as listed, or for each strand. Two sprockets have the
@@ -146,12 +147,6 @@ class DriveReport:
         )
         warnings = (f"warning: {warning}" for warning in self.warnings)
         return "\n".join([*map(str.rstrip, table), *warnings])
-
-    def _repr_html_(self) -> str:
-        """Return the table for a notebook."""
-        from rustchain.notebook import html_of_report
-
-        return html_of_report(self)
 
     def rows(self) -> list[Row]:
         """Return the rows of the table: a label, and a text or one for each column."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal, TypeAlias, get_args
+from typing import Literal, TypeAlias, cast, get_args
 
 from rustchain.arguments import finite_number, plain, rows_of, shown
 from rustchain.description.base import Description
@@ -64,7 +64,7 @@ class Scene(Description):
     hinge_law: ForceLaw | None = field(default=None, kw_only=True)
     tooth_law: ForceLaw | None = field(default=None, kw_only=True)
     min_impact_velocity: float = field(default=_MIN_IMPACT_VELOCITY, kw_only=True)
-    solver: Solver = field(default=None, kw_only=True)  # type: ignore[assignment]
+    solver: Solver = field(default=cast("Solver", None), kw_only=True)  # one, once it is made
     start: Start = field(default="generated", kw_only=True)
     positions: Rows | None = field(default=None, kw_only=True)
     velocities: Rows | None = field(default=None, kw_only=True)

@@ -15,6 +15,7 @@ from rustchain.description.base import Description
 from rustchain.description.drive import Chain, ChainDrive
 from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.scene import Scene
+from rustchain.simulation import part_stop as part_stop  # subclasses of StopCondition
 from rustchain.simulation.simulation import Simulation
 from rustchain.simulation.stop import StopCondition
 

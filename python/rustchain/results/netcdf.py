@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import io
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, TypeVar
 
 from rustchain import extras
@@ -64,11 +63,14 @@ def _beside(work: Callable[[_Given], _Made], given: _Given) -> _Made:
     Python raises KeyboardInterrupt in the main thread only. There h5py's many weak references would
     swallow it: exceptions in their callbacks are printed and ignored.
     """
-    with ThreadPoolExecutor(1) as thread:
-        try:
-            made = thread.submit(work, given)
-        except RuntimeError:  # in a function of `atexit`: no thread begins any more
-            return work(given)
+    try:
+        from concurrent.futures import ThreadPoolExecutor
+
+        thread = ThreadPoolExecutor(1)
+        made = thread.submit(work, given)
+    except RuntimeError:  # in a function of `atexit`: no thread begins any more
+        return work(given)
+    with thread:
         return made.result()
 
 

@@ -10,12 +10,12 @@ import numpy.typing as npt
 
 from rustchain import _rustchain
 from rustchain.analysis import Outputs
-from rustchain.analysis.jumps import check_seated, tooth_jumps
 from rustchain.arguments import checked_methods, shown
 from rustchain.description.scene import OfScene, Scene
 from rustchain.errors import NoSuchPart, NotRecorded
+from rustchain.html import HtmlView
 from rustchain.names import named_attributes, suggest
-from rustchain.results import netcdf, tables
+from rustchain.results import tables
 from rustchain.results.channels import OF_MECHANISMS, VARIABLES
 from rustchain.results.mechanism_views import BodyMotion, ContactHistory, JointHistory
 from rustchain.results.values import ArrayValue
@@ -45,7 +45,7 @@ Status = Literal["finished", "stopped", "interrupted", "failed"]
 @named_attributes
 @checked_methods
 @dataclass(frozen=True, eq=False, repr=False)
-class Result(OfScene, ArrayValue, Outputs):
+class Result(OfScene, ArrayValue, Outputs, HtmlView):
     """What a run recorded, and of which scene.
 
     Hinges, bushings and sprockets are numbered from 1 in calls, from 0 in arrays; bodies, joints
@@ -99,12 +99,6 @@ class Result(OfScene, ArrayValue, Outputs):
         span = f"{self.time[0]:.6g} to {self.time[-1]:.6g} s in {len(self.time)} rows"
         groups = ", ".join(self.groups)
         return f"<Result of {self.scene.name}: {self.status}, {span}: {groups}>"
-
-    def _repr_html_(self) -> str:
-        """Return a table and a picture for a notebook."""
-        from rustchain.notebook import html_of_result
-
-        return html_of_result(self)
 
     @property
     def success(self) -> bool:
@@ -282,44 +276,6 @@ class Result(OfScene, ArrayValue, Outputs):
             *(self.arrays.get(f"energy_{name}") for name in places),
         )
 
-    def efficiency(self, after: float = 0.0) -> float:
-        """Return the power delivered over the power delivered and lost, as `power_balance` has it.
-
-        Parameters
-        ----------
-        after : float
-            Time from which on to count [s]: the drive should have settled by then.
-
-        Returns
-        -------
-        float
-            NaN where nothing is delivered, or no shaft puts work in.
-
-        Raises
-        ------
-        InvalidInput
-            No two rows lie after that time, or the chain jumped teeth after it.
-        """
-        check_seated(self.between(start=after), "efficiency")
-        return float(self.power_balance(start=after)["efficiency"])
-
-    @property
-    def tooth_jumps(self) -> pd.DataFrame:
-        """The jumps of the chain over teeth in this run, a row for each tooth.
-
-        Columns: ``time`` [s] of the end of the first step after which all seated bushings of the
-        sprocket are in other gaps than before; ``sprocket``, from 1; ``direction``, 1 where the
-        sprocket has turned counterclockwise by a tooth against the chain, -1 clockwise. A bushing
-        is seated where its centre is less than halfway from the pitch circle to where it passes
-        over the tips.
-
-        Raises
-        ------
-        NotRecorded
-            The drive has ideal hinges, or the scene is a mechanism: jumps are not counted.
-        """
-        return tooth_jumps(self)
-
     @property
     def peaks(self) -> Peaks:
         """The largest forces and impulses between the report times."""
@@ -431,6 +387,8 @@ class Result(OfScene, ArrayValue, Outputs):
         InvalidInput
             `path` is no name of a file, such as an open file, or has a NUL character.
         """
+        from rustchain.results import netcdf  # with hashes and threads, which nothing else needs
+
         netcdf.write(self.to_xarray(), path)
 
 

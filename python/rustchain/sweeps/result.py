@@ -13,6 +13,7 @@ import numpy.typing as npt
 from rustchain.arguments import shown
 from rustchain.description.base import Description
 from rustchain.errors import InvalidInput, NotRecorded
+from rustchain.html import HtmlView
 from rustchain.names import named_attributes
 from rustchain.results.result import Result
 from rustchain.sweeps.cases import Axes, Parameters, dims_of, names_of
@@ -26,7 +27,7 @@ _Values: TypeAlias = npt.NDArray[Any]
 
 @named_attributes
 @dataclass(eq=False, repr=False)
-class SweepResult:
+class SweepResult(HtmlView):
     """What the cases of a sweep came to, in the order of the cases.
 
     The cases of a grid are ordered as in nested loops, the last axis changing fastest.
@@ -68,12 +69,6 @@ class SweepResult:
     def __repr__(self) -> str:
         """Return how the sweep ended."""
         return f"<SweepResult: {self.message}>"
-
-    def _repr_html_(self) -> str:
-        """Return a table and a picture for a notebook."""
-        from rustchain.notebook import html_of_sweep
-
-        return html_of_sweep(self)
 
     @property
     def success(self) -> bool:

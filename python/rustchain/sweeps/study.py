@@ -12,6 +12,7 @@ import numpy as np
 
 from rustchain.arguments import count_within, finite_number, plain, shown
 from rustchain.errors import InvalidInput, NotRecorded
+from rustchain.html import HtmlView
 from rustchain.names import known_keywords, named_attributes
 from rustchain.results.result import Result
 from rustchain.simulation.run import Group
@@ -36,7 +37,7 @@ _STATISTICS = ("mean", "std", "low", "high", "count")
 
 @named_attributes
 @dataclass(frozen=True, eq=False, repr=False)
-class StudyResult:
+class StudyResult(HtmlView):
     """What several runs of each case came to.
 
     Attributes
@@ -56,12 +57,6 @@ class StudyResult:
     def __repr__(self) -> str:
         """Return how the runs ended."""
         return f"<StudyResult: {self.sweep.message}>"
-
-    def _repr_html_(self) -> str:
-        """Return a table and a picture for a notebook."""
-        from rustchain.notebook import html_of_study
-
-        return html_of_study(self)
 
     @property
     def dims(self) -> tuple[str, ...]:

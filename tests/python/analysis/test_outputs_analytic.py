@@ -11,7 +11,7 @@ import rustchain as rc
 from rustchain.analysis.strands import natural_frequencies
 from rustchain.analysis.transmission import order_spectrum
 
-PITCH = rc.catalogue()["ANSI 40"].pitch
+PITCH = rc.chain_sizes()["ANSI 40"].pitch
 
 
 def chain(links, clearance, elongation=0.0):
@@ -123,7 +123,13 @@ def test_polygons_make_the_transmission_error(teeth, pitches):
     made = chain(links, 1e-6)
     profile = rc.StraightTooth(math.radians(26.0), seat_radius=1.0005 * made.bushing_radius)
     drive = rc.two_sprocket_drive(
-        made, teeth, links, distance, speed=3.0, gravity=(0.0, 0.0), profile=profile
+        made,
+        teeth,
+        links=links,
+        center_distance=distance,
+        speed=3.0,
+        gravity=(0.0, 0.0),
+        profile=profile,
     )
     speed = 3.0 * teeth[0] / teeth[1]
     brake = rc.AppliedTorque(curve=((-3 * speed, 3.0), (3 * speed, -3.0)))

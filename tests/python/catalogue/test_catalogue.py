@@ -12,7 +12,7 @@ import rustchain as rc
 from rustchain.cli.app import app
 
 INCH = 0.0254
-SIZES = rc.catalogue()
+SIZES = rc.chain_sizes()
 ANSI = ["25", "35", "41", "40", "50", "60", "80", "100", "120", "140", "160", "180", "200", "240"]
 ISO = ["05B", "06B", "08B", "10B", "12B", "16B", "20B", "24B", "28B", "32B"]
 WORDS = {"standard", "standard, bushing", "standard, largest", "makers", "limit", "typical"}

@@ -311,7 +311,7 @@ def test_a_spread_of_nanometres_leaves_the_chain_where_the_nominal_one_is(name, 
 
 def test_a_spread_is_refused_only_where_the_nominal_chain_is_or_clearances_are_used_up():
     draw = np.random.default_rng(17)
-    names, laid = list(rc.catalogue()), 0
+    names, laid = list(rc.chain_sizes()), 0
     while laid < 30:
         teeth = tuple(int(n) for n in draw.integers(11, 60, 2))
         chain = rc.catalogue_chain(draw.choice(names), int(sum(teeth) / 2 + draw.integers(10, 120)))

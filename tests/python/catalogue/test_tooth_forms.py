@@ -114,7 +114,7 @@ def test_a_drive_of_other_teeth_finds_the_depths_of_the_outlines():
     """Random poses of ISO teeth and of eccentric, damaged, cut ANSI ones, links of all lengths."""
     teeth, links = (17, 21), 47
     chain = replace(CHAIN, links=links, elongation=0.003, pitch_spread=1e-4, seed=3)
-    drive = rc.two_sprocket_drive(chain, teeth, links)
+    drive = rc.two_sprocket_drive(chain, teeth, links=links)
     first = replace(drive.sprockets[0], profile=rc.IsoTooth(0.5))
     second = replace(
         drive.sprockets[1],
@@ -183,7 +183,7 @@ def test_a_gap_may_be_named():
 )
 def test_a_drive_of_other_teeth_runs_with_a_closed_balance(profile, faults):
     """Over a gap's passage; the residual is 1e-3 of the dissipation with ANSI teeth."""
-    drive = rc.two_sprocket_drive(CHAIN, (17, 21), 46, profile=profile, pretension=50.0)
+    drive = rc.two_sprocket_drive(CHAIN, (17, 21), links=46, profile=profile, pretension=50.0)
     first = replace(drive.sprockets[0], **faults)
     x, y = drive.sprockets[1].center
     second = replace(drive.sprockets[1], center=(x - 1e-4, y))

@@ -1,9 +1,11 @@
 """Names on the public face: unknown ones are answered with the nearest, heavy imports wait."""
 
+import ast
 import dataclasses
 import inspect
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -106,13 +108,46 @@ def test_the_report_of_a_drive_is_a_table():
     assert "133.348699 mm" in str(report)
 
 
-def test_importing_rustchain_leaves_the_heavy_packages_alone():
-    heavy = "{'matplotlib', 'pandas', 'xarray', 'tqdm', 'typer', 'pydantic'}"
-    script = f"import sys, rustchain; print(sorted({heavy} & sys.modules.keys()))"
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+def python(script, *arguments):
+    """Return what a script prints in a process of its own."""
+    command = [sys.executable, "-c", script, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
+def test_importing_rustchain_imports_less_than_importing_numpy():
+    """Modules, not times, which differ from machine to machine."""
+    count = "import sys; before = {*sys.modules}; import %s; print(*({*sys.modules} - before))"
+    own, numpy = (python(count % name).split() for name in ("rustchain", "numpy"))
+    assert {n for n in own if n.startswith("rustchain")} == {"rustchain", "rustchain._rustchain"}
+    assert len(own) < len(numpy) / 4
+    assert "numpy" not in own
+
+
+def test_type_checkers_see_the_public_names():
+    tree = ast.parse(Path(rc.__file__).read_text("utf-8"))
+    block = next(node for node in tree.body if isinstance(node, ast.If))
+    seen = [each for node in block.body for each in node.names]
+    assert all(each.name == each.asname for each in seen)
+    assert sorted(each.name for each in seen) == rc.__all__
+
+
+def test_json_and_drive_files_are_read_before_any_other_name_is_used(tmp_path):
+    """Each class is found, though its module is not imported yet."""
+    scene = rc.Scene(rc.paper_drive(), rc.Johnson(friction=rc.Coulomb(0.1)))
+    script = "import sys, rustchain as rc; print(rc.Material.from_json(sys.argv[1]) == rc.Scene(\n"
+    script += "rc.paper_drive(), rc.Johnson(friction=rc.Coulomb(0.1))))"
+    assert python(script, scene.to_json()) == "True\n"
+    path = tmp_path / "drive.toml"
+    path.write_text(
+        '[drive]\ntype = "paper_drive"\n[[run.stop]]\ntype = "JointForceAbove"\nforce = 1'
     )
-    assert done.stdout.strip() == "[]"
+    script = "import sys, rustchain as rc; print(rc.load_scene(sys.argv[1]).name)"
+    assert python(script, path) == "paper\n"
+
+
+def test_json_of_a_type_that_is_none_is_refused():
+    with pytest.raises(rc.InvalidInput, match=r"type = 'Sproket': is no description.*'Sprocket'"):
+        rc.ChainDrive.from_json('{"type": "Sproket"}')
 
 
 def test_all_public_names_are_there():

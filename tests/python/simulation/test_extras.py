@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from rustchain.extras import _MODULES, DISTRIBUTION
+from rustchain.extras import _MODULES
+from rustchain.names import DISTRIBUTION
 
 HEAVY = ("matplotlib", "xarray", "h5netcdf", "h5py", "pandas", "scipy", "tqdm", "typer", "dask")
 

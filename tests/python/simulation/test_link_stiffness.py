@@ -103,7 +103,7 @@ def test_what_means_nothing_is_refused(make, message):
 
 @pytest.mark.parametrize("name", ["ANSI 40", "ANSI 120", "ISO 08B", "ISO 32B"])
 def test_plates_of_the_catalogue_are_bars_of_twice_height_times_thickness(name):
-    size = rc.catalogue()[name]
+    size = rc.chain_sizes()[name]
     chain = rc.catalogue_chain(name, links=20, strands=2, plates="elastic")
     modulus, pitch = chain.material.elastic_modulus, chain.pitch
     # An inner and an outer link, one behind the other.

@@ -98,7 +98,7 @@ def loaded(kind, rng):
     rows = [(-9.0, 20.0), (-0.1, 3.0), (0.4, -5.0), (9.0, 2.0)]
     match kind:
         case "spring":
-            m.add_spring("load", *ends, 30.0, 4.0, point, other, cubic=9.0)
+            m.add_spring("load", *ends, 30.0, 4.0, point_a=point, point_b=other, cubic=9.0)
         case "spring by a table":
             m.add_spring(
                 "load",
@@ -128,10 +128,19 @@ def loaded(kind, rng):
         case "segment":
             law = rc.HuntCrossley(stiffness=300.0, exponent=2.0, damping=0.1)
             line = [(50.0, -3.0), (-50.0, -2.0)]
-            m.add_outline_contact("load", *ends, line, 4.0, law, other, closed=False)
+            m.add_outline_contact("load", *ends, line, 4.0, law, circle_point=other, closed=False)
         case _:
             points, bulges, closed, radius = OUTLINES[kind]
-            m.add_outline_contact("load", *ends, points, radius, law_of(rng), other, bulges, closed)
+            m.add_outline_contact(
+                "load",
+                *ends,
+                points,
+                radius,
+                law_of(rng),
+                circle_point=other,
+                bulges=bulges,
+                closed=closed,
+            )
     return m
 
 

@@ -58,6 +58,7 @@ class WithContacts:
         points: Rows,
         radius: float,
         law: ContactLaw,
+        *,
         circle_point: Point = (0.0, 0.0),
         bulges: Sequence[float] | None = None,
         closed: bool = True,

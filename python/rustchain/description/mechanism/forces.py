@@ -69,6 +69,7 @@ class WithForces:
         body_b: str,
         stiffness: float = 0.0,
         damping: float = 0.0,
+        *,
         point_a: Point = (0.0, 0.0),
         point_b: Point = (0.0, 0.0),
         rest_length: float | None = None,

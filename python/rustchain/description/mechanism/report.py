@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from rustchain.html import HtmlView
+
 # Changes of positions and velocities that are not told [m, rad, m/s, rad/s].
 _ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
-class MechanismReport:
+class MechanismReport(HtmlView):
     """What assembling a mechanism found.
 
     Attributes
@@ -34,12 +36,6 @@ class MechanismReport:
     velocity_change: float
     spin_change: float
     warnings: list[str]
-
-    def _repr_html_(self) -> str:
-        """Return the report for a notebook."""
-        from rustchain.notebook import html_of_lines
-
-        return html_of_lines(str(self))
 
     def __str__(self) -> str:
         """Return the report, a line each."""
