@@ -49,6 +49,23 @@ def test_the_example_of_the_page_on_files_is_the_file():
     assert re.sub(r"^#.*\n+", "", file, flags=re.MULTILINE) == block
 
 
+LINK = re.compile(r"\]\((?!https?:)([^)#\s]+)[^)\s]*\)")
+
+
+@pytest.mark.parametrize("folder", [".", "docs"])
+def test_every_link_of_a_page_leads_to_a_file(folder):
+    pages = (ROOT / folder).glob("**/*.md" if folder == "docs" else "*.md")
+    made = ("gallery/index.rst",)  # by the build of the site
+    broken = [
+        f"{page.relative_to(ROOT)}: {link}"
+        for page in pages
+        if "_build" not in page.parts
+        for link in LINK.findall(page.read_text(encoding="utf-8"))
+        if link not in made and not (page.parent / link).exists()
+    ]
+    assert broken == []
+
+
 def test_the_api_page_has_every_public_name():
     page = (ROOT / "docs" / "reference" / "api.md").read_text(encoding="utf-8")
     listed = re.findall(r"^   ([\w.]+)$", page, re.MULTILINE)
