@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
+from rustchain import _rustchain
 from rustchain.arguments import shown
+from rustchain.description.base import Description
 from rustchain.description.drive import ChainDrive
 from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.scene import Scene
@@ -28,7 +31,10 @@ from rustchain.files.writer import NONE
 from rustchain.names import suggest
 from rustchain.paths import reason
 
-__all__ = ["Source", "read"]
+__all__ = ["Reader", "Source", "read", "value_of_text"]
+
+# Of a value that may be anything: a description is a table with its type.
+ANY = Description | Sequence[Description] | None
 
 
 def read(path: Path) -> tuple[Source, dict[str, Any]]:
@@ -40,10 +46,45 @@ def read(path: Path) -> tuple[Source, dict[str, Any]]:
         With a line for each thing that is wrong, in the order of the file.
     """
     source = Source.of(path)
-    found = _Reader(source).file()
+    found = Reader(source).file()
     if (out := found["run"].get("out")) is not None:
         found["run"]["out"] = path.parent / out
     return source, found
+
+
+def value_of_text(where: str, name: str, text: str) -> Any:  # noqa: ANN401
+    """Return what a value stands for that is written as in a drive file.
+
+    Parameters
+    ----------
+    where : str
+        What the message begins with where it is refused.
+    name : str
+        What the value is of.
+    text : str
+        A value of TOML, in which a table is a description with its type; or a word without quotes.
+
+    Raises
+    ------
+    InvalidInput
+        A table is no description.
+    """
+    try:
+        content, _ = _rustchain.read_toml(f"value = {text}")
+    except ValueError:
+        content = {}
+    if content.keys() != {"value"}:
+        if not re.fullmatch(r"[^\s\[\]{}\"']*", text):
+            msg = (
+                f"{where}: {name} = {shown(text)}: is no value of TOML; expected a number, a word, "
+                "true, false, [list] or {type='Name', field=value}; quote it for the shell"
+            )
+            raise InvalidInput(msg)
+        content = {"value": text}
+    reader = Reader(Source(Path(where), {name: content["value"]}))
+    found = reader.value(content["value"], ANY, (name,))
+    reader.check()
+    return found
 
 
 _SYSTEMS = {"drive": ChainDrive, "mechanism": Mechanism}
@@ -56,16 +97,16 @@ class _Wrong:
 _WRONG = _Wrong()
 
 
-class _Reader:
+class Reader:
     """Makes the values of a file, and gathers what is wrong with it."""
 
     def __init__(self, source: Source) -> None:
-        self._source = source
+        self.source = source
         self._refusals: list[tuple[tuple[int, int], InvalidInput]] = []
 
     def file(self) -> dict[str, Any]:
         """Return the scene and the keywords of its run."""
-        content = self._source.content
+        content = self.source.content
         fields = {name: Field(kind, name not in content) for name, kind in _SYSTEMS.items()}
         if any(name in content for name in _SYSTEMS) or set(content) - {*_SYSTEMS, *sections()}:
             fields = {name: field._replace(needed=False) for name, field in fields.items()}
@@ -73,63 +114,67 @@ class _Reader:
             del fields["mechanism"]  # a drive is what is mostly forgotten
         fields |= {name: Field(dict, False) for name in sections()}
         found: dict[str, Any] = {name: {} for name in sections()}
-        for name, value in self._entries(content, fields, ()):
+        for name, value in self.entries(content, fields, ()):
             if name in sections():
-                value = self._section(name, value)
+                value = self.section(name, value)
             else:
-                value = self._value(value, _SYSTEMS[name], (name,))
+                value = self.value(value, _SYSTEMS[name], (name,))
             found[name] = value
-        if self._refusals:
-            refusals = [error for _, error in sorted(self._refusals, key=lambda each: each[0])]
-            if len(refusals) == 1:
-                raise refusals[0]
-            raise InvalidInput("\n".join(map(str, refusals))) from refusals[0]
+        self.check()
         return {"scene": self._scene(found), "run": found["run"]}
+
+    def check(self) -> None:
+        """Raise what was refused, a line each, in the order of the file."""
+        refusals = [error for _, error in sorted(self._refusals, key=lambda each: each[0])]
+        if len(refusals) == 1:
+            raise refusals[0]
+        if refusals:
+            raise InvalidInput("\n".join(map(str, refusals))) from refusals[0]
 
     def _scene(self, found: Mapping[str, Any]) -> Scene:
         """Return the scene of a system and the keywords that go with it."""
         systems = [found[name] for name in _SYSTEMS if name in found]
         if len(systems) != 1:
-            raise self._source.refusal_at((), "has a drive and a mechanism; expected one of them")
+            raise self.source.refusal_at((), "has a drive and a mechanism; expected one of them")
         try:
             return Scene(systems[0], **found["simulation"])
         except (InvalidInput, TypeError) as error:
-            raise self._source.refusal(("simulation",), str(error)) from error
+            raise self.source.refusal(("simulation",), str(error)) from error
 
-    def _refuse(self, key: Key, message: str, *, below: bool = False) -> _Wrong:
+    def refuse(self, key: Key, message: str, *, below: bool = False) -> _Wrong:
         """Keep what is wrong with `key`; with `below`, the message tells of a field of it."""
-        error = (self._source.refusal if below else self._source.refusal_at)(key, message)
+        error = (self.source.refusal if below else self.source.refusal_at)(key, message)
         return self._keep(key, error)
 
     def _keep(self, key: Key, error: InvalidInput) -> _Wrong:
-        while key and key not in self._source.places:
+        while key and key not in self.source.places:
             key = key[:-1]
-        self._refusals.append((self._source.places.get(key, (0, 0)), error))
+        self._refusals.append((self.source.places.get(key, (0, 0)), error))
         return _WRONG
 
-    def _entries(
+    def entries(
         self, table: Mapping[str, Any], fields: Mapping[str, Field], key: Key
     ) -> list[tuple[str, Any]]:
         """Return the entries of a table that it may have; refuse others, and missing ones."""
         unknown = [name for name in table if name not in fields and name != "type"]
         for name in unknown:
-            self._refuse((*key, name), f"means nothing here; {suggest(name, fields)}")
+            self.refuse((*key, name), f"means nothing here; {suggest(name, fields)}")
         if not unknown:  # a misspelt key is often what another one is missing for
             for name, field in fields.items():
                 if field.needed and name not in table:
-                    self._refuse(key, f"{name!r} is missing: it must be given")
+                    self.refuse(key, f"{name!r} is missing: it must be given")
         return [(name, value) for name, value in table.items() if name in fields]
 
-    def _section(self, name: str, value: object) -> dict[str, Any]:
+    def section(self, name: str, value: object) -> dict[str, Any]:
         """Return the keywords in the table ``simulation`` or ``run``."""
         if not isinstance(value, Mapping):
-            self._refuse((name,), f"{shown(value)}: must be a table")
+            self.refuse((name,), f"{shown(value)}: must be a table")
             return {}
         fields = sections()[name]
-        entries = self._entries(value, fields, (name,))
-        return {each: self._value(v, fields[each].hint, (name, each)) for each, v in entries}
+        entries = self.entries(value, fields, (name,))
+        return {each: self.value(v, fields[each].hint, (name, each)) for each, v in entries}
 
-    def _value(self, value: Any, hint: Any, key: Key) -> Any:  # noqa: ANN401
+    def value(self, value: Any, hint: Any, key: Key) -> Any:  # noqa: ANN401
         """Return what a value stands for: a description for a table, the rest as it is."""
         makers, item = tables_of(hint), item_of(hint)
         if isinstance(value, Mapping) and value.keys() == {"file"}:
@@ -137,16 +182,16 @@ class _Reader:
         if makers and isinstance(value, Mapping):
             return self._table(value, makers, key)
         if item is not None and isinstance(value, list):
-            return self._all([self._value(v, item, (*key, i)) for i, v in enumerate(value)])
+            return self._all([self.value(v, item, (*key, i)) for i, v in enumerate(value)])
         if item is not None and len(members_of(hint)) == 1:
-            return self._refuse(key, f"{shown(value)}: must be a list of tables")
+            return self.refuse(key, f"{shown(value)}: must be a list of tables")
         if value == NONE and may_be_none(hint):
             return None
         if (expected := leaf_problem(value, hint)) is not None:
             near = _near(value, hint)
-            return self._refuse(key, f"{shown(value)}: must be {expected}{near}")
+            return self.refuse(key, f"{shown(value)}: must be {expected}{near}")
         if isinstance(value, list):  # of numbers, or of files of them
-            return self._all([self._value(v, Any, (*key, i)) for i, v in enumerate(value)])
+            return self._all([self.value(v, Any, (*key, i)) for i, v in enumerate(value)])
         return value
 
     def _all(self, values: list[Any]) -> Any:  # noqa: ANN401
@@ -158,30 +203,30 @@ class _Reader:
         if name is None:
             if "type" not in value:
                 listed = " or ".join(f"type = {each!r}" for each in makers)
-                return self._refuse(key, f"its keys do not tell what it is: add {listed}")
+                return self.refuse(key, f"its keys do not tell what it is: add {listed}")
             given = value["type"]
             message = f"{shown(given)} is not known; {suggest(given, makers)}"
-            return self._refuse((*key, "type"), message)
+            return self.refuse((*key, "type"), message)
         before, fields = len(self._refusals), fields_of(makers[name])
-        entries = self._entries(value, fields, key)
-        made = {each: self._value(v, fields[each].hint, (*key, each)) for each, v in entries}
+        entries = self.entries(value, fields, key)
+        made = {each: self.value(v, fields[each].hint, (*key, each)) for each, v in entries}
         if len(self._refusals) > before:
             return _WRONG
         try:
             return makers[name](**made)
         except (InvalidInput, TypeError) as error:
-            refused = self._source.refusal(key, str(error))
+            refused = self.source.refusal(key, str(error))
             refused.__cause__ = error
             return self._keep(key, refused)
 
     def _numbers(self, name: str, key: Key) -> Any:  # noqa: ANN401
         """Return the numbers of another file, for ``{file = "..."}``."""
         try:
-            return _rows_of_numbers(self._source.path.parent / name)
+            return _rows_of_numbers(self.source.path.parent / name)
         except (OSError, ValueError) as error:
             why = reason(error) if isinstance(error, OSError) else str(error)
             remedy = "give a file of rows of numbers with commas between"
-            return self._refuse((*key, "file"), f"{shown(name)}: {why}: {remedy}")
+            return self.refuse((*key, "file"), f"{shown(name)}: {why}: {remedy}")
 
 
 def _near(value: object, hint: Any) -> str:  # noqa: ANN401

@@ -16,6 +16,7 @@ from rustchain.names import known_keywords
 from rustchain.paths import path_of, write_whole
 from rustchain.results.result import Result
 from rustchain.simulation.simulation import Simulation
+from rustchain.sweeps.axes import RUN_FIELDS, case_of, check_names
 
 if TYPE_CHECKING:
     from rustchain.files.source import Source
@@ -83,6 +84,17 @@ class SceneFile:
         made = replace(self.scene, **scene)
         made = replace(made, solver=replace(made.solver, **solver))
         return replace(self, scene=made, run={**self.run, **run})
+
+    def with_parameters(self, parameters: Mapping[str, Any], where: str) -> SceneFile:
+        """Return the content with other values of parameters, by the names that `sweep` has.
+
+        `where` begins the message of a name that means nothing.
+        """
+        run = {name: self.run.get(name) for name in RUN_FIELDS}
+        check_names(self.scene, run, [dict(parameters)], where)
+        scene, run = case_of(self.scene, run, dict(parameters))
+        given = {name: value for name, value in run.items() if value is not None}
+        return replace(self, scene=scene, run={**self.run, **given})
 
     def _check_duration(self) -> None:
         """Refuse a run without an end."""

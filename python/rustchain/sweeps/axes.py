@@ -37,12 +37,23 @@ Path: TypeAlias = tuple[str, ...]
 
 _SOLVER_FIELDS = tuple(field.name for field in dataclasses.fields(Solver))
 _SCENE_FIELDS = tuple(field.name for field in dataclasses.fields(Scene)[1:])  # beside the system
+RUN_FIELDS = ("duration", "report_step", "record", "energy")
 _SHORTHANDS = ("replicate", "pretension", "speed")
 _DISTURBANCE = 1e-4  # of a speed at the start
 
 
-def check_names(system: System, run: Parameters, cases: Sequence[Parameters]) -> None:
-    """Raise where a name of the cases means nothing, or the function `system` lacks an argument."""
+def parameter_names() -> tuple[str, ...]:
+    """Return all parameters of a drive by name: shorthands, fields of scene, solver and drive."""
+    return (*_SHORTHANDS, *RUN_FIELDS, *_SCENE_FIELDS, *_SOLVER_FIELDS, *_drive_fields())
+
+
+def check_names(
+    system: System, run: Parameters, cases: Sequence[Parameters], where: str = "axes"
+) -> None:
+    """Raise where a name of the cases means nothing, or the function `system` lacks an argument.
+
+    `where` begins the message.
+    """
     if not isinstance(system, Scene | ChainDrive | Mechanism) and not callable(system):
         kind = type(system).__name__
         has = next((name for name in ("scene", "drive") if hasattr(system, name)), None)
@@ -64,7 +75,7 @@ def check_names(system: System, run: Parameters, cases: Sequence[Parameters]) ->
             ends = [path for path in known if path.endswith(f".{name}")]
             main = [each for each in known if "." not in each] + ["chain.pitch", "..."]
             near = f"did you mean {ends[0]!r}?" if ends else suggest(name, known, main)
-        msg = f"axes: {shown(name)} is no parameter of this sweep; {near}"
+        msg = f"{where}: {shown(name)} is no parameter; {near}"
         raise InvalidInput(msg)
     for case in cases:
         missing = [name for name in needed if name not in case]
@@ -73,7 +84,7 @@ def check_names(system: System, run: Parameters, cases: Sequence[Parameters]) ->
             raise InvalidInput(msg)
         twice = _first_twice([name if name in own else _target(name) for name in case])
         if twice is not None:
-            msg = f"axes: {shown(twice)} is there twice, under two names"
+            msg = f"{where}: {shown(twice)} is there twice, under two names"
             raise InvalidInput(msg)
 
 

@@ -78,8 +78,13 @@ class SweepResult(HtmlView):
     @property
     def message(self) -> str:
         """How the sweep ended, in words."""
-        fate = f"{len(self._ended)} of {len(self.cases)} cases finished, {len(self.errors)} failed"
+        fate = f"{self.finished} of {len(self.cases)} cases finished, {len(self.errors)} failed"
         return fate if self.status == "finished" else f"interrupted: {fate}"
+
+    @property
+    def finished(self) -> int:
+        """How many cases reached their end and were measured."""
+        return len(self._ended)
 
     @property
     def results(self) -> Sequence[Result | None]:

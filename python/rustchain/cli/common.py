@@ -1,0 +1,228 @@
+"""What the commands share: their drive and its settings, what they print, errors and exit codes."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import os
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+from typing import Annotated, Any, NoReturn, TextIO
+
+import numpy as np
+
+import rustchain as rc
+from rustchain.extras import typer
+from rustchain.files.reader import value_of_text
+from rustchain.files.scene import SceneFile
+from rustchain.names import suggest
+from rustchain.paths import check_writable, path_of
+from rustchain.sweeps.axes import parameter_names
+
+FAILED_CASES = 3
+INTERRUPTED = 130  # what a shell reports after Ctrl-C
+
+
+def _complete_setting(incomplete: str) -> list[str]:
+    """Return the settings that begin so, for the shell."""
+    found = [f"{name}=" for name in parameter_names() if name.startswith(incomplete)]
+    dots = incomplete.count(".")
+    near = [name for name in found if name.count(".") <= dots]
+    deeper = {".".join(name.rstrip("=").split(".")[: dots + 1]) for name in found}
+    return near + sorted(f"{head}." for head in deeper if f"{head}=" not in near)
+
+
+def _complete_drive(incomplete: str) -> list[str]:
+    """Return the drives and files that begin so, for the shell."""
+    folder = Path(incomplete) if incomplete.endswith("/") else Path(incomplete).parent
+    try:
+        found = [str(each) for each in folder.iterdir() if each.is_dir() or each.suffix in _FORMS]
+    except OSError:
+        found = []
+    return [name for name in ("paper", *sorted(found)) if name.startswith(incomplete)]
+
+
+_FORMS = (".toml", ".json")
+
+Drive = Annotated[
+    str,
+    typer.Argument(
+        help="A drive file, such as my_drive.toml; or paper, the published drive.",
+        autocompletion=_complete_drive,
+    ),
+]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Change a field, as often as given: pretension=25, chain.material.restitution=0.5, "
+        "sprockets.2.motion.torque=-3, start=static, force_law={type='Hertz'}; values as in TOML.",
+        autocompletion=_complete_setting,
+    ),
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON document in place of text.")]
+Quiet = Annotated[
+    bool, typer.Option("--quiet", "-q", help="Print nothing but warnings and errors; no bar.")
+]
+
+
+@dataclass(frozen=True)
+class Output:
+    """Where a command prints: text as it goes, or one JSON document at its end."""
+
+    json: bool
+    quiet: bool
+
+    def say(self, text: object) -> None:
+        """Print a line of text."""
+        if not (self.json or self.quiet):
+            typer.echo(text)
+
+    def document(self, content: Mapping[str, Any]) -> None:
+        """Print what JSON is asked for."""
+        if self.json:
+            typer.echo(json.dumps(_plain(content), indent=2, ensure_ascii=False))
+
+    @property
+    def progress(self) -> bool:
+        """Whether a bar is shown, where a terminal is there to show it."""
+        return not self.quiet
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401
+    """Return a value as JSON has it; what is no finite number is null."""
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        value = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+    if isinstance(value, Mapping):
+        return {str(name): _plain(each) for name, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    return value if isinstance(value, bool | int | str | None) else str(value)
+
+
+def scene_file(drive: str, settings: Sequence[str] | None) -> SceneFile:
+    """Return what a drive file, or the name of a drive, stands for, with other settings."""
+    return with_settings(_scene_file(drive), settings)
+
+
+def _scene_file(drive: str) -> SceneFile:
+    if drive == "paper":
+        return SceneFile(rc.Scene(rc.paper_drive()))
+    path = Path(drive)
+    if not path.exists():
+        hint = suggest(drive, ["paper"])
+        if hint.startswith("known"):
+            hint = "give the path of a drive file, or paper"
+        fail(f"drive = {drive!r}: is no file, and no drive; {hint}")
+    return SceneFile.read(path)
+
+
+def with_settings(file: SceneFile, settings: Sequence[str] | None) -> SceneFile:
+    """Return the content of a file with the fields that ``--set`` changes."""
+    parameters: dict[str, Any] = {}
+    for setting in settings or ():
+        name, value = named_value("--set", setting)
+        if name in parameters:
+            fail(f"--set: {name!r} is there twice; give it once")
+        parameters[name] = value
+    return file.with_parameters(parameters, "--set") if parameters else file
+
+
+def named_value(option: str, text: str) -> tuple[str, Any]:
+    """Return name and value of ``name=value``."""
+    name, equals, value = text.partition("=")
+    if not equals or not name.strip():
+        fail(f"{option} {text}: is no setting; expected name=value, such as pretension=25")
+    name = name.strip()
+    return name, value_of_text(option, name, value.strip())
+
+
+class Law(str, Enum):
+    """The force laws by their names on the command line."""
+
+    LANKARANI_NIKRAVESH = "lankarani-nikravesh"
+    ENHANCED_CYLINDER = "enhanced-cylinder"
+    ENHANCED_CYLINDER_2015 = "enhanced-cylinder-2015"
+    JOHNSON = "johnson"
+    HERTZ = "hertz"
+    HERTZ_CYLINDER = "hertz-cylinder"
+    RADZIMOVSKY = "radzimovsky"
+    ESDU_78035 = "esdu-78035"
+    LIU_CONFORMAL = "liu-conformal"
+
+    def value_of(self) -> rc.ForceLaw:
+        """Return the law with its own default damping."""
+        laws: dict[Law, rc.ForceLaw] = {
+            Law.LANKARANI_NIKRAVESH: rc.LankaraniNikravesh(),
+            Law.ENHANCED_CYLINDER: rc.EnhancedCylinder(),
+            Law.ENHANCED_CYLINDER_2015: rc.EnhancedCylinder(coefficients="2015"),
+            Law.JOHNSON: rc.Johnson(),
+            Law.HERTZ: rc.Hertz(),
+            Law.HERTZ_CYLINDER: rc.HertzCylinder(),
+            Law.RADZIMOVSKY: rc.Radzimovsky(),
+            Law.ESDU_78035: rc.Esdu78035(),
+            Law.LIU_CONFORMAL: rc.LiuConformal(),
+        }
+        return laws[self]
+
+
+def make_room(path: Path) -> None:
+    """Make the folder of a file and see that it can be written, before anything runs."""
+    make_folder(path.parent)
+    check_writable(path, "out")
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder for what is written."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        reason = "there is a file of that name" if path.exists() else error.strerror
+        raise OSError(f"out: the folder {path} cannot be made ({reason}): name another") from error
+
+
+def check_file(path: Path, example: str) -> None:
+    """Refuse a folder as a file to write."""
+    path_of(path, "out")
+    if os.path.isdir(path):  # noqa: PTH112, Path.is_dir raises for a name that is too long
+        msg = f"out = {path}: is a folder; name a file in it, such as {path / example}"
+        raise rc.InvalidInput(msg)
+
+
+def fail(message: object) -> NoReturn:
+    """End with a message, not a traceback."""
+    typer.echo(f"error: {message}", err=True)
+    raise typer.Exit(1)
+
+
+@contextmanager
+def clear_errors() -> Iterator[None]:
+    """Say errors and warnings in one line each."""
+
+    def show(
+        message: Warning | str,
+        category: type[Warning],
+        filename: str,
+        lineno: int,
+        file: TextIO | None = None,
+        line: str | None = None,
+    ) -> None:
+        typer.echo(f"warning: {message}", err=True)
+
+    with warnings.catch_warnings():
+        warnings.showwarning = show
+        warnings.simplefilter("ignore", rc.CaseWarning)  # failed cases are told one by one
+        try:
+            yield
+        except (ValueError, LookupError, OSError, rc.RustchainError) as error:
+            fail(error)

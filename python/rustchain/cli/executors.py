@@ -1,0 +1,88 @@
+"""Where the cases of a sweep run, by a word on the command line."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Annotated, Any
+
+from rustchain.errors import InvalidInput
+from rustchain.extras import typer
+from rustchain.names import suggest
+
+_WORDS = ("threads", "processes", "loky", "dask", "mpi")
+
+Where = Annotated[
+    str,
+    typer.Option(
+        "--executor",
+        help="Where cases run: threads, threads:4, processes:4, loky:4, dask:tcp://host:8786 or "
+        "dask:scheduler.json, mpi (with mpiexec -n 5 python -m mpi4py.futures -m rustchain ...).",
+        autocompletion=lambda incomplete: [word for word in _WORDS if word.startswith(incomplete)],
+    ),
+]
+
+
+@contextmanager
+def executor_of(text: str) -> Iterator[dict[str, Any]]:
+    """Give the keywords ``executor`` or ``threads`` of `sweep` that a word stands for."""
+    kind, _, more = text.partition(":")
+    if kind not in _WORDS:
+        msg = f"--executor = {text!r}: is none; {suggest(kind, _WORDS)}"
+        raise InvalidInput(msg)
+    if kind == "dask":
+        yield from _dask(more)
+    elif kind == "mpi":
+        with _imported("mpi4py.futures", "mpi4py").MPIPoolExecutor() as executor:
+            yield {"executor": executor}
+    elif kind == "threads":
+        yield {"threads": _count(text, more)}
+    else:
+        count = _count(text, more) or os.cpu_count() or 1
+        with _pool(kind, count) as executor:
+            yield {"executor": executor}
+
+
+def _dask(address: str) -> Iterator[dict[str, Any]]:
+    """Give a client of the scheduler at an address, or whose file is named."""
+    if not address:
+        msg = "--executor = 'dask': has no address; expected dask:tcp://host:8786 or dask:file.json"
+        raise InvalidInput(msg)
+    client = _imported("dask.distributed", "dask[distributed]").Client
+    file = address.endswith(".json")
+    keywords = {"scheduler_file": address} if file else {"address": address}
+    with client(**keywords, timeout=20) as executor:
+        yield {"executor": executor}
+
+
+def _pool(kind: str, count: int) -> Any:  # noqa: ANN401
+    """Return a pool of processes."""
+    if kind == "loky":
+        return _imported("loky", "loky").ProcessPoolExecutor(count)
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    # Not forked: threads of this process would stop in the middle of what they do.
+    return ProcessPoolExecutor(count, get_context("spawn"))
+
+
+def _imported(module: str, package: str) -> Any:  # noqa: ANN401
+    """Import a module of a package that may be missing."""
+    import importlib
+
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        msg = f'--executor: {error.name} is not installed: pip install "{package}"'
+        raise InvalidInput(msg) from error
+
+
+def _count(text: str, given: str) -> int | None:
+    """Return how many workers are asked for; None: as many as there are cores."""
+    if not given:
+        return None
+    if not (given.isdecimal() and int(given) >= 1):
+        msg = f"--executor = {text!r}: expected a number of workers behind the colon, such as 4"
+        raise InvalidInput(msg)
+    return int(given)

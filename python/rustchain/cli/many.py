@@ -1,0 +1,212 @@
+"""The commands of many runs: sweep, study."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import rustchain as rc
+from rustchain.cli.common import (
+    FAILED_CASES,
+    INTERRUPTED,
+    AsJson,
+    Drive,
+    Output,
+    Quiet,
+    Settings,
+    check_file,
+    clear_errors,
+    fail,
+    make_room,
+    named_value,
+    scene_file,
+    with_settings,
+)
+from rustchain.cli.executors import Where, executor_of
+from rustchain.extras import typer
+from rustchain.files.sweep import SweepFile, measure_of
+from rustchain.paths import write_whole
+from rustchain.results import netcdf
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+_TABLES = (".csv", ".nc")
+_SHOWN = 5  # failures that are told one by one
+
+Store = Annotated[
+    Path | None,
+    typer.Option(help="Folder that keeps each case: what is there is not run again."),
+]
+Retry = Annotated[bool, typer.Option("--retry", help="Run stored cases that failed again.")]
+
+
+def sweep(
+    file: Annotated[
+        Path, typer.Argument(help="A sweep file, such as sweep.toml; docs/reference/files.md.")
+    ],
+    settings: Settings = None,
+    store: Store = None,
+    retry: Retry = False,
+    executor: Where = "threads",
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Table to write, .csv or .nc; by default sweep.csv of sweep.toml."),
+    ] = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a drive with other parameters again and again, and write a table of what came of it.
+
+    Ctrl-C keeps what is done. With --store, the same command goes on where it was ended.
+    """
+    output = Output(as_json, quiet)
+    with clear_errors():
+        described = SweepFile.read(file, lambda name: scene_file(name, None))
+        scene = with_settings(described.scene, settings)
+        path = _table(out or Path(f"{file.stem}.csv"))
+        run = {"duration": 2.0, **scene.run}
+        with executor_of(executor) as where:
+            try:
+                found = rc.sweep(
+                    scene.scene,
+                    described.axes,
+                    described.measure,
+                    **run,
+                    **where,
+                    store=store,
+                    retry=retry,
+                    progress=output.progress,
+                )
+            except rc.InvalidInput as error:
+                raise described.refusal(error) from error
+        _write(path, found.to_pandas, found.to_xarray)
+        _tell(found, path, store, output)
+    _leave(found)
+
+
+def study(
+    drive: Drive,
+    runs: Annotated[int, typer.Option(help="Runs of each case, from slightly other starts.")] = 8,
+    duration: Annotated[
+        float | None, typer.Option(help="Simulated time of each [s]; 0.5, where the file has none.")
+    ] = None,
+    burn_in: Annotated[
+        float, typer.Option(help="Simulated time at the beginning that is not measured [s].")
+    ] = 0.1,
+    confidence: Annotated[float, typer.Option(help="Of the intervals of the means.")] = 0.95,
+    axes: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--axis",
+            metavar="KEY=[VALUES]",
+            help="Parameter and its values, as often as given: pretension=[0,25].",
+        ),
+    ] = None,
+    measure: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Figure of the summary, as often as given; or a function, file.py:function. By "
+            "default all figures."
+        ),
+    ] = None,
+    settings: Settings = None,
+    store: Store = None,
+    retry: Retry = False,
+    executor: Where = "threads",
+    out: Annotated[
+        Path | None, typer.Option(help="Table to write, .csv or .nc; by default none.")
+    ] = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a drive several times from slightly different starts, and give means with intervals."""
+    output = Output(as_json, quiet)
+    with clear_errors():
+        scene = scene_file(drive, settings)
+        path = None if out is None else _table(out)
+        given = measure[0] if measure is not None and len(measure) == 1 else measure
+        run = {"duration": 0.5, **scene.run}
+        run |= {} if duration is None else {"duration": duration}
+        grid = dict(named_value("--axis", each) for each in axes or ())
+        with executor_of(executor) as where:
+            found = rc.study(
+                scene.scene,
+                None if given is None else measure_of(given, 0.0, Path()),
+                **run,
+                **where,
+                runs=runs,
+                burn_in=burn_in,
+                confidence=confidence,
+                axes=grid,
+                store=store,
+                retry=retry,
+                progress=output.progress,
+            )
+        if all(value is None for value in found.sweep.values) and not found.sweep.errors:
+            raise typer.Exit(INTERRUPTED)
+        table = found.to_pandas()
+        output.say(table.to_string(float_format=lambda number: f"{number:.5g}"))
+        if path is not None:
+            _write(path, found.to_pandas, lambda: found.statistics)
+        rows = table.reset_index().to_dict("records")
+        _tell(found.sweep, path, store, output, {"statistics": rows})
+    _leave(found.sweep)
+
+
+def _table(path: Path) -> Path:
+    """Return the file of a table, which can be written."""
+    check_file(path, "sweep.csv")
+    if path.suffix not in _TABLES:
+        fail(f"out = {path}: tables are written as .csv or .nc; take {path.with_suffix('.csv')}")
+    make_room(path)
+    return path
+
+
+def _write(path: Path, frame: Callable[[], pd.DataFrame], data: Callable[[], xr.Dataset]) -> None:
+    """Write a table or a dataset whole."""
+    if path.suffix == ".csv":
+        write_whole(path, frame().to_csv().encode(), "out")
+    else:
+        netcdf.write(data(), path)
+
+
+def _tell(
+    found: rc.SweepResult,
+    path: Path | None,
+    store: Path | None,
+    output: Output,
+    more: dict[str, Any] | None = None,
+) -> None:
+    """Say how a sweep ended, and which cases failed."""
+    failed = list(found.errors.items())
+    for number, error in failed[:_SHOWN]:
+        typer.echo(f"case {number} {found.cases[number]}: {error}", err=True)
+    if len(failed) > _SHOWN:
+        where = "" if path is None else f"; all of them in {path}"
+        typer.echo(f"and {len(failed) - _SHOWN} more{where}", err=True)
+    output.say(found.message if path is None else f"{found.message}: {path}")
+    if found.status == "interrupted" and store is not None:
+        output.say(f"the same command goes on with what is in {store}")
+    output.document(
+        {
+            "status": found.status,
+            "message": found.message,
+            "cases": len(found.cases),
+            "finished": found.finished,
+            "failed": len(failed),
+            "file": path,
+            "errors": {number: f"{type(error).__name__}: {error}" for number, error in failed},
+        }
+        | (more or {})
+    )
+
+
+def _leave(found: rc.SweepResult) -> None:
+    """Leave with the code of how a sweep ended."""
+    if found.status == "interrupted":
+        raise typer.Exit(INTERRUPTED)
+    if found.errors:
+        raise typer.Exit(FAILED_CASES)

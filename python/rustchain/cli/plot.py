@@ -1,0 +1,139 @@
+"""The command that draws: plot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import rustchain as rc
+from rustchain.cli.common import (
+    AsJson,
+    Output,
+    Quiet,
+    clear_errors,
+    fail,
+    make_folder,
+)
+from rustchain.extras import typer
+from rustchain.names import suggest
+from rustchain.paths import write_whole
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_SOME_HINGES = (6, 11)  # those that the published figures show
+
+
+def plot(
+    file: Annotated[
+        Path, typer.Argument(help="File that `rustchain run` wrote.", exists=True, dir_okay=False)
+    ],
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[FIGURES]...",
+            help="Figures to draw, such as tension energy; by default all that the file has the "
+            "data for.",
+        ),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder for the figures.")] = Path("figures"),
+    hinges: Annotated[
+        str | None,
+        typer.Option(help="Numbers of the hinges and bushings to draw; 6,11 by default."),
+    ] = None,
+    form: Annotated[str, typer.Option("--format", help="png, pdf or svg.")] = "png",
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Plot figures from a result file: all that it has the data for, or those that are named.
+
+    What a file has no data for is told and left out; a figure that was named must be drawn.
+    """
+    output = Output(as_json, quiet)
+    with clear_errors():
+        from matplotlib.backend_bases import FigureCanvasBase
+
+        import rustchain.plot  # first, as it names the extra  # noqa: F401
+
+        if form not in FigureCanvasBase.get_supported_filetypes():
+            fail(f"--format = {form}: cannot be drawn; take png, pdf or svg")
+        figures = _figures(rc.load_result(file), hinges)
+        for name in names or ():
+            if name not in figures:
+                fail(f"figure {name!r}: there is none of that name; {suggest(name, figures)}")
+        make_folder(out)
+        drawn, left_out = [], {}
+        for name in names or figures:
+            path = out / f"{name}.{form}"
+            try:
+                figure = figures[name]()
+            except (rc.NotRecorded, rc.InvalidInput) as error:
+                if names:
+                    fail(f"{path}: {error}")
+                left_out[name] = str(error)
+                output.say(f"{path}: left out, {error}")
+                continue
+            image = BytesIO()
+            figure.savefig(image, format=form)
+            write_whole(path, image.getbuffer(), "out")
+            drawn.append(path)
+            output.say(path)
+        output.document({"figures": drawn, "left_out": left_out})
+        if not drawn:
+            fail(f"{file}: has the data for no figure; record more than {_groups(file)}")
+
+
+def _groups(file: Path) -> str:
+    """Return what a file has, in words."""
+    return ", ".join(rc.load_result(file).groups) or "nothing"
+
+
+def _figures(result: rc.Result, hinges: str | None) -> dict[str, Callable[[], Figure]]:
+    """Return what draws each figure, by its name."""
+    draw = result.plot
+    if result.scene.kind == "mechanism":
+        if hinges is not None:
+            fail(f"--hinges = {hinges}: a mechanism has none; leave it out")
+        return {
+            "motion": draw.motion,
+            "paths": draw.paths,
+            "joint_loads": draw.joint_loads,
+            "contact_force": draw.contact_force,
+            "residuals": draw.residuals,
+            "energy": draw.energy,
+        }
+    first, *more = _numbers(hinges, result.drive.hinge_count)
+    return {
+        "drive": draw.drive,
+        "tension": draw.tension,
+        "energy": draw.energy,
+        "hinge_force": lambda: draw.hinge_force(first, *more),
+        "tooth_force": lambda: draw.tooth_force(first, *more),
+        "hinge_force_penetration": lambda: draw.force_penetration(first, *more, contact="hinge"),
+        "tooth_force_penetration": lambda: draw.force_penetration(first, *more, contact="tooth"),
+        "orbit": lambda: draw.orbit(first, *more),
+        "hinge_loads": draw.hinge_loads,
+        "tooth_loads": draw.tooth_loads,
+        "wrap_loads": draw.wrap_loads,
+        "transmission_error": draw.transmission_error,
+        "speed_ripple": draw.speed_ripple,
+        "power_balance": draw.power_balance,
+        "contact_pressure": draw.contact_pressure,
+        "engagements": draw.engagements,
+    }
+
+
+def _numbers(text: str | None, count: int) -> list[int]:
+    """Return the numbers in a text such as "6,11", or those that are drawn without one."""
+    if text is None:
+        return [number for number in _SOME_HINGES if number <= count] or [1]
+    try:
+        numbers = [int(number) for number in text.split(",")]
+    except ValueError:
+        fail(f"--hinges = {text!r}: is no list of numbers, such as 6,11")
+    for number in numbers:
+        if not 1 <= number <= count:
+            fail(f"--hinges = {number}: there is none; hinges are numbered 1 to {count}")
+    return numbers

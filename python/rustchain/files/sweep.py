@@ -1,0 +1,259 @@
+"""Sweeps in files: a drive, its axes or cases, what is measured, and how each case is run."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeAlias, get_type_hints
+
+from rustchain.arguments import shown
+from rustchain.errors import InvalidInput, NotRecorded
+from rustchain.files.models import Field
+from rustchain.files.reader import ANY, Reader
+from rustchain.files.scene import SceneFile
+from rustchain.files.source import Key, Source, text_of
+from rustchain.names import suggest
+from rustchain.results.result import Result
+from rustchain.sweeps.samples import samples
+
+Axes: TypeAlias = dict[str | tuple[str, ...], Any]
+
+_FIELDS = {
+    "drive": Field(str, True),
+    "axes": Field(dict, False),
+    "cases": Field(list, False),
+    "samples": Field(dict, False),
+    "measure": Field(object, False),
+    "burn_in": Field(float, False),
+    "run": Field(dict, False),
+}
+_KINDS: dict[Any, tuple[Any, str]] = {
+    str: (str, "a text"),
+    dict: (Mapping, "a table"),
+    list: (list, "a list of tables"),
+    float: (float | int, "a number"),
+}
+_OF_SAMPLES = {
+    name: Field(hint, name in ("distributions", "count"))
+    for name, hint in get_type_hints(samples).items()
+    if name != "return"
+}
+
+
+@dataclass(frozen=True)
+class Figures:
+    """A measure: figures of `Result.summary`, all or those that are named, after a burn-in [s]."""
+
+    names: tuple[str, ...] = ()
+    burn_in: float = 0.0
+
+    def __call__(self, result: Result) -> dict[str, float]:
+        """Return the figures of a run."""
+        found = result.summary(start=self.burn_in)
+        for name in self.names:
+            if name not in found:
+                msg = f"measure: {shown(name)} is no figure of this run; {suggest(name, found)}"
+                raise NotRecorded(msg)
+        return {name: found[name] for name in self.names or found}
+
+
+@dataclass(frozen=True)
+class FunctionOfFile:
+    """A measure: a function in a Python file, whose text goes with it to other machines.
+
+    Attributes
+    ----------
+    name : str
+        Name of the function.
+    file : str
+        The file, for tracebacks.
+    text : str
+        What is in it.
+    burn_in : float
+        Time that is not measured [s].
+    """
+
+    name: str
+    file: str
+    text: str
+    burn_in: float = 0.0
+
+    def __call__(self, result: Result) -> Any:  # noqa: ANN401
+        """Return what the function returns of a run."""
+        part = result.between(start=self.burn_in) if self.burn_in > 0.0 else result
+        return _names_in(self.text, self.file)[self.name](part)
+
+
+@functools.cache
+def _names_in(text: str, file: str) -> dict[str, Any]:
+    """Return what a Python file defines."""
+    names: dict[str, Any] = {"__name__": Path(file).stem, "__file__": file}
+    exec(compile(text, file, "exec"), names)
+    return names
+
+
+def measure_of(given: object, burn_in: float, folder: Path) -> Callable[[Result], Any]:
+    """Return the measure that a text or a list names: figures, or a function ``file.py:function``.
+
+    Raises
+    ------
+    InvalidInput
+        It names no function, or its file raises when it is read.
+    """
+    if given is None:
+        return Figures((), burn_in)
+    if isinstance(given, str) and ".py:" in given:
+        file, _, name = given.rpartition(":")
+        try:
+            text = text_of(folder / file)
+            names = _names_in(text, str(folder / file))
+        except Exception as error:  # a file of the user's may raise anything
+            msg = f"measure: {file}: cannot be read ({type(error).__name__}: {error}); mend it"
+            raise InvalidInput(msg) from error
+        functions = [each for each, value in names.items() if callable(value)]
+        if name not in functions:
+            msg = f"measure: {file}: has no function {shown(name)}; {suggest(name, functions)}"
+            raise InvalidInput(msg)
+        return FunctionOfFile(name, str(folder / file), text, burn_in)
+    listed = [given] if isinstance(given, str) else given
+    if not isinstance(listed, Sequence) or not all(isinstance(each, str) for each in listed):
+        msg = (
+            f"measure = {shown(given)}: expected names of figures of the summary, such as "
+            '["efficiency"], or a function in a file, "measures.py:peak"'
+        )
+        raise InvalidInput(msg)
+    return Figures(tuple(listed), burn_in)
+
+
+@dataclass(frozen=True)
+class SweepFile:
+    """The content of a sweep file.
+
+    Attributes
+    ----------
+    scene : SceneFile
+        What is simulated, and how each case is run.
+    axes : mapping or list of mappings
+        As `sweep` takes them.
+    measure : function of a Result
+        What is kept of each case.
+    """
+
+    scene: SceneFile
+    axes: Axes | list[dict[str, Any]]
+    measure: Callable[[Result], Any]
+    _source: Source | None = field(default=None, repr=False, compare=False)
+
+    @classmethod
+    def read(cls, path: Path, drive: Callable[[str], SceneFile]) -> SweepFile:
+        """Read a file; `drive` reads the drive that it names.
+
+        Raises
+        ------
+        InvalidInput
+            With a line for each thing that is wrong: file, line, column, key, value, and what is
+            allowed.
+        """
+        return _SweepReader(Source.of(path)).sweep(drive)
+
+    def refusal(self, error: InvalidInput) -> InvalidInput:
+        """Return an error of the sweep with the place of the parameter that it names."""
+        if self._source is None:
+            return error
+        keys = [key for key in self._source.places if len(key) > 1 and isinstance(key[1], str)]
+        named = [key for key in keys if repr(key[1]) in str(error)]
+        return self._source.refusal_at(named[0] if named else ("axes",), str(error))
+
+
+class _SweepReader(Reader):
+    """Makes what a sweep file describes."""
+
+    def sweep(self, drive: Callable[[str], SceneFile]) -> SweepFile:
+        """Return the sweep."""
+        found = {
+            name: value
+            for name, value in self.entries(self.source.content, _FIELDS, ())
+            if self._is_of_kind(name, value)
+        }
+        axes, run = self._axes(found), self.section("run", found.get("run", {}))
+        run.pop("out", None)
+        name, folder = found.get("drive", "paper"), self.source.path.parent
+        if name != "paper" and not (folder / name).is_file():
+            told = f"{shown(name)}: is no file; expected paper, or a path relative to this file"
+            self.refuse(("drive",), told)
+        self.check()
+        file = drive(name if name == "paper" else str(folder / name)).changed({}, {}, run)
+        try:
+            measure = measure_of(found.get("measure"), found.get("burn_in", 0.0), folder)
+        except InvalidInput as error:
+            told = str(error).removeprefix("measure: ")
+            raise self.source.refusal_at(("measure",), told) from error
+        return SweepFile(file, axes, measure, self.source)
+
+    def _is_of_kind(self, name: str, value: object) -> bool:
+        """Return whether a value is of the kind of its key; refuse it where it is not."""
+        kind, words = _KINDS.get(_FIELDS[name].hint, (object, ""))
+        if isinstance(value, kind) and not isinstance(value, bool):
+            return True
+        self.refuse((name,), f"{shown(value)}: must be {words}")
+        return False
+
+    def _axes(self, found: Mapping[str, Any]) -> Axes | list[dict[str, Any]]:
+        """Return the axes with the samples, or the cases."""
+        if "cases" in found:
+            if "axes" in found or "samples" in found:
+                self.refuse(("cases",), "stand in place of axes and samples; take one of them")
+            return [
+                {n: self.value(v, ANY, ("cases", k, n)) for n, v in case.items()}
+                for k, case in enumerate(found["cases"])
+                if isinstance(case, Mapping)
+                or self.refuse(("cases", k), f"{shown(case)}: must be a table") is None
+            ]
+        axes: Axes = {}
+        for name, values in found.get("axes", {}).items():
+            parts = tuple(part.strip() for part in name.split(","))
+            key = ("axes", name)
+            if not isinstance(values, list):
+                self.refuse(key, f"{shown(values)}: must be a list of values, one for each case")
+            axes[parts if len(parts) > 1 else parts[0]] = self.value(values, ANY, key)
+        if "samples" in found:
+            axes |= self._samples(found["samples"])
+        if not axes:
+            self.refuse((), "has no axes, samples or cases; expected one of them, such as [axes]")
+        return axes
+
+    def _samples(self, table: Mapping[str, Any]) -> Axes:
+        """Return samples of the distributions in a table."""
+        given = dict(self.entries(table, _OF_SAMPLES, ("samples",)))
+        laws = given.get("distributions", {})
+        if not isinstance(laws, Mapping):
+            self.refuse(("samples", "distributions"), f"{shown(laws)}: must be a table")
+            return {}
+        key = ("samples", "distributions")
+        made = {name: self._distribution(law, (*key, name)) for name, law in laws.items()}
+        self.check()
+        try:
+            return dict(samples(**(given | {"distributions": made})))
+        except InvalidInput as error:
+            raise self.source.refusal_at(("samples",), str(error)) from error
+
+    def _distribution(self, law: object, key: Key) -> Any:  # noqa: ANN401
+        """Return a distribution of `scipy.stats` by its name and arguments."""
+        from rustchain.extras import stats
+
+        kinds = (stats.rv_continuous, stats.rv_discrete)
+        known = [name for name in dir(stats) if isinstance(getattr(stats, name), kinds)]
+        main = ["norm", "uniform", "triang", "truncnorm", "randint", "..."]
+        if not isinstance(law, Mapping) or len(law) != 1:
+            told = "must be a distribution of scipy.stats, such as { norm = [mean, deviation] }"
+            return self.refuse(key, f"{shown(law)}: {told}")
+        ((name, arguments),) = law.items()
+        if name not in known:
+            return self.refuse((*key, name), f"is no distribution; {suggest(name, known, main)}")
+        make = getattr(stats, name)
+        try:
+            return make(**arguments) if isinstance(arguments, Mapping) else make(*arguments)
+        except (TypeError, ValueError) as error:
+            return self.refuse((*key, name), f"{shown(arguments)}: {error}")
