@@ -33,8 +33,8 @@ def _complete_setting(incomplete: str) -> list[str]:
     found = [f"{name}=" for name in parameter_names() if name.startswith(incomplete)]
     dots = incomplete.count(".")
     near = [name for name in found if name.count(".") <= dots]
-    deeper = {".".join(name.rstrip("=").split(".")[: dots + 1]) for name in found}
-    return near + sorted(f"{head}." for head in deeper if f"{head}=" not in near)
+    heads = {".".join(name.split(".")[: dots + 1]) for name in found if name not in near}
+    return near + sorted(f"{head}." for head in heads)
 
 
 def _complete_drive(incomplete: str) -> list[str]:

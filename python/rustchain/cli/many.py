@@ -65,6 +65,7 @@ def sweep(
     output = Output(as_json, quiet)
     with clear_errors():
         described = SweepFile.read(file, lambda name: scene_file(name, None))
+        _check_no_axis(settings, described)
         scene = with_settings(described.scene, settings)
         path = _table(out or Path(f"{file.stem}.csv"))
         run = {"duration": 2.0, **scene.run}
@@ -145,8 +146,9 @@ def study(
                 retry=retry,
                 progress=output.progress,
             )
-        if all(value is None for value in found.sweep.values) and not found.sweep.errors:
-            raise typer.Exit(INTERRUPTED)
+        if found.sweep.finished == 0:
+            _tell(found.sweep, None, store, output)
+            _leave(found.sweep)
         table = found.to_pandas()
         output.say(table.to_string(float_format=lambda number: f"{number:.5g}"))
         if path is not None:
@@ -154,6 +156,15 @@ def study(
         rows = table.reset_index().to_dict("records")
         _tell(found.sweep, path, store, output, {"statistics": rows})
     _leave(found.sweep)
+
+
+def _check_no_axis(settings: list[str] | None, described: SweepFile) -> None:
+    """Refuse to set what an axis varies."""
+    axes = described.axes
+    names = {name for axis in axes for name in ([axis] if isinstance(axis, str) else axis)}
+    for name in (each.partition("=")[0].strip() for each in settings or ()):
+        if name in names:
+            fail(f"--set: {name!r} is varied by the sweep file; change it there")
 
 
 def _table(path: Path) -> Path:

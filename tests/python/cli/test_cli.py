@@ -7,7 +7,8 @@ import pytest
 from typer.testing import CliRunner
 
 import rustchain as rc
-from rustchain.cli.app import Law, app
+from rustchain.cli.app import app
+from rustchain.cli.common import Law
 
 
 def rustchain(*arguments):

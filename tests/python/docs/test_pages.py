@@ -44,7 +44,7 @@ def test_the_blocks_of_a_page_run_in_their_order(page, tmp_path, monkeypatch, ca
 
 def test_the_example_of_the_page_on_files_is_the_file():
     page = (ROOT / "docs" / "reference" / "files.md").read_text(encoding="utf-8")
-    (block,) = re.findall(r"^```toml\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+    block, _ = re.findall(r"^```toml\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
     file = (ROOT / "examples" / "three_shafts.toml").read_text(encoding="utf-8")
     assert re.sub(r"^#.*\n+", "", file, flags=re.MULTILINE) == block
 

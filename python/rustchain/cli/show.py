@@ -1,0 +1,99 @@
+"""The commands that show a motion: animate."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import rustchain as rc
+from rustchain.cli.common import (
+    INTERRUPTED,
+    AsJson,
+    Output,
+    Quiet,
+    Settings,
+    check_file,
+    clear_errors,
+    fail,
+    make_room,
+    scene_file,
+)
+from rustchain.extras import typer
+from rustchain.simulation.run import GROUPS
+
+_RESULTS = (".nc", ".nc4", ".cdf", ".h5", ".hdf5")
+
+Source = Annotated[
+    str,
+    typer.Argument(
+        metavar="DRIVE_OR_RESULT",
+        help="A result file, such as run.nc; or a drive file, or paper, which is run first.",
+    ),
+]
+Duration = Annotated[
+    float | None,
+    typer.Option(help="Of a drive, simulated time [s]; 2, where the file has none."),
+]
+
+
+def animate(
+    source: Source,
+    duration: Duration = None,
+    settings: Settings = None,
+    start: Annotated[float | None, typer.Option(help="Begin of what is shown [s].")] = None,
+    end: Annotated[float | None, typer.Option(help="End of what is shown [s].")] = None,
+    slow_motion: Annotated[
+        float | None,
+        typer.Option(help="Seconds shown for one simulated; by default ten seconds in all."),
+    ] = None,
+    fps: Annotated[float, typer.Option(help="Frames a second.")] = 25.0,
+    camera: Annotated[
+        str, typer.Option(help="scene, or a body in the middle: sprocket_1, link_6.")
+    ] = "scene",
+    view: Annotated[float | None, typer.Option(help="Width of the view [m].")] = None,
+    forces: Annotated[bool, typer.Option(help="Draw forces as arrows.")] = True,
+    width: Annotated[int, typer.Option(help="Width of a frame [pixels].")] = 900,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", help="File to write: .gif, .mp4 or .html; run.gif of run.nc."),
+    ] = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Animate a result, or a drive that is run first: real shapes, forces as arrows."""
+    output = Output(as_json, quiet)
+    with clear_errors():
+        path = out or Path(f"{Path(source).stem}.gif")
+        check_file(path, "run.gif")
+        make_room(path)
+        result = result_of(source, duration, settings, output)
+        result.animate(
+            path,
+            start=start,
+            end=end,
+            slow_motion=slow_motion,
+            fps=fps,
+            camera=camera,
+            view=view,
+            forces=forces,
+            width=width,
+        )
+        output.say(path)
+        output.document({"file": path, "status": result.status})
+    if result.status == "interrupted":
+        raise typer.Exit(INTERRUPTED)
+
+
+def result_of(
+    source: str, duration: float | None, settings: list[str] | None, output: Output
+) -> rc.Result:
+    """Return the result in a file, or that of a drive's run with all that can be recorded."""
+    if Path(source).suffix.lower() in _RESULTS:
+        if settings or duration is not None:
+            fail(f"{source}: has been run; --set and --duration are for a drive")
+        return rc.load_result(source)
+    file = scene_file(source, settings)
+    run = {"duration": file.run.get("duration", 2.0) if duration is None else duration}
+    run |= {"record": GROUPS[file.scene.kind], "energy": True, "progress": output.progress}
+    file = file.changed({}, {}, run)
+    return file.run_simulation(file.simulate())

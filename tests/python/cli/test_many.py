@@ -1,0 +1,311 @@
+"""The commands of many runs: what Python gives, tables, stores, failures counted, Ctrl-C."""
+
+import json
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+from scipy import stats
+from typer.testing import CliRunner
+
+import rustchain as rc
+from rustchain.cli.app import app
+from rustchain.files.scene import SceneFile
+from rustchain.files.sweep import SweepFile
+from rustchain.sweeps.axes import RUN_FIELDS, case_of, check_names
+from rustchain.sweeps.cases import cases_of
+
+GRID = """
+drive = "paper"
+measure = ["tension_upper", "tooth_force_largest"]
+burn_in = 1e-3
+
+[axes]
+pretension = [0, 25]
+"speed, rtol" = [[10.0, 1e-5], [12.0, 1e-6]]
+force_law = [{ type = "Hertz" }, { type = "Johnson" }]
+
+[run]
+duration = 5e-3
+"""
+
+FAILING = """
+drive = "paper"
+measure = ["tension_upper"]
+[[cases]]
+"chain.material.elastic_modulus" = 1e300
+[[cases]]
+pretension = 25
+[run]
+duration = 5e-3
+"""
+
+FUNCTION = """
+LIMIT = 0.0
+
+def peak(result):
+    return {"peak": float(result.peaks.tooth_force.max()), "high": bool(LIMIT < 1.0)}
+
+def begin(result):
+    return float(result.time[0])
+"""
+
+
+def rustchain(*arguments):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "sweep.toml").write_text(GRID)
+    (tmp_path / "failing.toml").write_text(FAILING)
+    (tmp_path / "measures.py").write_text(FUNCTION)
+
+
+def of_python(**keywords):
+    def measure(result):
+        found = result.summary(start=1e-3)
+        return {name: found[name] for name in ("tension_upper", "tooth_force_largest")}
+
+    axes = {
+        "pretension": [0, 25],
+        ("speed", "rtol"): [(10.0, 1e-5), (12.0, 1e-6)],
+        "force_law": [rc.Hertz(), rc.Johnson()],
+    }
+    return rc.sweep(rc.paper_drive(), axes, measure, duration=5e-3, progress=False, **keywords)
+
+
+def test_a_sweep_file_gives_the_numbers_of_the_same_call_in_python():
+    expected = of_python().to_pandas()
+    for arguments in ((), ("--executor", "threads:2", "--out", "other.csv")):
+        done = rustchain("sweep", "sweep.toml", *arguments)
+        assert done.exit_code == 0, done.output
+        assert "8 of 8 cases finished, 0 failed: " in done.output
+    for name in ("sweep.csv", "other.csv"):
+        table = pd.read_csv(name, index_col="case")
+        assert list(table.columns) == list(expected.columns)
+        for column in expected:
+            assert list(table[column]) == list(expected[column])
+    done = rustchain("sweep", "sweep.toml", "--out", "new/table.nc", "--set", "rtol=1e-7", "--json")
+    assert done.exit_code == 1
+    assert "--set: 'rtol' is varied by the sweep file" in done.output
+    done = rustchain("sweep", "sweep.toml", "--out", "new/table.nc", "--json")
+    told = json.loads(done.stdout)
+    assert (told["finished"], told["failed"], told["file"]) == (8, 0, "new/table.nc")
+    data = xr.load_dataset("new/table.nc", engine="h5netcdf")
+    assert dict(data.sizes) == {"pretension": 2, "sample": 2, "force_law": 2}
+    np.testing.assert_array_equal(
+        data["tension_upper"].to_numpy().ravel(), expected["tension_upper"]
+    )
+
+
+def test_a_store_is_gone_on_with_and_other_settings_are_other_cases(monkeypatch):
+    ran = []
+    ensemble = rc._rustchain.Ensemble
+
+    def counted(cases, threads):
+        ran.append(len(cases))
+        return ensemble(cases, threads)
+
+    monkeypatch.setattr(rc._rustchain, "Ensemble", counted)
+    for _ in range(2):
+        done = rustchain("sweep", "sweep.toml", "--store", "runs")
+        assert done.exit_code == 0, done.output
+    assert ran == [8]
+    rustchain("sweep", "sweep.toml", "--store", "runs", "--set", "chain.material.restitution=0.5")
+    assert ran == [8, 8]
+
+
+def test_samples_and_a_function_of_a_file(tmp_path):
+    (tmp_path / "many.toml").write_text(
+        'drive = "paper"\nmeasure = "measures.py:peak"\n'
+        "[samples]\ncount = 4\nseed = 2\nmethod = 'sobol'\n[samples.distributions]\n"
+        '"chain.material.elastic_modulus" = { uniform = [2e11, 1e10] }\n'
+        '"chain.seed" = { randint = { low = 0, high = 1000 } }\n'
+        "[axes]\nduration = [4e-3, 5e-3]\n"
+    )
+    done = rustchain("sweep", "many.toml", "--executor", "processes:2", "--store", "runs")
+    assert done.exit_code == 0, done.output
+    table = pd.read_csv("many.csv", index_col="case")
+    laws = {
+        "chain.material.elastic_modulus": stats.uniform(2e11, 1e10),
+        "chain.seed": stats.randint(0, 1000),
+    }
+    expected = rc.sweep(
+        rc.paper_drive(),
+        {"duration": [4e-3, 5e-3]} | rc.samples(laws, 4, seed=2, method="sobol"),
+        lambda result: {"peak": result.peaks.tooth_force.max(), "high": True},
+        progress=False,
+    ).to_pandas()
+    assert list(table.columns) == list(expected.columns)
+    assert (table == expected).all(axis=None)
+    (tmp_path / "many.toml").write_text(
+        'drive = "paper"\nmeasure = "measures.py:begin"\nburn_in = 2e-3\n'
+        "[axes]\nduration = [4e-3]\n"
+    )
+    assert rustchain("sweep", "many.toml").exit_code == 0
+    assert pd.read_csv("many.csv")["value"][0] == pytest.approx(2e-3)
+
+
+def test_the_sweep_file_of_the_page_is_read(tmp_path):
+    page = (Path(__file__).parents[3] / "docs" / "reference" / "files.md").read_text("utf-8")
+    _, block = re.findall(r"^```toml\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
+    (tmp_path / "page.toml").write_text(block)
+    rc.save_scene(rc.two_sprocket_drive("ANSI 40", links=60, torque=-1.0), "my_drive.toml")
+    found = SweepFile.read(tmp_path / "page.toml", SceneFile.read)
+    axes, cases = cases_of(found.axes)
+    assert (len(axes), len(cases)) == (4, 3 * 2 * 2 * 64)
+    check_names(found.scene.scene, dict.fromkeys(RUN_FIELDS), cases)
+    scene, _ = case_of(found.scene.scene, dict.fromkeys(RUN_FIELDS), cases[-1])
+    assert scene.force_law == rc.Johnson()
+    assert scene.drive.sprockets[1].motion.torque == -1.0
+    assert found.scene.run["duration"] == 0.5
+
+
+def test_failed_cases_are_counted_told_and_repeated_on_demand():
+    for more in ((), (), ("--retry",)):
+        done = rustchain("sweep", "failing.toml", "--store", "runs", *more)
+        assert done.exit_code == 3
+        assert "1 of 2 cases finished, 1 failed: failing.csv" in done.output
+        assert "case 0 {'chain.material.elastic_modulus': 1e+300}: step size fell" in done.output
+        assert "warning" not in done.output
+        table = pd.read_csv("failing.csv", index_col="case")
+        assert table["error"][0].startswith("SimulationError: step size fell to")
+        assert pd.isna(table["error"][1])
+        assert pd.isna(table["tension_upper"][0])
+    told = json.loads(rustchain("sweep", "failing.toml", "--json").stdout)
+    assert told["errors"]["0"].startswith("SimulationError: step size fell")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('mesure = "x"', "line 2, column 1: mesure: means nothing here; did you mean 'measure'?"),
+        ("burn_in = true", "line 2, column 1: burn_in: True: must be a number"),
+        ("axes = 3", "line 2, column 1: axes: 3: must be a table"),
+        ("cases = [3]", "line 2, column 10: cases[0]: 3: must be a table"),
+        ("[axes]\nrtol = 1e-5", "line 3, column 1: axes.rtol: 1e-05: must be a list of values"),
+        ("[axes]\npretensoin = [1]", "line 3, column 1: axes.pretensoin: axes: 'pretensoin' is no"),
+        ('[axes]\nforce_law = [{type="Hert"}]', "column 15: axes.force_law[0].type: 'Hert' is not"),
+        ('[axes]\n"rtol, atol" = [[1e-5]]', "got the row (1e-05,); expected 2 values"),
+        ("[run]\nduraton = 1", "line 3, column 1: run.duraton: means nothing here; did you mean"),
+        ("[samples]\ncount = 2", "samples: 'distributions' is missing"),
+        ("[samples]\ncount = 2\nmethod='sobl'\n[samples.distributions]\nrtol={norm=[1,2]}",
+         "did you mean 'sobol'"),
+        ("[samples]\ncount = 2\n[samples.distributions]\nrtol={nrm=[1,2]}",
+         "line 5, column 7: samples.distributions.rtol.nrm: is no distribution; did you mean"),
+        ("[samples]\ncount = 2\n[samples.distributions]\nrtol=3", "such as { norm = [mean, dev"),
+        ('measure = "measures.py:peek"\n[axes]\nrtol=[1]', "has no function 'peek'; did you mean"),
+        ('measure = "none.py:peak"\n[axes]\nrtol=[1]', "measure: none.py: cannot be read"),
+        ("measure = 3\n[axes]\nrtol=[1]", "measure = 3: expected names of figures"),
+        ("burn_in = 1.0", "has no axes, samples or cases; expected one of them"),
+        ("[axes]\nrtol=[1]\n[[cases]]\nrtol=1", "cases: stand in place of axes and samples"),
+    ],
+)  # fmt: skip
+def test_a_mistake_in_a_sweep_file_is_told_with_its_place(text, said, tmp_path):
+    (tmp_path / "bad.toml").write_text(f'drive = "paper"\n{text}\n')
+    done = rustchain("sweep", "bad.toml")
+    assert done.exit_code == 1
+    assert said in done.output
+    assert "Traceback" not in done.output
+
+
+def test_several_mistakes_and_a_drive_that_is_missing_are_told_at_once(tmp_path):
+    (tmp_path / "bad.toml").write_text('drive = "non.toml"\nmesure = 3\n[axes]\nrtol = 1\n')
+    lines = rustchain("sweep", "bad.toml").output.splitlines()
+    assert len(lines) == 3
+    assert "drive: 'non.toml': is no file" in lines[0]
+    (tmp_path / "bad.toml").write_text("[axes]\nrtol = [1e-5]\n")
+    assert "'drive' is missing" in rustchain("sweep", "bad.toml").output
+    assert "cannot be read" in rustchain("sweep", "none.toml").output
+
+
+@pytest.mark.parametrize(
+    ("executor", "said"),
+    [
+        ("procs", "--executor = 'procs': is none; did you mean 'processes'?"),
+        ("threads:none", "expected a number of workers behind the colon"),
+        ("processes:0", "expected a number of workers behind the colon"),
+        ("dask", "has no address; expected dask:tcp://host:8786"),
+    ],
+)
+def test_an_executor_that_is_none_is_told(executor, said):
+    done = rustchain("sweep", "sweep.toml", "--executor", executor)
+    assert done.exit_code == 1
+    assert said in done.output
+
+
+def test_a_table_of_another_kind_is_refused_before_anything_runs(monkeypatch):
+    monkeypatch.setattr(rc._rustchain, "Ensemble", lambda *_: pytest.fail("it ran"))
+    done = rustchain("sweep", "sweep.toml", "--out", "table.xlsx")
+    assert "tables are written as .csv or .nc; take table.csv" in done.output
+
+
+def test_a_study_gives_the_statistics_of_python(tmp_path):
+    arguments = ("study", "paper", "--runs", 3, "--duration", 6e-3, "--burn-in", 4e-3)
+    done = rustchain(*arguments, "--axis", "pretension=[0, 25]", "--measure", "tension_upper",
+                     "--measure", "tooth_force_p99", "--store", "runs", "--out", "study.csv",
+                     "--json")  # fmt: skip
+    assert done.exit_code == 0, done.output
+    study = rc.study(
+        rc.paper_drive(), runs=3, duration=6e-3, burn_in=4e-3, axes={"pretension": [0, 25]},
+        progress=False,
+    )  # fmt: skip
+    rows = {(r["measure"], r["pretension"]): r for r in json.loads(done.stdout)["statistics"]}
+    assert len(rows) == 4
+    table = study.to_pandas()
+    for key, row in rows.items():
+        for name in ("mean", "low", "high", "count"):
+            assert row[name] == table.loc[key, name]
+    written = pd.read_csv("study.csv", index_col=["measure", "pretension"])
+    assert written.loc[("tension_upper", 25), "mean"] == table.loc[("tension_upper", 25), "mean"]
+    assert len(list((tmp_path / "runs").iterdir())) == 6
+    shown = rustchain(*arguments, "--measure", "measures.py:peak", "--out", "study.nc")
+    assert shown.exit_code == 0, shown.output
+    assert re_row("peak", shown.output) is not None
+    assert "peak" in xr.load_dataset("study.nc", engine="h5netcdf")
+    wrong = rustchain(*arguments, "--measure", "tension_uper")
+    assert wrong.exit_code == 3
+    assert "did you mean 'tension_upper'" in wrong.output
+
+
+def re_row(name, text):
+    return next((line for line in text.splitlines() if line.startswith(name)), None)
+
+
+def test_ctrl_c_keeps_what_is_done_and_the_command_goes_on(tmp_path):
+    (tmp_path / "long.toml").write_text(
+        'drive = "paper"\nmeasure = "measures.py:peak"\n[axes]\n'
+        "duration = [1e-3, 2e-3, 3e-3, 1000.0]\n[run]\nreport_step = 1e-3\n"
+    )
+    called = [sys.executable, "-m", "rustchain", "sweep", "long.toml", "--store", "runs"]
+    code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+    code += f"import sys; sys.argv = {called[2:]!r}\nfrom rustchain.cli import main; main()"
+    running = subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    runs = tmp_path / "runs"
+    while running.poll() is None and len(list(runs.glob("*.nc"))) < 3:
+        time.sleep(0.05)
+    running.send_signal(signal.SIGINT)
+    out, err = running.communicate()
+    assert running.returncode == 130, err
+    assert "interrupted: 3 of 4 cases finished, 0 failed: long.csv" in out
+    assert "the same command goes on with what is in runs" in out
+    assert "Traceback" not in err
+    table = pd.read_csv("long.csv", index_col="case")
+    assert list(table["peak"].isna()) == [False, False, False, True]
+    (tmp_path / "long.toml").write_text(
+        (tmp_path / "long.toml").read_text().replace("1000.0", "4e-3")
+    )
+    done = rustchain(*called[3:])
+    assert "4 of 4 cases finished" in done.output
+    assert len(list(runs.glob("*.nc"))) == 4

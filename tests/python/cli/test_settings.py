@@ -1,0 +1,245 @@
+"""Options that commands share: --set, --json, --quiet; exit codes, completion, figures by name."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import rustchain as rc
+from rustchain.cli.app import app
+from rustchain.plot import Plots
+
+ROOT = Path(__file__).parents[3]
+EXAMPLE = ROOT / "examples" / "three_shafts.toml"
+COMMANDS = {"run", "check", "plot", "animate", "sweep", "study", "catalogue", "schema"}
+
+
+def rustchain(*arguments, **keywords):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments], **keywords)
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("run") / "run.nc"
+    done = rustchain("run", "paper", "--duration", 2e-3, "--out", path, "--record", "hinges")
+    assert done.exit_code == 0, done.output
+    return path
+
+
+def test_any_field_is_set_by_its_name_in_a_sweep(tmp_path):
+    path = tmp_path / "run.nc"
+    done = rustchain(
+        "run", "paper", "--out", path,
+        "--set", "duration=1e-3", "--set", "report_step=5e-4", "--set", "pretension=25",
+        "--set", "chain.material.restitution=0.5", "--set", "sprockets.2.mass=2",
+        "--set", "gravity=[0.0, -1.62]", "--set", "rtol=1e-6", "--set", "start=static",
+        "--set", "force_law={type='Hertz', damping='flores'}", "--set", "record=['teeth']",
+        "--set", "tooth_law=none", "--set", "name=of the moon",
+    )  # fmt: skip
+    assert done.exit_code == 1
+    assert "--set: name = 'of the moon': is no value of TOML" in done.output
+    settings = [each for each in COMPLETE if each != "name=of the moon"]
+    done = rustchain("run", "paper", "--out", path, *_options(settings))
+    assert done.exit_code == 0, done.output
+    result = rc.load_result(path)
+    drive = result.drive
+    assert (drive.tensioner.pretension, drive.chain.material.restitution) == (25, 0.5)
+    assert (drive.sprockets[1].mass, drive.gravity, drive.name) == (2.0, (0.0, -1.62), "moon")
+    assert result.scene.force_law == rc.Hertz(damping="flores")
+    assert (result.scene.start, result.scene.tooth_law) is not None
+    assert result.scene.start == "static"
+    assert result.solver.rtol == 1e-6
+    assert (len(result.time), set(result.groups)) == (3, {"teeth"})
+
+
+COMPLETE = [
+    "duration=1e-3", "report_step=5e-4", "pretension=25", "chain.material.restitution=0.5",
+    "sprockets.2.mass=2", "gravity=[0.0, -1.62]", "rtol=1e-6", "start=static",
+    "force_law={type='Hertz', damping='flores'}", "record=['teeth']", "tooth_law=none",
+    "name=moon",
+]  # fmt: skip
+
+
+def _options(settings):
+    return [part for setting in settings for part in ("--set", setting)]
+
+
+def test_settings_take_the_place_of_what_a_file_says():
+    done = rustchain("check", EXAMPLE, "--set", "sprockets.2.teeth=23", "--set", "duration=0.5",
+                     "--json")  # fmt: skip
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.stdout)
+    assert told["report"]["teeth"] == [17, 23, 13]
+    assert told["duration"] == 0.5
+    assert len(told["bodies"]) == 81
+
+
+@pytest.mark.parametrize(
+    ("setting", "said"),
+    [
+        ("pretensoin=3", "--set: 'pretensoin' is no parameter; did you mean 'pretension'?"),
+        ("chain.pich=3", "did you mean 'chain.pitch'?"),
+        ("restitution=3", "did you mean 'chain.material.restitution'?"),
+        ("pretension", "--set pretension: is no setting; expected name=value"),
+        ("=3", "expected name=value"),
+        (
+            "force_law={type='Hertzz'}",
+            "force_law.type: 'Hertzz' is not known; did you mean 'Hertz'",
+        ),
+        ("force_law={type='Hertz', dampin='a'}", "force_law.dampin: means nothing here; did you"),
+        ("chain.links=abc", "Chain.links = 'abc': must be a whole number"),
+        ("start=statc", "start = 'statc': must be 'generated' or 'static'"),
+        ("tensioner.damping=1", "cannot be changed, for drive.tensioner is None"),
+        ("record=[", "record = '[': is no value of TOML"),
+    ],
+)
+@pytest.mark.parametrize("command", ["run", "check", "study", "animate"])
+def test_a_setting_that_is_none_is_told_with_the_nearest_name(command, setting, said, tmp_path):
+    done = rustchain(command, "paper", "--set", setting)
+    assert done.exit_code == 1
+    assert said in done.output
+    assert "Traceback" not in done.output
+
+
+def test_a_setting_that_is_given_twice_is_told():
+    done = rustchain("check", "paper", "--set", "speed=3", "--set", "speed=4")
+    assert "--set: 'speed' is there twice; give it once" in done.output
+
+
+def test_each_command_says_its_exit_codes_and_has_help():
+    listed = rustchain("--help").output
+    for command in COMMANDS:
+        assert re.search(rf"^  {command} ", listed, re.MULTILINE)
+        said = " ".join(rustchain(command, "--help").output.split())
+        assert "Exit codes: 0 done; 1 error; 2 wrong command line; 3 cases" in said
+    assert {each.name or each.callback.__name__ for each in app.registered_commands} == COMMANDS
+    assert rustchain("rum", "paper").exit_code == 2
+    assert rustchain("run").exit_code == 2
+
+
+def test_json_is_one_document_and_quiet_is_nothing(file, tmp_path):
+    calls = {
+        "run": ("run", "paper", "--duration", 1e-3, "--out", tmp_path / "a.nc"),
+        "check": ("check", "paper"),
+        "plot": ("plot", file, "--out", tmp_path),
+        "study": ("study", "paper", "--runs", 2, "--duration", 4e-3, "--burn-in", 2e-3),
+    }
+    found = {}
+    for name, call in calls.items():
+        done = rustchain(*call, "--json")
+        assert done.exit_code == 0, done.output
+        found[name] = json.loads(done.stdout)
+        quiet = rustchain(*call, "--quiet")
+        assert (quiet.exit_code, quiet.output) == (0, "")
+    assert found["run"]["status"] == "finished"
+    assert found["run"]["rows"] == 11
+    assert found["check"]["report"]["links"] == 38
+    assert str(tmp_path / "tension.png") in found["plot"]["figures"]
+    assert "not recorded" in found["plot"]["left_out"]["energy"]
+    assert len(found["study"]["statistics"]) > 5
+    sizes = json.loads(rustchain("catalogue", "--json").stdout)["chains"]
+    assert [size["pitch"] for size in sizes if size["name"] == "ANSI 40"] == [0.0127]
+    assert json.loads(rustchain("catalogue", "ansi40", "--json").stdout)["chain"]["pitch"] == 0.0127
+
+
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [
+        ("rustchain ", COMMANDS),
+        ("rustchain run pa", {"paper"}),
+        ("rustchain run paper --set chain.material.rest", {"chain.material.restitution="}),
+        ("rustchain run paper --set preten", {"pretension="}),
+        ("rustchain check paper --set chain.hi", {"chain.hinge=", "chain.hinge."}),
+        ("rustchain sweep sweep.toml --executor pro", {"processes"}),
+    ],
+)
+def test_the_shell_completes_commands_drives_and_settings(typed, offered, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words = typed.split(" ")
+    environment = {
+        "_RUSTCHAIN_COMPLETE": "complete_bash",
+        "COMP_WORDS": typed,
+        "COMP_CWORD": str(len(words) - 1),
+    }
+    done = CliRunner().invoke(app, [], prog_name="rustchain", env=environment)
+    assert offered <= set(done.stdout.split()), done.output
+    if len(offered) == 1:
+        assert set(done.stdout.split()) == offered
+
+
+def test_a_figure_that_is_named_must_be_drawn(file, tmp_path):
+    done = rustchain("plot", file, "tension", "orbit", "--out", tmp_path)
+    assert done.exit_code == 0, done.output
+    assert {path.name for path in tmp_path.iterdir()} == {"tension.png", "orbit.png"}
+    done = rustchain("plot", file, "energy", "--out", tmp_path)
+    assert done.exit_code == 1
+    assert "the energy balance was not recorded" in done.output
+    done = rustchain("plot", file, "tensoin", "--out", tmp_path)
+    assert "did you mean 'tension'" in done.output
+
+
+def pendulum():
+    mechanism = rc.Mechanism()
+    mechanism.add_body("rod", mass=1.0, inertia=0.1, position=(0.5, 0.0, 0.0))
+    mechanism.add_revolute("pin", "ground", "rod", at=(0.0, 0.0))
+    return mechanism
+
+
+def test_plot_swallows_no_error(file, tmp_path, monkeypatch):
+    def broken(self, **_):
+        raise RuntimeError("a defect")
+
+    monkeypatch.setattr(Plots, "tension", broken)
+    done = rustchain("plot", file, "--out", tmp_path)
+    assert isinstance(done.exception, RuntimeError)
+    empty = tmp_path / "empty.nc"
+    assert rustchain("run", "paper", "--duration", 1e-3, "--record", "", "--out", empty).exit_code
+    rc.Simulation(pendulum()).run(1e-3, record=("energy",), progress=False).save(empty)
+    done = rustchain("plot", empty, "motion", "--out", tmp_path)
+    assert done.exit_code == 1
+    assert "recorded" in done.output
+
+
+def test_plot_draws_what_a_mechanism_has(tmp_path):
+    rc.Simulation(pendulum()).run(1e-2, progress=False).save(tmp_path / "run.nc")
+    done = rustchain("plot", tmp_path / "run.nc", "--out", tmp_path)
+    assert done.exit_code == 0, done.output
+    names = {path.name for path in tmp_path.glob("*.png")}
+    assert {"motion.png", "paths.png", "energy.png"} <= names
+    assert "contact_force.png: left out" in done.output
+    done = rustchain("plot", tmp_path / "run.nc", "--hinges", "6")
+    assert "a mechanism has none" in done.output
+
+
+def test_a_drive_or_a_result_is_animated(tmp_path):
+    path = tmp_path / "drive.gif"
+    short = ("--fps", 10, "--slow-motion", 100, "--width", 200)
+    done = rustchain("animate", "paper", "--duration", 4e-3, "--out", path, *short)
+    assert done.exit_code == 0, done.output
+    assert path.read_bytes()[:6] == b"GIF89a"
+    run = tmp_path / "run.nc"
+    rustchain("run", "paper", "--duration", 4e-3, "--record", "bodies", "--out", run)
+    done = rustchain("animate", run, "--out", tmp_path / "run.gif", "--no-forces", *short)
+    assert done.exit_code == 0, done.output
+    done = rustchain("animate", run, "--set", "speed=3")
+    assert "has been run; --set and --duration are for a drive" in done.output
+
+
+def test_the_command_in_a_terminal_of_its_own(tmp_path):
+    called = [sys.executable, "-m", "rustchain"]
+    done = subprocess.run(
+        [*called, "run", "paper", "--set", "duration=1e-3", "--json"],
+        capture_output=True, text=True, cwd=tmp_path,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["file"] == "run.nc"
+    assert rc.load_result(tmp_path / "run.nc").success
+    wrong = subprocess.run(
+        [*called, "check", "papre"], capture_output=True, text=True, cwd=tmp_path
+    )
+    assert (wrong.returncode, wrong.stdout) == (1, "")
+    assert wrong.stderr.startswith("error: drive = 'papre': is no file")
