@@ -50,7 +50,7 @@ def _html_of_drive(drive: ChainDrive) -> str:
 def _html_of_report(report: DriveReport) -> str:
     """Return a report as a table."""
     warnings = "".join(f"<p><b>warning:</b> {escape(text)}</p>" for text in report.warnings)
-    return _table(report.rows()) + warnings
+    return html_table(report.rows()) + warnings
 
 
 def _html_of_assembly(report: MechanismReport) -> str:
@@ -82,7 +82,7 @@ def _html_of_study(study: StudyResult) -> str:
 
 def _html_of_summary(summary: Summary) -> str:
     """Return the key figures as a table."""
-    return _table((name, (value, unit)) for name, value, unit in summary.rows())
+    return html_table((name, (value, unit)) for name, value, unit in summary.rows())
 
 
 def _view(head: str, table: str, picture: Callable[[], Figure]) -> str:
@@ -97,7 +97,7 @@ def _part(make: Callable[[], str]) -> str:
         return ""
 
 
-def _table(rows: Iterable[Row]) -> str:
+def html_table(rows: Iterable[Row]) -> str:
     """Return rows as a table; a text without columns goes over all of them."""
     lines = []
     for label, value in rows:

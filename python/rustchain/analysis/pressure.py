@@ -207,8 +207,10 @@ def tooth_contacts(result: Result) -> tuple[Array, Array]:
     ends of a rail count as its face.
     """
     wheel, region = result.array("tooth_sprocket"), result.array("tooth_region")
-    curvature = np.full(wheel.shape, surface_curvature(result.drive, 1)[0])  # never in contact
     drive, chain = result.drive, result.drive.chain
+    # Of a bushing that is never in contact at a report: on a seat, or on a flat face.
+    never = surface_curvature(drive, 1)[0] if drive.sprockets else 1.0 / chain.contact_radius
+    curvature = np.full(wheel.shape, never)
     modulus = np.full(wheel.shape, contact_modulus(chain))
     for k, guide in enumerate(drive.guides, len(drive.sprockets) + 1):
         face = 0.0 if guide.radius is None else 1.0 / guide.radius

@@ -117,7 +117,7 @@ def _transmission(
     """
     found: dict[str, float] = {}
     angle = result.array("sprocket_angle")[rows_between(result, start, end)]
-    if len(angle) < 8 or not np.ptp(angle[:, 0]) > 0.0:
+    if len(angle) < 8 or not angle.shape[1] or not np.ptp(angle[:, 0]) > 0.0:
         return found
     for number in range(2, len(result.drive.sprockets) + 1):
         if not {1, number} & set(skipped):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal, NamedTuple
 
 from rustchain.plot.shapes import Kind
+from rustchain.plot.style import BLUE, CYCLE, GREY, GRID
 
 Theme = Literal["light", "dark"]
 
@@ -65,27 +66,27 @@ FORCE_COLORS: dict[Theme, dict[str, str]] = {
 PAPER: dict[Theme, str] = {"light": "#ffffff", "dark": "#14181d"}
 INK: dict[Theme, str] = {"light": "#22262b", "dark": "#dfe5ec"}
 
-_CSS: dict[Theme, dict[str, str]] = {
-    "light": {
-        "ink": INK["light"], "dim": "#5c636c", "paper": PAPER["light"], "soft": "#f1f4f7",
-        "line": "#d8dde3", "accent": "#0b64a0",
-        "c1": "#0b64a0", "c2": "#d9730d", "c3": "#2a8f5b", "c4": "#b8323a", "c5": "#7d5ba6",
-        "c6": "#8c6d1f",
-    },
-    "dark": {
-        "ink": INK["dark"], "dim": "#9aa5b1", "paper": PAPER["dark"], "soft": "#222830",
-        "line": "#38414c", "accent": "#6db7ee",
-        "c1": "#6db7ee", "c2": "#f2a154", "c3": "#63c593", "c4": "#f0858c", "c5": "#b79be0",
-        "c6": "#cdb05c",
-    },
-}  # fmt: skip
+# Colours of pages by their names: in light, in dark.
+_PAGE = {
+    "ink": (INK["light"], INK["dark"]),
+    "dim": (GREY, "#9aa5b1"),
+    "paper": (PAPER["light"], PAPER["dark"]),
+    "soft": ("#f1f4f7", "#222830"),
+    "line": (GRID, "#38414c"),
+    "accent": (BLUE, "#6db7ee"),
+}
+_CURVES = ("#6db7ee", "#f2a154", "#63c593", "#f0858c", "#b79be0", "#cdb05c", "#5cc9c9", "#e59ac0")
 
 
 def theme_css() -> str:
-    """Return the colours of pages: light or dark as the reader has it, or as `data-theme` says."""
+    """Return the colours of pages: light or dark as the reader has it, or as `data-theme` says.
+
+    Curves have the names c1, c2, ...; ``--x0b64a0`` is what stands for #0b64a0 of a figure.
+    """
+    pairs = _PAGE | {f"c{k}": pair for k, pair in enumerate(zip(CYCLE, _CURVES, strict=True), 1)}
+    pairs |= {f"x{light[1:]}": (light, dark) for light, dark in in_dark().items()}
     light, dark = (
-        "; ".join(f"--{name}: {color}" for name, color in _CSS[theme].items())
-        for theme in ("light", "dark")
+        "; ".join(f"--{name}: {pair[k]}" for name, pair in pairs.items()) for k in (0, 1)
     )
     return (
         f":root {{ color-scheme: light dark; {light} }}\n"
@@ -94,3 +95,15 @@ def theme_css() -> str:
         f':root[data-theme="dark"] {{ color-scheme: dark; {dark} }}\n'
         "body { background: var(--paper); color: var(--ink); }"
     )
+
+
+def in_dark() -> dict[str, str]:
+    """Return what stands for each colour of a light figure on a dark page."""
+    found = dict(zip(CYCLE, _CURVES, strict=True)) | dict(_PAGE.values())
+    found |= {"#000000": INK["dark"], "#808080": _PAGE["dim"][1]}
+    for kind, look in LOOKS["light"].items():
+        dark = LOOKS["dark"][kind]
+        found[look.edge] = dark.edge
+        if look.face is not None and dark.face is not None:
+            found[look.face] = dark.face
+    return found | {CYCLE[0]: _CURVES[0]}

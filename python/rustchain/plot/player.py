@@ -51,7 +51,7 @@ def player_frame(animation: Animation) -> str:
 
 def player_part(animation: Animation) -> str:
     """Return the player as a part of a page, whose style is `theme_css`."""
-    data = json.dumps(player_data(animation), separators=(",", ":")).replace("</", "<\\/")
+    data = json.dumps(player_data(animation), separators=(",", ":")).replace("<", "\\u003c")
     script = resources.files("rustchain.plot").joinpath("player.js").read_text(encoding="utf-8")
     return (
         f'<div class="player"><script type="application/json">{data}</script></div>\n'

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rustchain.results.result import Result
 
 BLUE, ORANGE, GREEN, RED, GREY = "#0b64a0", "#d9730d", "#2a8f5b", "#b8323a", "#7a7f87"
+GRID = "#e4e7eb"
 CYCLE = (BLUE, ORANGE, GREEN, RED, "#7d5ba6", "#8c6d1f", "#1d9a9a", "#c2608f")
 _STYLE: dict[str, Any] = {
     "font.size": 9.0,
@@ -33,7 +34,7 @@ _STYLE: dict[str, Any] = {
     "axes.edgecolor": GREY,
     "axes.grid": True,
     "axes.axisbelow": True,
-    "grid.color": "#e4e7eb",
+    "grid.color": GRID,
     "grid.linewidth": 0.6,
     "lines.linewidth": 0.9,
     "legend.frameon": False,

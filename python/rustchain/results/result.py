@@ -359,6 +359,41 @@ class Result(OfScene, ArrayValue, Outputs, HtmlView):
             found.save(path)
         return found
 
+    def report(
+        self,
+        path: str | Path,
+        *,
+        start: Time = None,
+        end: Time = None,
+        breaking_load: float | None = None,
+    ) -> None:
+        """Write a report: one page that needs no network, with figures and the player.
+
+        It has layout and inputs, key figures with their confidence, the safety of the chain beside
+        what is usual, warnings, plots, and the moving drive where bodies were recorded.
+
+        Parameters
+        ----------
+        path : str or Path
+            File to write, ``.html``.
+        start, end : float, optional
+            Part of the time [s] that is reported, by default all of it.
+        breaking_load : float, optional
+            Of the chain, all strands together [N]; by default the catalogue's.
+
+        Raises
+        ------
+        InvalidInput
+            The name does not end in .html, or no rows lie between `start` and `end`.
+        MissingExtra
+            matplotlib or xarray is not installed.
+        OSError
+            The file cannot be written.
+        """
+        from rustchain.report.page import write_report
+
+        write_report(self, path, start=start, end=end, breaking_load=breaking_load)
+
     def to_xarray(self) -> xr.Dataset:
         """Return everything as a dataset with units; the scene is in its attributes."""
         return tables.dataset_of(self)

@@ -1,0 +1,1 @@
+"""Reports: one page with inputs, key figures, safety, plots and the player."""

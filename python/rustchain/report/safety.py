@@ -1,0 +1,148 @@
+"""Safety of a chain against breaking, and pressure in its hinges, beside what is usual."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rustchain.analysis.pressure import contact_modulus, hinge_curvature, line_pressure
+from rustchain.analysis.window import mean_over_time
+from rustchain.catalogue.sizes import SIZES
+
+if TYPE_CHECKING:
+    from rustchain.description.chain import Chain
+    from rustchain.results.result import Result
+
+# Least breaking load over the pull: Diamond Chain's rule for slow drives, chains with press-fit
+# connecting links, and chains with slip-fit ones or offset links.
+USUAL_SAFETY, USUAL_SAFETY_OFFSET = 6.0, 9.0
+
+# Allowable mean pressure in the hinges of roller chains [MPa] where the small sprocket has 17 teeth
+# (Chernavskii and others, Course Design of Machine Elements): speed of the small sprocket [rpm],
+# then a value for each pitch. A typical value, not checked against a second source.
+_PITCHES = np.array([12.7, 15.875, 19.05, 25.4, 31.75, 38.1, 44.45, 50.8])  # [mm]
+_ALLOWED = np.array(
+    [
+        (50.0, 46.0, 43.0, 39.0, 36.0, 34.0, 31.0, 29.0, 27.0),
+        (100.0, 37.0, 34.0, 31.0, 29.0, 27.0, 25.0, 23.0, 22.0),
+        (200.0, 29.0, 27.0, 25.0, 23.0, 22.0, 19.0, 18.0, 17.0),
+        (300.0, 26.0, 24.0, 22.0, 20.0, 19.0, 17.0, 16.0, 15.0),
+        (500.0, 22.0, 20.0, 18.0, 17.0, 16.0, 14.0, 13.0, 12.0),
+        (750.0, 19.0, 17.0, 16.0, 15.0, 14.0, 13.0, np.nan, np.nan),
+        (1000.0, 17.0, 16.0, 14.0, 13.0, 13.0, np.nan, np.nan, np.nan),
+        (1250.0, 16.0, 15.0, 13.0, 12.0, np.nan, np.nan, np.nan, np.nan),
+    ]
+)
+_MORE_TEETH = 0.01  # of the allowed pressure, for each tooth more than 17
+
+
+@dataclass(frozen=True)
+class Safety:
+    """How far the loads of a chain are from breaking it, and the pressure in its hinges.
+
+    Attributes
+    ----------
+    breaking_load : float, optional
+        Smallest ultimate tensile strength of the chain, all strands [N]; None: not known.
+    pull : float
+        Mean tension of the strand that is pulled hardest [N].
+    largest_pull : float
+        Largest tension of a strand at a report [N].
+    largest_force : float
+        Largest force in a hinge, between reports too [N].
+    pressure, largest_pressure : float
+        `pull` and `largest_force` over the projected area of a pin in its bushing [Pa].
+    allowed_pressure : float, optional
+        What is usual for the first at this pitch and speed [Pa]; None: outside the table.
+    hertz_pressure : float
+        Largest pressure by Hertz's line contact [Pa].
+    usual_safety : float
+        What breaking load over pull should at least be.
+    """
+
+    breaking_load: float | None
+    pull: float
+    largest_pull: float
+    largest_force: float
+    pressure: float
+    largest_pressure: float
+    allowed_pressure: float | None
+    hertz_pressure: float
+    usual_safety: float
+
+
+def safety_of(result: Result, breaking_load: float | None = None) -> Safety:
+    """Return the safety of a chain drive's chain.
+
+    Parameters
+    ----------
+    result : Result
+        With hinges recorded; of a chain drive.
+    breaking_load : float, optional
+        Of all strands together [N]; by default the catalogue's, where the chain is one of its.
+
+    Raises
+    ------
+    NotRecorded
+        The hinges were not recorded.
+    """
+    chain = result.drive.chain
+    tension = result.array("strand_tension")
+    force = float(max(result.array("peak_hinge_force").max(), result.array("hinge_force").max()))
+    mean = mean_over_time(result.time, tension) if len(tension) > 1 else tension[0]
+    pull = float(mean.max())
+    length = chain.strands * chain.hinge.length
+    area = 2.0 * chain.hinge.pin_radius * length
+    hertz = line_pressure(np.array(force), hinge_curvature(chain), length, contact_modulus(chain))
+    if breaking_load is None and chain.name in SIZES:
+        breaking_load = chain.strands * SIZES[chain.name].strength
+    return Safety(
+        breaking_load,
+        pull,
+        float(tension.max()),
+        force,
+        pull / area,
+        force / area,
+        _allowed(result),
+        float(hertz),
+        USUAL_SAFETY_OFFSET if _has_offset_link(result) else USUAL_SAFETY,
+    )
+
+
+def allowed_pressure(pitch: float, speed: float, teeth: int) -> float | None:
+    """Return the usual allowable mean pressure in the hinges of a roller chain [Pa].
+
+    Parameters
+    ----------
+    pitch : float
+        [m].
+    speed : float
+        Of the small sprocket [rad/s].
+    teeth : int
+        Of the small sprocket.
+    """
+    speeds, values = _ALLOWED[:, 0], _ALLOWED[:, 1:]
+    at_pitch = np.array([np.interp(1e3 * pitch, _PITCHES, row) for row in values])
+    turns = max(abs(speed) * 30.0 / pi, speeds[0])  # the table's first row holds for slower ones
+    found = float(np.interp(turns, speeds, at_pitch, right=np.nan))
+    inside = 0.9 * _PITCHES[0] <= 1e3 * pitch <= _PITCHES[-1]
+    factor = 1.0 + _MORE_TEETH * (teeth - 17)
+    return 1e6 * factor * found if inside and np.isfinite(found) else None
+
+
+def _allowed(result: Result) -> float | None:
+    """Return the allowable pressure at the mean speed of the sprocket with the fewest teeth."""
+    if "sprocket_speed" not in result.arrays or not result.drive.sprockets:
+        return None
+    teeth = [sprocket.teeth for sprocket in result.drive.sprockets]
+    small = int(np.argmin(teeth))
+    speed = float(result.array("sprocket_speed")[:, small].mean())
+    return allowed_pressure(result.drive.chain.pitch, speed, teeth[small])
+
+
+def _has_offset_link(result: Result) -> bool:
+    chain: Chain = result.drive.chain
+    return result.drive.ends is None and chain.links % 2 == 1

@@ -1,0 +1,241 @@
+"""Reports: what they say, against numbers found otherwise, and how they look in a browser."""
+
+import re
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import rustchain as rc
+from browser import opened, ready
+from rustchain.report import confidence, safety
+
+RECORD = ("hinges", "teeth", "sprockets", "bodies", "energy")
+
+
+def loaded_drive():
+    return rc.two_sprocket_drive("ANSI 40", (17, 17), links=38, speed=20.0, torque=-3.0)
+
+
+@pytest.fixture(scope="module")
+def result():
+    return rc.Simulation(loaded_drive()).run(duration=0.2, record=RECORD, progress=False)
+
+
+@pytest.fixture(scope="module")
+def path(result, tmp_path_factory):
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    result.report(path, start=0.05)
+    return path
+
+
+def text_of(path):
+    return re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", path.read_text(encoding="utf-8")))
+
+
+# --- safety
+
+
+def test_safety_is_the_breaking_load_over_the_pull(result):
+    found = safety.safety_of(result)
+    assert found.breaking_load == pytest.approx(3125 * 4.4482216152605)  # lbf, ANSI B29.1
+    steps = np.diff(result.time)
+    tension = result.array("strand_tension")
+    means = ((tension[1:] + tension[:-1]) / 2.0 * steps[:, None]).sum(axis=0) / steps.sum()
+    assert found.pull == pytest.approx(means.max())
+    assert found.largest_force >= found.largest_pull > found.pull
+    # The tight strand pulls the load's torque over the pitch radius, beside the slack one's.
+    radius = 0.5 * 0.0127 / np.sin(np.pi / 17)
+    assert found.pull - means.min() == pytest.approx(3.0 / radius, rel=0.1)
+
+
+def test_pressure_is_the_pull_over_the_projected_area_of_a_pin(result):
+    found, hinge = safety.safety_of(result), result.drive.chain.hinge
+    assert found.pressure == pytest.approx(found.pull / (2.0 * hinge.pin_radius * hinge.length))
+    most = result.contact_pressure()["peak_pressure"].max()
+    assert found.hertz_pressure == pytest.approx(float(most))
+
+
+def test_strands_share_the_load(result):
+    twice = replace(result.scene.system, chain=replace(result.drive.chain, strands=2))
+    shared = replace(result, scene=replace(result.scene, system=twice))
+    one, two = safety.safety_of(result), safety.safety_of(shared)
+    assert two.breaking_load == 2.0 * one.breaking_load
+    assert two.pressure == pytest.approx(0.5 * one.pressure)
+
+
+@pytest.mark.parametrize(
+    ("pitch", "turns", "teeth", "expected"),
+    [
+        (12.7e-3, 200.0, 17, 29e6),
+        (12.7e-3, -200.0, 17, 29e6),
+        (25.4e-3, 250.0, 17, 21.5e6),
+        (12.7e-3, 200.0, 27, 1.1 * 29e6),
+        (12.7e-3, 10.0, 17, 46e6),  # as at 50 rpm
+        (12.7e-3, 3000.0, 17, None),
+        (38.1e-3, 1000.0, 17, None),
+        (8e-3, 200.0, 17, None),
+    ],
+)
+def test_the_allowable_pressure_is_that_of_the_table(pitch, turns, teeth, expected):
+    found = safety.allowed_pressure(pitch, rc.rpm(turns), teeth)
+    assert found == (None if expected is None else pytest.approx(expected))
+
+
+def test_offset_links_need_more_safety(result):
+    odd = rc.two_sprocket_drive("ANSI 40", (17, 17), links=39, speed=20.0)
+    fake = replace(result, scene=replace(result.scene, system=odd))
+    assert safety.safety_of(result).usual_safety == 6.0
+    assert safety.safety_of(fake).usual_safety == 9.0
+
+
+# --- key figures
+
+
+def test_an_interval_is_students_of_the_means_of_the_parts(result):
+    (figure,) = (f for f in confidence.key_figures(result) if f.name == "tension_upper")
+    edges = np.linspace(0.0, 0.2, 9)
+    tension = result.strand("upper").tension
+    parts = [
+        tension[(result.time >= start) & (result.time <= end)].mean()
+        for start, end in pairwise(edges)
+    ]
+    half = stats.t.ppf(0.975, 7) * stats.sem(parts)
+    assert figure.value == pytest.approx(tension.mean())
+    assert figure.interval == pytest.approx((figure.value - half, figure.value + half), rel=1e-4)
+    assert figure.spread == pytest.approx((min(parts), max(parts)))
+
+
+def test_the_interval_has_the_mean_of_noise_in_about_95_of_100_cases(result):
+    """Batches of white noise about 10 N."""
+    rng, hits = np.random.default_rng(11), 0
+    short = result.between(end=0.02)
+    for _ in range(100):
+        arrays = short.arrays | {"strand_tension": rng.normal(10.0, 3.0, (len(short.time), 2))}
+        arrays = {
+            name: arrays[name]
+            for name in ("time", "strand_tension", "hinge_penetration", "peak_hinge_force")
+        }
+        figures = confidence.key_figures(replace(short, arrays=arrays))
+        (figure,) = (f for f in figures if f.name == "tension_upper")
+        hits += figure.interval[0] <= 10.0 <= figure.interval[1]
+    assert 88 <= hits <= 100
+
+
+def test_extremes_have_a_range_and_short_runs_neither(result):
+    figures = {f.name: f for f in confidence.key_figures(result)}
+    assert figures["hinge_force_largest"].interval is None
+    assert figures["hinge_force_largest"].spread[1] == figures["hinge_force_largest"].value
+    assert figures["hinge_force_largest"].label == "largest hinge force"
+    short = confidence.key_figures(result.between(end=5e-3))
+    assert all(f.interval is None and f.spread is None for f in short)
+
+
+# --- the page
+
+
+def test_a_page_says_what_was_run_and_found(path, result):
+    text = text_of(path)
+    part = result.between(start=0.05)
+    found = safety.safety_of(part)
+    for expected in (
+        "0.05 to 0.2 s in 1501 rows",
+        "LankaraniNikravesh",
+        "mean tension, strand upper",
+        "95 % interval",
+        "Breaking load of the chain: 13.9 kN",
+        f"{found.breaking_load / found.pull:.4g}",
+        f"{1e-6 * found.pressure:.4g} MPa 29.72 MPa",
+        "Energy balance",
+        "Transmission error and orders, sprocket 2",
+    ):
+        assert expected in text
+
+
+def test_a_page_needs_nothing_else(path):
+    page = path.read_text(encoding="utf-8")
+    assert not re.search(r"(src|href)=\"(?!#)", page)
+    assert not re.search(r"url\((?!#)", page)
+    assert "@import" not in page
+    assert len(page) < 5e6
+
+
+def test_what_people_write_is_escaped(tmp_path):
+    drive = replace(loaded_drive(), name="<script>alert(1)</script>")
+    result = rc.Simulation(drive).run(2e-3, record=RECORD, progress=False)
+    result.report(tmp_path / "run.html")
+    page = (tmp_path / "run.html").read_text(encoding="utf-8")
+    assert "<script>alert" not in page
+    assert "&lt;script&gt;alert" in page
+
+
+def test_what_was_not_recorded_is_left_out_with_the_reason(tmp_path):
+    path = tmp_path / "run.html"
+    rc.Simulation(loaded_drive()).run(2e-3, record=("hinges",), progress=False).report(path)
+    text = text_of(path)
+    assert "bodies were not recorded" in text
+    assert re.search(r"Tooth loads of sprocket 1: \w+ were not recorded", text)
+    assert 'class="player"' not in path.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("kind", ["mechanism", "ideal", "open"])
+def test_every_kind_of_scene_has_a_report(kind, tmp_path):
+    if kind == "mechanism":
+        scene = rc.paper_drive(25.0).to_mechanism()
+    elif kind == "open":
+        scene = rc.open_chain("ISO 08B", [rc.AnchoredEnd((0.0, 0.0)), rc.LoadedEnd(5.0)], 10)
+    else:
+        scene = rc.paper_drive(25.0, hinges="ideal" if kind == "ideal" else "clearance")
+    record = ("bodies", "joints", "contacts", "energy") if kind == "mechanism" else RECORD
+    result = rc.Simulation(scene).run(5e-3, record=record, progress=False)
+    path = tmp_path / "run.html"
+    result.report(path)
+    page = path.read_text(encoding="utf-8")
+    assert page.count("<figure>") >= 3
+    assert 'class="player"' in page
+
+
+def test_a_breaking_load_can_be_given(tmp_path):
+    result = rc.Simulation(rc.paper_drive(25.0)).run(5e-3, record=("hinges",), progress=False)
+    result.report(tmp_path / "a.html")
+    assert "not known; pass breaking_load" in text_of(tmp_path / "a.html")
+    result.report(tmp_path / "b.html", breaking_load=14e3)
+    assert "Breaking load of the chain: 14 kN" in text_of(tmp_path / "b.html")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        ({"path": "run.pdf"}, "ends in '.pdf'; expected .html"),
+        ({"path": "run.html", "breaking_load": -1.0}, "expected a positive number in N"),
+        ({"path": "run.html", "start": 3.0}, "no rows there"),
+    ],
+)
+def test_what_cannot_be_is_refused(result, arguments, told, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(rc.InvalidInput, match=told):
+        result.report(**arguments)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_browser_shows_it_in_light_and_dark_and_plays(path):
+    with opened(path, color_scheme="light") as page:
+        ready(page)
+        assert page.locator("figure svg").count() >= 11
+        paper = "getComputedStyle(document.body).backgroundColor"
+        light = page.evaluate(paper)
+        page.click("nav button")
+        assert page.evaluate(paper) != light
+        # Curves and text of figures follow.
+        text = page.evaluate("getComputedStyle(document.querySelector('figure svg text')).fill")
+        assert sum(map(int, re.findall(r"\d+", text)[:3])) > 380
+        page.click("button[aria-label=play]")
+        page.wait_for_function("document.querySelector('.player').player.time > 0.052")
+
+
+def test_on_a_phone_only_tables_and_figures_scroll_sideways(path):
+    with opened(path, viewport={"width": 390, "height": 844}) as page:
+        ready(page)
+        assert page.evaluate("document.documentElement.scrollWidth") <= 390
