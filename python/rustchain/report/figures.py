@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rustchain.results.result import Result
 
 _SPROCKETS = 3  # whose tooth loads are drawn
+_PIXELS = 150  # of the widest figure, for an inch
 _CURVES = 6  # of a mechanism's bodies, joints or contacts: those with the largest values
 
 # Text stays text, which is smaller and can be found; what is less than half a point off a straight
@@ -60,8 +61,10 @@ def svg_of(figure: Figure) -> str:
     text = re.sub(r'font-family: [^;"]*(; )?', "", text)
     for color in in_dark():
         text = text.replace(color, f"var(--x{color[1:]})")
-    # As wide as the page; the height follows.
-    return re.sub(r'(<svg[^>]*?) width="[^"]*" height="[^"]*"', r"\1", text, count=1)
+    # As wide as the page, unless its letters would become much larger than the page's.
+    width = float(figure.get_size_inches()[0])
+    style = f'style="max-width: {_PIXELS * width:.0f}px"'
+    return re.sub(r'(<svg[^>]*?) width="[^"]*" height="[^"]*"', rf"\1 {style}", text, count=1)
 
 
 def picture_of(result: Result) -> str:
