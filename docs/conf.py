@@ -57,13 +57,13 @@ autodoc_typehints = "none"  # docstrings have the types
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False  # the template of classes lists them
 
-COMMANDS = DOCS / "reference" / "_cli.md"  # from the help texts of the commands
-subprocess.run(
-    [sys.executable, "-m", "typer", "rustchain.cli.app", "utils", "docs", "--name", "rustchain"]
-    + ["--title", "Commands", "--output", str(COMMANDS)],
+HELP = subprocess.run(  # from the help texts of the commands
+    [sys.executable, "-m", "typer", "rustchain.cli.app", "utils", "docs", "--name", "rustchain"],
     check=True,
-    stdout=subprocess.DEVNULL,
-)
+    capture_output=True,
+    encoding="utf-8",
+).stdout
+(DOCS / "reference" / "_cli.md").write_text(HELP.partition("\n")[2], encoding="utf-8")  # no title
 
 # --- other projects; the inventories hold the names that docstrings use
 
