@@ -196,4 +196,4 @@ if not TYPE_CHECKING:  # for checkers, other names are none
 
             return version(DISTRIBUTION)
         msg = f"module 'rustchain' has no attribute {name!r}; {suggest(name, __all__)}"
-        raise AttributeError(msg)
+        raise AttributeError(msg, name=name, obj=None)  # no second suggestion by Python

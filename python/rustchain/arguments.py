@@ -46,8 +46,8 @@ def shown(value: object) -> str:
 def plain(value: Any) -> Any:  # noqa: ANN401
     """Return `value` with arrays and lists as tuples, and numbers of any kind as Python's.
 
-    What is nested deeper than any argument, or within itself, and what is no number stays as it is,
-    for a check to refuse.
+    What is nested deeper than any argument, or within itself, and what is no number is returned
+    unchanged, for a check to refuse.
     """
     return _plain(value, _DEEPEST)
 
@@ -305,7 +305,7 @@ def _is_instance(value: object, hint: Any) -> bool:  # noqa: ANN401
 
 
 def _words(hint: Any) -> str:  # noqa: ANN401
-    """Return what a type is in words."""
+    """Return a type as text."""
     if hint in _WORDS:
         return _WORDS[hint]
     if get_origin(hint) is Literal:

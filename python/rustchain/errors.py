@@ -36,7 +36,7 @@ class InvalidInput(RustchainError, ValueError):
 
 
 class NotRecorded(RustchainError, LookupError):
-    """A result was asked for something that its run did not record."""
+    """The run did not record the requested quantity."""
 
 
 class MissingExtra(RustchainError, ImportError):
@@ -55,7 +55,7 @@ class SimulationError(RustchainError, RuntimeError):
     contact : str, optional
         The contact, body or joint with the largest error.
     result : Result, optional
-        What was recorded until then; set by `Simulation.run` (of a mechanism its own) and `sweep`.
+        Rows recorded before the failure; set by `Simulation.run` and `sweep`.
     """
 
     time: float | None = None
@@ -69,15 +69,15 @@ class RustchainWarning(UserWarning):
 
 
 class NoSuchPart(InvalidInput, IndexError):
-    """A result was asked for a hinge, strand, body or other part that its scene does not have."""
+    """The scene has no hinge, strand, body or other part of this number or name."""
 
 
 class RangeWarning(RustchainWarning):
-    """A contact has left the range in which its force law holds."""
+    """A contact has left the range of validity of its force law."""
 
 
 class EnergyWarning(RustchainWarning, RuntimeWarning):
-    """More energy is missing in a run than its accuracy should leave."""
+    """The energy balance residual of a run is large for its accuracy."""
 
 
 class CaseWarning(RustchainWarning, RuntimeWarning):

@@ -44,7 +44,8 @@ def named_attributes(target: _Class) -> _Class:
         if name.startswith("_"):  # what copying and pickling look for
             raise AttributeError(f"{kind} has no attribute {name!r}")
         known = [each for each in dir(self) if not each.startswith("_")]
-        raise AttributeError(f"{kind} has no attribute {name!r}; {suggest(name, known)}")
+        msg = f"{kind} has no attribute {name!r}; {suggest(name, known)}"
+        raise AttributeError(msg, name=name, obj=None)  # no second suggestion by Python
 
     target.__getattr__ = missing  # type: ignore[attr-defined]
     return target

@@ -1,4 +1,4 @@
-"""What notebooks show of drives, reports, results, sweeps and studies: a table and a picture."""
+"""Views of drives, reports, results, sweeps and studies in notebooks: a table and a picture."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def _html_of_drive(drive: ChainDrive) -> str:
         from rustchain.simulation.simulation import Simulation
 
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # a simulation that is to be run tells them
+            warnings.simplefilter("ignore")  # the simulation to be run gives them
             return draw_drive(drive, Simulation(drive).positions)
 
     report = _part(lambda: _html_of_report(drive.check()))

@@ -88,7 +88,7 @@ def write_whole(path: object, content: bytes | memoryview, field: str = "path") 
     """Write a file that is there whole or not at all, whatever interrupts.
 
     The content is written beside the file and renamed when it is on the disc. A file that is
-    replaced hands on its permissions; a symbolic link stays, and what it points to is replaced.
+    replaced hands on its permissions; the target of a symbolic link is replaced, not the link.
 
     Raises
     ------
@@ -138,8 +138,8 @@ def _hand_on_permissions(old: Path, new: Path) -> None:
 def _unwritable(path: object, field: str, error: OSError) -> OSError:
     """Return the error that says why a file cannot be written."""
     return type(error)(
-        f"{field} = {shown_path(path)}: cannot be written ({reason(error)}): "
-        "name a file where there is room and you may write"
+        f"{field} = {shown_path(path)}: cannot be written ({reason(error)}); expected a file in an "
+        "existing directory with space and permission to write"
     )
 
 

@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 from typing import Any
 
+from scipy import stats
+
 import rustchain as rc
 from bad_input.fields import GOOD
 from rustchain.plot import Plots, draw_loss_map
@@ -331,6 +333,7 @@ def _functions() -> Iterator[Target]:
                 **run,
             },
         ),
+        (rc.samples, {"distributions": {"pretension": stats.uniform()}, "count": 2, "seed": 0}),
         (draw_loss_map, {"losses": scenes().losses}),
     ]
     for function, arguments in table:

@@ -1,4 +1,4 @@
-"""Where each hinge is on the chain's way round the sprockets, and where strands begin and end."""
+"""Position of each hinge along the chain path, and the sections of the path."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Section:
 class Circuit:
     """The closed way of the chain, measured in pitches, counterclockwise.
 
-    Position 0 is where hinge 1 sits at the start of a laid chain, the first seat of the first
+    Position 0 is where hinge 1 sits in the generated configuration, the first seat of the first
     sprocket; a hinge moves on by a pitch as a sprocket turns by a tooth.
 
     Attributes
@@ -57,14 +57,14 @@ class Circuit:
 
     links: int
     sections: tuple[Section, ...]
-    _first: int  # number of the sprocket whose angle tells how far the chain has moved
+    _first: int  # number of the sprocket whose angle gives the displacement of the chain
     _teeth: int  # its teeth
     _pitches_per_radian: float
     _phase: float
 
     @classmethod
     def of(cls, drive: ChainDrive) -> Circuit:
-        """Return the way of a drive's chain as it is laid."""
+        """Return the chain path of a drive in its initial configuration."""
         if drive.ends is not None:
             msg = "ChainDrive.ends: an open chain has no closed way that its links run round"
             raise InvalidInput(msg)
@@ -105,7 +105,7 @@ class Circuit:
         )
 
     def moved(self, result: Result) -> Array:
-        """Return how far the chain has moved since it was laid [pitches], (times,)."""
+        """Return the displacement of the chain since the start [pitches], (times,)."""
         angle: Array = result.array("sprocket_angle")[:, self._first - 1]
         jumped = 2 * math.pi / self._teeth * teeth_jumped(result, self._first)
         moved: Array = (angle - jumped - self._phase) * self._pitches_per_radian
@@ -123,7 +123,7 @@ class Circuit:
             if wanted in (section.name, section.name.removeprefix("strand ")):
                 return section
         known = ", ".join(repr(section.name) for section in self.sections)
-        msg = f"section: {shown(name)} is no part of the chain's way; known: {known}"
+        msg = f"section: {shown(name)} is no section of the chain path; known: {known}"
         raise InvalidInput(msg)
 
     def names(self, positions: Array) -> list[str]:

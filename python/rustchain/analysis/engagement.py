@@ -1,8 +1,8 @@
-"""Engagement impacts: how hard and where each bushing meets a sprocket."""
+"""Engagement impacts: force and place of each contact onset of a bushing on a sprocket."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -29,16 +29,16 @@ def engagements(
     start: Time = None,
     end: Time = None,
 ) -> pd.DataFrame:
-    """Return a row for each time that a bushing came into a tooth gap, or onto a guide.
+    """Return a row for each contact onset of a bushing in a tooth gap or on a guide.
 
     Parameters
     ----------
     sprocket : int or str, optional
         Number of the sprocket, from 1, or the name of a guide: "guide_1". By default all
-        sprockets, without guides, on which bushings dance; a guide has the number behind the
-        sprockets', and for ``tooth`` 0: its face, 1: its back.
+        sprockets, without guides, where contacts begin and end many times; the numbers of guides
+        follow those of the sprockets, and ``tooth`` is 0 for the face, 1 for the back.
     within : float
-        What counts as the impact: the first so many pitches of the chain's way.
+        Length of the impact: the first so many pitches along the chain path.
 
     Returns
     -------
@@ -46,10 +46,32 @@ def engagements(
         ``time`` [s] of the report that first shows the contact, ``bushing``, ``sprocket``,
         ``tooth`` (gap from 0), ``region``; ``force`` [N] and ``impulse`` [N s] of the impact,
         from the peaks between reports; ``largest_force`` [N] and length ``pitches`` of the
-        stay.
+        contact episode.
     """
     from rustchain.extras import pandas as pd
 
+    found = impacts(result, sprocket, within, start, end)
+    return pd.DataFrame(found, columns=list(Impact._fields)).sort_values("time", ignore_index=True)
+
+
+class Impact(NamedTuple):
+    """A row of `engagements`."""
+
+    time: float
+    bushing: int
+    sprocket: int
+    tooth: int
+    region: int
+    force: float
+    impulse: float
+    largest_force: float
+    pitches: float
+
+
+def impacts(
+    result: Result, sprocket: int | str | None, within: float, start: Time, end: Time
+) -> list[Impact]:
+    """Return the rows of `engagements`, bushing by bushing."""
     if not within > 0.0:
         msg = f"within = {shown(within)}: must be a positive number of pitches"
         raise InvalidInput(msg)
@@ -78,16 +100,15 @@ def engagements(
             continue
         where = np.stack([wheel[touching, k], gap[touching, k]])
         changes = np.flatnonzero((np.diff(where) != 0).any(axis=0)) + 1
-        stays = np.split(touching, changes)
-        for stay in stays:
-            first, last = int(stay[0]), int(stay[-1])
+        for episode in np.split(touching, changes):
+            first, last = int(episode[0]), int(episode[-1])
             if first == 0 or wheel[first, k] not in numbers:
-                continue  # a contact older than the part looked at has no beginning in it
+                continue  # the onset lies before the evaluated part
             # The row that first shows the contact ends the interval in which it began.
             early = slice(first, max(first + 1, _row_at(passed, first, within)))
             whole = slice(first, min(last + 2, len(time)))
             found.append(
-                (
+                Impact(
                     time[first],
                     k + 1,
                     int(wheel[first, k]),
@@ -99,9 +120,7 @@ def engagements(
                     passed[last] - passed[first],
                 )
             )
-    names = ["time", "bushing", "sprocket", "tooth", "region"]
-    names += ["force", "impulse", "largest_force", "pitches"]
-    return pd.DataFrame(found, columns=names).sort_values("time", ignore_index=True)
+    return found
 
 
 def _row_at(passed: np.ndarray[tuple[int], np.dtype[np.float64]], first: int, within: float) -> int:

@@ -1,4 +1,4 @@
-"""Loads of guides: rails, blades, shoes and smooth idlers, along the chain's way and over time."""
+"""Loads of guides: rails, blades, shoes and smooth idlers, along the chain path and over time."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def guide_loads(
         guide's middle at the start of the run, counterclockwise: ``mean``, ``quantiles``,
         ``largest`` [N] of the force of each bushing that passes, as in `hinge_loads`. Over
         ``bushing``: ``bushing_mean``, ``bushing_largest`` [N]. Over ``time``: ``force`` [N],
-        the sum of the forces' sizes at the reports, and ``bushings``, how many bear.
+        the sum of the forces' sizes at the reports, and ``bushings``, the number in contact.
         ``attrs["mean_force"]`` is the mean of that sum [N], from the impulses. The angle of a
         blade's arm is that of `Result.guide`.
     """
@@ -121,13 +121,13 @@ def guide_number(result: Result, guide: int | str) -> int:
 
 
 def _length(result: Result, number: int) -> float:
-    """Return how long the part of a guide is that the chain may bear on, at most [m]."""
+    """Return an upper bound on the contact length of a guide [m]."""
     guide = result.drive.guides[number - 1]
     return math.pi * guide.radius if isinstance(guide, SmoothIdler) else guide.length
 
 
 def _middle(result: Result, number: int) -> float:
-    """Return where the chain passes the middle of a guide at the start of the run [pitches]."""
+    """Return the position of the middle of a guide along the chain path at the start [pitches]."""
     links = result.drive.chain.links
     guide = result.drive.guides[number - 1]
     table = _rustchain.chain_links(result.drive.chain)

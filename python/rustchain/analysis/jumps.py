@@ -1,4 +1,4 @@
-"""Tooth jumps of a run, and the outputs that hold only while the chain stays in its gaps."""
+"""Tooth jumps of a run, and the outputs that hold only while the chain remains in its gaps."""
 
 from __future__ import annotations
 
@@ -7,45 +7,60 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rustchain.analysis.window import rows_between
 from rustchain.errors import InvalidInput, NotRecorded
+from rustchain.typing import Array, Time
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from rustchain.results.result import Result
-    from rustchain.typing import Array
+    from rustchain.results.views import Jumps
 
 
 def tooth_jumps(result: Result) -> pd.DataFrame:
     """Return the table that `Result.tooth_jumps` describes."""
     from rustchain.extras import pandas as pd
 
-    if result.jumps is None:
+    jumps = jumps_within(result)
+    if jumps is None:
         msg = (
             "tooth_jumps: not counted in this run; expected a drive with hinges='clearance', run "
             "or saved by this version"
         )
         raise NotRecorded(msg)
-    time, sprocket, direction = result.jumps
-    within = (time > result.time[0]) & (time <= result.time[-1])
-    columns = {"time": time, "sprocket": sprocket, "direction": direction}
-    return pd.DataFrame({name: values[within] for name, values in columns.items()})
+    return pd.DataFrame(dict(zip(("time", "sprocket", "direction"), jumps, strict=True)))
 
 
-def check_seated(result: Result, output: str, sprockets: Collection[int] | None = None) -> None:
-    """Raise where the chain jumped teeth of these sprockets, by default of any."""
+def jumps_within(result: Result, start: Time = None, end: Time = None) -> Jumps | None:
+    """Return times, sprockets and directions of the jumps in a part of a run; None: not counted."""
     if result.jumps is None:
+        return None
+    recorded = result.time[rows_between(result, start, end)]
+    time, sprocket, direction = result.jumps
+    within = (time > recorded[0]) & (time <= recorded[-1])
+    return time[within], sprocket[within], direction[within]
+
+
+def check_seated(
+    result: Result,
+    output: str,
+    start: Time,
+    end: Time,
+    sprockets: Collection[int] | None = None,
+) -> None:
+    """Raise where the chain jumped teeth of these sprockets, by default of any."""
+    if (jumps := jumps_within(result, start, end)) is None:
         return
-    jumps = tooth_jumps(result)
-    if sprockets is not None:
-        jumps = jumps[jumps["sprocket"].isin(list(sprockets))]
-    if len(jumps):
-        first = jumps.iloc[0]
-        teeth = "tooth" if len(jumps) == 1 else "teeth"
+    time, sprocket, _ = jumps
+    counts = slice(None) if sprockets is None else np.isin(sprocket, list(sprockets))
+    time, sprocket = time[counts], sprocket[counts]
+    if len(time):
+        teeth = "tooth" if len(time) == 1 else "teeth"
         msg = (
-            f"{output}: the chain jumped {len(jumps)} {teeth} in this part of the run, first on "
-            f"sprocket {first['sprocket']:.0f} at t = {first['time']:.6g} s; expected a chain that "
-            "stays in its gaps; take a part between two jumps, see Result.tooth_jumps"
+            f"{output}: the chain jumped {len(time)} {teeth} in this part of the run, first on "
+            f"sprocket {sprocket[0]} at t = {time[0]:.6g} s; expected a chain that "
+            "remains in its gaps; take a part between two jumps, see Result.tooth_jumps"
         )
         raise InvalidInput(msg)
 

@@ -1,4 +1,4 @@
-"""Loads over a revolution: of hinges along the chain's way, of teeth, and along the wrap."""
+"""Loads over a revolution: of hinges along the chain path, of teeth, and along the wrap."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from rustchain.results.result import Result
 
     SprocketNumber: TypeAlias = int
-else:  # left to `check_sprocket`, which tells what answers the name of a guide
+else:  # left to `check_sprocket`, whose message names the output for guides
     SprocketNumber = object
 
 
@@ -53,13 +53,13 @@ def hinge_loads(
     quantiles : sequence of float
         Shares, 0 to 1, of the reports that lie below the values of ``quantiles``.
     bins_per_pitch : int
-        How finely the chain's way is divided, 1 to 1000.
+        Number of bins in a pitch of the chain path, 1 to 1000.
 
     Returns
     -------
     Dataset
-        Over ``position``, how far a hinge has gone round [pitches] from the first seat of
-        sprocket 1 at the start, counterclockwise (``section`` names sprocket or strand):
+        Over ``position``, the place of a hinge along the chain path [pitches] from the first seat
+        of sprocket 1 at the start, counterclockwise (``section`` names sprocket or strand):
         ``mean`` [N], from the impulses; ``quantiles`` [N] of the force at the reports;
         ``largest`` [N], peaks between reports included; NaN where no hinge has been. Over
         ``hinge``: ``hinge_mean``, ``hinge_quantiles``, ``hinge_largest`` [N].
@@ -104,7 +104,7 @@ def wrap_loads(
     start: Time = None,
     end: Time = None,
 ) -> xr.Dataset:
-    """Return how the load is distributed along the wrap of a sprocket.
+    """Return the distribution of the load along the wrap of a sprocket.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def tooth_loads(
 ) -> xr.Dataset:
     """Return the load of a sprocket's teeth over its revolution, and that of each tooth.
 
-    A gap counts as the tooth: gap k, from 0, and what bears on either of its flanks.
+    Tooth k is gap k, from 0: contacts on both of its flanks count.
 
     Parameters
     ----------
@@ -262,6 +262,6 @@ def _forces(result: Result, part: str, rows: slice) -> Forces:
 
 
 def _revolutions(circuit: Circuit, result: Result, rows: slice) -> float:
-    """Return how often the chain has gone round."""
+    """Return the number of revolutions of the chain."""
     moved = circuit.moved(result)[rows]
     return float(abs(moved[-1] - moved[0]) / circuit.links)

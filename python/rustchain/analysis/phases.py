@@ -1,4 +1,4 @@
-"""Statistics of what repeats with a position: mean, percentiles and extremes of many bins."""
+"""Statistics of forces by position: mean, quantiles and largest value of each bin."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _MOST_BINS = 1000
 
 
 def checked_bins(where: str, bins: object) -> int:
-    """Return a number of bins that an output was asked for, if it makes sense."""
+    """Return a number of bins, or raise `InvalidInput`."""
     return count_within(where, bins, 1, _MOST_BINS)
 
 

@@ -1,13 +1,13 @@
-"""Where the power goes: shafts, losses by channel, stored energy, efficiency."""
+"""Power balance: shafts, losses by channel, stored energy, efficiency."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from rustchain.analysis.jumps import check_seated
+from rustchain.analysis.jumps import check_seated, jumps_within
 from rustchain.analysis.window import mean_over_time, rows_between
 from rustchain.description.drive import Free, PrescribedSpeed
 from rustchain.errors import InvalidInput
@@ -23,7 +23,7 @@ _SUMS = ("dissipated", "external_work", "residual")
 
 
 def power_balance(result: Result, /, *, start: Time = None, end: Time = None) -> xr.Dataset:
-    """Return where the power comes from and goes to, on average, and the efficiency.
+    """Return the mean powers of shafts, losses and stores, and the efficiency.
 
     Needs sprockets and the energy balance recorded.
 
@@ -33,13 +33,46 @@ def power_balance(result: Result, /, *, start: Time = None, end: Time = None) ->
         ``shaft_power`` [W], (sprocket): into the drive positive. ``loss`` [W], (channel):
         dissipated power by channel, contacts and whatever other channels the run kept.
         ``stored`` [W], (store): growth of kinetic, gravity and elastic energy. ``residual``
-        [W]: what the energy balance misses. ``efficiency``: power delivered by the shafts over
+        [W]: rate of the energy balance residual. ``efficiency``: power delivered by the shafts over
         power delivered and lost, NaN where nothing is delivered; growth of stored energy does
         not enter. The power of the only motor of prescribed speed holds the tensioner's work.
         ``attrs``: ``span`` [s]; ``tooth_jumps``, how many teeth the chain jumped meanwhile.
     """
     from rustchain.extras import xarray as xr
 
+    found = mean_powers(result, start, end)
+    jumps = jumps_within(result, start, end)
+    watts = {"units": "W"}
+    return xr.Dataset(
+        {
+            "shaft_power": ("sprocket", found.shafts, watts),
+            "loss": ("channel", list(found.losses.values()), watts),
+            "stored": ("store", list(found.stored.values()), watts),
+            "residual": ((), found.residual, watts),
+            "efficiency": ((), found.efficiency, {"units": "1"}),
+        },
+        {
+            "sprocket": np.arange(1, len(found.shafts) + 1),
+            "channel": list(found.losses),
+            "store": list(found.stored),
+        },
+        {"span": found.span} | ({} if jumps is None else {"tooth_jumps": len(jumps[0])}),
+    )
+
+
+class MeanPowers(NamedTuple):
+    """Mean powers over a part of a run [W], its length [s] and the efficiency."""
+
+    shafts: Array
+    losses: dict[str, float]
+    stored: dict[str, float]
+    residual: float
+    efficiency: float
+    span: float
+
+
+def mean_powers(result: Result, start: Time, end: Time) -> MeanPowers:
+    """Return the numbers of `power_balance`."""
     rows = rows_between(result, start, end)
     time = result.time[rows]
     if len(time) < 2:
@@ -51,30 +84,18 @@ def power_balance(result: Result, /, *, start: Time = None, end: Time = None) ->
         values = result.array(f"energy_{name}")[rows]
         return float(values[-1] - values[0]) / span
 
-    losses = _losses(result, rate)
     shafts = _shafts(result, rows, rate("external_work"))
     delivered = float(-shafts[shafts < 0.0].sum())
     lost = rate("dissipated")
-    # Where no shaft puts work in, what is stored runs down: there is no efficiency to speak of.
+    # Without work put in by a shaft, stored energy is spent: the efficiency is not defined.
     works = delivered > 0.0 and bool(np.any(shafts > 0.0))
-    efficiency = delivered / (delivered + lost) if works else np.nan
-    part = result.between(start, end)
-    jumped = {} if part.jumps is None else {"tooth_jumps": len(part.tooth_jumps)}
-    watts = {"units": "W"}
-    return xr.Dataset(
-        {
-            "shaft_power": ("sprocket", shafts, watts),
-            "loss": ("channel", list(losses.values()), watts),
-            "stored": ("store", [rate(name) for name in _STORED], watts),
-            "residual": ((), rate("residual"), watts),
-            "efficiency": ((), efficiency, {"units": "1"}),
-        },
-        {
-            "sprocket": np.arange(1, len(shafts) + 1),
-            "channel": list(losses),
-            "store": list(_STORED),
-        },
-        {"span": span} | jumped,
+    return MeanPowers(
+        shafts=shafts,
+        losses=_losses(result, rate),
+        stored={name: rate(name) for name in _STORED},
+        residual=rate("residual"),
+        efficiency=delivered / (delivered + lost) if works else np.nan,
+        span=span,
     )
 
 
@@ -96,12 +117,12 @@ def efficiency(result: Result, /, after: float = 0.0) -> float:
     InvalidInput
         The part has fewer than two rows, or the chain jumped teeth in it.
     """
-    check_seated(result.between(start=after), "efficiency")
-    return float(result.power_balance(start=after)["efficiency"])
+    check_seated(result, "efficiency", after, None)
+    return mean_powers(result, after, None).efficiency
 
 
 def _losses(result: Result, rate: Callable[[str], float]) -> dict[str, float]:
-    """Return the power of each channel of losses; what no channel claims is of the rest."""
+    """Return the power of each channel of losses; the remainder has a channel of its own."""
     known = {f"energy_{name}" for name in (*_STORED, *_SUMS)}
     named = [name for name in result.arrays if name.startswith("energy_") and name not in known]
     parts = {name.removeprefix("energy_"): rate(name.removeprefix("energy_")) for name in named}
@@ -115,8 +136,8 @@ def _shafts(result: Result, rows: slice, external_work: float) -> Array:
     """Return the mean power of each shaft [W], positive into the drive, (sprockets,).
 
     Applied torques are smooth enough to integrate from row to row. A motor of prescribed speed
-    feels every impact, most of which fall between rows: of one motor alone, the power is what the
-    metered work leaves to it.
+    receives every impact, most of which fall between rows: the power of a single motor is the
+    external work less that of the other shafts.
     """
     time = result.time[rows]
     count = len(result.drive.sprockets)

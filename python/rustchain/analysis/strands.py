@@ -136,7 +136,7 @@ def strand_spectrum(
     strand, stations
         As in `strand_motion`.
     modes : int
-        How many natural frequencies to tell, at most the number of hinges.
+        Number of natural frequencies, at most the number of hinges.
     segment : float, optional
         Length of Welch's segments [s]; by default one segment, the finest resolution.
 

@@ -7,6 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from rustchain.analysis.engagement import impacts
+from rustchain.analysis.jumps import jumps_within
+from rustchain.analysis.power import mean_powers
+from rustchain.analysis.transmission import angle_error, ripple_of
 from rustchain.analysis.window import rows_between
 from rustchain.description.drive import Free
 from rustchain.html import HtmlView
@@ -63,15 +67,15 @@ def _unit(name: str) -> str:
 
 
 def summary(result: Result, /, *, start: Time = None, end: Time = None) -> Summary:
-    """Return key figures of what was recorded, by name: the default measures of a study.
+    """Return key figures of the run by name: the default measures of a study.
 
     A dict that prints as a table with units; ``.units`` has these.
 
     Efficiency and transmission errors are left out where the chain jumped teeth.
     """
     rows = rows_between(result, start, end)
-    jumps = None if result.jumps is None else result.between(start, end).tooth_jumps
-    skipped = set() if jumps is None else set(jumps["sprocket"])
+    jumps = jumps_within(result, start, end)
+    skipped = set() if jumps is None else set(jumps[1].tolist())
     found: dict[str, float] = {}
     if "hinges" in result.groups:
         for name, tension in zip(
@@ -89,22 +93,22 @@ def summary(result: Result, /, *, start: Time = None, end: Time = None) -> Summa
             found[f"{part}_force_p99"] = float(np.quantile(peak, 0.99))
             found[f"{part}_force_largest"] = float(peak.max())
     if "teeth" in result.groups and jumps is not None:
-        found["tooth_jumps"] = float(len(jumps))
-    # Engagements are told apart by the way of a closed chain.
+        found["tooth_jumps"] = float(len(jumps[0]))
+    # Engagements need the path of a closed chain.
     if {"sprockets", "teeth"} <= set(result.groups) and not result.drive.ends:
-        impacts = result.engagements(start=start, end=end)["force"]
-        if len(impacts):
-            found["engagement_force_mean"] = float(impacts.mean())
-            found["engagement_force_p95"] = float(impacts.quantile(0.95))
+        force = [impact.force for impact in impacts(result, None, 0.5, start, end)]
+        if force:
+            found["engagement_force_mean"] = float(np.mean(force))
+            found["engagement_force_p95"] = float(np.quantile(force, 0.95))
     if "sprockets" in result.groups:
         found |= _transmission(result, start, end, skipped)
     if {"sprockets", "energy"} <= set(result.groups) and rows.stop - rows.start > 1:
-        power = result.power_balance(start=start, end=end)
-        found["loss"] = float(power["loss"].sum())
+        power = mean_powers(result, start, end)
+        found["loss"] = float(sum(power.losses.values()))
         motions = [sprocket.motion for sprocket in result.drive.sprockets]
         driven = len(motions) > 1 and not all(isinstance(motion, Free) for motion in motions[1:])
         if driven and not skipped:
-            found["efficiency"] = float(power["efficiency"])
+            found["efficiency"] = power.efficiency
     return Summary(found)
 
 
@@ -116,14 +120,14 @@ def _transmission(
     `skipped`: sprockets whose teeth the chain jumped, which have no transmission error.
     """
     found: dict[str, float] = {}
-    angle = result.array("sprocket_angle")[rows_between(result, start, end)]
+    rows = rows_between(result, start, end)
+    angle = result.array("sprocket_angle")[rows]
     if len(angle) < 8 or not angle.shape[1] or not np.ptp(angle[:, 0]) > 0.0:
         return found
     for number in range(2, len(result.drive.sprockets) + 1):
         if not {1, number} & set(skipped):
-            error = result.transmission_error(number, 1, start=start, end=end)
-            found[f"transmission_error_{number}"] = error.attrs["peak_to_peak_length"]
+            _, error, radius = angle_error(result, number, 1, rows)
+            found[f"transmission_error_{number}"] = float(radius * np.ptp(error))
         if np.ptp(angle[:, number - 1]) > 0.0:
-            ripple = result.speed_ripple(number, start=start, end=end)
-            found[f"ripple_{number}"] = ripple.attrs["rms"]
+            found[f"ripple_{number}"] = ripple_of(result, number, rows)[2]
     return found

@@ -1,4 +1,4 @@
-"""How evenly a drive turns: transmission error, ripple of speed, and both by order."""
+"""Transmission error and speed ripple, over time and by order."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def mean_ratio(drive: ChainDrive, driven: int, driver: int) -> float:
 def transmission_error(
     result: Result, /, driven: int = 2, driver: int = 1, *, start: Time = None, end: Time = None
 ) -> xr.Dataset:
-    """Return by how much a sprocket leads or lags the ratio of the teeth.
+    """Return the transmission error of a pair of sprockets.
 
     Parameters
     ----------
@@ -55,13 +55,8 @@ def transmission_error(
     rows = rows_between(result, start, end)
     check_sprocket(result, driven, "driven")
     check_sprocket(result, driver, "driver")
-    check_seated(result.between(start, end), "transmission_error", (driven, driver))
-    angle = result.array("sprocket_angle")[rows]
-    turned = angle[:, driver - 1] - angle[0, driver - 1]
-    ratio = mean_ratio(result.drive, driven, driver)
-    error = angle[:, driven - 1] - angle[0, driven - 1] - ratio * turned
-    error = error - _mean(result.time[rows], error)
-    radius = result.drive.check().pitch_radius[driven - 1]
+    check_seated(result, "transmission_error", start, end, (driven, driver))
+    turned, error, radius = angle_error(result, driven, driver, rows)
     order, amplitude = order_spectrum(turned, error)
     return xr.Dataset(
         {
@@ -74,7 +69,7 @@ def transmission_error(
         {
             "driver": driver,
             "driven": driven,
-            "ratio": ratio,
+            "ratio": mean_ratio(result.drive, driven, driver),
             "peak_to_peak": float(np.ptp(error)),
             "peak_to_peak_length": float(radius * np.ptp(error)),
             "tooth_order": result.drive.sprockets[driver - 1].teeth,
@@ -82,10 +77,22 @@ def transmission_error(
     )
 
 
+def angle_error(
+    result: Result, driven: int, driver: int, rows: slice
+) -> tuple[Array, Array, float]:
+    """Return angle of the driver and error of the driven [rad], and the pitch radius of it [m]."""
+    angle = result.array("sprocket_angle")[rows]
+    turned = angle[:, driver - 1] - angle[0, driver - 1]
+    ratio = mean_ratio(result.drive, driven, driver)
+    error = angle[:, driven - 1] - angle[0, driven - 1] - ratio * turned
+    error = error - _mean(result.time[rows], error)
+    return turned, error, result.drive.check().pitch_radius[driven - 1]
+
+
 def speed_ripple(
     result: Result, /, sprocket: int = 2, *, start: Time = None, end: Time = None
 ) -> xr.Dataset:
-    """Return how unevenly a sprocket turns.
+    """Return the speed ripple of a sprocket.
 
     Parameters
     ----------
@@ -105,11 +112,7 @@ def speed_ripple(
     check_sprocket(result, sprocket)
     speed = result.array("sprocket_speed")[rows, sprocket - 1]
     angle = result.array("sprocket_angle")[rows, sprocket - 1]
-    mean = _mean(result.time[rows], speed)
-    if mean == 0.0:
-        msg = f"sprocket {sprocket} stands still: it has no ripple of speed; take another one"
-        raise InvalidInput(msg)
-    ripple = speed / mean - 1.0
+    mean, ripple, rms = ripple_of(result, sprocket, rows)
     order, amplitude = order_spectrum(angle - angle[0], ripple)
     return xr.Dataset(
         {
@@ -122,17 +125,27 @@ def speed_ripple(
             "sprocket": sprocket,
             "mean": mean,
             "peak_to_peak": float(np.ptp(ripple)),
-            "rms": float(np.sqrt(_mean(result.time[rows], ripple**2))),
+            "rms": rms,
             "tooth_order": result.drive.sprockets[sprocket - 1].teeth,
         },
     )
 
 
+def ripple_of(result: Result, sprocket: int, rows: slice) -> tuple[float, Array, float]:
+    """Return the mean speed of a sprocket [rad/s], its ripple over time and the RMS of that."""
+    time, speed = result.time[rows], result.array("sprocket_speed")[rows, sprocket - 1]
+    mean = _mean(time, speed)
+    if mean == 0.0:
+        msg = f"sprocket {sprocket} stands still: its ripple is not defined; take another one"
+        raise InvalidInput(msg)
+    ripple = speed / mean - 1.0
+    return mean, ripple, float(np.sqrt(_mean(time, ripple**2)))
+
+
 def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
     """Return orders, per revolution, and the amplitude of `values` at each, over an angle [rad].
 
-    A drift is taken off first, and Hann's window takes what is left of the last revolution; a line
-    stands on three orders.
+    A linear drift is removed, then Hann's window is applied: a line covers three orders.
     """
     from rustchain.extras import signal
 
@@ -141,7 +154,7 @@ def order_spectrum(angle: Array, values: Array) -> tuple[Array, Array]:
         over = turned[-1] if len(turned) else 0.0
         msg = (
             f"start, end: {len(turned)} rows over {over:.3g} rad: too "
-            "little to find orders in; take a longer part, or a smaller report_step"
+            "few for a spectrum of orders; take a longer part, or a smaller report_step"
         )
         raise InvalidInput(msg)
     # A shaft that turns back for a moment is read in the order of its farthest angles.

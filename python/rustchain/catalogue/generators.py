@@ -49,7 +49,7 @@ def chain_drive(
     chain : str or Chain
         A name of the catalogue, such as "ANSI 40", or a chain, whose own `links` do not count.
     sprockets : sequence of Sprocket
-        In the order in which the chain meets them, one way round or the other.
+        In their order along the chain path, in either direction.
     links : int, optional
         Number of links, even or odd (the last one is then an offset link); by default the smallest
         even one that closes round the centres as they are.
@@ -71,7 +71,7 @@ def chain_drive(
     Raises
     ------
     InvalidInput
-        No chain can be laid round the sprockets, or no place of the moved one suits the links.
+        No chain path round the sprockets exists, or no place of the moved one fits the links.
     """
     listed = items_within("sprockets", sprockets, _MOST_SPROCKETS)
     if listed is None:

@@ -67,7 +67,7 @@ def paper_drive(
         Pins with play in their bushings, or ideal joints.
     rollers : {"fixed", "bodies"}
         The published bushing chain, or the same with rollers of a no. 40 chain on smaller bushings:
-        outside radius, mass of the chain and all else stay.
+        outside radius, mass of the chain and all else are the same.
     """
     teeth = 17
 
@@ -243,7 +243,7 @@ def catalogue_chain(
 
 
 def check_rollers(chain: Chain, rollers: Rollers) -> None:
-    """Refuse what is no chain, and rollers as bodies of a chain that is given with none."""
+    """Raise `InvalidInput` for what is no chain, or has no rollers to be bodies."""
     if not isinstance(chain, Chain):
         msg = f"chain = {shown(chain)}: must be a Chain, or the name of one in the catalogue"
         raise InvalidInput(msg)

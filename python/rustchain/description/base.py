@@ -1,4 +1,4 @@
-"""What all descriptions share: plain frozen values, one check when made, JSON there and back."""
+"""Base of the descriptions: frozen values, checked when made, written and read as JSON."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def is_default(field: dataclasses.Field[Any], value: object) -> bool:
 
 
 def _brief(value: object, longest: int) -> str:
-    """Return a repr of `longest` characters, or what stands for it; numbers stay whole."""
+    """Return a repr of `longest` characters, or an abbreviation; numbers are not shortened."""
     text = repr(value)
     if len(text) <= longest or isinstance(value, int | float | bool | None):
         return text
@@ -141,7 +141,7 @@ class LostFunction:
 
     def __call__(self, *_: object) -> NoReturn:
         """Raise: the function is lost."""
-        msg = f"{self.name}: was a Python function, which files do not hold; set it anew"
+        msg = f"{self.name}: was a Python function, which files do not hold; set the function again"
         raise InvalidInput(msg)
 
     def __eq__(self, other: object) -> bool:
@@ -163,7 +163,7 @@ def _tagged(value: object) -> dict[str, object]:
     """Return the fields of a description beside the name of its type."""
     fields = fields_of(value)
     if fields is None:
-        msg = f"{shown(value)}: is no description, which alone can be written as JSON"
+        msg = f"{shown(value)}: cannot be written as JSON; expected a description"
         raise InvalidInput(msg)
     return {"type": type(value).__name__} | fields
 

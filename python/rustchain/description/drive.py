@@ -70,7 +70,7 @@ Hinges = Literal["clearance", "ideal"]
 
 @description(frozen=True)
 class ChainDrive(Description, HtmlView):
-    """A chain round two sprockets or more, or an open one from end to end.
+    """A closed chain on sprockets, or an open chain between two ends.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class ChainDrive(Description, HtmlView):
         In the order in which the chain meets them, one way round or the other; the driver first by
         custom.
     tensioner : Tensioner, optional
-        Without one, the centres stay where they are.
+        Without one, the centres are fixed.
     gravity : (float, float)
         Acceleration of gravity [m/s^2].
     name : str
@@ -89,10 +89,10 @@ class ChainDrive(Description, HtmlView):
         Pins with play in their bushings, or ideal joints: then the drive runs as the mechanism of
         `to_mechanism`, with the same channels; hinge forces are the joints' reactions.
     guides : sequence of GuideRail and SmoothIdler
-        What the chain slides along besides. They take no part in how it is laid: they begin beside
-        it, blades swung back on their arms.
+        Rails, blades and smooth idlers. The initial configuration is generated without them: they
+        begin beside the chain, blades swung back on their arms.
     ends : (end, end), optional
-        What an open chain is joined to before its first link and behind its last one, each an
+        Ends of an open chain, before its first link and behind its last one, each an
         `AnchoredEnd`, a `LoadedEnd` or a `FreeEnd`; by default the chain is closed. The first link
         is an inner one. An open chain may run over no sprocket at all, and `side` then says which
         sprockets stand on the same side of it.
@@ -117,7 +117,7 @@ class ChainDrive(Description, HtmlView):
         return self.chain.links + (0 if self.ends is None else 2)
 
     def check(self) -> DriveReport:
-        """Lay the chain out and return what was chosen; print the report to read it as a table."""
+        """Generate the initial configuration and return its report, which prints as a table."""
         return DriveReport.of(self)
 
     @checked
@@ -127,7 +127,7 @@ class ChainDrive(Description, HtmlView):
         force_law: ForceLaw | None = None,
         min_impact_velocity: float = 1e-3,
     ) -> Mechanism:
-        """Return the drive as a mechanism, laid out and ready to be extended.
+        """Return the drive in its initial configuration as a mechanism, which can be extended.
 
         Parameters
         ----------
@@ -137,7 +137,7 @@ class ChainDrive(Description, HtmlView):
         force_law : ForceLaw, optional
             Law of the contacts, by default that of Lankarani and Nikravesh.
         min_impact_velocity : float
-            Least approach speed that the damping reckons with [m/s].
+            Lower bound on the initial impact velocity used by the damping factor [m/s].
         """
         from rustchain.description.mechanism.from_drive import drive_mechanism
 

@@ -1,4 +1,4 @@
-"""What the two ends of an open chain are joined to."""
+"""Ends of an open chain: anchored, loaded or free."""
 
 from __future__ import annotations
 

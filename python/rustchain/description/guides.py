@@ -1,4 +1,4 @@
-"""What a chain slides along besides its sprockets: rails, blades on arms, idlers without teeth."""
+"""Guides of a chain: rails, blades on arms, idlers without teeth."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class GuideArm(Description):
 
 @description(frozen=True)
 class GuideRail(Description):
-    """A bar with round ends that the chain's bushings bear on: a rail, or with an arm a blade.
+    """A bar with round ends in contact with the chain's bushings: a rail, or with an arm a blade.
 
     Attributes
     ----------
@@ -78,8 +78,8 @@ class GuideRail(Description):
     material : Material, optional
         Its own elastic constants; by default those of the chain. The restitution is the chain's.
     plate_height : float, optional
-        Height of the link plates [m] where these bear on it, with their round ends about the
-        hinges; by default the bushings do.
+        Height of the link plates [m], where their round ends about the hinges are in contact with
+        it; by default the bushings are.
     """
 
     center: _Point
@@ -103,7 +103,7 @@ class GuideRail(Description):
 
 @description(frozen=True)
 class SmoothIdler(Description):
-    """A wheel without teeth that the chain's bushings bear on.
+    """A wheel without teeth in contact with the chain's bushings.
 
     Attributes
     ----------
@@ -116,8 +116,8 @@ class SmoothIdler(Description):
     material : Material, optional
         Its own elastic constants; by default those of the chain. The restitution is the chain's.
     plate_height : float, optional
-        Height of the link plates [m] where these bear on it, with their round ends about the
-        hinges; by default the bushings do.
+        Height of the link plates [m], where their round ends about the hinges are in contact with
+        it; by default the bushings are.
     """
 
     radius: float

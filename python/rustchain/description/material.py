@@ -1,4 +1,4 @@
-"""What the parts of a drive are made of."""
+"""Material of the parts of a drive."""
 
 from __future__ import annotations
 

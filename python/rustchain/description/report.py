@@ -1,4 +1,4 @@
-"""What the generator chose for a drive."""
+"""Report of the initial configuration of a drive."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Row: TypeAlias = tuple[str, str | tuple[str, ...]]
 @named_attributes
 @dataclass(frozen=True)
 class DriveReport(HtmlView):
-    """How a chain lies round its sprockets at the start; ``print(report)`` shows it as a table.
+    """Initial configuration of a chain on its sprockets; ``print(report)`` shows it as a table.
 
     Tuples have an entry for each sprocket as listed, or for each strand. Two sprockets have the
     strands "upper" (left of the line from sprocket 1 to sprocket 2) and "lower"; of more, strand
@@ -76,8 +76,8 @@ class DriveReport(HtmlView):
     tension_force : float
         Full pull of the tensioner on its sprocket [N].
     guide_gap : tuple of float
-        Smallest distance of a bushing from each guide at the start, or of a plate where those bear
-        on it [m].
+        Smallest distance of a bushing from each guide at the start [m], or of a plate where plates
+        are in contact with it.
     guide_turn : tuple of float
         How far each guide's arm is swung at the start from where it is described, for the chain to
         be clear [rad].
@@ -85,11 +85,11 @@ class DriveReport(HtmlView):
         How far each guide's plunger can go back and out from there until its stops [m]: infinite
         without stops, zero without an arm.
     guide_bushings : tuple of int
-        Bushings within half a pitch of each guide: the arc that it can bear.
+        Bushings within half a pitch of each guide: its possible contacts.
     guide_place : tuple of str
         The strand or sprocket at which each guide's nearest bushing is.
     warnings : tuple of str
-        What deserves a second look.
+        Warnings, as text.
     roller_play : float, optional
         Radial play of rollers on bushings [m], where rollers are bodies of their own.
     """

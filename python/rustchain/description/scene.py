@@ -27,7 +27,7 @@ _SOLVER_OF_MECHANISMS = Solver(method="pece", rtol=1e-9, atol=1e-9, max_step=0.0
 @known_keywords(min_approach_speed="min_impact_velocity")
 @dataclass(frozen=True)
 class Scene(Description):
-    """What is simulated, and how: a drive or a mechanism, laws, solver and start.
+    """Drive or mechanism to simulate, with laws, solver and start.
 
     Attributes
     ----------
@@ -49,9 +49,9 @@ class Scene(Description):
         ramp. The sprockets' speeds are those of the generated start. "static" is for drives with
         clearance in their hinges.
     positions, velocities : array_like, (bodies, 3), optional
-        A start of one's own [m, m, rad] and [m/s, m/s, rad/s]; by default the generated one.
+        Initial positions [m, m, rad] and velocities [m/s, m/s, rad/s]; by default the generated.
         Positions need velocities with them; velocities alone go with the generated positions. What
-        the drive holds in a place must be there: sprockets on fixed bearings, guides, anchors.
+        the drive fixes must be in its place: sprockets on fixed bearings, guides, anchors.
 
     Raises
     ------
@@ -108,7 +108,7 @@ class Scene(Description):
 
     @property
     def name(self) -> str:
-        """Name of the drive or mechanism, or what it is."""
+        """Name of the drive or mechanism, or its kind."""
         return self.system.name or ("mechanism" if self.kind == "mechanism" else "chain drive")
 
     @property
@@ -163,7 +163,10 @@ class Scene(Description):
             raise InvalidInput(msg)
         if self.start == "static":
             if self.positions is not None or self.velocities is not None:
-                msg = "start = 'static': there is no room for positions and velocities of one's own"
+                msg = (
+                    "start = 'static': the positions are those of the equilibrium; leave out "
+                    "positions and velocities"
+                )
                 raise InvalidInput(msg)
             if self.kind != "clearance":
                 msg = "start = 'static': only for drives with clearance in their hinges"
@@ -194,7 +197,7 @@ class Scene(Description):
 
 
 class OfScene:
-    """What a simulation and its results have of their scene."""
+    """Properties of simulations and results that are those of their scene."""
 
     scene: Scene
 

@@ -1,4 +1,4 @@
-"""How the equations of motion are integrated."""
+"""Method and tolerances of the integration."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ Method = Literal["auto", "pece", "newton"]
 
 @description(frozen=True)
 class Solver(Description):
-    """How the equations of motion are integrated: Adams' formulas of variable step and order.
+    """Method and tolerances of the integration: Adams' formulas of variable step and order.
 
     Attributes
     ----------
     method : {"auto", "pece", "newton"}
-        How the corrector's equation is solved. "pece": predict, evaluate, correct, evaluate
-        (Adams-Bashforth-Moulton, Shampine and Gordon 1975); held to small steps by stiff contacts.
+        Solution of the corrector's equation. "pece": predict, evaluate, correct, evaluate
+        (Adams-Bashforth-Moulton, Shampine and Gordon 1975); stiff contacts limit its step size.
         "newton": Newton's method with the exact derivatives of all contacts; at order 2, the
         trapezoid, while contacts vibrate stiffly, higher where the motion is smooth. "auto": the
-        cheaper of the two, changed over while running.
+        cheaper of the two, switched during the run.
     rtol, atol : float, optional
         Relative and absolute tolerance of every component, in its own unit, as in SciPy; they rule
         in place of `accuracy` when one of them is given (the other is then 1e-5). One may be 0.
@@ -29,7 +29,7 @@ class Solver(Description):
     max_order : int
         Highest order, 1 to 12.
     accuracy : float
-        Error that a step is allowed: in lengths `accuracy` [m], in speeds `accuracy` times 1e5/s,
+        Error tolerance of a step: in lengths `accuracy` [m], in speeds `accuracy` times 1e5/s,
         in angles what moves as much at half the pitch (of a sprocket, at its pitch radius). To
         compare it with: clearances of 25e-6 m, penetrations of about 1e-6 m, impacts at 1e-3 to
         1 m/s. Every tenth of it divides the energy residual by about three with "newton".

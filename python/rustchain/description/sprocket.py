@@ -1,4 +1,4 @@
-"""A sprocket, and what turns it."""
+"""Sprockets and their motion: prescribed speed, applied torque, free."""
 
 from __future__ import annotations
 

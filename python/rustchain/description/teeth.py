@@ -121,7 +121,7 @@ class ToothArc(Description):
 
 @description(frozen=True)
 class CustomTooth(Description):
-    """A tooth of arcs and lines of one's own, tangent to one another.
+    """A tooth of given arcs and lines, tangent to one another.
 
     Attributes
     ----------

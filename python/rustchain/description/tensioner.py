@@ -1,4 +1,4 @@
-"""What tightens a chain."""
+"""Tensioners of a chain."""
 
 from __future__ import annotations
 

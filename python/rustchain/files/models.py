@@ -1,4 +1,4 @@
-"""What may stand in a drive file: tables, from the descriptions' own fields and annotations."""
+"""Models of drive files: tables, from fields and annotations of the descriptions."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def fields_of(maker: Maker) -> dict[str, Field]:
     """Return the fields of a table that `maker` is called with."""
     if maker is chain_of_catalogue:
         own, others = fields_of(catalogue_chain), fields_of(Chain)
-        # With a pitch it would be a chain of one's own.
+        # With a pitch it would be a chain that is not in the catalogue.
         optional = {name: Field(f.hint, False) for name, f in others.items() if name != "pitch"}
         return optional | own
     plain = isinstance(maker, type) and not dataclasses.is_dataclass(maker)

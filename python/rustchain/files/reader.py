@@ -142,7 +142,7 @@ class Reader:
             raise self.source.refusal(("simulation",), str(error)) from error
 
     def refuse(self, key: Key, message: str, *, below: bool = False) -> _Wrong:
-        """Keep what is wrong with `key`; with `below`, the message tells of a field of it."""
+        """Keep what is wrong with `key`; with `below`, the message is of a field of it."""
         error = (self.source.refusal if below else self.source.refusal_at)(key, message)
         return self._keep(key, error)
 
@@ -203,7 +203,7 @@ class Reader:
         if name is None:
             if "type" not in value:
                 listed = " or ".join(f"type = {each!r}" for each in makers)
-                return self.refuse(key, f"its keys do not tell what it is: add {listed}")
+                return self.refuse(key, f"its keys fit several types; expected one; add {listed}")
             given = value["type"]
             message = f"{shown(given)} is not known; {suggest(given, makers)}"
             return self.refuse((*key, "type"), message)

@@ -36,7 +36,7 @@ class LoadFigures(Figures):
 
     @styled
     def hinge_loads(self, *, start: Time = None, end: Time = None, ax: Ax = None) -> Figure:
-        """Draw the hinge force along the chain's way: mean, nine tenths of the reports, largest."""
+        """Draw the hinge force along the chain path: mean, nine tenths of the reports, largest."""
         found = self.result.hinge_loads(quantiles=_QUANTILES, start=start, end=end)
         figure, axes = subplots(ax=ax, figsize=(7.0, 3.2))
         _band(axes, found["position"].to_numpy(), found)
@@ -53,7 +53,7 @@ class LoadFigures(Figures):
                 transform=axes.get_xaxis_transform(),
             )  # fmt: skip
         axes.set(xlim=(0.0, circuit.links), ylim=(0.0, None))
-        axes.set(xlabel="position on the chain's way [pitches]", ylabel="hinge force [N]")
+        axes.set(xlabel="position along the chain path [pitches]", ylabel="hinge force [N]")
         legend_above(axes)
         return figure
 
@@ -151,7 +151,7 @@ class LoadFigures(Figures):
         end: Time = None,
         ax: Ax = None,
     ) -> Figure:
-        """Draw the load of guides along the chain's way, and their whole force over time."""
+        """Draw the load of guides along the chain path, and their whole force over time."""
         figure, cells = subplots(
             1 + len(more), 2, ax=ax, figsize=(8.0, 2.9 * (1 + len(more))), squeeze=False
         )

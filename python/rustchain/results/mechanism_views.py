@@ -44,7 +44,7 @@ class JointHistory(ArrayValue):
     torque : ndarray, (times,)
         Torque on body b about the joint's point b [N m]; of a driver, the motor's.
     position_residual, velocity_residual : ndarray, (times,)
-        What is left of the joint's equations [m or rad] and their rates.
+        Residuals of the joint's equations [m or rad] and their rates.
     peak_force, impulse : ndarray, (times,)
         Largest force [N] and impulse [N s] since the row before.
     """

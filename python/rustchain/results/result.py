@@ -1,4 +1,4 @@
-"""What a run recorded: arrays, views of its parts, figures, tables."""
+"""Results of runs: arrays, views of their parts, figures, tables."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ Status = Literal["finished", "stopped", "interrupted", "failed"]
 @checked_methods
 @dataclass(frozen=True, eq=False, repr=False)
 class Result(OfScene, ArrayValue, Outputs, HtmlView):
-    """What a run recorded, and of which scene.
+    """The record of a run, and its scene.
 
     Hinges, bushings and sprockets are numbered from 1 in calls, from 0 in arrays; bodies, joints
     and contacts go by their names. The arrays are read-only. Post-processing of chain drives are
@@ -57,16 +57,16 @@ class Result(OfScene, ArrayValue, Outputs, HtmlView):
     arrays : dict of ndarray
         Everything recorded, by name; time is the first axis. `to_xarray` adds dims and units.
     scene : Scene
-        What was simulated, and how. `drive`, `hinge_law`, `tooth_law`, `solver` and
+        The simulated scene. `drive`, `hinge_law`, `tooth_law`, `solver` and
         `min_impact_velocity` are its own.
     body_names : tuple of str
         Names of the bodies.
     initial_positions, initial_velocities, final_positions, final_velocities : ndarray, (bodies, 3)
         State at both ends [m, m, rad] and [m/s, m/s, rad/s].
     status : {"finished", "stopped", "interrupted", "failed"}
-        How the run ended.
+        Status at the end of the run.
     message : str
-        The same in words.
+        Reason of the end, as text.
     stats : dict
         Steps, evaluations, onsets of contacts and wall time by phase [s] of this run.
     jumps : tuple of ndarray, optional
@@ -95,7 +95,7 @@ class Result(OfScene, ArrayValue, Outputs, HtmlView):
         self.__setstate__(vars(self))
 
     def __repr__(self) -> str:
-        """Return how the run ended and what is there."""
+        """Return status, time span and recorded groups."""
         span = f"{self.time[0]:.6g} to {self.time[-1]:.6g} s in {len(self.time)} rows"
         groups = ", ".join(self.groups)
         return f"<Result of {self.scene.name}: {self.status}, {span}: {groups}>"
@@ -107,7 +107,7 @@ class Result(OfScene, ArrayValue, Outputs, HtmlView):
 
     @property
     def groups(self) -> tuple[str, ...]:
-        """What was recorded."""
+        """Recorded groups."""
         return tuple(dict.fromkeys(v.group for name, v in VARIABLES.items() if name in self.arrays))
 
     @property

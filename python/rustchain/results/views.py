@@ -35,9 +35,9 @@ class Hinge(ArrayValue):
     eccentricity : ndarray, (times, 2)
         Pin centre seen from the bushing [m].
     film_force : ndarray, (times,), optional
-        Size of what lubricant does [N], where there is any.
+        Size of the film's force [N], where there is a film.
     onset_speed : ndarray, (times,), optional
-        Initial impact velocity of the present contact [m/s], not below the floor of the law; 0
+        Initial impact velocity of the present contact [m/s], not below the minimum; 0
         when apart. Not with ideal hinges.
     """
 
@@ -60,14 +60,14 @@ class Bushing(ArrayValue):
     time : ndarray, (times,)
         Report times [s].
     tooth_force, tooth_penetration : ndarray, (times,)
-        Contact force [N] and penetration [m]; penetration is -inf when not even near.
+        Contact force [N] and penetration [m]; penetration is -inf far from all teeth.
     sprocket, tooth, region : ndarray of int, (times,)
         Sprocket from 1 (0: none), tooth gap from 0 (-1: none), region of the gap from 1
         (0: none); an ANSI gap has seven, the fourth is the seat.
     tooth_force_vector : ndarray, (times, 2), optional
         Force on the bushing, friction included [N]. Not with ideal hinges.
     tooth_onset_speed : ndarray, (times,), optional
-        Initial impact velocity of the present contact [m/s], not below the floor of the law; 0
+        Initial impact velocity of the present contact [m/s], not below the minimum; 0
         when apart. Not with ideal hinges.
     """
 
@@ -99,7 +99,7 @@ class RollerOnBushing(ArrayValue):
     position, velocity : ndarray, (times, 3), optional
         The roller itself [m, m, rad] and [m/s, m/s, rad/s], where bodies were recorded.
     onset_speed : ndarray, (times,), optional
-        Initial impact velocity of the present contact [m/s], not below the floor of the law; 0
+        Initial impact velocity of the present contact [m/s], not below the minimum; 0
         when apart.
     """
 
@@ -164,7 +164,7 @@ class ChainEnd(ArrayValue):
     force : ndarray, (times, 2)
         Force of the chain on its end [N]: the reaction of an anchor, with the other sign.
     position, velocity : ndarray, (times, 2)
-        Pin of that end [m], [m/s]. A loose end has none: it stays where the chain began.
+        Pin of that end [m], [m/s]. A free end has none: its position is that at the start.
     """
 
     time: Array
@@ -188,8 +188,8 @@ class Energy(ArrayValue):
     residual : ndarray, (times,)
         Residual of the energy balance [J]: the error measure of a long run.
     hinge_contact, tooth_contact, hinge_friction, tooth_friction : ndarray, (times,), optional
-        Where `dissipated` was lost [J]: to the damping of contacts and to friction, of pins in
-        bushings and of bushings on teeth; the rest went into dashpots. Only of chain drives with
+        Parts of `dissipated` [J]: damping of contacts and friction, of pins in bushings and of
+        bushings on teeth; the remainder is that of dashpots. Only of chain drives with
         clearance in their hinges.
     roller_contact, roller_friction : ndarray, (times,), optional
         The same of bushings in rollers, where those are bodies.

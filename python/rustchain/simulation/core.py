@@ -1,4 +1,4 @@
-"""The compiled core of a scene: how it starts, and which one a scene has."""
+"""The compiled core of a scene, and its start."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The compiled mechanism behind the face that a simulation needs of every core."""
+"""The compiled mechanism with the interface of the other cores."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from rustchain.typing import Array
 
 
 class MechanismCore:
-    """What a simulation needs of the core of a mechanism."""
+    """Core of a mechanism."""
 
     def __init__(
         self, mechanism: Mechanism, solver: Solver, place: Mapping[str, Array | None]
@@ -64,7 +64,7 @@ class MechanismCore:
         raise InvalidInput(msg)
 
     def set_input(self, sprocket: int, quantity: str, value: object) -> None:
-        """Refuse: a mechanism has no sprockets by number, and its drivers stay as described."""
+        """Refuse: a mechanism has no sprockets by number, and its drivers are those described."""
         del value
         msg = (
             f"sprocket = {sprocket}: its {quantity} cannot be set in a mechanism; describe the "

@@ -1,4 +1,4 @@
-"""When a run ends before its time: at the force of a joint or a contact, by its name."""
+"""Stop conditions of runs: forces of joints and contacts, by their names."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class _PartForceAbove(StopCondition):
-    """What the conditions on forces of joints and of contacts have in common."""
+    """Base of the conditions on forces of joints and contacts."""
 
     part: ClassVar[str]
     place: ClassVar[int]  # in `Present.last_peaks`
@@ -30,7 +30,7 @@ class _PartForceAbove(StopCondition):
         admitted(f"{type(self).__name__}.{self.part}", getattr(self, self.part), str | None)
 
     def look_at(self, simulation: Simulation) -> Look:
-        """Return what looks at each report of `simulation`."""
+        """Return the function that is called at each report of `simulation`."""
         names: Sequence[str] = getattr(simulation, f"{self.part}_names")
         wanted = getattr(self, self.part)
         if not names:
@@ -51,7 +51,9 @@ class _PartForceAbove(StopCondition):
             if forces[worst] <= self.force:
                 return None
             found = shown(names[first + worst])
-            return f"{self.part} {found} bore {forces[worst]:.4g} N, above {self.force:g} N"
+            return (
+                f"{self.part} {found} had a force of {forces[worst]:.4g} N, above {self.force:g} N"
+            )
 
         return look
 

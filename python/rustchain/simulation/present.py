@@ -1,4 +1,4 @@
-"""What a simulation is at its present time: looked at, evaluated, taken and set as a state."""
+"""The present state of a simulation: read, evaluated, saved and set."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Present(OfScene):
     _running = False
 
     def __repr__(self) -> str:
-        """Return what is simulated, and the time."""
+        """Return the scene's name and the time."""
         return f"<Simulation of {self.scene.name} at t = {self.time:.6g} s>"
 
     @property
@@ -74,7 +74,7 @@ class Present(OfScene):
         return self.scene.system.check()
 
     def state(self) -> dict[str, Any]:
-        """Return all that decides how the run goes on, for `set_state`.
+        """Return the complete state, for `set_state`.
 
         Not in it are wall times. The copy is the caller's own: `copy` and `pickle` take it.
 
@@ -91,7 +91,7 @@ class Present(OfScene):
             - ``tooth_onset_surface``, (bushings, sprockets): where it began, 0 seating curve, 1
               working curve, 2 flat, 3 topping curve;
             - ``parted_hinges`` and ``parted_tooth_pairs`` (sprocket · bushings + bushing): what
-              came apart in the last step;
+              parted in the last step;
             - where rollers are bodies, ``roller_onset_speed``, (rollers,), and ``parted_rollers``,
               of bushings in rollers likewise.
 

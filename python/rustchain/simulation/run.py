@@ -1,4 +1,4 @@
-"""What a run records, and how far it is."""
+"""Recorded groups, size of a record and progress of runs."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def numbers_of_drive_row(drive: ChainDrive, groups: Sequence[str], energy: bool)
 def check_rows_fit(duration: object, report_step: object, numbers: int) -> None:
     """Refuse more rows of so many numbers each than the machine's memory holds.
 
-    What is no number, or makes no sense, is left to those who read it.
+    Values that are no positive numbers are refused elsewhere.
     """
     duration, report_step = finite_number(duration), finite_number(report_step)
     if duration is None or report_step is None or min(duration, report_step) <= 0.0:

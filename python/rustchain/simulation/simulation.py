@@ -1,4 +1,4 @@
-"""The simulation of a scene: how it starts, steps and runs."""
+"""The simulation of a scene: start, steps and runs."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Simulation(Present):
     Attributes
     ----------
     scene : Scene
-        What is simulated, and how.
+        The simulated scene.
     rest : dict, optional
         Of a static start: ``residual``, the largest unbalanced force [N], ``largest_force`` of a
         contact [N], and ``iterations``.
@@ -72,7 +72,7 @@ class Simulation(Present):
     RangeWarning
         A contact has left the range of its law.
     UserWarning
-        Something of a mechanism is worth a second look; see `Mechanism.check`.
+        An input of a mechanism is implausible; see `Mechanism.check`.
     """
 
     rest: dict[str, float] | None = None
@@ -110,7 +110,7 @@ class Simulation(Present):
     def step_to(self, t: float) -> None:
         """Go on to exactly `t` [s].
 
-        No energy is metered on the way, which is what makes it the cheapest way to go on.
+        The energy balance is not integrated, which makes it the fastest way to advance.
         """
         self._check_idle("step_to")
         t = plain(t)
@@ -125,8 +125,8 @@ class Simulation(Present):
         """Let a sprocket turn at another speed from now on; its angle does not jump.
 
         For co-simulation, between calls of `step_to`, or in a run's `callback`. The integrator goes
-        back to the present time and starts anew there. Contacts keep their memory, the energy
-        balance goes on, and `state` has the change in it; `drive` stays as it was described.
+        back to the present time and restarts there. Contacts keep their impact velocity memory, the
+        energy balance continues, and `state` includes the change; `drive` is not changed.
 
         Parameters
         ----------
@@ -139,8 +139,8 @@ class Simulation(Present):
         Raises
         ------
         InvalidInput
-            There is no such sprocket, it is not driven by a speed, the table does not hold, or it
-            asks for more than 1000 m/s of the chain, which no description may.
+            There is no such sprocket, it is not driven by a speed, the table does not hold, or the
+            chain would be faster than 1000 m/s, the limit of descriptions.
         """
         self._core.set_input(_sprocket_number(sprocket), "speed", plain(speed))
 
@@ -176,7 +176,7 @@ class Simulation(Present):
         stop: StopCondition | Sequence[StopCondition] = (),
         callback: Callable[[Simulation], object] | None = None,
     ) -> Result:
-        """Go on for a while and record.
+        """Advance the simulation by `duration` and record.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""When a run ends before its time: at a force, at a slack strand, at a time."""
+"""Stop conditions of runs: forces, slack strands, tooth jumps, time."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     from rustchain.simulation.simulation import Simulation
 
 Look: TypeAlias = Callable[[], "str | None"]
-"""Says why the run is to stop at the report just made, if it is."""
+"""Returns the reason to stop at the latest report, or None."""
 
 
 @dataclass(frozen=True)
 class StopCondition(Description, ABC):
-    """What every stop condition has; choose one of its subclasses.
+    """Base of the stop conditions.
 
     A condition is looked at when a row has been recorded, and the run stops there: forces are the
     largest since the row before, so that no impact is missed.
@@ -42,11 +42,11 @@ class StopCondition(Description, ABC):
 
     @abstractmethod
     def _check(self) -> None:
-        """Refuse what means nothing."""
+        """Raise `InvalidInput` where a field is out of its range."""
 
     @abstractmethod
     def look_at(self, simulation: Simulation) -> Look:
-        """Return what looks at each report of `simulation`."""
+        """Return the function that is called at each report of `simulation`."""
 
     def _refusal(self, field: str, value: object, expected: str) -> InvalidInput:
         return InvalidInput(f"{type(self).__name__}.{field} = {shown(value)}: {expected}")
@@ -88,14 +88,14 @@ class StopCondition(Description, ABC):
             if row[worst] <= limit:
                 return None
             number = which.start + worst + 1
-            return f"{contact} {number} was pressed by {row[worst]:.4g} N, above {limit:g} N"
+            return f"{contact} {number} had a force of {row[worst]:.4g} N, above {limit:g} N"
 
         return look
 
 
 @description(frozen=True)
 class HingeForceAbove(StopCondition):
-    """A hinge was pressed by more than a limit since the row before.
+    """The force of a hinge has exceeded a limit since the row before.
 
     Attributes
     ----------
@@ -116,13 +116,13 @@ class HingeForceAbove(StopCondition):
         self._check_count("hinge")
 
     def look_at(self, simulation: Simulation) -> Look:
-        """Return what looks at each report of `simulation`."""
+        """Return the function that is called at each report of `simulation`."""
         return self._force(simulation, "hinge", self.force, "peak_hinge_force")
 
 
 @description(frozen=True)
 class ToothForceAbove(StopCondition):
-    """A bushing was pressed by its teeth by more than a limit since the row before.
+    """The tooth force of a bushing has exceeded a limit since the row before.
 
     Attributes
     ----------
@@ -143,7 +143,7 @@ class ToothForceAbove(StopCondition):
         self._check_count("bushing")
 
     def look_at(self, simulation: Simulation) -> Look:
-        """Return what looks at each report of `simulation`."""
+        """Return the function that is called at each report of `simulation`."""
         return self._force(simulation, "bushing", self.force, "peak_tooth_force")
 
 
@@ -151,8 +151,8 @@ class ToothForceAbove(StopCondition):
 class StrandSlack(StopCondition):
     """A strand that was tight has no tension any more.
 
-    A drive that was laid begins with none in any strand, and a strand is looked at from the first
-    row on at which it is tight; `from_start` looks at all from the beginning.
+    A generated start has no tension in any strand: a strand counts from the first row at which it
+    is tight; with `from_start` all count from the beginning.
 
     Attributes
     ----------
@@ -161,8 +161,8 @@ class StrandSlack(StopCondition):
     strand : str, optional
         Name of the strand, as of `Result.strand`; by default any.
     lasting : float
-        For how long it has to be slack without a break [s]: a strand that swings is slack for a
-        moment again and again.
+        Time for which it must be slack without interruption [s]: a vibrating strand is slack for
+        short times.
     from_start : bool
         Whether a strand counts that has not been tight in this run.
     """
@@ -184,7 +184,7 @@ class StrandSlack(StopCondition):
             raise self._refusal("strand", self.strand, "must be text, or None")
 
     def look_at(self, simulation: Simulation) -> Look:
-        """Return what looks at each report of `simulation`."""
+        """Return the function that is called at each report of `simulation`."""
         names = _rustchain.strand_names(simulation.drive)
         if self.strand is not None and self.strand not in names:
             raise self._refusal(
@@ -228,7 +228,7 @@ class ToothJump(StopCondition):
         self._check_count("sprocket")
 
     def look_at(self, simulation: Simulation) -> Look:
-        """Return what looks at each report of `simulation`."""
+        """Return the function that is called at each report of `simulation`."""
         which = self._one_of("sprocket", len(simulation.drive.sprockets))
         jumps = simulation._core.tooth_jumps()
         if jumps is None:
@@ -267,7 +267,7 @@ class TimeReached(StopCondition):
         self._check_number("time", "s")
 
     def look_at(self, simulation: Simulation) -> Look:
-        """Return what looks at each report of `simulation`."""
+        """Return the function that is called at each report of `simulation`."""
 
         def look() -> str | None:
             rounding = 1e-12 * self.time
@@ -301,13 +301,13 @@ def check_looks(
 
 
 def look_of_callback(simulation: Simulation, callback: Callable[[Simulation], object]) -> Look:
-    """Return what calls the callback at each report, which may ask for the end."""
+    """Return the function that calls the callback at each report."""
 
     def called() -> str | None:
         answer = callback(simulation)
         # Not just anything that counts as true: a function may return what it likes.
         asked = isinstance(answer, bool | np.bool_) and bool(answer)
-        return "the callback asked for it" if asked else None
+        return "the callback returned True" if asked else None
 
     return called
 

@@ -31,7 +31,7 @@ def ansi_outside(teeth):
 
 
 def drawn(teeth):
-    """A tooth of one's own: seat, line, arc, and an arc over the middle of the tooth."""
+    """A custom tooth: seat, line, arc, and an arc over the middle of the tooth."""
     flank = outline.straight_flank(PITCH, teeth, ROLLER, 0.5)
     whole = outline.cut(flank, teeth, pitch_radius(teeth) + 0.0025, 0.0008)
     pieces = []

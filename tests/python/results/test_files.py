@@ -174,7 +174,7 @@ def test_a_save_that_fails_leaves_the_old_file_alone(
         save(path)
     monkeypatch.undo()
     if isinstance(error, OSError):
-        assert f"path = {path}: cannot be written (No space left): name" in str(told.value)
+        assert f"path = {path}: cannot be written (No space left); expected" in str(told.value)
     assert [p.name for p in tmp_path.iterdir()] == ["file"]
     assert path.read_bytes() == before
 

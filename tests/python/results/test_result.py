@@ -301,7 +301,9 @@ def test_a_file_that_is_damaged_within_is_told(tmp_path, result):
 
 
 def test_a_place_that_cannot_be_written_is_told_with_the_remedy(tmp_path, result):
-    with pytest.raises(OSError, match=r"path = .*: cannot be written \(Is a dir.*: name a file"):
+    with pytest.raises(
+        OSError, match=r"path = .*: cannot be written \(Is a dir.*; expected a file"
+    ):
         result.save(tmp_path)
 
 

@@ -78,9 +78,11 @@ def test_the_command_names_its_extra_without_a_traceback():
 
 
 def test_the_base_install_runs_and_says_what_it_did():
-    ended = python(BLOCKED.format(blocked=set(HEAVY)) + "print(result.status, result.hinge(6))")
+    shown = "print(result.status, result.hinge(6)); print(result.summary(), result.efficiency())"
+    ended = python(BLOCKED.format(blocked=set(HEAVY)) + shown)
     assert ended.returncode == 0, ended.stderr
     assert ended.stdout.startswith("finished")
+    assert "hinge_force_largest" in ended.stdout
 
 
 @pytest.fixture

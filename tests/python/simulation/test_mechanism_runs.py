@@ -70,7 +70,7 @@ def test_a_time_and_a_callback_stop_and_a_callback_sees_every_row(whole):
     # What a callback returns need not mean anything: True alone does, NumPy's too.
     assert ball().run(0.01, progress=False, callback=lambda s: 1).success
     found = ball().run(0.4, 1e-3, progress=False, callback=lambda s: s.positions[0, 1] < 0.2)
-    assert found.message.endswith("the callback asked for it")
+    assert found.message.endswith("the callback returned True")
 
 
 def test_a_callback_cannot_move_the_simulation_and_keeps_its_rows():

@@ -631,7 +631,7 @@ def test_a_floating_sprocket_falls():
     assert simulation.velocities[39, 1] == pytest.approx(-9.81e-3, rel=1e-6)
 
 
-# --- starts of one's own
+# --- given starts
 
 
 def test_a_start_of_ones_own_goes_the_same_way():

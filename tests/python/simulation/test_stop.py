@@ -40,7 +40,7 @@ def test_a_run_stops_at_the_first_row_after_a_force_above_the_limit(whole, condi
     assert (result.status, result.success) == ("stopped", True)
     assert len(result.time) == first + 1
     number = int(forces[first].argmax()) + 1
-    assert f"{number} was pressed by {forces[first].max():.4g} N" in result.message
+    assert f"{number} had a force of {forces[first].max():.4g} N" in result.message
     assert_begins_like(result, whole)
 
 
@@ -109,7 +109,7 @@ def test_a_callback_sees_every_row_at_its_time_and_leaves_the_path_alone(whole):
 
 def test_a_callback_that_returns_true_stops_the_run():
     result = start().run(DURATION, progress=False, callback=lambda s: s.time > 3.05e-3)
-    assert result.message == "stopped at t = 0.0031 s: the callback asked for it"
+    assert result.message == "stopped at t = 0.0031 s: the callback returned True"
 
 
 @pytest.mark.parametrize("truth", [np.True_, True])
@@ -189,10 +189,10 @@ def test_conditions_of_mechanisms_look_at_the_joints_of_ideal_hinges():
     first = int((whole.peaks.hinge_force[:, 5] > limit).argmax())
     result = ideal(stop=rc.JointForceAbove(limit, joint="hinge_6"))
     assert len(result.time) == first + 1
-    assert "joint 'hinge_6' bore" in result.message
+    assert "joint 'hinge_6' had a force of" in result.message
     both = ideal(stop=[rc.JointForceAbove(limit, joint="hinge_6"), rc.HingeForceAbove(limit, 6)])
-    assert "joint 'hinge_6' bore" in both.message
-    assert "hinge 6 was pressed" in both.message
+    assert "joint 'hinge_6' had a force of" in both.message
+    assert "hinge 6 had a force of" in both.message
     never = ideal(stop=rc.ContactForceAbove(1e9, contact="bushing_6_on_sprocket_2"))
     assert never.status == "finished"
 

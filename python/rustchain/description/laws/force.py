@@ -40,8 +40,8 @@ class ForceLaw(Description):
     damping : str, optional
         Restitution-based damping, with any elastic part: "lankarani-nikravesh", "hunt-crossley",
         "herbert-mcwhannell", "lee-wang", "flores", "gonthier", "hu-guo" or "zhiying-qishao". None:
-        the contact is elastic. `effective_restitution` tells what each makes of the material's
-        restitution; "flores", "gonthier" and "hu-guo" divide by it and take 0.01 or more.
+        the contact is elastic. `effective_restitution` gives the restitution of an impact for that
+        of the material; "flores", "gonthier" and "hu-guo" divide by it and take 0.01 or more.
     regions : {"kept", "sharp"}
         "kept": a contact keeps the stiffness of the tooth region where it began, which closes the
         energy balance. "sharp": the stiffness changes where the bushing crosses into another
@@ -209,7 +209,7 @@ class Linear(ForceLaw):
 
 @checked
 def effective_restitution(damping: Damping, restitution: float) -> float:
-    """Return the restitution that an impact really has when `restitution` is asked of a damping.
+    """Return the restitution of an impact whose damping law is given `restitution`.
 
     It solves lam (1 + e) = ln[(1 + lam) / (1 - lam e)], lam that of the damping law, whatever the
     elastic part, the mass and the speed.

@@ -26,7 +26,7 @@ _Kind = TypeVar("_Kind")
 @described
 @dataclass(repr=False)
 class Mechanism(WithJoints, WithForces, WithContacts):
-    """Rigid bodies in the plane, what joins them and what acts on them.
+    """Rigid bodies in the plane with joints, drivers, forces and contacts.
 
     Points are given in the frames of the bodies, which sit at the centres of mass; ``"ground"`` is
     the frame that does not move. Where bodies are placed already, ``at=(x, y)`` gives one point of
@@ -39,7 +39,7 @@ class Mechanism(WithJoints, WithForces, WithContacts):
     name : str
         For people to read.
     bodies, joints, forces, contacts : sequences of parts
-        What the methods ``add_...`` have made; by default none.
+        Parts, as the methods ``add_...`` make them; by default none.
     """
 
     gravity: Point = (0.0, -9.81)
@@ -95,7 +95,7 @@ class Mechanism(WithJoints, WithForces, WithContacts):
         return name
 
     def check(self) -> MechanismReport:
-        """Assemble the mechanism and tell what was found, or raise with the joints at fault."""
+        """Assemble the mechanism and return the report, or raise with the joints at fault."""
         from rustchain import _rustchain
         from rustchain.description.solver import Solver
 

@@ -1,4 +1,4 @@
-"""What the methods of `Mechanism` check when they are called: numbers, rows, outlines."""
+"""Checks of the arguments of `Mechanism`: numbers, rows, outlines."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def one_of(
 
 
 def numbers(field: str, given: object, count: int, names: str) -> tuple[float, ...]:
-    """Return `given` as so many finite numbers, or tell what it must be."""
+    """Return `given` as `count` finite numbers, or raise `InvalidInput`."""
     values = finite_array(given)
     if values is None or values.shape != (count,):
         words = {2: "two", 3: "three"}[count]
@@ -39,7 +39,7 @@ def point(field: str, part: str, name: str, given: object) -> tuple[float, ...]:
 
 
 def rows(field: str, given: object, width: int) -> npt.NDArray[np.float64]:
-    """Return `given` as an array of finite numbers, a row each, or tell what it must be."""
+    """Return `given` as rows of finite numbers, or raise `InvalidInput`."""
     values = finite_array(given)
     if values is None or (values.shape[1:] != (2,) if width == 2 else values.ndim != 1):
         kind = "rows of two finite numbers (x, y) [m]" if width == 2 else "a list of finite numbers"

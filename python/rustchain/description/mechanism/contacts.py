@@ -14,7 +14,7 @@ from rustchain.errors import InvalidInput
 
 
 class WithContacts:
-    """What a mechanism knows of its contacts."""
+    """Base of `Mechanism`: contacts."""
 
     contacts: list[Contact]
 
@@ -68,8 +68,8 @@ class WithContacts:
         Parameters
         ----------
         points : sequence of (float, float)
-            Corners in the frame of the body [m]; the material lies on the left of the way through
-            them. Two points and ``closed=False`` make a segment.
+            Corners in the frame of the body [m]; the material lies on the left of the path
+            through them. Two points and ``closed=False`` make a segment.
         radius : float
             Of the circle [m].
         bulges : sequence of float, optional

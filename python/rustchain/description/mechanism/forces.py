@@ -15,7 +15,7 @@ from rustchain.errors import InvalidInput
 
 
 class WithForces:
-    """What a mechanism knows of its forces."""
+    """Base of `Mechanism`: force elements."""
 
     forces: list[Force]
 

@@ -29,7 +29,7 @@ class Part(Description):
 
 
 def check_part_name(field: str, name: object) -> None:
-    """Refuse what results and messages cannot tell a part by."""
+    """Raise `InvalidInput` unless `name` can identify a part."""
     if not isinstance(name, str):
         raise InvalidInput(f"{field} = {shown(name)}: must be text")
     if not name.strip():

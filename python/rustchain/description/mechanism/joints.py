@@ -15,7 +15,7 @@ from rustchain.names import suggest
 
 
 class WithJoints:
-    """What a mechanism knows of its joints."""
+    """Base of `Mechanism`: joints and drivers."""
 
     bodies: list[Body]
     joints: list[Joint]
@@ -122,7 +122,7 @@ class WithJoints:
         point_a: Point = (0.0, 0.0),
         point_b: Point = (0.0, 0.0),
     ) -> None:
-        """Let a wheel b roll on a line of a: way along `direction` = `radius` * turns of b."""
+        """Let a wheel b roll on a line of a: displacement = `radius` * turns of b [rad]."""
         line: dict[str, Any] = {"direction": direction, "value": radius}
         self._join_at("rack", name, body_a, body_b, point_a, point_b, **line)
 
@@ -149,7 +149,7 @@ class WithJoints:
         point_a: Point = (0.0, 0.0),
         point_b: Point = (0.0, 0.0),
     ) -> None:
-        """Prescribe the way [m] or speed [m/s] of point b along `direction` from point a."""
+        """Prescribe displacement [m] or speed [m/s] of point b along `direction` from point a."""
         motion = one_of(name, "position", position, "speed", speed)
         law: dict[str, Any] = {
             "direction": direction,

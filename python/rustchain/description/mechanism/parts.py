@@ -83,7 +83,7 @@ class SurfaceContact(Function):
     material : Material
         Of both surfaces; its restitution goes into the damping.
     min_impact_velocity : float
-        Least approach speed that the damping reckons with [m/s].
+        Lower bound on the initial impact velocity used by the damping factor [m/s].
     """
 
     law: ForceLaw = _LAW

@@ -1,4 +1,4 @@
-"""Inputs of a mechanism that look as if they were in another unit than SI."""
+"""Warnings of inputs of a mechanism that are probably not in SI units."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What assembling a mechanism found."""
+"""Report of the assembly of a mechanism."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class MechanismReport(HtmlView):
         Largest change of a body's velocity [m/s] and rate of turning [rad/s] to fulfil joints and
         drivers; a body that is described without a velocity counts from rest.
     warnings : list of str
-        What is worth a second look.
+        Warnings, as text.
     """
 
     degrees_of_freedom: int
@@ -50,6 +50,6 @@ class MechanismReport(HtmlView):
 
 
 def _changed(way: float, unit: str, turn: float, unit_of_turn: str) -> str:
-    """Return what was changed by more than rounding, in words."""
+    """Return the changes larger than rounding, as text."""
     changes = [f"{c:.3g} {u}" for c, u in ((way, unit), (turn, unit_of_turn)) if c > _ROUNDING]
     return f"changed by up to {', '.join(changes)}" if changes else "as given"
