@@ -259,6 +259,7 @@ def _functions() -> Iterator[Target]:
         "stop": (),
         "callback": None,
     }
+    where: dict[str, Any] = {"executor": None, "store": None, "retry": False}
     paper = rc.paper_drive()
     table: list[tuple[Callable[..., object], dict[str, Any]]] = [
         (rc.chain_sizes, {}),
@@ -308,7 +309,26 @@ def _functions() -> Iterator[Target]:
         ),
         (rc.rpm, {"speed": 1.0}),
         (rc.effective_restitution, {"damping": "flores", "restitution": 0.5}),
-        (rc.sweep, {"scene": paper, "axes": {"pretension": [1.0]}, "measure": None, **run, **more}),
+        (
+            rc.samples,
+            {
+                "distributions": {"speed": stats.norm()},
+                "count": 2,
+                "seed": 1,
+                "method": "sobol",
+            },
+        ),
+        (
+            rc.sweep,
+            {
+                "scene": paper,
+                "axes": {"pretension": [1.0]},
+                "measure": None,
+                **run,
+                **more,
+                **where,
+            },
+        ),
         (
             rc.study,
             {
@@ -320,6 +340,7 @@ def _functions() -> Iterator[Target]:
                 "axes": None,
                 **run,
                 **more,
+                **where,
             },
         ),
         (
@@ -331,6 +352,7 @@ def _functions() -> Iterator[Target]:
                 "loaded": 2,
                 "burn_in": 0.0,
                 **run,
+                **where,
             },
         ),
         (rc.samples, {"distributions": {"pretension": stats.uniform()}, "count": 2, "seed": 0}),

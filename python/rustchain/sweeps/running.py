@@ -302,7 +302,7 @@ def _outcome(future: Future[Outcome]) -> Outcome:
         if "pickle" not in str(error).lower():
             return Outcome(error=error, made=False)
         msg = (
-            f"measure: the case cannot be sent to another process ({error}); expected functions "
+            f"executor: the case cannot be sent to another process ({error}); expected functions "
             "of a module; take a def in a file in place of a lambda, or loky"
         )
         return Outcome(error=InvalidInput(msg), made=False)

@@ -150,6 +150,9 @@ def sweep(
         msg = f"measure = {shown(measure)}: must be a function of a Result, or None"
         raise InvalidInput(msg)
     check_progress(progress)
+    if not isinstance(retry, bool):
+        msg = f"retry = {shown(retry)}: must be True or False"
+        raise InvalidInput(msg)
     check_names(scene, run, cases)
     looks = Looks(stop, callback, len(check_looks(stop, callback)) > 0 or callback is not None)
     number_of_threads(threads)

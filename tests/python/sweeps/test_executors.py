@@ -106,6 +106,8 @@ DASK = """
 import json, os, signal, sys, threading, time
 import rustchain as rc
 from dask.distributed import Client, LocalCluster
+from typer.testing import CliRunner
+from rustchain.cli.app import app
 
 def peak(result):
     return float(result.peaks.tooth_force.max())
@@ -127,11 +129,14 @@ if __name__ == "__main__":
             found = rc.sweep(drive, axes, peak, executor=client, store=sys.argv[1], **run)
             killer.join()
             lost = [pid for pid in pids.values() if not os.path.exists(f"/proc/{pid}")]
+            command = ["sweep", "sweep.toml", "--executor", f"dask:{cluster.scheduler_address}"]
+            told = CliRunner().invoke(app, [*command, "--json"])
             study = rc.study(drive, lambda r: r.time[-1], runs=2, burn_in=0.0, executor=client,
                              duration=1e-3, progress=False)
     here = rc.sweep(drive, axes, peak, **run)
     print(json.dumps([found.success, found.values == here.values, len(lost),
-                      len(os.listdir(sys.argv[1])), study.sweep.success]))
+                      len(os.listdir(sys.argv[1])), study.sweep.success,
+                      json.loads(told.stdout)["finished"]]))
 """
 
 
@@ -141,10 +146,14 @@ def test_a_worker_of_dask_that_is_killed_loses_no_case(tmp_path):
     pytest.importorskip("distributed")
     script = tmp_path / "script.py"
     script.write_text(DASK)
+    (tmp_path / "measures.py").write_text("def end(result):\n    return float(result.time[-1])\n")
+    (tmp_path / "sweep.toml").write_text(
+        'drive = "paper"\nmeasure = "measures.py:end"\n[axes]\nduration = [1e-3, 2e-3, 3e-3]\n'
+    )
     arguments = [sys.executable, str(script), str(tmp_path / "runs")]
-    done = subprocess.run(arguments, capture_output=True, text=True, timeout=300)
+    done = subprocess.run(arguments, capture_output=True, text=True, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout) == [True, True, 1, 8, True]
+    assert json.loads(done.stdout) == [True, True, 1, 8, True, 3]
 
 
 def test_a_lambda_that_cannot_be_sent_is_told():

@@ -217,6 +217,30 @@ def test_studies_and_loss_maps_have_stores_too(tmp_path):
     assert len(list(tmp_path.iterdir())) == 4
 
 
+def pushed(factor):
+    """A body that a Python function pushes."""
+    mechanism = rc.Mechanism(gravity=(0.0, 0.0))
+    mechanism.add_body("block", mass=1.0, inertia=1.0, position=(0.0, 0.0, 0.0))
+    mechanism.add_prismatic("way", "ground", "block", (1.0, 0.0))
+    mechanism.add_force("push", "block", (lambda t: factor * t, 0.0))
+    return mechanism
+
+
+def test_functions_in_a_mechanism_count(tmp_path):
+    def place(result):
+        return float(result.body("block").position[-1, 0])
+
+    found = {}
+    for _ in range(2):
+        for factor in (1.0, 2.0):
+            given = {"duration": 0.1, "store": tmp_path, "progress": False}
+            swept = rc.sweep(pushed(factor), {"rtol": [1e-6]}, place, **given)
+            found.setdefault(factor, []).append(swept.values[0])
+    assert len(list(tmp_path.iterdir())) == 2
+    for factor, values in found.items():
+        assert values[0] == values[1] == pytest.approx(factor * 0.1**3 / 6, rel=1e-4)
+
+
 def test_a_folder_that_cannot_be_made_and_a_measure_without_identity_are_told(tmp_path):
     (tmp_path / "taken").write_text("a file")
     with pytest.raises(OSError, match=r"store: the folder .*taken cannot be made"):
