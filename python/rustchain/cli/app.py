@@ -8,7 +8,7 @@ import rustchain as rc
 from rustchain.cli.many import study, sweep
 from rustchain.cli.plot import plot
 from rustchain.cli.run import check, run
-from rustchain.cli.show import animate
+from rustchain.cli.show import animate, report
 from rustchain.cli.tables import catalogue, schema
 from rustchain.extras import typer
 
@@ -23,7 +23,7 @@ app = typer.Typer(
     rich_markup_mode=None,  # it would take the units in brackets for markup
     epilog=_EXIT_CODES,
 )
-for command in (run, check, plot, animate, sweep, study, catalogue, schema):
+for command in (run, check, plot, animate, report, sweep, study, catalogue, schema):
     app.command(epilog=_EXIT_CODES)(command)
 
 

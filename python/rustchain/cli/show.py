@@ -1,4 +1,4 @@
-"""The commands that show a motion: animate."""
+"""The commands that show a motion: animate, report."""
 
 from __future__ import annotations
 
@@ -78,6 +78,37 @@ def animate(
             forces=forces,
             width=width,
         )
+        output.say(path)
+        output.document({"file": path, "status": result.status})
+    if result.status == "interrupted":
+        raise typer.Exit(INTERRUPTED)
+
+
+def report(
+    source: Source,
+    duration: Duration = None,
+    settings: Settings = None,
+    start: Annotated[float | None, typer.Option(help="Begin of what is reported [s].")] = None,
+    end: Annotated[float | None, typer.Option(help="End of what is reported [s].")] = None,
+    breaking_load: Annotated[
+        float | None,
+        typer.Option(help="Of the chain, all strands together [N]; by default the catalogue's."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", help="File to write, .html; my_drive.html of my_drive.toml."),
+    ] = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Report on a result, or a drive that is run first: one page with figures and a player."""
+    output = Output(as_json, quiet)
+    with clear_errors():
+        path = out or Path(f"{Path(source).stem}.html")
+        check_file(path, "report.html")
+        make_room(path)
+        result = result_of(source, duration, settings, output)
+        result.report(path, start=start, end=end, breaking_load=breaking_load)
         output.say(path)
         output.document({"file": path, "status": result.status})
     if result.status == "interrupted":

@@ -15,7 +15,7 @@ from rustchain.plot import Plots
 
 ROOT = Path(__file__).parents[3]
 EXAMPLE = ROOT / "examples" / "three_shafts.toml"
-COMMANDS = {"run", "check", "plot", "animate", "sweep", "study", "catalogue", "schema"}
+COMMANDS = {"run", "check", "plot", "animate", "report", "sweep", "study", "catalogue", "schema"}
 
 
 def rustchain(*arguments, **keywords):
@@ -97,7 +97,7 @@ def test_settings_take_the_place_of_what_a_file_says():
         ("record=[", "record = '[': is no value of TOML"),
     ],
 )
-@pytest.mark.parametrize("command", ["run", "check", "study", "animate"])
+@pytest.mark.parametrize("command", ["run", "check", "study", "animate", "report"])
 def test_a_setting_that_is_none_is_told_with_the_nearest_name(command, setting, said, tmp_path):
     done = rustchain(command, "paper", "--set", setting)
     assert done.exit_code == 1
@@ -227,6 +227,21 @@ def test_a_drive_or_a_result_is_animated(tmp_path):
     assert done.exit_code == 0, done.output
     done = rustchain("animate", run, "--set", "speed=3")
     assert "has been run; --set and --duration are for a drive" in done.output
+
+
+def test_a_drive_or_a_result_is_reported(tmp_path):
+    path = tmp_path / "drive.html"
+    done = rustchain("report", "paper", "--duration", 4e-3, "-o", path, "--set", "pretension=25")
+    assert done.exit_code == 0, done.output
+    assert "<html" in path.read_text(encoding="utf-8")[:500]
+    run = tmp_path / "run.nc"
+    rustchain("run", "paper", "--duration", 4e-3, "--out", run)
+    done = rustchain("report", run, "--out", tmp_path / "run.html", "--json")
+    assert done.exit_code == 0, done.output
+    assert json.loads(done.stdout)["file"] == str(tmp_path / "run.html")
+    done = rustchain("report", run, "--out", tmp_path / "run.pdf")
+    assert done.exit_code == 1
+    assert ".html" in done.output
 
 
 def test_the_command_in_a_terminal_of_its_own(tmp_path):

@@ -222,7 +222,7 @@ def pushed(factor):
     mechanism = rc.Mechanism(gravity=(0.0, 0.0))
     mechanism.add_body("block", mass=1.0, inertia=1.0, position=(0.0, 0.0, 0.0))
     mechanism.add_prismatic("way", "ground", "block", (1.0, 0.0))
-    mechanism.add_force("push", "block", (lambda t: factor * t, 0.0))
+    mechanism.add_callable("push", "block", lambda t, *_: (factor * t, 0.0, 0.0))
     return mechanism
 
 
