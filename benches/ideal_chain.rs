@@ -1,6 +1,6 @@
 //! What a chain of ideal hinges costs: an evaluation of 38 to 10,000 links, beside faer's sparse factors of the same system.
 //!
-//! Prints the two tables of docs/howto/mechanisms.md as they stand there; `--quick` and `--test` leave out the long chains and a
+//! Prints the two tables of docs/performance/mechanisms.md as they stand there; `--quick` and `--test` leave out the long chains and a
 //! run of 1 s, which above 300 links would take long.
 
 #![allow(clippy::print_stdout)] // a table is what it is for
