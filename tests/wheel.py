@@ -50,6 +50,8 @@ def main() -> None:
             command("run", "paper", "--duration", "0.05", "--out", "paper.nc")
             command("plot", "paper.nc", "--out", "figures")
             assert len(list(Path("figures").iterdir())) > 3
+            command("report", "paper.nc", "--out", "report.html")
+            assert Path("report.html").stat().st_size > 100_000
         finally:
             os.chdir(ROOT)
 
