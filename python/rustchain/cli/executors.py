@@ -39,9 +39,7 @@ def executor_of(text: str) -> Iterator[dict[str, Any]]:
     elif kind == "threads":
         yield {"threads": _count(text, more)}
     else:
-        count = _count(text, more) or os.cpu_count() or 1
-        with _pool(kind, count) as executor:
-            yield {"executor": executor}
+        yield from _pool(kind, _count(text, more) or os.cpu_count() or 1)
 
 
 def _dask(address: str) -> Iterator[dict[str, Any]]:
@@ -56,15 +54,21 @@ def _dask(address: str) -> Iterator[dict[str, Any]]:
         yield {"executor": executor}
 
 
-def _pool(kind: str, count: int) -> Any:  # noqa: ANN401
-    """Return a pool of processes."""
-    if kind == "loky":
-        return _imported("loky", "loky").ProcessPoolExecutor(count)
+def _pool(kind: str, count: int) -> Iterator[dict[str, Any]]:
+    """Give a pool of processes, which end when it is left: after Ctrl-C in the middle of a case."""
     from concurrent.futures import ProcessPoolExecutor
-    from multiprocessing import get_context
+    from multiprocessing import active_children, get_context
 
-    # Not forked: threads of this process would stop in the middle of what they do.
-    return ProcessPoolExecutor(count, get_context("spawn"))
+    if kind == "loky":
+        executor = _imported("loky", "loky").ProcessPoolExecutor(count)
+    else:  # not forked: threads of this process would stop in the middle of what they do
+        executor = ProcessPoolExecutor(count, get_context("spawn"))
+    try:
+        yield {"executor": executor}
+    finally:
+        executor.shutdown(wait=False)  # the sweep has cancelled what waits
+        for child in active_children():
+            child.terminate()
 
 
 def _imported(module: str, package: str) -> Any:  # noqa: ANN401

@@ -281,12 +281,14 @@ def re_row(name, text):
     return next((line for line in text.splitlines() if line.startswith(name)), None)
 
 
-def test_ctrl_c_keeps_what_is_done_and_the_command_goes_on(tmp_path):
+@pytest.mark.parametrize("executor", ["threads", "processes:2"])
+def test_ctrl_c_keeps_what_is_done_and_the_command_goes_on(executor, tmp_path):
     (tmp_path / "long.toml").write_text(
         'drive = "paper"\nmeasure = "measures.py:peak"\n[axes]\n'
         "duration = [1e-3, 2e-3, 3e-3, 1000.0]\n[run]\nreport_step = 1e-3\n"
     )
     called = [sys.executable, "-m", "rustchain", "sweep", "long.toml", "--store", "runs"]
+    called += ["--executor", executor]
     code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
     code += f"import sys; sys.argv = {called[2:]!r}\nfrom rustchain.cli import main; main()"
     running = subprocess.Popen(
