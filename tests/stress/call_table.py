@@ -108,7 +108,16 @@ RECORDS = {
     "StudyResult",
     "SweepResult",
 }
-FILES = {"load_result", "load_scene", "save_scene", "load_state", "save", "save_state", "from_json"}
+FILES = {
+    "load_result",
+    "load_scene",
+    "save_scene",
+    "load_state",
+    "save",
+    "save_state",
+    "from_json",
+    "report",
+}
 _ABSTRACT = {"ForceLaw", "StopCondition"}
 _ERRORS = {
     "CaseWarning",
@@ -355,7 +364,6 @@ def _functions() -> Iterator[Target]:
                 **where,
             },
         ),
-        (rc.samples, {"distributions": {"pretension": stats.uniform()}, "count": 2, "seed": 0}),
         (draw_loss_map, {"losses": scenes().losses}),
     ]
     for function, arguments in table:
