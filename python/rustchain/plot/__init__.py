@@ -11,9 +11,10 @@ from rustchain.plot.loads import LoadFigures
 from rustchain.plot.mechanism import MechanismFigures
 from rustchain.plot.motion import MotionFigures
 from rustchain.plot.picture import DrivePicture
-from rustchain.plot.studies import draw_loss_map
+from rustchain.plot.studies import draw_loss_map, draw_map, draw_waterfall
+from rustchain.plot.style import use_theme
 
-__all__ = ["Plots", "draw_loss_map"]
+__all__ = ["Plots", "draw_loss_map", "draw_map", "draw_waterfall", "use_theme"]
 
 
 @checked_methods

@@ -12,7 +12,8 @@ from matplotlib.patches import PathPatch, Polygon
 from matplotlib.path import Path
 
 from rustchain.plot.between_rows import forces_at, large_force, poses_at, round_number
-from rustchain.plot.looks import FORCE_COLORS, INK, LOOKS, PAPER, Theme
+from rustchain.plot.colors import INK, PAPER, Theme, in_theme
+from rustchain.plot.looks import FORCE_COLORS, LOOKS
 from rustchain.plot.shapes import Bar, Forces, Shape, force_points, outlines_at
 from rustchain.plot.style import styled
 from rustchain.typing import Array
@@ -73,7 +74,7 @@ class Canvas:
         tall = int(np.clip(width * self.size[1] / self.size[0], 0.25 * width, 1.25 * width))
         height = 2 * ((tall + _HEAD) // 2)
         size = width / dpi, height / dpi
-        self.figure = Figure(figsize=size, dpi=dpi, facecolor=PAPER[_THEME])
+        self.figure = Figure(figsize=size, dpi=dpi, facecolor=in_theme(PAPER, _THEME))
         self.figure.set_layout_engine("none")
         self.canvas = cast("Any", FigureCanvasAgg(self.figure))  # which has no types
         self.axes = self.figure.add_axes((0.0, 0.0, 1.0, (height - _HEAD) / height))
@@ -100,7 +101,7 @@ class Canvas:
             self.arrows.append((group, self._patch(codes, color, color, 0.4)))
         self._add_legend(width, height)
         self.clock = self.figure.text(
-            10 / width, 8 / height, "", color=INK[_THEME], va="bottom", fontsize=10.0
+            10 / width, 8 / height, "", color=in_theme(INK, _THEME), va="bottom", fontsize=10.0
         )
         self.moving: list[Any] = [*(patch for _, patch in (*self.parts, *self.arrows)), self.clock]
         for artist in self.moving:
@@ -122,7 +123,7 @@ class Canvas:
 
     def _add_legend(self, width: int, height: int) -> None:
         """Draw the scale of lengths and an arrow of each kind with its force, at the top."""
-        ink = INK[_THEME]
+        ink = in_theme(INK, _THEME)
         low, high = self.axes.get_xlim()
         pixels = width / (high - low)  # a metre
         line = height - 0.6 * _HEAD

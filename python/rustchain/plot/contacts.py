@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
@@ -14,20 +15,9 @@ from rustchain import _rustchain
 from rustchain.arguments import admitted, shown
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
+from rustchain.plot.colors import BLUE, CYCLE, GREEN, GREY, ORANGE, RED
 from rustchain.plot.mechanism import force_penetration_figure
-from rustchain.plot.style import (
-    BLUE,
-    CYCLE,
-    GREEN,
-    GREY,
-    ORANGE,
-    RED,
-    Ax,
-    Figures,
-    legend_of_distinct,
-    panels,
-    styled,
-)
+from rustchain.plot.style import Ax, Figures, legend_of_distinct, panels, styled
 from rustchain.results.views import Bushing
 from rustchain.typing import Time
 
@@ -121,19 +111,30 @@ class ContactFigures(Figures):
     def orbit(
         self, hinge: int, *more: int, start: Time = None, end: Time = None, ax: Ax = None
     ) -> Figure:
-        """Draw the path of a pin's centre in its bushing, with the circle where contact begins."""
+        """Draw the path of a pin's centre in its bushing, coloured by the force between the two.
+
+        The dotted circle is where contact begins. One scale of colours holds for all hinges.
+        """
         numbers = (hinge, *more)
         rows = self.rows(start, end)
         clearance = 1e6 * self.result.drive.chain.hinge.clearance
         figure, cells = panels(len(numbers), "x [µm]", "y [µm]", size=(3.5, 3.4), ax=ax)
-        for axes, number in zip(cells, numbers, strict=True):
-            path = 1e6 * self.result.hinge(number).eccentricity[rows]
-            axes.plot(*path.T, color=BLUE, linewidth=0.4, alpha=0.8)
-            axes.add_patch(Circle((0.0, 0.0), clearance, fill=False, color=RED, zorder=3))
+        views = [self.result.hinge(number) for number in numbers]
+        largest = max(float(view.force[rows].max()) for view in views)
+        for axes, number, view in zip(cells, numbers, views, strict=True):
+            path = 1e6 * view.eccentricity[rows]
+            pieces = np.stack([path[:-1], path[1:]], axis=1)
+            force = 0.5 * (view.force[rows][:-1] + view.force[rows][1:])
+            drawn = LineCollection(list(pieces), cmap="viridis", linewidth=1.0, array=force)
+            drawn.set_clim(0.0, largest or 1.0)
+            axes.add_collection(drawn)
+            axes.add_patch(Circle((0.0, 0.0), clearance, fill=False, color=GREY, linestyle=":"))
             axes.set_aspect("equal")
             axes.set_xlim(-1.2 * clearance, 1.2 * clearance)
             axes.set_ylim(-1.2 * clearance, 1.2 * clearance)
             axes.set_title(f"pin {number} in its bushing")
+        if ax is None:
+            figure.colorbar(drawn, ax=cells, label="pin / bushing force [N]", shrink=0.8)
         return figure
 
     def _tooth_loops(self, axes: Axes, number: int, rows: slice) -> None:

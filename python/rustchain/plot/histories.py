@@ -4,20 +4,8 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from rustchain.plot.style import (
-    BLUE,
-    CYCLE,
-    GREEN,
-    GREY,
-    ORANGE,
-    RED,
-    Ax,
-    Figures,
-    legend_above,
-    panels,
-    styled,
-    subplots,
-)
+from rustchain.plot.colors import BLUE, CYCLE, GREEN, GREY, ORANGE, RED
+from rustchain.plot.style import Ax, Figures, legend_above, panels, styled, subplots
 from rustchain.results.views import Energy
 from rustchain.typing import Array, Time
 

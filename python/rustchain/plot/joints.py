@@ -10,8 +10,9 @@ from rustchain.arguments import shown
 from rustchain.description.drive import PrescribedSpeed
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
+from rustchain.plot.colors import BLUE, CYCLE, RED
 from rustchain.plot.mechanism import joint_loads_figure
-from rustchain.plot.style import BLUE, CYCLE, RED, Ax, Figures, legend_above, styled, subplots
+from rustchain.plot.style import Ax, Figures, legend_above, styled, subplots
 from rustchain.typing import Time
 
 

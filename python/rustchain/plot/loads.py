@@ -8,22 +8,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rustchain import _rustchain
 from rustchain.analysis.circuit import Circuit
-from rustchain.plot.style import (
-    BLUE,
-    CYCLE,
-    GREY,
-    ORANGE,
-    RED,
-    Ax,
-    Figures,
-    legend_above,
-    legend_outside,
-    panels,
-    styled,
-    subplots,
-)
-from rustchain.typing import Time
+from rustchain.plot.between_rows import round_number
+from rustchain.plot.colors import BLUE, CYCLE, GREY, ORANGE, PAPER, RED, STEEL
+from rustchain.plot.style import Ax, Figures, legend_above, legend_outside, panels, styled, subplots
+from rustchain.typing import Array, Time
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -73,6 +63,49 @@ class LoadFigures(Figures):
         right.bar(tooth, found["tooth_mean"], color=BLUE, label="mean")
         right.set(xlabel=f"gap of sprocket {sprocket}", ylabel="force over a revolution [N]")
         legend_above(right)
+        return figure
+
+    @styled
+    def polar_tooth_loads(
+        self,
+        sprocket: int = 1,
+        *more: int,
+        start: Time = None,
+        end: Time = None,
+        ax: Ax = None,
+    ) -> Figure:
+        """Draw the tooth force round a sprocket, by the direction in which the gap stands.
+
+        The force is the distance from the circle over the tips of the teeth; circles are its scale.
+        """
+        numbers = (sprocket, *more)
+        figure, cells = panels(len(numbers), "", "", size=(4.2, 4.4), share=False, ax=ax)
+        drive = self.result.drive
+        for axes, number in zip(cells, numbers, strict=True):
+            found = self.result.tooth_loads(number, quantiles=_QUANTILES, start=start, end=end)
+            outline = _rustchain.tooth_outline(drive.sprockets[number - 1], drive.chain, 12)
+            outline = outline / np.hypot(*outline.T).max()
+            axes.fill(*outline.T, facecolor=STEEL, edgecolor=GREY, linewidth=0.7)
+            most = float(found["largest"].max())
+            step = round_number(most / 2.0)
+            angle = found["angle"].to_numpy()
+            around = np.append(angle, angle[:1])
+            for name, color, width in (("largest", RED, 0.8), ("mean", BLUE, 1.4)):
+                force = found[name].to_numpy()
+                curve = _around(around, np.append(force, force[:1]), most)
+                axes.plot(*curve, color=color, linewidth=width, label=name)
+                if name == "mean":
+                    axes.fill(*curve, color=color, alpha=0.15, linewidth=0.0, zorder=0.5)
+            circle = np.linspace(0.0, 2.0 * np.pi, 181)
+            base = _around(circle, np.zeros(181), most)
+            axes.fill(*base, facecolor=PAPER, edgecolor=GREY, linewidth=0.4, zorder=0.6)
+            for level in np.arange(step, 1.001 * most, step):
+                ring = _around(circle, np.full(181, level), most)
+                axes.plot(*ring, color=GREY, linewidth=0.4, alpha=0.7)
+                axes.text(ring[0, 22], ring[1, 22], f"{level:g} N", fontsize=7.5, color=GREY)
+            axes.set(aspect="equal", title=f"sprocket {number}")
+            axes.set_axis_off()
+        legend_outside(cells, "outside upper right", ax)
         return figure
 
     @styled
@@ -200,6 +233,13 @@ def _band(axes: Axes, x: object, found: xr.Dataset, of: str = "") -> None:
     axes.fill_between(x, low, high, color=BLUE, alpha=0.2, linewidth=0.0, label=f"{of}5 to 95 %")  # type: ignore[arg-type]
     axes.plot(x, found["mean"], color=BLUE, label=f"{of}mean")  # type: ignore[arg-type]
     axes.plot(x, found["largest"], color=RED, linewidth=0.6, label=f"{of}largest")  # type: ignore[arg-type]
+
+
+def _around(angle: Array, force: Array, most: float) -> Array:
+    """Return points at a distance of 1 and more from the centre by force, (2, points)."""
+    radius = 1.05 + force / most if most > 0.0 else np.full(len(angle), 1.05)
+    points: Array = radius * np.stack([np.cos(angle), np.sin(angle)])
+    return points
 
 
 def _cycles(axes: Axes, cycles: xr.Dataset) -> None:

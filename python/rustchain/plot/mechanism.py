@@ -13,19 +13,8 @@ from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
-from rustchain.plot.style import (
-    BLUE,
-    CYCLE,
-    ORANGE,
-    RED,
-    Ax,
-    Figures,
-    legend_above,
-    legend_outside,
-    panels,
-    styled,
-    subplots,
-)
+from rustchain.plot.colors import BLUE, CYCLE, ORANGE, RED
+from rustchain.plot.style import Ax, Figures, legend_above, legend_outside, panels, styled, subplots
 from rustchain.results.result import Result
 from rustchain.typing import Time
 

@@ -12,18 +12,8 @@ from matplotlib.figure import Figure
 from rustchain.arguments import shown
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
-from rustchain.plot.style import (
-    BLUE,
-    CYCLE,
-    GREEN,
-    GREY,
-    RED,
-    Ax,
-    Figures,
-    legend_above,
-    styled,
-    subplots,
-)
+from rustchain.plot.colors import BLUE, CYCLE, GREEN, GREY, RED
+from rustchain.plot.style import Ax, Figures, legend_above, styled, subplots
 from rustchain.typing import Time
 
 if TYPE_CHECKING:

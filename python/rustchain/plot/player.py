@@ -14,7 +14,8 @@ import numpy as np
 
 from rustchain.plot.between_rows import large_force
 from rustchain.plot.canvas import ARROW, NAMES, THICKNESS, view_of
-from rustchain.plot.looks import FORCE_COLORS, LOOKS, theme_css
+from rustchain.plot.colors import theme_css
+from rustchain.plot.looks import FORCE_COLORS, LOOKS
 from rustchain.plot.shapes import Bar, Forces, Shape
 from rustchain.typing import Array
 

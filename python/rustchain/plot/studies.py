@@ -1,17 +1,28 @@
-"""Figures of many runs: a study's measures with their intervals, a map of losses."""
+"""Figures of many runs: a study's measures with their intervals, maps, waterfalls, losses."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from rustchain.arguments import shown
+from rustchain.arguments import finite_number, shown
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
-from rustchain.plot.style import BLUE, GREY, RED, Ax, panels, styled, subplots
+from rustchain.plot.colors import BLUE, GREY, PAPER, RED
+from rustchain.plot.style import Ax, panels, styled, subplots
+from rustchain.typing import Array, Time
+
+_UNITS = {"speed": "rad/s", "pretension": "N", "torque": "N m", "restitution": "1"}  # of axes
+_PANELS = 9  # of a map
+_BIN = 0.5  # [orders] that are one column of a waterfall
+_ORDERS = {  # scale and label of the amplitudes
+    "transmission_error": (1e6, "amplitude [µm]"),
+    "speed_ripple": (1e2, "amplitude [%]"),
+}
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -70,7 +81,7 @@ def draw_sweep(sweep: SweepResult, *, ax: Ax = None) -> Figure:
     if not names:
         msg = "sweep: nothing that was measured is a number of each case"
         raise InvalidInput(msg)
-    figure, cells = panels(len(names), over, "", size=(3.4, 2.6), share=False, ax=ax)
+    figure, cells = panels(len(names), _named(over), "", size=(3.4, 2.6), share=False, ax=ax)
     for axes, name in zip(cells, names, strict=True):
         values = measured[name].transpose(over, ...)
         axes.plot(values[over], values.to_numpy().reshape(len(values), -1), "o-", markersize=3.0)
@@ -138,3 +149,156 @@ def draw_loss_map(losses: xr.Dataset, *, ax: Ax = None) -> Figure:
         axes.grid(visible=False)
     cells[0].set_ylabel("load [N m]")
     return figure
+
+
+@styled
+def draw_map(sweep: SweepResult, measure: str, *, ax: Ax = None) -> Figure:
+    """Draw a measured number of a sweep over its first two axes, as a map.
+
+    Of further axes there is a panel for each of their values, nine at most. A case that failed
+    stays empty, with a cross.
+
+    Parameters
+    ----------
+    sweep : SweepResult
+        A sweep of two axes or more, with a measure.
+    measure : str
+        What to draw: a key of the measured dict, or "value".
+
+    Raises
+    ------
+    InvalidInput
+        There is no such measure, it is no number of each case, or there are fewer axes.
+    """
+    measured = sweep.to_xarray()
+    names = [str(name) for name, values in measured.items() if values.dims == sweep.dims]
+    if measure not in names:
+        msg = f"draw_map(measure): got {shown(measure)}; expected a measured number; "
+        raise InvalidInput(msg + suggest(measure, names))
+    if len(sweep.dims) < 2:
+        msg = f"draw_map(sweep): got a sweep over {sweep.dims[0]}; expected two axes or more"
+        raise InvalidInput(msg)
+    x, y, *others = sweep.dims
+    values = measured[measure]
+    cases = list(np.ndindex(*(values.sizes[other] for other in others)))[:_PANELS]
+    figure, cells = panels(len(cases), _named(x), _named(y), size=(4.4, 3.3), share=False, ax=ax)
+    low, high = float(values.min()), float(values.max())
+    for axes, case in zip(cells, cases, strict=True):
+        here = values.isel(dict(zip(others, case, strict=True))).transpose(y, x)
+        drawn = axes.pcolormesh(
+            here.to_numpy(), cmap="viridis", vmin=low, vmax=high, edgecolors="face", linewidth=0.2
+        )
+        failed = np.argwhere(~np.isfinite(here.to_numpy()))
+        axes.plot(failed[:, 1] + 0.5, failed[:, 0] + 0.5, "x", color=RED, markersize=6.0)
+        for axis, dim in ((axes.xaxis, x), (axes.yaxis, y)):
+            labels = [_told(value) for value in here[dim].to_numpy()]
+            every = -(-len(labels) // 10)
+            axis.set_ticks(np.arange(len(labels))[::every] + 0.5, labels[::every])
+        axes.grid(visible=False)
+        told = ", ".join(f"{other} = {_told(here[other].item())}" for other in others)
+        axes.set_title(f"{measure}: {told}" if told else measure)
+    if ax is None:
+        figure.colorbar(drawn, ax=cells, label=measure)
+    return figure
+
+
+@styled
+def draw_waterfall(
+    sweep: SweepResult,
+    quantity: Literal["transmission_error", "speed_ripple"] = "transmission_error",
+    sprocket: int = 2,
+    *,
+    start: Time = None,
+    ax: Ax = None,
+) -> Figure:
+    """Draw the amplitude by order over the axis of a sweep, such as the speed.
+
+    Parameters
+    ----------
+    sweep : SweepResult
+        A sweep of one axis of numbers, without a measure, so that it has kept its results.
+    quantity : {"transmission_error", "speed_ripple"}
+        Of which the orders are drawn.
+    sprocket : int
+        The driven sprocket, or the one whose speed ripples.
+    start : float, optional
+        Time from which on to look [s], when the drive has settled.
+
+    Raises
+    ------
+    InvalidInput
+        The sweep has another number of axes, or its axis has no numbers.
+    NotRecorded
+        The results were measured and let go, or have no sprockets.
+    """
+    if quantity not in _ORDERS:
+        msg = f"draw_waterfall(quantity): got {shown(quantity)}; {suggest(quantity, _ORDERS)}"
+        raise InvalidInput(msg)
+    if sweep.axes is None or len(sweep.axes) != 1:
+        msg = f"draw_waterfall(sweep): got axes {sweep.dims}; expected one axis of numbers"
+        raise InvalidInput(msg)
+    (over,) = sweep.dims
+    scale, label = _ORDERS[quantity]
+    lines = []
+    for case, result in zip(sweep.cases, sweep.results, strict=True):
+        value = finite_number(case.get(over))
+        if value is None:
+            msg = f"draw_waterfall(sweep): {over} = {shown(case.get(over))}; expected a number"
+            raise InvalidInput(msg)
+        if result is not None:
+            found = getattr(result, quantity)(sprocket, start=start)
+            radius = _radius(found) if quantity == "transmission_error" else 1.0
+            tooth = found.attrs["tooth_order"]
+            lines.append((value, *_in_bins(found, scale * radius, 4.5 * tooth)))
+    if len(lines) < 2:
+        msg = f"draw_waterfall(sweep): {len(lines)} cases have a result; expected two or more"
+        raise InvalidInput(msg)
+    lines.sort(key=lambda line: line[0])
+    values, orders = np.array([line[0] for line in lines]), lines[0][1]
+    amplitudes = np.array([line[2] for line in lines])
+    figure, axes = subplots(ax=ax, figsize=(7.0, 3.6))
+    top = float(amplitudes.max()) or 1.0
+    drawn = axes.pcolormesh(
+        orders, values, np.maximum(amplitudes, 1e-4 * top), cmap="viridis",
+        norm=LogNorm(1e-3 * top, top), shading="nearest", rasterized=True,
+    )  # fmt: skip
+    for multiple in range(1, 5):
+        axes.axvline(multiple * tooth, color=PAPER, linestyle="--", linewidth=0.7, alpha=0.8)
+    shaft = 1 if quantity == "transmission_error" else sprocket
+    axes.set(xlabel=f"order, per revolution of sprocket {shaft}", ylabel=_named(over))
+    axes.grid(visible=False)
+    axes.set_title(f"{quantity.replace('_', ' ')} of sprocket {sprocket}")
+    if ax is None:
+        figure.colorbar(drawn, ax=axes, label=label)
+    return figure
+
+
+def _in_bins(found: xr.Dataset, scale: float, highest: float) -> tuple[Array, Array]:
+    """Return orders at even distances and the largest amplitude about each.
+
+    Runs of unlike numbers of revolutions have their amplitudes at unlike orders.
+    """
+    edges = np.arange(0.0, highest + _BIN, _BIN)
+    order, amplitude = found["order"].to_numpy(), scale * found["amplitude"].to_numpy()
+    middles = 0.5 * (edges[1:] + edges[:-1])
+    binned = np.interp(middles, order, amplitude)  # of a bin without an order of its own
+    place = np.digitize(order, edges) - 1
+    there = (place >= 0) & (place < len(binned))
+    np.maximum.at(binned, place[there], amplitude[there])
+    return middles, binned
+
+
+def _radius(found: xr.Dataset) -> float:
+    """Return the pitch radius by which an error in rad was made a length [m]."""
+    error = found.attrs["peak_to_peak"]
+    return float(found.attrs["peak_to_peak_length"] / error) if error > 0.0 else 0.0
+
+
+def _named(axis: str) -> str:
+    """Return the label of an axis of a sweep, with the unit where its name tells it."""
+    unit = _UNITS.get(axis.rsplit(".", 1)[-1])
+    return axis if unit is None else f"{axis} [{unit}]"
+
+
+def _told(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

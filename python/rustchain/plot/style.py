@@ -2,28 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import functools
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from io import BytesIO
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar
 
 import numpy as np
 from matplotlib import style
 from matplotlib.axes import Axes
+from matplotlib.collections import Collection
+from matplotlib.colors import to_hex, to_rgba, to_rgba_array
 from matplotlib.figure import Figure
 
 from rustchain.analysis.window import rows_between
-from rustchain.arguments import shown
+from rustchain.arguments import checked, shown
 from rustchain.errors import InvalidInput
 from rustchain.names import named_attributes
+from rustchain.plot.colors import GREY, GRID, Theme, in_theme
 from rustchain.typing import Time
 
 if TYPE_CHECKING:
     from rustchain.results.result import Result
 
-BLUE, ORANGE, GREEN, RED, GREY = "#0b64a0", "#d9730d", "#2a8f5b", "#b8323a", "#7a7f87"
-GRID = "#e4e7eb"
-CYCLE = (BLUE, ORANGE, GREEN, RED, "#7d5ba6", "#8c6d1f", "#1d9a9a", "#c2608f")
+_Draw = TypeVar("_Draw", bound=Callable[..., Any])
 _STYLE: dict[str, Any] = {
     "font.size": 9.0,
     "axes.titlesize": 9.5,
@@ -43,7 +45,55 @@ _STYLE: dict[str, Any] = {
     "figure.dpi": 150,
 }
 
-styled = style.context(_STYLE)
+_theme: Theme = "light"
+
+
+@checked
+def use_theme(theme: Theme) -> None:
+    """Draw the figures that follow on a light or on a dark ground.
+
+    Parameters
+    ----------
+    theme : {"light", "dark"}
+        Figures drawn into given axes keep the ground and the colours of these.
+    """
+    global _theme
+    _theme = theme
+
+
+def styled(draw: _Draw) -> _Draw:
+    """Give the figures that a function draws the style and the theme that all share."""
+
+    @functools.wraps(draw)
+    def drawn(*args: Any, **keywords: Any) -> Any:  # noqa: ANN401
+        with style.context(_STYLE):
+            figure = draw(*args, **keywords)
+        if _theme == "dark" and isinstance(figure, Picture):
+            _darken(figure)
+        return figure
+
+    return drawn  # type: ignore[return-value]
+
+
+def _darken(figure: Figure) -> None:
+    """Give every part of a figure the colour that stands for its own on a dark ground."""
+    for artist in figure.findobj():
+        for part in ("color", "facecolor", "edgecolor", "markerfacecolor", "markeredgecolor"):
+            get, put = getattr(artist, f"get_{part}", None), getattr(artist, f"set_{part}", None)
+            if get is None or put is None:
+                continue
+            if isinstance(artist, Collection):
+                if artist.get_array() is None:  # otherwise colours stand for values
+                    put([_dark(color) for color in to_rgba_array(get())])
+            elif not isinstance(get(), list | tuple) or len(get()):
+                put(_dark(to_rgba(get())))
+
+
+def _dark(color: Any) -> tuple[float, ...]:  # noqa: ANN401
+    """Return what stands for a colour on a dark ground, as opaque as it is."""
+    name = to_hex(color)  # without its opacity
+    return (*to_rgba(in_theme(name, "dark"))[:3], color[3])
+
 
 Ax: TypeAlias = Axes | Sequence[Axes] | None
 """Axes to draw into, as many as the figure has panels; None makes a figure."""

@@ -13,7 +13,7 @@ import matplotlib as mpl
 import numpy as np
 
 from rustchain.errors import InvalidInput, NotRecorded
-from rustchain.plot.looks import in_dark
+from rustchain.plot.colors import IN_DARK
 from rustchain.plot.picture import draw_drive
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def svg_of(figure: Figure) -> str:
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>|<style.*?</style>", "", text, flags=re.DOTALL)
     text = re.sub(r'font-family: [^;"]*(; )?', "", text)
-    for color in in_dark():
+    for color in IN_DARK:
         text = text.replace(color, f"var(--x{color[1:]})")
     # As wide as the page, unless its letters would become much larger than the page's.
     width = float(figure.get_size_inches()[0])

@@ -17,7 +17,7 @@ from rustchain.errors import InvalidInput, NotRecorded
 from rustchain.files.writer import text_of_scene
 from rustchain.notebook import html_table
 from rustchain.paths import check_writable, path_of, write_whole
-from rustchain.plot.looks import theme_css
+from rustchain.plot.colors import theme_css
 from rustchain.plot.player import player_part
 from rustchain.report.confidence import PARTS, KeyFigure, key_figures
 from rustchain.report.figures import Drawn, figures_of, picture_of

@@ -1,0 +1,113 @@
+"""Waterfalls, maps, orbits and polar loads show the numbers that they are given."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import rustchain as rc
+from rustchain.plot import draw_map, draw_waterfall
+from rustchain.sweeps.result import SweepResult
+
+RESULT = rc.Simulation(rc.paper_drive(25.0)).run(
+    duration=0.05, record=("hinges", "teeth", "sprockets"), progress=False
+)
+
+
+class FakeResult:
+    """A result whose transmission error has one order, over another number of revolutions."""
+
+    def __init__(self, order, revolutions):
+        orders = np.arange(0.0, 200.0, 1.0 / revolutions)
+        amplitude = np.where(np.abs(orders - order) < 0.6 / revolutions, 2e-4, 1e-9)
+        self.found = xr.Dataset(
+            {"amplitude": ("order", amplitude)},
+            {"order": orders},
+            {"peak_to_peak": 4e-4, "peak_to_peak_length": 4e-4 * 0.03, "tooth_order": 17},
+        )
+
+    def transmission_error(self, sprocket, *, start):
+        return self.found
+
+
+def waterfall(cases, values):
+    axes = {"speed": tuple(case["speed"] for case in cases)}
+    return SweepResult(cases, axes, values, _measured=False)
+
+
+def test_a_waterfall_has_each_order_at_its_place_whatever_the_number_of_revolutions():
+    cases = [{"speed": speed} for speed in (30.0, 10.0, 20.0)]
+    sweep = waterfall(cases, [FakeResult(51.0, 3.0), FakeResult(17.0, 1.7), FakeResult(34.0, 9.3)])
+    figure = draw_waterfall(sweep)
+    (mesh,) = figure.axes[0].collections
+    values = mesh.get_array().reshape(3, -1)
+    orders = 0.25 + 0.5 * np.arange(values.shape[1])
+    found = orders[values.argmax(axis=1)]
+    np.testing.assert_allclose(found, [17.0, 34.0, 51.0], atol=0.75)  # by speed
+    np.testing.assert_allclose(values.max(axis=1), 1e6 * 2e-4 * 0.03)  # µm
+    assert figure.axes[0].get_ylabel() == "speed [rad/s]"
+    assert figure.axes[1].get_ylabel() == "amplitude [µm]"
+
+
+def test_a_waterfall_of_a_real_sweep_is_drawn():
+    drive = rc.two_sprocket_drive("ANSI 40", (17, 17), links=38, speed=20.0, torque=-3.0)
+    sweep = rc.sweep(
+        drive, {"speed": [20.0, 40.0]}, duration=0.05, record=("sprockets",), progress=False
+    )
+    assert draw_waterfall(sweep, "speed_ripple", 2).axes[1].get_ylabel() == "amplitude [%]"
+
+
+def test_what_makes_no_waterfall_is_refused():
+    cases = [{"speed": 1.0}, {"speed": 2.0}]
+    with pytest.raises(rc.InvalidInput, match="expected two or more"):
+        draw_waterfall(waterfall(cases, [None, FakeResult(17.0, 2.0)]))
+    with pytest.raises(rc.InvalidInput, match="did you mean 'speed_ripple'"):
+        draw_waterfall(waterfall(cases, [None, None]), "speed_riple")
+    two = SweepResult(cases, {"speed": (1.0,), "pretension": (0, 1)}, [None, None], _measured=False)
+    with pytest.raises(rc.InvalidInput, match="expected one axis of numbers"):
+        draw_waterfall(two)
+
+
+def campaign():
+    axes = {"pretension": (0.0, 25.0, 50.0), "speed": (5.0, 10.0)}
+    cases = [{"pretension": p, "speed": s} for p in axes["pretension"] for s in axes["speed"]]
+    values = [{"force": 10.0 * c["pretension"] + c["speed"]} for c in cases]
+    values[3] = None
+    return SweepResult(cases, axes, values, errors={3: rc.SimulationError("no")})
+
+
+def test_a_map_has_the_measured_numbers_and_a_cross_where_a_case_failed():
+    figure = draw_map(campaign(), "force")
+    axes = figure.axes[0]
+    values = axes.collections[0].get_array().reshape(2, 3)  # speed, pretension
+    np.testing.assert_array_equal(values[0], [5.0, 255.0, 505.0])
+    assert np.ma.getmaskarray(np.ma.masked_invalid(values)).tolist() == [
+        [False, False, False],
+        [False, True, False],
+    ]
+    (crosses,) = axes.lines
+    np.testing.assert_array_equal(crosses.get_xydata(), [[1.5, 1.5]])
+    assert axes.get_xlabel() == "pretension [N]"
+    assert [label.get_text() for label in axes.get_yticklabels()] == ["5", "10"]
+
+
+def test_a_map_of_what_was_not_measured_is_refused():
+    with pytest.raises(rc.InvalidInput, match="did you mean 'force'"):
+        draw_map(campaign(), "forse")
+
+
+def test_an_orbit_is_coloured_by_the_force():
+    (pieces,) = RESULT.plot.orbit(6).axes[0].collections
+    force = RESULT.hinge(6).force
+    np.testing.assert_allclose(pieces.get_array(), 0.5 * (force[1:] + force[:-1]))
+    assert pieces.get_clim() == (0.0, force.max())
+
+
+def test_a_polar_load_stands_as_far_out_as_it_is_large():
+    lines = RESULT.plot.polar_tooth_loads(1).axes[0].lines
+    (largest,) = (line for line in lines if line.get_label() == "largest")
+    found = RESULT.tooth_loads(1)
+    force, angle = found["largest"].to_numpy(), found["angle"].to_numpy()
+    x, y = largest.get_data()
+    place = force.argmax()
+    np.testing.assert_allclose(np.hypot(x, y)[:-1] - 1.05, force / force.max(), atol=1e-12)
+    assert np.arctan2(y[place], x[place]) % (2 * np.pi) == pytest.approx(angle[place])
