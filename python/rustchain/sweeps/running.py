@@ -221,10 +221,14 @@ def _run_on_threads(
     from concurrent.futures import ThreadPoolExecutor
 
     given_up = threading.Event()
-    run = partial(_run, looks=looks, given_up=given_up)
+
+    def submit(case: Case) -> Future[Outcome]:
+        # Made here, where warnings have the line of the caller.
+        return pool.submit(_run, case, Quiet(case.scene), looks, given_up)
+
     with ThreadPoolExecutor(threads) as pool:
         try:
-            for ended in _in_turn(cases, partial(pool.submit, run), 2 * threads):
+            for ended in _in_turn(cases, submit, 2 * threads):
                 if ended is not None:
                     case, outcome = ended
                     bar.update(case.seconds)
@@ -277,7 +281,7 @@ def _in_turn(
                     break
                 try:
                     future = submit(case)
-                except Exception as error:  # of a pool that is broken or closed
+                except Exception as error:  # of a scene, or of a pool that is broken or closed
                     yield case, Outcome(error=error, made=False)
                     continue
                 waiting[future] = case
@@ -310,9 +314,13 @@ def _outcome(future: Future[Outcome]) -> Outcome:
 
 def _run_and_measure(case: Case, *, looks: Looks, measure: Measure | None) -> Outcome:
     """Run and measure a case, in whatever process; return what can be sent back."""
-    outcome = _measured(_run(case, looks), measure)
-    error = outcome.error
-    return outcome if error is None else outcome._replace(error=_sendable(error))
+    try:
+        simulation = Quiet(case.scene)
+    except Exception as error:  # what is refused
+        return Outcome(error=_sendable(error), made=False)
+    outcome = _measured(_run(case, simulation, looks), measure)
+    failure = outcome.error
+    return outcome if failure is None else outcome._replace(error=_sendable(failure))
 
 
 def _sendable(error: Exception) -> Exception:
@@ -326,14 +334,12 @@ def _sendable(error: Exception) -> Exception:
     return error
 
 
-def _run(case: Case, looks: Looks, given_up: threading.Event | None = None) -> Outcome:
-    """Run a case as a simulation."""
+def _run(
+    case: Case, simulation: Quiet, looks: Looks, given_up: threading.Event | None = None
+) -> Outcome:
+    """Run the simulation of a case."""
     if given_up is not None and given_up.is_set():
         raise KeyboardInterrupt
-    try:
-        simulation = Quiet(case.scene)
-    except Exception as error:  # what is refused
-        return Outcome(error=error, made=False)
     simulation.given_up = given_up
     result: Result | None = None
     failure: Exception | None = None
