@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import pi
-from typing import Literal, TypeAlias, get_args
+from typing import Literal, TypeAlias
 
 from rustchain import _rustchain
 from rustchain.arguments import admitted, finite_number, shown
@@ -221,7 +221,7 @@ def catalogue_chain(
     if strands is not None and named not in (None, strands):
         msg = f"strands = {strands}: the name {name!r} says {named}; leave one of them"
         raise InvalidInput(msg)
-    _check_plates_word(plates)
+    admitted("plates", plates, Stretch)
     inner, outer = size.links()
     fixed = Chain(
         name=size.name,
@@ -247,7 +247,7 @@ def check_rollers(chain: Chain, rollers: Rollers) -> None:
     if not isinstance(chain, Chain):
         msg = f"chain = {shown(chain)}: must be a Chain, or the name of one in the catalogue"
         raise InvalidInput(msg)
-    _check_word(rollers)
+    admitted("rollers", rollers, Rollers)
     if rollers == "bodies" and chain.roller is None:
         msg = (
             "rollers = 'bodies': the chain given has none; give it Chain(..., roller=Roller(...)), "
@@ -258,7 +258,7 @@ def check_rollers(chain: Chain, rollers: Rollers) -> None:
 
 def check_plates(chain: Chain, plates: Stretch) -> None:
     """Refuse elastic plates of a chain that is given as it is, with rigid ones."""
-    _check_plates_word(plates)
+    admitted("plates", plates, Stretch)
     if plates == "elastic" and chain.link_stiffness is None:
         msg = (
             "plates = 'elastic': the chain given is rigid; give it Chain(..., "
@@ -267,21 +267,9 @@ def check_plates(chain: Chain, plates: Stretch) -> None:
         raise InvalidInput(msg)
 
 
-def _check_plates_word(plates: Stretch) -> None:
-    if not isinstance(plates, str) or plates not in get_args(Stretch):
-        msg = f"plates = {shown(plates)}: must be 'rigid' or 'elastic'"
-        raise InvalidInput(msg)
-
-
-def _check_word(rollers: Rollers) -> None:
-    if not isinstance(rollers, str) or rollers not in get_args(Rollers):
-        msg = f"rollers = {shown(rollers)}: must be 'fixed' or 'bodies'"
-        raise InvalidInput(msg)
-
-
 def _rolling(chain: Chain, size: ChainSize, rollers: Rollers) -> Chain:
     """Return a chain whose rollers, fixed to its bushings, are made bodies where that is asked."""
-    _check_word(rollers)
+    admitted("rollers", rollers, Rollers)
     if rollers == "fixed":
         return chain
     if not size.has_rollers:

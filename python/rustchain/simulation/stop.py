@@ -78,23 +78,38 @@ class StopCondition(Description, ABC):
             raise self._refusal(field, number, f"must be a number from 1 to {count}, or None")
         return slice(number - 1, number)
 
-    def _force(self, simulation: Simulation, contact: str, limit: float, channel: str) -> Look:
-        """Return what looks for a force above `limit` in a channel of largest forces."""
-        which = self._one_of(contact, simulation.drive.hinge_count)
+
+@dataclass(frozen=True)
+class _ContactForceAbove(StopCondition):
+    """Base of the conditions on forces of hinges and of teeth."""
+
+    of_drives: ClassVar[bool] = True
+    contact: ClassVar[str]  # field with its number
+    channel: ClassVar[str]  # of the largest forces
+
+    force: float
+
+    def _check(self) -> None:
+        self._check_number("force", "N")
+        self._check_count(self.contact)
+
+    def look_at(self, simulation: Simulation) -> Look:
+        """Return the function that is called at each report of `simulation`."""
+        which = self._one_of(self.contact, simulation.drive.hinge_count)
 
         def look() -> str | None:
-            row = simulation._core.last_row(channel)[which]
+            row = simulation._core.last_row(self.channel)[which]
             worst = int(row.argmax())
-            if row[worst] <= limit:
+            if row[worst] <= self.force:
                 return None
-            number = which.start + worst + 1
-            return f"{contact} {number} had a force of {row[worst]:.4g} N, above {limit:g} N"
+            found = f"{self.contact} {which.start + worst + 1}"
+            return f"{found} had a force of {row[worst]:.4g} N, above {self.force:g} N"
 
         return look
 
 
 @description(frozen=True)
-class HingeForceAbove(StopCondition):
+class HingeForceAbove(_ContactForceAbove):
     """The force of a hinge has exceeded a limit since the row before.
 
     Attributes
@@ -106,22 +121,14 @@ class HingeForceAbove(StopCondition):
     """
 
     group: ClassVar[str | None] = "hinges"
-    of_drives: ClassVar[bool] = True
+    contact: ClassVar[str] = "hinge"
+    channel: ClassVar[str] = "peak_hinge_force"
 
-    force: float
     hinge: int | None = None
-
-    def _check(self) -> None:
-        self._check_number("force", "N")
-        self._check_count("hinge")
-
-    def look_at(self, simulation: Simulation) -> Look:
-        """Return the function that is called at each report of `simulation`."""
-        return self._force(simulation, "hinge", self.force, "peak_hinge_force")
 
 
 @description(frozen=True)
-class ToothForceAbove(StopCondition):
+class ToothForceAbove(_ContactForceAbove):
     """The tooth force of a bushing has exceeded a limit since the row before.
 
     Attributes
@@ -133,18 +140,10 @@ class ToothForceAbove(StopCondition):
     """
 
     group: ClassVar[str | None] = "teeth"
-    of_drives: ClassVar[bool] = True
+    contact: ClassVar[str] = "bushing"
+    channel: ClassVar[str] = "peak_tooth_force"
 
-    force: float
     bushing: int | None = None
-
-    def _check(self) -> None:
-        self._check_number("force", "N")
-        self._check_count("bushing")
-
-    def look_at(self, simulation: Simulation) -> Look:
-        """Return the function that is called at each report of `simulation`."""
-        return self._force(simulation, "bushing", self.force, "peak_tooth_force")
 
 
 @description(frozen=True)

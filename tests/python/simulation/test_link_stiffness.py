@@ -139,7 +139,7 @@ def test_every_generator_offers_elastic_plates(make):
     stiffness = rc.catalogue_chain("ANSI 40", 20, plates="elastic").axial_stiffness
     assert make(plates="elastic").chain.axial_stiffness == stiffness
     assert make().chain.axial_stiffness is None
-    with pytest.raises(rc.InvalidInput, match="plates = 'soft': must be 'rigid' or 'elastic'"):
+    with pytest.raises(rc.InvalidInput, match="plates: got 'soft'; expected 'rigid' or 'elastic'"):
         make(plates="soft")
 
 
