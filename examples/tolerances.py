@@ -2,7 +2,7 @@
 
 Each of 60 chains has its own bores, and its own long and short links. The mean has Student's
 interval; the 90th percentile has the distribution-free interval between two of the sorted chains,
-whose numbers follow from the binomial distribution.
+whose numbers follow from the binomial distribution. Bands in the figure are the intervals of means.
 """
 
 import matplotlib.pyplot as plt

@@ -3,6 +3,7 @@
 import gc
 import re
 import weakref
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from scipy import stats
 from scipy.stats import qmc
 
 import rustchain as rc
+from rustchain.sweeps import running
 
 PAPER = rc.paper_drive()
 BRIEF = {"duration": 1e-4, "progress": False}
@@ -123,9 +125,10 @@ def test_tolerances_of_manufacture_are_samples_of_the_chain():
         assert 1e-4 < spread.std() < 4e-4
 
 
-@pytest.mark.parametrize("looked_at", [False, True])
-def test_scenes_are_made_as_they_are_needed(looked_at):
+@pytest.mark.parametrize("how", ["pool", "threads", "executor"])
+def test_scenes_are_made_as_they_are_needed(how, monkeypatch):
     """Of 300 scenes, those that wait and run on two threads are in memory, and no others."""
+    monkeypatch.setattr(running, "_MOST_SUBMITTED", 40)
     alive, most = weakref.WeakSet(), 0
 
     def build(mass):
@@ -136,11 +139,13 @@ def test_scenes_are_made_as_they_are_needed(looked_at):
         most = max(most, len(alive))
         return drive
 
-    callback = (lambda _: None) if looked_at else None
-    axes = {"mass": range(300)}
-    found = rc.sweep(
-        build, axes, lambda r: r.time[-1], duration=1e-6, threads=2, callback=callback,
-        energy=False, record=("sprockets",), progress=False,
-    )  # fmt: skip
+    run = {"duration": 1e-6, "energy": False, "record": ("sprockets",), "progress": False}
+    with ThreadPoolExecutor(2) as pool:
+        where = {
+            "pool": {"threads": 2},
+            "threads": {"threads": 2, "callback": lambda _: None},
+            "executor": {"executor": pool},
+        }
+        found = rc.sweep(build, {"mass": range(300)}, lambda r: r.time[-1], **run, **where[how])
     assert found.success
-    assert most < 270
+    assert most < {"pool": 270, "threads": 30, "executor": 90}[how]
