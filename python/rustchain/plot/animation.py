@@ -185,15 +185,17 @@ def _gif(animation: Animation) -> bytes:
     sample = np.concatenate(list(animation.frames(picked)))
     palette = Image.fromarray(sample).quantize(_COLORS, Image.Quantize.MEDIANCUT)
     # The nearest of these colours for each of 32^3, which is quicker to look up than to search.
-    steps = np.arange(4, 256, 8, dtype=np.uint8)
+    steps = np.rint(np.linspace(0.0, 255.0, 32)).astype(np.uint8)
     cube = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), axis=-1).reshape(32, -1, 3)
     nearest = Image.fromarray(cube).quantize(palette=palette, dither=Image.Dither.NONE)
     table = np.asarray(nearest).ravel()
+    colors = np.array(palette.getpalette()).reshape(-1, 3)
+    colors[table[-1]] = 255  # the ground is white, not the mean of colours near it
 
     def image_of(frame: Array) -> Image.Image:
         red, green, blue = np.right_shift(frame, 3).astype(np.int32).transpose(2, 0, 1)
         image = Image.fromarray(table[(red << 10) | (green << 5) | blue], "P")
-        image.putpalette(palette.getpalette() or [])
+        image.putpalette(colors.ravel().tolist())
         return image
 
     images = map(image_of, animation.frames())

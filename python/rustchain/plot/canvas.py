@@ -27,7 +27,7 @@ ARROW = 2.0  # length of the arrow of a large force, in sizes of a part
 THICKNESS = 0.16  # of arrows, in sizes of a part
 _VIEW = 8.0  # width of a view that follows a body, in sizes of a part
 _MARGIN = 0.6  # round all that moves, in sizes of a part
-_HEAD = 44  # [pixels] above the scene, for the scales
+_HEAD, _FOOT = 44, 28  # [pixels] above and below the scene, for the scales and the time
 NAMES = {"joint": "reaction"}  # in legends; others are "tooth force" and so on
 
 
@@ -72,14 +72,16 @@ class Canvas:
         """Make the figure with all artists, and keep what does not move as a background."""
         dpi, width = 100.0, 2 * (self.animation.width // 2)  # video codecs need even numbers
         tall = int(np.clip(width * self.size[1] / self.size[0], 0.25 * width, 1.25 * width))
-        height = 2 * ((tall + _HEAD) // 2)
+        height = 2 * ((tall + _HEAD + _FOOT) // 2)
         size = width / dpi, height / dpi
         self.figure = Figure(figsize=size, dpi=dpi, facecolor=in_theme(PAPER, _THEME))
         self.figure.set_layout_engine("none")
         self.canvas = cast("Any", FigureCanvasAgg(self.figure))  # which has no types
-        self.axes = self.figure.add_axes((0.0, 0.0, 1.0, (height - _HEAD) / height))
+        self.axes = self.figure.add_axes(
+            (0.0, _FOOT / height, 1.0, (height - _HEAD - _FOOT) / height)
+        )
         self.axes.set_axis_off()
-        pixels = np.array([width, height - _HEAD])
+        pixels = np.array([width, height - _HEAD - _FOOT])
         half = 0.5 * pixels * (self.size / pixels).max()  # one scale for x and y
         self.axes.set(xlim=(-half[0], half[0]), ylim=(-half[1], half[1]))
         outlines = self.animation.shapes.outlines

@@ -22,6 +22,8 @@
   vertical-align: middle; }
 @media (max-width: 640px) { .player .keys { display: none; } }`;
 
+  const HEAD = 30; // [pixels] of the stage that the scales take
+
   const inflate = async (text) => {
     const binary = atob(text), bytes = new Uint8Array(binary.length);
     for (let i = 0; i < bytes.length; i++) bytes[i] = binary.charCodeAt(i);
@@ -147,11 +149,12 @@
       || (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
     const color = (name) => getComputedStyle(root).getPropertyValue(name).trim();
     const window_ = () => {
-      const [width, height] = size(stage), view = state.view;
-      const scale = Math.min(width / view.width, height / view.height);
+      const [width, height, ratio] = size(stage), view = state.view, head = HEAD * ratio;
+      const scale = Math.min(width / view.width, (height - head) / view.height);
+      const cx = width / 2, cy = (height + head) / 2;
       const [row, share] = place(state.time);
       const [fx, fy] = state.follow < 0 ? [0, 0] : pose(state.follow, row, share);
-      return { scale, x: width / 2 - scale * (view.x + fx), y: height / 2 + scale * (view.y + fy), row, share, width, height };
+      return { scale, cx, cy, x: cx - scale * (view.x + fx), y: cy + scale * (view.y + fy), row, share, width, height };
     };
     const into = (draw, at, [x, y, angle]) => {
       const c = Math.cos(angle) * at.scale, s = Math.sin(angle) * at.scale;
@@ -404,8 +407,8 @@
     // --- pointer, wheel, keys
     const zoom = (factor, px, py) => {
       const at = window_(), ratio = window.devicePixelRatio || 1, view = state.view;
-      const dx = ((px ?? at.width / ratio / 2) * ratio - at.width / 2) / at.scale;
-      const dy = (at.height / 2 - (py ?? at.height / ratio / 2) * ratio) / at.scale;
+      const dx = ((px ?? at.cx / ratio) * ratio - at.cx) / at.scale;
+      const dy = (at.cy - (py ?? at.cy / ratio) * ratio) / at.scale;
       const kept = Math.min(Math.max(factor, 1e-3 * data.view.width / view.width), 20 * data.view.width / view.width);
       view.x += dx * (1 - kept); view.y += dy * (1 - kept);
       view.width *= kept; view.height *= kept;

@@ -133,11 +133,12 @@ def test_a_link_tells_its_values_and_its_forces_are_plotted(path):
         ready(page)
         page.fill("input[type=range]", "400")
         box, at = page.locator(".stage").bounding_box(), view(page)
-        scale = min(box["width"] / at["width"], box["height"] / at["height"])
+        head = 30  # pixels, of the scales
+        scale = min(box["width"] / at["width"], (box["height"] - head) / at["height"])
         x, y, _ = RESULT.array("positions")[400, 5]
         page.mouse.click(
             box["x"] + box["width"] / 2 + scale * (x - at["x"]),
-            box["y"] + box["height"] / 2 - scale * (y - at["y"]),
+            box["y"] + (box["height"] + head) / 2 - scale * (y - at["y"]),
         )
         page.wait_for_timeout(300)
         told = page.inner_text(".told").replace("−", "-")
