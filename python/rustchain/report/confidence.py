@@ -67,8 +67,8 @@ class KeyFigure:
 def key_figures(result: Result) -> list[KeyFigure]:
     """Return the key figures of a result, with intervals from eight parts of equal duration.
 
-    One part's mean is taken to be independent of the others', which holds where a part is longer
-    than what the drive repeats: a revolution of the chain at best, of a sprocket at least.
+    The means of the parts are taken to be independent (docs/decisions/0037): what repeats within a
+    revolution makes an interval wider than chance does, a change that outlasts a part narrower.
     """
     summary = result.summary()
     parts = _parts(result)

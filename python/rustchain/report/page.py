@@ -150,10 +150,10 @@ def _key_figures(result: Result) -> str:
     energy = _energy(result)
     note = (
         f"± is the 95 % interval of a mean, from the means of {PARTS} parts of equal duration "
-        f"({_number(np.ptp(result.time) / PARTS)} s{_turns(result)}), taken as independent; too "
-        "narrow where a part is shorter than what the drive repeats. Of extremes and spreads the "
-        "range of the parts is given. One run of a chaotic drive says nothing of other starts: "
-        "see study()."
+        f"({_number(np.ptp(result.time) / PARTS)} s{_turns(result)}), taken as independent. What "
+        "repeats within a revolution makes it wider than chance does, a change that outlasts a "
+        "part narrower. Of extremes and spreads the range of the parts is given. Other starts of "
+        "a chaotic drive are the subject of study()."
     )
     return f'{table}{energy}<p class="note">{note}</p>'
 
