@@ -27,6 +27,7 @@ GROUPS: dict[str, list[Callable[..., Any]]] = {
         rc.Material,
     ],
     "drive.sprockets": [rc.Sprocket, rc.PrescribedSpeed, rc.AppliedTorque, rc.Free],
+    "drive.sprockets.motion.speed": [rc.Table, rc.Spline, rc.Sines, rc.SmoothStep],
     "drive.sprockets.profile": [
         rc.AnsiTooth,
         rc.IsoTooth,

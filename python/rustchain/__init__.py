@@ -56,12 +56,6 @@ if TYPE_CHECKING:
     from rustchain.description.laws.friction import Coulomb as Coulomb, LuGre as LuGre
     from rustchain.description.material import Material as Material
     from rustchain.description.mechanism.builder import Mechanism as Mechanism
-    from rustchain.description.mechanism.functions import (
-        Sines as Sines,
-        SmoothStep as SmoothStep,
-        Spline as Spline,
-        Table as Table,
-    )
     from rustchain.description.mechanism.parts import (
         HuntCrossley as HuntCrossley,
         LinearContact as LinearContact,
@@ -70,6 +64,12 @@ if TYPE_CHECKING:
     from rustchain.description.mechanism.report import MechanismReport as MechanismReport
     from rustchain.description.report import DriveReport as DriveReport
     from rustchain.description.scene import Scene as Scene
+    from rustchain.description.signals import (
+        Sines as Sines,
+        SmoothStep as SmoothStep,
+        Spline as Spline,
+        Table as Table,
+    )
     from rustchain.description.solver import Solver as Solver
     from rustchain.description.sprocket import (
         AppliedTorque as AppliedTorque,
@@ -141,11 +141,11 @@ _HOMES = {
     "description.laws.friction": "Coulomb LuGre",
     "description.material": "Material",
     "description.mechanism.builder": "Mechanism",
-    "description.mechanism.functions": "Sines SmoothStep Spline Table",
     "description.mechanism.parts": "HuntCrossley LinearContact SurfaceContact",
     "description.mechanism.report": "MechanismReport",
     "description.report": "DriveReport",
     "description.scene": "Scene",
+    "description.signals": "Sines SmoothStep Spline Table",
     "description.solver": "Solver",
     "description.sprocket": "AppliedTorque Free PrescribedSpeed Sprocket",
     "description.teeth": "AnsiTooth CustomTooth IsoTooth StraightTooth ToothArc ToothLine",

@@ -1,8 +1,9 @@
 //! The two ends of an open chain: anchored, loaded or free.
 
-use super::{Chain, TimeTable};
+use super::Chain;
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
+use crate::math::Signal;
 
 /// Boundary condition of one end of an open chain; the hinge is like those of the chain.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,7 +13,7 @@ pub enum ChainEnd {
         /// Position at the start \[m\].
         position: Vec2,
         /// Velocity, x and y \[m/s\].
-        velocity: [TimeTable; 2],
+        velocity: [Signal; 2],
         /// Links between the pin and the first sprocket; `None`: the smallest number that fits.
         links: Option<u32>,
     },

@@ -1,9 +1,10 @@
 //! Bounds of loads and speeds, far above the breaking load of any chain: they find errors of units before a run becomes
 //! slow by them.
 
-use super::{Chain, ChainEnd, Drive, Mount, SprocketMotion, TimeTable};
+use super::{Chain, ChainEnd, Drive, Mount, SprocketMotion};
 use crate::error::{Error, Result};
 use crate::geometry::path::wrap::pitch_radius;
+use crate::math::Signal;
 
 /// Largest force on a chain over the square of its pitch \[Pa\]. Roller chains of ISO 606 break at 1e8 Pa. With a hundred times that
 /// a default run needs some 1e6 steps per simulated second, with ten thousand times 1e8.
@@ -48,14 +49,9 @@ impl InputBounds {
         Err(Error::invalid(field, speed, expected))
     }
 
-    /// Check the speeds of a table against the bound.
-    pub(crate) fn check_speeds(&self, field: &str, table: &TimeTable) -> Result<()> {
-        self.check_speed(field, table.largest())
-    }
-
     /// Check a torque against the bound; `field` is its name in messages.
-    pub(crate) fn check_torques(&self, field: &str, table: &TimeTable) -> Result<()> {
-        refuse_above(self.torque, self.pitch, "N m", field, table.largest())
+    pub(crate) fn check_torque(&self, field: &str, torque: f64) -> Result<()> {
+        refuse_above(self.torque, self.pitch, "N m", field, torque)
     }
 }
 
@@ -101,14 +97,14 @@ impl Drive {
             let motion = |quantity: &str| format!("ChainDrive.sprockets[{i}].motion.{quantity}");
             match &sprocket.motion {
                 SprocketMotion::PrescribedSpeed(speed) => {
-                    bounds.check_speeds(&motion("speed"), speed)?;
+                    bounds.check_speed(&motion("speed"), speed.largest())?;
                 }
                 SprocketMotion::AppliedTorque(torque) => {
-                    bounds.check_torques(&motion("torque"), torque)?;
+                    bounds.check_torque(&motion("torque"), torque.largest())?;
                 }
                 SprocketMotion::TorqueCurve { torque, curve } => {
-                    bounds.check_torques(&motion("torque"), torque)?;
-                    bounds.check_torques(&motion("curve (torque)"), curve)?;
+                    bounds.check_torque(&motion("torque"), torque.largest())?;
+                    bounds.check_torque(&motion("curve (torque)"), curve.largest())?;
                     bounds.check_speed(&motion("curve (speed)"), curve.farthest())?;
                 }
                 SprocketMotion::Free => {}
@@ -126,7 +122,7 @@ impl Drive {
             let ChainEnd::Anchor { velocity, .. } = end else {
                 continue;
             };
-            let speed = velocity.iter().map(TimeTable::largest).fold(0.0, f64::max);
+            let speed = velocity.iter().map(Signal::largest).fold(0.0, f64::max);
             if speed > MOST_CHAIN_SPEED {
                 let expected = format!(
                     "expected at most {MOST_CHAIN_SPEED} m/s where real chains run below 50 m/s; check the unit"

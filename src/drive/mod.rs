@@ -11,7 +11,6 @@ mod profile;
 mod rail;
 mod sprocket;
 mod tensioner;
-mod time_table;
 mod variation;
 
 pub use belt_line::BeltLine;
@@ -28,7 +27,6 @@ pub use rail::{Arm, Mount, Rail, RailShape};
 pub use sprocket::{Bearing, Faults, Sprocket, SprocketMotion};
 pub(crate) use tensioner::STOP_STIFFNESS;
 pub use tensioner::{Tensioner, TensionerLine};
-pub use time_table::TimeTable;
 pub use variation::Variation;
 
 use crate::error::{Error, Result, check};

@@ -2,10 +2,11 @@
 
 use std::f64::consts::PI;
 
-use super::{Chain, TimeTable, ToothForm};
+use super::{Chain, ToothForm};
 use crate::error::{Error, Result, check};
 use crate::geometry::path::belt::Side;
 use crate::geometry::{AnsiCurves, Damage, ToothProfile, Vec2, unit};
+use crate::math::{Signal, Table};
 
 /// Density of steel \[kg/m³\], for the default mass of a sprocket as a disc.
 const STEEL_DENSITY: f64 = 7850.0;
@@ -14,16 +15,16 @@ const STEEL_DENSITY: f64 = 7850.0;
 #[derive(Debug, Clone, PartialEq)]
 pub enum SprocketMotion {
     /// Prescribed angular velocity \[rad/s\].
-    PrescribedSpeed(TimeTable),
+    PrescribedSpeed(Signal),
     /// Applied torque \[N m\].
-    AppliedTorque(TimeTable),
+    AppliedTorque(Signal),
     /// Torque as a function of time plus a torque as a function of angular velocity (curve of a motor or load), rows
     /// (angular velocity \[rad/s\], torque \[N m\]).
     TorqueCurve {
         /// Torque over time.
-        torque: TimeTable,
+        torque: Signal,
         /// Torque over angular velocity.
-        curve: TimeTable,
+        curve: Table,
     },
     /// No torque but that of the chain.
     Free,

@@ -114,6 +114,11 @@ impl Adams {
         self.history.differences.reset_component(component);
     }
 
+    /// Put a component of the solution elsewhere; what is known of its derivative stays.
+    pub(crate) fn set_component(&mut self, component: usize, value: f64) {
+        self.vectors.y[component] = value;
+    }
+
     /// Restart at (`t`, `y`) without history, with the explicit corrector.
     pub fn restart(&mut self, t: f64, y: &[f64]) {
         self.restart_with_corrector(t, y);

@@ -1,10 +1,11 @@
 //! Whether a start has the bodies that are held at a place where the drive's description has them.
 
 use super::InitialConfiguration;
-use crate::drive::{Bearing, ChainEnd, Drive, Mount, Sprocket, TimeTable};
+use crate::drive::{Bearing, ChainEnd, Drive, Mount, Sprocket};
 use crate::error::{Error, Result};
 use crate::geometry::Vec2;
 use crate::geometry::path::guide_path;
+use crate::math::Signal;
 
 /// Share of the pitch by which a position may differ from the description: more than the rounding of a file with nine decimals, and
 /// far below a clearance. Doubled, it is 25 nm of a pitch of 12.7 mm.
@@ -68,7 +69,7 @@ pub(crate) fn check_places(drive: &Drive, start: &InitialConfiguration) -> Resul
             continue;
         };
         let (found, _) = at(links + 2 - number);
-        if velocity.iter().all(TimeTable::is_zero) && is_off(found, *position) {
+        if velocity.iter().all(Signal::is_zero) && is_off(found, *position) {
             return refuse(
                 format!("end_{number}"),
                 found,

@@ -1,12 +1,13 @@
 //! Report of a layout: the generator's choices, and measurements on the laid chain.
 
 use super::tightness::{Tightness, tightness};
-use crate::drive::{Bearing, Chain, Drive, HingeKind, Sprocket, SprocketMotion, TimeTable};
+use crate::drive::{Bearing, Chain, Drive, HingeKind, Sprocket, SprocketMotion};
 use crate::error::Result;
 use crate::geometry::path::belt::Side;
 use crate::geometry::path::wrap;
 use crate::geometry::path::wrap::Wheel;
 use crate::geometry::{ToothProfile, Vec2, unit};
+use crate::math::Signal;
 
 /// Initial distances of seated bushings from their seats that are tried \[m\]; a stretched chain, whose bushings are beside
 /// the middle of their seats, may need the larger ones.
@@ -181,15 +182,12 @@ fn overload_warning(drive: &Drive, speeds: &[f64]) -> Option<String> {
 
 /// Return the size of the largest torque on a sprocket at its initial angular velocity \[N m\]; `None` without torque.
 fn largest_torque(motion: &SprocketMotion, speed: f64) -> Option<f64> {
-    let largest = |table: &TimeTable, of_speed: f64| {
-        let sizes = table
-            .values()
-            .iter()
-            .map(|torque| (torque + of_speed).abs());
-        sizes.fold(0.0, f64::max)
+    let largest = |torque: &Signal, of_speed: f64| {
+        let [least, most] = torque.range().map(|torque| (torque + of_speed).abs());
+        least.max(most)
     };
     match motion {
-        SprocketMotion::AppliedTorque(table) => Some(largest(table, 0.0)),
+        SprocketMotion::AppliedTorque(torque) => Some(largest(torque, 0.0)),
         SprocketMotion::TorqueCurve { torque, curve } => Some(largest(torque, curve.value(speed))),
         SprocketMotion::PrescribedSpeed(_) | SprocketMotion::Free => None,
     }

@@ -1,10 +1,13 @@
-//! Numerics without physics: SIMD arithmetic, piecewise functions, factorisations, roots along a step.
+//! Numerics without physics: SIMD arithmetic, functions of time and of rows, factorisations, roots along a step.
 
 pub(crate) mod cholesky;
 pub(crate) mod double_double;
-pub mod piecewise;
+mod piecewise;
 mod real;
+mod signal;
 pub mod simd;
 pub(crate) mod sparse_kkt;
 
+pub use piecewise::{Spline, Table};
 pub(crate) use real::{Real, Truth};
+pub use signal::Signal;

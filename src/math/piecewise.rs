@@ -1,23 +1,38 @@
-//! Numbers given by rows (argument, value): straight lines between them, or a cubic spline where two derivatives are needed.
+//! Functions given by rows (argument, value): straight lines between them, or a cubic spline where two derivatives are needed.
+
+use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result, check};
 
-/// Piecewise linear; held constant before the first and after the last row.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Curve {
+/// Piecewise linear; constant before the first and after the last row.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Table {
     arguments: Vec<f64>,
     values: Vec<f64>,
     /// Integral from the first row to each row.
     sums: Vec<f64>,
 }
 
-impl Curve {
-    /// Rows of (argument, value); `field` names them in errors.
+impl Table {
+    /// Rows of (time \[s\], value); `field` names them in errors.
+    ///
+    /// # Errors
+    /// When there is no row, a number is not finite or times do not increase.
+    pub fn new(field: &str, unit: &str, rows: &[(f64, f64)]) -> Result<Self> {
+        Self::against(field, TIME, unit, rows)
+    }
+
+    /// Rows of (argument, value); `axis` is the name of the argument and its unit.
     ///
     /// # Errors
     /// When there is no row, a number is not finite or arguments do not increase.
-    pub fn new(field: &str, rows: &[(f64, f64)]) -> Result<Self> {
-        check_rows(field, rows, 1)?;
+    pub fn against(
+        field: &str,
+        axis: (&str, &str),
+        unit: &str,
+        rows: &[(f64, f64)],
+    ) -> Result<Self> {
+        check_rows(field, axis, unit, rows, 1)?;
         let mut sums = vec![0.0];
         for pair in rows.windows(2) {
             let area = 0.5 * (pair[1].0 - pair[0].0) * (pair[0].1 + pair[1].1);
@@ -42,6 +57,22 @@ impl Curve {
         &self.arguments
     }
 
+    /// Smallest and largest value.
+    #[must_use]
+    pub fn range(&self) -> [f64; 2] {
+        range_of(self.values.iter().copied())
+    }
+
+    /// Largest absolute value.
+    pub(crate) fn largest(&self) -> f64 {
+        largest(&self.values)
+    }
+
+    /// Largest absolute argument.
+    pub(crate) fn farthest(&self) -> f64 {
+        largest(&self.arguments)
+    }
+
     /// Value at `x`.
     #[must_use]
     pub fn value(&self, x: f64) -> f64 {
@@ -60,6 +91,9 @@ impl Curve {
     /// Integral from zero to `x`.
     #[must_use]
     pub fn integral(&self, x: f64) -> f64 {
+        if let [value] = self.values[..] {
+            return value * x;
+        }
         self.sum(x) - self.sum(0.0)
     }
 
@@ -82,29 +116,44 @@ impl Curve {
 }
 
 /// A cubic spline with free ends: two continuous derivatives; beyond its ends it goes on along its tangent.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Spline {
     arguments: Vec<f64>,
     values: Vec<f64>,
     /// Second derivative at each row.
     bends: Vec<f64>,
+    /// Integral from the first row to each row.
+    sums: Vec<f64>,
 }
 
 impl Spline {
-    /// Rows of (argument, value); `field` names them in errors.
+    /// Rows of (time \[s\], value); `field` names them in errors.
     ///
     /// # Errors
-    /// When there are fewer than two rows, a number is not finite or arguments do not increase.
-    pub fn new(field: &str, rows: &[(f64, f64)]) -> Result<Self> {
-        check_rows(field, rows, 2)?;
+    /// When there are fewer than two rows, a number is not finite or times do not increase.
+    pub fn new(field: &str, unit: &str, rows: &[(f64, f64)]) -> Result<Self> {
+        check_rows(field, TIME, unit, rows, 2)?;
         let arguments: Vec<f64> = rows.iter().map(|row| row.0).collect();
         let values: Vec<f64> = rows.iter().map(|row| row.1).collect();
         let bends = bends(&arguments, &values);
-        Ok(Self {
+        let mut spline = Self {
             arguments,
             values,
             bends,
-        })
+            sums: vec![0.0],
+        };
+        for i in 0..rows.len() - 1 {
+            let length = spline.arguments[i + 1] - spline.arguments[i];
+            spline.sums.push(spline.sums[i] + spline.area(i, length));
+        }
+        Ok(spline)
+    }
+
+    /// Its rows.
+    #[must_use]
+    pub fn rows(&self) -> Vec<(f64, f64)> {
+        let arguments = self.arguments.iter().copied();
+        arguments.zip(self.values.iter().copied()).collect()
     }
 
     /// Arguments of the rows.
@@ -133,6 +182,71 @@ impl Spline {
             + ((1.0 - 3.0 * a * a) * m + (3.0 * b * b - 1.0) * n) * h / 6.0;
         [value, slope, a * m + b * n]
     }
+
+    /// Integral from zero to `x`.
+    #[must_use]
+    pub fn integral(&self, x: f64) -> f64 {
+        self.sum(x) - self.sum(0.0)
+    }
+
+    /// Smallest and largest value between its ends.
+    #[must_use]
+    pub fn range(&self) -> [f64; 2] {
+        let extrema = (0..self.values.len() - 1).flat_map(|i| {
+            let [_, c1, c2, c3] = self.cubic(i);
+            let length = self.arguments[i + 1] - self.arguments[i];
+            // c1 + 2 c2 s + 3 c3 s² = 0, by the root that does not cancel; q is NaN where there is none.
+            let q = -(c2 + c2.signum() * (c2 * c2 - 3.0 * c1 * c3).sqrt());
+            let inside = [q / (3.0 * c3), c1 / q]
+                .into_iter()
+                .filter(move |s| (0.0..length).contains(s));
+            inside.map(move |s| self.derivatives(self.arguments[i] + s)[0])
+        });
+        range_of(self.values.iter().copied().chain(extrema))
+    }
+
+    /// Coefficients of the cubic behind row `i`, in powers of the distance from it.
+    fn cubic(&self, i: usize) -> [f64; 4] {
+        let length = self.arguments[i + 1] - self.arguments[i];
+        let (m, n) = (self.bends[i], self.bends[i + 1]);
+        let secant = (self.values[i + 1] - self.values[i]) / length;
+        [
+            self.values[i],
+            secant - length * (2.0 * m + n) / 6.0,
+            0.5 * m,
+            (n - m) / (6.0 * length),
+        ]
+    }
+
+    /// Integral from row `i` to `s` behind it.
+    fn area(&self, i: usize, s: f64) -> f64 {
+        let [c0, c1, c2, c3] = self.cubic(i);
+        s * (c0 + s * (c1 / 2.0 + s * (c2 / 3.0 + s * c3 / 4.0)))
+    }
+
+    /// Integral from the first row to `x`.
+    fn sum(&self, x: f64) -> f64 {
+        let last = self.arguments.len() - 1;
+        let end = x.clamp(self.arguments[0], self.arguments[last]);
+        let i = row_before(&self.arguments, end).unwrap_or(0).min(last - 1);
+        let [value, slope, _] = self.derivatives(end);
+        let beyond = x - end;
+        self.sums[i]
+            + self.area(i, end - self.arguments[i])
+            + beyond * (value + 0.5 * slope * beyond)
+    }
+}
+
+fn largest(numbers: &[f64]) -> f64 {
+    numbers.iter().fold(0.0, |most, x| most.max(x.abs()))
+}
+
+/// Smallest and largest of some values.
+fn range_of(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let infinite = [f64::INFINITY, f64::NEG_INFINITY];
+    values.fold(infinite, |[least, most], value| {
+        [least.min(value), most.max(value)]
+    })
 }
 
 /// Second derivatives at the rows, zero at both ends: the tridiagonal system by elimination.
@@ -157,25 +271,39 @@ fn row_before(arguments: &[f64], x: f64) -> Option<usize> {
     arguments.partition_point(|&a| a <= x).checked_sub(1)
 }
 
-fn check_rows(field: &str, rows: &[(f64, f64)], fewest: usize) -> Result<()> {
+/// Name and unit of the argument of a function of time.
+const TIME: (&str, &str) = ("time", "s");
+
+fn check_rows(
+    field: &str,
+    (axis, axis_unit): (&str, &str),
+    unit: &str,
+    rows: &[(f64, f64)],
+    fewest: usize,
+) -> Result<()> {
     if rows.len() < fewest {
-        return Err(Error::invalid(
-            field,
-            format!("{} rows", rows.len()),
-            format!("needs at least {fewest} row(s) (argument, value)"),
-        ));
+        let given = match rows.len() {
+            0 => "()".to_string(),
+            count => format!("{count} row"),
+        };
+        let needed = ["one row", "two rows"][fewest - 1];
+        let expected = format!("needs at least {needed} ({axis}, value)");
+        return Err(Error::invalid(field, given, expected));
     }
     for &(argument, value) in rows {
-        check::finite(field, argument, "the unit of its argument")?;
-        check::finite(field, value, "the unit of its value")?;
+        check::finite(&format!("{field} ({axis})"), argument, axis_unit)?;
+        check::finite(&format!("{field} (value)"), value, unit)?;
     }
     match rows.windows(2).find(|pair| pair[1].0 <= pair[0].0) {
         None => Ok(()),
-        Some(pair) => Err(Error::invalid(
-            field,
-            format!("{} after {}", pair[1].0, pair[0].0),
-            "arguments must increase from row to row",
-        )),
+        Some(pair) => {
+            let [before, after] = [pair[0].0, pair[1].0].map(|x| format!("{x} {axis_unit}"));
+            Err(Error::invalid(
+                field,
+                format!("{} after {}", after.trim_end(), before.trim_end()),
+                format!("{axis}s must increase from row to row"),
+            ))
+        }
     }
 }
 
@@ -184,20 +312,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_curve_integrates_to_its_parabola_and_holds_its_ends() {
-        let curve = Curve::new("force", &[(-1.0, -3.0), (1.0, 1.0), (2.0, 1.0)]).unwrap();
-        assert_eq!(curve.value(-5.0), -3.0);
-        assert_eq!(curve.value(0.0), -1.0);
-        assert_eq!(curve.slope(0.5), 2.0);
-        assert!((curve.integral(1.0) - 0.0).abs() < 1e-15);
-        assert!((curve.integral(-1.0) - 2.0).abs() < 1e-15);
-        assert!((curve.integral(4.0) - 3.0).abs() < 1e-15);
+    fn a_table_integrates_to_its_parabola_and_holds_its_ends() {
+        let table = Table::new("force", "N", &[(-1.0, -3.0), (1.0, 1.0), (2.0, 1.0)]).unwrap();
+        assert_eq!(table.value(-5.0), -3.0);
+        assert_eq!(table.value(0.0), -1.0);
+        assert_eq!(table.slope(0.5), 2.0);
+        assert!((table.integral(1.0) - 0.0).abs() < 1e-15);
+        assert!((table.integral(-1.0) - 2.0).abs() < 1e-15);
+        assert!((table.integral(4.0) - 3.0).abs() < 1e-15);
+        let table = Table::new("speed", "rad/s", &[(0.5, 3.0)]).unwrap();
+        assert_eq!((table.value(9.0), table.slope(9.0)), (3.0, 0.0));
+        assert_eq!(table.integral(0.3), 3.0 * 0.3);
     }
 
     #[test]
     fn a_spline_meets_its_rows_and_its_derivatives_are_those_of_its_value() {
         let rows = [(0.0, 1.0), (0.4, -2.0), (1.0, 0.5), (1.1, 0.7)];
-        let spline = Spline::new("angle", &rows).unwrap();
+        let spline = Spline::new("angle", "rad", &rows).unwrap();
         for (x, y) in rows {
             assert!((spline.derivatives(x)[0] - y).abs() < 1e-14);
         }
@@ -210,10 +341,47 @@ mod tests {
         }
     }
 
+    /// Simpson's rule is exact for a cubic.
+    fn simpson(spline: &Spline, from: f64, to: f64) -> f64 {
+        let value = |x: f64| spline.derivatives(x)[0];
+        (to - from) / 6.0 * (value(from) + 4.0 * value(0.5 * (from + to)) + value(to))
+    }
+
+    #[test]
+    fn a_spline_integrates_exactly_between_its_rows_and_along_its_tangents() {
+        let rows = [(-0.2, 1.0), (0.4, -2.0), (1.0, 0.5), (1.1, 0.7)];
+        let spline = Spline::new("speed", "rad/s", &rows).unwrap();
+        let cuts = [-0.7, -0.2, 0.0, 0.4, 0.9, 1.0, 1.1, 2.0];
+        let mut expected = -(simpson(&spline, -0.7, -0.2) + simpson(&spline, -0.2, 0.0));
+        for pair in cuts.windows(2) {
+            assert!(
+                (spline.integral(pair[0]) - expected).abs() < 1e-15,
+                "{pair:?}"
+            );
+            expected += simpson(&spline, pair[0], pair[1]);
+        }
+        assert!((spline.integral(2.0) - expected).abs() < 4e-15);
+    }
+
+    #[test]
+    fn the_range_of_a_spline_has_its_overshoots_in_it() {
+        let rows = [(0.0, 1.0), (0.4, -2.0), (1.0, 0.5), (1.1, 0.7), (1.5, 0.7)];
+        let spline = Spline::new("speed", "rad/s", &rows).unwrap();
+        let [least, most] = spline.range();
+        let dense = (0..=150_000).map(|k| spline.derivatives(f64::from(k) * 1e-5)[0]);
+        let [low, high] = range_of(dense);
+        assert!(least <= low && low - least < 1e-8, "{least} {low}");
+        assert!(most >= high && most - high < 1e-8, "{most} {high}");
+        assert!(least < -2.0 && most < 1.01);
+        let level = Spline::new("speed", "rad/s", &[(0.0, 0.0), (1.0, 0.0)]).unwrap();
+        assert_eq!(level.range(), [0.0, 0.0]);
+    }
+
     #[test]
     fn rows_that_do_not_increase_are_refused() {
-        let error = Curve::new("torque", &[(1.0, 0.0), (1.0, 4.0)]).unwrap_err();
+        let error = Table::new("torque", "N m", &[(1.0, 0.0), (1.0, 4.0)]).unwrap_err();
         assert!(error.to_string().contains("must increase"));
-        assert!(Spline::new("angle", &[(0.0, 1.0)]).is_err());
+        let error = Spline::new("angle", "rad", &[(0.0, 1.0)]).unwrap_err();
+        assert!(error.to_string().contains("at least two rows"));
     }
 }

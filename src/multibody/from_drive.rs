@@ -15,10 +15,10 @@ mod tensioner;
 
 use super::description::body::Frame;
 use super::{
-    Body, ContactLaw, ContactPair, Curve, ForceElement, ForceKind, GROUND, Joint, JointKind,
-    Marker, Mechanism, Motion, Profile, TimeFunction, Tribology,
+    Body, ContactLaw, ContactPair, ForceElement, ForceKind, GROUND, Joint, JointKind, Marker,
+    Mechanism, Motion, Profile, Tribology,
 };
-use crate::drive::{Bearing, Drive, HingeKind, SprocketMotion, TimeTable, bushing_on_front};
+use crate::drive::{Bearing, Drive, HingeKind, SprocketMotion, bushing_on_front};
 use crate::error::{Error, Result};
 use crate::force_law::ForceLaw;
 use crate::geometry::Vec2;
@@ -59,7 +59,7 @@ impl Mechanism {
         mechanism.add_bodies(drive, start)?;
         for number in 0..drive.sprockets.len() {
             mechanism.add_support(drive, number, start)?;
-            mechanism.add_motor(drive, number)?;
+            mechanism.add_motor(drive, number);
         }
         mechanism.add_chain(drive, contacts)?;
         Ok(mechanism)
@@ -142,30 +142,29 @@ impl Mechanism {
     }
 
     /// What turns sprocket `number` (from 0).
-    fn add_motor(&mut self, drive: &Drive, number: usize) -> Result<()> {
+    fn add_motor(&mut self, drive: &Drive, number: usize) {
         let [ground, wheel] =
             [GROUND, &sprocket_name(number)].map(|body| Marker::new(body, 0.0, 0.0));
         let name = motor_name(number);
         let (torque, curve) = match &drive.sprockets[number].motion {
             SprocketMotion::PrescribedSpeed(speed) => {
-                let kind = JointKind::DrivenAngle(Motion::Speed(of_time(speed)?));
+                let kind = JointKind::DrivenAngle(Motion::Speed(speed.clone()));
                 self.joints.push(Joint::new(name, ground, wheel, kind));
-                return Ok(());
+                return;
             }
             SprocketMotion::AppliedTorque(torque) => (torque, None),
             SprocketMotion::TorqueCurve { torque, curve } => (torque, Some(curve)),
-            SprocketMotion::Free => return Ok(()),
+            SprocketMotion::Free => return,
         };
-        let kind = ForceKind::Torque(of_time(torque)?);
+        let kind = ForceKind::Torque(torque.clone());
         self.forces
             .push(ForceElement::new(name, ground.clone(), wheel.clone(), kind));
         if let Some(curve) = curve {
-            let kind = ForceKind::TorqueBySpeed(Curve::new("curve", &curve.rows())?);
+            let kind = ForceKind::TorqueBySpeed(curve.clone());
             let name = format!("curve_{}", number + 1);
             self.forces
                 .push(ForceElement::new(name, ground, wheel, kind));
         }
-        Ok(())
     }
 
     /// Hinges and tooth contacts.
@@ -239,15 +238,6 @@ fn sprocket_name(sprocket: usize) -> String {
 
 fn motor_name(sprocket: usize) -> String {
     format!("motor_{}", sprocket + 1)
-}
-
-/// A table as a function of time; one row is a constant.
-fn of_time(table: &TimeTable) -> Result<TimeFunction> {
-    let rows = table.rows();
-    match rows.as_slice() {
-        [(_, value)] => Ok(TimeFunction::Constant(*value)),
-        _ => Curve::new("table", &rows).map(TimeFunction::Table),
-    }
 }
 
 fn refuse(what: impl Into<String>) -> Result<()> {

@@ -16,7 +16,6 @@ pub(crate) mod newton;
 pub(crate) mod singular;
 pub(crate) mod views;
 
-pub use crate::math::piecewise::{Curve, Spline};
 pub use assembly::placement::Assembly;
 pub use description::body::{Body, Marker};
 pub use description::contact_law::ContactLaw;
@@ -27,7 +26,6 @@ pub use description::joint::{Joint, JointKind};
 pub use description::outline_piece::Piece;
 pub use description::profile::Profile;
 pub use description::spring_law::SpringLaw;
-pub use description::time_function::TimeFunction;
 pub use description::tribology::{FrictionLaw, PinFriction, Tribology};
 pub use dynamics::{MechanismDynamics, Stabilisation};
 pub use from_drive::DriveContacts;

@@ -218,10 +218,10 @@ impl Core {
             _ => (Quantity::Torque, "N m"),
         };
         let name = if unit == "N m" { "torque" } else { "speed" };
-        let table = describe::table(value, name, ("time", "s"), unit)?;
+        let signal = describe::signal(value, name, unit)?;
         let outcome = self
             .simulation
-            .set_input(sprocket.wrapping_sub(1), quantity, table);
+            .set_input(sprocket.wrapping_sub(1), quantity, signal);
         describe::checked(value.py(), outcome)
     }
 

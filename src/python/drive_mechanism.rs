@@ -7,9 +7,10 @@ use super::describe;
 use super::errors::InvalidInput;
 use crate::error::check;
 use crate::geometry::Vec2;
+use crate::math::{Signal, Table};
 use crate::multibody::{
-    Body, ContactLaw, ContactPair, Curve, DriveContacts, ForceElement, ForceKind, Joint, JointKind,
-    Mechanism, Motion, Profile, SpringLaw, TimeFunction,
+    Body, ContactLaw, ContactPair, DriveContacts, ForceElement, ForceKind, Joint, JointKind,
+    Mechanism, Motion, Profile, SpringLaw,
 };
 use crate::panics::contained;
 
@@ -103,7 +104,7 @@ fn joint<'py>(py: Python<'py>, part: &Joint) -> PyResult<Call<'py>> {
             "add_point_on_line"
         }
         JointKind::DrivenAngle(Motion::Speed(speed)) => {
-            keywords.set_item("speed", time_function(py, speed, &part.name)?)?;
+            keywords.set_item("speed", signal_object(py, speed)?)?;
             "add_driver"
         }
         _ => return Err(unknown(&part.name)),
@@ -114,7 +115,7 @@ fn joint<'py>(py: Python<'py>, part: &Joint) -> PyResult<Call<'py>> {
 fn force<'py>(py: Python<'py>, part: &ForceElement) -> PyResult<Call<'py>> {
     let keywords = PyDict::new(py);
     keywords.set_item("name", &part.name)?;
-    let function = |function: &TimeFunction| time_function(py, function, &part.name);
+    let function = |signal: &Signal| signal_object(py, signal);
     let on_body = |field: &str, value: Bound<'py, PyAny>| {
         keywords.set_item("body", &part.b.body)?;
         keywords.set_item(field, value)
@@ -124,7 +125,7 @@ fn force<'py>(py: Python<'py>, part: &ForceElement) -> PyResult<Call<'py>> {
         keywords.set_item("body_b", &part.b.body)?;
         keywords.set_item("stiffness", law.stiffness)?;
         keywords.set_item("damping", law.damping)?;
-        keywords.set_item("table", law.table.as_ref().map(Curve::rows))?;
+        keywords.set_item("table", law.table.as_ref().map(Table::rows))?;
         keywords.set_item(field, rest)
     };
     let method = match &part.kind {
@@ -188,18 +189,19 @@ fn contact<'py>(
     Ok((method, keywords))
 }
 
-/// A number, or a `Table`.
-fn time_function<'py>(
-    py: Python<'py>,
-    function: &TimeFunction,
-    name: &str,
-) -> PyResult<Bound<'py, PyAny>> {
-    match function {
-        TimeFunction::Constant(value) => Ok(value.into_pyobject(py)?.into_any()),
-        TimeFunction::Table(curve) => {
-            let functions = py.import("rustchain.description.mechanism.functions")?;
-            functions.getattr("Table")?.call1((curve.rows(),))
-        }
-        _ => Err(unknown(name)),
+/// A number, or the Python object of another signal.
+fn signal_object<'py>(py: Python<'py>, signal: &Signal) -> PyResult<Bound<'py, PyAny>> {
+    let class = |name: &str| py.import("rustchain.description.signals")?.getattr(name);
+    match signal {
+        Signal::Constant(value) => Ok(value.into_pyobject(py)?.into_any()),
+        Signal::Table(table) => class("Table")?.call1((table.rows(),)),
+        Signal::Spline(spline) => class("Spline")?.call1((spline.rows(),)),
+        Signal::SmoothStep {
+            start,
+            end,
+            from,
+            to,
+        } => class("SmoothStep")?.call1((*start, *end, *from, *to)),
+        Signal::Sines { offset, terms } => class("Sines")?.call1((terms.clone(), *offset)),
     }
 }

@@ -2,13 +2,13 @@
 
 use pyo3::prelude::*;
 
-use super::describe::{Reader, checked, friction, number, refuse, truth};
+use super::describe::{Reader, friction, number, refuse, signal, table, truth};
 use super::errors::InvalidInput;
 use super::mechanism_callable::{Raised, custom};
 use super::mechanism_contact::contact;
 use crate::multibody::{
-    Body, Curve, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, Motion, PinFriction,
-    Spline, SpringLaw, TimeFunction,
+    Body, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, Motion, PinFriction,
+    SpringLaw,
 };
 
 /// Reads a `Mechanism`; callables leave what they raise in `raised`.
@@ -176,7 +176,7 @@ fn pin_friction(read: &Reader<'_, '_>) -> PyResult<Option<PinFriction>> {
 }
 
 fn motion(read: &Reader<'_, '_>) -> PyResult<Motion> {
-    let function = time_function(&read.get("motion")?, "motion")?;
+    let function = signal(&read.get("motion")?, "motion", "its unit")?;
     Ok(if truth(&read.get("by_speed")?, "by_speed")? {
         Motion::Speed(function)
     } else {
@@ -190,61 +190,17 @@ pub(super) fn pairs(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<(f64,
         .map_err(|_| refuse(value.py(), field, value, "must be rows of two numbers"))
 }
 
-/// Waves (amplitude, angular frequency, phase).
-fn terms(value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 3]>> {
-    value.extract().map_err(|_| {
-        refuse(
-            value.py(),
-            "terms of Sines",
-            value,
-            "must be rows of three numbers (amplitude, angular frequency [rad/s], phase [rad])",
-        )
-    })
-}
-
-/// A number, or one of the functions of time.
-fn time_function(value: &Bound<'_, PyAny>, field: &str) -> PyResult<TimeFunction> {
-    let kind = value.get_type().name()?.to_string();
-    let known = ["SmoothStep", "Table", "Spline", "Sines"];
-    if !known.contains(&kind.as_str()) {
-        return number(
-            value,
-            field,
-            "its unit, or a SmoothStep, Table, Spline or Sines",
-        )
-        .map(TimeFunction::Constant);
-    }
-    let read = Reader::new(value, field, &known)?;
-    let rows = || pairs(&read.get("rows")?, field);
-    Ok(match kind.as_str() {
-        "SmoothStep" => TimeFunction::SmoothStep {
-            start: read.number("start", "s")?,
-            end: read.number("end", "s")?,
-            from: read.number("before", "its unit")?,
-            to: read.number("after", "its unit")?,
-        },
-        "Table" => TimeFunction::Table(checked(value.py(), Curve::new(field, &rows()?))?),
-        "Spline" => TimeFunction::Spline(checked(value.py(), Spline::new(field, &rows()?))?),
-        _ => TimeFunction::Sines {
-            offset: read.number("offset", "its unit")?,
-            terms: terms(&read.get("terms")?)?,
-        },
-    })
-}
-
 fn spring_law(read: &Reader<'_, '_>) -> PyResult<SpringLaw> {
-    let table = read.get("table")?;
+    let given = read.get("table")?;
+    let of_way = || table(&given, "table", ("argument", "m or rad"), "N or N m");
     Ok(SpringLaw {
         stiffness: read.number("stiffness", "N/m")?,
         cubic: read.number("cubic", "N/m^3")?,
         damping: read.number("damping", "N s/m")?,
-        table: if table.is_none() {
+        table: if given.is_none() {
             None
         } else {
-            Some(checked(
-                table.py(),
-                Curve::new("table", &pairs(&table, "table")?),
-            )?)
+            Some(of_way()?)
         },
     })
 }
@@ -253,28 +209,20 @@ fn force(object: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<ForceElement> {
     let read = Reader::new(object, "forces", &["Force"])?;
     let [a, b] = markers(&read)?;
     let name = text(&read, "name")?;
-    let is_torque = text(&read, "kind")? == "torque";
-    let value = |field: &str| {
-        time_function(
-            &read.get(field)?,
-            if field == "x" && is_torque {
-                "torque"
-            } else {
-                field
-            },
-        )
-    };
+    let component = |field: &str| signal(&read.get(field)?, field, "N");
     let kind = match text(&read, "kind")?.as_str() {
         "force" => ForceKind::Force {
-            x: value("x")?,
-            y: value("y")?,
+            x: component("x")?,
+            y: component("y")?,
             follows: truth(&read.get("follows")?, "follows")?,
         },
-        "torque" => ForceKind::Torque(value("x")?),
-        "torque_by_speed" => {
-            let rows = pairs(&read.get("table")?, "table")?;
-            ForceKind::TorqueBySpeed(checked(object.py(), Curve::new("table", &rows))?)
-        }
+        "torque" => ForceKind::Torque(signal(&read.get("x")?, "torque", "N m")?),
+        "torque_by_speed" => ForceKind::TorqueBySpeed(table(
+            &read.get("table")?,
+            "table",
+            ("speed", "rad/s"),
+            "N m",
+        )?),
         "spring" => ForceKind::Spring {
             law: spring_law(&read)?,
             rest: optional(&read.get("rest")?, "rest_length", "m")?,

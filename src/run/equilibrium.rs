@@ -11,12 +11,13 @@ use std::sync::Arc;
 use crate::chain::dynamics::Dynamics;
 use crate::chain::model::{ForceLaws, Model, Rotation, SprocketModel};
 use crate::chain::motion::Motion as Places;
-use crate::drive::{ChainEnd, Drive, Mount, SprocketMotion, Tensioner, TimeTable};
+use crate::drive::{ChainEnd, Drive, Mount, SprocketMotion, Tensioner};
 use crate::error::{Error, Result};
 use crate::geometry::path::guide_path;
 use crate::geometry::{Vec2, turned_left, unit};
 use crate::integrator::SecondOrderSystem;
 use crate::layout::{InitialConfiguration, Layout};
+use crate::math::Signal;
 
 /// First γ \[s\]: a link falls by 10 nm.
 const FIRST_GAMMA: f64 = 3e-5;
@@ -75,9 +76,9 @@ fn held(drive: &Drive, layout: &Layout) -> Drive {
             SprocketMotion::AppliedTorque(torque) => {
                 SprocketMotion::AppliedTorque(torque.value(0.0).into())
             }
-            SprocketMotion::TorqueCurve { torque, curve } => SprocketMotion::AppliedTorque(
-                TimeTable::from(torque.value(0.0) + curve.value(speed)),
-            ),
+            SprocketMotion::TorqueCurve { torque, curve } => {
+                SprocketMotion::AppliedTorque(Signal::from(torque.value(0.0) + curve.value(speed)))
+            }
             SprocketMotion::Free => SprocketMotion::Free,
         };
     }

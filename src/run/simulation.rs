@@ -373,6 +373,7 @@ impl Simulation {
         self.dynamics.unbend_parted(&mut self.adams);
         self.dynamics.begin_step();
         self.begin_anew_where_an_end_kinks();
+        self.place_ends_on_their_curves();
         let step = self.adams.step_second_order(&mut self.dynamics);
         let step = match step {
             Ok(step) => step,
@@ -404,7 +405,7 @@ impl Simulation {
         let model = Arc::clone(self.model());
         let Some(ends) = &model.ends else { return };
         let t = self.adams.time();
-        let row = ends.next_row(t * (1.0 - 2.0 * f64::EPSILON));
+        let row = ends.next_knot(t * (1.0 - 2.0 * f64::EPSILON));
         if row - t <= SHORTEST_TO_KINK && t > 0.0 {
             self.adams.interpolate(t, &mut self.inside);
             let (n, coordinates) = (model.links, model.coordinates);
@@ -421,6 +422,27 @@ impl Simulation {
         }
     }
 
+    /// Puts ends whose acceleration changes where they should be: what steps miss of their paths would add up.
+    fn place_ends_on_their_curves(&mut self) {
+        if self.model().ends.is_none() {
+            return;
+        }
+        let model = Arc::clone(self.model());
+        let (n, coordinates) = (model.links, model.coordinates);
+        let ends = model.ends.iter().flat_map(|ends| &ends.bodies);
+        for end in ends.filter(|end| end.follows_a_curve()) {
+            let Some((place, velocity)) = end.given_motion(self.adams.time()) else {
+                continue;
+            };
+            let x = end.body;
+            let y = n + end.body;
+            self.adams.set_component(x, place.x);
+            self.adams.set_component(y, place.y);
+            self.adams.set_component(coordinates + x, velocity.x);
+            self.adams.set_component(coordinates + y, velocity.y);
+        }
+    }
+
     /// How long the next step may be: bodies that are fast, and the next kink of a speed or torque, where steps end.
     fn limit_step(&mut self) {
         let t = self.adams.time();
@@ -428,8 +450,9 @@ impl Simulation {
         if self.kink <= t + SHORTEST_TO_KINK {
             self.kink = self.model().next_kink(t + SHORTEST_TO_KINK);
         }
+        let between = self.model().longest_step_between_kinks(t);
         let longest = self.dynamics.longest_step().min(self.kink - t);
-        self.adams.limit_step(longest);
+        self.adams.limit_step(longest.min(between));
     }
 
     /// Makes the recording pause after each report, so that its caller can look at the state there: [`record`](Self::record) then

@@ -10,10 +10,11 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rustchain::ForceLaws;
 use rustchain::chain::dynamics::Dynamics;
-use rustchain::drive::{Bearing, Drive, SprocketMotion, TimeTable};
+use rustchain::drive::{Bearing, Drive, SprocketMotion};
 use rustchain::force_law::{Damping, Elastic, Regions};
 use rustchain::geometry::{Seat, ToothProfile, Vec2, unit};
 use rustchain::integrator::OdeSystem;
+use rustchain::math::Table;
 use rustchain::math::simd::InstructionSet;
 
 /// Depth \[m\] that a contact needs to be one beyond doubt: a hundred times the rounding of coordinates of a metre.
@@ -120,7 +121,7 @@ fn forward_and_backward_drives_miss_nothing_at_any_step() {
 #[test]
 fn a_drive_that_reverses_misses_nothing_at_any_step() {
     let rows = [(0.0, 40.0), (0.01, 40.0), (0.02, -40.0), (0.04, -40.0)];
-    let table = TimeTable::new("speed", "rad/s", &rows).unwrap();
+    let table = Table::new("speed", "rad/s", &rows).unwrap();
     let drive = geared_drive([17, 17], 40, table);
     let met = run(&Scene::laid(&drive, &ForceLaws::default()), 1e-5, 0.035);
     assert!(met.contacts > 3 * met.steps && met.refreshes > 8, "{met:?}");

@@ -3,8 +3,9 @@
 use crate::common;
 use crate::common::{advance, control, energies, paper_drive, simulation, tensioner};
 use rustchain::chain::model::Quantity;
-use rustchain::drive::{Drive, SprocketMotion, TimeTable};
+use rustchain::drive::{Drive, SprocketMotion};
 use rustchain::integrator::StepControl;
+use rustchain::math::Table;
 use rustchain::{ForceLaws, Simulation, Snapshot};
 
 const DRIVER: usize = 0;
@@ -51,8 +52,8 @@ fn a_sprocket_goes_on_from_its_angle_at_the_speed_that_is_set() {
     assert_eq!(spin(&run, DRIVER), 10.0);
     advance(&mut run, 3e-3);
     // Rows that lie in the past count for what they are now.
-    let ramp = TimeTable::new("speed", "rad/s", &[(0.0, 7.0), (4e-3, 11.0)]).unwrap();
-    run.set_input(DRIVER, Quantity::Speed, ramp).unwrap();
+    let ramp = Table::new("speed", "rad/s", &[(0.0, 7.0), (4e-3, 11.0)]).unwrap();
+    run.set_input(DRIVER, Quantity::Speed, ramp.into()).unwrap();
     assert!((spin(&run, DRIVER) - 10.0).abs() < 1e-13);
     advance(&mut run, 4e-3);
     assert!((spin(&run, DRIVER) - 11.0).abs() < 1e-13);
@@ -73,7 +74,7 @@ fn a_torque_that_is_set_does_what_the_same_step_in_a_table_does() {
         let rows = [(set_at - 1e-9, 0.0), (set_at, torque)];
         let mut drive = paper_drive();
         drive.sprockets[DRIVEN].motion =
-            SprocketMotion::AppliedTorque(TimeTable::new("torque", "N m", &rows).unwrap());
+            SprocketMotion::AppliedTorque(Table::new("torque", "N m", &rows).unwrap().into());
         let mut described = run_of(&drive, control);
         advance(&mut described, end);
         let (set, described) = (run.motion().positions(), described.motion().positions());

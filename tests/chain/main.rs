@@ -21,5 +21,6 @@ mod open_tensioners;
 mod paper_drive;
 mod ratchets;
 mod rollers;
+mod signals;
 mod tensioners;
 mod tooth_forms;

@@ -7,9 +7,9 @@ use crate::common::scenes::{Noise, Scene, geared_drive};
 use rustchain::ForceLaws;
 use rustchain::chain::contact::{HingePath, ToothPath};
 use rustchain::chain::dynamics::Dynamics;
-use rustchain::drive::TimeTable;
 use rustchain::geometry::Contact;
 use rustchain::integrator::{Corrector, StepControl};
+use rustchain::math::Table;
 
 /// What a run has seen of its contacts.
 #[derive(Debug, Default)]
@@ -111,7 +111,7 @@ fn a_pair_along_a_step_is_where_the_whole_state_has_it() {
     let laws = ForceLaws::default();
     let mut ring = Scene::ring(8, &laws);
     ring.shake(&mut Noise(3), 1e-5, 0.3);
-    let table = TimeTable::new("speed", "rad/s", &[(0.0, 0.0), (1e-3, 100.0)]).unwrap();
+    let table = Table::new("speed", "rad/s", &[(0.0, 0.0), (1e-3, 100.0)]).unwrap();
     for scene in [
         Scene::laid(&pulled, &laws),
         Scene::laid(&geared_drive([17, 17], 38, table), &laws),

@@ -7,11 +7,12 @@ use crate::common::open::{at_rest, hoist, strand, tightened};
 use crate::common::scenes::{Noise, Scene, laws};
 use crate::common::{advance, channel, control, record, simulation};
 use nalgebra::{DMatrix, DVector};
-use rustchain::drive::{ChainEnd, Drive, LinkStiffness, SprocketMotion, TimeTable};
+use rustchain::drive::{ChainEnd, Drive, LinkStiffness, SprocketMotion};
 use rustchain::force_law::{Damping, Elastic, Friction, Regions, Regularization};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::StepControl;
 use rustchain::layout::InitialConfiguration;
+use rustchain::math::Table;
 use rustchain::math::simd::InstructionSet;
 use rustchain::{ForceLaws, Groups, Model, Simulation, Snapshot};
 
@@ -184,16 +185,15 @@ fn a_hanging_chain_swings_at_the_zeros_of_bessels_function() {
 #[test]
 fn the_energy_of_a_hoist_and_of_a_moved_strand_is_accounted_for() {
     // A motor lifts 10 kg, gently enough for the chain to stay on its wheel.
-    let speed = TimeTable::new("speed", "rad/s", &[(0.0, 0.0), (0.02, 4.0)]).unwrap();
-    let lifting = hoist(60, 24, 10.0, SprocketMotion::PrescribedSpeed(speed));
+    let speed = Table::new("speed", "rad/s", &[(0.0, 0.0), (0.02, 4.0)]).unwrap();
+    let lifting = hoist(60, 24, 10.0, SprocketMotion::PrescribedSpeed(speed.into()));
     // A torque that gives way to the load.
     let lowering = hoist(60, 24, 10.0, SprocketMotion::AppliedTorque(2.0.into()));
     let shaken = {
-        let x =
-            TimeTable::new("velocity", "m/s", &[(0.0, 0.0), (0.01, 0.5), (0.02, -0.5)]).unwrap();
+        let x = Table::new("velocity", "m/s", &[(0.0, 0.0), (0.01, 0.5), (0.02, -0.5)]).unwrap();
         let anchor = ChainEnd::Anchor {
             position: Vec2::zeros(),
-            velocity: [x, 0.0.into()],
+            velocity: [x.into(), 0.0.into()],
             links: None,
         };
         strand(20, [anchor, ChainEnd::load(0.5, 1e-4)])
@@ -226,10 +226,10 @@ fn the_energy_of_a_hoist_and_of_a_moved_strand_is_accounted_for() {
 #[test]
 fn an_anchor_goes_where_its_velocity_takes_it() {
     let rows = [(0.0, 0.0), (0.013, 0.4), (0.03, -0.2)];
-    let x = TimeTable::new("velocity", "m/s", &rows).unwrap();
+    let x = Table::new("velocity", "m/s", &rows).unwrap();
     let anchor = ChainEnd::Anchor {
         position: Vec2::new(0.1, 0.2),
-        velocity: [x.clone(), 0.3.into()],
+        velocity: [x.clone().into(), 0.3.into()],
         links: None,
     };
     let drive = strand(15, [anchor, ChainEnd::load(0.2, 1e-5)]);

@@ -11,10 +11,9 @@ use rustchain::{ForceLaws, Groups, Snapshot};
 fn pulled_back(ratchet: Option<f64>) -> Drive {
     let mut drive = paper_drive();
     drive.gravity = Vec2::zeros();
-    let load =
-        rustchain::drive::TimeTable::new("load", "N m", &[(0.0, 0.0), (0.008, 0.0), (0.012, -2.0)])
-            .unwrap();
-    drive.sprockets[1].motion = SprocketMotion::AppliedTorque(load);
+    let rows = [(0.0, 0.0), (0.008, 0.0), (0.012, -2.0)];
+    let load = rustchain::math::Table::new("load", "N m", &rows).unwrap();
+    drive.sprockets[1].motion = SprocketMotion::AppliedTorque(load.into());
     drive.tensioner = Some(Tensioner {
         damping: 100.0,
         ratchet,

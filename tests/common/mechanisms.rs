@@ -5,9 +5,10 @@ use std::time::Duration;
 
 use rustchain::geometry::Vec2;
 use rustchain::integrator::StepControl;
+use rustchain::math::Signal;
 use rustchain::multibody::{
     Body, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, MechanismModel, Motion,
-    SpringLaw, Stabilisation, TimeFunction,
+    SpringLaw, Stabilisation,
 };
 use rustchain::run::mechanism::{MechanismRecording, MechanismSimulation};
 
@@ -132,7 +133,7 @@ pub fn slider_crank(speed: f64) -> Mechanism {
         direction: Vec2::new(1.0, 0.0),
         angle: None,
     };
-    let motor = JointKind::DrivenAngle(Motion::Speed(TimeFunction::Constant(speed)));
+    let motor = JointKind::DrivenAngle(Motion::Speed(Signal::Constant(speed)));
     Mechanism {
         gravity: Vec2::zeros(),
         bodies: vec![crank, rod, block],
@@ -299,7 +300,7 @@ pub fn andrews() -> Mechanism {
                 "torque",
                 Marker::new("ground", 0.0, 0.0),
                 Marker::new("K1", 0.0, 0.0),
-                ForceKind::Torque(TimeFunction::Constant(0.033)),
+                ForceKind::Torque(Signal::Constant(0.033)),
             ),
         ],
         ..Mechanism::default()

@@ -5,16 +5,17 @@ use std::sync::Arc;
 use rustchain::chain::dynamics::Dynamics;
 use rustchain::chain::motion::Motion as Motions;
 use rustchain::drive::{
-    AnsiTooth, Bearing, Drive, IsoTooth, SprocketMotion, StraightTooth, TimeTable, Tip, ToothForm,
+    AnsiTooth, Bearing, Drive, IsoTooth, SprocketMotion, StraightTooth, Tip, ToothForm,
 };
 use rustchain::force_law::{Damping, Elastic, ForceLaw, Regions};
 use rustchain::geometry::{Damage, Seat, Surface, Vec2, unit};
 use rustchain::integrator::{Adams, StepControl};
 use rustchain::layout::{InitialConfiguration, closing_center_distance};
+use rustchain::math::Signal;
 use rustchain::{ForceLaws, Model};
 
 /// The paper's chain round sprockets of other sizes, the first one driven at `speed` \[rad/s\].
-pub fn geared_drive(teeth: [u32; 2], links: u32, speed: impl Into<TimeTable>) -> Drive {
+pub fn geared_drive(teeth: [u32; 2], links: u32, speed: impl Into<Signal>) -> Drive {
     let mut drive = super::paper_drive();
     drive.chain.links = links;
     let distance = closing_center_distance(drive.chain.pitch, teeth, links).unwrap();

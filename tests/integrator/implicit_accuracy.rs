@@ -6,9 +6,10 @@ use std::time::Duration;
 use crate::common::mechanisms::{GRAVITY, bar_chain, ground, run_to};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, StepControl};
+use rustchain::math::Signal;
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, ForceElement, ForceKind, Marker, Mechanism, MechanismModel,
-    Profile, Stabilisation, TimeFunction, Tribology,
+    Profile, Stabilisation, Tribology,
 };
 use rustchain::run::mechanism::MechanismSimulation;
 
@@ -61,8 +62,8 @@ fn pressed(law: ContactLaw, rest_depth: f64, speed: f64) -> Mechanism {
     mechanism.gravity = Vec2::zeros();
     mechanism.bodies[0].velocity[1] = -speed;
     let press = ForceKind::Force {
-        x: TimeFunction::Constant(0.0),
-        y: TimeFunction::Constant(-1000.0),
+        x: Signal::Constant(0.0),
+        y: Signal::Constant(-1000.0),
         follows: false,
     };
     let center = Marker::new("ball", 0.0, 0.0);

@@ -5,10 +5,11 @@ use crate::common;
 use crate::common::layouts::{PITCH, drive_of, sprocket, three_shafts};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use rustchain::drive::{AnsiTooth, BeltLine, Drive, Sprocket, SprocketMotion, TimeTable};
+use rustchain::drive::{AnsiTooth, BeltLine, Drive, Sprocket, SprocketMotion};
 use rustchain::geometry::path::belt::Side;
 use rustchain::geometry::{Seat, Vec2, turned_left, unit};
 use rustchain::layout::{InitialConfiguration, closing_move, links_around};
+use rustchain::math::Table;
 use rustchain::{Error, ForceLaws, Simulation};
 use std::f64::consts::{PI, TAU};
 
@@ -302,7 +303,7 @@ fn what_cannot_be_laid_is_refused_with_numbers() {
 #[test]
 fn a_torque_curve_turns_a_shaft_at_the_speed_where_motor_and_load_meet() {
     // 4 N m at rest, none at 40 rad/s, against 1 N m through the chain: 30 rad/s.
-    let curve = TimeTable::against(
+    let curve = Table::against(
         "curve",
         ("speed", "rad/s"),
         "N m",

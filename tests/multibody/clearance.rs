@@ -7,9 +7,10 @@ use crate::common::mechanisms::{CRANK, ROD, ground, record, simulation};
 use rustchain::force_law::{Damping, Elastic, ForceLaw, Friction, LuGre, Regions, Regularization};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, StepControl};
+use rustchain::math::Signal;
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, FrictionLaw, Joint, JointKind, Marker, Mechanism,
-    MechanismModel, Motion, Profile, Stabilisation, TimeFunction, Tribology,
+    MechanismModel, Motion, Profile, Stabilisation, Tribology,
 };
 use rustchain::run::mechanism::{MechanismRecording, MechanismSimulation};
 
@@ -239,7 +240,7 @@ fn the_onset_is_that_of_the_crossing_whatever_the_tolerance() {
                 "no turning",
                 ground(0.0, 0.0),
                 Marker::new("pin", 0.0, 0.0),
-                JointKind::DrivenAngle(Motion::Position(TimeFunction::Constant(0.0))),
+                JointKind::DrivenAngle(Motion::Position(Signal::Constant(0.0))),
             )],
             ..machine(clearance, Elastic::Hertz)
         };

@@ -7,10 +7,11 @@ use crate::common::mechanisms::{GRAVITY, bar, bar_chain, control, ground, record
 use rustchain::force_law::{Film, Friction, LuGre, Regularization};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, StepControl};
+use rustchain::math::Signal;
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, ForceElement, ForceKind, FrictionLaw, Joint, JointKind, Marker,
     Mechanism, MechanismDynamics, MechanismModel, Motion, PinFriction, Profile, Stabilisation,
-    TimeFunction, Tribology,
+    Tribology,
 };
 use rustchain::run::mechanism::MechanismSimulation;
 
@@ -290,15 +291,15 @@ fn journal(ratio: f64, mass: f64, load: [f64; 2]) -> Mechanism {
             "motor",
             ground(0.0, 0.0),
             Marker::new("journal", 0.0, 0.0),
-            JointKind::DrivenAngle(Motion::Speed(TimeFunction::Constant(SPIN))),
+            JointKind::DrivenAngle(Motion::Speed(Signal::Constant(SPIN))),
         )],
         forces: vec![ForceElement {
             name: "load".into(),
             a: ground(0.0, 0.0),
             b: Marker::new("journal", 0.0, 0.0),
             kind: ForceKind::Force {
-                x: TimeFunction::Constant(load[0]),
-                y: TimeFunction::Constant(load[1]),
+                x: Signal::Constant(load[0]),
+                y: Signal::Constant(load[1]),
                 follows: false,
             },
         }],

@@ -7,10 +7,10 @@ use crate::common::mechanisms::{
     slider_crank,
 };
 use rustchain::geometry::Vec2;
+use rustchain::math::{Signal, Spline, Table};
 use rustchain::multibody::{
-    Body, ContactLaw, ContactPair, Curve, ForceElement, ForceKind, Joint, JointKind, Marker,
-    Mechanism, MechanismModel, Motion, Profile, Spline, SpringLaw, Stabilisation, TimeFunction,
-    Tribology,
+    Body, ContactLaw, ContactPair, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism,
+    MechanismModel, Motion, Profile, SpringLaw, Stabilisation, Tribology,
 };
 use rustchain::run::mechanism::MechanismSimulation;
 use std::sync::Arc;
@@ -90,7 +90,7 @@ fn gears_share_their_inertia_by_the_square_of_the_ratio() {
         ratio,
         carrier: None,
     };
-    let torque = ForceKind::Torque(TimeFunction::Constant(3.0));
+    let torque = ForceKind::Torque(Signal::Constant(3.0));
     let (ia, ib) = (0.02, 0.5);
     let mut machine = simulation(
         &without_gravity(
@@ -128,7 +128,7 @@ fn a_planet_turns_on_its_carrier() {
         ratio: -2.0,
         carrier: Some("arm".into()),
     };
-    let motor = JointKind::DrivenAngle(Motion::Speed(TimeFunction::Constant(1.5)));
+    let motor = JointKind::DrivenAngle(Motion::Speed(Signal::Constant(1.5)));
     let mut machine = simulation(
         &without_gravity(
             vec![
@@ -244,7 +244,7 @@ fn a_rod_of_next_to_no_mass_is_a_distance() {
         "no turning",
         ground(0.0, 0.0),
         bob(),
-        JointKind::DrivenAngle(Motion::Position(TimeFunction::Constant(0.0))),
+        JointKind::DrivenAngle(Motion::Position(Signal::Constant(0.0))),
     ));
     let with_distance = swing(distance, vec![]);
     assert!((with_rod[0] - with_distance[0]).abs() < 1e-8);
@@ -254,10 +254,10 @@ fn a_rod_of_next_to_no_mass_is_a_distance() {
 
 #[test]
 fn a_driven_position_follows_its_spline_and_its_force_moves_the_mass() {
-    let spline = Spline::new("way", &[(0.0, 0.0), (0.4, 0.1), (1.0, -0.2)]).unwrap();
+    let spline = Spline::new("way", "m", &[(0.0, 0.0), (0.4, 0.1), (1.0, -0.2)]).unwrap();
     let drive = JointKind::DrivenPosition {
         direction: Vec2::new(0.0, 1.0),
-        motion: Motion::Position(TimeFunction::Spline(spline.clone())),
+        motion: Motion::Position(Signal::Spline(spline.clone())),
     };
     let along = JointKind::Prismatic {
         direction: Vec2::new(0.0, 1.0),
@@ -285,7 +285,13 @@ fn a_driven_position_follows_its_spline_and_its_force_moves_the_mass() {
 
 #[test]
 fn a_motor_by_its_speed_comes_to_the_speed_where_it_has_no_torque() {
-    let table = Curve::new("torque", &[(0.0, 2.0), (100.0, 0.0)]).unwrap();
+    let table = Table::against(
+        "torque",
+        ("speed", "rad/s"),
+        "N m",
+        &[(0.0, 2.0), (100.0, 0.0)],
+    )
+    .unwrap();
     let mechanism = without_gravity(
         vec![Body::new("rotor", 1.0, 0.01)],
         vec![revolute(
@@ -432,7 +438,7 @@ fn what_cannot_go_together_is_refused_with_the_joints_at_fault() {
 #[test]
 fn drivers_that_contradict_each_other_are_refused() {
     let mut mechanism = slider_crank(10.0);
-    let motor = JointKind::DrivenAngle(Motion::Speed(TimeFunction::Constant(11.0)));
+    let motor = JointKind::DrivenAngle(Motion::Speed(Signal::Constant(11.0)));
     mechanism.joints.push(Joint::new(
         "second motor",
         ground(0.0, 0.0),
@@ -509,7 +515,7 @@ fn a_jammed_mechanism_stops_with_the_time_and_the_joints() {
     let (middle, span) = (0.5 * (crank + foot), foot - crank);
     let rise = (1.0 - 0.25 * span.norm_squared()).sqrt();
     let knee = middle + rise * Vec2::new(-span.y, span.x) / span.norm();
-    let motor = JointKind::DrivenAngle(Motion::Speed(TimeFunction::Constant(1.0)));
+    let motor = JointKind::DrivenAngle(Motion::Speed(Signal::Constant(1.0)));
     let end = |name: &str, side: f64| Marker::new(name, 0.5 * side, 0.0);
     let mechanism = without_gravity(
         vec![

@@ -9,10 +9,11 @@ use rustchain::drive::Drive;
 use rustchain::force_law::{Damping, Elastic, Film, ForceLaw, Friction, LuGre, Regularization};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, OdeSystem, SecondOrderSystem, StepControl};
+use rustchain::math::{Signal, Table};
 use rustchain::multibody::{
-    Body, ContactLaw, ContactPair, Curve, CustomForce, ForceElement, ForceKind, FrictionLaw, Joint,
+    Body, ContactLaw, ContactPair, CustomForce, ForceElement, ForceKind, FrictionLaw, Joint,
     JointKind, Marker, Mechanism, MechanismDynamics, MechanismModel, Motion, Piece, PinFriction,
-    Profile, SpringLaw, Stabilisation, TimeFunction, Tribology,
+    Profile, SpringLaw, Stabilisation, Tribology,
 };
 use rustchain::run::mechanism::MechanismSimulation;
 
@@ -35,8 +36,8 @@ fn marker(body: &str, x: f64, y: f64) -> Marker {
 
 const ALONG: Vec2 = Vec2::new(0.6, 0.8);
 
-fn waves() -> TimeFunction {
-    TimeFunction::Sines {
+fn waves() -> Signal {
+    Signal::Sines {
         offset: 0.1,
         terms: vec![[0.3, 2.0, 0.4]],
     }
@@ -136,7 +137,13 @@ fn forces() -> Vec<ForceElement> {
         damping: 3.0,
         table: None,
     };
-    let torque = Curve::new("torque", &[(-50.0, 20.0), (0.0, 1.0), (50.0, -30.0)]).unwrap();
+    let torque = Table::against(
+        "torque",
+        ("speed", "rad/s"),
+        "N m",
+        &[(-50.0, 20.0), (0.0, 1.0), (50.0, -30.0)],
+    )
+    .unwrap();
     let custom = CustomForce(Arc::new(|t, q, v| {
         [
             q[1] * v[2] + t,

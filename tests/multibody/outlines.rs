@@ -245,7 +245,7 @@ fn what_acts_on_itself_or_contradicts_itself_is_refused() {
     assert_eq!(spring("ground", "ball", SpringLaw::linear(1.0, 0.0)), "");
     let text = spring("ball", "ball", SpringLaw::linear(1.0, 0.0));
     assert!(text.contains("\"ball\" twice"), "{text}");
-    let table = rustchain::multibody::Curve::new("x", &[(0.0, 0.0), (1.0, 5.0)]).unwrap();
+    let table = rustchain::math::Table::new("x", "m", &[(0.0, 0.0), (1.0, 5.0)]).unwrap();
     let both = SpringLaw {
         stiffness: 3.0,
         table: Some(table),

@@ -6,8 +6,9 @@ use std::time::Duration;
 
 use crate::common::mechanisms::{bar_chain, four_bars, ground, run_to};
 use rustchain::integrator::{Corrector, StepControl};
+use rustchain::math::Signal;
 use rustchain::multibody::{
-    Joint, JointKind, Marker, Mechanism, MechanismModel, Motion, Stabilisation, TimeFunction,
+    Joint, JointKind, Marker, Mechanism, MechanismModel, Motion, Stabilisation,
 };
 use rustchain::run::mechanism::MechanismSimulation;
 
@@ -36,7 +37,7 @@ fn turning(windows: usize, speed: f64) -> Mechanism {
 /// The same with a motor on the first post.
 fn driven(windows: usize, speed: f64) -> Mechanism {
     let mut mechanism = turning(windows, speed);
-    let motor = JointKind::DrivenAngle(Motion::Speed(TimeFunction::Constant(-speed)));
+    let motor = JointKind::DrivenAngle(Motion::Speed(Signal::Constant(-speed)));
     let post = Marker::new("post 0", 0.0, 0.0);
     let motor = Joint::new("motor", ground(0.0, 0.0), post, motor);
     mechanism.joints.push(motor);

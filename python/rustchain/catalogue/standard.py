@@ -26,10 +26,10 @@ from rustchain.description.drive import (
     Seat,
     Sprocket,
     Tensioner,
-    TimeTable,
     ToothForm,
 )
 from rustchain.description.material import Material
+from rustchain.description.signals import Signal
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords, suggest
 
@@ -97,9 +97,9 @@ def two_sprocket_drive(
     *,
     links: int | None = None,
     center_distance: float | None = None,
-    speed: TimeTable = 12.566,
+    speed: Signal = 12.566,
     pretension: float | None = None,
-    torque: TimeTable | None = None,
+    torque: Signal | None = None,
     seat: Seat = "bottom-diameter",
     gravity: Point = (0.0, -9.81),
     hinges: Hinges = "clearance",
@@ -119,12 +119,12 @@ def two_sprocket_drive(
         Number of links; by default the smallest even one that closes round `center_distance`.
     center_distance : float, optional
         Distance of the centres [m]; by default the one at which the strands are taut and straight.
-    speed : float or table of (time, speed)
+    speed : float, rows of (time, speed), Table, Spline, Sines or SmoothStep
         Speed of the driver [rad/s], counterclockwise positive.
     pretension : float, optional
         Tension that a tensioner on sprocket 2 gives each strand [N]; by default the centres are
         fixed.
-    torque : float or table of (time, torque), optional
+    torque : float, rows of (time, torque), Table, Spline, Sines or SmoothStep, optional
         Torque on the driven sprocket [N m], counterclockwise positive; by default none.
     seat : {"bottom-diameter", "pitch-circle"}
         Where the teeth's seats lie; see `AnsiTooth`.

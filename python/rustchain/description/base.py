@@ -7,16 +7,25 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, TypeAlias, TypeVar
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    ClassVar,
+    NoReturn,
+    TypeAlias,
+    TypeVar,
+    get_type_hints,
+)
 
 from rustchain import _rustchain
-from rustchain.arguments import plain, shown
+from rustchain.arguments import admitted, plain, shown
 from rustchain.errors import InvalidInput
 from rustchain.names import known_keywords, suggest
 
 __all__ = [
     "Description",
     "Point",
+    "Typed",
     "described",
     "description",
     "fields_of",
@@ -117,6 +126,18 @@ def _brief(value: object, longest: int) -> str:
     if isinstance(value, str):
         return f"{text[: max(longest, 20)]}..." if len(text) > max(longest, 20) else text
     return f"{type(value).__name__}(...)"
+
+
+class Typed(Description):
+    """A description whose fields are checked by their annotations when it is made."""
+
+    def __post_init__(self) -> None:
+        """Turn lists and arrays into tuples, and check the type of every field."""
+        types = get_type_hints(type(self))
+        for field in dataclasses.fields(self):
+            where = f"{type(self).__name__}.{field.name}"
+            value = admitted(where, getattr(self, field.name), types[field.name])
+            object.__setattr__(self, field.name, value)
 
 
 def described(kind: type[_Class]) -> type[_Class]:

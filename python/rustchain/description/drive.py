@@ -18,7 +18,6 @@ from rustchain.description.sprocket import (
     PrescribedSpeed,
     Side,
     Sprocket,
-    TimeTable,
 )
 from rustchain.description.teeth import (
     AnsiTooth,
@@ -58,7 +57,6 @@ __all__ = [
     "Sprocket",
     "StraightTooth",
     "Tensioner",
-    "TimeTable",
     "ToothArc",
     "ToothForm",
     "ToothLine",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rustchain.description.base import Description, Point, description
+from rustchain.description.signals import Rows, Sines, SmoothStep, Spline, Table
 
 
 @description(frozen=True)
@@ -15,15 +16,16 @@ class AnchoredEnd(Description):
     ----------
     position : (float, float)
         Where it is at the start [m].
-    velocity : (float, float) or table of (time, x, y)
-        Its velocity [m/s]: a constant, or rows, linear between them and constant outside.
+    velocity : (x, y) or rows of (time, x, y)
+        Its velocity [m/s]: two numbers or signals (`Table`, `Spline`, `Sines`, `SmoothStep`), or
+        rows, linear between them and constant outside. The position is its integral.
     links : int, optional
         Links between it and the first sprocket; by default as few as reach, unless the other end
         says how many it takes.
     """
 
     position: Point
-    velocity: Sequence[float] | Sequence[Sequence[float]] = (0.0, 0.0)
+    velocity: Sequence[float | SmoothStep | Table | Spline | Sines] | Rows = (0.0, 0.0)
     links: int | None = None
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, TypeAlias
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -12,13 +12,11 @@ from rustchain import _rustchain
 from rustchain.arguments import checked, plain, shown
 from rustchain.description.base import Description, Point, description
 from rustchain.description.chain import Chain
+from rustchain.description.signals import Curve, Signal
 from rustchain.description.teeth import AnsiTooth, ToothForm
 from rustchain.errors import InvalidInput
 
 Side = Literal["inside", "outside"]
-
-TimeTable: TypeAlias = float | Sequence[Sequence[float]]
-"""A constant, or rows (time [s], value): linear between the rows, constant outside them."""
 
 
 def _refuse_a_list_of_numbers(where: str, axis: str, given: object) -> None:
@@ -39,11 +37,11 @@ class PrescribedSpeed(Description):
 
     Attributes
     ----------
-    speed : float or table of (time, speed)
-        Speed [rad/s], counterclockwise positive.
+    speed : float, rows of (time, speed), Table, Spline, Sines or SmoothStep
+        Speed [rad/s] over time [s], counterclockwise positive. The angle is its exact integral.
     """
 
-    speed: TimeTable
+    speed: Signal
 
     def __post_init__(self) -> None:
         """Refuse numbers in a row as they were given, and let the rest be checked."""
@@ -57,15 +55,15 @@ class AppliedTorque(Description):
 
     Attributes
     ----------
-    torque : float or table of (time, torque)
-        Torque [N m], counterclockwise positive.
-    curve : table of (speed, torque), optional
+    torque : float, rows of (time, torque), Table, Spline, Sines or SmoothStep
+        Torque [N m] over time [s], counterclockwise positive.
+    curve : rows of (speed, torque) or Table, optional
         Torque that the sprocket's own speed [rad/s] adds: a motor's or a load's curve, linear
         between the rows and constant outside them.
     """
 
-    torque: TimeTable = 0.0
-    curve: TimeTable | None = None
+    torque: Signal = 0.0
+    curve: Curve | None = None
 
     def __post_init__(self) -> None:
         """Refuse numbers in a row as they were given, and let the rest be checked."""

@@ -10,10 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from rustchain.arguments import plain, shown
-from rustchain.description.drive import ChainDrive, TimeTable
+from rustchain.description.drive import ChainDrive
 from rustchain.description.laws.force import ForceLaw
 from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.scene import Scene, Start
+from rustchain.description.signals import Signal
 from rustchain.description.solver import Solver
 from rustchain.errors import InvalidInput, SimulationError
 from rustchain.names import known_keywords
@@ -121,7 +122,7 @@ class Simulation(Present):
             self._warn()
 
     @known_keywords
-    def set_speed(self, sprocket: str | int, speed: TimeTable) -> None:
+    def set_speed(self, sprocket: str | int, speed: Signal) -> None:
         """Let a sprocket turn at another speed from now on; its angle does not jump.
 
         For co-simulation, between calls of `step_to`, or in a run's `callback`. The integrator goes
@@ -132,7 +133,7 @@ class Simulation(Present):
         ----------
         sprocket : str or int
             Such as "sprocket_1", or its number from 1. Its motion must be a `PrescribedSpeed`.
-        speed : float or table of (time, speed)
+        speed : float, rows of (time, speed), Table, Spline, Sines or SmoothStep
             [rad/s], against the simulation's time. A number is a jump: what touches the teeth
             meets them at another speed. Rows that begin at the present time and speed make a ramp.
 
@@ -145,7 +146,7 @@ class Simulation(Present):
         self._core.set_input(_sprocket_number(sprocket), "speed", plain(speed))
 
     @known_keywords
-    def set_torque(self, sprocket: str | int, torque: TimeTable) -> None:
+    def set_torque(self, sprocket: str | int, torque: Signal) -> None:
         """Let a sprocket be turned by another torque from now on; see `set_speed`.
 
         Parameters
@@ -153,7 +154,7 @@ class Simulation(Present):
         sprocket : str or int
             Such as "sprocket_2", or its number from 1. Its motion must be an `AppliedTorque`, whose
             curve over speed goes on to be added, or `Free`.
-        torque : float or table of (time, torque)
+        torque : float, rows of (time, torque), Table, Spline, Sines or SmoothStep
             [N m], against the simulation's time.
 
         Raises

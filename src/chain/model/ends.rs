@@ -5,9 +5,10 @@
 
 use super::Model;
 use crate::drive::bushing_on_front;
-use crate::drive::{ChainEnd, Drive, TimeTable};
+use crate::drive::{ChainEnd, Drive};
 use crate::geometry::Vec2;
 use crate::layout::InitialConfiguration;
+use crate::math::Signal;
 
 /// Mass \[kg\] and inertia \[kg m²\] that Newton's matrix has for a body that nothing moves.
 pub(crate) const IMMOVABLE: f64 = 1e20;
@@ -40,7 +41,7 @@ pub enum EndKind {
     /// Nothing: its body takes no part.
     Loose,
     /// A pin with this velocity, x and y \[m/s\].
-    Held([TimeTable; 2]),
+    Held([Signal; 2]),
     /// A body with a mass.
     Load,
 }
@@ -69,6 +70,12 @@ impl EndModel {
             _ => Vec2::zeros(),
         };
         Some((self.start + moved, self.given_velocity(t)?))
+    }
+
+    /// Whether it is moved with an acceleration that changes between knots, which the integrator follows within its tolerance only.
+    pub(crate) fn follows_a_curve(&self) -> bool {
+        let straight = |signal: &Signal| matches!(signal, Signal::Constant(_) | Signal::Table(_));
+        matches!(&self.kind, EndKind::Held(velocity) if !velocity.iter().all(straight))
     }
 
     /// Velocity that it is given at time `t` \[m/s\]; nothing for a load.
@@ -107,14 +114,19 @@ impl OpenEnds {
         })
     }
 
-    /// Time of the first row after `t` of a velocity of an end \[s\]; infinite when there is none.
+    /// The velocities that its ends follow.
+    pub(super) fn signals(&self) -> impl Iterator<Item = &Signal> {
+        self.bodies.iter().flat_map(|end| match &end.kind {
+            EndKind::Held(velocity) => velocity.as_slice(),
+            _ => &[],
+        })
+    }
+
+    /// Time of the first knot after `t` of a velocity of an end \[s\]; infinite when there is none.
     #[must_use]
-    pub fn next_row(&self, t: f64) -> f64 {
-        let rows = self.bodies.iter().map(|end| match &end.kind {
-            EndKind::Held([x, y]) => x.next_row(t).min(y.next_row(t)),
-            _ => f64::INFINITY,
-        });
-        rows.fold(f64::INFINITY, f64::min)
+    pub fn next_knot(&self, t: f64) -> f64 {
+        let knots = self.signals().map(|signal| signal.next_knot(t));
+        knots.fold(f64::INFINITY, f64::min)
     }
 
     /// Whether hinge `k` is none.

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Model, Rotation};
-use crate::drive::TimeTable;
 use crate::error::{Error, Result};
+use crate::math::Signal;
 
 /// What of a sprocket is set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -20,7 +20,7 @@ pub enum Quantity {
 pub struct Input {
     sprocket: usize,
     quantity: Quantity,
-    table: TimeTable,
+    signal: Signal,
     /// Angle that the sprocket would have had at time zero \[rad\], where its speed is prescribed.
     phase: f64,
 }
@@ -38,12 +38,12 @@ impl Model {
     /// already.
     ///
     /// # Errors
-    /// When there is no such sprocket, its motion has no such quantity, or `table` is beyond what a drive may be described with.
+    /// When there is no such sprocket, its motion has no such quantity, or `signal` is beyond what a drive may be described with.
     pub fn input(
         &self,
         sprocket: usize,
         quantity: Quantity,
-        table: TimeTable,
+        signal: Signal,
         t: f64,
     ) -> Result<Option<Input>> {
         let name = format!("sprocket_{}", sprocket + 1);
@@ -56,15 +56,15 @@ impl Model {
         };
         let phase = match (&found.rotation, quantity) {
             (Rotation::Prescribed(speed), Quantity::Speed) => {
-                if *speed == table {
+                if *speed == signal {
                     return Ok(None);
                 }
-                found.phase + speed.integral(t) - table.integral(t)
+                found.phase + speed.integral(t) - signal.integral(t)
             }
             (Rotation::Free { torque, .. }, Quantity::Torque) => {
                 let same = match torque {
-                    Some(torque) => *torque == table,
-                    None => table.is_zero(),
+                    Some(torque) => *torque == signal,
+                    None => signal.is_zero(),
                 };
                 if same {
                     return Ok(None);
@@ -82,14 +82,18 @@ impl Model {
         };
         if let Some(bounds) = &found.input_bounds {
             match quantity {
-                Quantity::Speed => bounds.check_speeds(&format!("speed of {name}"), &table)?,
-                Quantity::Torque => bounds.check_torques(&format!("torque of {name}"), &table)?,
+                Quantity::Speed => {
+                    bounds.check_speed(&format!("speed of {name}"), signal.largest())?;
+                }
+                Quantity::Torque => {
+                    bounds.check_torque(&format!("torque of {name}"), signal.largest())?;
+                }
             }
         }
         Ok(Some(Input {
             sprocket,
             quantity,
-            table,
+            signal,
             phase,
         }))
     }
@@ -102,11 +106,11 @@ impl Model {
             let sprocket = model.sprockets.get_mut(input.sprocket)?;
             match (&mut sprocket.rotation, input.quantity) {
                 (Rotation::Prescribed(speed), Quantity::Speed) => {
-                    speed.clone_from(&input.table);
+                    speed.clone_from(&input.signal);
                     sprocket.phase = input.phase;
                 }
                 (Rotation::Free { torque, .. }, Quantity::Torque) => {
-                    *torque = (!input.table.is_zero()).then(|| input.table.clone());
+                    *torque = (!input.signal.is_zero()).then(|| input.signal.clone());
                 }
                 _ => return None,
             }

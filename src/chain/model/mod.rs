@@ -14,10 +14,11 @@ pub use ends::{EndKind, EndModel, OpenEnds};
 pub use guide::{Guide, Ratchet};
 pub use input::{Input, Quantity};
 
-use crate::drive::{InputBounds, TimeTable, bushing_on_front};
+use crate::drive::{InputBounds, bushing_on_front};
 use crate::force_law::{Elastic, Friction, HingeFilm, LuGre, PairTable, Regions};
 use crate::geometry::path::belt::Side;
 use crate::geometry::{Surface, ToothProfile, Vec2};
+use crate::math::{Signal, Table};
 
 /// The complete model of a drive. Read-only during a run.
 ///
@@ -181,36 +182,41 @@ pub enum Support {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Rotation {
     /// Turns at a given speed \[rad/s\]: no coordinate.
-    Prescribed(TimeTable),
+    Prescribed(Signal),
     /// Turned by a torque \[N m\] and the chain.
     Free {
         /// Coordinate θ \[rad\].
         index: usize,
         /// Applied torque, if any.
-        torque: Option<TimeTable>,
+        torque: Option<Signal>,
         /// Torque against the sprocket's own speed, if any.
-        curve: Option<TimeTable>,
+        curve: Option<Table>,
     },
 }
 
 impl Model {
-    /// Time of the first row after `t` of any table that speeds and torques follow \[s\]: a kink there; infinite when there is
-    /// none.
+    /// All that prescribed speeds, applied torques and moved ends follow.
+    fn signals(&self) -> impl Iterator<Item = &Signal> {
+        let of_sprockets = self.sprockets.iter().filter_map(|s| match &s.rotation {
+            Rotation::Prescribed(signal) => Some(signal),
+            Rotation::Free { torque, .. } => torque.as_ref(),
+        });
+        of_sprockets.chain(self.ends.iter().flat_map(OpenEnds::signals))
+    }
+
+    /// Time of the first knot after `t` of any speed or torque \[s\]: a derivative jumps there; infinite when there is none.
     #[must_use]
     pub fn next_kink(&self, t: f64) -> f64 {
-        let rows = self
-            .sprockets
-            .iter()
-            .map(|sprocket| match &sprocket.rotation {
-                Rotation::Prescribed(table)
-                | Rotation::Free {
-                    torque: Some(table),
-                    ..
-                } => table.next_row(t),
-                Rotation::Free { torque: None, .. } => f64::INFINITY,
-            });
-        let of_ends = self.ends.iter().map(|ends| ends.next_row(t));
-        rows.chain(of_ends).fold(f64::INFINITY, f64::min)
+        let knots = self.signals().map(|signal| signal.next_knot(t));
+        knots.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Longest step from `t` beside the time that speeds and torques take to change between their knots \[s\].
+    pub(crate) fn longest_step_between_kinks(&self, t: f64) -> f64 {
+        let steps = self
+            .signals()
+            .map(|signal| signal.longest_step_between_knots(t));
+        steps.fold(f64::INFINITY, f64::min)
     }
 
     /// Number of sprockets that have teeth.

@@ -1,9 +1,10 @@
 //! Guides as the run needs them: wheels without teeth, on bearings or arms.
 
 use super::{Guide, Ratchet, Rotation, SprocketModel, Support};
-use crate::drive::{Chain, Mount, Rail, STOP_STIFFNESS, TimeTable};
+use crate::drive::{Chain, Mount, Rail, STOP_STIFFNESS};
 use crate::error::Result;
 use crate::geometry::path::belt::Side;
+use crate::math::Signal;
 
 /// A guide: a wheel without teeth that stands, turns, or swings about the pivot of its arm.
 pub(super) fn place_rail(
@@ -14,7 +15,7 @@ pub(super) fn place_rail(
 ) -> Result<SprocketModel> {
     let profile = rail.for_bushings(chain.contact_radius()).profile()?;
     let gap_directions = vec![(1.0, 0.0), (-1.0, 0.0)];
-    let mut free = |torque: Option<TimeTable>| Rotation::Free {
+    let mut free = |torque: Option<Signal>| Rotation::Free {
         index: take(),
         torque,
         curve: None,
@@ -25,12 +26,8 @@ pub(super) fn place_rail(
         Mount::Arm(arm) => {
             let lever = rail.lever(&arm);
             let torque = arm.force * lever;
-            let table = if arm.ramp_time > 0.0 {
-                TimeTable::new(
-                    "GuideArm.force",
-                    "N",
-                    &[(0.0, 0.0), (arm.ramp_time, torque)],
-                )?
+            let torque = if arm.ramp_time > 0.0 {
+                Signal::ramp(0.0, arm.ramp_time, 0.0, torque)?
             } else {
                 torque.into()
             };
@@ -58,7 +55,7 @@ pub(super) fn place_rail(
                     forward: lever.signum(),
                 }),
             };
-            (free(Some(table)), arm.inertia, Some(swing))
+            (free(Some(torque)), arm.inertia, Some(swing))
         }
     };
     Ok(SprocketModel {

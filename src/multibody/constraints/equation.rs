@@ -176,7 +176,7 @@ impl Equation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::multibody::description::time_function::TimeFunction;
+    use crate::math::Signal;
 
     /// Bodies moving with constant velocities but for an acceleration of one coordinate.
     fn frames(t: f64, acceleration: [[f64; 3]; 3]) -> Vec<Frame> {
@@ -243,7 +243,7 @@ mod tests {
                 },
                 carrier: 2,
                 offset: 0.05,
-                motion: Some(Motion::Position(TimeFunction::Sines {
+                motion: Some(Motion::Position(Signal::Sines {
                     offset: 0.0,
                     terms: vec![[0.3, 2.0, 0.1]],
                 })),

@@ -1,15 +1,15 @@
 //! What a driver prescribes: a coordinate or its rate as a function of time.
 
-use super::time_function::TimeFunction;
 use crate::error::{Error, Result};
+use crate::math::Signal;
 
 /// What a driver prescribes of a relative coordinate.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Motion {
     /// The coordinate itself; its first two derivatives must be continuous.
-    Position(TimeFunction),
+    Position(Signal),
     /// Its rate; the coordinate begins where it is placed.
-    Speed(TimeFunction),
+    Speed(Signal),
 }
 
 impl Motion {
@@ -27,8 +27,8 @@ impl Motion {
     /// Whether it prescribes more than to stand still.
     pub(crate) fn moves(&self) -> bool {
         match self {
-            Self::Position(function) => !matches!(function, TimeFunction::Constant(_)),
-            Self::Speed(function) => !matches!(function, TimeFunction::Constant(0.0)),
+            Self::Position(function) => !matches!(function, Signal::Constant(_)),
+            Self::Speed(function) => !matches!(function, Signal::Constant(0.0)),
         }
     }
 
@@ -41,15 +41,10 @@ impl Motion {
     /// Checks every number, and that the motion is smooth enough to be followed without impacts.
     pub(crate) fn validate(&self, field: &str) -> Result<()> {
         match self {
-            Self::Position(TimeFunction::Table(_)) => Err(Error::invalid(
+            Self::Position(Signal::Table(_)) => Err(Error::invalid(
                 field,
                 "a table with corners",
                 "would need an infinite force at each corner: give a spline, or the speed as a table",
-            )),
-            Self::Speed(TimeFunction::Spline(_)) => Err(Error::invalid(
-                field,
-                "a spline",
-                "is for positions: give the speed as a table, or the position as a spline",
             )),
             Self::Position(function) | Self::Speed(function) => function.validate(field),
         }
@@ -62,7 +57,7 @@ mod tests {
 
     #[test]
     fn a_position_with_corners_is_refused() {
-        let motion = Motion::Position(TimeFunction::ramp(0.0, 1.0, 0.0, 1.0).unwrap());
+        let motion = Motion::Position(Signal::ramp(0.0, 1.0, 0.0, 1.0).unwrap());
         let error = motion.validate("driver").unwrap_err();
         assert!(error.to_string().contains("spline"));
     }

@@ -4,10 +4,9 @@ use std::sync::Arc;
 
 use super::body::{End, Frame, Marker};
 use super::spring_law::SpringLaw;
-use super::time_function::TimeFunction;
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
-use crate::math::piecewise::Curve;
+use crate::math::{Signal, Table};
 use crate::multibody::GROUND;
 use crate::multibody::forces::loads::Loads;
 
@@ -30,16 +29,16 @@ pub enum ForceKind {
     /// A force on point b \[N\]; it has no reaction.
     Force {
         /// Component along x.
-        x: TimeFunction,
+        x: Signal,
         /// Component along y.
-        y: TimeFunction,
+        y: Signal,
         /// Whether the components turn with the body.
         follows: bool,
     },
     /// A torque on `b`, its reaction on `a` \[N m\].
-    Torque(TimeFunction),
+    Torque(Signal),
     /// A torque on `b`, its reaction on `a` \[N m\], by the speed of `b` seen from `a` \[rad/s\].
-    TorqueBySpeed(Curve),
+    TorqueBySpeed(Table),
     /// A spring and damper between the points.
     Spring {
         /// Force by length.

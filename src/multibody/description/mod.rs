@@ -10,6 +10,5 @@ pub(crate) mod outline_check;
 pub(crate) mod outline_piece;
 pub(crate) mod profile;
 pub(crate) mod spring_law;
-pub(crate) mod time_function;
 pub(crate) mod tribology;
 pub(crate) mod validate;

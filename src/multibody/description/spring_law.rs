@@ -1,7 +1,7 @@
 //! Force of a spring and damper by its length or angle, and the energy that it stores.
 
 use crate::error::{Error, Result, check};
-use crate::math::piecewise::Curve;
+use crate::math::Table;
 
 /// Force of a spring and damper: k x + `k_3` x³ (or a table of x) + c x'.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -13,7 +13,7 @@ pub struct SpringLaw {
     /// c \[N s/m\] or \[N m s/rad\].
     pub damping: f64,
     /// Force by x in place of k and `k_3`.
-    pub table: Option<Curve>,
+    pub table: Option<Table>,
 }
 
 impl SpringLaw {

@@ -6,9 +6,9 @@ use super::sprocket_name;
 use crate::drive::{Drive, STOP_STIFFNESS, Tensioner, TensionerLine};
 use crate::error::Result;
 use crate::geometry::{Vec2, turned_left, unit};
+use crate::math::{Signal, Table};
 use crate::multibody::{
-    Body, Curve, ForceElement, ForceKind, GROUND, Joint, JointKind, Marker, Mechanism, SpringLaw,
-    TimeFunction,
+    Body, ForceElement, ForceKind, GROUND, Joint, JointKind, Marker, Mechanism, SpringLaw,
 };
 
 /// Mass of an arm over that of its sprocket.
@@ -201,7 +201,12 @@ fn springs(
     }
     if !rows.is_empty() {
         let law = SpringLaw {
-            table: Some(Curve::new("travel", &rows)?),
+            table: Some(Table::against(
+                "travel",
+                ("way", "m or rad"),
+                "N or N m",
+                &rows,
+            )?),
             ..SpringLaw::default()
         };
         found.push(("stops", law));
@@ -210,9 +215,9 @@ fn springs(
 }
 
 /// What grows to `value` within `time` \[s\]; within none, it is there from the start.
-fn ramp(value: f64, time: f64) -> Result<TimeFunction> {
+fn ramp(value: f64, time: f64) -> Result<Signal> {
     if time > 0.0 {
-        return TimeFunction::ramp(0.0, time, 0.0, value);
+        return Signal::ramp(0.0, time, 0.0, value);
     }
-    Ok(TimeFunction::Constant(value))
+    Ok(Signal::Constant(value))
 }

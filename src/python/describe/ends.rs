@@ -3,9 +3,9 @@
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
-use super::reader::{Reader, checked, refuse};
-use crate::drive::{ChainEnd, TimeTable};
-use crate::error::check;
+use super::reader::{Reader, checked, refuse, signal};
+use crate::drive::ChainEnd;
+use crate::math::{Signal, Table};
 
 pub(super) const ENDS: [&str; 3] = ["AnchoredEnd", "LoadedEnd", "FreeEnd"];
 /// Density of the steel that a load is a ball of, where its inertia is not given \[kg/m³\].
@@ -48,39 +48,35 @@ pub(crate) fn chain_end(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Chai
     })
 }
 
-/// A constant velocity, or rows (time, x, y).
-fn end_velocity(read: &Reader<'_, '_>) -> PyResult<[TimeTable; 2]> {
+/// Two functions of time, or rows (time, x, y).
+fn end_velocity(read: &Reader<'_, '_>) -> PyResult<[Signal; 2]> {
+    const NAME: &str = "AnchoredEnd.velocity";
     let value = read.get("velocity")?;
-    let is_table = |rows: &Bound<'_, PyTuple>| {
-        rows.get_item(0)
-            .is_ok_and(|row| row.is_instance_of::<PyTuple>())
+    let wrong = || {
+        let expected =
+            "must be two numbers (x, y) in m/s, two functions of time, or rows (time, x, y)";
+        refuse(value.py(), NAME, &value, expected)
     };
-    let Some(rows) = value.cast::<PyTuple>().ok().filter(|rows| is_table(rows)) else {
-        let [x, y]: [f64; 2] = read.vector("velocity", "m/s")?.into();
-        return [x, y]
-            .map(|constant| {
-                checked(
-                    value.py(),
-                    check::finite("AnchoredEnd.velocity", constant, "m/s"),
-                )
-                .map(|()| constant.into())
-            })
-            .into_iter()
-            .collect::<PyResult<Vec<TimeTable>>>()
-            .map(|mut both| [both.remove(0), both.remove(0)]);
-    };
+    let given = value.cast::<PyTuple>().map_err(|_| wrong())?;
+    let first = given.get_item(0).map_err(|_| wrong())?;
+    if !first.is_instance_of::<PyTuple>() {
+        let Ok([x, y]) = given.extract::<[Bound<'_, PyAny>; 2]>() else {
+            return Err(wrong());
+        };
+        return Ok([signal(&x, NAME, "m/s")?, signal(&y, NAME, "m/s")?]);
+    }
     let mut both = [Vec::new(), Vec::new()];
-    for row in rows {
+    for row in given {
         let Ok([t, x, y]) = row.extract::<[f64; 3]>() else {
             let expected = "each row must be (time, x, y) in s and m/s";
-            return Err(refuse(row.py(), "AnchoredEnd.velocity", &row, expected));
+            return Err(refuse(row.py(), NAME, &row, expected));
         };
         both[0].push((t, x));
         both[1].push((t, y));
     }
     let table = |rows: &[(f64, f64)]| {
-        let made = TimeTable::against("AnchoredEnd.velocity", ("time", "s"), "m/s", rows);
-        checked(value.py(), made)
+        let made = Table::new(NAME, "m/s", rows);
+        checked(value.py(), made).map(Signal::Table)
     };
     Ok([table(&both[0])?, table(&both[1])?])
 }

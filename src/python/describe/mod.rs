@@ -17,7 +17,7 @@ use crate::drive::{Drive, HingeKind};
 use chain::{hinge, link, plates, roller};
 use ends::{ENDS, chain_ends};
 use laws::{LAWS, film_of, rubbing};
-use reader::kind_of;
+use reader::{SIGNALS, kind_of};
 use sprocket::motion;
 use teeth::{FORMS, outline_piece, tooth_form};
 use tightening::{arm, tensioner};
@@ -27,7 +27,9 @@ pub(super) use ends::chain_end;
 pub(super) use laws::{
     damping, film, force_laws, friction, law_and_friction, tribology, without_film,
 };
-pub(super) use reader::{Reader, checked, count, finite, number, refuse, table, truth, two_teeth};
+pub(super) use reader::{
+    Reader, checked, count, finite, number, refuse, signal, table, truth, two_teeth,
+};
 pub(super) use run::{reports, solver};
 pub(super) use sprocket::sprocket;
 pub(super) use tightening::rail;
@@ -98,6 +100,9 @@ pub(super) fn validate(description: &Bound<'_, PyAny>) -> PyResult<()> {
         kind if FORMS.contains(&kind) => tooth_form(object, "")?.validate(),
         "ToothLine" | "ToothArc" => outline_piece(object, "").map(|_| Ok(()))?,
         "PrescribedSpeed" | "AppliedTorque" | "Free" => motion(object, "").map(|_| Ok(()))?,
+        // Of time, or of what the rows of a curve are against.
+        "Table" => table(object, "Table.rows", ("argument", ""), "its unit").map(|_| Ok(()))?,
+        kind if SIGNALS.contains(&kind) => signal(object, kind, "its unit").map(|_| Ok(()))?,
         "Sprocket" => sprocket(object, "")?.validate(),
         "Tensioner" => tensioner(object, "")?.validate(),
         "GuideArm" => arm(object, "")?.validate(),

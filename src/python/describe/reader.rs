@@ -3,9 +3,9 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyString, PyTuple};
 
-use crate::drive::TimeTable;
 use crate::error::{Error, Result, check};
 use crate::geometry::Vec2;
+use crate::math::{Signal, Spline, Table};
 use crate::python::errors::to_python;
 
 /// One description object, whose fields are read by name.
@@ -139,50 +139,100 @@ impl<'a, 'py> Reader<'a, 'py> {
         ))
     }
 
-    pub(super) fn table(&self, field: &str, unit: &str) -> PyResult<TimeTable> {
-        self.table_against(field, ("time", "s"), unit)
-    }
-
-    /// A constant, or rows of (axis, value).
-    pub(super) fn table_against(
-        &self,
-        field: &str,
-        axis: (&str, &str),
-        unit: &str,
-    ) -> PyResult<TimeTable> {
-        table(&self.get(field)?, &self.name(field), axis, unit)
+    pub(super) fn signal(&self, field: &str, unit: &str) -> PyResult<Signal> {
+        signal(&self.get(field)?, &self.name(field), unit)
     }
 }
 
-/// A constant, or a tuple of rows (axis, value).
+/// Classes of signals.
+pub(super) const SIGNALS: [&str; 4] = ["SmoothStep", "Table", "Spline", "Sines"];
+
+/// A function of time: a number, rows (time, value), or one of the classes of signals.
+pub(crate) fn signal(value: &Bound<'_, PyAny>, name: &str, unit: &str) -> PyResult<Signal> {
+    let (py, axis) = (value.py(), ("time", "s"));
+    if let Ok(tuple) = value.cast::<PyTuple>() {
+        let rows = rows(tuple, name, axis, unit)?;
+        return checked(py, Table::new(name, unit, &rows)).map(Signal::Table);
+    }
+    let kind = kind_of(value);
+    if !SIGNALS.contains(&kind.as_str()) {
+        let unit =
+            format!("{unit}, or rows (time, value), or a SmoothStep, Table, Spline or Sines");
+        return finite(value, name, &unit).map(Signal::Constant);
+    }
+    let read = Reader::new(value, name, &SIGNALS)?;
+    let rows = || {
+        let (given, name) = (read.get("rows")?, read.name("rows"));
+        match given.cast::<PyTuple>() {
+            Ok(given) => rows(given, &name, axis, unit),
+            Err(_) => Err(refuse(py, &name, &given, "must be rows (time, value)")),
+        }
+    };
+    let made = match kind.as_str() {
+        "SmoothStep" => Signal::SmoothStep {
+            start: read.number("start", "s")?,
+            end: read.number("end", "s")?,
+            from: read.number("before", unit)?,
+            to: read.number("after", unit)?,
+        },
+        "Table" => checked(py, Table::new("Table.rows", unit, &rows()?)).map(Signal::Table)?,
+        "Spline" => checked(py, Spline::new("Spline.rows", unit, &rows()?)).map(Signal::Spline)?,
+        _ => Signal::Sines {
+            offset: read.number("offset", unit)?,
+            terms: terms(&read.get("terms")?)?,
+        },
+    };
+    checked(py, made.validate(&kind)).map(|()| made)
+}
+
+/// Sines (amplitude, angular frequency, phase).
+fn terms(value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 3]>> {
+    value.extract().map_err(|_| {
+        let expected =
+            "must be rows of three numbers (amplitude, angular frequency [rad/s], phase [rad])";
+        refuse(value.py(), "Sines.terms", value, expected)
+    })
+}
+
+/// Values against `axis`, which is a name and a unit: a number, a tuple of rows (axis, value), or a `Table` of them.
 pub(crate) fn table(
     value: &Bound<'_, PyAny>,
     name: &str,
     axis: (&str, &str),
     unit: &str,
-) -> PyResult<TimeTable> {
-    let expected = format!("each row must be ({}, value)", axis.0);
-    let Ok(rows) = value.cast::<PyTuple>() else {
-        let constant = number(value, name, unit)?;
-        return checked(
-            value.py(),
-            check::finite(name, constant, unit).map(|()| constant.into()),
-        );
+) -> PyResult<Table> {
+    let given = if kind_of(value) == "Table" {
+        value.getattr("rows")?
+    } else {
+        value.clone()
     };
-    let mut pairs = Vec::new();
-    for row in rows {
-        let Ok(pair) = row.cast::<PyTuple>() else {
+    let rows = match given.cast::<PyTuple>() {
+        Ok(given) => rows(given, name, axis, unit)?,
+        Err(_) => vec![(0.0, finite(&given, name, unit)?)],
+    };
+    checked(value.py(), Table::against(name, axis, unit, &rows))
+}
+
+fn rows(
+    given: &Bound<'_, PyTuple>,
+    name: &str,
+    axis: (&str, &str),
+    unit: &str,
+) -> PyResult<Vec<(f64, f64)>> {
+    let row = |row: Bound<'_, PyAny>| {
+        let Ok([argument, value]) = row.extract::<[Bound<'_, PyAny>; 2]>() else {
+            let expected = format!(
+                "each row must be ({}, value): expected rows of two numbers",
+                axis.0
+            );
             return Err(refuse(row.py(), name, &row, &expected));
         };
-        if pair.len() != 2 {
-            return Err(refuse(row.py(), name, &row, &expected));
-        }
-        pairs.push((
-            number(&pair.get_item(0)?, &format!("{name} ({})", axis.0), axis.1)?,
-            number(&pair.get_item(1)?, &format!("{name} (value)"), unit)?,
-        ));
-    }
-    checked(value.py(), TimeTable::against(name, axis, unit, &pairs))
+        Ok((
+            number(&argument, &format!("{name} ({})", axis.0), axis.1)?,
+            number(&value, &format!("{name} (value)"), unit)?,
+        ))
+    };
+    given.iter().map(row).collect()
 }
 
 /// Names of classes as alternatives: `a Coulomb or a LuGre`.

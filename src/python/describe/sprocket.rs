@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
-use super::reader::{Reader, count, number, refuse};
+use super::reader::{Reader, count, number, refuse, table};
 use super::teeth::tooth_form;
 use crate::drive::{Bearing, Faults, Sprocket, SprocketMotion};
 use crate::geometry::Damage;
@@ -36,13 +36,14 @@ fn damage(read: &Reader<'_, '_>) -> PyResult<Vec<Damage>> {
 pub(super) fn motion(object: &Bound<'_, PyAny>, field: &str) -> PyResult<SprocketMotion> {
     let read = Reader::new(object, field, &["PrescribedSpeed", "AppliedTorque", "Free"])?;
     Ok(match read.kind.as_str() {
-        "PrescribedSpeed" => SprocketMotion::PrescribedSpeed(read.table("speed", "rad/s")?),
+        "PrescribedSpeed" => SprocketMotion::PrescribedSpeed(read.signal("speed", "rad/s")?),
         "AppliedTorque" => {
-            let torque = read.table("torque", "N m")?;
-            if read.get("curve")?.is_none() {
+            let torque = read.signal("torque", "N m")?;
+            let curve = read.get("curve")?;
+            if curve.is_none() {
                 SprocketMotion::AppliedTorque(torque)
             } else {
-                let curve = read.table_against("curve", ("speed", "rad/s"), "N m")?;
+                let curve = table(&curve, "AppliedTorque.curve", ("speed", "rad/s"), "N m")?;
                 SprocketMotion::TorqueCurve { torque, curve }
             }
         }

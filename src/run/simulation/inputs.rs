@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::Simulation;
 use crate::chain::model::Quantity;
-use crate::drive::TimeTable;
 use crate::error::Result;
+use crate::math::Signal;
 
 impl Simulation {
     /// Lets sprocket `sprocket` (from 0) have another speed or torque from the present time on.
@@ -14,14 +14,9 @@ impl Simulation {
     /// sprocket whose speed is set; contacts keep their memory and the energy balance goes on.
     ///
     /// # Errors
-    /// When there is no such sprocket, its motion has no such quantity, or `table` is beyond what a drive may be described with; the simulation is then what it was.
-    pub fn set_input(
-        &mut self,
-        sprocket: usize,
-        quantity: Quantity,
-        table: TimeTable,
-    ) -> Result<()> {
-        let Some(input) = self.model().input(sprocket, quantity, table, self.now)? else {
+    /// When there is no such sprocket, its motion has no such quantity, or `signal` is beyond what a drive may be described with; the simulation is then what it was.
+    pub fn set_input(&mut self, sprocket: usize, quantity: Quantity, signal: Signal) -> Result<()> {
+        let Some(input) = self.model().input(sprocket, quantity, signal, self.now)? else {
             return Ok(());
         };
         let Some(model) = self.model().with_inputs(std::slice::from_ref(&input)) else {

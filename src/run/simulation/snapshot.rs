@@ -16,7 +16,7 @@ use crate::integrator::{Adams, Progress, StepControl};
 const MAGIC: &[u8; 16] = b"rustchain state\n";
 
 /// Version of the bytes; another one for every change of what they hold.
-const VERSION: u32 = 9;
+const VERSION: u32 = 10;
 
 /// All that decides how a run goes on, the integrator's history and the contacts' memory included; which model it is of.
 #[derive(Debug, Clone, Serialize, Deserialize)]

@@ -8,10 +8,9 @@ from typing import TypeVar
 
 from rustchain.arguments import admitted, checked, shown
 from rustchain.description.base import described
-from rustchain.description.mechanism.checks import numbers
+from rustchain.description.mechanism.checks import Point, check_name, check_part_name, numbers
 from rustchain.description.mechanism.contacts import WithContacts
 from rustchain.description.mechanism.forces import WithForces
-from rustchain.description.mechanism.functions import Point, check_name, check_part_name
 from rustchain.description.mechanism.joints import WithJoints
 from rustchain.description.mechanism.parts import Body, Contact, Force, Joint
 from rustchain.description.mechanism.plausibility import implausible_inputs

@@ -1,21 +1,53 @@
-"""Checks of the arguments of `Mechanism`: numbers, rows, outlines."""
+"""Checks of the arguments of `Mechanism`: names, numbers, rows, outlines."""
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
+from contextlib import suppress
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from rustchain.arguments import finite_array, shown
-from rustchain.description.mechanism.functions import Rows, TimeFunction
+from rustchain.description.signals import Rows, Signal
 from rustchain.errors import InvalidInput
 
+Point: TypeAlias = Sequence[float]
 
-def one_of(
-    name: str, first: str, one: TimeFunction | Rows | None, second: str, other: object
-) -> TimeFunction:
+_LONGEST_NAME = 200  # characters: two lines of a message, and the width of a legend
+
+
+def check_part_name(field: str, name: object) -> None:
+    """Raise `InvalidInput` unless `name` can identify a part."""
+    if not isinstance(name, str):
+        raise InvalidInput(f"{field} = {shown(name)}: must be text")
+    if not name.strip():
+        quoted = json.dumps(name[:_LONGEST_NAME])
+        msg = f"{field} = {quoted}: must not be blank: results and messages are by name"
+        raise InvalidInput(msg)
+    if len(name) > _LONGEST_NAME:
+        msg = (
+            f"{field} = {shown(name)}: has {len(name)} characters; expected at most {_LONGEST_NAME}"
+        )
+        raise InvalidInput(msg)
+    check_name(field, name)
+
+
+def check_name(field: str, name: object) -> None:
+    """Refuse a name that a file of results cannot hold; what is no text is refused elsewhere."""
+    if not isinstance(name, str):
+        return
+    with suppress(UnicodeEncodeError):
+        if b"\0" not in name.encode():
+            return
+    msg = f"{field} = {name!r}: cannot be saved; expected text without NUL and lone surrogates"
+    raise InvalidInput(msg)
+
+
+def one_of(name: str, first: str, one: Signal | None, second: str, other: object) -> Signal:
     """Return the one of two that is given."""
     if (one is None) == (other is None):
         msg = f"{first}, {second} of {shown(name)}: exactly one of them must be given"

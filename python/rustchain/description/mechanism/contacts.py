@@ -7,9 +7,9 @@ from typing import Any
 
 from rustchain.arguments import shown
 from rustchain.description.drive import Chain, Sprocket
-from rustchain.description.mechanism.checks import arcs, point, rows
-from rustchain.description.mechanism.functions import Point, Rows
+from rustchain.description.mechanism.checks import Point, arcs, point, rows
 from rustchain.description.mechanism.parts import Contact, ContactLaw
+from rustchain.description.signals import Rows
 from rustchain.errors import InvalidInput
 
 

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from rustchain.arguments import shown
-from rustchain.description.mechanism.checks import one_of
+from rustchain.description.mechanism.checks import Point, one_of
 from rustchain.description.mechanism.checks import point as point_of
-from rustchain.description.mechanism.functions import Point, Rows, TimeFunction
 from rustchain.description.mechanism.parts import GROUND, Force, LoadFunction
+from rustchain.description.signals import Curve, Signal
 from rustchain.errors import InvalidInput
 
 
@@ -23,7 +23,7 @@ class WithForces:
         self,
         name: str,
         body: str,
-        force: Sequence[TimeFunction],
+        force: Sequence[Signal],
         point: Point = (0.0, 0.0),
         follows: bool = False,
     ) -> None:
@@ -48,11 +48,11 @@ class WithForces:
         self,
         name: str,
         body: str,
-        torque: TimeFunction | None = None,
-        by_speed: Rows | None = None,
+        torque: Signal | None = None,
+        by_speed: Curve | None = None,
         reaction: str = GROUND,
     ) -> None:
-        """Turn a body with a torque [N m] of time, or by a table of (speed [rad/s], torque).
+        """Turn a body with a torque [N m] of time, or by a curve of (speed [rad/s], torque).
 
         `reaction` names the body that takes the reaction and from which the speed is seen.
         """
@@ -74,7 +74,7 @@ class WithForces:
         point_b: Point = (0.0, 0.0),
         rest_length: float | None = None,
         cubic: float = 0.0,
-        table: Rows | None = None,
+        table: Curve | None = None,
     ) -> None:
         """Put a spring and damper between two points.
 
@@ -118,7 +118,7 @@ class WithForces:
         damping: float = 0.0,
         rest_angle: float | None = None,
         cubic: float = 0.0,
-        table: Rows | None = None,
+        table: Curve | None = None,
     ) -> None:
         """Put a spring and damper between two angles; as `add_spring`, with radians."""
         self.forces.append(

@@ -7,9 +7,9 @@ from typing import Any
 
 from rustchain.arguments import shown
 from rustchain.description.laws.friction import Coulomb
-from rustchain.description.mechanism.checks import numbers, one_of, point
-from rustchain.description.mechanism.functions import Point, TimeFunction
+from rustchain.description.mechanism.checks import Point, numbers, one_of, point
 from rustchain.description.mechanism.parts import GROUND, Body, Joint
+from rustchain.description.signals import Signal
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
 
@@ -131,8 +131,8 @@ class WithJoints:
         name: str,
         body_a: str,
         body_b: str,
-        angle: TimeFunction | None = None,
-        speed: TimeFunction | None = None,
+        angle: Signal | None = None,
+        speed: Signal | None = None,
     ) -> None:
         """Prescribe the angle [rad] or the speed [rad/s] of b seen from a."""
         motion = one_of(name, "angle", angle, "speed", speed)
@@ -144,8 +144,8 @@ class WithJoints:
         body_a: str,
         body_b: str,
         direction: Point,
-        position: TimeFunction | None = None,
-        speed: TimeFunction | None = None,
+        position: Signal | None = None,
+        speed: Signal | None = None,
         point_a: Point = (0.0, 0.0),
         point_b: Point = (0.0, 0.0),
     ) -> None:

@@ -7,13 +7,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from rustchain.description.base import description
+from rustchain.description.base import Description, Typed, description, plain
 from rustchain.description.drive import Chain, Sprocket
 from rustchain.description.laws.film import LubricantFilm
 from rustchain.description.laws.force import ForceLaw, LankaraniNikravesh
 from rustchain.description.laws.friction import Coulomb, LuGre
 from rustchain.description.material import Material
-from rustchain.description.mechanism.functions import Function, Part, Point, Rows, TimeFunction
+from rustchain.description.mechanism.checks import Point, check_part_name
+from rustchain.description.signals import Curve, Rows, Signal
 
 LoadFunction: TypeAlias = Callable[[float, list[float], list[float]], Sequence[float]]
 
@@ -23,7 +24,7 @@ _STEEL = Material()
 
 
 @description(frozen=True)
-class LinearContact(Function):
+class LinearContact(Typed):
     """Contact force: stiffness * penetration + damping * its rate, never pulling.
 
     Attributes
@@ -46,7 +47,7 @@ class LinearContact(Function):
 
 
 @description(frozen=True)
-class HuntCrossley(Function):
+class HuntCrossley(Typed):
     """Contact force: stiffness * penetration**exponent * (1 + damping * rate), never pulling.
 
     Attributes
@@ -71,7 +72,7 @@ class HuntCrossley(Function):
 
 
 @description(frozen=True)
-class SurfaceContact(Function):
+class SurfaceContact(Typed):
     """Contact by a law of cylinders, its stiffness from radii, length and material.
 
     Attributes
@@ -93,6 +94,16 @@ class SurfaceContact(Function):
 
 
 ContactLaw: TypeAlias = LinearContact | HuntCrossley | SurfaceContact
+
+
+class Part(Description):
+    """A part of a mechanism, which is checked when the mechanism is put together."""
+
+    def __post_init__(self) -> None:
+        """Turn lists and arrays into tuples."""
+        for field in dataclasses.fields(self):
+            object.__setattr__(self, field.name, plain(getattr(self, field.name)))
+        check_part_name(f"name of a {type(self).__name__.lower()}", getattr(self, "name", None))
 
 
 @dataclass(frozen=True)
@@ -158,7 +169,7 @@ class Joint(Part):
     direction: Point = (1.0, 0.0)
     value: float | None = None
     carrier: str | None = None
-    motion: TimeFunction = 0.0
+    motion: Signal = 0.0
     by_speed: bool = False
     friction: Coulomb | None = None
     radius: float | None = None
@@ -198,14 +209,14 @@ class Force(Part):
     body_b: str
     point_a: Point = (0.0, 0.0)
     point_b: Point = (0.0, 0.0)
-    x: TimeFunction = 0.0
-    y: TimeFunction = 0.0
+    x: Signal = 0.0
+    y: Signal = 0.0
     follows: bool = False
     stiffness: float = 0.0
     cubic: float = 0.0
     damping: float = 0.0
     rest: float | None = None
-    table: Rows | None = None
+    table: Curve | None = None
     function: LoadFunction | None = None
 
 

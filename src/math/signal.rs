@@ -1,11 +1,13 @@
-//! Numbers that depend on time: what drivers prescribe and applied forces follow.
+//! Numbers that depend on time: prescribed speeds and positions, applied torques and forces.
 
+use serde::{Deserialize, Serialize};
+
+use super::piecewise::{Spline, Table};
 use crate::error::{Error, Result, check};
-use crate::math::piecewise::{Curve, Spline};
 
-/// A number as a function of time.
-#[derive(Debug, Clone, PartialEq)]
-pub enum TimeFunction {
+/// A number as a function of time, with its derivatives and its integral.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Signal {
     /// The same at all times.
     Constant(f64),
     /// From one value to another with two continuous derivatives: s³ (10 - 15 s + 6 s²).
@@ -20,7 +22,7 @@ pub enum TimeFunction {
         to: f64,
     },
     /// Straight lines between rows; a ramp has two of them.
-    Table(Curve),
+    Table(Table),
     /// A cubic spline through rows.
     Spline(Spline),
     /// offset + Σ amplitude · sin(frequency · t + phase).
@@ -32,8 +34,9 @@ pub enum TimeFunction {
     },
 }
 
-/// Longest step inside a smooth step, as a part of its time, and along a wave, as a part of its period.
+/// Longest step inside a smooth step, as a part of its time.
 const PART_OF_RISE: f64 = 0.125;
+/// Longest step along a sine, as a part of its period.
 const PART_OF_PERIOD: f64 = 0.25;
 
 /// What rounding may leave of a step that was to end at `t`.
@@ -41,25 +44,25 @@ fn margin(t: f64) -> f64 {
     16.0 * f64::EPSILON * t.abs()
 }
 
-/// The first of increasing `arguments` behind `t`; infinite where there is none.
-fn next_after(arguments: &[f64], t: f64) -> f64 {
-    let next = arguments.partition_point(|&x| x - margin(x) <= t);
-    arguments.get(next).copied().unwrap_or(f64::INFINITY)
-}
-
-impl From<f64> for TimeFunction {
+impl From<f64> for Signal {
     fn from(value: f64) -> Self {
         Self::Constant(value)
     }
 }
 
-impl TimeFunction {
+impl From<Table> for Signal {
+    fn from(table: Table) -> Self {
+        Self::Table(table)
+    }
+}
+
+impl Signal {
     /// From one value to another along a straight line.
     ///
     /// # Errors
     /// When a number is not finite or the end is not after the start.
     pub fn ramp(start: f64, end: f64, from: f64, to: f64) -> Result<Self> {
-        Curve::new("ramp", &[(start, from), (end, to)]).map(Self::Table)
+        Table::new("ramp", "its unit", &[(start, from), (end, to)]).map(Self::Table)
     }
 
     /// Checks every number.
@@ -82,7 +85,7 @@ impl TimeFunction {
                     return Ok(());
                 }
                 Err(Error::invalid(
-                    format!("{field} (end)"),
+                    format!("{field}.end"),
                     end,
                     format!("must be after its start, {start} s"),
                 ))
@@ -101,7 +104,7 @@ impl TimeFunction {
     #[must_use]
     pub fn value(&self, t: f64) -> f64 {
         match self {
-            Self::Table(curve) => curve.value(t),
+            Self::Table(table) => table.value(t),
             _ => self.derivatives(t)[0],
         }
     }
@@ -125,7 +128,7 @@ impl TimeFunction {
                     rise / (span * span) * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s),
                 ]
             }
-            Self::Table(curve) => [curve.value(t), curve.slope(t), 0.0],
+            Self::Table(table) => [table.value(t), table.slope(t), 0.0],
             Self::Spline(spline) => spline.derivatives(t),
             Self::Sines { offset, terms } => {
                 let mut found = [*offset, 0.0, 0.0];
@@ -140,36 +143,89 @@ impl TimeFunction {
         }
     }
 
-    /// The longest step from `t` \[s\] that passes over nothing unseen: to where the function bends next, and short beside
-    /// the time that it takes to change.
-    pub(crate) fn longest_step(&self, t: f64) -> f64 {
+    /// Derivative at `t` \[s\], from the right.
+    #[must_use]
+    pub fn slope(&self, t: f64) -> f64 {
+        self.derivatives(t)[1]
+    }
+
+    /// Smallest and largest value; of sines, bounds of them; of a spline, between its ends.
+    #[must_use]
+    pub fn range(&self) -> [f64; 2] {
         match self {
-            Self::Constant(_) => f64::INFINITY,
+            Self::Constant(value) => [*value; 2],
+            Self::SmoothStep { from, to, .. } => [from.min(*to), from.max(*to)],
+            Self::Table(table) => table.range(),
+            Self::Spline(spline) => spline.range(),
+            Self::Sines { offset, terms } => {
+                let most: f64 = terms.iter().map(|term| term[0].abs()).sum();
+                [offset - most, offset + most]
+            }
+        }
+    }
+
+    /// Largest absolute value, by [`Self::range`].
+    #[must_use]
+    pub fn largest(&self) -> f64 {
+        let [least, most] = self.range();
+        least.abs().max(most.abs())
+    }
+
+    /// Whether it is zero at all times.
+    #[must_use]
+    pub fn is_zero(&self) -> bool {
+        self.range() == [0.0; 2]
+    }
+
+    /// First time after `t` \[s\] at which a derivative jumps; infinite for none.
+    #[must_use]
+    pub fn next_knot(&self, t: f64) -> f64 {
+        self.first_knot(|knot| knot <= t)
+    }
+
+    /// First time at which a derivative jumps that is not `passed`.
+    fn first_knot(&self, passed: impl Fn(f64) -> bool) -> f64 {
+        let first = |knots: &[f64]| {
+            let next = knots.partition_point(|&knot| passed(knot));
+            knots.get(next).copied().unwrap_or(f64::INFINITY)
+        };
+        match self {
+            Self::Constant(_) | Self::Sines { .. } => f64::INFINITY,
+            Self::SmoothStep { from, to, .. } if from == to => f64::INFINITY,
+            Self::SmoothStep { start, end, .. } => first(&[*start, *end]),
+            Self::Table(table) => first(table.arguments()),
+            Self::Spline(spline) => first(spline.arguments()),
+        }
+    }
+
+    /// Longest step from `t` \[s\] beside the time that it takes to change between its knots.
+    pub(crate) fn longest_step_between_knots(&self, t: f64) -> f64 {
+        match self {
             Self::SmoothStep {
                 start,
                 end,
                 from,
                 to,
-            } => {
-                if from == to || t >= end - margin(*end) {
-                    f64::INFINITY
-                } else if t < start - margin(*start) {
-                    start - t
-                } else {
-                    (end - t).min(PART_OF_RISE * (end - start))
-                }
+            } if from != to && t >= start - margin(*start) && t < end - margin(*end) => {
+                PART_OF_RISE * (end - start)
             }
-            Self::Table(curve) => next_after(curve.arguments(), t) - t,
-            Self::Spline(spline) => next_after(spline.arguments(), t) - t,
             Self::Sines { terms, .. } => {
                 let moving = terms.iter().filter(|term| term[0] != 0.0);
                 let fastest = moving.fold(0.0, |most: f64, term| most.max(term[1].abs()));
                 PART_OF_PERIOD * 2.0 * std::f64::consts::PI / fastest
             }
+            _ => f64::INFINITY,
         }
     }
 
-    /// Integral from zero to `t` \[s\]; a spline's is not known, and is refused where one is needed.
+    /// The longest step from `t` \[s\] that passes over nothing unseen: to its next knot, and short beside the time that it takes
+    /// to change.
+    pub(crate) fn longest_step(&self, t: f64) -> f64 {
+        let to_knot = self.first_knot(|knot| knot - margin(knot) <= t) - t;
+        to_knot.min(self.longest_step_between_knots(t))
+    }
+
+    /// Integral from zero to `t` \[s\].
     #[must_use]
     pub fn integral(&self, t: f64) -> f64 {
         match self {
@@ -187,14 +243,16 @@ impl TimeFunction {
                 };
                 from * t + rise * (risen(t) - risen(0.0))
             }
-            Self::Table(curve) => curve.integral(t),
-            Self::Spline(_) => f64::NAN,
+            Self::Table(table) => table.integral(t),
+            Self::Spline(spline) => spline.integral(t),
             Self::Sines { offset, terms } => {
                 let waves = terms.iter().map(|[amplitude, frequency, phase]| {
                     if *frequency == 0.0 {
                         amplitude * phase.sin() * t
                     } else {
-                        amplitude / frequency * (phase.cos() - (frequency * t + phase).cos())
+                        // cos φ - cos(2 x + φ) = 2 sin x sin(x + φ), without its cancellation at small x.
+                        let x = 0.5 * frequency * t;
+                        2.0 * amplitude / frequency * x.sin() * (x + phase).sin()
                     }
                 });
                 offset * t + waves.sum::<f64>()
@@ -210,18 +268,19 @@ mod tests {
     #[test]
     fn derivatives_and_integrals_belong_together() {
         let functions = [
-            TimeFunction::Constant(3.0),
-            TimeFunction::SmoothStep {
+            Signal::Constant(3.0),
+            Signal::SmoothStep {
                 start: 0.2,
                 end: 0.9,
                 from: -1.0,
                 to: 2.0,
             },
-            TimeFunction::ramp(0.1, 2.0, 1.0, 5.0).unwrap(),
-            TimeFunction::Sines {
+            Signal::ramp(0.1, 2.0, 1.0, 5.0).unwrap(),
+            Signal::Sines {
                 offset: 0.3,
                 terms: vec![[1.0, 2.0, 0.4], [0.5, 0.0, 1.0]],
             },
+            Signal::Spline(Spline::new("x", "m", &[(0.0, 1.0), (0.4, 2.0), (0.9, -1.0)]).unwrap()),
         ];
         let h = 1e-5;
         for function in functions {
@@ -241,7 +300,7 @@ mod tests {
 
     #[test]
     fn no_step_passes_over_a_bend_or_over_a_change() {
-        let rise = TimeFunction::SmoothStep {
+        let rise = Signal::SmoothStep {
             start: 1.0,
             end: 1.8,
             from: 0.0,
@@ -251,15 +310,35 @@ mod tests {
         assert!((rise.longest_step(1.0 - 1e-16) - 0.1).abs() < 1e-12);
         assert!((rise.longest_step(1.75) - 0.05).abs() < 1e-12);
         assert_eq!(rise.longest_step(1.8), f64::INFINITY);
-        let pulse = Curve::new("x", &[(1.0, 0.0), (1.001, 5.0), (1.002, 0.0)]).unwrap();
-        let pulse = TimeFunction::Table(pulse);
+        let pulse = Table::new("x", "m", &[(1.0, 0.0), (1.001, 5.0), (1.002, 0.0)]).unwrap();
+        let pulse = Signal::Table(pulse);
         assert_eq!(pulse.longest_step(0.0), 1.0);
         assert!((pulse.longest_step(1.001) - 0.001).abs() < 1e-12);
         assert_eq!(pulse.longest_step(2.0), f64::INFINITY);
-        let waves = TimeFunction::Sines {
+        let waves = Signal::Sines {
             offset: 1.0,
             terms: vec![[2.0, 10.0, 0.0], [0.0, 1e9, 0.0]],
         };
         assert!((waves.longest_step(3.0) - 0.05 * std::f64::consts::PI).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_next_knot_is_the_first_one_after_a_time() {
+        let table = Signal::ramp(0.5, 1.5, 0.0, 4.0).unwrap();
+        assert_eq!(table.next_knot(0.0), 0.5);
+        assert_eq!(table.next_knot(0.5), 1.5);
+        assert_eq!(table.next_knot(1.5), f64::INFINITY);
+        assert_eq!(Signal::from(3.0).next_knot(0.0), f64::INFINITY);
+    }
+
+    #[test]
+    fn a_range_bounds_the_values() {
+        let waves = Signal::Sines {
+            offset: 1.0,
+            terms: vec![[2.0, 10.0, 0.0], [-0.5, 3.0, 0.2]],
+        };
+        assert_eq!(waves.range(), [-1.5, 3.5]);
+        assert_eq!(Signal::ramp(0.0, 1.0, 2.0, -5.0).unwrap().largest(), 5.0);
+        assert!(Signal::from(0.0).is_zero() && !waves.is_zero());
     }
 }

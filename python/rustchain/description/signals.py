@@ -1,0 +1,93 @@
+"""Signals: functions of time that prescribe speeds and positions, or apply torques and forces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeAlias
+
+from rustchain import _rustchain
+from rustchain.description.base import Typed, description
+
+Rows: TypeAlias = Sequence[Sequence[float]]
+
+
+class _Signal(Typed):
+    """Base of the classes of signals."""
+
+    def __post_init__(self) -> None:
+        """Check the types of all fields, then have the compiled module check their values."""
+        super().__post_init__()
+        _rustchain.validate(self)
+
+
+@description(frozen=True)
+class SmoothStep(_Signal):
+    """From one value to another with two continuous derivatives.
+
+    Attributes
+    ----------
+    start, end : float
+        When it changes [s].
+    before, after : float
+        Values.
+    """
+
+    start: float
+    end: float
+    before: float
+    after: float
+
+
+@description(frozen=True)
+class Table(_Signal):
+    """Straight lines between rows of (time [s], value), held at both ends; a ramp has two rows.
+
+    Its slope jumps at each row: it prescribes speeds, torques and forces, and no positions. The
+    curves of springs, motors and loads are tables too, over length, angle or speed.
+
+    Attributes
+    ----------
+    rows : sequence of (time, value)
+        At least one; times increase.
+    """
+
+    rows: Rows
+
+
+@description(frozen=True)
+class Spline(_Signal):
+    """A cubic spline with free ends through rows of (time [s], value).
+
+    Two derivatives are continuous. Before the first row and after the last one it goes on along its
+    tangent.
+
+    Attributes
+    ----------
+    rows : sequence of (time, value)
+        At least two; times increase.
+    """
+
+    rows: Rows
+
+
+@description(frozen=True)
+class Sines(_Signal):
+    """A sum of sines: offset + sum of amplitude * sin(frequency * t + phase).
+
+    Attributes
+    ----------
+    terms : sequence of (amplitude, angular frequency, phase)
+        The sines [rad/s], [rad].
+    offset : float
+        Mean value.
+    """
+
+    terms: Rows
+    offset: float = 0.0
+
+
+Signal: TypeAlias = float | Rows | SmoothStep | Table | Spline | Sines
+"""A function of time; a number is a constant, rows of (time [s], value) are those of a `Table`."""
+
+Curve: TypeAlias = float | Rows | Table
+"""A function of length, angle or speed: a constant, or the rows of a `Table`."""
