@@ -1,10 +1,10 @@
-//! Who touches whom: all hinges, all bushings on all sprockets, one gap of a tooth profile, the search for an onset.
+//! One gap of a tooth profile, and the location of a contact onset inside a step.
 
 mod common;
 
 use std::hint::black_box;
 
-use common::{Halves, LAWS, contacts, print_counts};
+use common::{Halves, LAWS, print_counts};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rustchain::chain::contact::{HingePath, ToothPath};
 use rustchain::geometry::Vec2;
@@ -12,30 +12,6 @@ use rustchain::integrator::event_location::first_crossing;
 
 /// Points to each of the curves of a flank.
 const POINTS: usize = 64;
-
-fn all_pairs(criterion: &mut Criterion) {
-    let (_, elastic, damping) = LAWS[0];
-    let mut dynamics = common::pressed(elastic, damping).present().clone();
-    let model = dynamics.model().clone();
-    let mut group = criterion.benchmark_group("contact");
-    print_counts("contact/hinges, contact/teeth", &contacts(&dynamics));
-
-    group.throughput(Throughput::Elements(model.links as u64));
-    group.bench_function("hinges", |b| {
-        b.iter(|| {
-            dynamics.hinges.find(black_box(&model), &dynamics.motion);
-        });
-    });
-    group.throughput(Throughput::Elements(dynamics.teeth.penetration.len() as u64));
-    group.bench_function("teeth", |b| {
-        b.iter(|| {
-            dynamics
-                .teeth
-                .find(black_box(&model), &dynamics.motion, &dynamics.hinges);
-        });
-    });
-    group.finish();
-}
 
 /// A bushing 1 um deep in every part of a gap, walked from the left tooth's tip to the right one's.
 fn one_gap(criterion: &mut Criterion) {
@@ -123,6 +99,6 @@ fn step_to_onset(run: &mut Halves, of_tooth: bool) -> (f64, f64, usize) {
 criterion_group! {
     name = benches;
     config = common::criterion();
-    targets = all_pairs, one_gap, onset
+    targets = one_gap, onset
 }
 criterion_main!(benches);

@@ -16,7 +16,7 @@ use rustchain::integrator::{OdeSystem, StepControl};
 use rustchain::multibody::{
     Body, Joint, JointKind, Marker, Mechanism, MechanismDynamics, MechanismModel, Stabilisation,
 };
-use rustchain::run::mechanism::MechanismSimulation;
+use rustchain::run::MechanismSimulation;
 
 /// A chain of links of an ANSI 40's size hung level between two points, both ends held.
 fn hung(links: usize) -> Mechanism {
@@ -153,7 +153,7 @@ fn run(links: usize, whole: bool) {
         max_step: 0.01,
         ..StepControl::default()
     };
-    let mut run = MechanismSimulation::new(model, control, Stabilisation::Projection)
+    let mut run = MechanismSimulation::assemble(model, control, Stabilisation::Projection)
         .expect("a chain that goes together");
     let begin = Instant::now();
     let mut to = |t: f64| {

@@ -4,7 +4,7 @@
 //! A module imports from those on its left:
 //!
 //! ```text
-//! math -> geometry -> force_law -> integrator -> drive -> layout -> chain | multibody -> run
+//! math -> geometry -> force_law -> integrator -> drive -> layout -> system -> chain | multibody -> run
 //! ```
 //!
 //! [`drive`] describes a chain drive, [`layout`] makes its initial configuration, [`chain::model`] compiles both, [`run`] steps the
@@ -22,13 +22,15 @@ pub mod math;
 pub mod multibody;
 mod panics;
 pub mod run;
+pub mod system;
 
 #[cfg(feature = "python")]
 mod python;
 
+pub use chain::Groups;
 pub use chain::model::{ForceLaws, Model};
 pub use drive::Drive;
 pub use error::{Error, Result};
 pub use run::equilibrium::Equilibrium;
-pub use run::recorder::{Channel, Groups, Recording, Values};
-pub use run::simulation::{Simulation, Snapshot, Statistics, check_reports, check_rows};
+pub use run::simulation::{Simulation, Snapshot, Statistics, check_reports};
+pub use system::{Channel, Recording, Values};

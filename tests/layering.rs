@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// Folders from the bottom to the top. A folder imports from those before it and from itself.
 ///
 /// `chain` and `multibody` are two systems side by side: neither imports the other.
-const FOLDERS: [&str; 12] = [
+const FOLDERS: [&str; 13] = [
     "error",
     "panics",
     "math",
@@ -17,6 +17,7 @@ const FOLDERS: [&str; 12] = [
     "integrator",
     "drive",
     "layout",
+    "system",
     "chain",
     "multibody",
     "run",

@@ -16,7 +16,7 @@ use rustchain::math::simd::InstructionSet;
 use rustchain::multibody::{
     ContactLaw, ContactPair, Marker, MechanismModel, Profile, Stabilisation, Tribology,
 };
-use rustchain::run::mechanism::MechanismSimulation;
+use rustchain::run::MechanismSimulation;
 use rustchain::{ForceLaws, Groups};
 
 use common::mechanisms;
@@ -204,7 +204,7 @@ fn steps_of_a_mechanism_allocate_nothing_after_the_first() {
         };
         let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
         let mut machine =
-            MechanismSimulation::new(model, control, Stabilisation::Projection).unwrap();
+            MechanismSimulation::assemble(model, control, Stabilisation::Projection).unwrap();
         machine.advance(5e-3, Duration::MAX).unwrap();
         let (begun, before) = (machine.counts().steps, ALLOCATIONS.get());
         machine.advance(0.08, Duration::MAX).unwrap();

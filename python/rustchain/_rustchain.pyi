@@ -168,9 +168,9 @@ def integrate(
 ) -> dict[str, Any]:
     """Integrate y' = fun(t, y); return t, y, evaluations, steps, rejected."""
 
-@final
+@disjoint_base
 class Core:
-    """A compiled model, its state and its integrator."""
+    """A run of a chain drive, or of a mechanism: model, state and integrator."""
 
     def __new__(
         cls,
@@ -186,6 +186,14 @@ class Core:
     @property
     def body_names(self) -> list[str]:
         """Names of the bodies, in the order of every (bodies, 3) array."""
+    @property
+    def joint_names(self) -> list[str]:
+        """Names of the joints of a mechanism; none of a drive."""
+    @property
+    def contact_names(self) -> list[str]:
+        """Names of the contacts of a mechanism; none of a drive."""
+    def check(self) -> dict[str, Any]:
+        """Return the fields of a MechanismReport."""
     @property
     def time(self) -> float:
         """Present time [s]."""
@@ -209,7 +217,11 @@ class Core:
     ) -> dict[str, npt.NDArray[Any]]:
         """Return the fields of an Evaluation."""
     def start_recording(
-        self, duration: float, report_step: float, groups: list[str], energy: bool
+        self,
+        duration: float,
+        report_step: float,
+        groups: list[str] | None = None,
+        energy: bool | None = None,
     ) -> None:
         """Begin a recording that ends `duration` [s] from now."""
     def advance(self, wall_budget: float) -> bool:
@@ -229,8 +241,8 @@ class Core:
         """Go on towards exactly `t` [s]; return whether it is reached."""
     def stats(self) -> dict[str, float]:
         """Return the counts and wall times of the run."""
-    def tooth_jumps(self) -> tuple[_Array, npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-        """Return times [s], sprockets (from 1) and directions of all tooth jumps so far."""
+    def tooth_jumps(self) -> tuple[_Array, npt.NDArray[np.int64], npt.NDArray[np.int64]] | None:
+        """Return times [s], sprockets (from 1) and directions of all tooth jumps of a drive."""
     def take_warnings(self) -> tuple[list[str], list[str], list[str]]:
         """Return what is new: laws out of range; the energy balance; tooth jumps."""
 
@@ -273,63 +285,22 @@ class Ensemble:
     def close(self) -> None:
         """Stop all cases, and wait until they have."""
 
-@disjoint_base
-class MechanismCore:
-    """A compiled mechanism, its state and its integrator."""
+def MechanismCore(description: Mechanism, solver: Solver, baumgarte: float | None) -> Core:
+    """Assemble a mechanism and return its run."""
 
-    def __new__(
-        cls, mechanism: Mechanism, solver: Solver, baumgarte: float | None
-    ) -> MechanismCore: ...
-    @property
-    def body_names(self) -> list[str]:
-        """Names of the bodies, in the order of every (bodies, 3) array."""
-    @property
-    def joint_names(self) -> list[str]:
-        """Names of the joints."""
-    @property
-    def contact_names(self) -> list[str]:
-        """Names of the contacts."""
-    @property
-    def time(self) -> float:
-        """Present time [s]."""
-    @property
-    def positions(self) -> _Array:
-        """Present positions [m, m, rad], (bodies, 3)."""
-    @property
-    def velocities(self) -> _Array:
-        """Present velocities [m/s, m/s, rad/s], (bodies, 3)."""
-    def check(self) -> dict[str, Any]:
-        """Return the fields of a MechanismReport."""
-    def evaluate(
-        self, positions: _Array | None, velocities: _Array | None, time: float | None
-    ) -> dict[str, Any]:
-        """Return the fields of a MechanismEvaluation."""
-    def state(self) -> dict[str, Any]:
-        """Return the complete state; bytes of it under "snapshot"."""
-    def restored(self, snapshot: bytes) -> MechanismCore:
-        """Return the same simulation in another state."""
-    def start_recording(self, duration: float, report_step: float) -> None:
-        """Begin a recording that ends `duration` [s] from now."""
-    def advance(self, wall_budget: float) -> bool:
-        """Go on for about `wall_budget` seconds of wall time; return whether the end is reached."""
-    def take_warnings(self) -> str | None:
-        """Return where the energy balance did not close, when that was not returned yet."""
-    def pause_at_reports(self) -> None:
-        """Make `advance` return after each report."""
-    @property
-    def rows(self) -> int:
-        """Number of rows recorded so far."""
-    def last_peaks(self) -> list[_Array]:
-        """Return the last row of the largest forces, of joints and of contacts [N]."""
-    def take_recording(self) -> dict[str, _Array]:
-        """Return the rows recorded up to now."""
-    def step_to(self, t: float, wall_budget: float) -> bool:
-        """Go on towards exactly `t` [s]; return whether it is reached."""
-    def stats(self) -> dict[str, float]:
-        """Return the counts of the run."""
+def mechanism_case(
+    description: Mechanism,
+    solver: Solver,
+    duration: float,
+    report_step: float,
+    groups: list[str] | None = None,
+    energy: bool | None = None,
+    baumgarte: float | None = None,
+) -> Case:
+    """Return a mechanism and what to record of it, for an `Ensemble`."""
 
 @final
-class IdealCore(MechanismCore):
+class IdealCore(Core):
     """The mechanism of a drive with ideal hinges, with the channels of the drive."""
 
     def __new__(
@@ -347,17 +318,3 @@ class IdealCore(MechanismCore):
         """Return how far links had to be moved, where that is far, once."""
     def restored(self, snapshot: bytes) -> IdealCore:
         """Return the same simulation in another state."""
-    def start(self) -> list[_Array]:
-        """Return positions and velocities that the simulation was made with."""
-    def start_recording(  # type: ignore[override]
-        self, duration: float, report_step: float, groups: list[str], energy: bool
-    ) -> None:
-        """Begin a recording that ends `duration` [s] from now."""
-    def last_row(self, name: str) -> _Array:
-        """Return the last row of a channel that a stop condition looks at, flat."""
-    def set_input(self, sprocket: int, quantity: str, value: object) -> None:
-        """Refuse: a mechanism's drivers stay as they were described."""
-    def tooth_jumps(self) -> None:
-        """Return nothing: a mechanism does not count the jumps of its chain."""
-    def take_warnings(self) -> tuple[list[str], list[str], list[str]]:  # type: ignore[override]
-        """Return what is new: nothing; the energy balance where it is recorded; nothing."""

@@ -7,3 +7,5 @@ pub mod motion;
 pub(crate) mod newton;
 pub mod report;
 pub(crate) mod rhs;
+
+pub use report::Groups;

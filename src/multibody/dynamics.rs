@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::assembly::placement::Assembly;
 use super::constraints::equation::Row;
 use super::constraints::pin_friction::PinTorques;
 use super::constraints::sparse_kkt::SparseKkt;
@@ -9,10 +10,14 @@ use super::contact::bristles::Bristles;
 use super::contact::contact_state::CompiledContact;
 use super::contact::event_screening::ContactEnd;
 use super::contact::impact_memory::{Memory, Touch};
+use super::contact::onset::Onset;
 use super::description::body::Frame;
 use super::forces::loads::Loads;
 use super::model::MechanismModel;
 use super::newton::matrix::ImplicitMatrix;
+use super::step::StepStart;
+use super::system::MechanismSums;
+use crate::error::Result;
 use crate::geometry::Vec2;
 use crate::integrator::OdeSystem;
 
@@ -28,8 +33,8 @@ pub enum Stabilisation {
 
 /// The right-hand side; its memory changes between steps only.
 ///
-/// The state is y = [q, v, energy dissipated, work put in], with the bristles of contacts behind q and v, less a `shift`, which holds what projections have added: the
-/// integrator's own solution and its history stay as they are. During a step the shift of velocities is constant and that of
+/// The solution is y = [q, v, energy dissipated, external work], with the bristles of contacts behind q and v, less a `shift`, which
+/// holds what projections have added: the integrator's own solution and its history stay as they are. During a step the shift of velocities is constant and that of
 /// coordinates grows by it, so that dq/dt = v holds within the integrator's solution as it does within the state: an implicit
 /// corrector takes coordinates from velocities without asking.
 #[derive(Debug, Clone)]
@@ -73,6 +78,19 @@ pub struct MechanismDynamics {
     pub(crate) forces: Vec<f64>,
     /// Scratch: the state with its shift.
     shifted: Vec<f64>,
+    /// Where the last step of a run began.
+    pub(super) step: StepStart,
+    /// Contact onsets so far.
+    pub(super) onsets: u64,
+    /// Those that no row has reported, while a recording asks for them.
+    pub(super) unreported_onsets: Option<Vec<Onset>>,
+    /// Energies dissipated and put in where the state was read last.
+    pub(super) sums: MechanismSums,
+    assembly: Arc<Assembly>,
+    /// Scratch: a state inside a step, the integrator's solution there, and a derivative.
+    pub(super) inside: Vec<f64>,
+    pub(super) solution: Vec<f64>,
+    pub(super) slope: Vec<f64>,
 }
 
 /// Where some constraints are redundant, part of the independence near singular positions below which nothing counts.
@@ -108,6 +126,14 @@ impl MechanismDynamics {
             projecting: [vec![0.0; m], vec![0.0; n]],
             forces: vec![0.0; n],
             shifted: vec![0.0; 2 * n],
+            step: StepStart::new(2 * n, model.sides.len()),
+            onsets: 0,
+            unreported_onsets: None,
+            sums: MechanismSums::default(),
+            assembly: Arc::default(),
+            inside: vec![0.0; 2 * n],
+            solution: vec![0.0; model.dimension()],
+            slope: vec![0.0; model.dimension()],
             model,
         }
     }
@@ -116,6 +142,23 @@ impl MechanismDynamics {
     #[must_use]
     pub fn model(&self) -> &Arc<MechanismModel> {
         &self.model
+    }
+
+    /// Assembles the mechanism for a run; returns the integrator's state.
+    ///
+    /// # Errors
+    /// When it does not go together.
+    pub(crate) fn assemble_for_run(&mut self, give_up: &dyn Fn() -> bool) -> Result<Vec<f64>> {
+        let assembly = self.assemble_unless(give_up)?;
+        let state = self.with_bristles(&assembly.state);
+        self.assembly = Arc::new(assembly);
+        Ok(state)
+    }
+
+    /// What assembling found.
+    #[must_use]
+    pub fn assembly(&self) -> &Assembly {
+        &self.assembly
     }
 
     /// Whether there is a constrained system to solve at all.
@@ -262,7 +305,7 @@ impl MechanismDynamics {
     /// Time from `t` on \[s\] in which nothing passes unseen: no circle a profile that it is not near to, from where the bodies
     /// are by their speeds and accelerations; no bend of a driver or of a force, nor a change that would be over at once. What is longer than `within`
     /// is not told from what is without limit.
-    pub(crate) fn longest_step(&self, t: f64, within: f64) -> f64 {
+    pub(crate) fn longest_step_within(&self, t: f64, within: f64) -> f64 {
         let motions = self
             .model
             .equations
@@ -296,7 +339,7 @@ impl MechanismDynamics {
     }
 
     /// Power dissipated, with the work that bristles store, and power of applied forces and drivers at the last evaluation \[W\].
-    pub(crate) fn powers(&self) -> [f64; 2] {
+    fn powers(&self) -> [f64; 2] {
         [
             self.loads.dissipated,
             self.loads.worked_in + self.driver_power(),
@@ -335,10 +378,10 @@ impl OdeSystem for MechanismDynamics {
     }
 
     fn dimension(&self) -> usize {
-        2 * self.model.unknowns() + 2
+        self.model.dimension()
     }
 
-    /// A damped contact that lets go stores energy without a force: only the sums see it go.
+    /// A damped contact that lets go loses the energy that it stores without a force: only the sums show it.
     fn controlled(&self) -> usize {
         let sums = if self.model.watches_energy { 2 } else { 0 };
         2 * self.model.unknowns() + sums

@@ -1,7 +1,7 @@
 //! Any planar mechanism: bodies, ideal joints, drivers, force elements and contacts, and the constrained equations of motion.
 //!
 //! ```text
-//! Mechanism -> MechanismModel -> assembly -> MechanismDynamics (an OdeSystem) -> run::mechanism
+//! Mechanism -> MechanismModel -> assembly -> MechanismDynamics (a System) -> run::Simulation
 //! ```
 
 pub(crate) mod assembly;
@@ -13,7 +13,10 @@ pub(crate) mod forces;
 pub(crate) mod from_drive;
 pub(crate) mod model;
 pub(crate) mod newton;
+pub(crate) mod report;
 pub(crate) mod singular;
+mod step;
+mod system;
 pub(crate) mod views;
 
 pub use assembly::placement::Assembly;
@@ -30,6 +33,8 @@ pub use description::tribology::{FrictionLaw, PinFriction, Tribology};
 pub use dynamics::{MechanismDynamics, Stabilisation};
 pub use from_drive::DriveContacts;
 pub use model::MechanismModel;
+pub use report::MechanismGroups;
+pub use system::{MechanismCheckpoint, MechanismSums};
 
 use crate::geometry::Vec2;
 

@@ -81,13 +81,13 @@ impl MechanismModel {
             joints: mechanism.joints.clone(),
             forces: Vec::new(),
             contacts: Vec::new(),
-            watches_energy: mechanism.contacts.iter().any(|c| c.law.lets_go()),
             numbers,
             equations_of_joint: Vec::new(),
             contact_names: mechanism.contacts.iter().map(|c| c.name.clone()).collect(),
             bristle_of_side: Vec::new(),
             bristles: 0,
             pins: Vec::new(),
+            watches_energy: mechanism.contacts.iter().any(|c| c.law.lets_go()),
             sides: Vec::new(),
             sides_of_contact: Vec::new(),
         };
@@ -143,6 +143,12 @@ impl MechanismModel {
         Ok(model)
     }
 
+    /// The bodies, the ground first.
+    #[must_use]
+    pub fn bodies(&self) -> &[Body] {
+        &self.bodies
+    }
+
     /// Names of the bodies, without the ground.
     #[must_use]
     pub fn body_names(&self) -> Vec<String> {
@@ -178,6 +184,11 @@ impl MechanismModel {
         (self.bodies.iter())
             .map(|body| Frame::new(body.position, body.velocity))
             .collect()
+    }
+
+    /// Components of the integrator's solution: coordinates and velocities with bristles, two sums of energy.
+    pub(crate) fn dimension(&self) -> usize {
+        2 * self.unknowns() + 2
     }
 
     /// The body that a coordinate of the integrator belongs to, or the contact of a bristle, in words.

@@ -1,7 +1,11 @@
 //! What can be read of a mechanism's equations where they were evaluated last: the system itself, energies and forces.
 
+use super::contact::impact_memory::Memory;
+use super::description::body::Frame;
 use super::dynamics::MechanismDynamics;
 use crate::geometry::Vec2;
+use crate::integrator::Adams;
+use crate::system::Energy;
 
 impl MechanismDynamics {
     /// Accelerations of the bodies that are not held, three a body.
@@ -59,18 +63,78 @@ impl MechanismDynamics {
         })
     }
 
-    /// Kinetic energy and potential energy of gravity \[J\].
+    /// Energies at the last evaluation.
     #[must_use]
-    pub(crate) fn energy(&self) -> (f64, f64) {
-        let mut energy = (0.0, 0.0);
+    pub(crate) fn energies(&self) -> Energy {
+        let mut energy = Energy {
+            elastic: self.loads.elastic + self.loads.bristles,
+            ..Energy::default()
+        };
         for (frame, body) in self.frames.iter().zip(&self.model.bodies) {
             if !body.fixed {
-                energy.0 += 0.5 * body.mass * frame.velocity.norm_squared()
+                energy.kinetic += 0.5 * body.mass * frame.velocity.norm_squared()
                     + 0.5 * body.inertia * frame.spin * frame.spin;
-                energy.1 -= body.mass * self.model.gravity.dot(&frame.origin);
+                energy.gravity -= body.mass * self.model.gravity.dot(&frame.origin);
             }
         }
         energy
+    }
+
+    /// Force of each contact on its circle \[N\].
+    #[must_use]
+    pub fn contact_forces(&self) -> Vec<[f64; 2]> {
+        self.pushes().map(<[f64; 2]>::from).collect()
+    }
+
+    /// Positions (false) or velocities (true) of all bodies at the last evaluation, ground left out.
+    pub(crate) fn motion(&self, velocities: bool) -> Vec<[f64; 3]> {
+        let of = |frame: &Frame| {
+            if velocities {
+                [frame.velocity.x, frame.velocity.y, frame.spin]
+            } else {
+                [frame.origin.x, frame.origin.y, frame.angle]
+            }
+        };
+        self.frames[1..].iter().map(of).collect()
+    }
+
+    /// Largest residual of positions and of velocities where the last step ended.
+    pub(crate) fn drift(&mut self, adams: &Adams) -> [f64; 2] {
+        let t = adams.time();
+        let mut state = vec![0.0; 2 * self.model.coordinates()];
+        self.state_at(adams, t, &mut state);
+        self.place(&state);
+        self.find_rows(t);
+        let (rows, frames) = (&self.rows, &self.frames);
+        [
+            rows.iter().map(|row| row.value.abs()).fold(0.0, f64::max),
+            rows.iter()
+                .map(|row| row.rate(frames).abs())
+                .fold(0.0, f64::max),
+        ]
+    }
+
+    /// Evaluates the last state evaluated with other positions, velocities and time; with positions given, no contact has a memory.
+    pub(crate) fn evaluate_with(
+        &mut self,
+        positions: Option<&[[f64; 3]]>,
+        velocities: Option<&[[f64; 3]]>,
+        t: f64,
+    ) {
+        let mut state = self.read_state();
+        let n = self.model.coordinates();
+        for (given, begin) in [(positions, 0), (velocities, n)] {
+            for (row, first) in given.unwrap_or(&[]).iter().zip(&self.model.first[1..]) {
+                if let Some(i) = *first {
+                    state[begin + i..begin + i + 3].copy_from_slice(row);
+                }
+            }
+        }
+        if positions.is_some() {
+            self.memory.fill(Memory::default());
+            self.bristles.deflection.fill(0.0);
+        }
+        self.evaluate(t, &state);
     }
 
     /// Force and torque of a joint on its body b, about the joint's point b \[N, N, N m\].

@@ -9,16 +9,24 @@ use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-use super::core::{Core, budget, own_start, table};
+use super::arrays::table;
+use super::core::Core;
 use super::describe;
 use super::errors::to_python;
+use super::mechanism::mechanism;
+use super::mechanism_callable::{Raised, take};
+use super::starts::{budget, own_start, stabilisation};
 use crate::error::Error;
 use crate::run::ensemble;
-use crate::run::ensemble::{Failure, Outcome, Run};
+use crate::run::ensemble::{Failure, Outcome, Run, Scene};
 
 /// A scene and what to record of it, checked and ready to run.
 #[pyclass(module = "rustchain._rustchain", frozen)]
-pub(super) struct Case(ensemble::Case);
+pub(super) struct Case {
+    case: ensemble::Case,
+    /// What a callable of a mechanism has raised.
+    raised: Raised,
+}
 
 #[pymethods]
 impl Case {
@@ -41,30 +49,67 @@ impl Case {
         let description = describe::drive(drive)?;
         let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_impact_velocity)?;
         let control = describe::solver(solver)?;
-        let (duration, report_step, groups) =
-            describe::reports(duration, report_step, &groups, energy)?;
+        let (duration, report_step, energy) =
+            describe::reports(duration, report_step, Some(energy))?;
         let own = own_start(
             drive.py(),
             &description,
             positions.as_ref(),
             velocities.as_ref(),
         )?;
-        Ok(Self(ensemble::Case {
-            drive: description,
-            laws,
-            start: own,
+        let case = ensemble::Case {
+            scene: Scene::Drive {
+                drive: Box::new(description),
+                laws,
+                start: own,
+                groups: describe::drive_groups(&groups, energy),
+            },
             control,
             duration,
             report_step,
-            groups,
-        }))
+        };
+        Ok(Self {
+            case,
+            raised: Raised::default(),
+        })
     }
+}
+
+/// A mechanism and what to record of it, checked and ready to run; `groups` of `None`: all.
+#[pyfunction]
+#[pyo3(signature = (description, solver, duration, report_step, groups=None, energy=None, baumgarte=None))]
+#[allow(clippy::needless_pass_by_value)] // PyO3 hands lists over
+pub(super) fn mechanism_case(
+    description: &Bound<'_, PyAny>,
+    solver: &Bound<'_, PyAny>,
+    duration: &Bound<'_, PyAny>,
+    report_step: &Bound<'_, PyAny>,
+    groups: Option<Vec<String>>,
+    energy: Option<&Bound<'_, PyAny>>,
+    baumgarte: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Case> {
+    let raised = Raised::default();
+    let (duration, report_step, energy) = describe::reports(duration, report_step, energy)?;
+    let scene = Scene::Mechanism {
+        mechanism: mechanism(description, &raised)?,
+        stabilisation: stabilisation(description.py(), baumgarte)?,
+        groups: describe::mechanism_groups(groups.as_deref(), energy),
+    };
+    let case = ensemble::Case {
+        scene,
+        control: describe::solver(solver)?,
+        duration,
+        report_step,
+    };
+    Ok(Case { case, raised })
 }
 
 /// Cases on their way.
 #[pyclass(module = "rustchain._rustchain", frozen)]
 pub(super) struct Ensemble {
     running: Arc<ensemble::Ensemble>,
+    /// What callables have raised, case by case.
+    raised: Vec<Raised>,
     outcomes: Mutex<Option<Receiver<(usize, Outcome)>>>,
     runner: Mutex<Option<JoinHandle<()>>>,
 }
@@ -83,7 +128,8 @@ impl Ensemble {
         py: Python<'_>,
     ) -> PyResult<Self> {
         let threads = threads.map(number_of_threads).transpose()?;
-        let cases = cases.iter().map(|case| case.0.clone()).collect();
+        let raised = cases.iter().map(|case| Arc::clone(&case.raised)).collect();
+        let cases = cases.iter().map(|case| case.case.clone()).collect();
         let running = describe::checked(py, ensemble::Ensemble::new(cases, threads))?;
         let running = Arc::new(running);
         // Each thread may lay one case down and go on with its next: memory stays bounded by the number of threads.
@@ -97,6 +143,7 @@ impl Ensemble {
         });
         Ok(Self {
             running,
+            raised,
             outcomes: Mutex::new(Some(outcomes)),
             runner: Mutex::new(Some(runner)),
         })
@@ -127,8 +174,11 @@ impl Ensemble {
             Ok(run) => (Some(run), None),
             Err(Failure { run, error }) => (run, Some(error)),
         };
-        let error = error.map(|error| to_python(py, &error).into_value(py).into_any());
-        let run = run.map(|run| begun(py, *run)).transpose()?;
+        // What a callable has raised goes before what came of it.
+        let raised = &self.raised[number];
+        let error = error.map(|error| take(raised).err().unwrap_or_else(|| to_python(py, &error)));
+        let error = error.map(|error| error.into_value(py).into_any());
+        let run = run.map(|run| begun(py, *run, raised)).transpose()?;
         Ok(Some((number, run, error)))
     }
 
@@ -158,10 +208,14 @@ impl Drop for Ensemble {
     }
 }
 
-fn begun(py: Python<'_>, run: Run) -> PyResult<(Core, Start<'_>)> {
+fn begun<'py>(py: Python<'py>, run: Run, raised: &Raised) -> PyResult<(Core, Start<'py>)> {
     let Run { start, simulation } = run;
-    let start = (table(py, start.positions)?, table(py, start.velocities)?);
-    Ok((simulation.into(), start))
+    let arrays = (
+        table(py, start.positions.clone())?,
+        table(py, start.velocities.clone())?,
+    );
+    let start = [start.positions, start.velocities];
+    Ok((Core::of(simulation, start, Arc::clone(raised)), arrays))
 }
 
 fn number_of_threads(value: &Bound<'_, PyAny>) -> PyResult<NonZero<usize>> {

@@ -1,29 +1,33 @@
 //! A run of a drive with ideal hinges as Python sees it: its mechanism, with the channels of a drive.
 
+use std::sync::Arc;
+
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use super::core::{own_start, rows, set_channels, table};
+use super::arrays::{recorded, rows, table};
+use super::core::Core;
 use super::describe;
 use super::drive_mechanism::drive_contacts;
 use super::errors::InvalidInput;
 use super::mechanism_callable::Raised;
-use super::mechanism_core::MechanismCore;
+use super::starts::own_start;
+use crate::chain::Groups;
+use crate::error::Result;
 use crate::geometry::Vec2;
 use crate::integrator::Corrector;
 use crate::layout::InitialConfiguration;
 use crate::multibody::from_drive::channels::{BushingContact, DriveView};
-use crate::multibody::{Mechanism, Stabilisation};
+use crate::multibody::{Mechanism, MechanismGroups, Stabilisation};
 use crate::panics::contained;
 use crate::run::ideal_drive::Rows;
-use crate::run::recorder::Groups;
 
 /// Way that assembly may move a given link by without a word, over the pitch.
 const FAR: f64 = 0.01;
 
 /// The mechanism of a drive with ideal hinges, as a core of the drive.
-#[pyclass(module = "rustchain._rustchain", extends = MechanismCore)]
+#[pyclass(module = "rustchain._rustchain", extends = Core)]
 pub(super) struct IdealCore {
     view: DriveView,
     /// As placed: assembly moves them by rounding.
@@ -60,15 +64,16 @@ impl IdealCore {
         let own = own_start(py, &description, positions.as_ref(), velocities.as_ref())?;
         let made = contained(|| Mechanism::from_drive(&description, &contacts, own.as_ref()));
         let mechanism = describe::checked(py, made)?;
-        let core = MechanismCore::assembled(
+        let mut core = Core::assembled(
             py,
             &mechanism,
             control,
             Stabilisation::Projection,
             Raised::default(),
         )?;
-        let view = describe::checked(py, DriveView::new(&description, core.simulation.model()))?;
-        let moved = core.simulation.assembly().moved;
+        let simulation = describe::checked(py, core.mechanism())?;
+        let view = describe::checked(py, DriveView::new(&description, simulation.model()))?;
+        let moved = simulation.assembly().moved;
         let far = positions.is_some() && moved > FAR * description.chain.pitch;
         let placed = &mechanism.bodies[..view.bodies()];
         let ideal = Self {
@@ -96,7 +101,7 @@ impl IdealCore {
     #[getter]
     #[allow(clippy::needless_pass_by_value)] // PyO3 hands over what is borrowed
     fn body_names(slf: PyRef<'_, Self>) -> Vec<String> {
-        let mut names = slf.as_super().simulation.model().body_names();
+        let mut names = slf.as_super().body_names();
         names.truncate(slf.view.bodies());
         names
     }
@@ -106,7 +111,8 @@ impl IdealCore {
         slf: PyRefMut<'py, Self>,
         py: Python<'py>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        table(py, own_motion(slf, false))
+        let rows = own_motion(slf, false);
+        table(py, describe::checked(py, rows)?)
     }
 
     #[getter]
@@ -114,7 +120,8 @@ impl IdealCore {
         slf: PyRefMut<'py, Self>,
         py: Python<'py>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        table(py, own_motion(slf, true))
+        let rows = own_motion(slf, true);
+        table(py, describe::checked(py, rows)?)
     }
 
     /// Positions and velocities that the simulation was made with.
@@ -130,7 +137,7 @@ impl IdealCore {
         let core = slf.as_super();
         let state = core.state(py)?;
         for (name, velocities) in [("positions", false), ("velocities", true)] {
-            let mut rows = core.simulation.motion(velocities);
+            let mut rows = describe::checked(py, core.mechanism())?.motion(velocities);
             rows.truncate(bodies);
             state.set_item(name, table(py, rows)?)?;
         }
@@ -140,7 +147,7 @@ impl IdealCore {
     /// The same simulation in another state.
     #[allow(clippy::needless_pass_by_value)] // PyO3 hands over what is borrowed
     fn restored(slf: PyRef<'_, Self>, py: Python<'_>, snapshot: &[u8]) -> PyResult<Py<Self>> {
-        let core = slf.as_super().in_state(py, snapshot)?;
+        let core = slf.as_super().restored(py, snapshot)?;
         let ideal = Self {
             view: slf.view.clone(),
             start: slf.start.clone(),
@@ -163,7 +170,7 @@ impl IdealCore {
         let velocities = rows(py, "velocities", velocities.as_ref())?;
         let time = time.map(|t| describe::finite(t, "time", "s")).transpose()?;
         let view = slf.view.clone();
-        let simulation = &mut slf.as_super().simulation;
+        let simulation = describe::checked(py, slf.as_super().mechanism())?;
         // With positions given, no contact has a memory.
         let given = positions.is_some();
         let mut own = |velocities: bool| {
@@ -180,7 +187,7 @@ impl IdealCore {
         };
         let places = places.filter(|_| given);
         let there = simulation.evaluate_elsewhere(places.as_deref(), rates.as_deref(), time);
-        let recording = describe::checked(py, there)?.row();
+        let recording = describe::checked(py, there)?;
         evaluation(py, &view, &Rows::new(&recording, simulation.model()))
     }
 
@@ -192,11 +199,17 @@ impl IdealCore {
         groups: Vec<String>,
         energy: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
-        let (duration, report_step, groups) =
-            describe::reports(duration, report_step, &groups, energy)?;
-        slf.groups = groups;
-        let simulation = &mut slf.as_super().simulation;
-        simulation.start_recording(duration, report_step);
+        let py = duration.py();
+        let (duration, report_step, energy) =
+            describe::reports(duration, report_step, Some(energy))?;
+        slf.groups = describe::drive_groups(&groups, energy);
+        let simulation = describe::checked(py, slf.as_super().mechanism())?;
+        // Channels of a drive are made of those of bodies, joints and contacts.
+        let groups = MechanismGroups {
+            energy,
+            ..MechanismGroups::ALL
+        };
+        simulation.start_recording(duration, report_step, groups);
         Ok(())
     }
 
@@ -207,9 +220,11 @@ impl IdealCore {
         py: Python<'py>,
         name: &str,
     ) -> Option<Bound<'py, PyArray1<f64>>> {
-        let simulation = &slf.as_super().simulation;
-        let rows = Rows::new(simulation.recording(), simulation.model());
-        let row = rows.last(&slf.view, name)?;
+        let core = slf.as_super();
+        let rows = Rows::new(core.recording()?, core.mechanism_model()?);
+        let Some(row) = rows.last(&slf.view, name) else {
+            return core.last_row(py, name);
+        };
         Some(row.into_pyarray(py))
     }
 
@@ -230,32 +245,20 @@ impl IdealCore {
         mut slf: PyRefMut<'py, Self>,
         py: Python<'py>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let recording = slf.as_super().simulation.take_recording();
-        let rows = Rows::new(&recording, slf.as_super().simulation.model());
-        let recorded = rows.channels(&slf.view, slf.groups);
-        set_channels(py, recorded)
-    }
-
-    /// Nothing: a mechanism does not count the jumps of its chain.
-    #[allow(clippy::unused_self)] // a method of `Core`
-    fn tooth_jumps(&self) -> Option<bool> {
-        None
-    }
-
-    /// What was not warned of yet: no law, but the energy balance where it is recorded.
-    fn take_warnings(mut slf: PyRefMut<'_, Self>) -> [Vec<String>; 3] {
-        let recorded = slf.groups.energy;
-        let note = slf.as_super().balance_warning(recorded);
-        [Vec::new(), note.into_iter().collect(), Vec::new()]
+        let simulation = describe::checked(py, slf.as_super().mechanism())?;
+        let recording = simulation.take_recording();
+        let model = Arc::clone(simulation.model());
+        let rows = Rows::new(&recording, &model);
+        recorded(py, rows.channels(&slf.view, slf.groups))
     }
 }
 
 /// Rows of the drive's own bodies at the present time.
-fn own_motion(mut slf: PyRefMut<'_, IdealCore>, velocities: bool) -> Vec<[f64; 3]> {
+fn own_motion(mut slf: PyRefMut<'_, IdealCore>, velocities: bool) -> Result<Vec<[f64; 3]>> {
     let bodies = slf.view.bodies();
-    let mut rows = slf.as_super().simulation.motion(velocities);
+    let mut rows = slf.as_super().mechanism()?.motion(velocities);
     rows.truncate(bodies);
-    rows
+    Ok(rows)
 }
 
 /// Hinges without contact have no law: what a law of theirs would ask for is refused.

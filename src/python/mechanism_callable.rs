@@ -86,3 +86,11 @@ fn explained(py: Python<'_>, name: &str, error: PyErr) -> PyErr {
     told.set_cause(py, Some(error));
     told
 }
+
+/// Raises what a callable has raised, once.
+pub(super) fn take(raised: &Raised) -> PyResult<()> {
+    match raised.lock().ok().and_then(|mut slot| slot.take()) {
+        Some(error) => Err(error),
+        None => Ok(()),
+    }
+}

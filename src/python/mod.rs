@@ -1,18 +1,19 @@
 //! The boundary to Python: reads a description, runs, hands arrays back. No physics.
 
+mod arrays;
 mod core;
 mod describe;
 mod drive_mechanism;
 mod ensemble;
 mod errors;
+mod evaluation;
 mod functions;
 mod ideal_core;
 mod interrupt;
 mod mechanism;
-mod mechanism_arrays;
 mod mechanism_callable;
 mod mechanism_contact;
-mod mechanism_core;
+mod starts;
 mod surfaces;
 mod toml;
 
@@ -25,7 +26,8 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<core::Core>()?;
     module.add_class::<ensemble::Case>()?;
     module.add_class::<ensemble::Ensemble>()?;
-    module.add_class::<mechanism_core::MechanismCore>()?;
+    module.add_function(wrap_pyfunction!(core::mechanism_core, module)?)?;
+    module.add_function(wrap_pyfunction!(ensemble::mechanism_case, module)?)?;
     module.add_class::<ideal_core::IdealCore>()?;
     module.add_function(wrap_pyfunction!(errors::panicked, module)?)?;
     module.add_function(wrap_pyfunction!(describe::validate, module)?)?;

@@ -8,35 +8,57 @@ use std::time::Duration;
 use rayon::iter::{ParallelBridge, ParallelIterator};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
+use crate::chain::Groups;
 use crate::chain::model::{ForceLaws, Model};
 use crate::drive::Drive;
 use crate::error::{Error, Result};
 use crate::integrator::StepControl;
 use crate::layout::InitialConfiguration;
+use crate::multibody::{Mechanism, MechanismGroups, MechanismModel, Stabilisation};
 use crate::panics;
-use crate::run::recorder::Groups;
 use crate::run::simulation::{Simulation, check_reports};
+use crate::run::{AnySimulation, MechanismSimulation};
 
 /// Wall time between two looks at whether the ensemble was cancelled.
 const SLICE: Duration = Duration::from_millis(50);
 
-/// One scene and what to record of it.
+/// What moves, where it begins and what is recorded of it.
+#[derive(Debug, Clone, PartialEq)]
+#[allow(clippy::large_enum_variant)] // one a case: the difference does not matter
+pub enum Scene {
+    /// A chain drive.
+    Drive {
+        /// Its description.
+        drive: Box<Drive>,
+        /// The force laws.
+        laws: ForceLaws,
+        /// Where it begins; `None`: as generated.
+        start: Option<InitialConfiguration>,
+        /// What to record.
+        groups: Groups,
+    },
+    /// A mechanism, which begins where it is placed.
+    Mechanism {
+        /// Its description.
+        mechanism: Mechanism,
+        /// How it is kept on its constraints.
+        stabilisation: Stabilisation,
+        /// What to record.
+        groups: MechanismGroups,
+    },
+}
+
+/// One scene and how it is run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
     /// What moves.
-    pub drive: Drive,
-    /// The force laws.
-    pub laws: ForceLaws,
-    /// Where it begins; `None`: as the generator lays the chain.
-    pub start: Option<InitialConfiguration>,
+    pub scene: Scene,
     /// How it is integrated.
     pub control: StepControl,
     /// Simulated time \[s\].
     pub duration: f64,
     /// Time between two rows \[s\].
     pub report_step: f64,
-    /// What to record.
-    pub groups: Groups,
 }
 
 /// A case that was begun.
@@ -45,7 +67,7 @@ pub struct Run {
     /// Where it began.
     pub start: InitialConfiguration,
     /// Where it is, with recording, statistics and notes.
-    pub simulation: Simulation,
+    pub simulation: AnySimulation,
 }
 
 /// Why a case did not reach its end.
@@ -160,22 +182,47 @@ impl Ensemble {
 }
 
 impl Case {
-    /// Lays the chain, compiles the model and begins the recording.
+    /// Compiles the model, places everything and begins the recording.
     fn begin(&self) -> Result<Run> {
         check_reports(self.duration, self.report_step)?;
-        let start = match &self.start {
-            Some(start) => start.clone(),
-            None => InitialConfiguration::generate(&self.drive)?.0,
-        };
-        let model = Model::compile(&self.drive, &self.laws, &start)?;
-        let mut simulation = Simulation::new(Arc::new(model), &start, self.control)?;
-        simulation.start_recording(self.duration, self.report_step, self.groups);
-        let motion = simulation.motion();
+        let mut simulation = self.simulation()?;
         let start = InitialConfiguration {
-            positions: motion.positions(),
-            velocities: motion.velocities(),
+            positions: simulation.positions(),
+            velocities: simulation.velocities(),
         };
         Ok(Run { start, simulation })
+    }
+
+    fn simulation(&self) -> Result<AnySimulation> {
+        let (duration, report_step) = (self.duration, self.report_step);
+        match &self.scene {
+            Scene::Drive {
+                drive,
+                laws,
+                start,
+                groups,
+            } => {
+                let start = match start {
+                    Some(start) => start.clone(),
+                    None => InitialConfiguration::generate(drive)?.0,
+                };
+                let model = Arc::new(Model::compile(drive, laws, &start)?);
+                let mut simulation = Simulation::new(model, &start, self.control)?;
+                simulation.start_recording(duration, report_step, *groups);
+                Ok(AnySimulation::Drive(simulation))
+            }
+            Scene::Mechanism {
+                mechanism,
+                stabilisation,
+                groups,
+            } => {
+                let model = Arc::new(MechanismModel::compile(mechanism)?);
+                let mut simulation =
+                    MechanismSimulation::assemble(model, self.control, *stabilisation)?;
+                simulation.start_recording(duration, report_step, *groups);
+                Ok(AnySimulation::Mechanism(simulation))
+            }
+        }
     }
 }
 

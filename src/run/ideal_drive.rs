@@ -1,10 +1,10 @@
 //! The channels of a drive with ideal hinges, from the recording of its mechanism.
 
-use super::mechanism::MechanismRecording;
-use super::recorder::{Channel, Groups, Recording, Values};
+use crate::chain::Groups;
 use crate::geometry::Vec2;
 use crate::multibody::MechanismModel;
 use crate::multibody::from_drive::channels::{BushingContact, DriveView, MechanismRow};
+use crate::system::{Channel, Recording, Values};
 
 /// Kinetic, gravity, elastic, dissipated, external work, residual: as the mechanism records them.
 const ENERGY: [&str; 6] = [
@@ -18,14 +18,14 @@ const ENERGY: [&str; 6] = [
 
 /// A recording of a mechanism, row by row.
 pub(crate) struct Rows<'a> {
-    recording: &'a MechanismRecording,
+    recording: &'a Recording,
     bodies: usize,
     joints: usize,
     contacts: usize,
 }
 
 impl<'a> Rows<'a> {
-    pub(crate) fn new(recording: &'a MechanismRecording, model: &MechanismModel) -> Self {
+    pub(crate) fn new(recording: &'a Recording, model: &MechanismModel) -> Self {
         Self {
             recording,
             bodies: model.body_names().len(),
@@ -39,14 +39,14 @@ impl<'a> Rows<'a> {
         let (from, contacts) = (self.recording, self.contacts);
         MechanismRow {
             time: from.time[i],
-            positions: part(&from.positions, i, 3 * self.bodies),
-            velocities: part(&from.velocities, i, 3 * self.bodies),
-            reactions: part(&from.reactions, i, 3 * self.joints),
-            contact_force: part(&from.contact_force, i, contacts),
-            contact_force_vector: part(&from.contact_force_vector, i, 2 * contacts),
-            penetration: part(&from.penetration, i, contacts),
-            contact_gap: part(&from.contact_gap, i, contacts),
-            contact_region: part(&from.contact_region, i, contacts),
+            positions: part(from.real("positions"), i, 3 * self.bodies),
+            velocities: part(from.real("velocities"), i, 3 * self.bodies),
+            reactions: part(from.real("joint_reaction"), i, 3 * self.joints),
+            contact_force: part(from.real("contact_force"), i, contacts),
+            contact_force_vector: part(from.real("contact_force_vector"), i, 2 * contacts),
+            penetration: part(from.real("contact_penetration"), i, contacts),
+            contact_gap: part(from.whole("contact_gap"), i, contacts),
+            contact_region: part(from.whole("contact_region"), i, contacts),
         }
     }
 
@@ -56,7 +56,7 @@ impl<'a> Rows<'a> {
 
     /// Accelerations of the mechanism's bodies of all rows.
     pub(crate) fn accelerations(&self) -> &'a [f64] {
-        &self.recording.accelerations
+        self.recording.real("accelerations")
     }
 
     /// The last row of a channel that stop conditions look at; nothing without rows.
@@ -64,7 +64,7 @@ impl<'a> Rows<'a> {
         let i = self.count().checked_sub(1)?;
         match name {
             "peak_hinge_force" => {
-                Some(self.peak_of_hinges(view, &self.recording.peak_joint_force, i))
+                Some(self.peak_of_hinges(view, self.recording.real("peak_joint_force"), i))
             }
             "peak_tooth_force" => Some(self.largest_of_bushings(view, i)),
             "strand_tension" => Some(view.strand_tensions(&self.row(i))),
@@ -78,7 +78,7 @@ impl<'a> Rows<'a> {
 
     /// Largest force of each bushing on any sprocket since the row before.
     fn largest_of_bushings(&self, view: &DriveView, i: usize) -> Vec<f64> {
-        let forces = part(&self.recording.peak_contact_force, i, self.contacts);
+        let forces = part(self.recording.real("peak_contact_force"), i, self.contacts);
         let largest = |forces: &[f64]| forces.iter().copied().fold(0.0, f64::max);
         forces.chunks_exact(view.sprockets()).map(largest).collect()
     }
@@ -118,9 +118,9 @@ impl<'a> Rows<'a> {
             channels.push(self.real("velocities", &own, velocities));
         }
         if groups.energy {
-            channels.extend(ENERGY.iter().enumerate().map(|(part, name)| {
-                let energy = &self.recording.energy;
-                self.real(name, &[], |i| [energy[ENERGY.len() * i + part]])
+            channels.extend(ENERGY.map(|name| {
+                let energy = self.recording.real(name);
+                self.real(name, &[], |i| [energy[i]])
             }));
         }
         Recording {
@@ -145,10 +145,10 @@ impl<'a> Rows<'a> {
                 view.strand_tensions(&self.row(i))
             }),
             self.real("peak_hinge_force", &[n], |i| {
-                self.peak_of_hinges(view, &self.recording.peak_joint_force, i)
+                self.peak_of_hinges(view, self.recording.real("peak_joint_force"), i)
             }),
             self.real("peak_hinge_impulse", &[n], |i| {
-                self.peak_of_hinges(view, &self.recording.peak_joint_impulse, i)
+                self.peak_of_hinges(view, self.recording.real("peak_joint_impulse"), i)
             }),
         ]
     }
@@ -167,7 +167,7 @@ impl<'a> Rows<'a> {
             row_shape: vec![n],
             values: Values::Whole(deepest.iter().flatten().map(value).collect()),
         };
-        let impulses = &self.recording.peak_contact_impulse;
+        let impulses = self.recording.real("peak_contact_impulse");
         vec![
             real("tooth_force", &[n], |found| vec![found.force]),
             real("tooth_force_vector", &[n, 2], |found| found.vector.to_vec()),

@@ -1,96 +1,57 @@
 //! Chosen channels at the report times.
 
 mod balance;
-mod channels;
-mod ends;
-mod peaks;
-mod rows;
 
-use crate::chain::dynamics::{Dynamics, Needs, Powers, Want};
-use crate::chain::model::{Model, Rotation};
-use crate::geometry::Vec2;
-use balance::{EnergyAtStart, dissipated_alone, write_energy};
-use peaks::Peaks;
-use rows::{Row, gather_by_bushing, write_hinges, write_rollers, write_sprockets, write_teeth};
+use crate::integrator::Adams;
+use crate::system::{Channel, Peaks, PowerSum, Recording, Row, System};
+use balance::{Balance, EnergyAtStart, Passed};
 
-pub(crate) use balance::{Balance, OpenBalance, Passed};
+pub(crate) use balance::OpenBalance;
 
-/// Which groups of channels are recorded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[allow(clippy::struct_excessive_bools)] // independent switches
-pub struct Groups {
-    /// Force, penetration and eccentricity of every hinge, and of rollers on bushings, with peaks; strand tensions.
-    pub hinges: bool,
-    /// Deepest tooth contact of every bushing, with peaks.
-    pub teeth: bool,
-    /// Angle, speed, torque and centre of every sprocket.
-    pub sprockets: bool,
-    /// Positions and velocities of all bodies.
-    pub bodies: bool,
-    /// The energy balance.
-    pub energy: bool,
-}
-
-/// Values of one channel, row after row.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Values {
-    /// Real numbers.
-    Real(Vec<f64>),
-    /// Whole numbers.
-    Whole(Vec<i32>),
-}
-
-/// One recorded quantity.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Channel {
-    /// Its name.
-    pub name: &'static str,
-    /// Shape of one row; empty for a number.
-    pub row_shape: Vec<usize>,
-    /// All rows.
-    pub values: Values,
-}
-
-/// What was recorded: one row of each channel at each time.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Recording {
-    /// Report times \[s\].
-    pub time: Vec<f64>,
-    /// The channels.
-    pub channels: Vec<Channel>,
-}
+/// Channels of the energy balance, before those of losses by their place.
+const ENERGIES: [&str; 6] = [
+    "energy_kinetic",
+    "energy_gravity",
+    "energy_elastic",
+    "energy_dissipated",
+    "energy_external_work",
+    "energy_residual",
+];
 
 /// Channels being written.
 #[derive(Debug, Clone)]
-pub(crate) struct Recorder {
+pub(crate) struct Recorder<S: System> {
     /// Whether the run pauses after each report.
     pub(crate) pauses: bool,
-    groups: Groups,
+    groups: S::Groups,
     report_step: f64,
     begin: f64,
     end: f64,
     /// Index of the next report.
     next: u64,
     /// The energy balance at the first report.
-    energy_at_start: Option<EnergyAtStart>,
+    energy_at_start: Option<EnergyAtStart<S::Powers>>,
     balance: Balance,
     recording: Recording,
-    hinge_peaks: Peaks,
-    tooth_peaks: Peaks,
-    /// Of bushings in rollers, where those are bodies.
-    roller_peaks: Peaks,
-    tooth_forces: Vec<f64>,
+    /// Of each kind of contact or joint.
+    peaks: Vec<Peaks>,
 }
 
-impl Recorder {
+impl<S: System> Recorder<S> {
     pub(crate) fn new(
-        model: &Model,
-        groups: Groups,
+        system: &S,
+        groups: S::Groups,
         begin: f64,
         duration: f64,
         report_step: f64,
     ) -> Self {
-        let n = model.links;
+        let mut channels = system.channels(groups);
+        if S::records_energy(groups) {
+            let losses = system.losses(&S::Powers::default());
+            let names = ENERGIES.into_iter().chain(losses.into_iter().map(|l| l.0));
+            channels.extend(names.map(|name| Channel::real(name, &[])));
+        }
+        let sizes = system.peak_sizes(groups).into_iter();
         Self {
             pauses: false,
             groups,
@@ -100,11 +61,11 @@ impl Recorder {
             next: 0,
             energy_at_start: None,
             balance: Balance::default(),
-            recording: channels::chosen(model, groups),
-            hinge_peaks: Peaks::new(n, begin),
-            tooth_peaks: Peaks::new(n, begin),
-            roller_peaks: Peaks::new(model.roller_count(), begin),
-            tooth_forces: vec![0.0; n],
+            recording: Recording {
+                time: Vec::new(),
+                channels,
+            },
+            peaks: sizes.map(|count| Peaks::new(count, begin)).collect(),
         }
     }
 
@@ -126,28 +87,7 @@ impl Recorder {
         }
     }
 
-    /// What a row needs to know of the dynamics.
-    pub(crate) fn needs(&self, model: &Model) -> Needs {
-        let groups = self.groups;
-        // A motor's torque is what the teeth leave to it; an applied one is known without them.
-        let prescribed = |rotation: &Rotation| matches!(rotation, Rotation::Prescribed(_));
-        let sprocket_loads =
-            groups.sprockets && model.sprockets.iter().any(|s| prescribed(&s.rotation));
-        let want = |forces: bool| match (forces, groups.energy) {
-            (true, _) => Want::Forces,
-            (false, true) => Want::Depths,
-            (false, false) => Want::Nothing,
-        };
-        // What bristles store goes by the normal force.
-        let stored = |law: bool| groups.energy && law;
-        Needs {
-            hinges: want(groups.hinges || stored(model.hinge_bristles.is_some())),
-            teeth: want(groups.teeth || sprocket_loads || stored(model.tooth_bristles.is_some())),
-            sprocket_loads,
-        }
-    }
-
-    /// The energy balance of the reports so far, when its residual is larger than it may be and the drive was not `at_rest`, with
+    /// The energy balance of the reports so far, when its residual is larger than it may be and the system was not `at_rest`, with
     /// no more kinetic energy than that \[J\].
     pub(crate) fn open_balance(&self, at_rest: f64) -> Option<OpenBalance> {
         self.balance.open(at_rest)
@@ -163,85 +103,88 @@ impl Recorder {
 
     /// All whole rows.
     pub(crate) fn into_recording(mut self) -> Recording {
-        let rows = self.recording.time.len();
-        for channel in &mut self.recording.channels {
-            let numbers = rows * channel.row_shape.iter().product::<usize>();
-            match &mut channel.values {
-                Values::Real(values) => values.truncate(numbers),
-                Values::Whole(values) => values.truncate(numbers),
-            }
-        }
+        self.recording.truncate_to_whole_rows();
         self.recording
     }
 
-    /// Sets aside the forces at the end of a step, before reports inside it are evaluated.
-    pub(crate) fn keep_step_forces(&mut self, dynamics: &Dynamics) {
-        if self.groups.hinges {
-            dynamics.write_hinge_forces(&mut self.hinge_peaks.arriving);
-            dynamics.write_roller_forces(&mut self.roller_peaks.arriving);
+    /// Whether largest forces between two reports are recorded.
+    pub(crate) fn has_peaks(&self) -> bool {
+        self.peaks.iter().any(|peaks| !peaks.arriving.is_empty())
+    }
+
+    /// Sets aside the forces of the last evaluation, that of the end of a step, before reports inside it are evaluated.
+    pub(crate) fn keep_step_forces(&mut self, system: &S) {
+        for (kind, peaks) in self.peaks.iter_mut().enumerate() {
+            if !peaks.arriving.is_empty() {
+                system.write_peak_forces(kind, &mut peaks.arriving);
+            }
         }
-        if self.groups.teeth {
-            dynamics.write_tooth_forces(&mut self.tooth_peaks.arriving);
+    }
+
+    /// The same, and takes in the energies there.
+    pub(crate) fn keep_step_end(&mut self, system: &S) {
+        self.keep_step_forces(system);
+        if S::records_energy(self.groups)
+            && let Some(energy) = system.energy_at_step_end()
+        {
+            self.balance.take_in(energy);
         }
     }
 
     /// Takes the set-aside forces into the peaks.
     pub(crate) fn take_step_forces(&mut self, t: f64) {
-        if self.groups.hinges {
-            self.hinge_peaks.arrive(t);
-            self.roller_peaks.arrive(t);
-        }
-        if self.groups.teeth {
-            self.tooth_peaks.arrive(t);
+        for peaks in &mut self.peaks {
+            peaks.arrive(t);
         }
     }
 
-    /// Writes a row for `dynamics` as evaluated at `t` for what [`Self::needs`] says; `sums` are its energies dissipated and worked
-    /// in \[J\].
-    pub(crate) fn report(&mut self, t: f64, dynamics: &Dynamics, sums: Powers) {
-        let model = dynamics.model();
-        let groups = self.groups;
-        let energy = groups.energy.then(|| dynamics.energy());
-        let first = self.recording.time.is_empty();
+    /// Evaluates `system` at `t` inside the last step of `adams` and writes a row.
+    pub(crate) fn report(&mut self, t: f64, system: &mut S, adams: &Adams) {
+        system.evaluate_report(adams, t, self.groups);
+        self.write_row(t, system);
+    }
+
+    /// Writes a row for `system` as it was evaluated last, at `t`.
+    fn write_row(&mut self, t: f64, system: &mut S) {
         let mut row = Row {
             channels: self.recording.channels.iter_mut(),
+            peaks: &mut self.peaks,
+            time: t,
+            first: self.recording.time.is_empty(),
         };
-        if groups.hinges {
-            write_hinges(&mut row, dynamics);
-            self.hinge_peaks
-                .close(t, &dynamics.hinges.force, first, &mut row);
-            if model.hinge_film.is_some() {
-                row.real(dynamics.hinges.film.iter().map(Vec2::norm));
+        system.write_row(&mut row, t, self.groups);
+        if S::records_energy(self.groups) {
+            let (energy, sums) = (system.energy(), system.sums_at(t));
+            let sums = system.without_stored(sums);
+            let start = self.energy_at_start.get_or_insert(EnergyAtStart {
+                total: energy.total(),
+                sums,
+            });
+            let since = sums + start.sums.scaled(-1.0);
+            let [dissipated, external_work] = since.totals();
+            let residual = energy.total() - start.total + dissipated - external_work;
+            let stored = [energy.kinetic, energy.gravity, energy.elastic];
+            let passed = [dissipated, external_work, residual];
+            let losses = system.losses(&since).into_iter().map(|loss| loss.1);
+            for value in stored.into_iter().chain(passed).chain(losses) {
+                row.real([value]);
             }
-            if let Some(ends) = &model.ends {
-                ends::write(&mut row, dynamics, ends);
-            }
-        }
-        if groups.hinges && model.rollers.is_some() {
-            write_rollers(&mut row, dynamics);
-            self.roller_peaks
-                .close(t, &dynamics.rollers.force, first, &mut row);
-        }
-        if groups.teeth {
-            write_teeth(&mut row, dynamics);
-            gather_by_bushing(&dynamics.teeth, model.links, &mut self.tooth_forces);
-            self.tooth_peaks
-                .close(t, &self.tooth_forces, first, &mut row);
-        }
-        if groups.sprockets {
-            write_sprockets(&mut row, dynamics, t);
-        }
-        if groups.bodies {
-            row.real(dynamics.motion.positions().into_iter().flatten());
-            row.real(dynamics.motion.velocities().into_iter().flatten());
-        }
-        if let Some(energy) = energy {
-            let sums = dissipated_alone(sums, dynamics);
-            let passed = write_energy(&mut row, model, energy, sums, &mut self.energy_at_start);
+            let passed = Passed {
+                dissipated,
+                external_work,
+                residual,
+            };
             self.balance.report(t, energy, passed);
         }
         // Last of all: a row that a panic has cut short does not count.
         self.recording.time.push(t);
         self.next += 1;
     }
+}
+
+/// A recording of one row: `system` as it was evaluated last, at `t`.
+pub(crate) fn row_of<S: System>(system: &mut S, t: f64, groups: S::Groups) -> Recording {
+    let mut recorder = Recorder::new(system, groups, t, 0.0, 1.0);
+    recorder.write_row(t, system);
+    recorder.into_recording()
 }

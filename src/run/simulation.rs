@@ -1,53 +1,34 @@
-//! The run: steps, onsets, reports.
+//! A run of any system: steps, located events, reports.
 
-mod balance;
-mod inputs;
+mod energy_warning;
 mod snapshot;
 mod wall;
 
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-pub(crate) use balance::{describe_open_balance, tighter_accuracy};
+use energy_warning::{describe_open_balance, tighter_accuracy};
 pub use snapshot::Snapshot;
 use wall::Wall;
 
-use crate::chain::contact::ToothJump;
 use crate::chain::dynamics::Dynamics;
-use crate::chain::model::{Input, Model, Rotation, Support};
-use crate::chain::motion::Motion;
-use crate::drive::MOST_CHAIN_SPEED;
 use crate::error::{Error, Result, check};
-use crate::force_law::Regions;
-use crate::geometry::Vec2;
-use crate::integrator::{
-    Adams, Corrector, Counts, MOST_STEPS, OdeSystem, Progress, StepControl, StepFailure,
-};
-use crate::layout::InitialConfiguration;
+use crate::integrator::{Adams, Counts, MOST_STEPS, Progress};
 use crate::panics::guarded;
-use crate::run::recorder::{Groups, OpenBalance, Recorder, Recording};
+use crate::run::recorder::{OpenBalance, Recorder};
+use crate::system::{Recording, System};
 
-/// A drive being run.
+/// A system in motion: a chain drive, unless another one is named.
 #[derive(Debug, Clone)]
-pub struct Simulation {
-    /// The model as it was compiled.
-    compiled: Arc<Model>,
-    /// Speeds and torques that were set since, one a sprocket.
-    inputs: Vec<Input>,
-    dynamics: Dynamics,
-    adams: Adams,
-    start: InitialConfiguration,
+pub struct Simulation<S: System = Dynamics> {
+    pub(super) system: S,
+    pub(super) adams: Adams,
     /// Present time of the user \[s\]; the integrator may be ahead by a part of a step.
-    now: f64,
-    recorder: Option<Recorder>,
-    /// Scratch: state at a time inside the last step.
-    inside: Vec<f64>,
+    pub(super) now: f64,
+    pub(super) recorder: Option<Recorder<S>>,
     wall: Wall,
     /// The first recording whose energy balance did not close, in words.
     balance_note: Option<String>,
     progress: Progress,
-    /// Next kink of a speed or torque \[s\], once it is known.
-    kink: f64,
     /// The panic that the run ended with.
     defect: Option<Error>,
 }
@@ -57,86 +38,44 @@ pub struct Simulation {
 pub struct Statistics {
     /// Steps, rejected steps, evaluations.
     pub counts: Counts,
-    /// Evaluations that metering the energy took, which are not among those of the counts.
+    /// Evaluations of the energy quadrature, which are not among those of the counts.
     pub meter_evaluations: u64,
-    /// Contacts begun.
+    /// Contact onsets.
     pub onsets: u64,
-    /// Those that began slower than the floor of the approach speed.
+    /// Onsets slower than the minimum impact velocity.
     pub onsets_at_floor: u64,
     /// Contacts that closed and opened again inside a step, within the accuracy, and were let pass.
     pub unseen_touches: u64,
     /// Wall time in steps \[s\]; its share is that in the steps that were timed, one of 16.
     pub wall_stepping: f64,
-    /// Wall time in finding onsets and metering energy, likewise \[s\].
+    /// Wall time in event location and energy quadrature, likewise \[s\].
     pub wall_onsets: f64,
     /// Wall time in reports \[s\].
     pub wall_reports: f64,
 }
 
-/// How often the wall clock is looked at, in steps.
-const STEPS_BETWEEN_CLOCK_READINGS: u32 = 64;
-
 /// A step in so many is timed.
 const STEPS_FOR_ONE_TIMED: u32 = 16;
 
-/// Speed of links that counts as rest, over the error allowed to speeds: drives that rest in static equilibrium move at up to 1.3 times
+/// Speed that counts as rest, over the error allowed to speeds: drives that rest in static equilibrium move at up to 1.3 times
 /// that error. At twice this number, drives that move at six times the error would not be judged by their energy.
 const SPEEDS_AT_REST: f64 = 3.0;
 
-/// A kink nearer than this is not stepped to \[s\].
-const SHORTEST_TO_KINK: f64 = 1e-10;
-
-impl Simulation {
-    /// A run of `model` from `start` at time zero.
-    ///
-    /// # Errors
-    /// When a control or the start does not fit.
-    pub fn new(
-        model: Arc<Model>,
-        start: &InitialConfiguration,
-        control: StepControl,
-    ) -> Result<Self> {
-        control.validate()?;
-        check_start(&model, start)?;
-        let compiled = Arc::clone(&model);
-        let mut dynamics = Dynamics::new(model);
-        let dimension = dynamics.dimension();
-        let mut y = vec![0.0; dimension];
-        let mut motion = Motion::new(dynamics.model().bodies());
-        motion.set(&start.positions, &start.velocities);
-        motion.write(dynamics.model(), &mut y);
-        dynamics.remember_present_contacts(0.0, &y);
-        check_hinges(&dynamics)?;
-        check_rollers(&dynamics)?;
-        if control.corrector != Corrector::Pece {
-            // Makes the room for the matrix, which a run that changes correctors would otherwise make under way.
-            dynamics.make_room_for_newton();
-        }
-        let mut adams = Adams::new(dimension, control);
-        adams.restart(0.0, &y);
+impl<S: System> Simulation<S> {
+    /// A run of `system` from where `adams` is.
+    pub(super) fn of(system: S, adams: Adams) -> Self {
         let mut simulation = Self {
-            compiled,
-            inputs: Vec::new(),
-            dynamics,
+            system,
+            now: adams.time(),
             adams,
-            start: start.clone(),
-            now: 0.0,
             recorder: None,
-            inside: y,
             wall: Wall::default(),
             balance_note: None,
             progress: Progress::default(),
-            kink: f64::NEG_INFINITY,
             defect: None,
         };
         simulation.limit_step();
-        Ok(simulation)
-    }
-
-    /// The model, with the speeds and torques that hold now.
-    #[must_use]
-    pub fn model(&self) -> &Arc<Model> {
-        self.dynamics.model()
+        simulation
     }
 
     /// Present time \[s\].
@@ -145,133 +84,66 @@ impl Simulation {
         self.now
     }
 
-    /// The dynamics, evaluated at the present time.
-    pub fn present(&mut self) -> &Dynamics {
-        self.adams.interpolate(self.now, &mut self.inside);
-        self.dynamics.evaluate(self.now, &self.inside);
-        &self.dynamics
-    }
-
-    /// Where the run began.
-    #[must_use]
-    pub fn start(&self) -> &InitialConfiguration {
-        &self.start
-    }
-
     /// The integrator.
     #[must_use]
     pub fn integrator(&self) -> &Adams {
         &self.adams
     }
 
-    /// Positions and velocities of all bodies at the present time.
+    /// The system as it was last evaluated, with the contacts' memory.
     #[must_use]
-    pub fn motion(&self) -> Motion {
-        let mut motion = Motion::new(self.model().bodies());
-        let mut y = vec![0.0; self.inside.len()];
-        self.adams.interpolate(self.now, &mut y);
-        motion.read(self.model(), self.now, &y);
-        motion
+    pub fn dynamics(&self) -> &S {
+        &self.system
     }
 
-    /// The dynamics as they were last evaluated, with the contacts' memory.
+    /// Work of the integrator so far.
     #[must_use]
-    pub fn dynamics(&self) -> &Dynamics {
-        &self.dynamics
+    pub fn counts(&self) -> Counts {
+        self.adams.counts()
     }
 
     /// What the run has cost so far.
     #[must_use]
     pub fn statistics(&self) -> Statistics {
-        let onsets = self.dynamics.memory.counts();
+        let events = self.system.event_counts();
         let [wall_stepping, wall_onsets] = self.wall.steps();
         Statistics {
             counts: self.adams.counts(),
-            meter_evaluations: self.dynamics.meter_evaluations(),
-            onsets: onsets.onsets,
-            onsets_at_floor: onsets.at_floor,
-            unseen_touches: self.dynamics.unseen_touches(),
+            meter_evaluations: self.system.meter_evaluations(),
+            onsets: events.onsets,
+            onsets_at_floor: events.onsets_at_floor,
+            unseen_touches: events.unseen_touches,
             wall_stepping,
             wall_onsets,
             wall_reports: self.wall.reports.as_secs_f64(),
         }
     }
 
-    /// Teeth that the chain has jumped up to the present time, in the order of time.
-    #[must_use]
-    pub fn tooth_jumps(&self) -> &[ToothJump] {
-        let jumps = self.dynamics.tooth_jumps();
-        // The integrator may be ahead of the present time.
-        &jumps[..jumps.partition_point(|jump| jump.time <= self.now)]
-    }
-
-    /// Which laws left their range, a line each.
-    #[must_use]
-    pub fn range_notes(&self) -> Vec<String> {
-        let model = self.model().range_notes.iter();
-        model.chain(self.dynamics.past_range()).cloned().collect()
-    }
-
-    /// What the energy balance misses, in the first recording that has ended with more than it may, and what helps.
+    /// The energy balance residual of the first recording that has ended with more than it may, in words, and what helps.
     ///
     /// The largest residual at a report may be a twentieth of the energy dissipated. Where less was dissipated than a hundredth of the
     /// energy exchanged, or 2e-4 of the kinetic and elastic energy, it may be a twentieth of that. Energy exchanged is the largest of
-    /// the energies dissipated, worked in, and moved in and out of kinetic, gravitational and elastic energy.
+    /// the energies dissipated, of external work, and moved in and out of kinetic, gravitational and elastic energy.
     #[must_use]
     pub fn balance_note(&self) -> Option<&str> {
         self.balance_note.as_deref()
     }
 
-    /// Dynamics evaluated at other positions and velocities, or another time, without touching the run.
-    ///
-    /// Positions that are just given have no contact memory.
-    #[must_use]
-    pub fn evaluate_elsewhere(
-        &self,
-        positions: Option<&[[f64; 3]]>,
-        velocities: Option<&[[f64; 3]]>,
-        time: Option<f64>,
-    ) -> Dynamics {
-        let mut dynamics = self.dynamics.clone();
-        if positions.is_some() {
-            dynamics.memory.clear();
-            dynamics.bristles.clear();
-        } else {
-            let mut y = vec![0.0; self.inside.len()];
-            self.adams.interpolate(self.now, &mut y);
-            dynamics.bristles.read(self.model(), &y);
-        }
-        let present = self.motion();
-        let (present_positions, present_velocities) = (present.positions(), present.velocities());
-        dynamics.motion.set(
-            positions.unwrap_or(&present_positions),
-            velocities.unwrap_or(&present_velocities),
-        );
-        dynamics.evaluate_motion(time.unwrap_or(self.now));
-        dynamics
-    }
-
     /// Begins a recording at the present time.
-    pub fn start_recording(&mut self, duration: f64, report_step: f64, groups: Groups) {
-        if !groups.energy {
-            self.dynamics.keep_energy(false);
-        } else if !self.dynamics.keeps_energy() {
-            self.dynamics.begin_metering(&self.adams);
+    pub fn start_recording(&mut self, duration: f64, report_step: f64, groups: S::Groups) {
+        if !S::records_energy(groups) {
+            self.system.stop_metering();
+        } else if !self.system.keeps_energy() {
+            self.system.begin_metering(&self.adams);
         }
-        let mut recorder = Recorder::new(self.model(), groups, self.now, duration, report_step);
-        if groups.hinges || groups.teeth {
+        self.system.set_recorded(Some(groups));
+        let mut recorder = Recorder::new(&self.system, groups, self.now, duration, report_step);
+        if recorder.has_peaks() {
             // The present time may lie inside the last step, whose end then belongs to the first interval.
-            self.dynamics
-                .differentiate(self.adams.time(), self.adams.y());
-            recorder.keep_step_forces(&self.dynamics);
+            self.system.evaluate_step_end(&self.adams);
+            recorder.keep_step_forces(&self.system);
         }
         self.recorder = Some(recorder);
-    }
-
-    /// Meters the energy balance in each step by `fineness` panels of four points, one at first, and in steps in which contacts
-    /// begin or end by twice as many: what changes with it is the meter's own error.
-    pub fn refine_meter(&mut self, fineness: usize) {
-        self.dynamics.refine_meter(fineness);
     }
 
     /// Ends the recording and hands it over, with all rows made so far.
@@ -279,29 +151,34 @@ impl Simulation {
         let Some(recorder) = self.recorder.take() else {
             return Recording::default();
         };
+        self.system.set_recorded(None);
         if self.balance_note.is_none() {
-            let open = recorder.open_balance(self.kinetic_energy_at_rest());
+            let at_rest = SPEEDS_AT_REST * self.adams.control().speed_error();
+            let open = recorder.open_balance(self.system.kinetic_energy_at(at_rest));
             self.balance_note = open.map(|open| self.describe_balance(&open));
         }
         recorder.into_recording()
     }
 
-    /// Kinetic energy of links that move by no more than steps may be wrong \[J\].
-    fn kinetic_energy_at_rest(&self) -> f64 {
-        let speed = SPEEDS_AT_REST * self.adams.control().speed_error();
-        let model = self.model();
-        let links = (0..model.links).filter(|&i| !model.is_held(i));
-        let mass: f64 = links.map(|i| model.mass[i]).sum();
-        0.5 * mass * speed * speed
+    fn describe_balance(&self, open: &OpenBalance) -> String {
+        match self.system.energy_remedy() {
+            Some(remedy) => describe_open_balance(open, remedy),
+            None => describe_open_balance(open, &tighter_accuracy(&self.adams.control(), open)),
+        }
     }
 
-    fn describe_balance(&self, open: &OpenBalance) -> String {
-        if self.model().tooth_law.regions == Regions::Sharp {
-            describe_open_balance(open, balance::KEPT_REGIONS)
-        } else {
-            let finer = tighter_accuracy(&self.adams.control(), open);
-            describe_open_balance(open, &finer)
+    /// Makes the recording pause after each report, so that its caller can look at the state there: [`record`](Self::record) then
+    /// returns, and goes on when it is called again.
+    pub fn pause_at_reports(&mut self) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.pauses = true;
         }
+    }
+
+    /// The recording under way, if any.
+    #[must_use]
+    pub fn recording(&self) -> Option<&Recording> {
+        self.recorder.as_ref().map(Recorder::recording)
     }
 
     /// Goes on with the recording for as long as `budget` of wall time allows; true when its end is reached.
@@ -318,11 +195,11 @@ impl Simulation {
     /// Steps to exactly `target` \[s\] for as long as `budget` of wall time allows; true when it is reached.
     ///
     /// # Errors
-    /// When the integrator cannot go on: time, step size, body and contact.
+    /// When the integrator cannot go on: time, step size, body and contact. The run is then where the last accepted step ended.
     pub fn advance(&mut self, target: f64, budget: Duration) -> Result<bool> {
         if self.recorder.is_none() {
             // Nobody reads the sums: a run that goes on without a recording does not make them.
-            self.dynamics.keep_energy(false);
+            self.system.stop_metering();
         }
         self.check_intact()?;
         let begin = Instant::now();
@@ -354,119 +231,51 @@ impl Simulation {
                 self.now = target.max(self.now);
                 return Ok(true);
             }
-            if steps.is_multiple_of(STEPS_BETWEEN_CLOCK_READINGS)
+            if steps.is_multiple_of(S::STEPS_BETWEEN_CLOCK_READINGS)
                 && steps > 0
                 && begin.elapsed() >= budget
             {
                 self.now = self.adams.time();
                 return Ok(false);
             }
-            self.step(steps.is_multiple_of(STEPS_FOR_ONE_TIMED))?;
-            self.watch_progress(target)?;
+            self.step(steps.is_multiple_of(STEPS_FOR_ONE_TIMED))
+                .and_then(|()| self.watch_progress(target))
+                .inspect_err(|_| self.now = self.adams.time())?;
             steps += 1;
         }
     }
 
+    /// Makes one step; after an error the system is where it was before.
     fn step(&mut self, timed: bool) -> Result<()> {
         let begin = timed.then(Instant::now);
-        self.dynamics.follow_with_pawls(self.adams.y());
-        self.dynamics.unbend_parted(&mut self.adams);
-        self.dynamics.begin_step();
-        self.begin_anew_where_an_end_kinks();
-        self.place_ends_on_their_curves();
-        let step = self.adams.step_second_order(&mut self.dynamics);
-        let step = match step {
-            Ok(step) => step,
-            Err(failure) => {
-                self.now = self.adams.time();
-                return Err(self.explain(failure));
-            }
-        };
+        self.system.begin_step(&mut self.adams);
+        let step = self.adams.step_second_order(&mut self.system);
+        let step = step.map_err(|failure| {
+            let culprit = |time, component| self.system.culprit(&self.adams, time, component);
+            failure.into_error(culprit)
+        });
         let stepped = timed.then(Instant::now);
-        self.dynamics.finish_step(&self.adams, &step);
+        let finished = step.and_then(|step| {
+            if let Some(recorder) = &mut self.recorder {
+                recorder.keep_step_end(&self.system);
+            }
+            self.system
+                .finish_step(&mut self.adams, &step)
+                .map(|()| step)
+        });
+        let step = finished.inspect_err(|_| self.system.go_back(&mut self.adams))?;
         self.limit_step();
-        if let Some(recorder) = &mut self.recorder {
-            recorder.keep_step_forces(&self.dynamics);
-        }
-        self.dynamics.meter_step(&self.adams, &step);
+        self.system.meter_step(&self.adams, &step);
         if let (Some(begin), Some(stepped)) = (begin, stepped) {
             self.wall.take_in(stepped - begin, stepped.elapsed());
         }
         Ok(())
     }
 
-    /// At a row of the velocity of an open chain's end, where its acceleration jumps: forgets the history, and puts the end where it
-    /// should be. Its path is exact between two rows; what the step that ends there misses would be a velocity for good. A row is met by
-    /// the step that ends at it or just before: those that end behind it have it behind them, however short they are.
-    fn begin_anew_where_an_end_kinks(&mut self) {
-        if self.model().ends.is_none() {
-            return;
-        }
-        let model = Arc::clone(self.model());
-        let Some(ends) = &model.ends else { return };
-        let t = self.adams.time();
-        let row = ends.next_knot(t * (1.0 - 2.0 * f64::EPSILON));
-        if row - t <= SHORTEST_TO_KINK && t > 0.0 {
-            self.adams.interpolate(t, &mut self.inside);
-            let (n, coordinates) = (model.links, model.coordinates);
-            for end in &ends.bodies {
-                if let Some((place, velocity)) = end.given_motion(row) {
-                    let i = end.body;
-                    (self.inside[i], self.inside[n + i]) = (place.x, place.y);
-                    self.inside[coordinates + i] = velocity.x;
-                    self.inside[coordinates + n + i] = velocity.y;
-                }
-            }
-            self.adams.restart_with_corrector(row, &self.inside);
-            self.limit_step();
-        }
-    }
-
-    /// Puts ends whose acceleration changes where they should be: what steps miss of their paths would add up.
-    fn place_ends_on_their_curves(&mut self) {
-        if self.model().ends.is_none() {
-            return;
-        }
-        let model = Arc::clone(self.model());
-        let (n, coordinates) = (model.links, model.coordinates);
-        let ends = model.ends.iter().flat_map(|ends| &ends.bodies);
-        for end in ends.filter(|end| end.follows_a_curve()) {
-            let Some((place, velocity)) = end.given_motion(self.adams.time()) else {
-                continue;
-            };
-            let x = end.body;
-            let y = n + end.body;
-            self.adams.set_component(x, place.x);
-            self.adams.set_component(y, place.y);
-            self.adams.set_component(coordinates + x, velocity.x);
-            self.adams.set_component(coordinates + y, velocity.y);
-        }
-    }
-
-    /// How long the next step may be: bodies that are fast, and the next kink of a speed or torque, where steps end.
-    fn limit_step(&mut self) {
-        let t = self.adams.time();
-        // A kink that was met but for rounding is behind.
-        if self.kink <= t + SHORTEST_TO_KINK {
-            self.kink = self.model().next_kink(t + SHORTEST_TO_KINK);
-        }
-        let between = self.model().longest_step_between_kinks(t);
-        let longest = self.dynamics.longest_step().min(self.kink - t);
-        self.adams.limit_step(longest.min(between));
-    }
-
-    /// Makes the recording pause after each report, so that its caller can look at the state there: [`record`](Self::record) then
-    /// returns, and goes on when it is called again.
-    pub fn pause_at_reports(&mut self) {
-        if let Some(recorder) = &mut self.recorder {
-            recorder.pauses = true;
-        }
-    }
-
-    /// The recording under way, if any.
-    #[must_use]
-    pub fn recording(&self) -> Option<&Recording> {
-        self.recorder.as_ref().map(Recorder::recording)
+    /// Bounds the next step by what must not pass unseen.
+    pub(super) fn limit_step(&mut self) {
+        let longest = self.system.longest_step(&self.adams);
+        self.adams.limit_step(longest);
     }
 
     /// Makes the reports that lie inside the last step; false when the budget ended before all were made, or at a pause.
@@ -474,8 +283,7 @@ impl Simulation {
         let Self {
             recorder: Some(recorder),
             adams,
-            dynamics,
-            inside,
+            system,
             ..
         } = self
         else {
@@ -485,13 +293,8 @@ impl Simulation {
         let mut paused = false;
         if recorder.next_report().is_some_and(|t| t <= end) {
             let begin = Instant::now();
-            let needs = recorder.needs(dynamics.model());
             while let Some(t) = recorder.next_report().filter(|&t| t <= end) {
-                adams.interpolate(t, inside);
-                dynamics.evaluate_for(needs, t, inside);
-                dynamics.watch_reported_ranges(needs);
-                let sums = dynamics.energies_passed(t);
-                recorder.report(t, dynamics, sums);
+                recorder.report(t, system, adams);
                 self.now = t;
                 paused = recorder.pauses;
                 if paused || start.elapsed() >= budget {
@@ -513,35 +316,12 @@ impl Simulation {
         let Some(step_size) = self.progress.stalled(counts, time, target) else {
             return Ok(());
         };
-        self.now = time;
-        let contact = self.dynamics.busiest_contact(self.model().links);
         Err(Error::Standstill {
             time,
             step_size,
             most_steps: MOST_STEPS,
-            culprit: contact.unwrap_or_else(|| "nothing in contact".to_string()),
+            culprit: self.system.busiest(),
         })
-    }
-
-    fn explain(&mut self, failure: StepFailure) -> Error {
-        failure.into_error(|time, component| self.culprit(time, component))
-    }
-
-    /// The body that a component of the state belongs to, and the hardest pressed of its contacts.
-    fn culprit(&mut self, time: f64, component: usize) -> String {
-        let model = Arc::clone(self.model());
-        let body = model.body_of_coordinate(component % model.coordinates);
-        // The last evaluation was that of the step that failed; failing that, what was there before it.
-        let contact = self.dynamics.busiest_contact(body).or_else(|| {
-            self.adams.interpolate(time, &mut self.inside);
-            self.dynamics.differentiate(time, &self.inside);
-            self.dynamics.busiest_contact(body)
-        });
-        format!(
-            "{} ({})",
-            model.body_names()[body],
-            contact.unwrap_or_else(|| "not in contact".to_string())
-        )
     }
 }
 
@@ -558,175 +338,6 @@ pub fn check_reports(duration: f64, report_step: f64) -> Result<()> {
             report_step,
             "gives more than 1e9 reports: make it larger, or the duration shorter",
         ));
-    }
-    Ok(())
-}
-
-/// One row of finite numbers a body.
-///
-/// # Errors
-/// Names the body and the number.
-pub fn check_rows(model: &Model, field: &str, rows: &[[f64; 3]]) -> Result<()> {
-    let bodies = model.bodies();
-    if rows.len() != bodies {
-        return Err(Error::invalid(
-            field,
-            format!("{} rows", rows.len()),
-            format!("needs one row (3 numbers) for each of the {bodies} bodies"),
-        ));
-    }
-    for (body, row) in rows.iter().enumerate() {
-        if let Some(bad) = row.iter().find(|v| !v.is_finite()) {
-            let name = &model.body_names()[body];
-            return Err(Error::invalid(
-                format!("{field} of {name}"),
-                bad,
-                "must be finite numbers",
-            ));
-        }
-    }
-    Ok(())
-}
-
-/// A pin may be pressed into its bushing, but must be in it.
-fn check_hinges(dynamics: &Dynamics) -> Result<()> {
-    let model = dynamics.model();
-    // Where an open chain is open, the centres count as one.
-    let apart = |k: usize| dynamics.hinges.penetration[k] + model.clearance;
-    let Some(k) = (0..model.links).find(|&k| apart(k) > 0.1 * model.half_pitch) else {
-        return Ok(());
-    };
-    Err(Error::invalid(
-        "positions",
-        format!(
-            "{} and {}",
-            model.link_name(k),
-            model.link_name((k + 1) % model.links)
-        ),
-        format!(
-            "hinge {} is torn: its pin and bushing are {:.3e} m apart, with a clearance of {:.3e} m",
-            k + 1,
-            apart(k),
-            model.clearance
-        ),
-    ))
-}
-
-/// A bushing may be pressed into its roller, but must be in it.
-fn check_rollers(dynamics: &Dynamics) -> Result<()> {
-    let model = dynamics.model();
-    let Some(rollers) = &model.rollers else {
-        return Ok(());
-    };
-    let apart = |k: usize| dynamics.rollers.penetration[k] + rollers.clearance;
-    let Some(k) = (0..model.links).find(|&k| apart(k) > 0.1 * model.half_pitch) else {
-        return Ok(());
-    };
-    Err(Error::invalid(
-        "positions",
-        format!("roller_{}", k + 1),
-        format!(
-            "it is off its bushing: their centres are {:.3e} m apart, with a clearance of {:.3e} m",
-            apart(k),
-            rollers.clearance
-        ),
-    ))
-}
-
-/// What ends of an open chain are told must agree with the velocities.
-fn check_ends(model: &Model, start: &InitialConfiguration) -> Result<()> {
-    for end in model.ends.iter().flat_map(|ends| &ends.bodies) {
-        let Some(given) = end.given_velocity(0.0) else {
-            continue;
-        };
-        let [vx, vy, spin] = start.velocities[end.body];
-        if (Vec2::new(vx, vy) - given).norm() > 1e-9 * given.norm().max(1.0) || spin != 0.0 {
-            return Err(Error::invalid(
-                format!("velocities of {}", model.link_name(end.body)),
-                format!("({vx}, {vy}, {spin})"),
-                format!(
-                    "it moves as it is told: must be ({}, {}, 0) at the start",
-                    given.x, given.y
-                ),
-            ));
-        }
-    }
-    Ok(())
-}
-
-/// No body may begin faster than a drive may be described to run.
-fn check_speeds(model: &Model, start: &InitialConfiguration) -> Result<()> {
-    let field = |body: usize| format!("velocities of {}", model.body_names()[body]);
-    for (body, [vx, vy, _]) in start.velocities.iter().enumerate() {
-        if vx.hypot(*vy) > MOST_CHAIN_SPEED {
-            return Err(Error::invalid(
-                field(body),
-                format!("({vx}, {vy})"),
-                format!(
-                    "expected at most {MOST_CHAIN_SPEED} m/s where real chains run below 50 m/s; check the unit"
-                ),
-            ));
-        }
-    }
-    for (s, sprocket) in model.sprockets.iter().enumerate() {
-        if let Some(bounds) = &sprocket.input_bounds {
-            let body = model.wheel_body(s);
-            bounds.check_speed(&field(body), start.velocities[body][2])?;
-        }
-    }
-    Ok(())
-}
-
-/// Numbers, and what the supports and motors hold must agree with them.
-fn check_start(model: &Model, start: &InitialConfiguration) -> Result<()> {
-    check_rows(model, "positions", &start.positions)?;
-    check_rows(model, "velocities", &start.velocities)?;
-    check_ends(model, start)?;
-    check_speeds(model, start)?;
-    for (s, sprocket) in model.sprockets.iter().enumerate() {
-        let body = model.wheel_body(s);
-        let [vx, vy, spin] = start.velocities[body];
-        let [x, y, _] = start.positions[body];
-        let refuse = |value: String, expected: String| {
-            Err(Error::invalid(
-                format!("velocities of {}", model.body_names()[body]),
-                value,
-                expected,
-            ))
-        };
-        match sprocket.support {
-            Support::Fixed if vx != 0.0 || vy != 0.0 => {
-                return refuse(
-                    format!("({vx}, {vy})"),
-                    "its bearing is fixed: must be (0, 0)".to_string(),
-                );
-            }
-            Support::Slide { .. } => {
-                // An arm turns its way: what counts is where the centre begins, not where it is described.
-                let way = sprocket.slide_at(Vec2::new(x, y));
-                let tangent = way.map_or(Vec2::zeros(), |(_, tangent)| tangent);
-                let across = tangent.x * vy - tangent.y * vx;
-                if across.abs() > 1e-9 * vx.hypot(vy) {
-                    return refuse(
-                        format!("({vx}, {vy})"),
-                        format!(
-                            "its tensioner lets it slide along ({}, {}) only, where it begins",
-                            tangent.x, tangent.y
-                        ),
-                    );
-                }
-            }
-            _ => {}
-        }
-        if let Rotation::Prescribed(speed) = &sprocket.rotation {
-            let prescribed = speed.value(0.0);
-            if (spin - prescribed).abs() > 1e-9 * prescribed.abs().max(1.0) {
-                return refuse(
-                    spin.to_string(),
-                    format!("its speed is prescribed: must be {prescribed} rad/s at the start"),
-                );
-            }
-        }
     }
     Ok(())
 }

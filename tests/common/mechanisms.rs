@@ -3,14 +3,15 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use rustchain::Recording;
 use rustchain::geometry::Vec2;
 use rustchain::integrator::StepControl;
 use rustchain::math::Signal;
 use rustchain::multibody::{
-    Body, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, MechanismModel, Motion,
-    SpringLaw, Stabilisation,
+    Body, ForceElement, ForceKind, Joint, JointKind, Marker, Mechanism, MechanismGroups,
+    MechanismModel, Motion, SpringLaw, Stabilisation,
 };
-use rustchain::run::mechanism::{MechanismRecording, MechanismSimulation};
+use rustchain::run::MechanismSimulation;
 
 pub const GRAVITY: f64 = 9.81;
 
@@ -42,18 +43,67 @@ pub fn with(
     stabilisation: Stabilisation,
 ) -> MechanismSimulation {
     let model = Arc::new(MechanismModel::compile(mechanism).expect("a sound mechanism"));
-    MechanismSimulation::new(model, control(tolerance, 0.05), stabilisation)
+    MechanismSimulation::assemble(model, control(tolerance, 0.05), stabilisation)
         .expect("joints that go together")
 }
 
-pub fn record(
-    simulation: &mut MechanismSimulation,
-    duration: f64,
-    report_step: f64,
-) -> MechanismRecording {
-    simulation.start_recording(duration, report_step);
+pub fn record(simulation: &mut MechanismSimulation, duration: f64, report_step: f64) -> Recording {
+    simulation.start_recording(duration, report_step, MechanismGroups::ALL);
     while !simulation.record(Duration::MAX).expect("a run to its end") {}
     simulation.take_recording()
+}
+
+/// Rows of a recording, one after another.
+pub trait Rows {
+    fn positions(&self) -> &[f64];
+    fn velocities(&self) -> &[f64];
+    fn accelerations(&self) -> &[f64];
+    fn reactions(&self) -> &[f64];
+    fn contact_force(&self) -> &[f64];
+    fn peak_contact_force(&self) -> &[f64];
+    /// Kinetic, gravity, elastic, dissipated, external work, residual.
+    fn energy(&self) -> Vec<f64>;
+}
+
+impl Rows for Recording {
+    fn positions(&self) -> &[f64] {
+        self.real("positions")
+    }
+
+    fn velocities(&self) -> &[f64] {
+        self.real("velocities")
+    }
+
+    fn accelerations(&self) -> &[f64] {
+        self.real("accelerations")
+    }
+
+    fn reactions(&self) -> &[f64] {
+        self.real("joint_reaction")
+    }
+
+    fn contact_force(&self) -> &[f64] {
+        self.real("contact_force")
+    }
+
+    fn peak_contact_force(&self) -> &[f64] {
+        self.real("peak_contact_force")
+    }
+
+    fn energy(&self) -> Vec<f64> {
+        let columns = [
+            "energy_kinetic",
+            "energy_gravity",
+            "energy_elastic",
+            "energy_dissipated",
+            "energy_external_work",
+            "energy_residual",
+        ]
+        .map(|name| self.real(name));
+        (0..self.time.len())
+            .flat_map(|row| columns.map(|column| column[row]))
+            .collect()
+    }
 }
 
 /// A rod of length `l` between two points, a uniform bar.

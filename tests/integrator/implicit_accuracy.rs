@@ -3,15 +3,15 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::common::mechanisms::{GRAVITY, bar_chain, ground, run_to};
+use crate::common::mechanisms::{GRAVITY, Rows, bar_chain, ground, run_to};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, StepControl};
 use rustchain::math::Signal;
 use rustchain::multibody::{
-    Body, ContactLaw, ContactPair, ForceElement, ForceKind, Marker, Mechanism, MechanismModel,
-    Profile, Stabilisation, Tribology,
+    Body, ContactLaw, ContactPair, ForceElement, ForceKind, Marker, Mechanism, MechanismGroups,
+    MechanismModel, Profile, Stabilisation, Tribology,
 };
-use rustchain::run::mechanism::MechanismSimulation;
+use rustchain::run::MechanismSimulation;
 
 const LINEAR: ContactLaw = ContactLaw::Linear {
     stiffness: 1e7,
@@ -25,7 +25,7 @@ const HERTZIAN: ContactLaw = ContactLaw::HuntCrossley {
 
 fn simulation(mechanism: &Mechanism, control: StepControl) -> MechanismSimulation {
     let model = Arc::new(MechanismModel::compile(mechanism).unwrap());
-    MechanismSimulation::new(model, control, Stabilisation::Projection).unwrap()
+    MechanismSimulation::assemble(model, control, Stabilisation::Projection).unwrap()
 }
 
 fn control(accuracy: f64, max_step: f64, corrector: Corrector) -> StepControl {
@@ -76,9 +76,9 @@ fn pressed(law: ContactLaw, rest_depth: f64, speed: f64) -> Mechanism {
 fn missing(runs: &[Mechanism], control: StepControl, duration: f64) -> f64 {
     let squares = runs.iter().map(|mechanism| {
         let mut machine = simulation(mechanism, control);
-        machine.start_recording(duration, 0.1 * duration);
+        machine.start_recording(duration, 0.1 * duration, MechanismGroups::ALL);
         while !machine.record(Duration::MAX).unwrap() {}
-        machine.take_recording().energy.last().unwrap().powi(2)
+        machine.take_recording().energy().last().unwrap().powi(2)
     });
     (squares.sum::<f64>() / runs.len() as f64).sqrt()
 }

@@ -3,6 +3,7 @@
 use crate::common;
 use std::sync::Arc;
 
+use crate::common::checks::lacks;
 use crate::common::layouts::{PITCH, drive_of, sprocket, three_shafts};
 use rustchain::chain::dynamics::Dynamics;
 use rustchain::drive::{Arm, Drive, Mount, Rail, RailShape, SprocketMotion, Tensioner};
@@ -33,8 +34,8 @@ fn cross(a: Vec2, b: Vec2) -> f64 {
     a.x * b.y - a.y * b.x
 }
 
-/// Cuts wheel `s` free, a link away from the teeth that bear, at the rest of `drive`.
-fn cut(drive: &Drive, s: usize) -> Cut {
+/// The rest of `drive`, and the dynamics and the state there.
+fn at_rest(drive: &Drive) -> (Equilibrium, Dynamics, Vec<f64>) {
     let laws = ForceLaws::default();
     let rest = Equilibrium::find(drive, &laws).unwrap();
     let mut still = drive.clone();
@@ -46,12 +47,18 @@ fn cut(drive: &Drive, s: usize) -> Cut {
     let mut start = rest.start.clone();
     start.velocities.fill([0.0; 3]);
     let model = Arc::new(Model::compile(&still, &laws, &start).unwrap());
-    let simulation = Simulation::new(Arc::clone(&model), &start, StepControl::default()).unwrap();
-    let mut dynamics: Dynamics = simulation.dynamics().clone();
+    let simulation = Simulation::new(model, &start, StepControl::default()).unwrap();
     let y = simulation.integrator().y().to_vec();
+    (rest, simulation.dynamics().clone(), y)
+}
+
+/// Cuts wheel `s` free, a link away from the teeth that bear, at the rest of `drive`.
+fn cut(drive: &Drive, s: usize) -> Cut {
+    let (rest, mut dynamics, y) = at_rest(drive);
     let mut slope = vec![0.0; y.len()];
     dynamics.derivative(0.0, &y, &mut slope);
     dynamics.evaluate(0.0, &y);
+    let model = Arc::clone(dynamics.model());
     let n = model.links;
     let bears = |k: usize| dynamics.teeth.penetration[s * n + k % n] > 0.0;
     // The run of bushings that bear, with gaps of one between them.
@@ -216,6 +223,29 @@ fn the_strands_at_an_idler_on_an_arm_balance_its_moment() {
                 (chain + own).abs() < 1e-5 * own.abs().max(length * found.tensions[0]),
                 "pivot {pivot}, {pretension} N: the chain turns by {chain} N m, the arm by {own} N m"
             );
+        }
+    }
+}
+
+#[test]
+fn the_matrix_at_rest_is_that_of_finite_differences_in_long_steps() {
+    // Without what forces do to links and sprockets that turn under them, strands would be softer: at 1 ms by half, at 10 ms altogether.
+    let spring = Tensioner {
+        stiffness: 2e3,
+        ..tensioner(4, 80.0)
+    };
+    let arm = Tensioner {
+        pivot: Some(Vec2::new(0.0, 0.05)),
+        arm_inertia: 3e-4,
+        ..tensioner(4, 150.0)
+    };
+    for (name, tensioner) in [("slide", spring), ("arm", arm)] {
+        let mut drive = three_shafts();
+        drive.tensioner = Some(tensioner);
+        let (_, mut dynamics, y) = at_rest(&drive);
+        for gamma in [1e-4, 1e-3, 1e-2] {
+            let lacking = lacks(&mut dynamics, 0.0, &y, gamma);
+            assert!(lacking < 1e-3, "{name}, {gamma:e} s: {lacking:e}");
         }
     }
 }

@@ -3,7 +3,8 @@
 use crate::common;
 use std::sync::Arc;
 
-use crate::common::mechanisms::{CRANK, ROD, ground, record, simulation};
+use crate::common::mechanisms::{CRANK, ROD, Rows, ground, record, simulation};
+use rustchain::Recording;
 use rustchain::force_law::{Damping, Elastic, ForceLaw, Friction, LuGre, Regions, Regularization};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, StepControl};
@@ -12,7 +13,7 @@ use rustchain::multibody::{
     Body, ContactLaw, ContactPair, FrictionLaw, Joint, JointKind, Marker, Mechanism,
     MechanismModel, Motion, Profile, Stabilisation, Tribology,
 };
-use rustchain::run::mechanism::{MechanismRecording, MechanismSimulation};
+use rustchain::run::MechanismSimulation;
 
 const SPEED: f64 = 5000.0 * 2.0 * std::f64::consts::PI / 60.0;
 
@@ -47,16 +48,16 @@ fn machine(clearance: f64, elastic: Elastic) -> Mechanism {
     mechanism
 }
 
-fn slider_accelerations(recording: &MechanismRecording) -> Vec<f64> {
+fn slider_accelerations(recording: &Recording) -> Vec<f64> {
     recording
-        .accelerations
+        .accelerations()
         .chunks(9)
         .map(|row| row[6])
         .collect()
 }
 
 /// Mean square of the difference from the ideal curve over that of the curve, over a turn after the first.
-fn departure(recording: &MechanismRecording) -> f64 {
+fn departure(recording: &Recording) -> f64 {
     let ideal = |t: f64| {
         let (sin, cos) = (SPEED * t).sin_cos();
         let root = (ROD * ROD - CRANK * CRANK * sin * sin).sqrt();
@@ -102,10 +103,10 @@ fn peak(clearance: f64) -> f64 {
         machine.bodies[2].position[0] += 0.2 * clearance * f64::from(start);
         let mut machine = simulation(&machine, 1e-8);
         let recording = record(&mut machine, 2.0 * turn, turn / 72.0);
-        let forces = &recording.peak_contact_force[72..];
+        let forces = &recording.peak_contact_force()[72..];
         let largest = forces.iter().copied().fold(0.0, f64::max);
         sum += largest / 0.14 / ideal / f64::from(starts);
-        let energy = &recording.energy[recording.energy.len() - 6..];
+        let energy = &recording.energy()[recording.energy().len() - 6..];
         assert!(energy[5].abs() < 1e-3 * energy[3], "{energy:?}");
     }
     sum
@@ -129,9 +130,9 @@ fn the_energy_balance_of_the_play_closes_with_every_law() {
     for elastic in Elastic::ALL {
         let mut machine = simulation(&machine(1e-4, elastic), 1e-9);
         let recording = record(&mut machine, turn, turn / 100.0);
-        let last = &recording.energy[recording.energy.len() - 6..];
+        let last = &recording.energy()[recording.energy().len() - 6..];
         let worst = recording
-            .energy
+            .energy()
             .chunks(6)
             .map(|row| row[5].abs())
             .fold(0.0, f64::max);
@@ -171,8 +172,9 @@ fn the_energy_balance_of_the_play_closes_with_friction_in_the_bore() {
         rubbing.contacts[0].tribology.friction = friction;
         let mut machine = simulation(&rubbing, 1e-9);
         let recording = record(&mut machine, turn, turn / 100.0);
-        let last = &recording.energy[recording.energy.len() - 6..];
-        let worst = recording.energy.chunks(6).map(|row| row[5].abs());
+        let last = &recording.energy()[recording.energy().len() - 6..];
+        let energy = recording.energy();
+        let worst = energy.chunks(6).map(|row| row[5].abs());
         let worst = worst.fold(0.0, f64::max);
         assert!(
             worst < 1e-4 * last[3] && worst < 1e-4,
@@ -216,10 +218,10 @@ fn a_pin_that_rests_in_its_bore_is_stiff_for_one_corrector_only() {
             ..StepControl::default()
         };
         let model = Arc::new(MechanismModel::compile(&resting).expect("a sound mechanism"));
-        let mut machine = MechanismSimulation::new(model, control, Stabilisation::Projection)
+        let mut machine = MechanismSimulation::assemble(model, control, Stabilisation::Projection)
             .expect("joints that go together");
         let recording = record(&mut machine, 0.1, 0.1);
-        let force = recording.contact_force[1];
+        let force = recording.contact_force()[1];
         // It still sways about its weight.
         assert!((force - 0.981).abs() < 0.3, "{force}");
         machine.counts().steps
@@ -250,7 +252,7 @@ fn the_onset_is_that_of_the_crossing_whatever_the_tolerance() {
         let mut machine = simulation(&mechanism, tolerance);
         let touch = (2.0 * clearance / fall).sqrt();
         let recording = record(&mut machine, 2.5 * touch, touch / 200.0);
-        let after = recording.positions.chunks(3).map(|p| p[1]).skip(230);
+        let after = recording.positions().chunks(3).map(|p| p[1]).skip(230);
         after.fold(f64::NEG_INFINITY, f64::max) + clearance
     });
     // The restitution that Lankarani and Nikravesh's damping gives at 0.9 is 0.92, so 0.85 of the height.

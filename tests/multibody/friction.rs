@@ -3,7 +3,9 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::common::mechanisms::{GRAVITY, bar, bar_chain, control, ground, record, revolute, with};
+use crate::common::mechanisms::{
+    GRAVITY, Rows, bar, bar_chain, control, ground, record, revolute, with,
+};
 use rustchain::force_law::{Film, Friction, LuGre, Regularization};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, StepControl};
@@ -13,7 +15,7 @@ use rustchain::multibody::{
     Mechanism, MechanismDynamics, MechanismModel, Motion, PinFriction, Profile, Stabilisation,
     Tribology,
 };
-use rustchain::run::mechanism::MechanismSimulation;
+use rustchain::run::MechanismSimulation;
 
 fn coulomb(coefficient: f64, speed: f64) -> Friction {
     Friction {
@@ -76,7 +78,7 @@ fn run(mechanism: &Mechanism, corrector: Corrector) -> MechanismSimulation {
         ..StepControl::default()
     };
     let model = Arc::new(MechanismModel::compile(mechanism).unwrap());
-    MechanismSimulation::new(model, how, Stabilisation::Projection).unwrap()
+    MechanismSimulation::assemble(model, how, Stabilisation::Projection).unwrap()
 }
 
 #[test]
@@ -90,7 +92,7 @@ fn a_block_on_an_incline_with_bristles_sticks_below_the_friction_angle_and_slide
                 corrector,
             );
             let found = record(&mut run, 1.0, 0.5);
-            let [half, end] = [1, 2].map(|i| found.positions[3 * i]);
+            let [half, end] = [1, 2].map(|i| found.positions()[3 * i]);
             // From unbent bristles it starts with a jerk, which breaks it away for a moment at 0.95.
             assert!(half < 1e-4, "{part}: {half:e}");
             // Vibration left of the start shakes them loose by so much; tanh of 1e-3 m/s would creep 1e-3 m at 0.95.
@@ -99,7 +101,7 @@ fn a_block_on_an_incline_with_bristles_sticks_below_the_friction_angle_and_slide
         let angle = (1.5 * mu).atan();
         let mut run = run(&incline(angle, FrictionLaw::LuGre(law)), corrector);
         let found = record(&mut run, 1.0, 0.5);
-        let acceleration = (found.velocities[6] - found.velocities[3]) / 0.5;
+        let acceleration = (found.velocities()[6] - found.velocities()[3]) / 0.5;
         let expected = GRAVITY * (angle.sin() - mu * angle.cos());
         assert!(
             (acceleration / expected - 1.0).abs() < 1e-5,
@@ -115,7 +117,7 @@ fn a_block_on_an_incline_with_coulomb_friction_creeps_at_the_speed_of_its_regula
     let part: f64 = 0.8;
     let mut below = run(&incline((part * mu).atan(), law), Corrector::Auto);
     let found = record(&mut below, 0.5, 0.25);
-    let creep = found.velocities[6];
+    let creep = found.velocities()[6];
     assert!(
         (creep / (speed * part.atanh()) - 1.0).abs() < 1e-5,
         "{creep:e}"
@@ -123,13 +125,13 @@ fn a_block_on_an_incline_with_coulomb_friction_creeps_at_the_speed_of_its_regula
     let angle = (1.5 * mu).atan();
     let mut above = run(&incline(angle, law), Corrector::Auto);
     let found = record(&mut above, 0.5, 0.25);
-    let acceleration = (found.velocities[6] - found.velocities[3]) / 0.25;
+    let acceleration = (found.velocities()[6] - found.velocities()[3]) / 0.25;
     let expected = GRAVITY * (angle.sin() - mu * angle.cos());
     assert!(
         (acceleration / expected - 1.0).abs() < 1e-5,
         "{acceleration} {expected}"
     );
-    assert!(found.energy[11] > 0.0 || found.energy[15] > 0.0);
+    assert!(found.energy()[11] > 0.0 || found.energy()[15] > 0.0);
 }
 
 #[test]
@@ -141,8 +143,8 @@ fn energy_of_a_block_that_sticks_and_one_that_slides_is_balanced() {
         for part in [0.8, 1.5f64] {
             let mut run = run(&incline((part * 0.3).atan(), law), Corrector::Auto);
             let found = record(&mut run, 0.2, 0.02);
-            let last = &found.energy[found.energy.len() - 6..];
-            let moved = GRAVITY * found.positions[found.positions.len() - 3].abs();
+            let last = &found.energy()[found.energy().len() - 6..];
+            let moved = GRAVITY * found.positions()[found.positions().len() - 3].abs();
             assert!(
                 last[5].abs() < 1e-5 * moved.max(1e-5),
                 "{law:?} {part}: {last:?}"
@@ -175,11 +177,11 @@ fn a_pendulum_with_pin_friction_loses_the_same_angle_in_each_swing() {
         };
         let mechanism = pendulum(start, radius, coulomb(mu, 1e-6));
         let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
-        let mut run = MechanismSimulation::new(model, how, Stabilisation::Projection).unwrap();
+        let mut run = MechanismSimulation::assemble(model, how, Stabilisation::Projection).unwrap();
         let period = 2.0 * PI * (2.0 / 3.0 / GRAVITY).sqrt();
         let swings = 5;
         let found = record(&mut run, (f64::from(swings) + 0.1) * period, 1e-3);
-        let angles = found.positions.chunks(3).map(|row| row[2] + 0.5 * PI);
+        let angles = found.positions().chunks(3).map(|row| row[2] + 0.5 * PI);
         let angles: Vec<f64> = angles.collect();
         let turns: Vec<f64> = angles
             .windows(3)
@@ -196,7 +198,7 @@ fn a_pendulum_with_pin_friction_loses_the_same_angle_in_each_swing() {
                 turn.abs()
             );
         }
-        let last = &found.energy[found.energy.len() - 6..];
+        let last = &found.energy()[found.energy().len() - 6..];
         assert!(last[5].abs() < 1e-4 * last[3], "{last:?}");
     }
 }
@@ -220,9 +222,9 @@ fn pin_torques_are_those_of_the_reactions_that_they_cause() {
     let mut run = with(&mechanism, 1e-8, Stabilisation::Projection);
     let found = record(&mut run, 0.5, 0.1);
     let joints = mechanism.joints.len();
-    for (row, velocities) in found.velocities.chunks(12).enumerate().skip(1) {
+    for (row, velocities) in found.velocities().chunks(12).enumerate().skip(1) {
         for k in 0..joints {
-            let [x, y, torque] = [0, 1, 2].map(|i| found.reactions[3 * (joints * row + k) + i]);
+            let [x, y, torque] = [0, 1, 2].map(|i| found.reactions()[3 * (joints * row + k) + i]);
             let before = if k == 0 { 0.0 } else { velocities[3 * k - 1] };
             let spin = velocities[3 * k + 2] - before;
             let expected = -0.3 * radius * x.hypot(y) * law.share(radius * spin).0;
@@ -232,7 +234,7 @@ fn pin_torques_are_those_of_the_reactions_that_they_cause() {
             );
         }
     }
-    let last = &found.energy[found.energy.len() - 6..];
+    let last = &found.energy()[found.energy().len() - 6..];
     assert!(last[3] > 0.1 && last[5].abs() < 1e-6 * last[3], "{last:?}");
 }
 
@@ -245,9 +247,9 @@ fn both_correctors_find_the_same_motion_of_a_chain_with_pin_friction() {
             ..control(1e-9, 1e-3)
         };
         let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
-        let mut run = MechanismSimulation::new(model, how, Stabilisation::Projection).unwrap();
+        let mut run = MechanismSimulation::assemble(model, how, Stabilisation::Projection).unwrap();
         let found = record(&mut run, 0.3, 0.3);
-        found.positions[18..].to_vec()
+        found.positions()[18..].to_vec()
     });
     for (a, b) in ends[0].iter().zip(&ends[1]) {
         assert!((a - b).abs() < 1e-6, "{a} {b}");
@@ -262,7 +264,7 @@ fn a_pin_that_locks_itself_ends_the_run_with_its_name_for_it() {
     moving.bodies[0] = moving.bodies[0].clone().moving(0.5 * 0.54, 0.5 * 0.84, 1.0);
     let model = Arc::new(MechanismModel::compile(&moving).unwrap());
     let how = control(1e-8, 1e-3);
-    let mut run = MechanismSimulation::new(model, how, Stabilisation::Projection).unwrap();
+    let mut run = MechanismSimulation::assemble(model, how, Stabilisation::Projection).unwrap();
     let error = run.advance(1.0, std::time::Duration::MAX).unwrap_err();
     assert!(error.to_string().contains("locks itself"), "{error}");
 }
@@ -341,11 +343,11 @@ fn a_journal_has_the_forces_and_the_torque_of_half_sommerfeld() {
         let mechanism = journal(ratio, 1.0, [0.0; 2]);
         let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
         let mut run =
-            MechanismSimulation::new(model, control(1e-8, 1e-3), Stabilisation::Projection)
+            MechanismSimulation::assemble(model, control(1e-8, 1e-3), Stabilisation::Projection)
                 .unwrap();
         let row = run.row();
         let expected = half_sommerfeld(ratio);
-        for (found, expected) in row.accelerations.iter().zip(expected) {
+        for (found, expected) in row.accelerations().iter().zip(expected) {
             assert!(
                 (found / expected - 1.0).abs() < 1e-12,
                 "{ratio}: {found} {expected}"
@@ -355,7 +357,7 @@ fn a_journal_has_the_forces_and_the_torque_of_half_sommerfeld() {
         let shear = 2.0 * PI * VISCOSITY * LENGTH * JOURNAL.powi(3) / CLEARANCE;
         let torque =
             shear * SPIN / (1.0 - ratio * ratio).sqrt() + 0.5 * ratio * CLEARANCE * expected[1];
-        assert!((row.reactions[2] / torque - 1.0).abs() < 1e-12, "{ratio}");
+        assert!((row.reactions()[2] / torque - 1.0).abs() < 1e-12, "{ratio}");
     }
 }
 
@@ -370,14 +372,15 @@ fn a_light_journal_under_load_comes_to_rest_where_half_sommerfeld_has_it() {
             };
             let mechanism = journal(0.02, 1e-3, [-along, -left]);
             let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
-            let mut run = MechanismSimulation::new(model, how, Stabilisation::Projection).unwrap();
+            let mut run =
+                MechanismSimulation::assemble(model, how, Stabilisation::Projection).unwrap();
             let found = record(&mut run, 1.0, 0.5);
-            let [x, y] = [6, 7].map(|i| found.positions[i] / CLEARANCE);
+            let [x, y] = [6, 7].map(|i| found.positions()[i] / CLEARANCE);
             assert!(
                 (x - ratio).abs() < 1e-3 && y.abs() < 1e-3,
                 "{ratio}: {x} {y}"
             );
-            let last = &found.energy[12..];
+            let last = &found.energy()[12..];
             assert!(last[5].abs() < 1e-3 * last[3], "{ratio} {last:?}");
         }
     }
@@ -417,7 +420,8 @@ fn a_friction_evaluation_at_rest_has_no_torque() {
     let mechanism = pendulum(0.3, 0.01, coulomb(0.5, 1e-3));
     let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
     let mut run =
-        MechanismSimulation::new(model, control(1e-8, 1e-3), Stabilisation::Projection).unwrap();
+        MechanismSimulation::assemble(model, control(1e-8, 1e-3), Stabilisation::Projection)
+            .unwrap();
     let dynamics: &MechanismDynamics = run.present();
     let expected = -1.5 * GRAVITY * (0.3f64).sin();
     assert!((dynamics.accelerations()[2] - expected).abs() < 1e-9);

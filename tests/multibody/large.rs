@@ -1,7 +1,7 @@
 //! Large mechanisms: joints, energy, shared loads, at a cost that grows with the number of bodies.
 
 use crate::common::mechanisms::{
-    GRAVITY, bar, bar_chain, four_bars, ground, record, revolute, run_to, simulation,
+    GRAVITY, Rows, bar, bar_chain, four_bars, ground, record, revolute, run_to, simulation,
 };
 use rustchain::geometry::Vec2;
 use rustchain::multibody::{Body, Marker, Mechanism};
@@ -35,14 +35,14 @@ fn a_hung_chain_keeps_its_joints_its_energy_and_carries_its_weight() {
     let row = chain.row();
     // Momentum: what both ends carry is the weight less what the mass accelerates downwards.
 
-    let sinks: f64 = row.accelerations.chunks(3).map(|a| a[1]).sum();
+    let sinks: f64 = row.accelerations().chunks(3).map(|a| a[1]).sum();
     let weight = count as f64 * GRAVITY;
-    assert!((row.reactions[1] + row.reactions[3 * count + 1] - weight - sinks).abs() < 1e-7);
-    let before: f64 = row.energy[..3].iter().sum();
+    assert!((row.reactions()[1] + row.reactions()[3 * count + 1] - weight - sinks).abs() < 1e-7);
+    let before: f64 = row.energy()[..3].iter().sum();
     run_to(&mut chain, 0.3);
     let drift = chain.drift();
     assert!(drift[0] < 1e-12 && drift[1] < 1e-11, "{drift:?}");
-    let after: f64 = chain.row().energy[..3].iter().sum();
+    let after: f64 = chain.row().energy()[..3].iter().sum();
     assert!((after - before).abs() < 1e-4, "{before} {after}");
 }
 
@@ -66,10 +66,10 @@ fn a_closed_ring_in_free_fall_has_two_joints_of_its_angles_less() {
     assert_eq!(ring.assembly().degrees_of_freedom, 3 * count - 2 * count);
     let row = ring.row();
     // All falls alike, nothing pulls.
-    for a in row.accelerations.chunks(3) {
+    for a in row.accelerations().chunks(3) {
         assert!(a[0].abs() < 1e-9 && (a[1] + GRAVITY).abs() < 1e-9 && a[2].abs() < 1e-9);
     }
-    assert!(row.reactions.iter().all(|r| r.abs() < 1e-9));
+    assert!(row.reactions().iter().all(|r| r.abs() < 1e-9));
 }
 
 #[test]
@@ -88,14 +88,14 @@ fn a_joint_twice_is_named_and_shares_the_load_in_a_large_mechanism_too() {
         ["twice", "twice", "thrice", "thrice"]
     );
     let (once, row) = (single.row(), chain.row());
-    for (a, b) in once.accelerations.iter().zip(&row.accelerations) {
+    for (a, b) in once.accelerations().iter().zip(row.accelerations()) {
         assert!((a - b).abs() < 1e-9);
     }
     // Of all reactions that move the chain so, the least: a third each.
     let joints = mechanism.joints.len();
     for joint in [20, joints - 2, joints - 1] {
         for k in 0..2 {
-            let (whole, part) = (once.reactions[60 + k], row.reactions[3 * joint + k]);
+            let (whole, part) = (once.reactions()[60 + k], row.reactions()[3 * joint + k]);
             assert!((whole - 3.0 * part).abs() < 1e-9, "{whole} {part}");
         }
     }
@@ -110,8 +110,8 @@ fn many_parallel_posts_carry_the_platform_that_falls_with_them() {
     assert_eq!(machine.assembly().redundant.len(), count - 2);
     let row = machine.row();
     let fall = -6.0 * GRAVITY * lean.sin().powi(2) / (5.0 + 2.0 / 3.0);
-    assert!((row.accelerations[1] - fall).abs() < 1e-9);
-    let heads = row.reactions.chunks(6).map(|both| both[4]);
+    assert!((row.accelerations()[1] - fall).abs() < 1e-9);
+    let heads = row.reactions().chunks(6).map(|both| both[4]);
     assert!((heads.sum::<f64>() - 5.0 * (GRAVITY + fall)).abs() < 1e-8);
 }
 
@@ -122,13 +122,14 @@ fn a_long_row_of_four_bars_passes_its_singular_positions_too() {
         assert_eq!(machine.assembly().degrees_of_freedom, 1);
         let recording = record(&mut machine, 3.0, 0.01);
         let bodies = 2 * windows + 1;
-        let heights = recording.positions.chunks(3 * bodies).map(|row| row[1]);
+        let heights = recording.positions().chunks(3 * bodies).map(|row| row[1]);
         let heights: Vec<f64> = heights.collect();
         let pairs = heights.windows(2);
         let singular = pairs.filter(|h| h[0].signum() != h[1].signum()).count();
-        let worst = recording.energy.chunks(6).map(|row| row[5].abs());
+        let energy = recording.energy();
+        let worst = energy.chunks(6).map(|row| row[5].abs());
         let worst = worst.fold(0.0, f64::max);
-        let last = &recording.positions[recording.positions.len() - 3 * bodies..];
+        let last = &recording.positions()[recording.positions().len() - 3 * bodies..];
         let fold = (1..=windows).map(|k| (last[3 * (2 * k - 1) + 2] - last[2]).abs());
         let fold = fold.fold(0.0, f64::max);
         assert!(singular >= 2 && fold < 1e-7, "{windows} {singular} {fold}");

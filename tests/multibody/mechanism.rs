@@ -1,7 +1,7 @@
 //! Mechanisms with ideal joints against published answers and closed forms.
 
 use crate::common::mechanisms::{
-    ANDREWS_END, CRANK, GRAVITY, ROD, andrews, andrews_angles, bar_chain, four_bars, record,
+    ANDREWS_END, CRANK, GRAVITY, ROD, Rows, andrews, andrews_angles, bar_chain, four_bars, record,
     run_to, simulation, slider_crank, with,
 };
 use rustchain::multibody::Stabilisation;
@@ -33,8 +33,8 @@ fn a_pendulum_pulls_at_its_bearing_with_weight_and_centripetal_force() {
     let mut pendulum = simulation(&bar_chain(1, 0.0), 1e-11);
     let recording = record(&mut pendulum, 1.0, 0.01);
     for row in 0..recording.time.len() {
-        let angle = recording.positions[3 * row + 2];
-        let spin = recording.velocities[3 * row + 2];
+        let angle = recording.positions()[3 * row + 2];
+        let spin = recording.velocities()[3 * row + 2];
         // Energy: ω² = -3 g sin θ / l. Along the bar: N = m (ω² l/2 - g sin θ) inwards; across: m g cos θ / 4.
         assert!((spin * spin + 3.0 * GRAVITY * angle.sin()).abs() < 1e-7);
         let inwards = -2.5 * GRAVITY * angle.sin();
@@ -44,10 +44,10 @@ fn a_pendulum_pulls_at_its_bearing_with_weight_and_centripetal_force() {
             -inwards * angle.sin() + across * angle.cos(),
         ];
         for (axis, expected) in expected.iter().enumerate() {
-            let found = recording.reactions[3 * row + axis];
+            let found = recording.reactions()[3 * row + axis];
             assert!((found - expected).abs() < 1e-6, "{found} {expected}");
         }
-        assert!(recording.reactions[3 * row + 2].abs() < 1e-12);
+        assert!(recording.reactions()[3 * row + 2].abs() < 1e-12);
     }
 }
 
@@ -57,7 +57,7 @@ fn a_double_pendulum_keeps_its_energy_as_the_tolerance_asks() {
         let mut pendulum = simulation(&bar_chain(2, 0.3), tolerance);
         let recording = record(&mut pendulum, 5.0, 0.05);
         let worst = recording
-            .energy
+            .energy()
             .chunks(6)
             .map(|row| row[5].abs())
             .fold(0.0, f64::max);
@@ -99,7 +99,7 @@ fn projection_costs_the_integrator_no_steps_and_no_accuracy() {
         let mut pendulum = with(&bar_chain(2, 0.3), 1e-9, stabilisation);
         let recording = record(&mut pendulum, 4.0, 0.05);
         let worst = recording
-            .energy
+            .energy()
             .chunks(6)
             .map(|row| row[5].abs())
             .fold(0.0, f64::max);
@@ -128,13 +128,13 @@ fn a_slider_crank_follows_its_closed_form() {
         let bend = -CRANK * CRANK * (cos * cos - sin * sin) / root - slope * slope / root;
         let a = speed * speed * (-CRANK * cos + bend);
         let at = 9 * row + 6;
-        assert!((recording.positions[at] - x).abs() < 1e-13);
-        assert!((recording.velocities[at] - v).abs() < 1e-12 * speed);
-        assert!((recording.accelerations[at] - a).abs() < 1e-11 * speed * speed);
+        assert!((recording.positions()[at] - x).abs() < 1e-13);
+        assert!((recording.velocities()[at] - v).abs() < 1e-12 * speed);
+        assert!((recording.accelerations()[at] - a).abs() < 1e-11 * speed * speed);
         // The guide carries what the slider does not: with the wrist pin it is all of m a.
-        let wrist = recording.reactions[3 * (5 * row + 2)];
+        let wrist = recording.reactions()[3 * (5 * row + 2)];
         assert!((wrist - 0.14 * a).abs() < 1e-9 * speed * speed);
-        assert!(recording.energy[6 * row + 5].abs() < 1e-7);
+        assert!(recording.energy()[6 * row + 5].abs() < 1e-7);
     }
 }
 
@@ -178,13 +178,13 @@ fn a_row_of_four_bars_passes_its_singular_positions_for_ten_seconds() {
         let recording = record(&mut machine, 10.0, 0.01);
         let bodies = 2 * windows + 1;
         let worst = recording
-            .energy
+            .energy()
             .chunks(6)
             .map(|row| row[5].abs())
             .fold(0.0, f64::max);
         let mut singular = 0;
         for row in recording
-            .positions
+            .positions()
             .chunks(3 * bodies)
             .collect::<Vec<_>>()
             .windows(2)
@@ -192,7 +192,7 @@ fn a_row_of_four_bars_passes_its_singular_positions_for_ten_seconds() {
             singular += usize::from(row[0][1].signum() != row[1][1].signum());
         }
         // All posts stay parallel: no window folds over.
-        let last = &recording.positions[recording.positions.len() - 3 * bodies..];
+        let last = &recording.positions()[recording.positions().len() - 3 * bodies..];
         let fold = (1..=windows).map(|k| (last[3 * (2 * k - 1) + 2] - last[2]).abs());
         let fold = fold.fold(0.0, f64::max);
         assert!(singular >= 8 && fold < 1e-9, "{singular} {fold}");

@@ -15,7 +15,7 @@ use rustchain::multibody::{
     JointKind, Marker, Mechanism, MechanismDynamics, MechanismModel, Motion, Piece, PinFriction,
     Profile, SpringLaw, Stabilisation, Tribology,
 };
-use rustchain::run::mechanism::MechanismSimulation;
+use rustchain::run::MechanismSimulation;
 
 /// Numbers between -1 and 1, the same in every run.
 struct Random(u64);
@@ -434,7 +434,7 @@ fn a_chain_of_a_thousand_bars_is_followed_in_as_many_steps_as_a_short_one() {
             ..StepControl::default()
         };
         let mut machine =
-            MechanismSimulation::new(model, control, Stabilisation::Projection).unwrap();
+            MechanismSimulation::assemble(model, control, Stabilisation::Projection).unwrap();
         while !machine.advance(0.02, std::time::Duration::MAX).unwrap() {}
         assert!(machine.drift()[0] < 1e-11 * count as f64);
         machine.counts().steps
@@ -457,7 +457,8 @@ fn fast_bars_are_held_in_long_steps_where_factors_of_a_state_beside_give_few_dig
         max_step: 5e-3,
         ..StepControl::default()
     };
-    let mut machine = MechanismSimulation::new(model, control, Stabilisation::Projection).unwrap();
+    let mut machine =
+        MechanismSimulation::assemble(model, control, Stabilisation::Projection).unwrap();
     while !machine.advance(2.0, std::time::Duration::MAX).unwrap() {}
     let [places, speeds] = machine.drift();
     assert!(places < 1e-11 && speeds < 1e-7, "{places:e} {speeds:e}");

@@ -3,14 +3,14 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
-use crate::common::mechanisms::{GRAVITY, bar, ground, record, revolute, run_to, simulation};
+use crate::common::mechanisms::{GRAVITY, Rows, bar, ground, record, revolute, run_to, simulation};
 use nalgebra::{DMatrix, DVector};
 use rustchain::geometry::Vec2;
 use rustchain::integrator::{Corrector, StepControl};
 use rustchain::multibody::{
     Body, Joint, JointKind, Marker, Mechanism, MechanismDynamics, MechanismModel, Stabilisation,
 };
-use rustchain::run::mechanism::MechanismSimulation;
+use rustchain::run::MechanismSimulation;
 
 /// A platform of 1 kg on parallel posts of 1 m and 0.1 kg, 0.1 m apart, which lean by `lean` and turn at `speed` \[rad/s\].
 fn posts(count: usize, lean: f64, speed: f64) -> Mechanism {
@@ -115,8 +115,8 @@ fn a_braced_truss_that_turns_bears_the_same_all_round() {
         let mut machine = run_of(&mechanism, 1e-9, Corrector::Pece);
         let recording = record(&mut machine, 3.2, 2e-3);
         let sizes = |row: &[f64]| -> Vec<f64> { row.chunks(3).map(|r| r[0].hypot(r[1])).collect() };
-        let rows = recording.reactions.chunks(3 * joints);
-        let first = sizes(&recording.reactions[..3 * joints]);
+        let rows = recording.reactions().chunks(3 * joints);
+        let first = sizes(&recording.reactions()[..3 * joints]);
         assert!((first[joints - 1] - pull).abs() < 1e-9 * pull);
         let mut worst: f64 = 0.0;
         for row in rows {
@@ -142,7 +142,8 @@ fn a_braced_truss_hangs_and_swings_on() {
                 };
                 let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
                 let mut machine =
-                    MechanismSimulation::new(model, control, Stabilisation::Projection).unwrap();
+                    MechanismSimulation::assemble(model, control, Stabilisation::Projection)
+                        .unwrap();
                 run_to(&mut machine, 0.5);
             }
         }
@@ -157,7 +158,7 @@ fn run_of(mechanism: &Mechanism, accuracy: f64, corrector: Corrector) -> Mechani
         ..StepControl::default()
     };
     let model = Arc::new(MechanismModel::compile(mechanism).unwrap());
-    MechanismSimulation::new(model, control, Stabilisation::Projection).unwrap()
+    MechanismSimulation::assemble(model, control, Stabilisation::Projection).unwrap()
 }
 
 #[test]
@@ -197,7 +198,8 @@ fn a_platform_passes_where_its_posts_lie_in_steps_of_any_length() {
                 let mechanism = posts(count, 0.3, 8.0);
                 let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
                 let stabilisation = Stabilisation::Projection;
-                let mut machine = MechanismSimulation::new(model, control, stabilisation).unwrap();
+                let mut machine =
+                    MechanismSimulation::assemble(model, control, stabilisation).unwrap();
                 run_to(&mut machine, 0.25);
                 let place = format!("{count} {corrector:?} {accuracy:e}");
                 assert!(machine.motion(false)[1][2] > 1.05 * PI, "{place}");

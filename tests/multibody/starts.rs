@@ -3,13 +3,15 @@
 
 use std::sync::Arc;
 
-use crate::common::mechanisms::{bar, bar_chain, control, ground, record, revolute, simulation};
+use crate::common::mechanisms::{
+    Rows, bar, bar_chain, control, ground, record, revolute, simulation,
+};
 use rustchain::geometry::Vec2;
 use rustchain::multibody::{
     Body, ContactLaw, ContactPair, Joint, JointKind, Marker, Mechanism, MechanismModel, Motion,
     Profile, Stabilisation, Tribology,
 };
-use rustchain::run::mechanism::MechanismSimulation;
+use rustchain::run::MechanismSimulation;
 
 fn warnings(mechanism: &Mechanism) -> Vec<String> {
     simulation(mechanism, 1e-8).assembly().warnings.clone()
@@ -129,9 +131,11 @@ fn bounces_between_rows_are_exchanged_and_a_loss_beside_rows_is_still_told() {
         let model = MechanismModel::compile(&ball(&floor, 0.6, law())).unwrap();
         let control = control(tolerance, 0.05);
         let mut simulation =
-            MechanismSimulation::new(Arc::new(model), control, Stabilisation::Projection).unwrap();
+            MechanismSimulation::assemble(Arc::new(model), control, Stabilisation::Projection)
+                .unwrap();
         let found = record(&mut simulation, 4.0, report_step);
-        let residuals = found.energy.chunks(6).map(|row| row[5].abs());
+        let energy = found.energy();
+        let residuals = energy.chunks(6).map(|row| row[5].abs());
         let missing = residuals.fold(0.0, f64::max);
         (simulation.balance_note().is_some(), missing)
     };
@@ -153,7 +157,8 @@ fn only_joints_that_are_missed_are_listed() {
         Marker::new(mechanism.bodies[0].name.clone(), 0.0, 0.0),
     ));
     let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
-    let refused = MechanismSimulation::new(model, control(1e-8, 0.05), Stabilisation::Projection);
+    let refused =
+        MechanismSimulation::assemble(model, control(1e-8, 0.05), Stabilisation::Projection);
     let text = refused.unwrap_err().to_string();
     assert!(
         text.contains("\"far\" by") && !text.contains("0.000e0"),

@@ -1,12 +1,17 @@
 //! Many scenes at once: the numbers of each are those of its run alone, and none suffers from another.
 use crate::common;
 use std::num::NonZero;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
+use crate::common::mechanisms::bar_chain;
 use crate::common::{control, paper_drive, tensioner};
-use rustchain::force_law::{Damping, ForceLaw};
-use rustchain::run::ensemble::{Case, Ensemble, Outcome};
+use rustchain::drive::Drive;
+use rustchain::force_law::Damping;
+use rustchain::multibody::{MechanismGroups, MechanismModel, Stabilisation};
+use rustchain::run::MechanismSimulation;
+use rustchain::run::ensemble::{Case, Ensemble, Outcome, Scene};
 use rustchain::{Error, ForceLaws, Groups};
 
 const ALL: Groups = Groups {
@@ -22,14 +27,27 @@ const DURATION: f64 = 6e-3;
 fn case(pretension: f64) -> Case {
     let mut drive = paper_drive();
     drive.tensioner = (pretension > 0.0).then(|| tensioner(pretension, 1e-3));
+    of_drive(drive, ForceLaws::default())
+}
+
+fn of_drive(drive: Drive, laws: ForceLaws) -> Case {
     Case {
-        drive,
-        laws: ForceLaws::default(),
-        start: None,
+        scene: Scene::Drive {
+            drive: Box::new(drive),
+            laws,
+            start: None,
+            groups: ALL,
+        },
         control: control(1e-6),
         duration: DURATION,
         report_step: 1e-5,
-        groups: ALL,
+    }
+}
+
+fn drive_of(case: &mut Case) -> &mut Drive {
+    match &mut case.scene {
+        Scene::Drive { drive, .. } => drive,
+        Scene::Mechanism { .. } => panic!("the case is of a drive"),
     }
 }
 
@@ -37,10 +55,9 @@ fn case(pretension: f64) -> Case {
 fn mixed() -> Vec<Case> {
     let mut cases: Vec<Case> = [0.0, 25.0, 5.0, 0.0, 100.0].map(case).into();
     cases[1].duration = 5e-3;
-    cases[3].laws.tooth = ForceLaw {
-        damping: Damping::None,
-        ..ForceLaw::default()
-    };
+    let mut laws = ForceLaws::default();
+    laws.tooth.damping = Damping::None;
+    cases[3] = of_drive(paper_drive(), laws);
     cases
 }
 
@@ -59,10 +76,13 @@ fn outcomes(cases: Vec<Case>, threads: usize) -> Vec<Outcome> {
 
 fn assert_runs_as_alone(outcome: &mut Outcome, case: &Case) {
     let run = outcome.as_mut().unwrap();
-    let mut alone = common::simulation(&case.drive, &case.laws, case.control);
+    let Scene::Drive { drive, laws, .. } = &case.scene else {
+        panic!("the case is of a drive");
+    };
+    let mut alone = common::simulation(drive, laws, case.control);
     assert_eq!(run.start.positions, alone.motion().positions());
     assert_eq!(run.start.velocities, alone.motion().velocities());
-    let recording = common::record(&mut alone, case.duration, case.report_step, case.groups);
+    let recording = common::record(&mut alone, case.duration, case.report_step, ALL);
     assert!(recording.time.len() > 400);
     assert_eq!(run.simulation.take_recording(), recording);
     assert_eq!(run.simulation.time(), case.duration);
@@ -87,8 +107,8 @@ fn every_case_is_its_run_alone_to_the_last_bit_whatever_the_number_of_threads() 
 #[test]
 fn a_case_that_fails_leaves_the_others_alone() {
     let mut cases = mixed();
-    cases[0].drive.chain.links = 20;
-    cases[2].drive.chain.material.elastic_modulus = 1e300;
+    drive_of(&mut cases[0]).chain.links = 20;
+    drive_of(&mut cases[2]).chain.material.elastic_modulus = 1e300;
     cases[3].report_step = -1.0;
     for threads in [1, 2] {
         let mut found = outcomes(cases.clone(), threads);
@@ -159,4 +179,31 @@ fn no_cases_are_no_work() {
     let ensemble = Ensemble::new(Vec::new(), None).unwrap();
     ensemble.run(|number, _| panic!("case {number} of none"));
     assert_eq!(ensemble.simulated(), 0.0);
+}
+
+#[test]
+fn mechanisms_run_in_an_ensemble_as_they_do_alone() {
+    let mechanism = bar_chain(3, 0.3);
+    let groups = MechanismGroups::ALL;
+    let control = control(1e-8);
+    let case = Case {
+        scene: Scene::Mechanism {
+            mechanism: mechanism.clone(),
+            stabilisation: Stabilisation::Projection,
+            groups,
+        },
+        control,
+        duration: 0.2,
+        report_step: 1e-2,
+    };
+    let model = Arc::new(MechanismModel::compile(&mechanism).unwrap());
+    let mut alone =
+        MechanismSimulation::assemble(model, control, Stabilisation::Projection).unwrap();
+    alone.start_recording(0.2, 1e-2, groups);
+    while !alone.record(Duration::MAX).unwrap() {}
+    let recording = alone.take_recording();
+    assert_eq!(recording.time.len(), 21);
+    for outcome in outcomes(vec![case.clone(), case], 2) {
+        assert_eq!(outcome.unwrap().simulation.take_recording(), recording);
+    }
 }

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use crate::common::mechanisms::{self, bar_chain};
 use crate::common::{advance, control, paper_drive, record, simulation, tensioner};
 use rustchain::drive::{Bearing, Drive, SprocketMotion};
 use rustchain::force_law::{Damping, Elastic, ForceLaw, Regions};
@@ -232,7 +233,7 @@ fn bytes_that_are_not_those_of_a_state_are_refused() {
     let mut simulation = fresh(&paper_drive(), &ForceLaws::default());
     advance(&mut simulation, 5e-3);
     let whole = bytes(&simulation);
-    let said = |bytes: &[u8]| Snapshot::from_bytes(bytes).unwrap_err().to_string();
+    let said = |bytes: &[u8]| <Snapshot>::from_bytes(bytes).unwrap_err().to_string();
     for place in (0..whole.len()).step_by(97).chain(0..40) {
         for change in [1, 0x80, 0xff] {
             let mut damaged = whole.clone();
@@ -319,4 +320,39 @@ fn a_run_with_the_implicit_corrector_goes_on_to_the_same_bits() {
         let refused = fresh(&drive, &laws).restore(&snapshot).unwrap_err();
         assert!(refused.to_string().contains("Solver.method"), "{refused}");
     }
+}
+
+#[test]
+fn a_mechanism_restored_from_bytes_goes_on_to_the_same_bits_and_its_energy_costs_no_bit() {
+    use rustchain::multibody::MechanismGroups;
+
+    let mechanism = bar_chain(3, 0.3);
+    let all = MechanismGroups::ALL;
+    let mut whole = mechanisms::simulation(&mechanism, 1e-8);
+    let mut without = mechanisms::simulation(&mechanism, 1e-8);
+    let energy = MechanismGroups {
+        energy: false,
+        ..all
+    };
+    for (run, groups) in [(&mut whole, all), (&mut without, energy)] {
+        run.start_recording(0.1, 3e-3, groups);
+        while !run.record(Duration::MAX).unwrap() {}
+        run.take_recording();
+    }
+    assert_eq!(whole.motion(true), without.motion(true));
+    assert_eq!(without.counts(), whole.counts());
+    let bytes = whole.snapshot().to_bytes().unwrap();
+    let mut successor = mechanisms::simulation(&mechanism, 1e-8);
+    successor
+        .restore(&Snapshot::from_bytes(&bytes).unwrap())
+        .unwrap();
+    let mut rest = [&mut whole, &mut successor].map(|run| {
+        run.start_recording(0.1, 3e-3, all);
+        while !run.record(Duration::MAX).unwrap() {}
+        run.take_recording()
+    });
+    let [first, second] = &mut rest;
+    assert_eq!(first, second);
+    let drive = <Snapshot>::from_bytes(&bytes).unwrap_err().to_string();
+    assert!(drive.contains("state, kind = mechanism"), "{drive}");
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use rustchain::chain::contact::ImpactMemory;
 use rustchain::chain::dynamics::{Dynamics, Powers};
+use rustchain::system::PowerSum;
 use rustchain::chain::motion::Motion;
 use rustchain::drive::Drive;
 use rustchain::integrator::OdeSystem;
@@ -99,15 +100,15 @@ impl DriveSystem {
     fn meter(&mut self, step: &Accepted<'_>, panels: usize) {
         let width = (step.end - step.start) / panels as f64;
         for panel in 0..panels {
-            let mut sum = WEIGHTS[0] * self.last_powers;
+            let mut sum = self.last_powers.scaled(WEIGHTS[0]);
             for (point, weight) in POINTS.into_iter().zip(&WEIGHTS[1..]) {
                 let t = step.start + width * (panel as f64 + point);
                 step.at(t, &mut self.inside);
                 self.dynamics.derivative(t, &self.inside, &mut self.slope);
                 self.last_powers = self.dynamics.powers();
-                sum += *weight * self.last_powers;
+                sum += self.last_powers.scaled(*weight);
             }
-            self.passed += width * sum;
+            self.passed += sum.scaled(width);
         }
     }
 

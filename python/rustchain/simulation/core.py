@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
 from rustchain import _rustchain
+from rustchain.arguments import plain
 from rustchain.caller import warn_caller
 from rustchain.description.mechanism.builder import Mechanism
+from rustchain.description.mechanism.plausibility import implausible_inputs
 from rustchain.description.scene import Scene
-from rustchain.simulation.mechanism_core import MechanismCore
+from rustchain.errors import InvalidInput
 from rustchain.typing import Array
-
-Core: TypeAlias = "_rustchain.Core | _rustchain.IdealCore | MechanismCore"
 
 
 def keywords_of(scene: Scene) -> dict[str, Any]:
@@ -41,15 +41,19 @@ def start_of(scene: Scene) -> tuple[dict[str, Any], dict[str, float] | None]:
     return {name: found.pop(name) for name in ("positions", "velocities")}, found
 
 
-def core_of(scene: Scene, place: Mapping[str, Any]) -> Core:
+def core_of(scene: Scene, place: Mapping[str, Any]) -> _rustchain.Core:
     """Return the compiled core of a scene that begins at `place`."""
     if isinstance(scene.system, Mechanism):
-        return MechanismCore(scene.system, scene.solver, place)
-    if scene.kind == "ideal":
-        core = _rustchain.IdealCore(**keywords_of(scene), **place)
-        if (note := core.take_start_note()) is not None:
-            warn_caller(note)
+        core = _rustchain.MechanismCore(_placed(scene.system, place), scene.solver, None)
+        # As described: the angles of a later state may be many turns.
+        for text in (*core.check()["warnings"], *implausible_inputs(scene.system)):
+            warn_caller(text)
         return core
+    if scene.kind == "ideal":
+        ideal = _rustchain.IdealCore(**keywords_of(scene), **place)
+        if (note := ideal.take_start_note()) is not None:
+            warn_caller(note)
+        return ideal
     return _rustchain.Core(**keywords_of(scene), **place)
 
 
@@ -57,3 +61,22 @@ def _array(rows: object) -> Array | None:
     if not isinstance(rows, tuple):
         return None
     return np.array(rows, dtype=float) if rows else np.empty((0, 3))
+
+
+def _placed(mechanism: Mechanism, place: Mapping[str, Array | None]) -> Mechanism:
+    """Return the mechanism with its bodies at other positions and velocities."""
+    names = {"positions": "position", "velocities": "velocity"}
+    bodies = mechanism.bodies
+    for quantity, name in names.items():
+        rows = place[quantity]
+        if rows is None:
+            continue
+        if len(rows) != len(bodies):
+            msg = (
+                f"{quantity} = {len(rows)} rows: needs one row (3 numbers) for each of the "
+                f"{len(bodies)} bodies"
+            )
+            raise InvalidInput(msg)
+        pairs = zip(bodies, plain(rows), strict=True)
+        bodies = [replace(body, **{name: row}) for body, row in pairs]
+    return replace(mechanism, bodies=bodies)

@@ -21,7 +21,6 @@ class _PartForceAbove(StopCondition):
     """Base of the conditions on forces of joints and contacts."""
 
     part: ClassVar[str]
-    place: ClassVar[int]  # in `Present.last_peaks`
 
     force: float
 
@@ -42,11 +41,12 @@ class _PartForceAbove(StopCondition):
             raise InvalidInput(msg)
         if wanted is not None and wanted not in names:
             raise self._refusal(self.part, wanted, f"is no {self.part}; {suggest(wanted, names)}")
+        channel = f"peak_{self.part}_force"
         first = 0 if wanted is None else names.index(wanted)
         which = slice(first, len(names) if wanted is None else first + 1)
 
         def look() -> str | None:
-            forces = simulation.last_peaks()[self.place][which]
+            forces = simulation._core.last_row(channel)[which]
             worst = int(forces.argmax())
             if forces[worst] <= self.force:
                 return None
@@ -74,7 +74,7 @@ class JointForceAbove(_PartForceAbove):
     """
 
     part: ClassVar[str] = "joint"
-    place: ClassVar[int] = 0
+    group: ClassVar[str | None] = "joints"
 
     joint: str | None = None
 
@@ -95,6 +95,6 @@ class ContactForceAbove(_PartForceAbove):
     """
 
     part: ClassVar[str] = "contact"
-    place: ClassVar[int] = 1
+    group: ClassVar[str | None] = "contacts"
 
     contact: str | None = None

@@ -17,7 +17,7 @@ from rustchain.description.scene import OfScene, Scene
 from rustchain.errors import EnergyWarning, InvalidInput, RangeWarning, ToothJumpWarning
 from rustchain.names import known_keywords
 from rustchain.results import state_file
-from rustchain.simulation.core import Core, core_of
+from rustchain.simulation.core import core_of
 from rustchain.simulation.evaluation import Evaluation
 from rustchain.typing import Array
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 class Present(OfScene):
     """A scene at some time of its motion."""
 
-    _core: Core
+    _core: _rustchain.Core
     _running = False
 
     def __repr__(self) -> str:
@@ -43,16 +43,12 @@ class Present(OfScene):
     @property
     def joint_names(self) -> list[str]:
         """Names of the ideal joints and drivers; none in drives with clearance in their hinges."""
-        return getattr(self._core, "joint_names", [])
+        return self._core.joint_names
 
     @property
     def contact_names(self) -> list[str]:
         """Names of the contacts of a mechanism, or of a drive with ideal hinges."""
-        return getattr(self._core, "contact_names", [])
-
-    def last_peaks(self) -> list[Array]:
-        """Return the largest forces of joints and of contacts in the last report interval [N]."""
-        return [] if isinstance(self._core, _rustchain.Core) else self._core.last_peaks()
+        return self._core.contact_names
 
     @property
     def time(self) -> float:
@@ -180,7 +176,7 @@ class Present(OfScene):
         return Evaluation(self._core.evaluate(*rows, time))
 
     @classmethod
-    def _around(cls, core: Core, scene: Scene) -> Self:
+    def _around(cls, core: _rustchain.Core, scene: Scene) -> Self:
         """Return the simulation of `scene` that `core` is in the middle of."""
         simulation = cls.__new__(cls)
         simulation.scene, simulation._core = scene, core

@@ -62,9 +62,12 @@ def numbers_of_a_row(simulation: Simulation, groups: Sequence[str], energy: bool
     """Return how many numbers a row of the result has, about."""
     scene, bodies = simulation.scene, len(simulation.body_names)
     joints, contacts = len(simulation.joint_names), len(simulation.contact_names)
-    if scene.kind != "clearance":  # all of the mechanism, whatever is kept
-        return 7 + 9 * bodies + 7 * joints + 9 * contacts
-    return numbers_of_drive_row(scene.drive, groups, energy)
+    if scene.kind == "clearance":
+        return numbers_of_drive_row(scene.drive, groups, energy)
+    each = {"bodies": 9 * bodies, "joints": 7 * joints, "contacts": 9 * contacts}
+    if scene.kind == "ideal":  # channels of the drive are made of all of them
+        groups = list(each)
+    return 1 + sum(each.get(group, 0) for group in groups) + (6 if energy else 0)
 
 
 def numbers_of_drive_row(drive: ChainDrive, groups: Sequence[str], energy: bool) -> int:

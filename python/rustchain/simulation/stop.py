@@ -15,6 +15,7 @@ from rustchain.arguments import finite_number, shown
 from rustchain.description.base import Description, description, plain
 from rustchain.errors import InvalidInput
 from rustchain.names import suggest
+from rustchain.simulation.run import GROUPS
 
 if TYPE_CHECKING:
     from rustchain.simulation.simulation import Simulation
@@ -326,7 +327,7 @@ def looks_of(
                 "JointForceAbove, ContactForceAbove or TimeReached"
             )
             raise InvalidInput(msg)
-        if condition.group is not None and condition.group not in groups:
+        if condition.group in GROUPS[simulation.scene.kind] and condition.group not in groups:
             msg = (
                 f"stop: {type(condition).__name__} looks at what is recorded of the "
                 f"{condition.group}: add {shown(condition.group)} to record"

@@ -4,22 +4,23 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::energy_quadrature::EnergyMeter;
-use super::{Dynamics, Pair};
+use super::{Dynamics, Inputs, Pair, Powers};
 use crate::chain::contact::{CarriedCandidates, ImpactMemory, ToothJumps};
-use crate::chain::model::Model;
+use crate::chain::model::Input;
 use crate::chain::rhs::Watch;
 use crate::geometry::Surface;
+use crate::system::EnergyQuadrature;
 
 /// All that decides, with the integrator's state, how the dynamics go on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Carried {
+pub struct Checkpoint {
+    inputs: Vec<Input>,
     memory: ImpactMemory,
     candidates: CarriedCandidates,
     watch: Watch,
     unseen_touches: u64,
     keeps_energy: bool,
-    meter: EnergyMeter,
+    quadrature: EnergyQuadrature<Powers>,
     parted: Vec<Pair>,
     hinge_past_range: Option<String>,
     tooth_past_range: Option<String>,
@@ -29,14 +30,15 @@ pub(crate) struct Carried {
 
 impl Dynamics {
     /// What these dynamics carry.
-    pub(crate) fn carried(&self) -> Carried {
-        Carried {
+    pub(super) fn carried(&self) -> Checkpoint {
+        Checkpoint {
+            inputs: self.inputs.set.clone(),
             memory: self.memory.clone(),
             candidates: self.kernels.candidates.carried(&self.model),
             watch: self.kernels.watch.clone(),
             unseen_touches: self.unseen_touches,
             keeps_energy: self.keeps_energy,
-            meter: self.meter.clone(),
+            quadrature: self.quadrature.clone(),
             parted: self.parted.clone(),
             hinge_past_range: self.hinge_past_range.clone(),
             tooth_past_range: self.tooth_past_range.clone(),
@@ -45,12 +47,15 @@ impl Dynamics {
         }
     }
 
-    /// Dynamics of `model`, which differs in its speeds and torques at most, with the same instructions, that carry `carried`; `None`
-    /// when it is of no such model.
-    pub(crate) fn carrying(&self, model: Arc<Model>, carried: &Carried) -> Option<Self> {
-        let mut dynamics = Self::new(model);
+    /// Dynamics with the same compiled model and instructions that go on as those did of which `carried` was taken; `None` when it is
+    /// of no such model.
+    pub(super) fn carrying(&self, carried: &Checkpoint) -> Option<Self> {
+        let compiled = &self.inputs.compiled;
+        let mut dynamics = Self::new(Arc::new(compiled.with_inputs(&carried.inputs)?));
+        dynamics.inputs = Inputs::new(compiled);
+        dynamics.inputs.set.clone_from(&carried.inputs);
         dynamics.use_instructions(self.instructions());
-        dynamics.refine_meter(self.meter.fineness());
+        dynamics.quadrature.refine(self.quadrature.fineness());
         let there = |pair: &Pair| match *pair {
             Pair::Hinge(k) => k < dynamics.memory.hinge_speed().len(),
             Pair::Roller(k) => k < dynamics.memory.roller_speed().len(),
@@ -65,13 +70,13 @@ impl Dynamics {
         if !carried.memory.is_like(&dynamics.memory)
             || !surfaces.all(exists)
             || !carried.parted.iter().all(there)
-            || !carried.meter.is_like(&dynamics.meter)
+            || !carried.quadrature.is_like(&dynamics.quadrature)
             || !carried.tooth_jumps.is_like(&dynamics.model)
             || !(carried.watch).is_like(&dynamics.kernels.watch, dynamics.model.links)
         {
             return None;
         }
-        dynamics.meter.carry_on(&carried.meter);
+        dynamics.quadrature.carry_on(&carried.quadrature);
         dynamics.kernels.watch.carry_on(&carried.watch);
         dynamics.unseen_touches = carried.unseen_touches;
         dynamics.memory = carried.memory.clone();

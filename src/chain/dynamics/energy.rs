@@ -4,25 +4,7 @@ use super::Dynamics;
 use crate::chain::model::{Rotation, Support};
 use crate::force_law::{ElasticLaw, depth_in_series, with_law};
 use crate::geometry::Vec2;
-
-/// Energies \[J\].
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Energy {
-    /// Of all bodies but for the rotation of sprockets with prescribed speed.
-    pub kinetic: f64,
-    /// In the field of gravity, of all bodies that can move.
-    pub gravity: f64,
-    /// Stored in the contacts, in their bristles, in elastic links and in the tensioner's spring.
-    pub elastic: f64,
-}
-
-impl Energy {
-    /// The sum.
-    #[must_use]
-    pub fn total(&self) -> f64 {
-        self.kinetic + self.gravity + self.elastic
-    }
-}
+use crate::system::Energy;
 
 pub(super) fn energy(dynamics: &Dynamics) -> Energy {
     let (model, motion) = (dynamics.model(), &dynamics.motion);

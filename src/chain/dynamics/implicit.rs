@@ -18,6 +18,13 @@ impl Dynamics {
     pub fn make_room_for_newton(&mut self) {
         self.kernels.make_room_for_newton(&self.model);
     }
+
+    /// Factorises the matrix of the last evaluation with slopes, M - γ dQ/dv - γ² dQ/dq, which may be indefinite; false when it is
+    /// found singular. Pivots are not exchanged: corrections of a matrix that is nearly singular may be infinite.
+    pub fn factorise_indefinite(&mut self, gamma: f64) -> bool {
+        self.kernels
+            .factorise(&self.model, &self.memory.pawls, gamma, true)
+    }
 }
 
 impl SecondOrderSystem for Dynamics {
@@ -64,7 +71,7 @@ impl SecondOrderSystem for Dynamics {
 
     fn factorise(&mut self, _y: &[f64], gamma: f64) -> bool {
         self.kernels
-            .factorise(&self.model, &self.memory.pawls, gamma)
+            .factorise(&self.model, &self.memory.pawls, gamma, false)
     }
 
     fn correct(&mut self, residual: &mut [f64]) {

@@ -9,23 +9,29 @@ mod energy;
 mod energy_quadrature;
 mod implicit;
 mod in_step_events;
+mod inputs;
 mod loads;
 mod output_request;
 mod powers;
 mod rollback;
+mod start_checks;
+mod system;
 
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 pub use bristles::{Bristles, Stored};
-pub(crate) use checkpoint::Carried;
-pub use energy::Energy;
-use energy_quadrature::{EnergyMeter, StepEnds};
+pub use checkpoint::Checkpoint;
+use energy_quadrature::StepEnds;
+use inputs::Inputs;
 pub use loads::SprocketLoad;
 pub(crate) use loads::{Moves, outside_powers, sprocket_acceleration};
 pub(crate) use output_request::{Needs, Want};
 pub use powers::{Losses, Powers};
+#[cfg(feature = "python")]
+pub(crate) use start_checks::check_rows;
+pub(crate) use start_checks::check_start;
 
 use crate::chain::contact::{
     HingePath, ImpactMemory, RollerPath, ToothJump, ToothJumps, ToothPath,
@@ -39,6 +45,8 @@ use crate::geometry::Surface;
 use crate::integrator::event_location::first_crossing;
 use crate::integrator::{Adams, OdeSystem, Step};
 use crate::math::simd::{InstructionSet, padded};
+pub use crate::system::Energy;
+use crate::system::EnergyQuadrature;
 
 /// A drive in motion: the right-hand side that the integrator calls, and the memory of its contacts.
 ///
@@ -66,7 +74,8 @@ pub struct Dynamics {
     keeps_energy: bool,
     /// Powers at the last derivative, while energy is kept.
     powers: Powers,
-    meter: EnergyMeter,
+    quadrature: EnergyQuadrature<Powers>,
+    inputs: Inputs,
     /// Both ends of the step that is metered, or where the next one begins.
     ends: StepEnds,
     /// Pairs that came apart in the last step; they keep their memory until the next one begins, for reports inside it.
@@ -123,7 +132,8 @@ impl Dynamics {
             reader: Box::new(Reader::new(&model)),
             keeps_energy: false,
             powers: Powers::default(),
-            meter: EnergyMeter::new(),
+            quadrature: EnergyQuadrature::new(),
+            inputs: Inputs::new(&model),
             ends: StepEnds::new(2 * model.coordinates),
             parted: Vec::with_capacity(links * (1 + sprockets) + model.roller_count()),
             turned: false,

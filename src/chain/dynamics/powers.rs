@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::system::PowerSum;
+
 /// Powers dissipated in contacts \[W\]; integrated, the energies \[J\].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Losses {
@@ -105,14 +107,16 @@ impl std::ops::Add for Powers {
     }
 }
 
-impl std::ops::Mul<Powers> for f64 {
-    type Output = Powers;
-
-    fn mul(self, powers: Powers) -> Powers {
-        Powers {
-            dissipated: self * powers.dissipated,
-            worked_in: self * powers.worked_in,
-            losses: Losses::of_values(powers.losses.values().map(|loss| self * loss)),
+impl PowerSum for Powers {
+    fn scaled(self, factor: f64) -> Self {
+        Self {
+            dissipated: factor * self.dissipated,
+            worked_in: factor * self.worked_in,
+            losses: Losses::of_values(self.losses.values().map(|loss| factor * loss)),
         }
+    }
+
+    fn totals(&self) -> [f64; 2] {
+        [self.dissipated, self.worked_in]
     }
 }

@@ -9,7 +9,7 @@ impl Dynamics {
     /// Goes on at (`t`, `y`) inside the last step with `model`, which differs in its speeds and torques only: contacts that began after
     /// `t` have not begun, those that parted after it are still there, and the sums of energy are those of `t`.
     pub(crate) fn turn_back(&mut self, model: Arc<Model>, t: f64, y: &[f64]) {
-        self.meter.cut(t);
+        self.quadrature.cut(t);
         self.model = model;
         self.evaluate(t, y);
         for k in 0..self.model.links {
@@ -51,7 +51,7 @@ impl Dynamics {
         self.fastest = self.kernels.watch(&self.model, 0.0).speed;
         self.kernels.watch.advance();
         if self.keeps_energy {
-            self.meter.begin(t, self.powers);
+            self.quadrature.begin(t, self.powers);
             self.ends.begin(y, &slope);
         }
         self.slope = slope;

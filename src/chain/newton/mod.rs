@@ -93,6 +93,9 @@ pub(crate) struct Evaluated<'a> {
     pub(crate) poses: &'a [SprocketPose],
     /// How far the pawls of ratchets have come.
     pub(crate) pawls: &'a [f64],
+    /// Whether the matrix may be indefinite. That of a step in time is definite, or the step is too long; a step to a static
+    /// equilibrium may begin where links under compression are unstable.
+    pub(crate) indefinite: bool,
 }
 
 impl NewtonMatrix {
@@ -140,7 +143,7 @@ impl NewtonMatrix {
         }
     }
 
-    /// Makes and factorises the matrix; false when it is singular.
+    /// Makes and factorises the matrix; false when it is singular, or indefinite where it may not be.
     pub(crate) fn factorise(&mut self, model: &Model, evaluated: &Evaluated, gamma: f64) -> bool {
         macro_rules! factorise {
             ($rubbed:literal) => {
@@ -387,8 +390,8 @@ impl<const RUBBED: bool> WithSimd for Factorise<'_, RUBBED> {
         matrix
             .links
             .eliminate::<S, RUBBED>(simd, &linked, &mut matrix.hinges);
-        let regular = !matrix.closed.any || matrix.ring.factorise(simd, &matrix.hinges);
-        regular && matrix.eliminate_border::<S, RUBBED>(simd, n)
+        let definite = !matrix.closed.any || matrix.ring.factorise(simd, &matrix.hinges);
+        (definite || evaluated.indefinite) && matrix.eliminate_border::<S, RUBBED>(simd, n)
     }
 }
 

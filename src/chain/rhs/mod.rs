@@ -134,8 +134,15 @@ impl Kernels {
         self.writes_slopes = write;
     }
 
-    /// Factorises Newton's matrix of the last evaluation, which wrote slopes; false when it is singular.
-    pub(crate) fn factorise(&mut self, model: &Model, pawls: &[f64], gamma: f64) -> bool {
+    /// Factorises Newton's matrix of the last evaluation, which wrote slopes; false when it is singular, or not definite and not
+    /// allowed to be `indefinite`.
+    pub(crate) fn factorise(
+        &mut self,
+        model: &Model,
+        pawls: &[f64],
+        gamma: f64,
+        indefinite: bool,
+    ) -> bool {
         let evaluated = Evaluated {
             instructions: self.instructions,
             constants: &self.links,
@@ -144,6 +151,7 @@ impl Kernels {
             candidates: &self.candidates,
             poses: &self.poses,
             pawls,
+            indefinite,
         };
         self.newton
             .as_mut()

@@ -96,23 +96,12 @@ impl MechanismDynamics {
         self.bristles.deflection.copy_from_slice(&y[z..z + count]);
     }
 
-    /// Takes the deflections out of a state of the integrator and leaves [q, v, sums].
-    pub(crate) fn take_bristles(&mut self, y: &mut Vec<f64>) {
-        let (n, count) = (self.model.coordinates(), self.model.bristles);
-        if count == 0 {
-            return;
-        }
-        let z = 2 * n + count;
-        self.bristles.deflection.copy_from_slice(&y[z..z + count]);
-        y.drain(z..z + count);
-        y.drain(n..n + count);
-    }
-
-    /// The state of the integrator with all bristles unbent, of [q, v].
+    /// The state of the integrator with all bristles unbent and without energy sums, of [q, v].
     pub(crate) fn with_bristles(&self, state: &[f64]) -> Vec<f64> {
         let (q, v) = state.split_at(self.model.coordinates());
         let unbent = vec![0.0; self.model.bristles];
-        [q, &unbent, v, &unbent].concat()
+        let sums = [0.0; 2];
+        [q, &unbent, v, &unbent, &sums].concat()
     }
 
     /// Bristles of sides that do not touch where everything was evaluated last, and that are still bent.

@@ -84,8 +84,8 @@ impl ContactLaw {
         }
     }
 
-    /// Whether damping can take the whole force away while the surfaces are still pressed: what is stored then goes without a
-    /// force, and only the sums of the energy balance tell.
+    /// Whether damping can take the whole force away while the surfaces are still pressed: what is stored is then lost without a
+    /// force, and only the powers of the energy balance show it.
     pub(crate) fn lets_go(&self) -> bool {
         match self {
             Self::Linear { damping, .. } | Self::HuntCrossley { damping, .. } => *damping > 0.0,

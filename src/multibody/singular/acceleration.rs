@@ -92,7 +92,7 @@ impl MechanismDynamics {
     }
 
     /// Positions and velocities of the bodies that are not held.
-    fn read_state(&self) -> Vec<f64> {
+    pub(crate) fn read_state(&self) -> Vec<f64> {
         let n = self.model.coordinates();
         let mut state = vec![0.0; 2 * n];
         for (frame, first) in self.frames.iter().zip(&self.model.first) {

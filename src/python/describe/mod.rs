@@ -30,7 +30,7 @@ pub(super) use laws::{
 pub(super) use reader::{
     Reader, checked, count, finite, number, refuse, signal, table, truth, two_teeth,
 };
-pub(super) use run::{reports, solver};
+pub(super) use run::{drive_groups, mechanism_groups, reports, solver};
 pub(super) use sprocket::sprocket;
 pub(super) use tightening::rail;
 

@@ -3,32 +3,47 @@
 use pyo3::prelude::*;
 
 use super::reader::{Reader, checked, number, truth};
+use crate::chain::Groups;
 use crate::error::Error;
 use crate::integrator::{Corrector, StepControl};
-use crate::run::recorder::Groups;
+use crate::multibody::MechanismGroups;
 use crate::run::simulation::check_reports;
 
-/// Reads and checks what to record: duration \[s\], time between two rows \[s\], and the groups by their names.
+/// Reads and checks when to record: duration \[s\], time between two rows \[s\]; and whether the energy is recorded.
 pub(crate) fn reports(
     duration: &Bound<'_, PyAny>,
     report_step: &Bound<'_, PyAny>,
-    groups: &[String],
-    energy: &Bound<'_, PyAny>,
-) -> PyResult<(f64, f64, Groups)> {
+    energy: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(f64, f64, bool)> {
     let py = duration.py();
     let duration = number(duration, "duration", "s")?;
     let report_step = number(report_step, "report_step", "s")?;
-    let energy = truth(energy, "energy")?;
+    let energy = energy.map_or(Ok(true), |energy| truth(energy, "energy"))?;
     checked(py, check_reports(duration, report_step))?;
-    let has = |name: &str| groups.iter().any(|g| g == name);
-    let groups = Groups {
+    Ok((duration, report_step, energy))
+}
+
+/// What to record of a drive: groups by their names.
+pub(crate) fn drive_groups(names: &[String], energy: bool) -> Groups {
+    let has = |name: &str| names.iter().any(|n| n == name);
+    Groups {
         hinges: has("hinges"),
         teeth: has("teeth"),
         sprockets: has("sprockets"),
         bodies: has("bodies"),
         energy,
-    };
-    Ok((duration, report_step, groups))
+    }
+}
+
+/// The same of a mechanism; `None`: all groups.
+pub(crate) fn mechanism_groups(names: Option<&[String]>, energy: bool) -> MechanismGroups {
+    let has = |name: &str| names.is_none_or(|names| names.iter().any(|n| n == name));
+    MechanismGroups {
+        bodies: has("bodies"),
+        joints: has("joints"),
+        contacts: has("contacts"),
+        energy,
+    }
 }
 
 /// What one of `rtol` and `atol` is where only the other is given.

@@ -1,83 +1,20 @@
-//! The energy balance: its channels, and whether it closes.
+//! The energy balance of a recording, and whether it closes.
 
-use super::rows::Row;
-use crate::chain::dynamics::{Dynamics, Energy, Powers};
-use crate::chain::model::Model;
+use crate::system::Energy;
 
-/// Energy stored, and the sums of energy dissipated and worked in, when a recording begins \[J\].
+/// Stored energy, and the sums of the quadrature, when a recording begins \[J\].
 #[derive(Debug, Clone, Copy)]
-pub(super) struct EnergyAtStart {
-    total: f64,
-    sums: Powers,
+pub(super) struct EnergyAtStart<P> {
+    pub(super) total: f64,
+    pub(super) sums: P,
 }
 
-/// What passed since the first report, and what is missing \[J\].
+/// What passed since the first report, and the energy balance residual \[J\].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Passed {
     pub(crate) dissipated: f64,
-    pub(crate) worked_in: f64,
+    pub(crate) external_work: f64,
     pub(crate) residual: f64,
-}
-
-/// `sums` without what bristles store of the work of friction.
-pub(super) fn dissipated_alone(mut sums: Powers, dynamics: &Dynamics) -> Powers {
-    if !dynamics.model().bristles.is_empty() {
-        let stored = dynamics.stored();
-        sums.dissipated -= stored.total();
-        sums.losses = stored.taken_off(sums.losses);
-    }
-    sums
-}
-
-pub(super) fn write_energy(
-    row: &mut Row,
-    model: &Model,
-    energy: Energy,
-    sums: Powers,
-    begin: &mut Option<EnergyAtStart>,
-) -> Passed {
-    let begin = begin.get_or_insert(EnergyAtStart {
-        total: energy.total(),
-        sums,
-    });
-    let since = sums + -1.0 * begin.sums;
-    let (dissipated, worked_in) = (since.dissipated, since.worked_in);
-    let residual = energy.total() - begin.total + dissipated - worked_in;
-    for value in [
-        energy.kinetic,
-        energy.gravity,
-        energy.elastic,
-        dissipated,
-        worked_in,
-        residual,
-    ] {
-        row.real([value]);
-    }
-    let [
-        hinges,
-        teeth,
-        hinges_rubbed,
-        teeth_rubbed,
-        rollers,
-        rollers_rubbed,
-        film,
-    ] = since.losses.values();
-    for loss in [hinges, teeth, hinges_rubbed, teeth_rubbed] {
-        row.real([loss]);
-    }
-    // Places that this drive does not have have no channel.
-    if model.rollers.is_some() {
-        row.real([rollers]);
-        row.real([rollers_rubbed]);
-    }
-    if model.hinge_film.is_some() {
-        row.real([film]);
-    }
-    Passed {
-        dissipated,
-        worked_in,
-        residual,
-    }
 }
 
 /// Share of what the residual is held against that it may reach: an error of one in twenty in what was lost.
@@ -151,7 +88,10 @@ impl Balance {
     pub(crate) fn report(&mut self, t: f64, energy: Energy, passed: Passed) {
         self.take_in(energy);
         let [least, most] = self.exchanged[3];
-        self.exchanged[3] = [least.min(passed.worked_in), most.max(passed.worked_in)];
+        self.exchanged[3] = [
+            least.min(passed.external_work),
+            most.max(passed.external_work),
+        ];
         self.dissipated = passed.dissipated;
         if passed.residual.abs() > self.residual.abs() {
             (self.residual, self.time) = (passed.residual, t);
@@ -199,7 +139,7 @@ mod tests {
             };
             let passed = Passed {
                 dissipated: share * dissipated,
-                worked_in: 0.0,
+                external_work: 0.0,
                 residual: share * residual,
             };
             balance.report(t, energy, passed);

@@ -101,6 +101,22 @@ def test_a_hanging_chain_pulls_on_its_ends_with_its_weight():
     assert simulation.body_names[-2:] == ["end_2", "end_1"]
 
 
+@pytest.mark.parametrize("mass", [10.0, 18.9, 30.0])
+def test_a_load_comes_to_rest_on_teeth_that_push_the_free_strand(mass):
+    # On the way there links bear compression: the stiffness is indefinite.
+    profile = rc.IsoTooth(gap=0.3484, seat="pitch-circle")
+    sprocket = rc.Sprocket(12, (0.0, 0.0), rc.PrescribedSpeed(0.0), profile=profile)
+    drive = rc.open_chain("ANSI 40", (rc.LoadedEnd(mass), rc.FreeEnd(links=18)), 55, [sprocket])
+    simulation = rc.Simulation(drive, start="static")
+    assert simulation.rest["residual"] < 1e-5
+    force = simulation.evaluate().hinge_force
+    # The load hangs on the last hinge; the next ones towards the sprocket bear a link more each.
+    assert_allclose(force[-1], 9.81 * mass, rtol=1e-6)
+    inner, outer = drive.chain.inner.mass, drive.chain.outer.mass
+    weights = 9.81 * np.array([inner, outer, inner])
+    assert_allclose(np.diff(force[[-1, 0, 1, 2]]), weights, rtol=1e-3)
+
+
 def test_results_and_states_of_open_chains_go_through_files(tmp_path):
     drive = hoist(motion=rc.PrescribedSpeed([(0.0, 0.0), (0.05, 5.0)]))
     simulation = rc.Simulation(drive, start="static")

@@ -45,7 +45,7 @@ def test_every_way_into_the_compiled_module_is_guarded():
     def is_guarded(member):
         return inspect.isfunction(member) and member.__code__ is guarded
 
-    classes = [_rustchain.Core, _rustchain.MechanismCore, _rustchain.Ensemble, _rustchain.Case]
+    classes = [_rustchain.Core, _rustchain.Ensemble, _rustchain.Case]
     members = [member for name, member in vars(_rustchain).items() if callable(member)]
     for each in classes:
         members += [member for name, member in vars(each).items() if not name.startswith("__")]

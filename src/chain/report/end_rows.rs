@@ -1,9 +1,9 @@
 //! What an open chain does to its ends, where they are, and the tensions of its strands.
 
-use super::rows::Row;
 use crate::chain::dynamics::Dynamics;
 use crate::chain::model::OpenEnds;
 use crate::geometry::{Vec2, turned_left};
+use crate::system::Row;
 
 /// Force of the chain on each end \[N\]; place \[m\] and velocity \[m/s\] of its pin.
 pub(super) fn write(row: &mut Row, dynamics: &Dynamics, ends: &OpenEnds) {

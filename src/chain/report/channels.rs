@@ -1,20 +1,17 @@
 //! Names and shapes of the channels that are recorded.
 
-use super::{Channel, Groups, Recording, Values};
+use super::Groups;
 use crate::chain::model::Model;
+use crate::system::Channel;
 
-/// A recording without rows, of these groups; rows are written in the same order.
-pub(super) fn chosen(model: &Model, groups: Groups) -> Recording {
-    let mut recording = Recording::default();
+/// Channels of these groups, without rows; rows are written in the same order.
+pub(crate) fn channels(model: &Model, groups: Groups) -> Vec<Channel> {
+    let mut channels = Vec::new();
     let mut add = |name: &'static str, row_shape: &[usize], whole: bool| {
-        recording.channels.push(Channel {
-            name,
-            row_shape: row_shape.to_vec(),
-            values: if whole {
-                Values::Whole(Vec::new())
-            } else {
-                Values::Real(Vec::new())
-            },
+        channels.push(if whole {
+            Channel::whole(name, row_shape)
+        } else {
+            Channel::real(name, row_shape)
         });
     };
     let (n, s, bodies) = (model.links, model.sprockets.len(), model.bodies());
@@ -66,28 +63,5 @@ pub(super) fn chosen(model: &Model, groups: Groups) -> Recording {
         add("positions", &[bodies, 3], false);
         add("velocities", &[bodies, 3], false);
     }
-    if groups.energy {
-        for name in [
-            "energy_kinetic",
-            "energy_gravity",
-            "energy_elastic",
-            "energy_dissipated",
-            "energy_external_work",
-            "energy_residual",
-            "energy_hinge_contact",
-            "energy_tooth_contact",
-            "energy_hinge_friction",
-            "energy_tooth_friction",
-        ] {
-            add(name, &[], false);
-        }
-        if model.rollers.is_some() {
-            add("energy_roller_contact", &[], false);
-            add("energy_roller_friction", &[], false);
-        }
-        if model.hinge_film.is_some() {
-            add("energy_hinge_film", &[], false);
-        }
-    }
-    recording
+    channels
 }

@@ -1,38 +1,12 @@
 //! Rows of the channels of hinges, rollers, teeth and sprockets.
 
-use super::{Channel, Values, ends};
+use super::ToothContacts;
+use super::end_rows;
 use crate::chain::dynamics::Dynamics;
-use crate::chain::report::ToothContacts;
 use crate::geometry::Vec2;
 use crate::geometry::path::belt::Pulley;
 use crate::layout::ChainRow;
-
-/// Channels of one row, in the order in which they were added.
-pub(super) struct Row<'a> {
-    pub(super) channels: std::slice::IterMut<'a, Channel>,
-}
-
-impl Row<'_> {
-    pub(super) fn real(&mut self, values: impl IntoIterator<Item = f64>) {
-        if let Some(Channel {
-            values: Values::Real(all),
-            ..
-        }) = self.channels.next()
-        {
-            all.extend(values);
-        }
-    }
-
-    pub(super) fn whole(&mut self, values: impl IntoIterator<Item = i32>) {
-        if let Some(Channel {
-            values: Values::Whole(all),
-            ..
-        }) = self.channels.next()
-        {
-            all.extend(values);
-        }
-    }
-}
+use crate::system::Row;
 
 pub(super) fn write_hinges(row: &mut Row, dynamics: &Dynamics) {
     let hinges = &dynamics.hinges;
@@ -46,7 +20,7 @@ pub(super) fn write_hinges(row: &mut Row, dynamics: &Dynamics) {
         dynamics.memory.hinge_speed(),
     ));
     if dynamics.model().ends.is_some() {
-        row.real(ends::tensions(dynamics));
+        row.real(end_rows::tensions(dynamics));
     } else {
         row.real(strand_tensions(dynamics));
     }

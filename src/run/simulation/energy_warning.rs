@@ -10,12 +10,8 @@ const FINEST: f64 = 1e-13;
 /// bounce at an accuracy of 1e-6, 10 of 49 had an open balance with the accuracy advised for the whole of it, 1 of 98 with this.
 const AIM: f64 = 0.25;
 
-/// What closes the balance where regions of teeth are sharp: no accuracy does.
-pub(super) const KEPT_REGIONS: &str = "regions = \"kept\": with \"sharp\", a bushing that crosses into another region of a tooth under \
-     load gains or loses elastic energy, at any accuracy";
-
 /// An energy balance that does not close, in words, and what to take for it to close.
-pub(crate) fn describe_open_balance(open: &OpenBalance, remedy: &str) -> String {
+pub(super) fn describe_open_balance(open: &OpenBalance, remedy: &str) -> String {
     let OpenBalance {
         time,
         residual,
@@ -30,7 +26,7 @@ pub(crate) fn describe_open_balance(open: &OpenBalance, remedy: &str) -> String 
 }
 
 /// The accuracy, in words, with which the residual should be as small as it may be.
-pub(crate) fn tighter_accuracy(control: &StepControl, open: &OpenBalance) -> String {
+pub(super) fn tighter_accuracy(control: &StepControl, open: &OpenBalance) -> String {
     let ratio = open.allowed / open.residual.abs();
     if control.is_by_component() {
         let finer = power_of_ten_below(control.rtol.max(control.atol) * ratio);

@@ -1,0 +1,188 @@
+//! Checks of a start: numbers, closed hinges, what supports and motors hold.
+
+use super::Dynamics;
+use crate::chain::model::{Model, Rotation, Support};
+use crate::drive::MOST_CHAIN_SPEED;
+use crate::error::{Error, Result};
+use crate::geometry::Vec2;
+use crate::layout::InitialConfiguration;
+
+/// One row of finite numbers a body.
+///
+/// # Errors
+/// Names the body and the number.
+pub(crate) fn check_rows(model: &Model, field: &str, rows: &[[f64; 3]]) -> Result<()> {
+    let bodies = model.bodies();
+    if rows.len() != bodies {
+        return Err(Error::invalid(
+            field,
+            format!("{} rows", rows.len()),
+            format!("needs one row (3 numbers) for each of the {bodies} bodies"),
+        ));
+    }
+    for (body, row) in rows.iter().enumerate() {
+        if let Some(bad) = row.iter().find(|v| !v.is_finite()) {
+            let name = &model.body_names()[body];
+            return Err(Error::invalid(
+                format!("{field} of {name}"),
+                bad,
+                "must be finite numbers",
+            ));
+        }
+    }
+    Ok(())
+}
+
+impl Dynamics {
+    /// Pins must be in their bushings, and bushings in their rollers, at the last evaluation.
+    ///
+    /// # Errors
+    /// Names the hinge or the roller, and how far apart its centres are.
+    pub(crate) fn check_joints(&self) -> Result<()> {
+        check_hinges(self)?;
+        check_rollers(self)
+    }
+}
+
+/// A pin may be pressed into its bushing, but must be in it.
+fn check_hinges(dynamics: &Dynamics) -> Result<()> {
+    let model = dynamics.model();
+    // Where an open chain is open, the centres count as one.
+    let apart = |k: usize| dynamics.hinges.penetration[k] + model.clearance;
+    let Some(k) = (0..model.links).find(|&k| apart(k) > 0.1 * model.half_pitch) else {
+        return Ok(());
+    };
+    Err(Error::invalid(
+        "positions",
+        format!(
+            "{} and {}",
+            model.link_name(k),
+            model.link_name((k + 1) % model.links)
+        ),
+        format!(
+            "hinge {} is torn: its pin and bushing are {:.3e} m apart, with a clearance of {:.3e} m",
+            k + 1,
+            apart(k),
+            model.clearance
+        ),
+    ))
+}
+
+/// A bushing may be pressed into its roller, but must be in it.
+fn check_rollers(dynamics: &Dynamics) -> Result<()> {
+    let model = dynamics.model();
+    let Some(rollers) = &model.rollers else {
+        return Ok(());
+    };
+    let apart = |k: usize| dynamics.rollers.penetration[k] + rollers.clearance;
+    let Some(k) = (0..model.links).find(|&k| apart(k) > 0.1 * model.half_pitch) else {
+        return Ok(());
+    };
+    Err(Error::invalid(
+        "positions",
+        format!("roller_{}", k + 1),
+        format!(
+            "it is off its bushing: their centres are {:.3e} m apart, with a clearance of {:.3e} m",
+            apart(k),
+            rollers.clearance
+        ),
+    ))
+}
+
+/// What ends of an open chain are told must agree with the velocities.
+fn check_ends(model: &Model, start: &InitialConfiguration) -> Result<()> {
+    for end in model.ends.iter().flat_map(|ends| &ends.bodies) {
+        let Some(given) = end.given_velocity(0.0) else {
+            continue;
+        };
+        let [vx, vy, spin] = start.velocities[end.body];
+        if (Vec2::new(vx, vy) - given).norm() > 1e-9 * given.norm().max(1.0) || spin != 0.0 {
+            return Err(Error::invalid(
+                format!("velocities of {}", model.link_name(end.body)),
+                format!("({vx}, {vy}, {spin})"),
+                format!(
+                    "it moves as it is told: must be ({}, {}, 0) at the start",
+                    given.x, given.y
+                ),
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// No body may begin faster than a drive may be described to run.
+fn check_speeds(model: &Model, start: &InitialConfiguration) -> Result<()> {
+    let field = |body: usize| format!("velocities of {}", model.body_names()[body]);
+    for (body, [vx, vy, _]) in start.velocities.iter().enumerate() {
+        if vx.hypot(*vy) > MOST_CHAIN_SPEED {
+            return Err(Error::invalid(
+                field(body),
+                format!("({vx}, {vy})"),
+                format!(
+                    "expected at most {MOST_CHAIN_SPEED} m/s where real chains run below 50 m/s; check the unit"
+                ),
+            ));
+        }
+    }
+    for (s, sprocket) in model.sprockets.iter().enumerate() {
+        if let Some(bounds) = &sprocket.input_bounds {
+            let body = model.wheel_body(s);
+            bounds.check_speed(&field(body), start.velocities[body][2])?;
+        }
+    }
+    Ok(())
+}
+
+/// Numbers, and what the supports and motors hold must agree with them.
+pub(crate) fn check_start(model: &Model, start: &InitialConfiguration) -> Result<()> {
+    check_rows(model, "positions", &start.positions)?;
+    check_rows(model, "velocities", &start.velocities)?;
+    check_ends(model, start)?;
+    check_speeds(model, start)?;
+    for (s, sprocket) in model.sprockets.iter().enumerate() {
+        let body = model.wheel_body(s);
+        let [vx, vy, spin] = start.velocities[body];
+        let [x, y, _] = start.positions[body];
+        let refuse = |value: String, expected: String| {
+            Err(Error::invalid(
+                format!("velocities of {}", model.body_names()[body]),
+                value,
+                expected,
+            ))
+        };
+        match sprocket.support {
+            Support::Fixed if vx != 0.0 || vy != 0.0 => {
+                return refuse(
+                    format!("({vx}, {vy})"),
+                    "its bearing is fixed: must be (0, 0)".to_string(),
+                );
+            }
+            Support::Slide { .. } => {
+                // An arm turns its way: what counts is where the centre begins, not where it is described.
+                let way = sprocket.slide_at(Vec2::new(x, y));
+                let tangent = way.map_or(Vec2::zeros(), |(_, tangent)| tangent);
+                let across = tangent.x * vy - tangent.y * vx;
+                if across.abs() > 1e-9 * vx.hypot(vy) {
+                    return refuse(
+                        format!("({vx}, {vy})"),
+                        format!(
+                            "its tensioner lets it slide along ({}, {}) only, where it begins",
+                            tangent.x, tangent.y
+                        ),
+                    );
+                }
+            }
+            _ => {}
+        }
+        if let Rotation::Prescribed(speed) = &sprocket.rotation {
+            let prescribed = speed.value(0.0);
+            if (spin - prescribed).abs() > 1e-9 * prescribed.abs().max(1.0) {
+                return refuse(
+                    spin.to_string(),
+                    format!("its speed is prescribed: must be {prescribed} rad/s at the start"),
+                );
+            }
+        }
+    }
+    Ok(())
+}

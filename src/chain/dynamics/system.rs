@@ -1,0 +1,266 @@
+//! The chain drive as a system that a run steps.
+
+use std::sync::Arc;
+
+use super::{Checkpoint, Dynamics, Losses, Powers};
+use crate::chain::model::{ContactLaw, Model};
+use crate::chain::report::{self, Groups, HINGES, ROLLERS};
+use crate::error::Result;
+use crate::force_law::{Friction, LuGre, Regions};
+use crate::integrator::{Adams, OdeSystem, Step};
+use crate::system::{Channel, Energy, EventCounts, Identity, Row, System, hash};
+
+/// What closes the balance where regions of teeth are sharp: no accuracy does.
+const KEPT_REGIONS: &str = "regions = \"kept\": with \"sharp\", a bushing that crosses into another region of a tooth under \
+     load gains or loses elastic energy, at any accuracy";
+
+impl System for Dynamics {
+    type Model = Model;
+    type Groups = Groups;
+    type Powers = Powers;
+    type Checkpoint = Checkpoint;
+
+    const KIND: &'static str = "chain drive";
+    const STEPS_BETWEEN_CLOCK_READINGS: u32 = 64;
+
+    fn model(&self) -> &Arc<Model> {
+        &self.model
+    }
+
+    fn identity(&self) -> Vec<Identity> {
+        identity(&self.inputs.compiled)
+    }
+
+    fn begin_step(&mut self, adams: &mut Adams) {
+        self.follow_with_pawls(adams.y());
+        self.unbend_parted(adams);
+        self.begin_step();
+        self.restart_at_kink_of_end(adams);
+        self.place_ends_on_their_curves(adams);
+    }
+
+    fn finish_step(&mut self, adams: &mut Adams, step: &Step) -> Result<()> {
+        self.finish_step(adams, step);
+        Ok(())
+    }
+
+    fn longest_step(&mut self, adams: &Adams) -> f64 {
+        let t = adams.time();
+        let to_kink = self.time_to_kink(t);
+        let between = self.model.longest_step_between_kinks(t);
+        Dynamics::longest_step(self).min(to_kink).min(between)
+    }
+
+    /// The last evaluation was that of the step that failed; failing that, what was there before it.
+    fn culprit(&mut self, adams: &Adams, time: f64, component: usize) -> String {
+        let model = Arc::clone(&self.model);
+        let body = model.body_of_coordinate(component % model.coordinates);
+        let contact = self.busiest_contact(body).or_else(|| {
+            let mut y = vec![0.0; self.dimension()];
+            adams.interpolate(time, &mut y);
+            self.differentiate(time, &y);
+            self.busiest_contact(body)
+        });
+        let contact = contact.unwrap_or_else(|| "not in contact".to_string());
+        format!("{} ({contact})", model.body_names()[body])
+    }
+
+    fn busiest(&self) -> String {
+        let contact = self.busiest_contact(self.model.links);
+        contact.unwrap_or_else(|| "nothing in contact".to_string())
+    }
+
+    fn event_counts(&self) -> EventCounts {
+        let counts = self.memory.counts();
+        EventCounts {
+            onsets: counts.onsets,
+            onsets_at_floor: counts.at_floor,
+            unseen_touches: self.unseen_touches(),
+        }
+    }
+
+    fn keeps_energy(&self) -> bool {
+        self.keeps_energy
+    }
+
+    fn stop_metering(&mut self) {
+        self.keep_energy(false);
+    }
+
+    fn begin_metering(&mut self, adams: &Adams) {
+        self.begin_energy_quadrature(adams);
+    }
+
+    fn resume_metering(&mut self, adams: &Adams) {
+        self.resume_energy_quadrature(adams);
+    }
+
+    fn meter_step(&mut self, adams: &Adams, step: &Step) {
+        self.add_energies_of_step(adams, step);
+    }
+
+    fn sums_at(&self, t: f64) -> Powers {
+        self.quadrature.energies(t)
+    }
+
+    fn meter_evaluations(&self) -> u64 {
+        self.quadrature.evaluations()
+    }
+
+    fn energy(&self) -> Energy {
+        self.energy()
+    }
+
+    /// What bristles store of the work of friction is not lost.
+    fn without_stored(&self, mut sums: Powers) -> Powers {
+        if !self.model.bristles.is_empty() {
+            let stored = self.stored();
+            sums.dissipated -= stored.total();
+            sums.losses = stored.taken_off(sums.losses);
+        }
+        sums
+    }
+
+    fn kinetic_energy_at(&self, speed: f64) -> f64 {
+        let model = &self.model;
+        let links = (0..model.links).filter(|&i| !model.is_held(i));
+        let mass: f64 = links.map(|i| model.mass[i]).sum();
+        0.5 * mass * speed * speed
+    }
+
+    fn energy_remedy(&self) -> Option<&'static str> {
+        (self.model.tooth_law.regions == Regions::Sharp).then_some(KEPT_REGIONS)
+    }
+
+    fn records_energy(groups: Groups) -> bool {
+        groups.energy
+    }
+
+    fn channels(&self, groups: Groups) -> Vec<Channel> {
+        report::channels(&self.model, groups)
+    }
+
+    /// Places that this drive does not have have no channel.
+    fn losses(&self, powers: &Powers) -> Vec<(&'static str, f64)> {
+        let Losses {
+            hinge_contact,
+            tooth_contact,
+            hinge_friction,
+            tooth_friction,
+            roller_contact,
+            roller_friction,
+            hinge_film,
+        } = powers.losses;
+        let mut losses = vec![
+            ("energy_hinge_contact", hinge_contact),
+            ("energy_tooth_contact", tooth_contact),
+            ("energy_hinge_friction", hinge_friction),
+            ("energy_tooth_friction", tooth_friction),
+        ];
+        if self.model.rollers.is_some() {
+            losses.push(("energy_roller_contact", roller_contact));
+            losses.push(("energy_roller_friction", roller_friction));
+        }
+        if self.model.hinge_film.is_some() {
+            losses.push(("energy_hinge_film", hinge_film));
+        }
+        losses
+    }
+
+    fn peak_sizes(&self, groups: Groups) -> Vec<usize> {
+        let (links, rollers) = (self.model.links, self.model.roller_count());
+        let of = |recorded: bool, count: usize| if recorded { count } else { 0 };
+        vec![
+            of(groups.hinges, links),
+            of(groups.hinges, rollers),
+            of(groups.teeth, links),
+        ]
+    }
+
+    fn evaluate_step_end(&mut self, adams: &Adams) {
+        self.differentiate(adams.time(), adams.y());
+    }
+
+    fn write_peak_forces(&self, kind: usize, forces: &mut [f64]) {
+        match kind {
+            HINGES => self.write_hinge_forces(forces),
+            ROLLERS => self.write_roller_forces(forces),
+            _ => self.write_tooth_forces(forces),
+        }
+    }
+
+    fn evaluate_report(&mut self, adams: &Adams, t: f64, groups: Groups) {
+        let needs = groups.needs(&self.model);
+        let mut y = std::mem::take(&mut self.inside);
+        adams.interpolate(t, &mut y);
+        self.evaluate_for(needs, t, &y);
+        self.inside = y;
+        self.watch_reported_ranges(needs);
+    }
+
+    fn write_row(&mut self, row: &mut Row, t: f64, groups: Groups) {
+        let mut forces = std::mem::take(&mut self.slope);
+        report::write_row(row, self, t, groups, &mut forces[..self.model.links]);
+        self.slope = forces;
+    }
+
+    fn checkpoint(&self) -> Checkpoint {
+        self.carried()
+    }
+
+    fn restored(&self, checkpoint: &Checkpoint, _adams: &Adams) -> Option<Self> {
+        self.carrying(checkpoint)
+    }
+}
+
+/// Enough of a model to know it again, and to say what differs.
+fn identity(model: &Model) -> Vec<Identity> {
+    const DRIVE: &str = "make the simulation with the drive of the state";
+    const LAWS: &str = "make the simulation with the laws of the state";
+    let law = |law: &ContactLaw, friction: Option<Friction>, bristles: Option<LuGre>| {
+        let damping = if law.lambda > 0.0 {
+            "damped"
+        } else {
+            "undamped"
+        };
+        let regions = format!("{:?}", law.regions).to_lowercase();
+        let friction = friction.map_or(String::new(), |friction| {
+            let name = friction.regularization.name();
+            format!(", friction {} ({name})", friction.coefficient)
+        });
+        let bristles = bristles.map_or(String::new(), |law: LuGre| {
+            let (most, least) = (law.static_coefficient, law.kinetic_coefficient);
+            format!(", bristles {most} to {least}")
+        });
+        let elastic = law.elastic.name();
+        format!("{elastic}, {damping}, regions {regions}{friction}{bristles}")
+    };
+    let film = model.hinge_film.map_or(String::new(), |film| {
+        format!(", film of {} Pa s", film.viscosity)
+    });
+    let hinge_law = law(&model.hinge_law, model.hinge_friction, model.hinge_bristles) + &film;
+    let tooth_law = law(&model.tooth_law, model.tooth_friction, model.tooth_bristles);
+    let teeth: Vec<u32> = model.sprockets.iter().map(|s| s.profile.teeth).collect();
+    let of = |field, value, remedy| Identity {
+        field,
+        value,
+        remedy,
+    };
+    vec![
+        of("links", model.links.to_string(), DRIVE),
+        of("teeth", format!("{teeth:?}"), DRIVE),
+        of("hinge law", hinge_law, LAWS),
+        of("tooth law", tooth_law, LAWS),
+        of(
+            "min_impact_velocity",
+            model.min_approach_speed.to_string(),
+            LAWS,
+        ),
+        of(
+            "drive",
+            // Debug text has every field, also one that is added later, and every bit of its numbers.
+            format!("model {:016x}", hash(format!("{model:?}").as_bytes())),
+            "some number of drive, start or laws differs, or the version of rustchain: make the simulation with those of the state",
+        ),
+    ]
+}

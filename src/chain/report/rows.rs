@@ -1,0 +1,52 @@
+//! One row of a drive's recording.
+
+use super::Groups;
+use super::contact_rows::{
+    gather_by_bushing, write_hinges, write_rollers, write_sprockets, write_teeth,
+};
+use super::end_rows;
+use crate::chain::dynamics::Dynamics;
+use crate::geometry::Vec2;
+use crate::system::Row;
+
+/// Kinds of contacts that have peaks.
+pub(crate) const HINGES: usize = 0;
+pub(crate) const ROLLERS: usize = 1;
+const TEETH: usize = 2;
+
+/// Writes a row of `groups` for `dynamics` as evaluated at `t` for what `Groups::needs` says. `tooth_forces`: scratch, one a bushing.
+pub(crate) fn write_row(
+    row: &mut Row,
+    dynamics: &Dynamics,
+    t: f64,
+    groups: Groups,
+    tooth_forces: &mut [f64],
+) {
+    let model = dynamics.model();
+    if groups.hinges {
+        write_hinges(row, dynamics);
+        row.close_peaks(HINGES, &dynamics.hinges.force);
+        if model.hinge_film.is_some() {
+            row.real(dynamics.hinges.film.iter().map(Vec2::norm));
+        }
+        if let Some(ends) = &model.ends {
+            end_rows::write(row, dynamics, ends);
+        }
+    }
+    if groups.hinges && model.rollers.is_some() {
+        write_rollers(row, dynamics);
+        row.close_peaks(ROLLERS, &dynamics.rollers.force);
+    }
+    if groups.teeth {
+        write_teeth(row, dynamics);
+        gather_by_bushing(&dynamics.teeth, model.links, tooth_forces);
+        row.close_peaks(TEETH, tooth_forces);
+    }
+    if groups.sprockets {
+        write_sprockets(row, dynamics, t);
+    }
+    if groups.bodies {
+        row.real(dynamics.motion.positions().into_iter().flatten());
+        row.real(dynamics.motion.velocities().into_iter().flatten());
+    }
+}

@@ -1,0 +1,171 @@
+//! Rows of a mechanism's recording: channels, and what is written into them.
+
+use super::dynamics::MechanismDynamics;
+use super::model::MechanismModel;
+use crate::system::{Channel, Row};
+
+/// Kinds of joints and contacts that have peaks.
+pub(crate) const JOINTS: usize = 0;
+pub(crate) const CONTACTS: usize = 1;
+
+/// Which groups of channels of a mechanism are recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(clippy::struct_excessive_bools)] // independent switches
+pub struct MechanismGroups {
+    /// Positions, velocities and accelerations of all bodies.
+    pub bodies: bool,
+    /// Reactions and residuals of all joints, with peaks.
+    pub joints: bool,
+    /// Forces, penetrations and onsets of all contacts, with peaks.
+    pub contacts: bool,
+    /// The energy balance.
+    pub energy: bool,
+}
+
+impl MechanismGroups {
+    /// Everything.
+    pub const ALL: Self = Self {
+        bodies: true,
+        joints: true,
+        contacts: true,
+        energy: true,
+    };
+}
+
+/// Channels of these groups, without rows; rows are written in the same order.
+pub(crate) fn channels(model: &MechanismModel, groups: MechanismGroups) -> Vec<Channel> {
+    let (bodies, joints) = (model.bodies.len() - 1, model.joints.len());
+    let contacts = model.contacts.len();
+    let mut channels = Vec::new();
+    if groups.bodies {
+        for name in ["positions", "velocities", "accelerations"] {
+            channels.push(Channel::real(name, &[bodies, 3]));
+        }
+    }
+    if groups.joints {
+        channels.push(Channel::real("joint_reaction", &[joints, 3]));
+        for name in [
+            "joint_position_residual",
+            "joint_velocity_residual",
+            "peak_joint_force",
+            "peak_joint_impulse",
+        ] {
+            channels.push(Channel::real(name, &[joints]));
+        }
+    }
+    if groups.contacts {
+        channels.push(Channel::real("contact_force", &[contacts]));
+        channels.push(Channel::real("contact_force_vector", &[contacts, 2]));
+        channels.push(Channel::real("contact_impact_velocity", &[contacts]));
+        channels.push(Channel::real("contact_penetration", &[contacts]));
+        channels.push(Channel::whole("contact_gap", &[contacts]));
+        channels.push(Channel::whole("contact_region", &[contacts]));
+        channels.push(Channel::real("peak_contact_force", &[contacts]));
+        channels.push(Channel::real("peak_contact_impulse", &[contacts]));
+    }
+    channels
+}
+
+/// Writes a row of `groups` for `dynamics` as evaluated at `t`.
+pub(crate) fn write_row(
+    row: &mut Row,
+    dynamics: &mut MechanismDynamics,
+    t: f64,
+    groups: MechanismGroups,
+) {
+    if groups.bodies {
+        write_bodies(row, dynamics);
+    }
+    if groups.joints {
+        write_joints(row, dynamics);
+    }
+    if groups.contacts {
+        let impacts = dynamics.take_impact_velocities(t);
+        write_contacts(row, dynamics, &impacts);
+    }
+}
+
+fn write_bodies(row: &mut Row, dynamics: &MechanismDynamics) {
+    let first = &dynamics.model.first[1..];
+    let frames = &dynamics.frames[1..];
+    row.real((frames.iter()).flat_map(|frame| [frame.origin.x, frame.origin.y, frame.angle]));
+    row.real(frames.iter().zip(first).flat_map(|(frame, first)| {
+        first.map_or([0.0; 3], |_| {
+            [frame.velocity.x, frame.velocity.y, frame.spin]
+        })
+    }));
+    let a = &dynamics.accelerations;
+    row.real(
+        (first.iter()).flat_map(|first| first.map_or([0.0; 3], |i| [a[i], a[i + 1], a[i + 2]])),
+    );
+}
+
+fn write_joints(row: &mut Row, dynamics: &MechanismDynamics) {
+    let joints = dynamics.model.joints.len();
+    row.real((0..joints).flat_map(|joint| dynamics.reaction(joint)));
+    let mut residuals = [vec![0.0f64; joints], vec![0.0f64; joints]];
+    for (equation, line) in dynamics.model.equations.iter().zip(&dynamics.rows) {
+        let found = [
+            equation.residual(line),
+            equation.residual_rate(line, &dynamics.frames),
+        ];
+        for (largest, found) in residuals.iter_mut().zip(found) {
+            let largest = &mut largest[equation.joint];
+            *largest = largest.max(found.abs());
+        }
+    }
+    for residual in residuals {
+        row.real(residual);
+    }
+    let forces: Vec<f64> = (0..joints)
+        .map(|joint| dynamics.joint_force(joint))
+        .collect();
+    row.close_peaks(JOINTS, &forces);
+}
+
+fn write_contacts(row: &mut Row, dynamics: &MechanismDynamics, impacts: &[f64]) {
+    let model = &dynamics.model;
+    let forces: Vec<f64> = dynamics.pushes().map(|push| push.norm()).collect();
+    row.real(forces.iter().copied());
+    row.real(dynamics.pushes().flat_map(<[f64; 2]>::from));
+    row.real(impacts.iter().copied());
+    let sides = || model.contacts.iter().zip(&model.sides_of_contact);
+    row.real(sides().map(|(contact, sides)| {
+        let touches = &dynamics.touches[sides.clone()];
+        let depths = touches.iter().map(|touch| touch.contact.penetration);
+        let depth = depths.fold(f64::NEG_INFINITY, f64::max);
+        if depth > 0.0 {
+            depth
+        } else {
+            contact.penetration(&dynamics.frames, &dynamics.memory[sides.clone()])
+        }
+    }));
+    let teeth = || sides().map(|(_, sides)| dynamics.touches[sides.start].tooth);
+    // A sprocket has few teeth.
+    row.whole(teeth().map(|tooth| tooth.map_or(-1, |tooth| tooth.gap.cast_signed())));
+    row.whole(teeth().map(|tooth| tooth.map_or(0, |tooth| i32::from(tooth.region))));
+    row.close_peaks(CONTACTS, &forces);
+}
+
+impl MechanismDynamics {
+    /// Magnitude of a joint's force \[N\].
+    pub(crate) fn joint_force(&self, joint: usize) -> f64 {
+        let [x, y, _] = self.reaction(joint);
+        x.hypot(y)
+    }
+
+    /// Largest initial impact velocity of each contact among the onsets up to `t` that no row has yet \[m/s\].
+    fn take_impact_velocities(&mut self, t: f64) -> Vec<f64> {
+        let mut largest = vec![0.0f64; self.model.contacts.len()];
+        if let Some(onsets) = &mut self.unreported_onsets {
+            onsets.retain(|onset| {
+                if onset.time <= t {
+                    let largest = &mut largest[onset.contact];
+                    *largest = largest.max(onset.velocity);
+                }
+                onset.time > t
+            });
+        }
+        largest
+    }
+}

@@ -1,0 +1,230 @@
+//! A mechanism as a system that a run steps.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::contact::event_screening::ContactEnd;
+use super::contact::impact_memory::Memory;
+use super::dynamics::MechanismDynamics;
+use super::model::MechanismModel;
+use super::report::{self, JOINTS, MechanismGroups};
+use crate::error::Result;
+use crate::integrator::{Adams, Step};
+use crate::system::{Channel, Energy, EventCounts, Identity, PowerSum, Row, System, hash};
+
+/// Energy dissipated and external work of a mechanism \[J\]: sums that are components of the solution.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct MechanismSums {
+    /// Lost in dampers and contacts, with what bristles store: [`System::without_stored`] takes that off.
+    pub dissipated: f64,
+    /// Put in by applied forces and drivers.
+    pub external_work: f64,
+}
+
+impl std::ops::Add for MechanismSums {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            dissipated: self.dissipated + other.dissipated,
+            external_work: self.external_work + other.external_work,
+        }
+    }
+}
+
+impl std::ops::AddAssign for MechanismSums {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl PowerSum for MechanismSums {
+    fn scaled(self, factor: f64) -> Self {
+        Self {
+            dissipated: factor * self.dissipated,
+            external_work: factor * self.external_work,
+        }
+    }
+
+    fn totals(&self) -> [f64; 2] {
+        [self.dissipated, self.external_work]
+    }
+}
+
+/// All that decides, with the integrator's state, how the dynamics go on.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct MechanismCheckpoint {
+    shift: Vec<f64>,
+    memory: Vec<Memory>,
+    /// Where the last step began: its time, shift and memory.
+    step_start: (f64, Vec<f64>, Vec<Memory>),
+    starts: Vec<ContactEnd>,
+    onsets: u64,
+}
+
+impl System for MechanismDynamics {
+    type Model = MechanismModel;
+    type Groups = MechanismGroups;
+    type Powers = MechanismSums;
+    type Checkpoint = MechanismCheckpoint;
+
+    const KIND: &'static str = "mechanism";
+    /// A step of a large mechanism takes a good part of a second.
+    const STEPS_BETWEEN_CLOCK_READINGS: u32 = 1;
+
+    fn model(&self) -> &Arc<MechanismModel> {
+        &self.model
+    }
+
+    fn identity(&self) -> Vec<Identity> {
+        let model = &self.model;
+        let bodies = (&model.bodies, &model.gravity, &model.equations, &model.pins);
+        let text = format!("{:?}", (bodies, &model.forces, &model.contacts));
+        vec![
+            Identity {
+                field: "mechanism",
+                value: format!("model {:016x}", hash(text.as_bytes())),
+                remedy: "the state is of another mechanism; make the simulation with that one, described the same, in the same order",
+            },
+            Identity {
+                field: "stabilisation",
+                value: format!("{:?}", self.stabilisation),
+                remedy: "make the simulation with the stabilisation of the state",
+            },
+        ]
+    }
+
+    fn begin_step(&mut self, adams: &mut Adams) {
+        self.keep_step_start(adams);
+    }
+
+    fn finish_step(&mut self, adams: &mut Adams, step: &Step) -> Result<()> {
+        self.unbend_parted(adams);
+        self.find_onsets(adams, step);
+        self.project_step_end(adams)
+    }
+
+    fn longest_step(&mut self, adams: &Adams) -> f64 {
+        self.begin_screening();
+        // Twice the step that would be next: whether it is near to its limit is asked for, too.
+        let within = if adams.is_starting() {
+            adams.control().max_step
+        } else {
+            2.0 * adams.step_size()
+        };
+        self.longest_step_within(adams.time(), within)
+    }
+
+    fn go_back(&mut self, adams: &mut Adams) {
+        self.return_to_step_start(adams);
+    }
+
+    fn culprit(&mut self, _adams: &Adams, _time: f64, component: usize) -> String {
+        self.describe_culprit(component)
+    }
+
+    fn busiest(&self) -> String {
+        format!("the mechanism{}", self.hardest_pressed())
+    }
+
+    fn event_counts(&self) -> EventCounts {
+        EventCounts {
+            onsets: self.onsets,
+            ..EventCounts::default()
+        }
+    }
+
+    fn sums_at(&self, _t: f64) -> MechanismSums {
+        self.sums
+    }
+
+    fn energy(&self) -> Energy {
+        self.energies()
+    }
+
+    fn without_stored(&self, mut sums: MechanismSums) -> MechanismSums {
+        sums.dissipated -= self.loads.bristles;
+        sums
+    }
+
+    /// What is exchanged between two reports, as in a bounce, counts.
+    fn energy_at_step_end(&self) -> Option<Energy> {
+        Some(self.energies())
+    }
+
+    fn records_energy(groups: MechanismGroups) -> bool {
+        groups.energy
+    }
+
+    fn channels(&self, groups: MechanismGroups) -> Vec<Channel> {
+        report::channels(&self.model, groups)
+    }
+
+    fn peak_sizes(&self, groups: MechanismGroups) -> Vec<usize> {
+        let of = |recorded: bool, count: usize| if recorded { count } else { 0 };
+        vec![
+            of(groups.joints, self.model.joints.len()),
+            of(groups.contacts, self.model.contacts.len()),
+        ]
+    }
+
+    fn evaluate_step_end(&mut self, adams: &Adams) {
+        self.differentiate(adams.time(), adams.y());
+    }
+
+    fn write_peak_forces(&self, kind: usize, forces: &mut [f64]) {
+        if kind == JOINTS {
+            for (joint, force) in forces.iter_mut().enumerate() {
+                *force = self.joint_force(joint);
+            }
+        } else {
+            for (force, push) in forces.iter_mut().zip(self.pushes()) {
+                *force = push.norm();
+            }
+        }
+    }
+
+    fn set_recorded(&mut self, groups: Option<MechanismGroups>) {
+        self.unreported_onsets = groups.filter(|groups| groups.contacts).map(|_| Vec::new());
+    }
+
+    fn evaluate_report(&mut self, adams: &Adams, t: f64, _groups: MechanismGroups) {
+        self.evaluate_inside(adams, t);
+    }
+
+    fn write_row(&mut self, row: &mut Row, t: f64, groups: MechanismGroups) {
+        report::write_row(row, self, t, groups);
+    }
+
+    fn checkpoint(&self) -> MechanismCheckpoint {
+        let start = &self.step;
+        MechanismCheckpoint {
+            shift: self.shift.clone(),
+            memory: self.memory.clone(),
+            step_start: (start.time, start.shift.clone(), start.memory.clone()),
+            starts: self.starts.clone(),
+            onsets: self.onsets,
+        }
+    }
+
+    fn restored(&self, checkpoint: &MechanismCheckpoint, adams: &Adams) -> Option<Self> {
+        let (time, shift, memory) = &checkpoint.step_start;
+        let alike = checkpoint.shift.len() == self.shift.len()
+            && checkpoint.memory.len() == self.memory.len()
+            && shift.len() == self.shift.len()
+            && memory.len() == self.memory.len()
+            && checkpoint.starts.len() == self.starts.len();
+        let mut dynamics = alike.then(|| self.clone())?;
+        dynamics.shift.clone_from(&checkpoint.shift);
+        // A shift is written where a step ends.
+        dynamics.shift_time = adams.time();
+        dynamics.memory.clone_from(&checkpoint.memory);
+        dynamics.step.time = *time;
+        dynamics.step.shift.clone_from(shift);
+        dynamics.step.memory.clone_from(memory);
+        dynamics.starts.clone_from(&checkpoint.starts);
+        dynamics.onsets = checkpoint.onsets;
+        Some(dynamics)
+    }
+}

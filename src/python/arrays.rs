@@ -1,0 +1,78 @@
+//! Rows and recordings as `NumPy` arrays.
+
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::errors::to_python;
+use crate::error::Error;
+use crate::system::{Recording, Values};
+
+pub(super) type Rows = Vec<[f64; 3]>;
+
+/// Rows of three numbers, one a body.
+pub(super) fn rows(
+    py: Python<'_>,
+    field: &str,
+    array: Option<&PyReadonlyArray2<'_, f64>>,
+) -> PyResult<Option<Rows>> {
+    let Some(array) = array else { return Ok(None) };
+    let array = array.as_array();
+    if array.ncols() != 3 {
+        return Err(to_python(
+            py,
+            &Error::invalid(
+                field,
+                format!("an array of shape ({}, {})", array.nrows(), array.ncols()),
+                "must have three columns (x, y, theta)",
+            ),
+        ));
+    }
+    Ok(Some(
+        array
+            .rows()
+            .into_iter()
+            .map(|r| [r[0], r[1], r[2]])
+            .collect(),
+    ))
+}
+
+pub(super) fn table(py: Python<'_>, rows: Rows) -> PyResult<Bound<'_, PyArray2<f64>>> {
+    let count = rows.len();
+    rows.into_iter()
+        .flatten()
+        .collect::<Vec<f64>>()
+        .into_pyarray(py)
+        .reshape([count, 3])
+}
+
+/// All channels of a recording, time first.
+pub(super) fn recorded(py: Python<'_>, recording: Recording) -> PyResult<Bound<'_, PyDict>> {
+    let rows = recording.time.len();
+    let arrays = PyDict::new(py);
+    arrays.set_item("time", recording.time.into_pyarray(py))?;
+    for channel in recording.channels {
+        let shape: Vec<usize> = std::iter::once(rows).chain(channel.row_shape).collect();
+        match channel.values {
+            Values::Real(values) => {
+                arrays.set_item(channel.name, values.into_pyarray(py).reshape(shape)?)?;
+            }
+            Values::Whole(values) => {
+                arrays.set_item(channel.name, values.into_pyarray(py).reshape(shape)?)?;
+            }
+        }
+    }
+    Ok(arrays)
+}
+
+/// The last row of a channel of real numbers, flat.
+pub(super) fn last_row<'py>(
+    py: Python<'py>,
+    recording: &Recording,
+    name: &str,
+) -> Option<Bound<'py, PyArray1<f64>>> {
+    let length = recording.channel(name)?.row_length();
+    let values = recording.real(name);
+    let row = values.len().checked_sub(length)?;
+    Some(PyArray1::from_slice(py, &values[row..]))
+}

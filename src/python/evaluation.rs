@@ -1,0 +1,188 @@
+//! Evaluations and states as dictionaries of arrays.
+
+use numpy::{IntoPyArray, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::arrays::{recorded, table};
+use crate::chain::dynamics::Dynamics;
+use crate::chain::model::Model;
+use crate::run::simulation::Statistics;
+use crate::system::Recording;
+
+/// Values over (bushings, sprockets) from values over pairs.
+fn by_bushing<T>(model: &Model, value: impl Fn(usize) -> T) -> Vec<T> {
+    let (links, sprockets) = (model.links, model.sprockets.len());
+    (0..links)
+        .flat_map(|k| (0..sprockets).map(move |s| s * links + k))
+        .map(value)
+        .collect()
+}
+
+/// What contacts of a drive remember, and which of them ended in the last step.
+pub(super) fn set_contact_memory(
+    py: Python<'_>,
+    dynamics: &Dynamics,
+    state: &Bound<'_, PyDict>,
+) -> PyResult<()> {
+    let model = dynamics.model();
+    let (memory, parted) = (&dynamics.memory, dynamics.parted());
+    state.set_item(
+        "hinge_onset_speed",
+        memory.hinge_speed().to_vec().into_pyarray(py),
+    )?;
+    state.set_item(
+        "tooth_onset_speed",
+        by_bushing(model, |pair| memory.tooth_speed[pair])
+            .into_pyarray(py)
+            .reshape([model.links, model.sprockets.len()])?,
+    )?;
+    state.set_item(
+        "tooth_onset_surface",
+        by_bushing(model, |pair| i32::from(memory.tooth_surface[pair].0))
+            .into_pyarray(py)
+            .reshape([model.links, model.sprockets.len()])?,
+    )?;
+    if model.rollers.is_some() {
+        let speeds = memory.roller_speed().to_vec();
+        state.set_item("roller_onset_speed", speeds.into_pyarray(py))?;
+        let parted = dynamics.parted_rollers();
+        state.set_item("parted_rollers", parted.into_pyarray(py))?;
+    }
+    state.set_item("parted_hinges", parted.0.into_pyarray(py))?;
+    state.set_item("parted_tooth_pairs", parted.1.into_pyarray(py))?;
+    Ok(())
+}
+
+/// Counts and wall times of a run.
+pub(super) fn statistics<'py>(
+    py: Python<'py>,
+    statistics: &Statistics,
+) -> PyResult<Bound<'py, PyDict>> {
+    let stats = PyDict::new(py);
+    stats.set_item("steps", statistics.counts.steps)?;
+    stats.set_item("rejected", statistics.counts.rejected)?;
+    stats.set_item("evaluations", statistics.counts.evaluations)?;
+    stats.set_item("meter_evaluations", statistics.meter_evaluations)?;
+    stats.set_item("jacobians", statistics.counts.jacobians)?;
+    stats.set_item("onsets", statistics.onsets)?;
+    stats.set_item("onsets_at_floor", statistics.onsets_at_floor)?;
+    stats.set_item("unseen_touches", statistics.unseen_touches)?;
+    stats.set_item("wall_stepping", statistics.wall_stepping)?;
+    stats.set_item("wall_onsets", statistics.wall_onsets)?;
+    stats.set_item("wall_reports", statistics.wall_reports)?;
+    Ok(stats)
+}
+
+/// Accelerations, reactions and contacts of one row of a mechanism.
+pub(super) fn mechanism_evaluation(py: Python<'_>, row: Recording) -> PyResult<Bound<'_, PyDict>> {
+    let all = recorded(py, row)?;
+    let found = PyDict::new(py);
+    for name in [
+        "accelerations",
+        "joint_reaction",
+        "contact_force",
+        "contact_penetration",
+        "contact_force_vector",
+        "contact_gap",
+        "contact_region",
+    ] {
+        let rows = all.get_item(name)?;
+        found.set_item(name, rows.map(|rows| rows.get_item(0)).transpose()?)?;
+    }
+    Ok(found)
+}
+
+/// Accelerations and contacts of a drive.
+#[allow(clippy::cast_possible_wrap)] // gaps are few
+pub(super) fn drive_evaluation<'py>(
+    py: Python<'py>,
+    dynamics: &Dynamics,
+) -> PyResult<Bound<'py, PyDict>> {
+    let model = dynamics.model();
+    let (links, sprockets) = (model.links, model.sprockets.len());
+    let (hinges, teeth, a) = (&dynamics.hinges, &dynamics.teeth, &dynamics.accelerations);
+    let near = |pair: usize| teeth.penetration[pair] > f64::NEG_INFINITY;
+    let accelerations = (0..model.bodies())
+        .map(|i| [a.x[i], a.y[i], a.angle[i]])
+        .collect();
+    let shape = [links, sprockets];
+    let found = PyDict::new(py);
+    found.set_item("accelerations", table(py, accelerations)?)?;
+    found.set_item("hinge_force", hinges.force.clone().into_pyarray(py))?;
+    found.set_item(
+        "hinge_penetration",
+        hinges.penetration.clone().into_pyarray(py),
+    )?;
+    let on_pins: Vec<f64> = (0..links)
+        .flat_map(|k| <[f64; 2]>::from(hinges.force_on_pin(k)))
+        .collect();
+    found.set_item(
+        "hinge_force_vector",
+        on_pins.into_pyarray(py).reshape([links, 2])?,
+    )?;
+    if model.rollers.is_some() {
+        let rollers = &dynamics.rollers;
+        found.set_item("roller_force", rollers.force.clone().into_pyarray(py))?;
+        let depths = rollers.penetration.clone();
+        found.set_item("roller_penetration", depths.into_pyarray(py))?;
+        let on_rollers: Vec<f64> = (0..links)
+            .flat_map(|k| <[f64; 2]>::from(rollers.force_on_roller(k)))
+            .collect();
+        let on_rollers = on_rollers.into_pyarray(py).reshape([links, 2])?;
+        found.set_item("roller_force_vector", on_rollers)?;
+    }
+    let real =
+        |value: &dyn Fn(usize) -> f64| by_bushing(model, value).into_pyarray(py).reshape(shape);
+    found.set_item(
+        "tooth_force",
+        real(&|p| if near(p) { teeth.force[p] } else { 0.0 })?,
+    )?;
+    found.set_item("tooth_penetration", real(&|p| teeth.penetration[p])?)?;
+    let vectors: Vec<f64> = by_bushing(model, |p| {
+        if near(p) {
+            <[f64; 2]>::from(teeth.force_on_bushing(p))
+        } else {
+            [0.0; 2]
+        }
+    })
+    .into_iter()
+    .flatten()
+    .collect();
+    found.set_item(
+        "tooth_force_vector",
+        vectors.into_pyarray(py).reshape([links, sprockets, 2])?,
+    )?;
+    let bent = &dynamics.bristles.deflection;
+    let places = &model.bristles;
+    let first = |range: &std::ops::Range<usize>| range.start - places.hinges.start;
+    if !places.hinges.is_empty() {
+        let hinges = bent[..links].to_vec();
+        found.set_item("hinge_bristle", hinges.into_pyarray(py))?;
+    }
+    if !places.rollers.is_empty() {
+        let rollers = bent[first(&places.rollers)..][..links].to_vec();
+        found.set_item("roller_bristle", rollers.into_pyarray(py))?;
+    }
+    if !places.teeth.is_empty() {
+        let teeth = &bent[first(&places.teeth)..];
+        found.set_item("tooth_bristle", real(&|p| teeth[p])?)?;
+    }
+    let whole =
+        |value: &dyn Fn(usize) -> i32| by_bushing(model, value).into_pyarray(py).reshape(shape);
+    found.set_item(
+        "tooth_region",
+        whole(&|p| {
+            if near(p) {
+                i32::from(teeth.region[p])
+            } else {
+                0
+            }
+        })?,
+    )?;
+    found.set_item(
+        "tooth_index",
+        whole(&|p| if near(p) { teeth.gap[p] as i32 } else { -1 })?,
+    )?;
+    Ok(found)
+}

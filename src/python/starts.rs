@@ -1,0 +1,89 @@
+//! What a run is made with: a start of the caller's own, stabilisation, wall time; and words for what it warns of.
+
+use std::time::Duration;
+
+use numpy::PyReadonlyArray2;
+use pyo3::prelude::*;
+
+use super::arrays::rows;
+use super::describe;
+use super::errors::to_python;
+use super::mechanism_callable::Raised;
+use crate::chain::contact::ToothJump;
+use crate::drive::Drive;
+use crate::error::Error;
+use crate::layout::InitialConfiguration;
+use crate::multibody::Stabilisation;
+use crate::panics::contained;
+
+/// How a mechanism is kept on its constraints.
+pub(super) fn stabilisation(
+    py: Python<'_>,
+    baumgarte: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Stabilisation> {
+    let Some(value) = baumgarte else {
+        return Ok(Stabilisation::Projection);
+    };
+    let frequency = describe::finite(value, "baumgarte", "rad/s")?;
+    let allowed = crate::error::check::not_negative("baumgarte", frequency, "rad/s");
+    describe::checked(py, allowed)?;
+    Ok(Stabilisation::Baumgarte(frequency))
+}
+
+/// Whether Ctrl-C was pressed, which is then what was raised.
+pub(super) fn interrupted(py: Python<'_>, raised: &Raised) -> bool {
+    let Err(error) = py.check_signals() else {
+        return false;
+    };
+    if let Ok(mut slot) = raised.lock() {
+        *slot = Some(error);
+    }
+    true
+}
+
+/// Tooth jumps in words: how many, and the first; nothing where there are none.
+pub(super) fn describe_tooth_jumps(jumps: &[ToothJump]) -> Option<String> {
+    let first = jumps.first()?;
+    let teeth = if jumps.len() == 1 { "tooth" } else { "teeth" };
+    let (number, time) = (first.sprocket + 1, first.time);
+    Some(format!(
+        "the chain jumped {} {teeth}, first on sprocket {number} at t = {time:.6} s: outputs that need a \
+         seated chain do not hold there; raise the pretension or lower the load, see Result.tooth_jumps",
+        jumps.len()
+    ))
+}
+
+/// A start of the caller's own; of velocities alone, with the generated positions. `None` where nothing is given.
+pub(super) fn own_start(
+    py: Python<'_>,
+    drive: &Drive,
+    positions: Option<&PyReadonlyArray2<'_, f64>>,
+    velocities: Option<&PyReadonlyArray2<'_, f64>>,
+) -> PyResult<Option<InitialConfiguration>> {
+    let positions = rows(py, "positions", positions)?;
+    let velocities = rows(py, "velocities", velocities)?;
+    match (positions, velocities) {
+        (None, None) => Ok(None),
+        (Some(positions), Some(velocities)) => Ok(Some(InitialConfiguration {
+            positions,
+            velocities,
+        })),
+        (None, Some(velocities)) => {
+            let generated = contained(|| InitialConfiguration::generate(drive));
+            let (generated, _) = describe::checked(py, generated)?;
+            Ok(Some(InitialConfiguration {
+                positions: generated.positions,
+                velocities,
+            }))
+        }
+        (Some(_), None) => Err(to_python(
+            py,
+            &Error::invalid("velocities", "None", "must be given when positions are"),
+        )),
+    }
+}
+
+/// Wall time of so many seconds.
+pub(super) fn budget(seconds: f64) -> Duration {
+    Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)
+}

@@ -1,0 +1,124 @@
+//! A run of a system whose kind is known at run time only.
+
+use std::time::Duration;
+
+use super::mechanism::MechanismSimulation;
+use super::simulation::{Simulation, Statistics};
+use crate::error::Result;
+use crate::system::Recording;
+
+/// A run of a chain drive or of a mechanism.
+#[derive(Debug, Clone)]
+#[allow(clippy::large_enum_variant)] // one value a run
+pub enum AnySimulation {
+    /// Of a chain drive.
+    Drive(Simulation),
+    /// Of a mechanism.
+    Mechanism(MechanismSimulation),
+}
+
+/// Evaluates an expression with the simulation of whatever kind.
+macro_rules! of_any {
+    ($any:expr, $simulation:ident => $result:expr) => {
+        match $any {
+            AnySimulation::Drive($simulation) => $result,
+            AnySimulation::Mechanism($simulation) => $result,
+        }
+    };
+}
+
+impl AnySimulation {
+    /// Present time \[s\].
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        of_any!(self, simulation => simulation.time())
+    }
+
+    /// Names of the bodies.
+    #[must_use]
+    pub fn body_names(&self) -> Vec<String> {
+        of_any!(self, simulation => simulation.model().body_names())
+    }
+
+    /// Positions of all bodies at the present time.
+    pub fn positions(&mut self) -> Vec<[f64; 3]> {
+        match self {
+            Self::Drive(simulation) => simulation.motion().positions(),
+            Self::Mechanism(simulation) => simulation.motion(false),
+        }
+    }
+
+    /// Velocities of all bodies at the present time.
+    pub fn velocities(&mut self) -> Vec<[f64; 3]> {
+        match self {
+            Self::Drive(simulation) => simulation.motion().velocities(),
+            Self::Mechanism(simulation) => simulation.motion(true),
+        }
+    }
+
+    /// See [`Simulation::statistics`].
+    #[must_use]
+    pub fn statistics(&self) -> Statistics {
+        of_any!(self, simulation => simulation.statistics())
+    }
+
+    /// See [`Simulation::balance_note`].
+    #[must_use]
+    pub fn balance_note(&self) -> Option<&str> {
+        of_any!(self, simulation => simulation.balance_note())
+    }
+
+    /// See [`Simulation::record`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn record(&mut self, budget: Duration) -> Result<bool> {
+        of_any!(self, simulation => simulation.record(budget))
+    }
+
+    /// See [`Simulation::advance`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn advance(&mut self, target: f64, budget: Duration) -> Result<bool> {
+        of_any!(self, simulation => simulation.advance(target, budget))
+    }
+
+    /// See [`Simulation::pause_at_reports`].
+    pub fn pause_at_reports(&mut self) {
+        of_any!(self, simulation => simulation.pause_at_reports());
+    }
+
+    /// See [`Simulation::recording`].
+    #[must_use]
+    pub fn recording(&self) -> Option<&Recording> {
+        of_any!(self, simulation => simulation.recording())
+    }
+
+    /// See [`Simulation::take_recording`].
+    pub fn take_recording(&mut self) -> Recording {
+        of_any!(self, simulation => simulation.take_recording())
+    }
+
+    /// The state as bytes.
+    ///
+    /// # Errors
+    /// After a panic in a step.
+    pub fn state(&self) -> Result<Vec<u8>> {
+        of_any!(self, simulation => {
+            simulation.check_intact()?;
+            simulation.snapshot().to_bytes()
+        })
+    }
+
+    /// Goes on from the state that `bytes` hold.
+    ///
+    /// # Errors
+    /// When they hold none, or one of another scene; the simulation is then what it was.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<()> {
+        of_any!(self, simulation => {
+            let snapshot = super::simulation::Snapshot::from_bytes(bytes)?;
+            simulation.restore(&snapshot)
+        })
+    }
+}

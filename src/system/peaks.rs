@@ -1,0 +1,85 @@
+//! Largest forces and impulses between two reports, from the forces at the ends of the steps.
+
+/// Largest force and impulse of every contact of a kind since the last report.
+#[derive(Debug, Clone)]
+pub struct Peaks {
+    time: f64,
+    last: Vec<f64>,
+    /// Forces at the end of the step under way.
+    pub(crate) arriving: Vec<f64>,
+    force: Vec<f64>,
+    impulse: Vec<f64>,
+}
+
+impl Peaks {
+    pub(crate) fn new(contacts: usize, t: f64) -> Self {
+        let zeros = || vec![0.0; contacts];
+        Self {
+            time: t,
+            last: zeros(),
+            arriving: zeros(),
+            force: zeros(),
+            impulse: zeros(),
+        }
+    }
+
+    /// Takes in the forces that have been set aside for time `t`.
+    pub(crate) fn arrive(&mut self, t: f64) {
+        let forces = std::mem::take(&mut self.arriving);
+        self.account(t, &forces);
+        self.arriving = forces;
+    }
+
+    /// Adds the trapezoid from the last forces to these.
+    fn account(&mut self, t: f64, forces: &[f64]) {
+        let half = 0.5 * (t - self.time);
+        for (i, &force) in forces.iter().enumerate() {
+            self.force[i] = self.force[i].max(force);
+            self.impulse[i] += half * (self.last[i] + force);
+        }
+        self.last.copy_from_slice(forces);
+        self.time = t;
+    }
+
+    /// Ends an interval with the forces of a report at `t`; returns largest forces and impulses, which are zero at the `first` report.
+    pub(crate) fn close(&mut self, t: f64, forces: &[f64], first: bool) -> [&[f64]; 2] {
+        self.account(t, forces);
+        if first {
+            self.force.fill(0.0);
+            self.impulse.fill(0.0);
+        }
+        [&self.force, &self.impulse]
+    }
+
+    /// Begins the next interval, with the last forces.
+    pub(crate) fn begin_interval(&mut self) {
+        self.force.copy_from_slice(&self.last);
+        self.impulse.fill(0.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_peak_between_two_reports_is_kept_with_its_impulse() {
+        let mut peaks = Peaks::new(1, 1.0);
+        let close = |peaks: &mut Peaks, t: f64, force: f64, first: bool| {
+            let [largest, impulse] = peaks.close(t, &[force], first).map(|values| values[0]);
+            peaks.begin_interval();
+            (largest, impulse)
+        };
+        assert_eq!(close(&mut peaks, 1.0, 3.0, true), (0.0, 0.0));
+        for (t, force) in [(1.5, 5.0), (2.0, 1.0)] {
+            peaks.arriving[0] = force;
+            peaks.arrive(t);
+        }
+        assert_eq!(close(&mut peaks, 3.0, 2.0, false), (5.0, 2.0 + 1.5 + 1.5));
+        // A report inside a step comes before the step's end.
+        peaks.arriving[0] = 8.0;
+        assert_eq!(close(&mut peaks, 4.0, 4.0, false), (4.0, 3.0));
+        peaks.arrive(5.0);
+        assert_eq!(close(&mut peaks, 6.0, 0.0, false), (8.0, 10.0));
+    }
+}

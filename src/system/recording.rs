@@ -1,0 +1,144 @@
+//! What a run records: one row of each channel at each report time.
+
+use super::peaks::Peaks;
+
+/// Values of one channel, row after row.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// Real numbers.
+    Real(Vec<f64>),
+    /// Whole numbers.
+    Whole(Vec<i32>),
+}
+
+/// One recorded quantity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// Its name.
+    pub name: &'static str,
+    /// Shape of one row; empty for a number.
+    pub row_shape: Vec<usize>,
+    /// All rows.
+    pub values: Values,
+}
+
+impl Channel {
+    /// A channel of real numbers without rows.
+    #[must_use]
+    pub fn real(name: &'static str, row_shape: &[usize]) -> Self {
+        Self {
+            name,
+            row_shape: row_shape.to_vec(),
+            values: Values::Real(Vec::new()),
+        }
+    }
+
+    /// A channel of whole numbers without rows.
+    #[must_use]
+    pub fn whole(name: &'static str, row_shape: &[usize]) -> Self {
+        Self {
+            values: Values::Whole(Vec::new()),
+            ..Self::real(name, row_shape)
+        }
+    }
+
+    /// How many numbers a row has.
+    #[must_use]
+    pub fn row_length(&self) -> usize {
+        self.row_shape.iter().product()
+    }
+}
+
+/// What was recorded: one row of each channel at each time.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Recording {
+    /// Report times \[s\].
+    pub time: Vec<f64>,
+    /// The channels.
+    pub channels: Vec<Channel>,
+}
+
+impl Recording {
+    /// The channel of this name.
+    #[must_use]
+    pub fn channel(&self, name: &str) -> Option<&Channel> {
+        self.channels.iter().find(|channel| channel.name == name)
+    }
+
+    /// All rows of a channel of real numbers, one after another; empty where there is no such channel.
+    #[must_use]
+    pub fn real(&self, name: &str) -> &[f64] {
+        match self.channel(name).map(|channel| &channel.values) {
+            Some(Values::Real(values)) => values,
+            _ => &[],
+        }
+    }
+
+    /// The same of whole numbers.
+    #[must_use]
+    pub fn whole(&self, name: &str) -> &[i32] {
+        match self.channel(name).map(|channel| &channel.values) {
+            Some(Values::Whole(values)) => values,
+            _ => &[],
+        }
+    }
+
+    /// Drops the numbers of a row that was cut short.
+    pub(crate) fn truncate_to_whole_rows(&mut self) {
+        let rows = self.time.len();
+        for channel in &mut self.channels {
+            let numbers = rows * channel.row_length();
+            match &mut channel.values {
+                Values::Real(values) => values.truncate(numbers),
+                Values::Whole(values) => values.truncate(numbers),
+            }
+        }
+    }
+}
+
+/// A row being written: its channels in the order in which they were added.
+#[derive(Debug)]
+pub struct Row<'a> {
+    pub(crate) channels: std::slice::IterMut<'a, Channel>,
+    pub(crate) peaks: &'a mut [Peaks],
+    /// Its time \[s\].
+    pub(crate) time: f64,
+    /// Whether it is the first row.
+    pub(crate) first: bool,
+}
+
+impl Row<'_> {
+    pub(crate) fn real(&mut self, values: impl IntoIterator<Item = f64>) {
+        if let Some(Channel {
+            values: Values::Real(all),
+            ..
+        }) = self.channels.next()
+        {
+            all.extend(values);
+        }
+    }
+
+    pub(crate) fn whole(&mut self, values: impl IntoIterator<Item = i32>) {
+        if let Some(Channel {
+            values: Values::Whole(all),
+            ..
+        }) = self.channels.next()
+        {
+            all.extend(values);
+        }
+    }
+
+    /// Ends the interval of the peaks of a kind with the `forces` of this row, and writes largest forces and impulses.
+    pub(crate) fn close_peaks(&mut self, kind: usize, forces: &[f64]) {
+        for values in self.peaks[kind].close(self.time, forces, self.first) {
+            if let Some(Channel {
+                values: Values::Real(all),
+                ..
+            }) = self.channels.next()
+            {
+                all.extend(values);
+            }
+        }
+        self.peaks[kind].begin_interval();
+    }
+}
