@@ -27,14 +27,14 @@ const DURATION: f64 = 6e-3;
 fn case(pretension: f64) -> Case {
     let mut drive = paper_drive();
     drive.tensioner = (pretension > 0.0).then(|| tensioner(pretension, 1e-3));
-    of_drive(drive, ForceLaws::default())
+    of_drive(drive, &ForceLaws::default())
 }
 
-fn of_drive(drive: Drive, laws: ForceLaws) -> Case {
+fn of_drive(drive: Drive, laws: &ForceLaws) -> Case {
     Case {
         scene: Scene::Drive {
             drive: Box::new(drive),
-            laws,
+            laws: *laws,
             start: None,
             groups: ALL,
         },
@@ -57,7 +57,7 @@ fn mixed() -> Vec<Case> {
     cases[1].duration = 5e-3;
     let mut laws = ForceLaws::default();
     laws.tooth.damping = Damping::None;
-    cases[3] = of_drive(paper_drive(), laws);
+    cases[3] = of_drive(paper_drive(), &laws);
     cases
 }
 
