@@ -116,7 +116,7 @@ bench: build ## Measure; BENCH_ARGS=--quick for a first look, BENCH_ARGS=hertz f
 	cargo bench --bench '*' -- $(BENCH_ARGS)
 	$(BIN)/python benches/numpy_reference.py
 
-bench-smoke: build rivals ## Run every benchmark once, without measuring
+bench-smoke: build reference-solvers ## Run every benchmark once, without measuring
 	cargo bench --bench '*' -- --test
 	$(BIN)/python benches/numpy_reference.py --test
 	$(BIN)/python benches/robustness.py --test
@@ -126,12 +126,12 @@ bench-smoke: build rivals ## Run every benchmark once, without measuring
 robustness: build ## Run scenes that are hard in different ways, 2 s each, and write docs/performance/robustness.md
 	$(BIN)/python benches/robustness.py --write $(BENCH_ARGS)
 
-work-precision: build rivals ## Run time against error, beside rivals: docs/performance/work-precision.md anew, in 12 minutes
+work-precision: build reference-solvers ## Measure run time against error beside other solvers and rewrite docs/performance/work-precision.md (12 minutes)
 	OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python benches/work_precision.py
 
 # Other integrators, and the right-hand side that they call.
-.PHONY: rivals
-rivals: $(STAMPS)/bench-tools
+.PHONY: reference-solvers
+reference-solvers: $(STAMPS)/bench-tools
 	cargo build --release --locked --quiet --manifest-path benches/compiled_rhs/Cargo.toml
 
 # --- documentation

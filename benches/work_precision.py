@@ -1,4 +1,4 @@
-"""Run time against error: this project's integrator and rivals on the same right-hand side.
+"""Run time against error: this project's integrator and other solvers on the same right-hand side.
 
 `make work-precision` builds what it needs, runs all scenes (at most 12 minutes on an idle
 machine) and writes the chart and tables of docs/performance/work-precision.md. `--only SCENE`, as
@@ -42,8 +42,8 @@ class Plan:
     known: dict = field(default_factory=dict)
     repeats: int = 5  # timed, without metering; fewer of long ones
     runs: int = 8  # metered, of this project's methods
-    rival_runs: int = 3  # metered, of the rivals
-    budget: float = 8.0  # [s] of one run of a rival
+    other_runs: int = 3  # metered, of the other solvers
+    budget: float = 8.0  # [s] of one run of another solver
     # After so much time a point gets no further run [s].
     budget_of_own_point: float = 9.0
     budget_of_point: float = 3.0
@@ -71,7 +71,7 @@ def path_plan():
         "CVODE Adams": decades(-8, -13),
         "CVODE BDF": decades(-8, -13),
     }
-    return Plan(methods, compiled, repeats=8, runs=1, rival_runs=1, budget=3.0, budget_of_point=1.0)
+    return Plan(methods, compiled, repeats=8, runs=1, other_runs=1, budget=3.0, budget_of_point=1.0)
 
 
 def loaded_path_plan():
@@ -136,7 +136,7 @@ def short(plan):
     for table in (plan.own, plan.compiled, plan.scipy, plan.known):
         for method in table:
             table[method] = table[method][1:2] or table[method][:1]
-    plan.repeats, plan.runs, plan.rival_runs, plan.budget = 1, 1, 1, 1.0
+    plan.repeats, plan.runs, plan.other_runs, plan.budget = 1, 1, 1, 1.0
     return plan
 
 
@@ -217,7 +217,7 @@ class Record:
         """Keep a scene with a known answer."""
         error = scenes.planet_error if kind == "kepler" else (lambda run, _: run.error)
         twins = [line for line in twin(self.tried) if line["kind"] == kind]
-        plan = self.prepare(Plan(known=dict(KNOWN), repeats=20, runs=0, rival_runs=0))
+        plan = self.prepare(Plan(known=dict(KNOWN), repeats=20, runs=0, other_runs=0))
         self.put(scene, scenes.known_scene(scene, problem, end, error, plan, twins))
 
     def put(self, scene, lines, reference=None):

@@ -1,1 +1,1 @@
-"""Run time against error: scenes, the own integrator, its rivals, and what is made of it."""
+"""Run time against error: scenes, the own integrator, other solvers, and what is made of it."""

@@ -1,4 +1,4 @@
-"""Rivals on the same compiled right-hand side: called from Rust, or from SciPy as users know it."""
+"""Other solvers on the same compiled right-hand side: called from Rust, or from SciPy as users know it."""
 
 from __future__ import annotations
 
@@ -272,7 +272,7 @@ def scipy_solver(problem, method, tolerance, end, wall):
 
 
 def load():
-    """Load the compiled right-hand side and the rivals; what is missing is said at once."""
+    """Load the compiled right-hand side and the other solvers; what is missing is said at once."""
     global LIBRARY, CVODE, COMPILED, SCIPY
     from scipy import integrate
 

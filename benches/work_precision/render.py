@@ -110,16 +110,16 @@ def is_known(scene):
 
 def _evaluations(counts):
     """Compare by evaluations, of which the time of a system that is not tiny consists."""
-    best = {"own": (np.inf, ""), "rival": (np.inf, "")}
+    best = {"own": (np.inf, ""), "other": (np.inf, "")}
     for method, count in counts.items():
         # Newton's method makes a matrix besides.
         if np.isfinite(count) and method not in ("rustchain Newton", "CVODE BDF"):
-            whose = "own" if method.startswith("rustchain") else "rival"
+            whose = "own" if method.startswith("rustchain") else "other"
             best[whose] = min(best[whose], (count, method))
-    (own, _), (rival, name) = best["own"], best["rival"]
-    if not np.isfinite(own + rival):
+    (own, _), (other, name) = best["own"], best["other"]
+    if not np.isfinite(own + other):
         return ""
-    return f"; by evaluations {own:.0f}, {name} {rival / own:.1f} times that"
+    return f"; by evaluations {own:.0f}, {name} {other / own:.1f} times that"
 
 
 def _load(record):
@@ -154,20 +154,20 @@ def _narrower(record, scene):
 
 
 def _verdict(scene, wanted, times, narrower):
-    """Best of this project beside CVODE, and beside the best rival, at one error."""
+    """Best of this project beside CVODE, and beside the best other, at one error."""
     own = {m: t for m, t in times.items() if m.startswith("rustchain") and np.isfinite(t)}
-    rivals = {m: t for m, t in times.items() if not m.startswith("rustchain") and np.isfinite(t)}
+    others = {m: t for m, t in times.items() if not m.startswith("rustchain") and np.isfinite(t)}
     head = f"{scene}, error {wanted:.0e}:"
     if not own:
         return [f"{head} not reached"]
     best = min(own, key=own.get)
     text = f"{head} {SHORT[best]} {own[best]:.3g}"
     text += " s" if is_known(scene) else " s/s"
-    cvode = [t for m, t in rivals.items() if m.startswith("CVODE")]
+    cvode = [t for m, t in others.items() if m.startswith("CVODE")]
     text += f"; CVODE {min(cvode) / own[best]:.1f} times that" if cvode else "; no CVODE there"
-    if rivals:
-        rival = min(rivals, key=rivals.get)
-        text += f"; best rival, {rival}, {rivals[rival] / own[best]:.1f} times"
+    if others:
+        other = min(others, key=others.get)
+        text += f"; best other solver, {other}, {others[other] / own[best]:.1f} times"
     parts = [own[m] for m in ("rustchain Newton", "rustchain PECE") if m in own]
     if parts and "rustchain auto" not in own:
         text += "; auto does not reach it"

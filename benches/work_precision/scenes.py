@@ -97,12 +97,12 @@ class Point:
 
 
 def points_of(start, end, plan):
-    """Points of this project's methods and of the rivals in compiled code."""
+    """Points of this project's methods and of the other solvers in compiled code."""
 
     def own_run(method):
         return lambda tol, energy: own.run(start, method, tol, end, energy)
 
-    def rival_run(method):
+    def other_run(method):
         return lambda tol, energy: peers.compiled(
             start, method, tol, end, wall=plan.budget, metered=energy
         )[0]
@@ -113,7 +113,7 @@ def points_of(start, end, plan):
         for tol in tolerances
     ]
     return points + [
-        Point(m, tol, rival_run(m), plan.rival_runs, plan.budget_of_point)
+        Point(m, tol, other_run(m), plan.other_runs, plan.budget_of_point)
         for m, tolerances in plan.compiled.items()
         for tol in tolerances
     ]
@@ -122,9 +122,9 @@ def points_of(start, end, plan):
 def take_turns(points, plan, spread=0.0):
     """Make all runs, a turn of every point after the other: a busy while slows all alike.
 
-    Every turn begins with another point: what runs after a rival finds cold caches.
+    Every turn begins with another point: what runs after another solver finds cold caches.
     """
-    for turn in range(max(plan.repeats, plan.runs, plan.rival_runs)):
+    for turn in range(max(plan.repeats, plan.runs, plan.other_runs)):
         first = turn % len(points)
         for point in points[first:] + points[:first]:
             point.go_on(turn, plan.repeats, spread)
@@ -274,7 +274,7 @@ def planet_error(_, y):
 
 
 def check_right_hand_side():
-    """Stop unless rivals see the accelerations that this project's `evaluate` gives."""
+    """Stop unless the other solvers see the accelerations that this project's `evaluate` gives."""
     import rustchain as rc
 
     for start in (Start(0.0), stored(25.0), stored(100.0)):
