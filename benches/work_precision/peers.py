@@ -1,4 +1,4 @@
-"""Other solvers on the same compiled right-hand side: called from Rust, or from SciPy as users know it."""
+"""Other solvers on the same compiled right-hand side: called from Rust, or from SciPy."""
 
 from __future__ import annotations
 
