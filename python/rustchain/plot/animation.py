@@ -17,11 +17,14 @@ import numpy as np
 
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
+from rustchain.description.mechanism.builder import Mechanism
 from rustchain.errors import InvalidInput, MissingExtra
 from rustchain.names import suggest
 from rustchain.paths import check_writable, path_of, write_whole
 from rustchain.plot.canvas import Canvas
-from rustchain.plot.shapes import Forces, Shapes, shapes_of
+from rustchain.plot.drive_shapes import shapes_of_drive
+from rustchain.plot.mechanism_shapes import shapes_of_mechanism
+from rustchain.plot.shapes import Forces, Shapes
 from rustchain.typing import Array, Time
 
 if TYPE_CHECKING:
@@ -123,7 +126,12 @@ class Animation:
     @cached_property
     def shapes(self) -> Shapes:
         """Outlines of the scene, with those groups of forces that were recorded."""
-        found = shapes_of(self.result.scene)
+        system = self.result.scene.system
+        found = (
+            shapes_of_mechanism(system)
+            if isinstance(system, Mechanism)
+            else shapes_of_drive(system)
+        )
         there = [each for each in found.forces if self.forces and self._recorded(each)]
         return Shapes(found.outlines, tuple(there), found.size)
 

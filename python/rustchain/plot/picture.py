@@ -14,8 +14,9 @@ from matplotlib.transforms import Bbox
 
 from rustchain.caller import warn_caller
 from rustchain.description.drive import ChainDrive
+from rustchain.plot.drive_shapes import shapes_of_drive
 from rustchain.plot.looks import LOOKS
-from rustchain.plot.shapes import force_points, outlines_at, shapes_of_drive
+from rustchain.plot.shapes import force_points, outlines_at
 from rustchain.plot.style import Ax, Figures, styled, subplots
 from rustchain.typing import Array
 

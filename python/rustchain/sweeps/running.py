@@ -3,38 +3,37 @@
 from __future__ import annotations
 
 import os
-import pickle
 import threading
-from collections.abc import Callable, Generator, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Generator, Iterator
 from functools import partial
 from itertools import islice
 from queue import Empty, SimpleQueue
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 from rustchain import _rustchain
-from rustchain.arguments import finite_number, shown
-from rustchain.description.scene import Scene
-from rustchain.errors import InvalidInput, RustchainError, SimulationError
-from rustchain.results.result import Result
+from rustchain.arguments import shown
+from rustchain.errors import InvalidInput, SimulationError
 from rustchain.simulation.core import keywords_of, start_of
 from rustchain.simulation.run import (
     WALL_BUDGET,
     Bar,
     check_rows_fit,
-    known_groups,
     numbers_of_drive_row,
 )
 from rustchain.simulation.simulation import Simulation
-from rustchain.simulation.stop import StopCondition
-from rustchain.sweeps.cases import Parameters
+from rustchain.sweeps.case_run import (
+    Case,
+    Looks,
+    Measure,
+    Outcome,
+    Quiet,
+    measured,
+    run_and_measure,
+    run_case,
+)
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor, Future
-
-Measure: TypeAlias = Callable[[Result], Any]
-Notes: TypeAlias = tuple[list[str], list[str], list[str]]
-"""What there was to warn of: laws out of range, the energy balance, tooth jumps."""
 
 # Cases per thread that are made ahead for the compiled pool. Between two such portions threads wait
 # for the last case of one: with 64, less than 1 % of the time where cases are about equally long.
@@ -50,74 +49,8 @@ class DaskClient(Protocol):
         """Return an executor that runs on the client's cluster."""
 
 
-@dataclass(frozen=True)
-class Case:
-    """A case of a sweep: its number, from 0, what is simulated, and the arguments of its run."""
-
-    number: int
-    scene: Scene
-    run: Parameters
-
-    @property
-    def seconds(self) -> float:
-        """Simulated time [s]; 0 where it is no number, which the run refuses."""
-        return finite_number(self.run["duration"]) or 0.0
-
-    def groups(self) -> tuple[list[str], bool]:
-        """Return what is recorded, and whether the energy balance is kept."""
-        return known_groups(self.scene, self.run["record"], self.run["energy"])
-
-
-@dataclass(frozen=True)
-class Looks:
-    """What looks at each row of a run."""
-
-    stop: StopCondition | Sequence[StopCondition]
-    callback: Callable[[Simulation], object] | None
-    any: bool
-
-
-class Outcome(NamedTuple):
-    """What came of a case.
-
-    Attributes
-    ----------
-    value : object
-        What was measured, or its Result.
-    error : Exception, optional
-        What went wrong.
-    notes : tuple of lists of str
-        What there was to warn of.
-    made : bool
-        Whether the run began: a scene that is refused, or an executor that is broken, has no run.
-    """
-
-    value: Any = None
-    error: Exception | None = None
-    notes: Notes = ([], [], [])
-    made: bool = True
-
-
 Running: TypeAlias = Generator["tuple[Case, Outcome] | None", None, None]
 """Cases as they end; None now and then, for Ctrl-C."""
-
-
-class Quiet(Simulation):
-    """A simulation that leaves its warnings to the sweep, and ends with it."""
-
-    given_up: threading.Event | None = None
-
-    def _warn(self) -> None:
-        pass
-
-    def take_warnings(self) -> Notes:
-        """Return what is new: laws out of range; the energy balance; tooth jumps."""
-        return self._core.take_warnings()
-
-    def _slice(self) -> bool:
-        if self.given_up is not None and self.given_up.is_set():
-            raise KeyboardInterrupt
-        return super()._slice()
 
 
 def number_of_threads(threads: object) -> int:
@@ -202,7 +135,7 @@ def _fetched(
     core, start = run
     simulation = Simulation._around(core, case.scene)
     if error is None:
-        ended = _measured(Outcome(simulation._result("finished", start, {})), measure)
+        ended = measured(Outcome(simulation._result("finished", start, {})), measure)
     else:
         if isinstance(error, SimulationError):
             error.result = simulation._result("failed", start, {}, str(error))
@@ -224,7 +157,7 @@ def _run_on_threads(
 
     def submit(case: Case) -> Future[Outcome]:
         # Made here, where warnings have the line of the caller.
-        return pool.submit(_run, case, Quiet(case.scene), looks, given_up)
+        return pool.submit(run_case, case, Quiet(case.scene), looks, given_up)
 
     with ThreadPoolExecutor(threads) as pool:
         try:
@@ -232,7 +165,7 @@ def _run_on_threads(
                 if ended is not None:
                     case, outcome = ended
                     bar.update(case.seconds)
-                    ended = case, _measured(outcome, measure)
+                    ended = case, measured(outcome, measure)
                 yield ended
         finally:
             given_up.set()
@@ -248,7 +181,7 @@ def run_on(
     """Run cases where an executor is; they are measured there."""
     dask = getattr(executor, "get_executor", None)
     pool: Any = executor if dask is None else dask(pure=False)
-    run = partial(_run_and_measure, looks=looks, measure=measure)
+    run = partial(run_and_measure, looks=looks, measure=measure)
     for ended in _in_turn(cases, partial(pool.submit, run), _MOST_SUBMITTED):
         if ended is not None:
             bar.update(ended[0].seconds)
@@ -310,56 +243,3 @@ def _outcome(future: Future[Outcome]) -> Outcome:
             "of a module; take a def in a file in place of a lambda, or loky"
         )
         return Outcome(error=InvalidInput(msg), made=False)
-
-
-def _run_and_measure(case: Case, *, looks: Looks, measure: Measure | None) -> Outcome:
-    """Run and measure a case, in whatever process; return what can be sent back."""
-    try:
-        simulation = Quiet(case.scene)
-    except Exception as error:  # what is refused
-        return Outcome(error=_sendable(error), made=False)
-    outcome = _measured(_run(case, simulation, looks), measure)
-    failure = outcome.error
-    return outcome if failure is None else outcome._replace(error=_sendable(failure))
-
-
-def _sendable(error: Exception) -> Exception:
-    """Return an error, or what stands for it where it does not survive pickling."""
-    try:
-        pickle.loads(pickle.dumps(error))
-    except Exception as reason:  # whatever a class of the user's does
-        found = RustchainError(f"{type(error).__name__}: {error}")
-        found.__notes__ = [f"the error itself cannot be sent to another process: {reason}"]
-        return found
-    return error
-
-
-def _run(
-    case: Case, simulation: Quiet, looks: Looks, given_up: threading.Event | None = None
-) -> Outcome:
-    """Run the simulation of a case."""
-    if given_up is not None and given_up.is_set():
-        raise KeyboardInterrupt
-    simulation.given_up = given_up
-    result: Result | None = None
-    failure: Exception | None = None
-    try:
-        stop, callback = looks.stop, looks.callback
-        result = simulation.run(**case.run, progress=False, stop=stop, callback=callback)
-    except Exception as error:  # a callback of the user's may raise anything
-        failure = error
-    if result is not None and result.status == "interrupted":
-        raise KeyboardInterrupt
-    # With the first row, an error has the rows until then.
-    made = failure is None or hasattr(failure, "result")
-    return Outcome(result, failure, simulation.take_warnings(), made)
-
-
-def _measured(outcome: Outcome, measure: Measure | None) -> Outcome:
-    """Return what came of a case whose run has ended, measured."""
-    if measure is None or outcome.error is not None:
-        return outcome
-    try:
-        return outcome._replace(value=measure(outcome.value))
-    except Exception as raised:  # a function of the user's may raise anything
-        return outcome._replace(value=None, error=raised)

@@ -20,9 +20,9 @@ from rustchain.paths import path_of, reason
 from rustchain.results import netcdf
 from rustchain.results.files import load_result
 from rustchain.results.result import Result
+from rustchain.sweeps.case_run import Case, Looks, Measure, Outcome
 from rustchain.sweeps.identity import digest_of
 from rustchain.sweeps.measure import numbers_of
-from rustchain.sweeps.running import Case, Looks, Measure, Outcome
 
 FORMAT = 1
 """Number of the format of a case's file; it is part of what a case is found by."""

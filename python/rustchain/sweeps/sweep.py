@@ -22,13 +22,11 @@ from rustchain.simulation.run import Bar, Group, check_progress, seconds_bar
 from rustchain.simulation.simulation import Simulation
 from rustchain.simulation.stop import StopCondition, check_looks
 from rustchain.sweeps.axes import System, case_of, check_names
+from rustchain.sweeps.case_run import Case, Looks, Outcome
 from rustchain.sweeps.cases import Parameters, cases_of
 from rustchain.sweeps.result import SweepResult
 from rustchain.sweeps.running import (
-    Case,
     DaskClient,
-    Looks,
-    Outcome,
     check_executor,
     number_of_threads,
     run_here,
