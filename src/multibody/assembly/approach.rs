@@ -1,26 +1,30 @@
-//! Assembly from far away: damped least squares towards the nearest positions that satisfy the constraints.
+//! Assembly from distant positions: damped least squares (Levenberg) towards the nearest positions that satisfy the constraints.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::multibody::dynamics::MechanismDynamics;
 
-/// Above this, a body is not where Newton's method may begin.
+/// Scaled residual of positions above which damped least squares precede Newton's iterations.
 const FAR: f64 = 1e-3;
-/// Below this, Newton's method does the rest.
+/// Scaled residual of positions at which damped least squares end and Newton's iterations take over.
 const NEAR: f64 = 1e-9;
-/// From so many constraints on the full matrix is too much; Newton's method is left alone.
+/// Largest number of constraints with damped least squares, whose matrix is dense. Larger mechanisms use Newton's iterations alone.
 const MOST_ROWS: usize = 600;
-/// Farthest that a body turns in one iteration \[rad\].
+/// Largest rotation of a body in one iteration \[rad\].
 const MOST_TURN: f64 = 0.5;
-/// Turn of the bodies that leaves a position in which all corrections are across the constraints \[rad\].
+/// Rotation of the bodies, of alternating sign, applied where the iterations stagnate \[rad\]. It leaves positions at which all
+/// corrections are perpendicular to the constraints.
 const NUDGE: f64 = 0.1;
+/// Largest number of iterations of damped least squares.
 const MOST_ITERATIONS: usize = 300;
+/// Largest number of damping factors tried in one iteration; each is ten times the one before.
 const MOST_TRIALS: usize = 24;
 
 impl MechanismDynamics {
-    /// Brings positions that are far from the constraints near to them; false where the nearest ones miss.
+    /// Move distant positions close to the constraints. Return false where the positions of least residual do not satisfy them.
     ///
-    /// The rows are then those of the nearest positions, and `state` holds these. `give_up` is asked before each iteration.
+    /// Afterwards `state` and the constraint rows are those of the positions found. `give_up` is evaluated before each iteration and
+    /// ends it.
     pub(crate) fn approach(
         &mut self,
         t: f64,
@@ -55,7 +59,8 @@ impl MechanismDynamics {
         arrived
     }
 
-    /// Levenberg's iterations (1944), weighed by mass, with limited turns: the sum of squares falls with each.
+    /// Run Levenberg's iterations (1944), weighted by mass and with limited rotations. The sum of squared residuals decreases in
+    /// each.
     fn descend(&mut self, t: f64, state: &mut [f64], give_up: &dyn Fn() -> bool) -> bool {
         let n = self.model.coordinates();
         self.place(state);
@@ -67,6 +72,7 @@ impl MechanismDynamics {
             if self.worst() <= NEAR {
                 return true;
             }
+            // Δq = -M⁻¹ Gᵀ (G M⁻¹ Gᵀ + μ s I)⁻¹ c, where s is the largest diagonal entry and μ the damping factor.
             let jacobian = self.scaled_jacobian(size);
             let mut weighed = jacobian.clone();
             for (mut column, mass) in weighed.column_iter_mut().zip(&self.model.mass) {
@@ -91,6 +97,7 @@ impl MechanismDynamics {
                 let change = weighed.tr_mul(&factors.solve(&miss));
                 let turn =
                     (change.iter().skip(2).step_by(3)).fold(0.0, |most: f64, c| most.max(c.abs()));
+                // The whole correction is scaled down where a body would turn by more than the limit.
                 let part = if turn > MOST_TURN {
                     MOST_TURN / turn
                 } else {
@@ -107,6 +114,7 @@ impl MechanismDynamics {
                     fallen = found.norm() < before * (1.0 - 1e-9);
                     state.copy_from_slice(&trial);
                     miss = found;
+                    // Each trial multiplies μ by 10, so an iteration accepted at the first trial divides it by 10.
                     damping = (damping * 1e-2).max(1e-14);
                     break;
                 }
@@ -117,17 +125,18 @@ impl MechanismDynamics {
         }
         self.place(state);
         self.find_rows(t);
-        // Where solutions meet, the last digits come slowly.
+        // Where solutions coincide, convergence is slow; a larger residual is accepted there.
         self.worst() <= 1e3 * NEAR
     }
 
-    /// Residuals, lengths in parts of the size.
+    /// Return the residuals, with lengths divided by the size.
     fn scaled_residuals(&self, size: f64) -> DVector<f64> {
         let values = self.rows.iter().enumerate();
         let values = values.map(|(i, row)| row.value / self.unit(i, size));
         DVector::from_iterator(self.rows.len(), values)
     }
 
+    /// Return the Jacobian of the scaled residuals.
     fn scaled_jacobian(&self, size: f64) -> DMatrix<f64> {
         let mut matrix = DMatrix::zeros(self.rows.len(), self.model.coordinates());
         for (i, k, value) in self.jacobian() {
@@ -136,6 +145,7 @@ impl MechanismDynamics {
         matrix
     }
 
+    /// Return the scale of a residual: 1 rad for an angle, the size for a length.
     fn unit(&self, equation: usize, size: f64) -> f64 {
         if self.model.equations[equation].is_angle() {
             1.0

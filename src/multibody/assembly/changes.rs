@@ -1,19 +1,20 @@
-//! What assembly changed: how far bodies were moved and turned, and how much their velocities.
+//! Changes made by assembly: displacements and rotations of bodies, and changes of their velocities.
 
 use crate::multibody::description::body::Body;
 use crate::multibody::dynamics::MechanismDynamics;
 
-/// Way, as a part of the mechanism's size, and turn \[rad\] of a body that are worth a word.
+/// Displacement over the mechanism's size, and rotation \[rad\], of a body above which a warning is given.
 const MOVED_FAR: f64 = 0.1;
+/// See [`MOVED_FAR`].
 const TURNED_FAR: f64 = 0.1;
-/// Change of a velocity that was given, as a part of the largest, that is worth a word.
+/// Change of a given initial velocity, over the largest velocity, above which a warning is given.
 const SPED_FAR: f64 = 0.1;
-/// Parts of these below which a change is none: what rounding leaves.
+/// Relative change below which a component counts as unchanged: the size of round-off.
 const NOTHING: f64 = 1e-9;
-/// Bodies that are told of, the farthest moved first.
+/// Largest number of bodies named in a warning, in order of decreasing change.
 const MOST_TOLD: usize = 3;
 
-/// Largest changes of all bodies.
+/// Largest changes over all bodies: displacement \[m\], rotation \[rad\], velocity \[m/s\] and angular velocity \[rad/s\].
 pub(crate) struct Changes {
     pub(crate) moved: f64,
     pub(crate) turned: f64,
@@ -22,7 +23,7 @@ pub(crate) struct Changes {
 }
 
 impl Changes {
-    /// From one state (q, then v) to another.
+    /// Return the changes between two states (q, then v).
     pub(crate) fn between(placed: &[f64], state: &[f64]) -> Self {
         let bodies = placed.len() / 6;
         let mut found = [[0.0f64; 2]; 2];
@@ -42,7 +43,7 @@ impl Changes {
 }
 
 impl MechanismDynamics {
-    /// Bodies whose positions, or whose velocities as far as they were given, had to be changed by much, in words.
+    /// Return warnings on bodies whose positions changed by much, or whose initial velocities did where these were given.
     pub(crate) fn far_moves(&self, state: &[f64]) -> Vec<String> {
         let (n, size) = (self.model.coordinates(), self.size());
         let bodies = self.model.bodies.iter().zip(&self.model.first);
@@ -123,7 +124,7 @@ impl MechanismDynamics {
     }
 }
 
-/// The changes that are more than rounding, in words: (change, scale, verb, unit).
+/// Return the changes above round-off as text. `parts`: (change, scale, verb, unit).
 fn told(parts: &[(f64, f64, &str, &str); 2]) -> String {
     let mut words = Vec::new();
     let mut said = "";

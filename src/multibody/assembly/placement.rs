@@ -1,4 +1,4 @@
-//! Assembly and projection: the nearest positions and velocities, weighed by mass, that satisfy the constraints.
+//! Assembly: the nearest positions and velocities, weighted by mass, that satisfy the constraints.
 
 use super::changes::Changes;
 use super::projection::AtHand;
@@ -7,39 +7,41 @@ use crate::error::{Error, Result};
 use crate::multibody::constraints::sparse_kkt::SparseKkt;
 use crate::multibody::dynamics::MechanismDynamics;
 
-/// What assembling a mechanism found.
+/// Result of assembling a mechanism.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Assembly {
-    /// Positions and velocities (q, then v) that satisfy the constraints, three a body that is not held.
+    /// Positions and velocities (q, then v) that satisfy the constraints, three components per body that is not fixed.
     pub state: Vec<f64>,
-    /// Farthest that a body had to be moved \[m\].
+    /// Largest displacement of a body \[m\].
     pub moved: f64,
-    /// Farthest that a body had to be turned \[rad\].
+    /// Largest rotation of a body \[rad\].
     pub turned: f64,
     /// Largest change of a body's velocity \[m/s\].
     pub velocity_change: f64,
-    /// Largest change of its rate of turning \[rad/s\].
+    /// Largest change of a body's angular velocity \[rad/s\].
     pub spin_change: f64,
-    /// Motions that the constraints leave, drivers counted among these.
+    /// Degrees of freedom: number of coordinates less the rank of the constraints, which include the drivers.
     pub degrees_of_freedom: usize,
-    /// Constraints that the others imply at the start, by joint.
+    /// Redundant constraints at the initial configuration: the joint of each.
     pub redundant: Vec<String>,
-    /// What is worth a second look.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 
+/// Largest number of Newton iterations of the projection that ends the assembly.
 const MOST_ITERATIONS: usize = 100;
 
 impl MechanismDynamics {
-    /// Brings the mechanism together from where it is placed.
+    /// Assemble the mechanism from the positions and velocities described.
     ///
     /// # Errors
-    /// When no positions or velocities satisfy all constraints: with the residuals by joint.
+    /// When no positions or velocities satisfy all constraints; the error contains the residuals by joint.
     pub fn assemble(&mut self) -> Result<Assembly> {
         self.assemble_unless(&|| false)
     }
 
-    /// The same; `give_up` is asked now and then, and ends it with what the joints miss by then.
+    /// Assemble as in [`Self::assemble`]. Where `give_up` returns true, assembly ends with an error that contains the residuals by
+    /// joint.
     pub(crate) fn assemble_unless(&mut self, give_up: &dyn Fn() -> bool) -> Result<Assembly> {
         let n = self.model.coordinates();
         let mut state = vec![0.0; 2 * n];
@@ -75,7 +77,7 @@ impl MechanismDynamics {
         Ok(assembly)
     }
 
-    /// No circle begins with its centre in material.
+    /// Return an error where the centre of a circle is inside material at the start.
     fn check_starts(&self) -> Result<()> {
         for (contact, name) in self.model.contacts.iter().zip(&self.model.contact_names) {
             let depth = contact.center_depth(&self.frames);
@@ -100,7 +102,7 @@ impl MechanismDynamics {
         Ok(())
     }
 
-    /// Constraints that those before them imply, in the order in which they were described.
+    /// Return the joint of each constraint that depends on those described before it, in the order of description.
     fn redundant(&mut self) -> Vec<String> {
         let Some(kkt) = self.kkt.as_mut().filter(|kkt| kkt.rank() < self.rows.len()) else {
             return Vec::new();
@@ -110,6 +112,7 @@ impl MechanismDynamics {
         kkt.dependent().into_iter().map(name).collect()
     }
 
+    /// Return all warnings on the assembly. `between`: the start is at a singular position where branches of the motion meet.
     fn warnings(&self, assembly: &Assembly, between: bool) -> Vec<String> {
         let mut warnings = Vec::new();
         warnings.extend(self.far_moves(&assembly.state));
@@ -121,7 +124,7 @@ impl MechanismDynamics {
                     .to_string(),
             );
         }
-        // There, and there alone, one more seems to hold what others hold.
+        // At a singular position further constraints are dependent, but only there; they are not reported as redundant.
         if !between {
             warnings.extend(told_redundant(&assembly.redundant));
         }
@@ -132,7 +135,7 @@ impl MechanismDynamics {
     }
 }
 
-/// One message for all joints that hold something others hold already; `names` has one entry an equation.
+/// Return one message for all joints with redundant constraints. `names` has one entry per equation.
 fn told_redundant(names: &[String]) -> Option<String> {
     let mut joints: Vec<String> = Vec::new();
     for name in names {

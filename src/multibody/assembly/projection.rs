@@ -1,51 +1,52 @@
-//! Positions, then velocities, back onto the constraints: the least change, weighed by mass.
+//! Projection of positions, then velocities, onto the constraints: the least change, weighted by mass.
 
 use crate::multibody::constraints::sparse_kkt::SparseKkt;
 use crate::multibody::dynamics::MechanismDynamics;
 
-/// Residual of positions, in parts of the size, that may be left where it does not fall; of velocities, in parts of the largest;
-/// and of both where they are known from both sides of a singular position.
+/// Relative residual of positions that is accepted where Newton's iterations stagnate. Positions are scaled by the size.
 const LEFT: f64 = 1e-11;
+/// Relative residual of velocities that is accepted; velocities are scaled by the largest.
 const LEFT_OF_VELOCITIES: f64 = 1e-9;
+/// The same of positions and velocities interpolated across a singular position.
 const LEFT_ACROSS: f64 = 1e-8;
 
-/// A rate of convergence above which factors of a state beside are made anew, and the multiple of round-off down to which it
-/// tells something.
+/// Convergence rate above which the factors of a nearby state are recomputed.
 const SLOW: f64 = 0.05;
+/// Multiple of round-off below which the convergence rate is not evaluated, since round-off dominates it.
 const TELLING: f64 = 64.0;
 
-/// How a projection ended.
+/// Outcome of a projection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Projected {
     There,
     Missed,
-    /// Something has next to no hold there, and is missed.
+    /// The residual remains, and fewer constraints are independent than away from singular positions.
     MissedNearSingular,
 }
 
-/// What a projection begins with.
+/// Data available at the start of a projection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum AtHand {
     Nothing,
-    /// Factors of a state a step's correction beside.
+    /// Factors of a state that differs by a correction of the step.
     Factors,
-    /// Bodies, equations and factors of the very state.
+    /// Body frames, constraint rows and factors of the same state.
     Everything,
 }
 
-/// The factors a projection uses, and what is known of them.
+/// Factors used in a projection, with their status.
 struct Held {
     kkt: SparseKkt,
-    /// Whether they are of the state as it is.
+    /// Whether they are those of the present state.
     fresh: bool,
-    /// Whether something has next to no hold.
+    /// Whether fewer constraints are independent than away from singular positions.
     near: bool,
 }
 
 impl MechanismDynamics {
-    /// Moves `state` (q, then v) onto the constraints at time `t`: positions, then velocities.
+    /// Project `state` (q, then v) onto the constraints at time `t`: positions, then velocities.
     ///
-    /// Returns whether what is left is round-off; near a singular position, what both sides leave.
+    /// Return whether the remaining residual is accepted. Near a singular position the state is interpolated from both sides of it.
     pub(crate) fn project(
         &mut self,
         t: f64,
@@ -57,7 +58,7 @@ impl MechanismDynamics {
             Projected::There => true,
             Projected::Missed => false,
             Projected::MissedNearSingular if self.aside => false,
-            // What has no hold here is held on both sides.
+            // The direction without an independent constraint is determined on both sides.
             Projected::MissedNearSingular => {
                 self.project_across(t, state)
                     && self.project_here(t, state, iterations, LEFT_ACROSS, AtHand::Nothing)
@@ -66,7 +67,7 @@ impl MechanismDynamics {
         }
     }
 
-    /// The same from here alone; `left`: see [`LEFT`].
+    /// Project from the present state without interpolation; `left`: see [`LEFT`].
     fn project_here(
         &mut self,
         t: f64,
@@ -78,7 +79,7 @@ impl MechanismDynamics {
         let Some(kkt) = self.kkt.take() else {
             return Projected::There;
         };
-        // Factors that are cut for want of a hold are of one state only.
+        // Factors with constraints left out near a singular position hold for one state only.
         let known = at_hand != AtHand::Nothing && kkt.independence() >= self.near_singular;
         let mut held = Held {
             kkt,
@@ -97,6 +98,7 @@ impl MechanismDynamics {
             for (r, row) in residual.iter_mut().zip(&self.rows) {
                 *r = row.value;
             }
+            // Iterations end at round-off, or where the residual is below `left` and no longer halves.
             let (worst, round_off) = (self.worst_beside(size), self.round_off());
             if worst <= round_off || (worst < left && worst >= 0.5 * before) {
                 done = true;
@@ -105,7 +107,7 @@ impl MechanismDynamics {
             if worst.is_nan() {
                 break;
             }
-            // While it converges fast, the factors at hand do.
+            // Newton's iterations keep the factors while convergence is fast.
             let slow = worst > SLOW * before && worst > TELLING * round_off;
             if slow || iteration == 0 && !known {
                 self.factorise_held(&mut held);
@@ -129,7 +131,7 @@ impl MechanismDynamics {
             let with = [&mut residual[..], &mut change[..]];
             done = self.project_velocities(&mut held, state, with, left);
             if !done && !held.fresh {
-                // Factors of a state beside do not give every digit.
+                // Factors of a nearby state do not reach full accuracy.
                 self.factorise_held(&mut held);
                 let with = [&mut residual[..], &mut change[..]];
                 done = self.project_velocities(&mut held, state, with, left);
@@ -144,7 +146,7 @@ impl MechanismDynamics {
         }
     }
 
-    /// Factors where the bodies are, of what has a hold.
+    /// Factorise at the present state, without nearly dependent constraints.
     fn factorise_held(&self, held: &mut Held) {
         let faint = self.faint();
         let part = if self.aside {
@@ -160,6 +162,7 @@ impl MechanismDynamics {
         held.fresh = true;
     }
 
+    /// Project the velocities; return whether the remaining residual is at most `left` times the largest speed.
     fn project_velocities(
         &mut self,
         held: &mut Held,
@@ -171,6 +174,8 @@ impl MechanismDynamics {
         let speed = self.speed();
         let round_off = f64::EPSILON * speed;
         let mut before = f64::INFINITY;
+        // The velocity equation G v + ∂c/∂t = 0 is linear: one correction with the exact factors, a second for round-off or for
+        // factors of a nearby state.
         for _ in 0..4 {
             for (r, row) in residual.iter_mut().zip(&self.rows) {
                 *r = row.rate(&self.frames);
@@ -196,6 +201,7 @@ impl MechanismDynamics {
     }
 }
 
+/// Return the largest magnitude; not a number where one of the values is.
 fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most: f64, v| {
         if v.is_nan() {

@@ -1,14 +1,14 @@
-//! What joints miss that cannot all hold, in words: residuals by joint, and what the drivers ask.
+//! Error texts of assembly: residuals by joint, and the values prescribed by drivers.
 
 use crate::error::Error;
 use crate::multibody::constraints::equation::{Equation, Row};
 use crate::multibody::dynamics::MechanismDynamics;
 
-/// Part of the largest residual below which a joint is not said to be missed.
+/// Part of the largest residual below which a joint is not listed.
 const MISSED: f64 = 1e-6;
 
 impl MechanismDynamics {
-    /// What the joints miss where they cannot all hold: positions, or else velocities.
+    /// Return the residuals of positions by joint as text, or those of velocities where positions satisfy the constraints.
     pub(crate) fn what_misses(&self) -> String {
         let missed = if self.worst() <= 1e-9 {
             self.rates()
@@ -18,16 +18,18 @@ impl MechanismDynamics {
         format!("{missed}{}", self.asked())
     }
 
+    /// Return the residuals of positions by joint as text.
     fn misses(&self) -> String {
         self.residuals(Equation::residual, ["m", "rad"])
     }
 
+    /// Return the residuals of velocities by joint as text.
     fn rates(&self) -> String {
         let rate = |equation: &Equation, row: &Row| equation.residual_rate(row, &self.frames);
         self.residuals(rate, ["m/s", "rad/s"])
     }
 
-    /// Largest residuals by joint, in words.
+    /// Return the largest residual of each joint as text, in decreasing order; at most five joints are listed.
     fn residuals(&self, of: impl Fn(&Equation, &Row) -> f64, unit: [&str; 2]) -> String {
         let mut found: Vec<(f64, String)> = Vec::new();
         for (j, joint) in self.model.joints.iter().enumerate() {
@@ -52,7 +54,7 @@ impl MechanismDynamics {
         worst.join(", ")
     }
 
-    /// What drivers ask that were to move something, in words.
+    /// Return the values and rates prescribed by moving drivers as text; at most three are listed.
     pub(crate) fn asked(&self) -> String {
         let equations = self.model.equations.iter().zip(&self.rows);
         let driven = equations.filter_map(|(equation, row)| {
@@ -72,7 +74,7 @@ impl MechanismDynamics {
         format!(" ({})", driven.join("; "))
     }
 
-    /// Why positions or velocities do not go together at the start.
+    /// Return the error for an assembly that failed, with the residuals by joint.
     pub(crate) fn refuse(&self) -> Error {
         if self.worst() <= 1e-9 {
             return Error::Impossible(format!(

@@ -1,10 +1,11 @@
-//! How far the joints are from holding, beside the size and the speeds of the mechanism.
+//! Residuals of the constraints relative to the size and the speeds of the mechanism.
 
 use crate::multibody::dynamics::MechanismDynamics;
 
 impl MechanismDynamics {
-    /// Size of the mechanism: its farthest point \[m\], and no less than the smallest radius of gyration, where all points come to
-    /// lie in one place.
+    /// Return the size of the mechanism \[m\]: the largest coordinate of a centre of mass or of a joint's point.
+    ///
+    /// It is at least the smallest radius of gyration, as all points may coincide.
     pub(crate) fn size(&self) -> f64 {
         let far = self.frames.iter().map(|f| f.origin.amax());
         let ends = self.model.equations.iter();
@@ -17,12 +18,12 @@ impl MechanismDynamics {
         if size > 0.0 { size } else { 1.0 }
     }
 
-    /// Largest residual of the positions: lengths in parts of the size, angles in radians.
+    /// Return the largest residual of positions: lengths divided by the size, angles in radians.
     pub(crate) fn worst(&self) -> f64 {
         self.worst_beside(self.size())
     }
 
-    /// The same, of a mechanism of this size \[m\].
+    /// Return the same for a given size \[m\]; not a number where a residual is.
     pub(crate) fn worst_beside(&self, size: f64) -> f64 {
         let equations = self.model.equations.iter().zip(&self.rows);
         let parts = equations.map(|(equation, row)| {
@@ -37,7 +38,7 @@ impl MechanismDynamics {
         )
     }
 
-    /// Speeds that the constraints compare; of a mechanism at rest a slow one.
+    /// Return the scale of velocity residuals: the largest velocity component or prescribed rate, at least 1e-3.
     pub(crate) fn speed(&self) -> f64 {
         let speeds = self
             .frames
@@ -47,7 +48,7 @@ impl MechanismDynamics {
         speeds.chain(prescribed).fold(1e-3, f64::max)
     }
 
-    /// What rounding leaves of residuals: a large angle is known less well.
+    /// Return the round-off of relative residuals; it grows with the largest angle, whose absolute round-off is larger.
     pub(crate) fn round_off(&self) -> f64 {
         let angle = self
             .frames

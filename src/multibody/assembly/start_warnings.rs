@@ -1,13 +1,13 @@
-//! What of a mechanism is worth a second look: parts that nothing holds, contacts that begin pressed in.
+//! Warnings on the start: bodies without connection to the ground, and contacts with a large initial penetration.
 
 use crate::multibody::dynamics::MechanismDynamics;
 use crate::multibody::model::MechanismModel;
 
-/// Part of its radius by which a circle may be pressed in at the start without a word.
+/// Initial penetration over the circle's radius above which a warning is given.
 const PRESSED: f64 = 0.05;
 
 impl MechanismDynamics {
-    /// Circles that begin behind an open outline, which they then come through without a force.
+    /// Return warnings on circles that start behind an open outline. They exert no force until they have left it.
     pub(crate) fn starts_behind(&self) -> Vec<String> {
         let contacts = self.model.contacts.iter().zip(&self.model.contact_names);
         let found = contacts.filter(|(contact, _)| contact.is_behind(&self.frames));
@@ -21,7 +21,7 @@ impl MechanismDynamics {
         found.collect()
     }
 
-    /// Contacts that begin pressed in by more than bodies do that are laid on each other.
+    /// Return warnings on contacts whose initial penetration exceeds that of bodies resting on each other.
     pub(crate) fn pressed_starts(&self) -> Vec<String> {
         let contacts = self.model.contacts.iter().zip(&self.model.contact_names);
         let sides = self.model.sides_of_contact.iter();
@@ -39,7 +39,7 @@ impl MechanismDynamics {
     }
 }
 
-/// Bodies that nothing ties to the rest.
+/// Return warnings on groups of bodies without connection to the ground.
 pub(crate) fn loose_parts(model: &MechanismModel) -> Vec<String> {
     let mut part: Vec<usize> = (0..model.bodies.len()).collect();
     let joints = model
@@ -54,6 +54,7 @@ pub(crate) fn loose_parts(model: &MechanismModel) -> Vec<String> {
     let fixed = (0..model.bodies.len())
         .filter(|&i| model.bodies[i].fixed)
         .map(|i| [0, i, i]);
+    // Union-find: each joint, force and contact joins the groups of its bodies; the carrier of a gear is 0 where there is none.
     for [a, b, c] in joints.chain(forces).chain(contacts).chain(fixed) {
         let other = if c == 0 { b } else { c };
         for (x, y) in [(a, b), (b, other)] {
@@ -85,7 +86,7 @@ pub(crate) fn loose_parts(model: &MechanismModel) -> Vec<String> {
         .collect()
 }
 
-/// The least body of the part that a body belongs to.
+/// Return the representative of a body's group: its lowest body number. Paths are halved on the way.
 fn root(part: &mut [usize], mut body: usize) -> usize {
     while part[body] != body {
         part[body] = part[part[body]];

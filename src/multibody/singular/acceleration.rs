@@ -1,31 +1,34 @@
-//! Accelerations near a singular position, where joints lose their independence: taken from the motion on both sides of it.
+//! Accelerations near a singular position, where the constraints become dependent: interpolated from both sides of it.
 //!
-//! At a distance s from a singular position, round-off ε of positions comes back as ε/s in them, ε/s² in velocities and
-//! ε/s³ in accelerations; at the position itself the constraints leave the accelerations open. The motion is smooth there
-//! all the same. So accelerations are evaluated at positions a little ahead and a little behind on the way, each brought
-//! onto the constraints, and are taken from the even polynomial through them.
+//! At a distance s from a singular position, round-off ε of positions becomes ε/s in positions, ε/s² in velocities and ε/s³ in
+//! accelerations. At the position itself the constraints do not determine the accelerations. The motion is smooth there nevertheless.
+//! Accelerations are therefore evaluated at positions ahead and behind along the motion, each projected onto the constraints. The
+//! result is the value of the even interpolating polynomial.
 
 use crate::multibody::assembly::projection::AtHand;
 use crate::multibody::dynamics::MechanismDynamics;
 
-/// Way between the places on both sides, in turns of the fastest body \[rad\].
+/// Distance between the interpolation points: rotation of the fastest body \[rad\].
 const SPACING: f64 = 0.03;
-/// Weights at ±1, ±2, ±3 spacings: the error is of order six.
+/// Interpolation weights at ±1, ±2, ±3 spacings; the error is of order six.
 const WEIGHTS: [f64; 3] = [0.75, -0.3, 0.05];
-/// Independence of the constraints below which they count as near a singular position, and the same of the start's.
+/// Independence of the constraints below which a position counts as near-singular.
 const NEAR: f64 = 1e-2;
+/// The same threshold over the independence at the start; the smaller of both holds.
 const NEAR_OF_START: f64 = 0.05;
 
-/// Iterations that bringing a place onto the constraints may take.
+/// Largest number of iterations of the projection of an interpolation point.
 const ITERATIONS: usize = 20;
 
-/// What counts as near for a mechanism whose constraints are as independent as this at the start.
+/// Return the near-singular threshold for the independence of the constraints at the start.
 pub(crate) fn nearness(at_start: f64) -> f64 {
     NEAR.min(NEAR_OF_START * at_start)
 }
 
 impl MechanismDynamics {
-    /// Accelerations and multipliers from both sides; false when nothing moves or a place cannot be reached.
+    /// Interpolate accelerations and multipliers across a singular position.
+    ///
+    /// Return false when nothing rotates or an interpolation point cannot be projected.
     pub(crate) fn accelerate_across(&mut self, t: f64) -> bool {
         let here = self.frames.clone();
         let start = self.read_state();
@@ -47,7 +50,7 @@ impl MechanismDynamics {
         reached
     }
 
-    /// Moves `state` to where both sides say that it is; false, and nothing moved, when they do not say.
+    /// Replace `state` by its interpolation across a singular position. Return false, with `state` unchanged, when it fails.
     pub(crate) fn project_across(&mut self, t: f64, state: &mut [f64]) -> bool {
         let mut sum = vec![0.0; state.len()];
         let reached = self.on_both_sides(t, state, |_, _, place, weight| {
@@ -62,8 +65,10 @@ impl MechanismDynamics {
         reached
     }
 
-    /// Shows `visit` the places on both sides of `state`, with their times and weights, each brought onto the constraints; false
-    /// when nothing moves, a place cannot be reached or a visit ends it.
+    /// Call `visit` with the time, state and weight of each interpolation point on both sides of `state`, projected onto the
+    /// constraints.
+    ///
+    /// Return false when nothing rotates, a point cannot be projected or a call returns false.
     fn on_both_sides(
         &mut self,
         t: f64,
@@ -76,10 +81,11 @@ impl MechanismDynamics {
         if !(spin > 0.0 && spin.is_finite()) {
             return false;
         }
-        // Places on the sides are taken as they are.
+        // No interpolation within the interpolation: the points are evaluated directly.
         let aside = std::mem::replace(&mut self.aside, true);
         let mut place = vec![0.0; 2 * n];
         let mut places = (1..=WEIGHTS.len()).flat_map(|k| [(k, -1.0), (k, 1.0)]);
+        // Points at t ± k Δt with Δt = SPACING / ω, where ω is the largest angular velocity: q(t) ± k Δt v(t), before projection.
         let reached = places.all(|(k, side)| {
             let delay = side * SPACING * k as f64 / spin;
             place.copy_from_slice(state);
@@ -91,7 +97,7 @@ impl MechanismDynamics {
         reached
     }
 
-    /// Positions and velocities of the bodies that are not held.
+    /// Return positions and velocities (q, then v) of the bodies that are not fixed.
     pub(crate) fn read_state(&self) -> Vec<f64> {
         let n = self.model.coordinates();
         let mut state = vec![0.0; 2 * n];
@@ -105,16 +111,16 @@ impl MechanismDynamics {
         state
     }
 
-    /// Accelerations by the loads at hand where the bodies were just brought onto the constraints.
+    /// Solve for accelerations at a state just projected onto the constraints, with the loads of the last evaluation.
     fn accelerate_here(&mut self, t: f64) -> bool {
-        // With the velocities just projected, the right-hand sides are those of this place.
+        // γ depends on the velocities, which the projection has changed.
         self.find_rows(t);
         self.factorise_whole();
         self.solve_constrained()
     }
 }
 
-/// Adds `weight` times `values` to sums.
+/// Add `weight` times `values` to `sums`.
 fn add(sums: &mut [f64], weight: f64, values: &[f64]) {
     for (sum, value) in sums.iter_mut().zip(values) {
         *sum += weight * value;

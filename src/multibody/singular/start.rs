@@ -1,26 +1,29 @@
-//! Whether a mechanism is placed where two ways of going on meet: joints that hold independently beside it do not do so there.
+//! Detection of a start at a singular position, where branches of the motion meet and more constraints are dependent than nearby.
 
 use super::acceleration::nearness;
 use crate::multibody::assembly::projection::AtHand;
 use crate::multibody::dynamics::MechanismDynamics;
 
-/// Independence of the constraints below which the start is looked at.
+/// Independence of the constraints at the start below which nearby positions are examined.
 const NEAR: f64 = 1e-6;
-/// How far beside the start it is looked, in radians and parts of the size.
+/// Distance of the nearby positions from the start, in radians and in parts of the size.
 const BESIDE: f64 = 0.01;
-/// Independence there, over that at the start, that tells the one from the other.
+/// Ratio of the independence nearby to that at the start above which the start counts as singular.
 const MORE: f64 = 100.0;
-/// Independence that tells something where joints hold but for rounding.
+/// Threshold of independence at the nearby positions, above the effect of their residuals.
 const TOLD: f64 = 1e-6;
+/// Largest number of iterations of the projection of a nearby position.
 const ITERATIONS: usize = 40;
-/// Independence of those that are kept that is tried, best first.
+/// Thresholds of independence for the constraints to keep, tried from the largest.
 const HOLDS: [f64; 3] = [1e-2, 3e-3, 1e-3];
+/// Number of nearby positions.
 const TRIALS: usize = 3;
 
 impl MechanismDynamics {
-    /// Finds how many constraints are independent near the start in `state`, which was just evaluated, and from when on they
-    /// count as nearly dependent. Returns whether the start is a place where ways of going on meet, and no velocity was given
-    /// to choose one.
+    /// Determine the rank of the constraints near the start and the near-singular threshold. `state` is the start, which was just
+    /// evaluated.
+    ///
+    /// Return whether the start is singular, with branches of the motion that meet there, and all initial velocities are zero.
     pub(crate) fn look_beside(&mut self, state: &[f64]) -> bool {
         let Some(kkt) = &self.kkt else {
             return false;
@@ -30,7 +33,7 @@ impl MechanismDynamics {
         if rank == self.rows.len() && independence > NEAR {
             return false;
         }
-        // Drivers go on, too.
+        // Drivers advance by the same distance as the bodies.
         let rates = self.rows.iter().map(|row| row.time_rate.abs());
         let fastest = rates.fold(0.0, f64::max);
         let delay = if fastest > 0.0 { BESIDE / fastest } else { 0.0 };
@@ -41,11 +44,12 @@ impl MechanismDynamics {
         let mut along = vec![0.0; self.rows.len()];
         let mut found = (rank, false);
         for trial in 1..=TRIALS {
+            // A deterministic displacement with different components in each trial.
             for (i, change) in change.iter_mut().enumerate() {
                 let unit = if i % 3 == 2 { 1.0 } else { size };
                 *change = BESIDE * unit * (1.7 * (i + 1) as f64 * trial as f64).sin();
             }
-            // Along the constraints: what is redundant seems to be independent as far as joints are apart.
+            // The displacement is made tangential to the constraints: with residuals, redundant constraints appear to be independent.
             self.evaluate(0.0, state);
             self.along_rows(&change, &mut along);
             if let Some(kkt) = &mut self.kkt {
@@ -55,7 +59,7 @@ impl MechanismDynamics {
             for (q, change) in place.iter_mut().zip(&change) {
                 *q += change;
             }
-            // What lost its hold at the start alone may have little of it back.
+            // A constraint that is dependent at the start may have little independence nearby.
             let near = self.near_singular;
             let reached = [1.0, 0.1, 0.01].iter().any(|part| {
                 self.near_singular = part * near;
@@ -83,7 +87,9 @@ impl MechanismDynamics {
         found.1 && !given
     }
 
-    /// Where some constraints are redundant, the start may hold by others than those that come first: what these leave tells nothing then.
+    /// With redundant constraints, raise the near-singular threshold to the largest of [`HOLDS`] that keeps the rank.
+    ///
+    /// The set of constraints kept may then differ from those described first.
     fn hold_by_what_holds_best(&mut self) {
         if let Some(kkt) = self.kkt.as_mut().filter(|_| self.rank < self.rows.len()) {
             let holds = HOLDS.into_iter().find(|&part| {
@@ -95,7 +101,7 @@ impl MechanismDynamics {
         }
     }
 
-    /// G x of each constraint.
+    /// Write the product G x, one number per constraint.
     fn along_rows(&self, x: &[f64], along: &mut [f64]) {
         for (sum, row) in along.iter_mut().zip(&self.rows) {
             *sum = 0.0;
