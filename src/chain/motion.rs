@@ -1,9 +1,9 @@
-//! Positions and velocities of all bodies, one array a quantity.
+//! Positions and velocities of all bodies, one array per quantity.
 
 use crate::chain::model::{Model, Rotation, SprocketModel, Support};
 use crate::geometry::Vec2;
 
-/// Where every body is and how it moves; links first, then rollers, then sprockets.
+/// Positions and velocities of all bodies: links first, then rollers, then sprockets and guides.
 #[derive(Debug, Clone, Default)]
 pub struct Motion {
     /// x \[m\]
@@ -20,12 +20,12 @@ pub struct Motion {
     pub spin: Vec<f64>,
     /// cos θ of links at the last evaluation of their hinges
     pub cos: Vec<f64>,
-    /// sin θ of links, likewise
+    /// sin θ of links at the last evaluation of their hinges
     pub sin: Vec<f64>,
 }
 
 impl Motion {
-    /// Room for `bodies`.
+    /// Create arrays of zeros for `bodies` bodies.
     #[must_use]
     pub fn new(bodies: usize) -> Self {
         let zeros = || vec![0.0; bodies];
@@ -41,9 +41,10 @@ impl Motion {
         }
     }
 
-    /// Reads the state `y` = [q, dq/dt, ...] at time `t`.
+    /// Read the state `y` = [q, dq/dt, ...] at time `t` \[s\].
     pub fn read(&mut self, model: &Model, t: f64, y: &[f64]) {
         let n = model.links;
+    // q = [all link x, all link y, all link θ, sprockets and guides, all roller x, all roller y, all roller θ, bristles]
         let (q, v) = (
             &y[..model.coordinates],
             &y[model.coordinates..2 * model.coordinates],
@@ -73,7 +74,7 @@ impl Motion {
         }
     }
 
-    /// Takes positions and velocities of all bodies as they are.
+    /// Set positions and velocities of all bodies.
     pub fn set(&mut self, positions: &[[f64; 3]], velocities: &[[f64; 3]]) {
         for (i, (p, v)) in positions.iter().zip(velocities).enumerate() {
             [self.x[i], self.y[i], self.angle[i]] = *p;
@@ -81,7 +82,7 @@ impl Motion {
         }
     }
 
-    /// (x, y, θ) of every body.
+    /// Return (x, y, θ) of every body \[m, m, rad\].
     #[must_use]
     pub fn positions(&self) -> Vec<[f64; 3]> {
         (0..self.x.len())
@@ -89,7 +90,7 @@ impl Motion {
             .collect()
     }
 
-    /// (dx/dt, dy/dt, dθ/dt) of every body.
+    /// Return (dx/dt, dy/dt, dθ/dt) of every body \[m/s, m/s, rad/s\].
     #[must_use]
     pub fn velocities(&self) -> Vec<[f64; 3]> {
         (0..self.x.len())
@@ -97,7 +98,7 @@ impl Motion {
             .collect()
     }
 
-    /// Writes the state's coordinates and velocities that these motions stand for.
+    /// Write the generalized coordinates and velocities of these motions into the state `y`.
     pub fn write(&self, model: &Model, y: &mut [f64]) {
         let n = model.links;
         let (q, v) = y.split_at_mut(model.coordinates);
@@ -144,7 +145,9 @@ impl Motion {
     }
 }
 
-/// ((centre, velocity), (angle, spin)) of one sprocket at time `t`; `value` gives a coordinate and its velocity.
+/// Return ((centre, velocity), (angle, angular speed)) of one sprocket at time `t` \[s\].
+///
+/// `value` returns a generalized coordinate and its velocity.
 pub(crate) fn sprocket_motion(
     sprocket: &SprocketModel,
     t: f64,

@@ -1,9 +1,9 @@
-//! Which bushings may touch which sprockets before anything has moved far, and in which gap each of them is.
+//! Candidate lists: the bushings that can touch each sprocket before a body has moved by the margin, and their tooth gaps.
 //!
-//! A list holds until a bushing, or a bushing seen from a sprocket, has moved by more than the margin with which it was made. Every evaluation
-//! measures that, so no contact can be missed whatever a step tries. A list made where something was nowhere holds for nothing.
-//! A pair that has a memory stays a candidate until the memory has ended. The gaps are hints: the kernel sees when a bushing has
-//! crossed to the next one and asks for it.
+//! A list is valid until a bushing has moved by more than the margin, in space or relative to a sprocket. Every evaluation measures this
+//! displacement: no contact is missed, whatever the step size. A candidate list built at an undefined state is invalid. A pair with an
+//! impact velocity memory remains a candidate until the memory has ended. The gaps are initial values: the kernel detects a bushing that
+//! has crossed to another gap and determines its gap again.
 
 mod carried;
 
@@ -20,53 +20,53 @@ use crate::math::simd::{Numbers, WIDTH, padded, padded_zeros};
 /// Candidates of all sprockets.
 #[derive(Debug, Clone)]
 pub(crate) struct Candidates {
-    /// For each sprocket.
+    /// Candidates of each sprocket.
     pub(crate) sprockets: Vec<SprocketCandidates>,
-    /// Where the bushings were when the list was made: x, y \[m\].
+    /// Positions of the bushings when the list was built: x, y \[m\].
     pub(crate) reference: [Numbers; 2],
-    /// The sprockets that can move, and where they were \[m\].
+    /// Sprockets with moving centres, and their centres when the list was built \[m\].
     movable: Vec<(usize, Vec2)>,
-    /// How far anything may move before the list is made again \[m\].
+    /// Displacement that invalidates the list \[m\].
     margin: f64,
-    /// How many bushings runs go past the last one, beginning again with the first.
+    /// Largest number of bushings of a run behind the last bushing of the chain, counted on from the first.
     pub(crate) overhang: usize,
-    /// The list does not hold, whatever has moved.
+    /// Whether the list is invalid, independent of displacements.
     stale: bool,
-    /// How often the list was made.
+    /// Number of lists built so far.
     refreshes: u64,
 }
 
-/// Bushings that follow one another along the chain, all candidates of one sprocket.
+/// Successive bushings of the chain that are candidates of one sprocket.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Run {
-    /// First bushing.
+    /// Number of the first bushing.
     pub(crate) first: usize,
-    /// How many; may go past the last bushing to the first.
+    /// Number of bushings; a run may continue from the last bushing of the chain to the first one.
     pub(crate) length: usize,
-    /// Slot of the first one, a multiple of [`WIDTH`].
+    /// Slot of the first bushing, a multiple of [`WIDTH`].
     pub(crate) slot: usize,
 }
 
-/// Candidates of one sprocket: runs, and arrays over their slots.
+/// Candidates of one sprocket: runs of bushings, and arrays over their slots.
 #[derive(Debug, Clone)]
 pub(crate) struct SprocketCandidates {
-    /// The runs.
+    /// Runs of successive bushings.
     pub(crate) runs: Vec<Run>,
-    /// Number of the gap that each was last seen in.
+    /// Number of the tooth gap of each candidate at the last evaluation.
     pub(crate) gap: Vec<u32>,
-    /// Direction of that gap in the sprocket's own frame, cosine.
+    /// Direction of that gap in the frame of the sprocket, cosine.
     pub(crate) gap_cos: Numbers,
-    /// The same, sine.
+    /// Direction of that gap in the frame of the sprocket, sine.
     pub(crate) gap_sin: Numbers,
-    /// 1/onset speed of each \[s/m\]; zero without memory.
+    /// Inverse of the initial impact velocity of each candidate \[s/m\]; zero without memory.
     pub(crate) inverse_onset: Numbers,
-    /// Law constants of the surface at onset.
+    /// Constants of the elastic law for the surface at the contact onset.
     pub(crate) kept_constants: [Numbers; 2],
-    /// Depth of each \[m\]; zero where apart. Written by the kernel.
+    /// Penetration of each candidate \[m\]; zero where apart. Written by the kernel.
     pub(crate) depth: Numbers,
-    /// Normal force on each \[N\]. Written by the kernel.
+    /// Normal force on each candidate \[N\]. Written by the kernel.
     pub(crate) force: Numbers,
-    /// Friction on the sprocket, along the normal turned left \[N\]. Written by the kernel where teeth have friction.
+    /// Friction on the sprocket, along the normal turned left \[N\]. Written by the kernel for drives with tooth friction.
     pub(crate) friction: Numbers,
 }
 
@@ -86,7 +86,7 @@ impl SprocketCandidates {
         }
     }
 
-    /// Bushing of every slot that has one, in a chain of `links`.
+    /// Return (slot, bushing) of all candidates, in a chain of `links` links.
     pub(crate) fn bushings(&self, links: usize) -> impl Iterator<Item = (usize, usize)> {
         self.runs.iter().flat_map(move |run| {
             (0..run.length).map(move |i| (run.slot + i, (run.first + i) % links))
@@ -94,6 +94,7 @@ impl SprocketCandidates {
     }
 
     fn slot_of(&self, bushing: usize, links: usize) -> Option<usize> {
+    // The distance along the ring, modulo the number of links, also finds bushings behind the end of the chain.
         self.runs.iter().find_map(|run| {
             let place = (bushing + links - run.first) % links;
             (place < run.length).then_some(run.slot + place)
@@ -109,7 +110,7 @@ impl SprocketCandidates {
         }
     }
 
-    /// The arrays over slots.
+    /// Return the floating-point arrays over slots.
     fn arrays(&mut self) -> [&mut Numbers; 8] {
         let Self {
             gap_cos,
@@ -133,7 +134,7 @@ impl SprocketCandidates {
         ]
     }
 
-    /// Becomes what `other` is, within its own room.
+    /// Copy runs, gaps and constants of `other` without allocation. Results of the kernel are reset to zero.
     fn copy(&mut self, other: &Self) {
         self.runs.clear();
         self.runs.extend_from_slice(&other.runs);
@@ -147,7 +148,7 @@ impl SprocketCandidates {
         }
     }
 
-    /// Puts the candidate in `slot` into a gap of its sprocket.
+    /// Assign a tooth gap of its sprocket to the candidate in `slot`.
     pub(crate) fn put_into_gap(&mut self, slot: usize, sprocket: &SprocketModel, gap: u32) {
         self.gap[slot] = gap;
         (self.gap_cos[slot], self.gap_sin[slot]) = sprocket.gap_directions[gap as usize];
@@ -155,7 +156,7 @@ impl SprocketCandidates {
 }
 
 impl Candidates {
-    /// None yet: the first evaluation makes the list.
+    /// Create an invalid list; the first evaluation builds it.
     pub(crate) fn new(model: &Model) -> Self {
         let sprocket = || SprocketCandidates::with_room_for(Self::most_slots(model));
         Self {
@@ -165,7 +166,7 @@ impl Candidates {
                 .filter(|&s| model.sprockets[s].support != Support::Fixed)
                 .map(|s| (s, Vec2::zeros()))
                 .collect(),
-            // With half a pitch a wrap and its strands' ends still fill the registers that they need anyway.
+            // With half a pitch, the candidates at the ends of a wrap fill lanes of SIMD vectors that the wrap needs in any case.
             margin: model.half_pitch,
             overhang: 0,
             stale: true,
@@ -173,20 +174,20 @@ impl Candidates {
         }
     }
 
-    /// Slots that the candidates of a sprocket may need.
+    /// Return the largest number of slots of the candidates of a sprocket.
     pub(crate) fn most_slots(model: &Model) -> usize {
-        // Runs are a register apart at least: what they need beyond the links themselves lies in the gaps between them.
-        // Where an open chain is open, two may be nearer.
+        // Runs are at least one SIMD vector apart: the bushings between two runs provide the slots for padding. Two runs at the opening of
+        // an open chain may be nearer.
         let open = if model.ends.is_some() { 2 } else { 0 };
         padded(model.links) + (2 + open) * WIDTH
     }
 
-    /// Forgets the list.
+    /// Invalidate the list.
     pub(crate) fn invalidate(&mut self) {
         self.stale = true;
     }
 
-    /// Becomes the list `other`, within its own room.
+    /// Copy the list `other` without allocation.
     pub(crate) fn copy(&mut self, other: &Self) {
         for (own, other) in self.sprockets.iter_mut().zip(&other.sprockets) {
             own.copy(other);
@@ -198,24 +199,25 @@ impl Candidates {
         (self.overhang, self.stale) = (other.overhang, other.stale);
     }
 
-    /// How often the list was made.
+    /// Return the number of lists built so far.
     pub(crate) fn refreshes(&self) -> u64 {
         self.refreshes
     }
 
-    /// Whether the list holds when some bushing has moved by the square root of `moved_squared` \[m²\] and sprockets are at
-    /// `center`.
+    /// Return whether the list is valid for sprockets at `center` \[m\].
+    ///
+    /// `moved_squared`: largest squared displacement of a bushing since the list was built \[m²\].
     #[inline]
     pub(crate) fn hold(&self, moved_squared: f64, center: impl Fn(usize) -> Vec2) -> bool {
         let mut sprocket_moved: f64 = 0.0;
         for &(s, reference) in &self.movable {
             sprocket_moved = sprocket_moved.max((center(s) - reference).norm_squared());
         }
-        // (a + b)² <= 2 (a² + b²)
+        // Sufficient condition for a + b < margin, without square roots: (a + b)² <= 2 (a² + b²).
         !self.stale && 2.0 * (moved_squared + sprocket_moved) < self.margin * self.margin
     }
 
-    /// Makes the list from the present places of bushings (`x`, `y`) and sprockets (centre; cosine and sine of the angle).
+    /// Build the list from the present positions of bushings (`x`, `y`) and sprockets (centre; cosine and sine of the angle).
     pub(crate) fn refresh(
         &mut self,
         model: &Model,
@@ -226,7 +228,7 @@ impl Candidates {
         let n = model.links;
         self.reference[0][..n].copy_from_slice(&x[..n]);
         self.reference[1][..n].copy_from_slice(&y[..n]);
-        // From a place that is no number nothing has moved by any number.
+        // A displacement from a non-finite position is undefined: such a list is invalid.
         let finite = |places: &[f64]| places[..n].iter().all(|place| place.is_finite());
         self.stale = !(finite(x) && finite(y));
         self.refreshes += 1;
@@ -264,14 +266,14 @@ impl Candidates {
         }
     }
 
-    /// The gap of sprocket `s` that bushing `k` was last seen in.
+    /// Return the tooth gap of sprocket `s` with bushing `k` at the last evaluation; `None` where the pair is no candidate.
     pub(crate) fn gap(&self, model: &Model, s: usize, k: usize) -> Option<u32> {
         let candidates = &self.sprockets[s];
         let slot = candidates.slot_of(k, model.links)?;
         Some(candidates.gap[slot])
     }
 
-    /// Brings what the slot of bushing `k` on sprocket `s` knows of its onset in line with `memory`.
+    /// Copy the initial impact velocity and the surface of bushing `k` on sprocket `s` from `memory` into its slot.
     pub(crate) fn update_memory(
         &mut self,
         model: &Model,
@@ -297,7 +299,7 @@ impl SprocketCandidates {
     }
 }
 
-/// The gap that a bushing at `arm` from a sprocket's centre is in.
+/// Return the tooth gap of a bushing at `arm` \[m\] from a sprocket's centre.
 ///
 /// `direction`: cosine and sine of the sprocket's angle.
 #[cold]
@@ -310,15 +312,15 @@ pub(crate) fn gap_of(sprocket: &SprocketModel, arm: Vec2, [cos, sin]: [f64; 2]) 
     sprocket.profile.nearest_gap(y.atan2(x))
 }
 
-/// Constants of the tooth law for a surface of sprocket `s`.
+/// Return the constants of the tooth law for a surface of sprocket `s`.
 pub(crate) fn surface_constants(model: &Model, s: usize, surface: Surface) -> [f64; 2] {
     model.tooth_law.pairs.pairs()[model.tooth_pair(s, surface)]
 }
 
-/// Writes the runs of the `near` ones of `n` bushings and returns the number of their slots.
+/// Write the runs of those of `n` bushings that are `near`, and return the number of their slots.
 ///
-/// Runs with less than a register between them are joined: the register would be loaded anyway. The last one and the first
-/// one are joined where that saves a register. Bushings that are not `there` are in no run.
+/// Two runs less than one SIMD vector apart are joined: that vector is loaded in any case. The last and the first run are joined where
+/// that saves a vector. Bushings that are not `there` belong to no run.
 fn find_runs(
     n: usize,
     near: impl Fn(usize) -> bool,
@@ -353,7 +355,7 @@ fn find_runs(
     lay_out(runs)
 }
 
-/// Gives the runs their slots and returns how many there are.
+/// Assign slots to the runs and return the number of slots.
 fn lay_out(runs: &mut [Run]) -> usize {
     let mut slots = 0;
     for run in runs {

@@ -1,8 +1,11 @@
-//! One cylinder in the bore of another: pin in bushing, bushing in roller (paper's Eqs. 2 and 3).
+//! Clearance joint: a cylinder in the bore of another, pin in bushing or bushing in roller (paper's Eqs. 2 and 3).
 
 use crate::geometry::{Contact, Vec2};
 
-/// One cylinder in a bore with radial `clearance`: `offset` and `velocity` of the inner centre seen from the outer one.
+/// Return the contact of a cylinder in a bore with radial `clearance` c \[m\]: δ = |e| - c, dδ/dt = n · de/dt.
+///
+/// `offset` e \[m\] and `velocity` de/dt \[m/s\]: centre of the inner cylinder relative to that of the outer one. The normal n = e/|e| is
+/// zero where the centres coincide.
 #[must_use]
 pub(super) fn pin_in_bushing(offset: Vec2, velocity: Vec2, clearance: f64) -> Contact {
     let distance = offset.norm();

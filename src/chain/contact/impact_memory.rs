@@ -1,44 +1,44 @@
-//! What each live contact remembers from its onset: approach speed and stiffness. Written between steps only.
+//! Impact velocity memory: initial impact velocity and surface of each contact, written between steps only.
 
 use serde::{Deserialize, Serialize};
 
 use crate::geometry::Surface;
 use crate::math::simd::{Numbers, padded_zeros};
 
-/// Onset speeds and surfaces; a speed of zero means that the pair has no memory.
+/// Initial impact velocities and surfaces of all pairs; a velocity of zero marks a pair without memory.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ImpactMemory {
-    /// Approach speed at onset of each hinge \[m/s\].
+    /// Initial impact velocity of each hinge \[m/s\].
     hinge_speed: Vec<f64>,
-    /// Its inverse \[s/m\], zero without memory; padded for the kernels.
+    /// Inverse of `hinge_speed` \[s/m\], zero without memory; padded for the kernels.
     hinge_inverse: Numbers,
-    /// Approach speed at onset of each bushing in its roller \[m/s\]; empty where rollers are no bodies of their own.
+    /// Initial impact velocity of each bushing in its roller \[m/s\]; empty where rollers are no bodies of their own.
     roller_speed: Vec<f64>,
-    /// Its inverse \[s/m\], as of the hinges.
+    /// Inverse of `roller_speed` \[s/m\], zero without memory; padded for the kernels.
     roller_inverse: Numbers,
-    /// Approach speed at onset of each pair of bushing and sprocket \[m/s\].
+    /// Initial impact velocity of each pair of bushing and sprocket \[m/s\].
     pub tooth_speed: Vec<f64>,
-    /// Surface at onset of each pair of bushing and sprocket.
+    /// Surface at the contact onset of each pair of bushing and sprocket.
     pub tooth_surface: Vec<Surface>,
-    /// Floor of the approach speed \[m/s\].
+    /// Minimum impact velocity \[m/s\].
     floor: f64,
-    /// How far forward the pawl of each sprocket's or guide's ratchet has come, see [`crate::chain::model::Ratchet`].
+    /// Position of the pawl of each sprocket's or guide's ratchet, see [`crate::chain::model::Ratchet`]; -inf before its first update.
     pub pawls: Vec<f64>,
-    /// Onsets so far.
+    /// Numbers of contact onsets.
     counts: OnsetCounts,
 }
 
-/// Onsets so far.
+/// Numbers of contact onsets since the start of the run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct OnsetCounts {
-    /// All.
+    /// All contact onsets.
     pub onsets: u64,
-    /// Those whose approach speed was below the floor.
+    /// Contact onsets below the minimum impact velocity.
     pub at_floor: u64,
 }
 
 impl ImpactMemory {
-    /// No pair has a memory.
+    /// Create a memory in which no pair has an initial impact velocity; `floor`: minimum impact velocity \[m/s\].
     #[must_use]
     pub fn new(hinges: usize, rollers: usize, tooth_pairs: usize, floor: f64) -> Self {
         Self {
@@ -54,7 +54,9 @@ impl ImpactMemory {
         }
     }
 
-    /// The onset speed that a law uses: the remembered one, or for a pair without memory the present rate, not below the floor.
+    /// Return the initial impact velocity used by a damping law \[m/s\].
+    ///
+    /// A pair without memory uses its present penetration rate `rate`, at least the minimum impact velocity.
     #[must_use]
     #[inline]
     pub fn onset_speed(&self, remembered: f64, rate: f64) -> f64 {
@@ -65,66 +67,66 @@ impl ImpactMemory {
         }
     }
 
-    /// Hinge `k` came into contact at `rate` \[m/s\].
+    /// Record a contact onset of hinge `k` at the penetration rate `rate` \[m/s\].
     pub fn begin_hinge(&mut self, k: usize, rate: f64) {
         self.hinge_speed[k] = self.count(rate);
         self.hinge_inverse[k] = 1.0 / self.hinge_speed[k];
     }
 
-    /// Hinge `k` came apart.
+    /// Record the contact end of hinge `k`.
     pub fn end_hinge(&mut self, k: usize) {
         self.hinge_speed[k] = 0.0;
         self.hinge_inverse[k] = 0.0;
     }
 
-    /// Approach speed at onset of each hinge \[m/s\].
+    /// Return the initial impact velocity of each hinge \[m/s\].
     #[must_use]
     pub fn hinge_speed(&self) -> &[f64] {
         &self.hinge_speed
     }
 
-    /// Its inverse \[s/m\], zero without memory; padded.
+    /// Return the inverses of the initial impact velocities \[s/m\], zero without memory; padded.
     #[must_use]
     pub(crate) fn hinge_inverse(&self) -> &[f64] {
         &self.hinge_inverse
     }
 
-    /// Bushing `k` came into contact with its roller at `rate` \[m/s\].
+    /// Record a contact onset of bushing `k` and its roller at the penetration rate `rate` \[m/s\].
     pub fn begin_roller(&mut self, k: usize, rate: f64) {
         self.roller_speed[k] = self.count(rate);
         self.roller_inverse[k] = 1.0 / self.roller_speed[k];
     }
 
-    /// Bushing `k` and its roller came apart.
+    /// Record the contact end of bushing `k` and its roller.
     pub fn end_roller(&mut self, k: usize) {
         self.roller_speed[k] = 0.0;
         self.roller_inverse[k] = 0.0;
     }
 
-    /// Approach speed at onset of each bushing in its roller \[m/s\].
+    /// Return the initial impact velocity of each bushing in its roller \[m/s\].
     #[must_use]
     pub fn roller_speed(&self) -> &[f64] {
         &self.roller_speed
     }
 
-    /// Its inverse \[s/m\], zero without memory; padded.
+    /// Return the inverses of the initial impact velocities \[s/m\], zero without memory; padded.
     #[must_use]
     pub(crate) fn roller_inverse(&self) -> &[f64] {
         &self.roller_inverse
     }
 
-    /// A bushing came into contact with a tooth at `rate` \[m/s\].
+    /// Record a contact onset of a pair of bushing and sprocket on `surface` at the penetration rate `rate` \[m/s\].
     pub fn begin_tooth(&mut self, pair: usize, rate: f64, surface: Surface) {
         self.tooth_speed[pair] = self.count(rate);
         self.tooth_surface[pair] = surface;
     }
 
-    /// A bushing left its tooth.
+    /// Record the contact end of a pair of bushing and sprocket.
     pub fn end_tooth(&mut self, pair: usize) {
         self.tooth_speed[pair] = 0.0;
     }
 
-    /// The onset at `speed` is not to have been \[m/s\].
+    /// Remove a contact onset with the initial impact velocity `speed` \[m/s\] from the counts.
     pub(crate) fn take_back(&mut self, speed: f64) {
         self.counts.onsets -= 1;
         if speed <= self.floor {
@@ -140,13 +142,13 @@ impl ImpactMemory {
         rate.max(self.floor)
     }
 
-    /// Onsets so far.
+    /// Return the numbers of contact onsets.
     #[must_use]
     pub fn counts(&self) -> OnsetCounts {
         self.counts
     }
 
-    /// Whether it is a memory of as many pairs, with the same floor.
+    /// Return whether both memories have the same numbers of pairs and the same minimum impact velocity.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         let lengths = |memory: &Self| {
             let hinges = (memory.hinge_speed.len(), memory.hinge_inverse.len());
@@ -157,7 +159,7 @@ impl ImpactMemory {
         lengths(self) == lengths(other) && self.floor == other.floor
     }
 
-    /// Forgets every pair.
+    /// Clear the memory of every pair and the positions of all pawls; the counts remain.
     pub fn clear(&mut self) {
         self.hinge_speed.fill(0.0);
         self.hinge_inverse.fill(0.0);

@@ -1,4 +1,4 @@
-//! What kernels and events know of contacts: candidates, impact velocity memory, paths of pairs along a step, jumps over teeth.
+//! Contact detection and memory: candidate lists, impact velocity memory, relative kinematics along a step, tooth jumps.
 
 mod candidates;
 mod clearance_joint;

@@ -1,4 +1,6 @@
-//! A hinge, or a bushing and a sprocket, along the integrator's last step: what only its two bodies need.
+//! Relative kinematics of a hinge, or of a bushing and a sprocket, along the last step of the integrator.
+//!
+//! Only the coordinates of the two bodies are interpolated, with the dense output of the step.
 
 use super::clearance_joint::pin_in_bushing;
 use super::tooth_gap::{OnGap, SprocketFrame, bushing_near_gap};
@@ -7,23 +9,23 @@ use crate::geometry::Contact;
 use crate::geometry::{Vec2, turned_left, unit};
 use crate::integrator::{Adams, DenseSums};
 
-/// Turned by less \[rad\], a direction follows from a series.
+/// Largest rotation \[rad\] that [`turned`] evaluates by a series; its truncation error is then below 3e-19.
 const SMALL_TURN: f64 = 0.0625;
 
-/// Hinge `k` along a step.
+/// Relative kinematics of hinge `k` along a step.
 #[derive(Debug)]
 pub struct HingePath<'a> {
     clearance: f64,
-    /// From the centres of both links to the hinge \[m\].
+    /// Distances from the centres of both links to the hinge \[m\].
     arms: [f64; 2],
-    /// Centre of link k seen from that of the next one \[m\], their angles, and the rates of all four.
+    /// Centre of link k relative to that of the next link \[m\], the angles of both links \[rad\], and the rates of all four.
     path: DenseSums<'a, 8>,
     /// Directions of both links at the end of the step.
     directions: [Vec2; 2],
 }
 
 impl<'a> HingePath<'a> {
-    /// Hinge `k` of `model` along the last step of `adams`.
+    /// Create the path of hinge `k` of `model` along the last step of `adams`.
     #[must_use]
     pub fn new(model: &Model, adams: &'a Adams, k: usize) -> Self {
         let n = model.links;
@@ -45,7 +47,7 @@ impl<'a> HingePath<'a> {
         }
     }
 
-    /// The contact at time `t` inside the step.
+    /// Return the contact at time `t` \[s\] inside the step.
     #[must_use]
     pub fn at(&self, t: f64) -> Contact {
         let [x, y, .., vx, vy, front_spin, rear_spin] = self.path.end();
@@ -53,6 +55,7 @@ impl<'a> HingePath<'a> {
         let front = self.arms[0] * turned(self.directions[0], front);
         let rear = self.arms[1] * turned(self.directions[1], rear);
         let turning = (front_spin + front_spun) * front + (rear_spin + rear_spun) * rear;
+        // e = x_k - x_next + a_k t_k + a_next t_next; de/dt has ω × a for both arms.
         pin_in_bushing(
             Vec2::new(x + dx, y + dy) + front + rear,
             Vec2::new(vx + dvx, vy + dvy) + turned_left(turning),
@@ -61,32 +64,33 @@ impl<'a> HingePath<'a> {
     }
 }
 
-/// Bushing `k` on sprocket `s` along a step.
+/// Relative kinematics of bushing `k` and sprocket `s` along a step.
 #[derive(Debug)]
 pub struct ToothPath<'a> {
     sprocket: &'a SprocketModel,
     bushing_radius: f64,
-    /// From the link's centre to the bushing, along the link \[m\].
+    /// Position of the bushing along the link, from the link's centre \[m\].
     arm: f64,
-    /// Centre of the link seen from that of the sprocket \[m\], angles of link and sprocket, and the rates of all four. A
-    /// prescribed angle is not among them.
+    /// Centre of the link relative to the sprocket's displacement \[m\], angles of link and sprocket \[rad\], and the rates of all four.
+    ///
+    /// A prescribed angle is zero here and is evaluated from its signal instead.
     path: DenseSums<'a, 8>,
     /// Directions of link and sprocket at the end of the step.
     directions: [Vec2; 2],
-    /// Angle of the sprocket there \[rad\].
+    /// Angle of the sprocket at the end of the step \[rad\].
     angle: f64,
-    /// The gap that the bushing is in there.
+    /// Tooth gap of the bushing at the end of the step.
     gap: u32,
-    /// From where a tensioner's coordinate counts along the tangent of its way at the end \[m\].
+    /// Origin of a tensioner's coordinate on the tangent of its guide path at the end of the step \[m\].
     origin: Vec2,
 }
 
 impl<'a> ToothPath<'a> {
-    /// Bushing `k` of `model` on sprocket `s` along the last step of `adams`.
+    /// Create the path of bushing `k` of `model` relative to sprocket `s` along the last step of `adams`.
     #[must_use]
     pub fn new(model: &'a Model, adams: &'a Adams, k: usize, s: usize) -> Self {
         let n = model.links;
-        // A roller is what it is the centre of, whichever way it has turned.
+        // The contact circle of a roller is centred on the body: the arm is zero and the angle has no effect.
         let ([x_of, y_of, angle_of], arm) = if let Some(rollers) = &model.rollers {
             ([0, 1, 2].map(|i| rollers.first + i * n + k), 0.0)
         } else {
@@ -94,7 +98,7 @@ impl<'a> ToothPath<'a> {
             ([link, n + link, 2 * n + link], model.bushing_arm(k))
         };
         let sprocket = &model.sprockets[s];
-        // An arm turns by next to nothing in a step: its centre goes along the tangent of its end.
+        // The rotation of a tensioner arm within a step is negligible: its centre moves along the tangent at the end of the step.
         let (tangent, origin) = tangent_way(sprocket, adams.y());
         let path = adams.dense_sums(|row| {
             let (q, v) = row.split_at(model.coordinates);
@@ -129,8 +133,9 @@ impl<'a> ToothPath<'a> {
         at
     }
 
-    /// The contact at time `t` inside the step, at any distance: a pair on whose outermost surface a contact begins is out of reach
-    /// until then, and has a surface all the same.
+    /// Return the contact at time `t` \[s\] inside the step, at any distance.
+    ///
+    /// A pair with a contact onset on its outermost surface is out of reach before the onset and has a surface there too.
     #[must_use]
     pub fn at(&self, t: f64) -> OnGap {
         let [x, y, .., vx, vy, link_spin, spin] = self.path.end();
@@ -139,7 +144,7 @@ impl<'a> ToothPath<'a> {
             .map_or([turn, spin + spun], |[angle, spin]| {
                 [angle - self.angle, spin]
             });
-        // Where a support holds the centre somewhere, its place is not among the coordinates.
+        // The coordinates of a floating centre are absolute. Those of other supports are zero or relative to this point.
         let center = match self.sprocket.support {
             Support::Fixed => self.sprocket.center,
             Support::Slide { .. } => self.origin,
@@ -167,7 +172,7 @@ impl<'a> ToothPath<'a> {
     }
 }
 
-/// Unit vector of a tensioner's way where state `y` has its sprocket, and the point on that tangent from where the coordinate counts.
+/// Return the tangent of a tensioner's guide path in the state `y`, and the origin of its coordinate on that tangent \[m\].
 fn tangent_way(sprocket: &SprocketModel, y: &[f64]) -> (Vec2, Vec2) {
     let Support::Slide {
         index,
@@ -186,7 +191,7 @@ fn tangent_way(sprocket: &SprocketModel, y: &[f64]) -> (Vec2, Vec2) {
     (tangent, here - y[index] * tangent)
 }
 
-/// Angle \[rad\] and angular speed \[rad/s\] of a sprocket that turns as prescribed.
+/// Return angle \[rad\] and angular speed \[rad/s\] of a sprocket with prescribed speed.
 fn prescribed(sprocket: &SprocketModel, t: f64) -> Option<[f64; 2]> {
     match &sprocket.rotation {
         Rotation::Prescribed(speed) => Some([sprocket.phase + speed.integral(t), speed.value(t)]),
@@ -198,11 +203,11 @@ pub(super) fn join([a, b, c, d]: [f64; 4], [e, f, g, h]: [f64; 4]) -> [f64; 8] {
     [a, b, c, d, e, f, g, h]
 }
 
-/// `direction` turned by `angle` \[rad\], to round-off.
+/// Return `direction` rotated by `angle` \[rad\], to round-off.
 pub(super) fn turned(direction: Vec2, angle: f64) -> Vec2 {
     let (sin, cos) = if angle.abs() < SMALL_TURN {
         let z = angle * angle;
-        // What is left out is below 1e-20.
+        // Taylor series up to angle⁹ and angle⁸: the first terms left out are angle¹¹/11! < 2e-21 and angle¹⁰/10! < 3e-19.
         let sin = 1.0 - z / 6.0 * (1.0 - z / 20.0 * (1.0 - z / 42.0 * (1.0 - z / 72.0)));
         let cos = 1.0 - 0.5 * z * (1.0 - z / 12.0 * (1.0 - z / 30.0 * (1.0 - z / 56.0)));
         (angle * sin, cos)

@@ -1,4 +1,4 @@
-//! A bushing in its roller's bore along the integrator's last step.
+//! Relative kinematics of a bushing and its roller along the last step of the integrator.
 
 use super::clearance_joint::pin_in_bushing;
 use super::pair_path::{join, turned};
@@ -7,20 +7,20 @@ use crate::geometry::Contact;
 use crate::geometry::{Vec2, turned_left, unit};
 use crate::integrator::{Adams, DenseSums};
 
-/// Bushing `k` in its roller along a step.
+/// Relative kinematics of bushing `k` and its roller along a step.
 #[derive(Debug)]
 pub struct RollerPath<'a> {
     clearance: f64,
-    /// From the link's centre to the bushing, along the link \[m\].
+    /// Position of the bushing along the link, from the link's centre \[m\].
     arm: f64,
-    /// Centre of the link seen from that of the roller \[m\], the link's angle, nothing, and the rates of all four.
+    /// Centre of the link relative to that of the roller \[m\], the link's angle \[rad\], an unused zero, and the rates of all four.
     path: DenseSums<'a, 8>,
     /// Direction of the link at the end of the step.
     direction: Vec2,
 }
 
 impl<'a> RollerPath<'a> {
-    /// Bushing `k` of `model` along the last step of `adams`; nothing where rollers are no bodies of their own.
+    /// Create the path of bushing `k` of `model` along the last step of `adams`; `None` where rollers are no bodies of their own.
     #[must_use]
     pub fn new(model: &Model, adams: &'a Adams, k: usize) -> Option<Self> {
         let rollers = model.rollers.as_ref()?;
@@ -44,7 +44,7 @@ impl<'a> RollerPath<'a> {
         })
     }
 
-    /// The contact at time `t` inside the step.
+    /// Return the contact at time `t` \[s\] inside the step.
     #[must_use]
     pub fn at(&self, t: f64) -> Contact {
         let [x, y, _, _, vx, vy, spin, _] = self.path.end();

@@ -1,14 +1,14 @@
-//! Bushing on the surfaces of a tooth gap.
+//! Contact of a bushing with the surfaces of a tooth gap.
 
 use crate::chain::model::SprocketModel;
 use crate::geometry::{Contact, Surface, Vec2};
 
-/// A sprocket's place and motion.
+/// Position, orientation and velocity of a sprocket.
 #[derive(Debug, Clone, Copy)]
 pub struct SprocketFrame {
     /// Centre \[m\].
     pub center: Vec2,
-    /// Its velocity \[m/s\].
+    /// Velocity of the centre \[m/s\].
     pub velocity: Vec2,
     /// Angular speed \[rad/s\].
     pub spin: f64,
@@ -19,7 +19,7 @@ pub struct SprocketFrame {
 }
 
 impl SprocketFrame {
-    /// A sprocket with this motion.
+    /// Create the frame of a sprocket from centre, velocity, angle \[rad\] and angular speed `spin` \[rad/s\].
     #[must_use]
     pub fn new(center: Vec2, velocity: Vec2, angle: f64, spin: f64) -> Self {
         let (sin, cos) = angle.sin_cos();
@@ -33,20 +33,20 @@ impl SprocketFrame {
     }
 }
 
-/// A bushing in the gap of a sprocket.
+/// Contact of a bushing with a tooth gap of a sprocket.
 #[derive(Debug, Clone, Copy)]
 pub struct OnGap {
-    /// Depth and rate.
+    /// Normal, penetration and penetration rate.
     pub contact: Contact,
     /// Number of the surface.
     pub surface: Surface,
     /// Region from 1.
     pub region: u8,
-    /// Gap, from 0.
+    /// Number of the tooth gap, from 0.
     pub gap: u32,
 }
 
-/// One bushing against one sprocket; `None` when it is out of reach of every tooth.
+/// Return the contact of one bushing with one sprocket; `None` when the bushing is out of reach of every tooth.
 #[must_use]
 pub fn bushing_on_sprocket(
     sprocket: &SprocketModel,
@@ -62,7 +62,9 @@ pub fn bushing_on_sprocket(
     Some(on_gap(sprocket, frame, arm, velocity, radius))
 }
 
-/// The same at any distance, for a bushing that was near `gap`, which saves the angle that it would be found by.
+/// Return the same contact at any distance, for a bushing that was near `gap`.
+///
+/// The comparison with both neighbouring gaps replaces the arc tangent of the general search.
 pub(super) fn bushing_near_gap(
     sprocket: &SprocketModel,
     frame: &SprocketFrame,
@@ -86,7 +88,7 @@ pub(super) fn bushing_near_gap(
     }
 }
 
-/// `arm` in the frame of the sprocket, from the centre of its teeth.
+/// Return `arm` in the frame of the sprocket, relative to the centre of its teeth.
 pub(crate) fn seen_from_teeth(sprocket: &SprocketModel, frame: &SprocketFrame, arm: Vec2) -> Vec2 {
     Vec2::new(
         arm.x * frame.cos + arm.y * frame.sin,
@@ -137,8 +139,8 @@ fn in_gap(
         radius,
     );
     let normal = found.normal.x * u + found.normal.y * v;
-    // Each surface is fixed in the sprocket and its normal points along the line of centres (or is constant): the
-    // bushing's velocity seen from the sprocket at the same place gives the rate in every region.
+    // Each surface is fixed in the sprocket; its normal is constant or lies on the line of centres. In every region, the penetration
+    // rate is therefore n · (v_bushing - v_centre - ω × arm).
     let relative = velocity - frame.velocity - frame.spin * Vec2::new(-arm.y, arm.x);
     OnGap {
         contact: Contact {

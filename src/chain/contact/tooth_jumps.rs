@@ -1,51 +1,51 @@
-//! Tooth jumps: when the chain on a sprocket has moved on to other gaps than those in which it was seated.
+//! Tooth jumps: detection of a chain that has moved to other tooth gaps than those in which it was seated.
 //!
-//! Bushings that follow one another sit in gaps that follow one another. The gap of one seated bushing therefore gives the gap of every
-//! other; a seated bushing in another gap than that is off by whole teeth. The chain has jumped when all seated bushings of a sprocket are
-//! off by the same number of teeth: while some of them still sit where they did, they may yet go back.
+//! Successive bushings are seated in successive gaps. The gap of one seated bushing therefore determines the gap of every other one; a
+//! seated bushing in a different gap is displaced by a whole number of teeth. The chain has jumped when all seated bushings of a sprocket
+//! are displaced by the same number of teeth. As long as some of them are not displaced, the others can return.
 
 use serde::{Deserialize, Serialize};
 
 use crate::chain::model::Model;
 use crate::geometry::Vec2;
 
-/// One tooth by which a sprocket has turned against its chain.
+/// Jump of a chain over one tooth of a sprocket.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ToothJump {
-    /// End of the step after which no bushing was seated as before \[s\].
+    /// End of the step after which all seated bushings were displaced \[s\].
     pub time: f64,
-    /// Sprocket, from 0.
+    /// Number of the sprocket, from 0.
     pub sprocket: usize,
-    /// 1 where the sprocket turned counterclockwise against the chain, -1 where it turned clockwise.
+    /// 1 for a counterclockwise rotation of the sprocket relative to the chain, -1 for a clockwise one.
     pub direction: i32,
 }
 
-/// A bushing that is seated on a sprocket.
+/// A bushing seated on a sprocket, and its tooth gap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Seated {
     pub(crate) bushing: usize,
     pub(crate) gap: u32,
 }
 
-/// Where the chain is seated on one sprocket.
+/// Seating of the chain on one sprocket.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 struct Seating {
-    /// A bushing near the middle of the wrap, and its gap.
+    /// Bushing near the middle of the wrap, and its gap.
     middle: Seated,
-    /// Whether gaps are counted up from bushing to bushing.
+    /// Whether the gap number increases with the bushing number.
     rises: bool,
 }
 
-/// Where the chain is seated on each sprocket, and the jumps so far.
+/// Seating of the chain on each sprocket, and the tooth jumps since the start of the run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ToothJumps {
-    /// Nothing for a sprocket on which no bushing was seated yet.
+    /// `None` for a sprocket without seated bushings so far.
     seatings: Vec<Option<Seating>>,
     jumps: Vec<ToothJump>,
 }
 
 impl ToothJumps {
-    /// No jumps, and no bushing seated yet.
+    /// Create a record without jumps and without seated bushings.
     pub(crate) fn new(model: &Model) -> Self {
         Self {
             seatings: vec![None; model.toothed()],
@@ -53,13 +53,14 @@ impl ToothJumps {
         }
     }
 
-    /// The jumps so far, in the order of time.
+    /// Return the jumps since the start of the run, in the order of time.
     pub(crate) fn jumps(&self) -> &[ToothJump] {
         &self.jumps
     }
 
-    /// Looks at sprocket `s` at time `t` \[s\], on which the bushings `seated` sit, in their order along the chain; `place` gives the
-    /// centre of a bushing seen from the sprocket's.
+    /// Compare the seated bushings of sprocket `s` at time `t` \[s\] with its previous seating, and record jumps.
+    ///
+    /// `seated`: seated bushings in their order along the chain. `place` returns the centre of a bushing relative to the sprocket's \[m\].
     pub(crate) fn look(
         &mut self,
         model: &Model,
@@ -82,7 +83,7 @@ impl ToothJumps {
         let teeth_moved = off(&middle);
         let gap = i64::from(middle.gap);
         if seated.iter().any(|bushing| off(bushing) != teeth_moved) {
-            // Not all of them have moved: the count goes on from where they were.
+            // Some bushings are not displaced: the previous seating remains the reference, expressed by the present middle bushing.
             let gap = wrapped(gap - teeth_moved, teeth);
             seating.middle = Seated { gap, ..middle };
             return;
@@ -98,12 +99,12 @@ impl ToothJumps {
         }
     }
 
-    /// Forgets where the chain is seated: it counts from where it is found next.
+    /// Discard all seatings; the next call of [`Self::look`] defines new ones without a jump.
     pub(crate) fn lose_seatings(&mut self) {
         self.seatings.fill(None);
     }
 
-    /// Takes back the jumps after `t` \[s\], where the run goes on from there.
+    /// Remove the jumps after `t` \[s\], for a run that restarts at `t`, and restore the seatings before them.
     pub(crate) fn take_back(&mut self, model: &Model, t: f64) {
         while let Some(jump) = self.jumps.pop_if(|jump| jump.time > t) {
             if let Some(seating) = &mut self.seatings[jump.sprocket] {
@@ -114,7 +115,7 @@ impl ToothJumps {
         }
     }
 
-    /// Whether this can be of `model`.
+    /// Return whether sprockets, bushings and gaps of this record exist in `model`.
     pub(crate) fn is_like(&self, model: &Model) -> bool {
         let toothed = model.toothed();
         let fits = |(s, seating): (usize, &Option<Seating>)| {
@@ -130,7 +131,7 @@ impl ToothJumps {
 }
 
 impl Seating {
-    /// By how many teeth counterclockwise a bushing sits from the gap that belongs to it.
+    /// Return the counterclockwise displacement of a bushing from its expected gap, in teeth.
     #[allow(clippy::cast_possible_wrap)] // links are few
     fn off_by(&self, seated: &Seated, links: usize, teeth: u32) -> i64 {
         let (links, round) = (links as i64, i64::from(teeth));
@@ -143,7 +144,7 @@ impl Seating {
     }
 }
 
-/// The bushing in the middle of a wrap: `seated` without its largest break, which lies on the other side.
+/// Return the bushing in the middle of a wrap: opposite the largest break between successive seated bushings.
 fn middle_of(seated: &[Seated], links: usize) -> Option<&Seated> {
     let count = seated.len();
     let break_behind = |&i: &usize| {
@@ -154,7 +155,7 @@ fn middle_of(seated: &[Seated], links: usize) -> Option<&Seated> {
     seated.get((last + 1 + count / 2) % count)
 }
 
-/// The number that differs from `value` by whole rounds and is nearest to zero.
+/// Return the number nearest to zero that differs from `value` by a multiple of `round`.
 fn nearest_to_zero(value: i64, round: i64) -> i64 {
     (value + round / 2).rem_euclid(round) - round / 2
 }

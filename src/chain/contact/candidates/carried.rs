@@ -1,7 +1,7 @@
-//! A list of candidates as a state carries it: whom it has, in which gaps, and for how long it holds.
+//! Candidate list of a checkpoint: its bushings, their tooth gaps, and the reference positions of its validity.
 //!
-//! The list is a cache, but it decides the order in which a sprocket's sums run, and so their last bits. Whom it has depends on
-//! places and contacts when it was made, which are gone: it is carried and not made again.
+//! The list is a cache, but it determines the order of summation for a sprocket, and therefore the last bits of the sums. Its bushings
+//! depend on positions and contacts at the time of its construction, which cannot be recovered: the checkpoint stores the list.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,20 +10,20 @@ use crate::chain::contact::ImpactMemory;
 use crate::chain::model::Model;
 use crate::geometry::Vec2;
 
-/// A list, and how often lists were made.
+/// A candidate list, and the number of lists built so far.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct CarriedCandidates {
-    /// `None` where the next evaluation makes a new one.
+    /// `None` where the next evaluation builds a new list.
     list: Option<CarriedList>,
     refreshes: u64,
 }
 
-/// Places that the list holds near, and for each sprocket its candidates.
+/// Reference positions of the list, and the candidates of each sprocket.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct CarriedList {
-    /// Where the bushings were, x and y \[m\].
+    /// Positions of the bushings when the list was built, x and y \[m\].
     bushings: [Vec<f64>; 2],
-    /// Where the sprockets were that can move \[m\].
+    /// Centres of the movable sprockets when the list was built \[m\].
     centers: Vec<[f64; 2]>,
     sprockets: Vec<CarriedRuns>,
 }
@@ -33,12 +33,12 @@ struct CarriedList {
 struct CarriedRuns {
     /// First bushing and length of each run.
     runs: Vec<(usize, usize)>,
-    /// The gap that each candidate was last seen in, run by run.
+    /// Tooth gap of each candidate at the last evaluation, run by run.
     gaps: Vec<u32>,
 }
 
 impl Candidates {
-    /// The present list.
+    /// Return the present list for a checkpoint.
     pub(crate) fn carried(&self, model: &Model) -> CarriedCandidates {
         let runs = |candidates: &SprocketCandidates| {
             let bushings = candidates.bushings(model.links);
@@ -61,7 +61,7 @@ impl Candidates {
         }
     }
 
-    /// Goes on with `carried`; `None` when it is no list of this model.
+    /// Restore the list `carried`; `None` when it does not belong to this model.
     pub(crate) fn carry_on(
         &mut self,
         model: &Model,
@@ -113,7 +113,7 @@ impl SprocketCandidates {
             if first >= model.links || !(1..=model.links).contains(&length) {
                 return None;
             }
-            // No bushing is twice in a list.
+            // Each bushing occurs at most once in a list.
             for k in first..first + length {
                 if !std::mem::take(&mut free[k % model.links]) {
                     return None;
