@@ -1,11 +1,11 @@
-//! Every way a description or a run can fail, each with the numbers that show why.
+//! Errors of descriptions and runs, each with the numbers that show the cause.
 
 use thiserror::Error;
 
-/// What went wrong.
+/// Reason of a failure.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum Error {
-    /// A field of a description has a value that is not allowed.
+    /// A field of a description has an invalid value.
     #[error("{field} = {value}: {expected}")]
     InvalidValue {
         /// Type and field, as in `Chain.pitch`.
@@ -15,20 +15,20 @@ pub enum Error {
         /// What is allowed, and the remedy where there is one.
         expected: String,
     },
-    /// The parts do not fit together.
+    /// The parts of a description are incompatible.
     #[error("{0}")]
     Impossible(String),
-    /// The step size fell to rounding.
+    /// The step size fell to the level of rounding.
     #[error("step size fell to {step_size:.1e} s at t = {time:.9} s, {culprit}")]
     StepTooSmall {
         /// Time reached \[s\].
         time: f64,
-        /// The step that failed \[s\].
+        /// Size of the failed step \[s\].
         step_size: f64,
-        /// Body whose error is largest, and the contact it is in.
+        /// Body with the largest error, and its contact.
         culprit: String,
     },
-    /// At its present rate the run would take more steps than are worth waiting for.
+    /// The predicted number of steps of the run exceeds the limit.
     #[error(
         "steps have fallen to {step_size:.1e} s on average at t = {time:.9} s, {culprit}: one second, or the rest of the run, would \
          take more than {most_steps:e} steps; look for a mass, inertia, force, gravity or viscosity that is orders of magnitude \
@@ -37,40 +37,40 @@ pub enum Error {
     Standstill {
         /// Time reached \[s\].
         time: f64,
-        /// Mean of the last steps \[s\].
+        /// Mean size of the last steps \[s\].
         step_size: f64,
-        /// Steps that would be too many.
+        /// Limit on the number of steps.
         most_steps: f64,
-        /// The hardest pressed contact.
+        /// Contact with the largest force.
         culprit: String,
     },
-    /// Forces or positions are not numbers.
+    /// Forces or positions are not finite.
     #[error(
         "the solution is not a number within {step_size:.1e} s after t = {time:.9} s, {culprit}"
     )]
     NotFinite {
         /// Time reached \[s\].
         time: f64,
-        /// The step that failed \[s\].
+        /// Size of the failed step \[s\].
         step_size: f64,
-        /// Body that it begins with, and the contact it is in.
+        /// First body with a value that is not finite, and its contact.
         culprit: String,
     },
-    /// The tolerances ask for more than rounding allows.
+    /// The tolerances are below what rounding permits.
     #[error(
         "tolerances are {factor:.1} times below what rounding allows at t = {time:.9} s, {culprit}: raise rtol or atol, or accuracy where they are not given"
     )]
     ToleranceTooSmall {
         /// Time reached \[s\].
         time: f64,
-        /// The step that would be next \[s\].
+        /// Size of the next step \[s\].
         step_size: f64,
-        /// By what factor both would have to grow.
+        /// Factor by which both tolerances must grow.
         factor: f64,
-        /// Body whose state is largest beside its tolerance, and the contact it is in.
+        /// Body with the largest ratio of state to tolerance, and its contact.
         culprit: String,
     },
-    /// The joints of a mechanism cannot all hold any longer.
+    /// The joint constraints of a mechanism are no longer compatible.
     #[error(
         "the joints cannot all hold after t = {time:.9} s; the nearest miss {residuals}: the mechanism is jammed, \
          driven past its reach, or rtol and atol are too large"
@@ -78,21 +78,21 @@ pub enum Error {
     JointsApart {
         /// Time reached \[s\].
         time: f64,
-        /// Largest residuals by joint.
+        /// Largest residuals, by joint.
         residuals: String,
     },
-    /// A panic, which is a defect of this crate.
+    /// A panic occurred, which is a defect of this crate.
     #[error("defect of rustchain{}: {message}; please report it with the scene", at(*.time))]
     Panicked {
-        /// Time reached in a run \[s\].
+        /// Time reached in a run \[s\], if a run was active.
         time: Option<f64>,
-        /// Message of the panic, and its place in the source where that is kept.
+        /// Message of the panic, with its source location if recorded.
         message: String,
     },
 }
 
 impl Error {
-    /// A field with a value that is not allowed.
+    /// Return the error of a field with an invalid value.
     #[allow(clippy::needless_pass_by_value)] // numbers and text alike
     pub fn invalid(
         field: impl Into<String>,
@@ -107,13 +107,13 @@ impl Error {
     }
 }
 
-/// Most characters of a number that is written without an exponent.
+/// Maximum number of characters of a number written without an exponent.
 const LONGEST_NUMBER: usize = 24;
 
-/// Most characters of a value in a message: one line of a terminal. The Python package has the same number.
+/// Maximum number of characters of a value in a message, one line of a terminal. The Python package has the same number.
 const LONGEST_VALUE: usize = 80;
 
-/// A text on one line of at most 80 characters; a number of hundreds of digits with an exponent.
+/// Return a text on one line of at most 80 characters; write a number of hundreds of digits with an exponent.
 fn legible(text: String) -> String {
     match text.parse::<f64>() {
         Ok(number) if text.len() > LONGEST_NUMBER && number.is_finite() => format!("{number:e}"),
@@ -126,12 +126,12 @@ fn legible(text: String) -> String {
     }
 }
 
-/// The time of an error in a run, in words.
+/// Return the time of an error in a run, in words.
 fn at(time: Option<f64>) -> String {
     time.map_or(String::new(), |time| format!(" at t = {time:.9} s"))
 }
 
-/// The beginning of a text, its lines as one.
+/// Return the beginning of a text, with its lines joined.
 fn shortened(text: &str) -> String {
     let words: Vec<&str> = text.split_whitespace().take(LONGEST_VALUE).collect();
     let line = words.join(" ");
@@ -142,14 +142,14 @@ fn shortened(text: &str) -> String {
     format!("{kept}...")
 }
 
-/// Short for a result with this crate's error.
+/// Result with the error type of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Checks shared by the descriptions; each names field, value and what is allowed.
+/// Checks shared by the descriptions; each error has the field, the value and the permitted range.
 pub(crate) mod check {
     use super::{Error, Result};
 
-    /// Finite and above zero.
+    /// Check that a value is finite and positive.
     pub(crate) fn positive(field: &str, value: f64, unit: &str) -> Result<()> {
         if value.is_finite() && value > 0.0 {
             return Ok(());
@@ -161,7 +161,7 @@ pub(crate) mod check {
         ))
     }
 
-    /// Finite and not below zero.
+    /// Check that a value is finite and not negative.
     pub(crate) fn not_negative(field: &str, value: f64, unit: &str) -> Result<()> {
         if value.is_finite() && value >= 0.0 {
             return Ok(());
@@ -173,7 +173,7 @@ pub(crate) mod check {
         ))
     }
 
-    /// Neither infinite nor NaN.
+    /// Check that a value is neither infinite nor NaN.
     pub(crate) fn finite(field: &str, value: f64, unit: &str) -> Result<()> {
         if value.is_finite() {
             return Ok(());
@@ -185,7 +185,7 @@ pub(crate) mod check {
         ))
     }
 
-    /// Within a closed range.
+    /// Check that a value lies within a closed range.
     pub(crate) fn within(field: &str, value: f64, low: f64, high: f64) -> Result<()> {
         if (low..=high).contains(&value) {
             return Ok(());

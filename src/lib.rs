@@ -7,9 +7,10 @@
 //! math -> geometry -> force_law -> integrator -> drive -> layout -> system -> chain | multibody -> run
 //! ```
 //!
-//! [`drive`] describes a chain drive, [`layout`] makes its initial configuration, [`chain::model`] compiles both, [`run`] steps the
-//! equations of motion of [`chain::dynamics`] with [`integrator`]. [`multibody`] is the same for any planar mechanism. [`geometry`] (plane
-//! curves), [`force_law`] (numbers in, newtons out) and [`integrator`] (knows only [`integrator::OdeSystem`]) are tested without a chain.
+//! [`drive`] describes a chain drive, [`layout`] makes its initial configuration, [`chain::model`] compiles both, and [`run`] integrates
+//! the equations of motion of [`chain::dynamics`] with [`integrator`]. [`multibody`] does the same for any planar mechanism. [`geometry`]
+//! (plane curves), [`force_law`] (numbers in, newtons out) and [`integrator`] (depends only on [`integrator::OdeSystem`]) are tested
+//! without a chain.
 
 pub mod chain;
 pub mod drive;

@@ -1,4 +1,4 @@
-//! Panics, which are defects of this crate, as errors: a run keeps what it has recorded, and a caller in Python meets no panic.
+//! Panics converted to errors: a run keeps its recording, and Python receives an exception instead of a panic.
 
 use std::any::Any;
 use std::cell::RefCell;
@@ -8,13 +8,13 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use crate::error::{Error, Result};
 
 thread_local! {
-    /// Where the last panic of this thread arose; empty unless [`keep_places`] was called.
+    /// Source location of the last panic of this thread; empty unless [`keep_places`] was called.
     static PLACE: RefCell<String> = const { RefCell::new(String::new()) };
 }
 
-/// Keeps the place of every panic for its error, instead of printing it: an extension module writes nothing to standard error.
+/// Record the source location of every panic for its error instead of printing it: an extension module writes nothing to standard error.
 ///
-/// The hook belongs to this copy of the standard library; other extension modules of the process have their own.
+/// The hook belongs to this copy of the standard library. Other extension modules of the process have their own.
 #[cfg(feature = "python")]
 pub(crate) fn keep_places() {
     std::panic::set_hook(Box::new(|info| {
@@ -23,13 +23,13 @@ pub(crate) fn keep_places() {
     }));
 }
 
-/// Returns what `work` returns, or the message and the place of its panic.
+/// Return the result of `work`, or the message and the source location of its panic.
 pub(crate) fn guarded<T>(work: impl FnOnce() -> T) -> std::result::Result<T, String> {
-    // Callers drop what `work` left half changed, or refuse to go on with it.
+    // Callers discard the state that `work` left incomplete, or refuse to continue with it.
     catch_unwind(AssertUnwindSafe(work)).map_err(|panic| message_of(panic.as_ref()) + &place())
 }
 
-/// The same of work that may fail.
+/// Return the result of a fallible `work`; convert a panic to an error.
 #[cfg(feature = "python")]
 pub(crate) fn contained<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
     guarded(work).unwrap_or_else(|message| {
@@ -38,7 +38,7 @@ pub(crate) fn contained<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
     })
 }
 
-/// Where the last panic of this thread arose, in parentheses; it is forgotten.
+/// Return the source location of the last panic of this thread, in parentheses, and clear it.
 pub(crate) fn place() -> String {
     PLACE.take()
 }

@@ -1,54 +1,54 @@
-//! Friction by bristles that bend before they slip: the `LuGre` law, which sticks.
+//! Bristle friction with sticking: the `LuGre` law.
 //!
 //! Canudas de Wit, Olsson, Åström and Lischinsky, "A new model for control of systems with friction", IEEE Transactions on Automatic
-//! Control 40 (1995) 419, with forces that grow with the normal force f, as the amended form for contacts has it (Canudas de Wit and
+//! Control 40 (1995) 419. The forces are proportional to the normal force f, as in the amended form for contacts (Canudas de Wit and
 //! Tsiotras, Proc. 38th IEEE Conf. on Decision and Control, 1999):
 //!
 //! dz/dt = s - σ₀ |s| z/g(s),   F = f (σ₀ z + σ₁(s) dz/dt + σ₂ s),   g(s) = `μ_k` + (`μ_s` - `μ_k`) exp(-(|s|/v)^α)
 //!
-//! With a constant σ₁ bristles would feed the motion at slips above 4 g/σ₁ (Barabanov and Ortega, IEEE Transactions on Automatic
-//! Control 45 (2000) 675). Here it fades, σ₁(s) = σ₁/(1 + σ₁ |s|/(4 g)), and never does.
+//! With a constant σ₁ the bristles would add energy at slips above 4 g/σ₁ (Barabanov and Ortega, IEEE Transactions on Automatic Control 45
+//! (2000) 675). The decreasing σ₁(s) = σ₁/(1 + σ₁ |s|/(4 g)) prevents this at all slips.
 
 use crate::error::{Error, Result, check};
 use crate::math::simd::{exp, ln_of_quotient};
 use crate::math::{Real, Truth};
 
-/// Least part of the Stribeck speed whose power is taken: a logarithm has none of zero.
+/// Lower bound on |s|/v in the power (|s|/v)^α: the logarithm of zero is not finite.
 const LEAST_PART: f64 = 1e-300;
 
-/// The bristles of one kind of contact.
+/// Parameters of the bristles of one kind of contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LuGre {
-    /// `μ_s`: what breaks away, and the share of the normal force that bristles hold at rest.
+    /// `μ_s`, static coefficient: ratio of breakaway force to normal force.
     pub static_coefficient: f64,
-    /// `μ_k`: what is left of it at full slip.
+    /// `μ_k`, kinetic coefficient: ratio at full slip, without the viscous part.
     pub kinetic_coefficient: f64,
-    /// σ₀, stiffness a normal force \[1/m\].
+    /// σ₀, bristle stiffness per unit of normal force \[1/m\].
     pub stiffness: f64,
-    /// σ₁, damping a normal force at rest \[s/m\].
+    /// σ₁, bristle damping at rest per unit of normal force \[s/m\].
     pub damping: f64,
-    /// σ₂, viscous friction a normal force \[s/m\].
+    /// σ₂, viscous friction per unit of normal force \[s/m\].
     pub viscous_coefficient: f64,
-    /// v, the speed about which the coefficient falls \[m/s\].
+    /// v, Stribeck speed, at which the coefficient falls \[m/s\].
     pub stribeck_speed: f64,
-    /// α, how steeply.
+    /// α, Stribeck exponent, the steepness of the fall.
     pub stribeck_exponent: f64,
 }
 
-/// What bristles do in a contact that is pressed by one newton.
+/// Friction and deflection rate of bristles under a normal force of one newton.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bent {
-    /// Friction over normal force, with the sign of the slip.
+    /// Ratio of friction to normal force, with the sign of the slip.
     pub share: f64,
     /// dz/dt \[m/s\].
     pub rate: f64,
 }
 
 impl LuGre {
-    /// Checks all numbers.
+    /// Check all numbers.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// The error has the field, its value and the permitted range.
     pub fn check(&self, name: &str) -> Result<()> {
         let at = |field: &str| format!("{name}.{field}");
         for (field, value) in [
@@ -87,13 +87,13 @@ impl LuGre {
         Ok(())
     }
 
-    /// Deflection at which bristles at rest break away, `μ_s`/σ₀ \[m\].
+    /// Return the deflection at which bristles at rest break away, `μ_s`/σ₀ \[m\].
     #[must_use]
     pub fn breakaway(&self) -> f64 {
         self.static_coefficient / self.stiffness
     }
 
-    /// g, the coefficient in steady slip without its viscous part.
+    /// Return g, the coefficient in steady slip without its viscous part.
     #[must_use]
     pub fn coefficient(&self, slip: f64) -> f64 {
         let law = BristleLaw::new((), self);
@@ -101,7 +101,7 @@ impl LuGre {
         law.kinetic + fallen
     }
 
-    /// Bristles bent by `deflection` \[m\] in a contact that slips at `slip` \[m/s\].
+    /// Return friction and rate of bristles with the deflection `deflection` \[m\] at the slip `slip` \[m/s\].
     #[must_use]
     pub fn bent(&self, deflection: f64, slip: f64) -> Bent {
         let bristles = BristleLaw::new((), self).bend(1.0, slip, deflection, None);
@@ -111,8 +111,8 @@ impl LuGre {
         }
     }
 
-    /// Deflection z = `foretold` + γ dz/dt that an implicit step leads to, in a contact that slips at `slip` \[m/s\], and the slope
-    /// of [`Bent::share`] with the slip while z follows it \[s/m\].
+    /// Return the deflection z = `foretold` + γ dz/dt at the end of an implicit step, at the slip `slip` \[m/s\], and the slope of
+    /// [`Bent::share`] with the slip while z follows the slip \[s/m\].
     #[must_use]
     pub fn solve(&self, foretold: f64, gamma: f64, slip: f64) -> (f64, f64) {
         let speed = slip.abs();
@@ -134,37 +134,37 @@ impl LuGre {
         (deflection, slope)
     }
 
-    /// Energy stored by bristles that are bent so far, in a contact pressed by one newton \[J/N\].
+    /// Return the energy stored by bristles with this deflection, per newton of normal force \[J/N\].
     #[must_use]
     pub fn stored(&self, deflection: f64) -> f64 {
         0.5 * self.stiffness * deflection * deflection
     }
 }
 
-/// Where an implicit step leads bristles: z = `predicted` + γ dz/dt.
+/// Data of an implicit step for the bristle deflection: z = `predicted` + γ dz/dt.
 #[derive(Clone, Copy)]
 pub(crate) struct Ahead<R> {
-    /// What is known of z before the step's own rate \[m\].
+    /// Part of z that is independent of the rate at the end of the step \[m\].
     pub(crate) predicted: R,
     pub(crate) gamma: R,
 }
 
-/// What the bristles of a contact, or of a vector of contacts, do.
+/// Friction, rate and deflection of the bristles of a contact or of a vector of contacts.
 pub(crate) struct BristleForce<R> {
     /// Friction \[N\].
     pub(crate) force: R,
     /// dz/dt \[m/s\].
     pub(crate) rate: R,
-    /// z, where it is solved for \[m\].
+    /// z \[m\], the solution of an implicit step or the given deflection.
     pub(crate) deflection: R,
-    /// Friction slope while z follows the slip, not negative \[N s/m\]; means nothing where z is given.
+    /// Friction slope while z follows the slip, not negative \[N s/m\]; meaningless for a given z.
     pub(crate) slope: R,
 }
 
-/// Bristles with their constants at hand, for one contact or a vector of them.
+/// The bristle law with precomputed constants, for one contact or a vector of contacts.
 #[derive(Clone, Copy)]
 pub(crate) struct BristleLaw<R> {
-    /// Whether α is two, which needs no logarithm.
+    /// True if α = 2, which requires no logarithm.
     squared: bool,
     kinetic: R,
     /// `μ_s` - `μ_k`.
@@ -195,7 +195,7 @@ impl<R: Real> BristleLaw<R> {
         }
     }
 
-    /// (|s|/v)^α, and what is left of `μ_s` - `μ_k` there.
+    /// Return (|s|/v)^α and (`μ_s` - `μ_k`) exp(-(|s|/v)^α).
     #[inline(always)]
     fn fall_of(&self, speed: R) -> [R; 2] {
         let part = speed * self.over_speed;
@@ -208,8 +208,8 @@ impl<R: Real> BristleLaw<R> {
         [power, self.fall * exp(-power)]
     }
 
-    /// Friction of contacts pressed by `force` that slip at `slip`, of bristles bent by `given` or, where an implicit step solves
-    /// for it, by what that leads to.
+    /// Return the friction of contacts with the normal force `force` and the slip `slip`. The bristle deflection is `given`, or the
+    /// solution of the implicit step `ahead`.
     #[inline(always)]
     pub(crate) fn bend(
         &self,
@@ -226,10 +226,11 @@ impl<R: Real> BristleLaw<R> {
         let relaxing = self.stiffness * speed * over;
         let damping = self.damping / self.quarter_damping.mul_add(speed * over, one);
         let (mut deflection, mut slope) = (given, zero);
+        // // z = (predicted + γ s)/(1 + γ σ₀ |s|/g) solves z = predicted + γ dz/dt.
         if let Some(Ahead { predicted, gamma }) = ahead {
             let share = one / gamma.mul_add(relaxing, one);
             deflection = gamma.mul_add(slip, *predicted) * share;
-            // How the relaxing changes with the speed.
+            // σ₀ d(|s|/g)/d|s|, the change of the relaxation rate with the speed.
             let steeper =
                 self.stiffness * over * over * (fallen * self.exponent).mul_add(power, coefficient);
             let against = slip.less(zero).select(-deflection, deflection);
@@ -237,6 +238,7 @@ impl<R: Real> BristleLaw<R> {
             let bent = self.stiffness.mul_add(*gamma, damping);
             slope = (force * bent.mul_add(of_rate, self.viscous)).positive_part();
         }
+        // // dz/dt = s - σ₀ |s|/g z, and F/f = σ₀ z + σ₁(s) dz/dt + σ₂ s.
         let rate = relaxing.negate_mul_add(deflection, slip);
         let sum = self
             .stiffness
@@ -276,7 +278,7 @@ mod tests {
         laws
     }
 
-    /// The law as it is printed at the head of this file.
+    /// The law as printed at the head of this file.
     fn printed(law: &LuGre, z: f64, slip: f64) -> Bent {
         let fall = law.static_coefficient - law.kinetic_coefficient;
         let part = (slip.abs() / law.stribeck_speed).powf(law.stribeck_exponent);
@@ -324,7 +326,7 @@ mod tests {
         }
     }
 
-    /// Friction at 10 N (0) and its slope (1) where an implicit step of 2 us leads.
+    /// Friction at 10 N (0) and its slope (1) at the end of an implicit step of 2 us.
     struct AheadAt(LuGre, f64, usize);
 
     impl LaneFunction for AheadAt {
@@ -356,7 +358,7 @@ mod tests {
                 let ends = map(set, &AheadAt(law, z, 0), &[slip - step, slip + step]);
                 let expected = (ends[1] - ends[0]) / (2.0 * step);
                 let slope = map(set, &AheadAt(law, z, 1), &[slip])[0];
-                // The damping's own fading is left out.
+                // The slope neglects the change of σ₁(s) with the slip.
                 let scale = 10.0 * (2e-6 * law.stiffness + law.damping + 0.4);
                 assert!(
                     (slope - expected.max(0.0)).abs() < 0.05 * scale,

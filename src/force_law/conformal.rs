@@ -1,18 +1,17 @@
-//! Liu's law of a pin in a close bore, f = (π/2) E* L δ sqrt(δ/(2 (ΔR + δ))): the contact's arc grows with its depth.
+//! Liu's law of a pin in a close bore, f = (π/2) E* L δ sqrt(δ/(2 (ΔR + δ))): the contact arc grows with the penetration.
 //!
-//! Source: Liu, Zhang and Yang, "The FEM analysis and approximate model for cylindrical joints with clearances", Mechanism and
-//! Machine Theory 42 (2007) 183, from a Winkler foundation fitted to finite elements; checked against public code. Depth and
-//! force grow together without end. With ΔR = `R_i + R_j` the same formula is used outside, where it is a formality.
+//! Source: Liu, Zhang and Yang, "The FEM analysis and approximate model for cylindrical joints with clearances", Mechanism and Machine
+//! Theory 42 (2007) 183, from a Winkler foundation fitted to finite elements; checked against public code. Penetration and force have no
+//! upper limit. With ΔR = `R_i + R_j` the same formula is applied to convex surfaces, as a formal extension.
 
 use super::{Conformity, Definition, ElasticLaw, SurfacePair};
 use crate::math::Real;
 
-/// Liu's conformal law; its constants are π E* L / sqrt(8) \[N/m\], the secant's stiffness of a contact much deeper than ΔR,
-/// and ΔR \[m\].
+/// Liu's conformal law. Its constants are π E* L / sqrt(8) \[N/m\], the secant stiffness for δ much larger than ΔR, and ΔR \[m\].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Conformal;
 
-/// The law that a user picks.
+/// The law as selected by the user.
 pub(super) const LIU_CONFORMAL: Definition = Definition {
     name: "liu-conformal",
     prepare: Conformal::prepare,
@@ -20,14 +19,14 @@ pub(super) const LIU_CONFORMAL: Definition = Definition {
 };
 
 impl Conformal {
-    /// Stiffness and ΔR of one pair.
+    /// Return stiffness and ΔR of one pair.
     fn prepare(surfaces: &SurfacePair) -> [f64; 2] {
         let stiffness =
             std::f64::consts::PI * surfaces.contact_modulus * surfaces.length / 8.0f64.sqrt();
         [stiffness, surfaces.radius_difference]
     }
 
-    /// Why the law is outside its range for these surfaces, if it is.
+    /// Return the reason why the law is outside its range for these surfaces, if it is.
     fn range_note(surfaces: &SurfacePair) -> Option<String> {
         (surfaces.conformity == Conformity::External).then(|| {
             "it is of a cylinder in a bore, here two convex surfaces touch; dR is the sum of their radii"
@@ -46,6 +45,7 @@ impl ElasticLaw for Conformal {
     #[inline(always)]
     fn slope<R: Real>([stiffness, radius_difference]: [R; 2], penetration: R, _force: R) -> R {
         let share = penetration / (radius_difference + penetration);
+        // // d/dδ of δ sqrt(s), s = δ/(ΔR + δ), is sqrt(s) (1.5 - 0.5 s).
         let rise = share.negate_mul_add(share.constant(0.5), share.constant(1.5));
         stiffness * share.sqrt() * rise
     }
@@ -55,12 +55,12 @@ impl ElasticLaw for Conformal {
     }
 }
 
-/// Integral of `x^1.5 (1 + x)^-0.5` from zero.
+/// Return the integral of `x^1.5 (1 + x)^-0.5` from zero.
 fn integral(x: f64) -> f64 {
     if x > 0.1 {
         return (x * (1.0 + x)).sqrt() * (0.5 * x - 0.75) + 0.75 * x.sqrt().asinh();
     }
-    // The closed form loses what is small; the binomial series has 17 digits after 16 terms.
+    // The closed form suffers cancellation for small x; the binomial series has 17 digits after 16 terms.
     let (mut power, mut sum) = (1.0, 0.0);
     for k in 0..16 {
         let k = f64::from(k);
@@ -102,7 +102,7 @@ mod tests {
             let expected = stiffness * d * (d / (dr + d)).sqrt();
             assert_eq!(force.to_bits(), expected.to_bits(), "{set} at {d:e}");
         });
-        // A share of infinities is no number.
+        // The ratio of two infinities is NaN.
         let beyond = [f64::INFINITY, f64::NAN];
         for_each_force::<Conformal>(&pair(), &beyond, |_, _, force| {
             assert!(force.is_nan());

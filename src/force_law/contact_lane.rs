@@ -4,23 +4,23 @@ use crate::math::{Real, Truth};
 
 use super::dissipation::factor;
 
-/// Damping of a kind of contact by its restitution.
+/// Restitution-based damping of one kind of contact.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RestitutionDamping<R> {
-    /// λ of the factor.
+    /// λ of the damping factor 1 + λ δ'/δ'₀.
     pub(crate) lambda: R,
-    /// Minimum impact velocity, the lower bound on δ'₀ of contacts without a memory \[m/s\].
+    /// Minimum impact velocity, the lower bound on δ'₀ of contacts without an impact velocity memory \[m/s\].
     pub(crate) floor: R,
 }
 
-/// Contacts of one law at one penetration and rate.
+/// Contacts of one law at given penetrations and rates.
 #[derive(Clone, Copy)]
 pub(crate) struct ContactLane<R: Real> {
     /// Elastic force \[N\].
     elastic: R,
     /// Normal force \[N\].
     pub(crate) force: R,
-    /// None where nothing is damped.
+    /// Damping data; none for undamped contacts.
     damped: Option<Damped<R>>,
 }
 
@@ -34,7 +34,7 @@ struct Damped<R: Real> {
 }
 
 impl<R: Real> ContactLane<R> {
-    /// Contacts without damping.
+    /// Return contacts without damping.
     #[inline(always)]
     pub(crate) fn undamped(elastic: R) -> Self {
         Self {
@@ -44,8 +44,8 @@ impl<R: Real> ContactLane<R> {
         }
     }
 
-    /// Contacts that penetrate at `rate` δ' \[m/s\]; `memory` is 1/δ'₀ of each \[s/m\], zero where a contact has none yet: then the
-    /// present rate is its impact velocity.
+    /// Return contacts with the penetration rate `rate` δ' \[m/s\]. `memory` is 1/δ'₀ of each contact \[s/m\], zero for a contact without
+    /// one; its impact velocity is then the present rate.
     #[inline(always)]
     pub(crate) fn damped(
         elastic: R,
@@ -57,6 +57,7 @@ impl<R: Real> ContactLane<R> {
         let (zero, one) = (rate.constant(0.0), rate.constant(1.0));
         let remembered = memory.greater(zero);
         let mut inverse_onset = memory;
+        // // Vectors of contacts with a memory, the common case, skip the division.
         if touching.and(remembered.not()).any() {
             inverse_onset = remembered.select(memory, one / damping.floor.max(rate));
         }
@@ -74,7 +75,7 @@ impl<R: Real> ContactLane<R> {
         }
     }
 
-    /// Power dissipated \[W\].
+    /// Return the dissipated power (f - `f_e`) δ' \[W\].
     #[inline(always)]
     pub(crate) fn power(&self) -> R {
         match &self.damped {
@@ -83,14 +84,14 @@ impl<R: Real> ContactLane<R> {
         }
     }
 
-    /// Slopes of the force with penetration \[N/m\] and rate \[N s/m\], where that of the elastic force is `stiffness`.
+    /// Return the slopes of the force with penetration \[N/m\] and rate \[N s/m\]; `stiffness` is the slope of the elastic force.
     #[inline(always)]
     pub(crate) fn slopes(&self, stiffness: R) -> [R; 2] {
         let zero = stiffness.constant(0.0);
         let Some(damped) = &self.damped else {
             return [stiffness, zero];
         };
-        // Without memory the present rate is the impact velocity and the factor a constant, above the floor.
+        // Without a memory and above the minimum impact velocity, δ'₀ = δ' makes the factor the constant 1 + λ.
         let RestitutionDamping { lambda, floor } = damped.damping;
         let fresh_and_fast = damped.remembered.not().and(damped.rate.greater(floor));
         let constant = fresh_and_fast.or(damped.factor.greater(zero).not());

@@ -1,10 +1,10 @@
-//! Restitution-based damping: the factor on the elastic force while two surfaces approach or part.
+//! Restitution-based damping: the factor on the elastic force during compression and restitution.
 //!
-//! Every law here is 1 + λ δ'/δ'₀ with its own λ of the restitution asked for; they differ in how well they keep it. The forms are
-//! those of Machado, Moreira, Flores and Lankarani, "Compliant contact force models in multibody dynamics: evolution of the
-//! Hertz contact theory", Mechanism and Machine Theory 53 (2012) 99, with the original papers at the variants, and agree with
-//! public code of multibody programs. One of these halves Hu and Guo's λ, which then loses half of what is asked of it even
-//! near `c_e` = 1, against the paper's own claim; a test holds λ to that limit.
+//! Every law here is 1 + λ δ'/δ'₀ with its own λ of the requested restitution; the laws differ in the effective restitution. The forms are
+//! those of Machado, Moreira, Flores and Lankarani, "Compliant contact force models in multibody dynamics: evolution of the Hertz contact
+//! theory", Mechanism and Machine Theory 53 (2012) 99. The variants have the original papers, and the forms agree with public code of
+//! multibody programs. One of these programs halves Hu and Guo's λ. That λ dissipates half of the requested energy even near `c_e` = 1, in
+//! contradiction to the paper; a test checks λ in that limit.
 
 use crate::error::{Error, Result};
 use crate::math::Real;
@@ -12,21 +12,21 @@ use crate::math::Real;
 /// The damping part of a force law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Damping {
-    /// None: the contact is elastic.
+    /// No damping: the contact is elastic.
     None,
-    /// 3 (1 - `c_e`)/2 (Hunt and Crossley 1975). Theirs is 1 + (3/2) α δ' with a constant α of the material, so that `c_e` =
-    /// 1 - α δ'₀ falls with speed; here `c_e` is the constant.
+    /// 3 (1 - `c_e`)/2 (Hunt and Crossley 1975). The original law is 1 + (3/2) α δ' with a constant α of the material, so that `c_e` = 1 -
+    /// α δ'₀ falls with speed. Here `c_e` is the constant.
     HuntCrossley,
     /// 3 (1 - `c_e²)/4` (Lankarani and Nikravesh 1990).
     LankaraniNikravesh,
     /// 6 (1 - `c_e`)/((2 `c_e` - 1)² + 3) (Herbert and `McWhannell` 1977).
     HerbertMcWhannell,
-    /// 3 (1 - `c_e)/4` (Lee and Wang 1983). Loses about half of what it should even near `c_e` = 1.
+    /// 3 (1 - `c_e)/4` (Lee and Wang 1983). It dissipates about half of the requested energy even near `c_e` = 1.
     LeeWang,
     /// 8 (1 - `c_e`)/(5 `c_e`) (Flores, Machado, Silva and Martins 2011).
     Flores,
-    /// (1 - `c_e²)/c_e` (Gonthier, `McPhee`, Lange and Piedboeuf 2004), the first approximation of their implicit equation, which
-    /// is that of [`effective_restitution`].
+    /// (1 - `c_e²)/c_e` (Gonthier, `McPhee`, Lange and Piedboeuf 2004), the first approximation of their implicit equation.
+    /// [`effective_restitution`] solves that equation.
     Gonthier,
     /// 3 (1 - `c_e`)/(2 `c_e`) (Hu and Guo 2015).
     HuGuo,
@@ -34,11 +34,11 @@ pub enum Damping {
     ZhiyingQishao,
 }
 
-/// Restitution below which the laws that divide by it are refused: λ is then above 100.
+/// Smallest restitution permitted with the laws that divide by it; λ exceeds 100 below.
 const LEAST_RESTITUTION: f64 = 0.01;
 
 impl Damping {
-    /// All that damp.
+    /// All laws with damping.
     pub const ALL: [Self; 8] = [
         Self::HuntCrossley,
         Self::LankaraniNikravesh,
@@ -50,7 +50,7 @@ impl Damping {
         Self::ZhiyingQishao,
     ];
 
-    /// The name used in messages and descriptions.
+    /// Return the name used in messages and descriptions.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -66,7 +66,7 @@ impl Damping {
         }
     }
 
-    /// λ of the factor 1 + λ δ'/δ'₀ for the restitution coefficient `c_e`, 0 to 1.
+    /// Return λ of the factor 1 + λ δ'/δ'₀ for the restitution coefficient `c_e`, 0 to 1.
     #[must_use]
     pub fn lambda(self, restitution: f64) -> f64 {
         let e = restitution;
@@ -83,10 +83,10 @@ impl Damping {
         }
     }
 
-    /// Refuses a restitution for which the law has no finite λ to speak of.
+    /// Check that the law has a bounded λ for this restitution.
     ///
     /// # Errors
-    /// Names `field`, the value, what is allowed and other laws.
+    /// The error has `field`, the value, the permitted range and alternative laws.
     pub fn check(self, field: &str, restitution: f64) -> Result<()> {
         let divides = matches!(self, Self::Flores | Self::Gonthier | Self::HuGuo);
         if !divides || restitution >= LEAST_RESTITUTION {
@@ -104,25 +104,25 @@ impl Damping {
     }
 }
 
-/// The factor 1 + λ δ'/δ'₀, never negative: damping does not pull. Not a number stays so.
+/// Return the factor 1 + λ δ'/δ'₀, bounded below by zero: damping causes no tensile force. NaN is kept.
 #[inline(always)]
 pub(super) fn factor<R: Real>(lambda: R, rate: R, inverse_onset: R) -> R {
     let one = rate.constant(1.0);
     (lambda * rate).mul_add(inverse_onset, one).positive_part()
 }
 
-/// The same of one contact, whose impact velocity δ'₀ is `onset_speed` \[m/s\].
+/// Return the factor of one contact with the initial impact velocity δ'₀ = `onset_speed` \[m/s\].
 #[must_use]
 pub fn damping_factor(lambda: f64, rate: f64, onset_speed: f64) -> f64 {
     factor(lambda, rate, 1.0 / onset_speed)
 }
 
-/// The restitution e' that a factor with `lambda` >= 0 really gives, whatever the elastic law, mass and speed.
+/// Return the effective restitution e' of a factor with `lambda` >= 0, independent of elastic law, mass and speed.
 ///
-/// It solves λ (1 + e') = ln[(1 + λ)/(1 - λ e')]; for Lankarani-Nikravesh with `c_e` = 0.71 it is 0.8005.
+/// It solves λ (1 + e') = ln[(1 + λ)/(1 - λ e')] by bisection; for Lankarani-Nikravesh with `c_e` = 0.71 it is 0.8005.
 #[must_use]
 pub fn effective_restitution(lambda: f64) -> f64 {
-    // In h, which has no cancellation left: λ² h(λ) = (λ e')² h(-λ e'). The excess falls from positive at e' = 0 to negative
+    // The equation in terms of h has no cancellation: λ² h(λ) = (λ e')² h(-λ e'). The excess falls from positive at e' = 0 to negative
     // before the pole at λ e' = 1.
     let approach = logarithm_rest(lambda);
     let excess = |e: f64| approach - e * e * logarithm_rest(-lambda * e);
@@ -140,8 +140,9 @@ pub fn effective_restitution(lambda: f64) -> f64 {
     }
 }
 
-/// h(x) = (x - ln(1 + x))/x² for x > -1; 1/2 at zero.
+/// Return h(x) = (x - ln(1 + x))/x² for x > -1; 1/2 at zero.
 fn logarithm_rest(x: f64) -> f64 {
+    // // The closed form suffers cancellation for small |x|; 18 terms of Σ (-x)^k/(k + 2) replace it there.
     if x.abs() > 0.1 {
         return (x - x.ln_1p()) / (x * x);
     }

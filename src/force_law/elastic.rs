@@ -1,35 +1,35 @@
-//! The elastic laws that a user picks by name, and their constants for every pair: many laws, few forms.
+//! Elastic laws selected by name, and their constants for every pair of surfaces.
 //!
-//! The run's loops are compiled once for each form, so that a law of a known form costs nothing but its constants.
+//! The kernels are compiled once for each form, so that a law of an existing form requires only its constants.
 
 use super::{ElasticLaw, Power, SurfacePair, conformal, enhanced_cylinder, hertz, line_contact};
 
-/// An elastic law that a user picks by name.
+/// Definition of an elastic law selected by name.
 pub(crate) struct Definition {
     /// The name used in messages and descriptions.
     pub(crate) name: &'static str,
-    /// The constants that its form takes, for one pair.
+    /// Computes the constants of its form for one pair.
     pub(crate) prepare: fn(&SurfacePair) -> [f64; 2],
-    /// Why it is outside its range for these surfaces whatever the penetration, if it is.
+    /// Returns the reason why the law is outside its range for these surfaces at any penetration, if it is.
     pub(crate) range_note: fn(&SurfacePair) -> Option<String>,
 }
 
-/// Lists all laws, form by form.
+/// Define all laws, form by form.
 macro_rules! elastic_laws {
     ($dollar:tt $($form:ident { $($(#[$doc:meta])* $law:ident = $definition:expr;)+ })+) => {
-        /// The elastic law a user picks.
+        /// Elastic law selected by the user.
         #[derive(Debug, Clone, Copy, PartialEq)]
         pub enum Elastic {
             $($($(#[$doc])* $law,)+)+
-            /// A constant stiffness \[N/m\], whatever the surfaces.
+            /// Constant stiffness \[N/m\], independent of the surfaces.
             Linear(f64),
         }
 
         impl Elastic {
-            /// Those that surfaces and material alone decide.
+            /// Laws determined by surfaces and material alone.
             pub const ALL: [Self; [$($(stringify!($law),)+)+].len()] = [$($(Self::$law,)+)+];
 
-            /// Its definition; none of the linear law, whose constant is its own.
+            /// Return the definition; none for the linear law, whose stiffness is given.
             fn definition(self) -> Option<&'static Definition> {
                 match self {
                     $($(Self::$law => Some(&$definition),)+)+
@@ -45,14 +45,14 @@ macro_rules! elastic_laws {
             }
         }
 
-        /// The forms that the loops are compiled for.
+        /// Forms for which the kernels are compiled.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         #[allow(missing_docs)] // the names say it
         pub(crate) enum Form {
             $($form,)+
         }
 
-        /// Runs a generic function over the law of a table: `with_law!(table, Law, pairs => expression)`.
+        /// Evaluate a generic function for the law of a table: `with_law!(table, Law, pairs => expression)`.
         macro_rules! with_law {
             ($dollar table:expr, $dollar law:ident, $dollar pairs:ident => $dollar body:expr) => {{
                 let (form, $dollar pairs) = $dollar table.form_and_pairs();
@@ -67,7 +67,7 @@ macro_rules! elastic_laws {
     };
 }
 
-// A law is its own file and a line here; a new form is a name with braces around its laws, and costs loops of its own.
+// A new law takes a file and a line here. A new form takes a name with braces around its laws, and kernels of its own.
 elastic_laws! { $
     Hertz {
         /// Hertz for spheres, as Lankarani and Nikravesh use it.
@@ -97,19 +97,19 @@ elastic_laws! { $
 pub(crate) use with_law;
 
 impl Elastic {
-    /// The name used in messages and descriptions.
+    /// Return the name used in messages and descriptions.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.definition().map_or("linear", |law| law.name)
     }
 
-    /// Whether the law's range ends at some penetration.
+    /// Return true if the law's range ends at some penetration.
     #[must_use]
     pub fn has_an_end(self) -> bool {
         self.form() == Form::Logarithmic
     }
 
-    /// The constants of one pair.
+    /// Return the constants of one pair.
     fn prepare(self, surfaces: &SurfacePair) -> [f64; 2] {
         match (self, self.definition()) {
             (Self::Linear(stiffness), _) => Power::constants(stiffness, 1.0),
@@ -119,7 +119,7 @@ impl Elastic {
     }
 }
 
-/// The constants of all pairs of one group: one match of the form, then a loop without any.
+/// Constants of all pairs of one group: the form is matched once, outside the loop over pairs.
 #[derive(Debug, Clone)]
 pub struct PairTable {
     form: Form,
@@ -127,7 +127,7 @@ pub struct PairTable {
 }
 
 impl PairTable {
-    /// The constants of `law` for every pair.
+    /// Return the constants of `law` for every pair.
     #[must_use]
     pub fn prepare(law: Elastic, surfaces: &[SurfacePair]) -> Self {
         Self {
@@ -140,12 +140,12 @@ impl PairTable {
         (self.form, &self.pairs)
     }
 
-    /// The constants of every pair.
+    /// Return the constants of every pair.
     pub(crate) fn pairs(&self) -> &[[f64; 2]] {
         &self.pairs
     }
 
-    /// Pair `i` by itself.
+    /// Return pair `i` alone.
     #[must_use]
     pub fn pair(&self, i: usize) -> ElasticPair {
         ElasticPair {
@@ -155,7 +155,7 @@ impl PairTable {
     }
 }
 
-/// The constants of one pair, for single forces outside the run's loops.
+/// Constants of one pair, for single forces outside the kernels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ElasticPair {
     form: Form,
@@ -163,7 +163,7 @@ pub struct ElasticPair {
 }
 
 impl ElasticPair {
-    /// The constants of `law` for one pair.
+    /// Return the constants of `law` for one pair.
     #[must_use]
     pub fn prepare(law: Elastic, surfaces: &SurfacePair) -> Self {
         Self {
@@ -172,7 +172,7 @@ impl ElasticPair {
         }
     }
 
-    /// The law K δ^n, K in N/m^n.
+    /// Return the law K δ^n, K in N/m^n.
     #[must_use]
     pub fn power(stiffness: f64, exponent: f64) -> Self {
         Self {
@@ -185,38 +185,38 @@ impl ElasticPair {
         (self.form, &self.constants)
     }
 
-    /// Elastic force \[N\] at penetration δ \[m\]; zero for δ <= 0; not a number stays so.
+    /// Return the elastic force \[N\] at penetration δ \[m\]; zero for δ <= 0; NaN is kept.
     #[must_use]
     pub fn force(&self, penetration: f64) -> f64 {
         with_law!(self, Law, pairs => Law::force(&pairs[0], penetration))
     }
 
-    /// Its slope df/dδ \[N/m\]; zero for δ <= 0.
+    /// Return the slope df/dδ \[N/m\]; zero for δ <= 0.
     #[must_use]
     pub fn stiffness(&self, penetration: f64) -> f64 {
         with_law!(self, Law, pairs => Law::stiffness(&pairs[0], penetration))
     }
 
-    /// Elastic energy \[J\] at penetration δ \[m\], the integral of the force.
+    /// Return the elastic energy \[J\] at penetration δ \[m\], the integral of the force.
     #[must_use]
     pub fn energy(&self, penetration: f64) -> f64 {
         with_law!(self, Law, pairs => Law::energy(&pairs[0], penetration))
     }
 
-    /// Penetration \[m\] at which the law's range ends.
+    /// Return the penetration \[m\] at which the law's range ends.
     #[must_use]
     pub fn range_end(&self) -> f64 {
         with_law!(self, Law, pairs => Law::range_end(&pairs[0]))
     }
 }
 
-/// Why `law` is outside its range for these surfaces whatever the penetration, if it is.
+/// Return the reason why `law` is outside its range for these surfaces at any penetration, if it is.
 #[must_use]
 pub fn range_note(law: Elastic, surfaces: &SurfacePair) -> Option<String> {
     law.definition().and_then(|law| (law.range_note)(surfaces))
 }
 
-/// Elastic force \[N\] of one pair over many penetrations \[m\].
+/// Return the elastic force \[N\] of one pair at many penetrations \[m\].
 #[must_use]
 pub fn elastic_forces(law: Elastic, surfaces: &SurfacePair, penetrations: &[f64]) -> Vec<f64> {
     let pair = ElasticPair::prepare(law, surfaces);

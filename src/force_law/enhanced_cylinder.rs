@@ -1,8 +1,8 @@
 //! The enhanced cylindrical law f = (a ΔR + b) L E*/ΔR δ^n of Pereira, Ramalho and Ambrósio, with both sets of coefficients.
 //!
-//! Sources: Pereira, Ramalho and Ambrósio, ECCM 2010 (Eq. 6); the same, "An enhanced cylindrical contact force model", Multibody
-//! System Dynamics 35 (2015) 277, whose internal coefficients are taken from two secondary sources that agree. Fitted in
-//! millimetres and N/mm²; converted here, once, so that the run stays in SI.
+//! Sources: Pereira, Ramalho and Ambrósio, ECCM 2010 (Eq. 6); the same, "An enhanced cylindrical contact force model", Multibody System
+//! Dynamics 35 (2015) 277, whose internal coefficients are taken from two secondary sources that agree. The coefficients were fitted in mm
+//! and N/mm². They are converted to SI units once, here.
 
 use super::{Conformity, Definition, Power, SurfacePair};
 
@@ -18,14 +18,14 @@ pub(super) enum EnhancedCylinder {
 /// Range of ΔR \[mm\] in which the internal exponents were fitted.
 const INTERNAL_RANGE: (f64, f64) = (0.005, 10.0);
 
-/// The coefficients of 2010.
+/// The law with the coefficients of 2010.
 pub(super) const ENHANCED_CYLINDER: Definition = Definition {
     name: "enhanced-cylinder",
     prepare: |surfaces| EnhancedCylinder::Of2010.prepare(surfaces),
     range_note: EnhancedCylinder::range_note,
 };
 
-/// Those of 2015.
+/// The law with the coefficients of 2015.
 pub(super) const ENHANCED_CYLINDER_2015: Definition = Definition {
     name: "enhanced-cylinder-2015",
     prepare: |surfaces| EnhancedCylinder::Of2015.prepare(surfaces),
@@ -41,7 +41,7 @@ impl EnhancedCylinder {
         Power::constants(stiffness, exponent)
     }
 
-    /// K \[N/m^n\] and n of one pair.
+    /// Return K \[N/m^n\] and n of one pair.
     pub(super) fn stiffness_and_exponent(self, surfaces: &SurfacePair) -> [f64; 2] {
         let dr = surfaces.radius_difference * METRE;
         let (a, b, exponent) = match (surfaces.conformity, self) {
@@ -54,7 +54,7 @@ impl EnhancedCylinder {
         [stiffness * METRE.powf(exponent), exponent]
     }
 
-    /// Exponent n of an internal contact, ΔR in mm; its factor Y is held at the ends of its range.
+    /// Return the exponent n of an internal contact, ΔR in mm; the factor Y is constant outside its fitted range.
     fn internal_exponent(self, radius_difference: f64) -> f64 {
         let dr = radius_difference.clamp(INTERNAL_RANGE.0, INTERNAL_RANGE.1);
         let logarithm = (1000.0 * dr).ln();
@@ -67,7 +67,7 @@ impl EnhancedCylinder {
         y * radius_difference.powf(-0.005)
     }
 
-    /// Why the law is outside its range for these surfaces, if it is.
+    /// Return the reason why the law is outside its range for these surfaces, if it is.
     fn range_note(surfaces: &SurfacePair) -> Option<String> {
         let dr = surfaces.radius_difference * METRE;
         let (from, to) = INTERNAL_RANGE;
@@ -114,7 +114,7 @@ mod tests {
 
     #[test]
     fn the_pieces_of_both_exponents_join() {
-        // As the printed digits have it, 1.2e-4 and 5e-8.
+        // The printed digits leave gaps of 1.2e-4 and 5e-8.
         for (law, seam, gap) in [
             (EnhancedCylinder::Of2010, 0.75f64, 1.3e-4),
             (EnhancedCylinder::Of2015, 0.349_54, 1e-7),

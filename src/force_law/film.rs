@@ -1,27 +1,28 @@
-//! Lubricant film between a pin and its bushing: squeeze and wedge of a long bearing, half film, handed over to dry contact.
+//! Lubricant film between a pin and its bushing: squeeze and wedge of a long bearing, half film, transition to dry contact.
 //!
-//! Seen in a frame that turns with the mean spin of both surfaces only the velocity u of the eccentricity counts, and the Reynolds
-//! equation of an infinitely long bearing reads `d/dθ (h³ dp/dθ) = -12 μ R² u·n(θ)`, h = c (1 - ε cos θ), θ from the eccentricity. Of its
-//! periodic solutions there is one that vanishes at two opposite places,
+//! In a frame that rotates with the mean spin of both surfaces, the film depends only on the velocity u of the eccentricity. The Reynolds
+//! equation of an infinitely long bearing is `d/dθ (h³ dp/dθ) = -12 μ R² u·n(θ)`, h = c (1 - ε cos θ), θ from the eccentricity. One of its
+//! periodic solutions vanishes at two opposite places,
 //!
 //! `p = 6 μ R²/c³ (2 - ε cos θ)/(1 - ε cos θ)² g·n(θ)`, `g = (u_r, 2 u_t/(2 + ε²))`,
 //!
-//! and the half of it that is positive is the film (Gümbel). Its integral is exact:
+//! and its positive half is the film (Gümbel). Its integral is exact:
 //!
 //! `F_r = -6 μ L R³/c³ (J g_r + 2 ε |g|)/(1 - ε²)`, `F_t = -6 μ L R³/c³ J g_t`,
 //! `J = (π + 2 arctan(ε g_r/(|g| √(1 - ε²))))/√(1 - ε²)`.
 //!
-//! Where pressures are too small to let air in, the other half holds too: of its force, that of -g with the sign turned, b is added,
-//! `b = g₀/√(g² + g₀²)`, g₀ where 6 μ R² g/c³ is the pressure by which the film may pull. Without that a film would be up to a hundred times
-//! softer for the slightest pull than for a push, a kink at rest.
+//! At low pressures no cavity forms and the other half carries load too. The share b of its force, that of -g with opposite sign, is added:
+//! `b = g₀/√(g² + g₀²)`, where g₀ is the speed at which 6 μ R² g/c³ equals the tension that the film sustains. Without this share the film
+//! would be up to a hundred times softer in tension than in compression, a kink at rest.
 //!
-//! For the wedge alone the half film's forces are the textbooks'; for the squeeze alone those of Pinkus and Sternlicht, Theory of
-//! Hydrodynamic Lubrication, 1961. What is dissipated is that of the pressure, -F·u, and that of shear, all around (Petroff, with the
-//! eccentricity): a torque S on one end for each difference of the spins, `S = 2π μ L R³/(c √(1 - ε²))`. Neither is ever negative.
+//! For the wedge alone, the forces are those of the half Sommerfeld film. For the squeeze alone, they are those of Pinkus and Sternlicht,
+//! Theory of Hydrodynamic Lubrication, 1961. The dissipated power is that of the pressure, -F·u, and that of shear around the whole pin
+//! (Petroff, with the eccentricity). The shear torque on one body is S times the difference of the spins, `S = 2π μ L R³/(c √(1 - ε²))`.
+//! Neither power is ever negative.
 //!
-//! From ε = `handover` to 1 all of it goes over to dry contact, which begins at 1, times a polynomial of order five in ε that has two
-//! slopes of zero at both ends. Flores, Ambrósio, Claro, Lankarani and Koshy (Mechanism and Machine Theory 41 (2006) 247) weigh both
-//! linearly, within a band outside the clearance.
+//! From ε = `handover` to 1 film force and shear are multiplied by a polynomial of order five in ε, whose first and second derivatives
+//! vanish at both ends. Dry contact begins at ε = 1. Flores, Ambrósio, Claro, Lankarani and Koshy (Mechanism and Machine Theory 41 (2006)
+//! 247) weight film and contact linearly, within a band outside the clearance.
 
 use std::f64::consts::PI;
 
@@ -29,24 +30,24 @@ use crate::error::{Error, Result, check};
 use crate::math::simd::arc_tangent;
 use crate::math::{Real, Truth};
 
-/// The lubricant of the hinges.
+/// Lubricant film of the hinges.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Film {
     /// Dynamic viscosity μ \[Pa s\].
     pub viscosity: f64,
-    /// Length L of the film along the pin \[m\]; none: the length of contact.
+    /// Length L of the film along the pin \[m\]; none: the contact length.
     pub length: Option<f64>,
-    /// Eccentricity over clearance at which the hand-over to dry contact begins.
+    /// Ratio of eccentricity to clearance at which the transition to dry contact begins.
     pub handover: f64,
-    /// By how much the pressure may fall below that outside before air comes in \[Pa\]; zero: Gümbel's half film.
+    /// Tension, the pressure below ambient that the film sustains before it cavitates \[Pa\]; zero: Gümbel's half film.
     pub tension: f64,
 }
 
 impl Film {
-    /// Checks all numbers.
+    /// Check all numbers.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// The error has the field, its value and the permitted range.
     pub fn check(&self, name: &str) -> Result<()> {
         if !(self.viscosity > 0.0 && self.viscosity.is_finite()) {
             return Err(Error::invalid(
@@ -69,7 +70,7 @@ impl Film {
         Ok(())
     }
 
-    /// The film in hinges of this pin radius, radial clearance and length of contact \[m\].
+    /// Return the film in hinges of this pin radius, radial clearance and contact length \[m\].
     #[must_use]
     pub fn between(&self, pin_radius: f64, clearance: f64, length: f64) -> HingeFilm {
         let length = self.length.unwrap_or(length);
@@ -85,7 +86,7 @@ impl Film {
     }
 }
 
-/// The film of one kind of hinge.
+/// Constants of the film of one kind of hinge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HingeFilm {
     /// μ \[Pa s\]
@@ -102,33 +103,33 @@ pub struct HingeFilm {
     pub speed: f64,
 }
 
-/// How a film's force and shear change with eccentricity (length), velocity along it and velocity left of it.
+/// Derivatives of the film's force and shear with the length of the eccentricity, the velocity along it and the velocity to its left.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FilmGradient {
-    /// Of both components of the force \[N/m, N s/m, N s/m\].
+    /// Derivatives of both components of the force \[N/m, N s/m, N s/m\].
     pub(crate) force: [[f64; 3]; 2],
-    /// Of the shear, with the eccentricity \[N s\].
+    /// Derivative of the shear coefficient with the eccentricity \[N s\].
     pub(crate) shear: f64,
 }
 
-/// What a film does.
+/// Force and shear coefficient of a film.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FilmForce<R = f64> {
-    /// On the eccentric end, along the eccentricity and left of it \[N\].
+    /// Force on the eccentric body, along the eccentricity and to its left \[N\].
     pub force: [R; 2],
-    /// S, torque on one end over the spin of the other seen from it \[N m s\].
+    /// S, torque on one body per relative spin of the other \[N m s\].
     pub shear: R,
 }
 
 impl HingeFilm {
-    /// The film at an eccentricity of this length \[m\] that moves with `velocity`, along it and left of it \[m/s\], seen from a frame
-    /// that turns with the mean spin.
+    /// Return the film at an eccentricity of this length \[m\] with the velocity `velocity`, along it and to its left \[m/s\], in a frame
+    /// that rotates with the mean spin.
     #[must_use]
     pub fn at(&self, eccentricity: f64, velocity: [f64; 2]) -> FilmForce {
         FilmLaw::new((), self).at(eccentricity, velocity, 1.0).film
     }
 
-    /// The same with its derivatives.
+    /// Return the film with its derivatives.
     pub(crate) fn slopes(
         &self,
         eccentricity: f64,
@@ -145,7 +146,7 @@ impl HingeFilm {
         }
         let part = ((1.0 - ratio) / (1.0 - self.handover)).min(1.0);
         let weight = part.powi(3) * (10.0 + part * (6.0 * part - 15.0));
-        // dw/dε: zero where the hand-over has not begun.
+        // dw/dε; zero below the transition.
         let fading = -30.0 * (part * (1.0 - part)).powi(2) / (1.0 - self.handover);
         let rest = (1.0 - ratio) * (1.0 + ratio);
         let root = rest.sqrt();
@@ -164,7 +165,7 @@ impl HingeFilm {
         gradient.shear =
             self.shear * (fading / root + weight * ratio / (rest * root)) / self.clearance;
         for k in 0..3 {
-            // Changes of ε, u_r and u_t, then of what is made of them, in the order of `at`.
+            // Derivatives with ε (k = 0), u_r (1) and u_t (2) by the chain rule, in the order of `at`.
             let [of_ratio, of_along, of_speed] =
                 [0, 1, 2].map(|seed| if seed == k { 1.0 } else { 0.0 });
             let of_across = slant * of_speed - ratio * slant * slant * velocity[1] * of_ratio;
@@ -196,7 +197,7 @@ impl HingeFilm {
     }
 }
 
-/// A film with its constants at hand, for one hinge or a vector of them.
+/// The film law with precomputed constants, for one hinge or a vector of hinges.
 #[derive(Clone, Copy)]
 pub(crate) struct FilmLaw<R> {
     inverse_clearance: R,
@@ -208,11 +209,11 @@ pub(crate) struct FilmLaw<R> {
     speed: R,
 }
 
-/// What films do, and how.
+/// Film forces and their intermediate quantities.
 #[derive(Clone, Copy)]
 pub(crate) struct Filled<R> {
     pub(crate) film: FilmForce<R>,
-    /// What [`FilmLaw::slopes`] goes on from.
+    /// Intermediate quantities for [`FilmLaw::slopes`].
     state: State<R>,
 }
 
@@ -226,7 +227,7 @@ struct State<R> {
     /// 2/(2 + ε²)
     slant: R,
     velocity: [R; 2],
-    /// g, its size and its direction.
+    /// g, its magnitude and its direction.
     g: [R; 2],
     size: R,
     direction: [R; 2],
@@ -235,18 +236,18 @@ struct State<R> {
     /// π - 2 arctan(...)
     rest_of_turn: R,
     over_root: R,
-    /// J, with what the other half adds.
+    /// J, including the share of the other half.
     turn: R,
-    /// F over -6 μ L R³/c³ and the weight.
+    /// Force over the weight and -6 μ L R³/c³.
     shape: [R; 2],
 }
 
-/// How the forces of films change, xx along the eccentricity, yy across, xy; the means of what is not symmetric.
+/// Symmetric parts of the slopes of film forces: xx along the eccentricity, yy across it, xy the mean of both mixed slopes.
 #[derive(Clone, Copy)]
 pub(crate) struct FilmSlopes<R> {
-    /// Less force for a velocity \[N s/m\].
+    /// Negative slopes with the velocity, -∂F/∂u \[N s/m\].
     pub(crate) damping: [R; 3],
-    /// Less force for a way \[N/m\].
+    /// Negative slopes with the displacement, -∂F/∂e \[N/m\].
     pub(crate) stiffness: [R; 3],
 }
 
@@ -263,7 +264,7 @@ impl<R: Real> FilmLaw<R> {
         }
     }
 
-    /// As [`HingeFilm::at`]; none where `there` is zero, all where it is one.
+    /// Return the film as [`HingeFilm::at`]; `there` is a factor, zero for hinges without a film and one for all others.
     #[inline(always)]
     pub(crate) fn at(&self, eccentricity: R, velocity: [R; 2], there: R) -> Filled<R> {
         let constant = |value| there.constant(value);
@@ -277,6 +278,7 @@ impl<R: Real> FilmLaw<R> {
         let cube = part * part * part;
         let bend = constant(6.0).mul_add(part, constant(-15.0));
         let weight = there * (cube * bend.mul_add(part, constant(10.0)));
+        // // Equations of the module documentation: g, b, J and the force.
         let rest = (one - ratio) * (one + ratio);
         let over_root = one / rest.sqrt();
         let over_rest = over_root * over_root;
@@ -321,10 +323,10 @@ impl<R: Real> FilmLaw<R> {
         }
     }
 
-    /// How these forces change with the eccentricity and its velocity.
+    /// Return the negative slopes of these forces with the eccentricity and its velocity.
     ///
-    /// With the velocity: of the half film alone `∫ (2 - ε cos θ)/(1 - ε cos θ)² n n^T dθ` over the half, times dg/du. With the
-    /// eccentricity: of its length, and of its direction by which force and velocity are seen.
+    /// The slope with the velocity of the half film alone is `∫ (2 - ε cos θ)/(1 - ε cos θ)² n n^T dθ` over the half, times dg/du. The
+    /// slope with the eccentricity has two parts: its length, and its direction, which is the frame of force and velocity.
     #[inline(always)]
     pub(crate) fn slopes(&self, filled: &Filled<R>) -> FilmSlopes<R> {
         let s = &filled.state;
@@ -337,7 +339,7 @@ impl<R: Real> FilmLaw<R> {
         let nn = n * n;
         let over_other = one / squared.negate_mul_add(nn, one);
         let lost = one - s.other;
-        // J with the direction of g, and with its size by b; size times the slopes.
+        // Slopes of J with the direction of g, and with its magnitude through b, both times the magnitude.
         let by_direction = two * lost * s.ratio * over_other * n;
         let by_size = s.other * (lost * (one + s.other)) * s.rest_of_turn * s.over_root;
         let turn_along = by_direction.mul_add(n, -(by_size * c));
@@ -355,7 +357,7 @@ impl<R: Real> FilmLaw<R> {
             most * (half * s.slant.mul_add(xy, yx)),
         ];
 
-        // d(shape)/dε with u as it is; g_t has ε in it.
+        // d(shape)/dε at constant u; g_t depends on ε through 2/(2 + ε²).
         let turn_slope = s.ratio.mul_add(s.turn, two * lost * c * over_other) * s.over_rest;
         let slower = -(s.ratio * s.slant * h);
         let along = (turn_slope.mul_add(g, two * lost * s.size) + two * s.ratio * fr)
@@ -368,7 +370,7 @@ impl<R: Real> FilmLaw<R> {
             softest * weight_slope.mul_add(fr, s.weight * along),
             softest * weight_slope.mul_add(ft, s.weight * across),
         ];
-        // Near the middle, where the direction means nothing, its slopes cancel.
+        // The length is bounded below by 0.05 c: near the centre the direction is undefined and the slopes with it cancel.
         let over_length = self.inverse_clearance / s.ratio.max(constant(0.05));
         let [ur, ut] = s.velocity;
         let by_turn = most * over_length;
@@ -395,12 +397,12 @@ mod tests {
         tension: 0.0,
     };
 
-    /// The published drive's hinge.
+    /// The hinge of the published drive.
     fn hinge() -> HingeFilm {
         LUBRICANT.between(2.22e-3, 25e-6, 0.011)
     }
 
-    /// The same, with pressures that bear some tension; velocities of the states are at, above and below its speed.
+    /// The same hinge with films that sustain tension; the states have velocities at, above and below g₀.
     fn hinges() -> [HingeFilm; 4] {
         [0.0, 3e2, 1e4, 3e6].map(|tension| {
             Film {
@@ -411,7 +413,7 @@ mod tests {
         })
     }
 
-    /// Eccentricities over the clearance and velocities \[m/s\].
+    /// Ratios of eccentricity to clearance, and velocities \[m/s\].
     fn states() -> Vec<(f64, [f64; 2])> {
         let ratios = [1e-9, 1e-3, 0.05, 0.3, 0.6, 0.85, 0.93, 0.97, 0.999];
         let angles = (0..16).map(|i| f64::from(i) * PI / 8.0 + 0.01);
@@ -430,7 +432,7 @@ mod tests {
                 continue;
             }
             let g = [along, 2.0 * across / (2.0 + ratio * ratio)];
-            // Simpson's rule from where the pressure is zero to where it is so again.
+            // Simpson's rule between the two zeros of the pressure.
             let (parts, middle) = (20_000, g[1].atan2(g[0]));
             let mut sum = [0.0; 2];
             for i in 0..=parts {
@@ -543,14 +545,14 @@ mod tests {
                 let scalar = film.at(ratio * c, velocity);
                 let size = scalar.force[0].hypot(scalar.force[1]);
                 for (found, scalar) in found.iter().zip(scalar.force) {
-                    // Of the force that pulls at a thin film little is left of its two terms.
+                    // The two terms of the tensile force of a thin film nearly cancel.
                     assert!((found - scalar).abs() < 1e-12 * size / (1.0 - ratio));
                 }
                 assert!((found[2] - scalar.shear).abs() < 1e-12 * scalar.shear);
                 if ratio < 0.05 {
                     continue;
                 }
-                // Places and velocities in a plane that does not turn.
+                // Positions and velocities in a plane that does not rotate.
                 let force = |dx: f64, dy: f64, du: f64, dv: f64| {
                     let (x, y) = (ratio * c + dx, dy);
                     let length = x.hypot(y);

@@ -1,29 +1,29 @@
-//! Coulomb's friction made a function of the slip speed: a share of μ f that grows from zero at rest to one at full slip.
+//! Regularised Coulomb friction: the ratio to μ f is a function of the sliding velocity, zero at rest and one at full slip.
 //!
-//! The three regularisations are those compared by Marques, Flores, Pimenta Claro and Lankarani, "A survey and comparison of
-//! several friction force models for dynamic analysis of multibody mechanical systems", Nonlinear Dynamics 86 (2016) 1407. None
-//! sticks: what would stick creeps, at less than the speed named here.
+//! The three regularisations are those compared by Marques, Flores, Pimenta Claro and Lankarani, "A survey and comparison of several
+//! friction force models for dynamic analysis of multibody mechanical systems", Nonlinear Dynamics 86 (2016) 1407. None of them sticks: a
+//! contact that would stick creeps, at less than the speed v₁.
 
 use crate::error::{Error, Result, check};
 use crate::math::simd::exp;
 use crate::math::{Real, Truth};
 
-/// How the share of μ f grows with the slip speed.
+/// Regularisation: ratio of friction to μ f as a function of the sliding velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Regularization {
     /// tanh(v/v₁): smooth everywhere.
     Tanh,
-    /// 1 - exp(-3 v/v₁) up to v₁ and what it is there, 0.950, above (Threlfall, Mechanism and Machine Theory 13 (1978) 475).
+    /// 1 - exp(-3 v/v₁) up to v₁, constant 0.950 above (Threlfall, Mechanism and Machine Theory 13 (1978) 475).
     Threlfall,
-    /// Zero up to v₀, then a straight line to one at v₁ (Ambrósio, in Virtual Nonlinear Multibody Systems, 2003).
+    /// Zero up to v₀, then linear to one at v₁ (Ambrósio, in Virtual Nonlinear Multibody Systems, 2003).
     Ambrosio,
 }
 
 impl Regularization {
-    /// All of them.
+    /// All regularisations.
     pub const ALL: [Self; 3] = [Self::Tanh, Self::Threlfall, Self::Ambrosio];
 
-    /// The name used in messages and descriptions.
+    /// Return the name used in messages and descriptions.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -34,24 +34,24 @@ impl Regularization {
     }
 }
 
-/// Coulomb's friction of one kind of contact.
+/// Coulomb friction of one kind of contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Friction {
-    /// μ.
+    /// Coefficient of friction μ.
     pub coefficient: f64,
-    /// How the force grows with the slip speed.
+    /// Regularisation.
     pub regularization: Regularization,
-    /// v₁, the slip speed at which friction is (nearly) full \[m/s\].
+    /// v₁, the sliding velocity at which friction is (nearly) full \[m/s\].
     pub speed: f64,
-    /// v₀ of Ambrósio's regularisation \[m/s\]; the others have none.
+    /// v₀ of Ambrósio's regularisation \[m/s\]; zero with the others.
     pub dead_speed: f64,
 }
 
 impl Friction {
-    /// Checks all numbers.
+    /// Check all numbers.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// The error has the field, its value and the permitted range.
     pub fn check(&self, name: &str) -> Result<()> {
         if !(self.coefficient > 0.0 && self.coefficient.is_finite()) {
             return Err(Error::invalid(
@@ -80,7 +80,7 @@ impl Friction {
         }
     }
 
-    /// Share of μ f at a sliding velocity \[m/s\], with its sign, and its friction slope \[s/m\]; not a number stays so.
+    /// Return friction over μ f at a sliding velocity \[m/s\], with its sign, and the friction slope \[s/m\]; NaN is kept.
     #[must_use]
     pub fn share(&self, slip: f64) -> (f64, f64) {
         let [share, slope] = RegularizedFriction::new((), self).share(slip);
@@ -88,7 +88,7 @@ impl Friction {
     }
 }
 
-/// Coulomb's friction with its constants at hand, for one contact or a vector of them.
+/// Regularised Coulomb friction with precomputed constants, for one contact or a vector of contacts.
 #[derive(Clone, Copy)]
 pub(crate) struct RegularizedFriction<R> {
     regularization: Regularization,
@@ -110,12 +110,13 @@ impl<R: Real> RegularizedFriction<R> {
         }
     }
 
-    /// As [`Friction::share`], of what is a number.
+    /// Return the result of [`Friction::share`] for a slip that is not NaN.
     #[inline(always)]
     fn share(&self, slip: R) -> [R; 2] {
         let (zero, one) = (slip.constant(0.0), slip.constant(1.0));
         let speed = slip.abs();
         let (share, slope) = match self.regularization {
+            // // tanh(x) = (1 - e^(-2x))/(1 + e^(-2x)), with the slope (1 - tanh²)/v₁.
             Regularization::Tanh => {
                 let rest = exp(speed * self.over * slip.constant(-2.0));
                 let share = (one - rest) / (one + rest);
@@ -138,7 +139,8 @@ impl<R: Real> RegularizedFriction<R> {
         [slip.less(zero).select(-share, share), slope]
     }
 
-    /// Friction of contacts pressed by `force` \[N\] at a sliding velocity \[m/s\], with its sign \[N\], and its slope \[N s/m\].
+    /// Return friction \[N\] of contacts with the normal force `force` \[N\] at a sliding velocity \[m/s\], with its sign, and its slope
+    /// \[N s/m\].
     #[inline(always)]
     pub(crate) fn force(&self, force: R, slip: R) -> [R; 2] {
         let most = self.coefficient * force;
@@ -204,7 +206,7 @@ mod tests {
         }
     }
 
-    /// The share as it is printed.
+    /// The printed formula.
     fn printed(law: &Friction, slip: f64) -> f64 {
         let part = slip.abs() / law.speed;
         let share = match law.regularization {
@@ -236,7 +238,7 @@ mod tests {
             for set in InstructionSet::available() {
                 for (&slip, found) in slips.iter().zip(map(set, &function, &slips)) {
                     let expected = 5.0 * printed(&law, slip);
-                    // Near rest 1 - exp() cancels: the error is one of units of the limit.
+                    // Near rest 1 - exp() cancels: the error is absolute, in units of rounding of the limit.
                     assert!(
                         (found - expected).abs() <= 8.0 * f64::EPSILON * 5.0,
                         "{regularization:?}, {}, {slip}: {found} for {expected}",

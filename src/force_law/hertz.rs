@@ -3,11 +3,11 @@
 use super::{Definition, ElasticLaw, SurfacePair};
 use crate::math::Real;
 
-/// Hertz's law; its constants are K \[N/m^1.5\] and nothing.
+/// Hertz's law; its constants are K \[N/m^1.5\] and zero.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Hertz;
 
-/// The law that a user picks.
+/// The law as selected by the user.
 pub(super) const HERTZ: Definition = Definition {
     name: "hertz",
     prepare: Hertz::prepare,
@@ -15,7 +15,7 @@ pub(super) const HERTZ: Definition = Definition {
 };
 
 impl Hertz {
-    /// K of one pair, and nothing.
+    /// Return K of one pair, and zero.
     fn prepare(surfaces: &SurfacePair) -> [f64; 2] {
         let stiffness = 4.0 / 3.0 * surfaces.contact_modulus * surfaces.effective_radius.sqrt();
         [stiffness, 0.0]

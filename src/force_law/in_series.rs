@@ -1,22 +1,23 @@
-//! A contact in series with a spring: how much of what both give way by is the contact's.
+//! A contact in series with a spring: the contact's part of the total penetration.
 //!
-//! With the compliance c of the spring, the contact's depth x under a total of d solves x + c F(x) = d. Newton's method from x = d comes
-//! down to it from above where F is convex; where it is not, at the end of a law's range, halving takes over. It has ended for a number
-//! when that moves by no more than rounding: each for itself, so that the result does not depend on what shares a vector.
+//! With the compliance c of the spring, the contact's penetration x at a total of d solves x + c F(x) = d. Newton's method from x = d
+//! converges monotonically from above where F is convex. Bisection takes over elsewhere, at the end of a law's range. Each lane ends at its
+//! own convergence to rounding, so that its result is independent of the other lanes of the vector.
 
 use super::ElasticLaw;
 use crate::math::{Real, Truth};
 
-/// Moves that are rounding, as a part of the depth.
+/// Relative change of the penetration at which the iteration ends: four units of rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Steps of Newton's method alone: the published drive's hinges take 3 to 6.
+/// Number of steps before bisection is forced; the hinges of the published drive converge in 3 to 6.
 const QUICK_STEPS: usize = 12;
 
-/// With those that halve every other time, steps enough for any law.
+/// Maximum number of steps. Every other step after `QUICK_STEPS` is a bisection, which suffices for any law.
 const MOST_STEPS: usize = 120;
 
-/// The contacts' own depths \[m\] where both give way by `depth`, with the springs' compliances \[m/N\]; depths that are not positive stay.
+/// Return the contacts' own penetrations \[m\] at the totals `depth`, with the springs' compliances \[m/N\]. Totals that are not positive
+/// are returned unchanged.
 #[inline(always)]
 pub(crate) fn depth_in_series<R: Real, L: ElasticLaw>(pair: [R; 2], compliance: R, depth: R) -> R {
     let (one, half) = (depth.constant(1.0), depth.constant(0.5));
@@ -31,6 +32,7 @@ pub(crate) fn depth_in_series<R: Real, L: ElasticLaw>(pair: [R; 2], compliance: 
         let above = excess.greater(zero);
         high = above.select(x, high);
         low = above.select(low, x);
+        // // Newton step for x + c F(x) - d = 0, replaced by the midpoint outside of the bracket.
         let middle = half * (low + high);
         let mut next = x - excess / compliance.mul_add(slope, one);
         next = next.less(low).or(next.greater(high)).select(middle, next);
@@ -69,7 +71,7 @@ mod tests {
             .collect()
     }
 
-    /// The same by halving.
+    /// The same by bisection.
     fn halved<L: ElasticLaw>(pair: &[f64; 2], compliance: f64, depth: f64) -> f64 {
         let (mut low, mut high) = (0.0, depth);
         for _ in 0..200 {

@@ -1,4 +1,4 @@
-//! The published laws of line contact in logarithmic form, each as the three numbers that the form takes.
+//! The published laws of line contact in logarithmic form, each as the three numbers of that form.
 //!
 //! With f the force, L the length and E* the contact modulus, ΔR = `R_j - R_i` inside and `R_i + R_j` outside:
 //!
@@ -9,11 +9,11 @@
 //! - ESDU 78035 (1978), a circular cylinder in or on another: δ = f `(h_i + h_j)/L` [ln(4 L ΔR/(f `(h_i + h_j)`)) + 1],
 //!   h = (1 - ν²)/(π E), so that `h_i + h_j` = 1/(π E*).
 //!
-//! The forms are those of Pereira, Ramalho and Ambrósio, "A critical overview of internal and external cylinder contact force
-//! models", Nonlinear Dynamics 63 (2011) 681, checked against public code of multibody programs. Two want a word. With
-//! diameters in the place of the radii b would be the width of Hertz's contact, 2.26 sqrt(...), and Radzimovsky's bracket have
-//! ln 2 less; it is taken as printed. One code has π `(h_i + h_j)` with
-//! h = (1 - ν²)/E in ESDU's law: nine times softer than any other law of lines, and not taken.
+//! The forms are those of Pereira, Ramalho and Ambrósio, "A critical overview of internal and external cylinder contact force models",
+//! Nonlinear Dynamics 63 (2011) 681, checked against public code of multibody programs. Two of them are ambiguous. With diameters in the
+//! place of the radii b would be the width of Hertz's contact, 2.26 sqrt(...), and Radzimovsky's bracket would have ln 2 less; the printed
+//! form is used. One code has π `(h_i + h_j)` with h = (1 - ν²)/E in ESDU's law; that form is nine times softer than any other law of lines
+//! and is not used.
 
 use super::{Definition, SurfacePair};
 
@@ -45,7 +45,7 @@ pub(super) const ESDU_78035: Definition = Definition {
     range_note: |_| None,
 };
 
-/// The constants of δ = f/A [ln(k A ΔR/f) + C] with A = `share` π L E*.
+/// Return the constants of δ = f/A [ln(k A ΔR/f) + C] with A = `share` π L E*.
 fn line(surfaces: &SurfacePair, share: f64, k: f64, c: f64) -> [f64; 2] {
     let end_penetration = k * surfaces.radius_difference * (c - 1.0).exp();
     let line = std::f64::consts::PI * surfaces.length * surfaces.contact_modulus;
@@ -76,7 +76,7 @@ mod tests {
         ]
     }
 
-    /// The laws as they are printed.
+    /// The laws as printed.
     fn penetration(law: &Definition, (r_i, r_j, s): (f64, f64, SurfacePair), force: f64) -> f64 {
         let (f, e, dr) = (force / s.length, s.contact_modulus, s.radius_difference);
         match law.name {
@@ -102,7 +102,7 @@ mod tests {
                 for share in [1e-12, 1e-9, 1e-6, 1e-3, 0.1, 0.5, 0.9] {
                     let force = share * constants[0] * constants[1];
                     let back = Logarithmic::force(&constants, penetration(law, pair, force));
-                    // Near the end a rounding of the depth is worth more of the force: 1/(1 - share) of it.
+                    // Near the end of the range a rounding error of the penetration is amplified in the force, by 1/(1 - share).
                     let bound = 1e-14 / (1.0 - share) * 40.0;
                     assert!((back / force - 1.0).abs() < bound, "{} {share}", law.name);
                 }

@@ -1,32 +1,33 @@
 //! The form of all logarithmic laws of line contact, δ = f/A [ln(B/f) + C], inverted exactly.
 //!
-//! The physical branch ends where δ is largest: `f_end` = B `e^(C - 1)`, `δ_end` = `f_end`/A. With f = `f_end` exp(-x) every such
-//! law reads x - ln(1 + x) = `ln(δ_end/δ)`, x >= 0, which Newton's method solves without trouble from `δ_end` down to the
-//! smallest number (x = -1 - W₋₁(...), the lower Lambert branch). A, B and C enter through `δ_end` and `f_end` alone.
+//! The physical branch ends at the maximum of δ: `f_end` = B `e^(C - 1)`, `δ_end` = `f_end`/A. With f = `f_end` exp(-x) every such law
+//! becomes x - ln(1 + x) = `ln(δ_end/δ)`, x >= 0. Newton's method converges from `δ_end` down to the smallest number (x = -1 - W₋₁(...),
+//! the lower Lambert branch). The form depends on A, B and C through `δ_end` and `f_end` alone.
 
 use super::ElasticLaw;
 use crate::math::simd::ln_of_quotient;
 use crate::math::{Real, Truth};
 
-/// The logarithmic form; its constants are `δ_end` \[m\] and the secant's stiffness there, A = `f_end/δ_end` \[N/m\].
+/// The logarithmic form; its constants are `δ_end` \[m\] and the secant stiffness there, A = `f_end/δ_end` \[N/m\].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Logarithmic;
 
-/// Penetration \[m\] below which the law goes on with a secant: the force is below 1e-290 N.
+/// Penetration \[m\] below which the law continues as a secant; the force is below 1e-290 N.
 const LEAST: f64 = 1e-300;
 
-/// Numerator and denominator, from the linear terms on, of x = s (1 + a s + b s²)/(1 + c s) with s = sqrt(2 tau):
-/// a minimax fit for tau <= 730, relative error 2.3e-4.
+/// Coefficients of numerator and denominator, from the linear terms on, of x = s (1 + a s + b s²)/(1 + c s) with s = sqrt(2 tau). They are
+/// a minimax fit for tau <= 730 with a relative error of 2.3e-4.
 const START: ([f64; 2], f64) = (
     [0.512_902_676_511_076, 0.090_435_655_836_895_08],
     0.180_995_758_130_717_94,
 );
 
 impl ElasticLaw for Logarithmic {
-    /// To 6 units in the last place for any δ from 1e-300 m on. Past the end the law has no value; the run says so and goes on with
-    /// the secant's stiffness.
+    /// Return the force to 6 units in the last place for any δ from 1e-300 m on. Past the end the law has no value; the run warns and
+    /// continues with the secant stiffness.
     ///
-    /// exp(-x) is (δ/`δ_end`)/(1 + x). A closed start and one step of Fritsch, Shafer and Crowley (1973), of fourth order.
+    /// exp(-x) is (δ/`δ_end`)/(1 + x). A closed-form initial value is corrected by one step of Fritsch, Shafer and Crowley (1973), of
+    /// fourth order.
     #[inline(always)]
     fn elastic<R: Real>([end, stiffness]: [R; 2], penetration: R) -> R {
         let number = |value| penetration.constant(value);
@@ -36,11 +37,11 @@ impl ElasticLaw for Logarithmic {
         let tau = ln_of_quotient(end, penetration.max(number(LEAST)));
         let s = (tau + tau).sqrt();
         let (a, b, c) = (number(START.0[0]), number(START.0[1]), number(START.1));
-        // 1 + x is above/below and x is over/below; below stays a factor until the end, which saves its division.
+        // 1 + x = above/below and x = over/below. The factor `below` is kept to the end, which saves one division.
         let below = c.mul_add(s, one);
         let above = b.mul_add(s, a).mul_add(s, one).mul_add(s, below);
         let over = above - below;
-        // z = x - ln(1 + x) - tau and q = 2 x (x - 2z/3), times below and its square.
+        // z = x - ln(1 + x) - tau and q = 2 x (x - 2z/3), multiplied by below and by its square.
         let z = below.negate_mul_add(ln_of_quotient(above, below) + tau, over);
         let q = (over + over) * z.negate_mul_add(number(2.0 / 3.0), over);
         let z2 = z * below;
@@ -50,10 +51,11 @@ impl ElasticLaw for Logarithmic {
         penetration.less(end).select(force, secant)
     }
 
-    /// d ln f = -dx and d ln δ = -x/(1 + x) dx. At the end of the branch, where the slope is infinite, it stops at 1/ε of the secant's.
+    /// Return the slope from d ln f = -dx and d ln δ = -x/(1 + x) dx. At the end of the branch, where it is infinite, it is bounded by 1/ε
+    /// times the secant stiffness.
     #[inline(always)]
     fn slope<R: Real>([end, stiffness]: [R; 2], penetration: R, force: R) -> R {
-        // The force is the secant's over 1 + x, its slope the secant's stiffness over x.
+        // The force is the secant's force over 1 + x; its slope is the secant stiffness over x.
         let number = |value| penetration.constant(value);
         let least = number(LEAST);
         let over = (stiffness * penetration) / force.max(least);
@@ -62,7 +64,7 @@ impl ElasticLaw for Logarithmic {
         penetration.greater(least).select(slope, number(0.0))
     }
 
-    /// With f = `f_end` exp(-x) the integral of f dδ is f²/A (x/2 + 1/4).
+    /// Return f²/A (x/2 + 1/4), the integral of f dδ with f = `f_end` exp(-x).
     fn stored(&[end, stiffness]: &[f64; 2], penetration: f64, force: f64) -> f64 {
         if penetration <= LEAST {
             return 0.0;
@@ -99,18 +101,19 @@ mod tests {
         stiffness * end * (-exponent(tau)).exp()
     }
 
-    /// Solves x - ln(1 + x) = `tau` for x >= 0.
+    /// Solve x - ln(1 + x) = `tau` for x >= 0.
     fn exponent(tau: f64) -> f64 {
         if tau <= 0.0 {
             return 0.0;
         }
-        // Convex and increasing: from any positive start Newton lands right of the root and then falls onto it.
+        // The function is convex and increasing: from any positive start Newton's method reaches the right of the root, then decreases to
+        // it.
         let mut x = (2.0 * tau).sqrt() + 2.0 / 3.0 * tau;
         for _ in 0..8 {
             let step = (x - x.ln_1p() - tau) * (1.0 + x) / x;
             x -= step;
             if step.abs() <= 1e-9 * x {
-                // Quadratic: the next step would be below rounding.
+                // Convergence is quadratic: the next step would be below rounding.
                 break;
             }
         }
@@ -160,7 +163,7 @@ mod tests {
         }
     }
 
-    /// The bound is the solver's error: of the exponent it passes to exp, and of δ/`δ_end` near the end.
+    /// The bound is the error of the solver: that of the exponent passed to exp, and that of δ/`δ_end` near the end.
     fn assert_as_solved(pair: &[f64; 2], penetrations: &[f64]) {
         for_each_force::<Logarithmic>(pair, penetrations, |set, d, force| {
             let twin = solved(pair, d);

@@ -1,10 +1,9 @@
-//! One contact's force: numbers in, newtons out; no bodies.
+//! Force laws of a single contact: numbers in, newtons out; no bodies.
 //!
-//! A law is an elastic part times a damping factor, so that any two combine:
-//! f = elastic(δ) · max(0, 1 + λ δ' / δ'₀). Friction is a share of μ f; a film is a law of
-//! its own beside it.
+//! A law is an elastic part times a damping factor, f = elastic(δ) · max(0, 1 + λ δ' / δ'₀), so that any two combine. Friction is a share
+//! of μ f. A lubricant film is a separate law beside it.
 
-// A law over vectors must be inlined into the kernel that chose the instructions.
+// A law over vectors must be inlined into the kernel that selected the instruction set.
 #![allow(clippy::inline_always)]
 
 mod bristles;
@@ -45,7 +44,7 @@ use crate::error::{Result, check};
 use crate::geometry::{SurfaceCurve, ToothProfile};
 use crate::math::Real;
 
-/// Inside (a cylinder in a bore or on a concave flank) or outside (two convex cylinders).
+/// Internal contact (a cylinder in a bore or on a concave flank) or external contact (two convex cylinders).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)] // the names say it
 pub enum Conformity {
@@ -53,23 +52,23 @@ pub enum Conformity {
     External,
 }
 
-/// Two surfaces that may touch, as the laws see them.
+/// Pair of contact surfaces as needed by the force laws.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePair {
-    /// Inside or outside.
+    /// Internal or external contact.
     pub conformity: Conformity,
-    /// ΔR \[m\]: `R_j - R_i` inside, `R_i + R_j` outside.
+    /// ΔR \[m\]: `R_j - R_i` of internal contacts, `R_i + R_j` of external contacts.
     pub radius_difference: f64,
     /// `R_i R_j / ΔR` \[m\].
     pub effective_radius: f64,
-    /// Length of contact L \[m\].
+    /// Contact length L \[m\].
     pub length: f64,
     /// E* \[Pa\]: 1/E* = (1 - `nu_i²)/E_i` + (1 - `nu_j²)/E_j`.
     pub contact_modulus: f64,
 }
 
 impl SurfacePair {
-    /// A cylinder of radius `inner` in a bore of radius `outer`.
+    /// Return the pair of a cylinder of radius `inner` in a bore of radius `outer`.
     #[must_use]
     pub fn internal(inner: f64, outer: f64, length: f64, contact_modulus: f64) -> Self {
         let radius_difference = outer - inner;
@@ -82,7 +81,7 @@ impl SurfacePair {
         }
     }
 
-    /// Two convex cylinders.
+    /// Return the pair of two convex cylinders.
     #[must_use]
     pub fn external(radius_i: f64, radius_j: f64, length: f64, contact_modulus: f64) -> Self {
         let radius_difference = radius_i + radius_j;
@@ -95,9 +94,9 @@ impl SurfacePair {
         }
     }
 
-    /// A cylinder on a flat that continues as a convex curve of `next_radius`.
+    /// Return the pair of a cylinder on a flat that continues as a convex curve of `next_radius`.
     ///
-    /// The flat has no radius: Hertz takes the limit `R_j` to infinity; laws whose limit does not exist take the next curve's ΔR.
+    /// The flat has no radius. Hertz's law uses the limit `R_j` to infinity; laws without that limit use ΔR of the next curve.
     #[must_use]
     pub fn flat(radius: f64, next_radius: f64, length: f64, contact_modulus: f64) -> Self {
         Self {
@@ -110,23 +109,23 @@ impl SurfacePair {
     }
 }
 
-/// The elastic part of a force law in one of its forms, which has two constants for each pair of surfaces.
+/// Elastic part of a force law in one of its forms, with two constants for each pair of surfaces.
 pub(crate) trait ElasticLaw {
-    /// Elastic force \[N\] at penetrations δ >= 0 \[m\]; zero at zero; not a number stays so.
+    /// Return the elastic force \[N\] at penetrations δ >= 0 \[m\]; zero at zero; NaN is kept.
     fn elastic<R: Real>(pair: [R; 2], penetration: R) -> R;
 
-    /// Its slope df/dδ \[N/m\], from the penetration and this force; zero at zero.
+    /// Return the slope df/dδ \[N/m\] from the penetration and this force; zero at zero.
     fn slope<R: Real>(pair: [R; 2], penetration: R, force: R) -> R;
 
-    /// Energy stored at a penetration δ > 0 \[J\], the integral of the force, which is `force` there.
+    /// Return the energy stored at a penetration δ > 0 \[J\], the integral of the force, whose value there is `force`.
     fn stored(pair: &[f64; 2], penetration: f64, force: f64) -> f64;
 
-    /// Penetration \[m\] at which the law's range ends.
+    /// Return the penetration \[m\] at which the law's range ends.
     fn range_end(_pair: &[f64; 2]) -> f64 {
         f64::INFINITY
     }
 
-    /// Elastic force \[N\] at any penetration \[m\]; zero for δ <= 0.
+    /// Return the elastic force \[N\] at any penetration \[m\]; zero for δ <= 0.
     fn force(pair: &[f64; 2], penetration: f64) -> f64 {
         if penetration <= 0.0 {
             return 0.0;
@@ -134,7 +133,7 @@ pub(crate) trait ElasticLaw {
         Self::elastic(*pair, penetration)
     }
 
-    /// Its slope df/dδ \[N/m\]; zero for δ <= 0.
+    /// Return the slope df/dδ \[N/m\]; zero for δ <= 0.
     fn stiffness(pair: &[f64; 2], penetration: f64) -> f64 {
         if penetration <= 0.0 {
             return 0.0;
@@ -142,7 +141,7 @@ pub(crate) trait ElasticLaw {
         Self::slope(*pair, penetration, Self::force(pair, penetration))
     }
 
-    /// Energy stored at any penetration \[J\]; zero for δ <= 0.
+    /// Return the energy stored at any penetration \[J\]; zero for δ <= 0.
     fn energy(pair: &[f64; 2], penetration: f64) -> f64 {
         if penetration <= 0.0 {
             return 0.0;
@@ -151,31 +150,31 @@ pub(crate) trait ElasticLaw {
     }
 }
 
-/// Which stiffness a contact on a tooth has when it moves on to the next region under load.
+/// Stiffness of a loaded contact that moves from one region of a tooth to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Regions {
-    /// The one it began with, until it ends: the energy balance closes.
+    /// Stiffness of the region at contact onset, kept until contact end: the energy balance closes.
     Kept,
-    /// The present region's: the force jumps at the junctions, as in the paper.
+    /// Stiffness of the present region: the force jumps at the junctions, as in the paper.
     Sharp,
 }
 
-/// A complete force law.
+/// Complete normal force law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceLaw {
     /// Elastic part.
     pub elastic: Elastic,
     /// Damping part.
     pub damping: Damping,
-    /// What happens between the regions of a tooth.
+    /// Stiffness at transitions between the regions of a tooth.
     pub regions: Regions,
 }
 
 impl ForceLaw {
-    /// Checks the law itself, and that it applies to a material of this `restitution`, which is called `field`.
+    /// Check the law itself, and that it applies to a material of this `restitution`, whose field is `field`.
     ///
     /// # Errors
-    /// Names the field, its value and what is allowed.
+    /// The error has the field, its value and the permitted range.
     pub fn check(&self, field: &str, restitution: f64) -> Result<()> {
         if let Elastic::Linear(stiffness) = self.elastic {
             check::positive("Linear.stiffness", stiffness, "N/m")?;
@@ -206,7 +205,7 @@ pub(crate) fn tooth_surfaces(
         SurfaceCurve::Concave(arc) => SurfacePair::internal(radius, arc.radius, length, modulus),
         SurfaceCurve::Convex(arc) => SurfacePair::external(radius, arc.radius, length, modulus),
         SurfaceCurve::Straight(_) => {
-            // An edge is no curve that the flat goes on as.
+            // An edge is not a curve that continues the flat.
             let next = match surfaces.get(i + 1).map(|next| next.curve) {
                 Some(SurfaceCurve::Convex(arc)) if arc.radius >= radius => arc.radius,
                 _ => profile.pitch_radius,

@@ -1,24 +1,24 @@
-//! The form f = K δ^n with any exponent: the enhanced cylindrical laws, and the linear one.
+//! The form f = K δ^n with any exponent: the enhanced cylindrical laws and the linear law.
 
 use super::ElasticLaw;
 use crate::math::simd::{exp_of_remainder, octaves_of_quotient};
 use crate::math::{Real, Truth};
 
-/// The power form; its constants are the force at 2^-20 m \[N\], and n. Hertz's exponent 1.5 has a form of its own, which needs a
-/// square root only.
+/// The power form; its constants are the force at 2^-20 m \[N\], and n. Hertz's exponent 1.5 has a separate form, which requires only a
+/// square root.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Power;
 
-/// Penetration \[m\] that others are measured by: a power of two near a micrometre.
+/// Reference penetration \[m\]: a power of two near a micrometre.
 const REFERENCE: f64 = f64::from_bits((1023 - 20) << 52);
 
 /// Penetration \[m\] below which the force is zero, 2^-600: a law with n >= 1 gives less than 1e-165 N there.
 const LEAST: f64 = f64::from_bits((1023 - 600) << 52);
 
 impl Power {
-    /// The constants of K δ^n, K in N/m^n.
+    /// Return the constants of K δ^n, K in N/m^n.
     pub(super) fn constants(stiffness: f64, exponent: f64) -> [f64; 2] {
-        // In two factors: of 2^(-20 n) in one the rounding of 20 n alone would cost 10 units in the last place.
+        // 2^(-20 n) is computed as two factors: in a single one, the rounding of 20 n alone would cost 10 units in the last place.
         let whole = (-20.0 * exponent).round();
         let rest = exponent.mul_add(-20.0, -whole);
         [stiffness * rest.exp2() * whole.exp2(), exponent]
@@ -26,15 +26,15 @@ impl Power {
 }
 
 impl ElasticLaw for Power {
-    /// From 2^-600 m to 2^600 m to 4 units in the last place; zero below, infinite above.
+    /// Return the force to 4 units in the last place from 2^-600 m to 2^600 m; zero below, infinite above.
     ///
-    /// With ln(δ/2^-20 m) = k ln 2 + rest the force is that at 2^-20 m times 2^j e^r, where j is whole and
-    /// j ln 2 + r = n (k ln 2 + rest). The whole part is taken off before anything is rounded.
+    /// With ln(δ/2^-20 m) = k ln 2 + rest, the force is that at 2^-20 m times 2^j e^r, where j is an integer and j ln 2 + r = n (k ln 2 +
+    /// rest). The integer part is subtracted before any rounding.
     #[inline(always)]
     fn elastic<R: Real>([force, n]: [R; 2], penetration: R) -> R {
         let number = |value| penetration.constant(value);
         let (k, rest) = octaves_of_quotient(penetration, number(REFERENCE));
-        // n to 2^-30: its product with k is exact.
+        // The head of n has a resolution of 2^-30: its product with k is exact.
         let rounding = number(1.5 * f64::from(1 << 22));
         let head = (n + rounding) - rounding;
         let tail = n - head;
@@ -64,7 +64,7 @@ impl ElasticLaw for Power {
         force * penetration / (n + 1.0)
     }
 
-    /// A straight line needs no power.
+    /// Return the force; a linear law requires no power.
     fn force(pair: &[f64; 2], penetration: f64) -> f64 {
         let [reference, n] = *pair;
         if penetration <= 0.0 {
@@ -93,7 +93,7 @@ mod tests {
         EnhancedCylinder::Of2010.stiffness_and_exponent(&surfaces)
     }
 
-    /// Asserts that the force of K and n is K δ^n, to 5 units in the last place.
+    /// Assert that the force of K and n is K δ^n, to 5 units in the last place.
     fn assert_near_printed([stiffness, n]: [f64; 2], depths: &[f64]) {
         let pair = Power::constants(stiffness, n);
         for_each_force::<Power>(&pair, depths, |set, d, force| {

@@ -1,4 +1,4 @@
-//! What the tests of the laws share: a law over a slice of penetrations.
+//! Shared code of the tests of force laws: a law over a slice of penetrations.
 
 use std::marker::PhantomData;
 
@@ -20,8 +20,8 @@ impl<Law: ElasticLaw> LaneFunction for Forces<Law> {
     }
 }
 
-/// Hands (instruction set, penetration, force) of every instruction set and penetration to `check`, and asserts that all sets with
-/// fused multiply-add give the same bits, and that `f64` gives those of the plain set.
+/// Pass (instruction set, penetration, force) of every instruction set and penetration to `check`. Assert that all sets with fused
+/// multiply-add give the same bits, and that `f64` gives those of the plain set.
 pub(super) fn for_each_force<Law: ElasticLaw>(
     pair: &[f64; 2],
     penetrations: &[f64],

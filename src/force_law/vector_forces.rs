@@ -1,4 +1,4 @@
-//! A law over many penetrations at once, as the kernels evaluate it; for measurements and comparisons.
+//! A law over many penetrations at once, as in the kernels; for measurements and comparisons.
 
 use std::marker::PhantomData;
 
@@ -7,7 +7,7 @@ use pulp::{Simd, WithSimd};
 use super::{Elastic, ElasticLaw, PairTable, SurfacePair, with_law};
 use crate::math::simd::{InstructionSet, Lanes, Numbers, load, padded_zeros, vectors, vectors_mut};
 
-/// One law of one pair, its instructions, and room for its forces.
+/// One law of one pair with its instruction set, penetrations and forces.
 #[derive(Debug, Clone)]
 pub struct VectorForces {
     table: PairTable,
@@ -18,7 +18,7 @@ pub struct VectorForces {
 }
 
 impl VectorForces {
-    /// `law` for these surfaces at penetrations >= 0 \[m\].
+    /// Return `law` for these surfaces at penetrations >= 0 \[m\].
     #[must_use]
     pub fn new(
         law: Elastic,
@@ -38,7 +38,7 @@ impl VectorForces {
         }
     }
 
-    /// The elastic forces \[N\].
+    /// Return the elastic forces \[N\].
     pub fn evaluate(&mut self) -> &[f64] {
         with_law!(&self.table, Law, pairs => self.instructions.run(Evaluate::<Law> {
             law: PhantomData,
@@ -94,7 +94,7 @@ mod tests {
                 for set in InstructionSet::available() {
                     let mut forces = VectorForces::new(law, &pair, &depths, set);
                     for (&d, &force) in depths.iter().zip(forces.evaluate()) {
-                        // Steeper and steeper towards the end: half of a rounding over the root of what is left.
+                        // The slope grows towards the end: the bound is half of a rounding error over the root of the remaining range.
                         let left = (1.0 - d / end).abs().max(f64::EPSILON);
                         let bound = 1e-14 + 1e-16 / left.sqrt();
                         let error = (force / single.force(d) - 1.0).abs();

@@ -1,10 +1,11 @@
-//! Symmetric positive definite systems of few unknowns, by Cholesky factors.
+//! Solution of small symmetric positive definite systems by Cholesky factors.
 
-/// Part of a diagonal entry above which its pivot counts as positive: below, rounding makes up what is left.
+/// Smallest ratio of a pivot to its diagonal entry that counts as positive; a smaller remainder is rounding.
 const DEFINITE: f64 = 1e-13;
 
-/// Solves A x = b for a symmetric positive definite A of `n` rows, in place; false when it is not.
+/// Solve A x = b for a symmetric positive definite A of `n` rows, in place; return false for any other A.
 pub(crate) fn solve_positive(a: &mut [f64], n: usize, x: &mut [f64]) -> bool {
+    // // Factor A = L Lᵀ, column by column.
     for k in 0..n {
         let before = a[k * n + k];
         let pivot = before - dot(&a[k * n..k * n + k], &a[k * n..k * n + k]);
@@ -18,9 +19,11 @@ pub(crate) fn solve_positive(a: &mut [f64], n: usize, x: &mut [f64]) -> bool {
             a[i * n + k] = sum / root;
         }
     }
+    // // Forward substitution, L y = b.
     for i in 0..n {
         x[i] = (x[i] - dot(&a[i * n..i * n + i], &x[..i])) / a[i * n + i];
     }
+    // // Back substitution, Lᵀ x = y.
     for i in (0..n).rev() {
         x[i] /= a[i * n + i];
         let known = x[i];

@@ -1,11 +1,11 @@
-//! Numbers of twice the precision, as sums of two: what normal equations need to know as much as orthogonal factors do.
+//! Double-double numbers, sums of two `f64`: normal equations in this precision are as accurate as orthogonal factors.
 
-/// A number of elimination: as it is, or of twice the precision.
+/// Number type of an elimination: `f64` or double-double.
 pub(crate) trait Number: Copy + Default + std::fmt::Debug {
-    /// Σ a w b.
+    /// Return Σ a w b.
     fn meet(a: &[f64; 3], w: &[f64], b: &[f64; 3]) -> Self;
     fn plus(self, other: Self) -> Self;
-    /// self - a b.
+    /// Return self - a b.
     fn less(self, a: Self, b: Self) -> Self;
     fn times(self, other: Self) -> Self;
     fn inverse(self) -> Self;
@@ -48,19 +48,19 @@ impl Number for f64 {
     }
 }
 
-/// The sum of a rounded number and what rounding left.
+/// Double-double number: a rounded value and its rounding error.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Twice(f64, f64);
 
 impl Twice {
-    /// a + b, whole (Knuth 1969).
+    /// Return a + b without rounding error (Knuth 1969).
     fn sum(a: f64, b: f64) -> Self {
         let sum = a + b;
         let part = sum - a;
         Self(sum, (a - (sum - part)) + (b - part))
     }
 
-    /// a b, whole.
+    /// Return a b without rounding error.
     fn product(a: f64, b: f64) -> Self {
         let product = a * b;
         Self(product, a.mul_add(b, -product))
@@ -100,7 +100,7 @@ impl Number for Twice {
 
     fn inverse(self) -> Self {
         let first = Self::from(1.0 / self.0);
-        // One step of Newton's method doubles the digits.
+        // One step of Newton's method doubles the number of digits.
         let missed = Self::from(1.0).less(self, first);
         first.plus(first.times(missed))
     }
