@@ -1,28 +1,28 @@
-//! 2x2 blocks of eight hinges side by side, in one register or several.
+//! 2x2 blocks of eight hinges in the lanes of one or several SIMD vectors.
 
 use pulp::Simd;
 
 use crate::math::simd::{Lanes, Mask, Octet, WIDTH, load, parts, read, vectors, vectors_mut};
 
-/// The same in all registers.
+/// Return an array with `value` in all entries.
 #[inline(always)]
 pub(super) fn all<T: Copy>(value: T) -> [T; WIDTH] {
     [value; WIDTH]
 }
 
-/// A register of symmetric 2x2 blocks: xx, yy, xy.
+/// One SIMD vector of symmetric 2x2 blocks: xx, yy, xy.
 #[derive(Clone, Copy)]
 pub(super) struct Symmetric<S: Simd>(pub(super) [Lanes<S>; 3]);
 
-/// A register of 2x2 blocks: rows, then columns.
+/// One SIMD vector of 2x2 blocks in row-major order: xx, xy, yx, yy.
 #[derive(Clone, Copy)]
 pub(super) struct Block<S: Simd>(pub(super) [Lanes<S>; 4]);
 
-/// A register of pairs.
+/// One SIMD vector of pairs x, y.
 #[derive(Clone, Copy)]
 pub(super) struct Pair<S: Simd>(pub(super) [Lanes<S>; 2]);
 
-/// Anything made of registers.
+/// Type composed of `N` SIMD vectors.
 pub(super) trait Registers<S: Simd, const N: usize>: Copy {
     fn registers(self) -> [Lanes<S>; N];
     fn of_registers(registers: [Lanes<S>; N]) -> Self;
@@ -59,7 +59,7 @@ registers!(Symmetric, 3);
 registers!(Block, 4);
 registers!(Pair, 2);
 
-/// Of every part what the one `distance` places before has.
+/// Return the octet rotated to the right: lane k holds the value of lane k - `distance`, cyclically.
 #[inline(always)]
 pub(super) fn from_left<S: Simd, T: Registers<S, N>, const N: usize>(
     simd: S,
@@ -69,7 +69,7 @@ pub(super) fn from_left<S: Simd, T: Registers<S, N>, const N: usize>(
     from_right(simd, octet, WIDTH - distance)
 }
 
-/// Of every part what the one `distance` places behind has.
+/// Return the octet rotated to the left: lane k holds the value of lane k + `distance`, cyclically.
 #[inline(always)]
 pub(super) fn from_right<S: Simd, T: Registers<S, N>, const N: usize>(
     simd: S,
@@ -77,6 +77,7 @@ pub(super) fn from_right<S: Simd, T: Registers<S, N>, const N: usize>(
     distance: usize,
 ) -> [T; WIDTH] {
     let mut turned = octet;
+    // One vector holds all eight lanes: one rotation.
     if S::F64_LANES == WIDTH {
         let mut values = octet[0].registers();
         for value in &mut values {
@@ -86,7 +87,7 @@ pub(super) fn from_right<S: Simd, T: Registers<S, N>, const N: usize>(
         return turned;
     }
     let count = WIDTH / S::F64_LANES;
-    // Twice behind itself, so that every register of the turned octet is in one piece.
+    // Two copies in sequence make every vector of the rotated octet contiguous in memory.
     let mut twice = [[0.0; 2 * WIDTH]; N];
     for part in parts::<S>() {
         for (numbers, value) in twice.iter_mut().zip(octet[part].registers()) {
@@ -107,14 +108,14 @@ pub(super) fn from_right<S: Simd, T: Registers<S, N>, const N: usize>(
 }
 
 impl<S: Simd> Symmetric<S> {
-    /// The inverse; `irregular` where the block is not positive definite.
+    /// Return the inverse [d -b; -b a]/(a d - b²); set `irregular` where a block is not positive definite.
     #[inline(always)]
     pub(super) fn inverse(&self, irregular: &mut Mask<S>) -> Self {
         let [a, d, b] = self.0;
         let determinant = a.mul_add(d, -(b * b));
         let over = a.constant(1.0) / determinant;
         let zero = a.constant(0.0);
-        // Also what is no number.
+        // Comparisons with NaN are false: a block with NaN is irregular.
         let regular = determinant
             .greater(zero)
             .and(over.greater(zero))
@@ -123,6 +124,7 @@ impl<S: Simd> Symmetric<S> {
         Self([d * over, a * over, -(b * over)])
     }
 
+    /// Return self m.
     #[inline(always)]
     pub(super) fn times_block(&self, m: &Block<S>) -> Block<S> {
         let ([a, d, b], [xx, xy, yx, yy]) = (self.0, m.0);
@@ -134,17 +136,20 @@ impl<S: Simd> Symmetric<S> {
         ])
     }
 
+    /// Return self mᵀ.
     #[inline(always)]
     pub(super) fn times_transposed(&self, m: &Block<S>) -> Block<S> {
         self.times_block(&m.transposed())
     }
 
+    /// Return self v.
     #[inline(always)]
     pub(super) fn of(&self, v: &Pair<S>) -> Pair<S> {
         let ([a, d, b], [x, y]) = (self.0, v.0);
         Pair([a.mul_add(x, b * y), b.mul_add(x, d * y)])
     }
 
+    /// Subtract `other`.
     #[inline(always)]
     pub(super) fn subtract(&mut self, other: &Self) {
         for (entry, other) in self.0.iter_mut().zip(other.0) {
@@ -152,7 +157,7 @@ impl<S: Simd> Symmetric<S> {
         }
     }
 
-    /// Takes a product off that is symmetric.
+    /// Subtract the product left right, which is symmetric.
     #[inline(always)]
     pub(super) fn take_off(&mut self, left: &Block<S>, right: &Block<S>) {
         let ([a, b, c, d], [xx, xy, yx, yy]) = (left.0, right.0);
@@ -164,7 +169,7 @@ impl<S: Simd> Symmetric<S> {
         ];
     }
 
-    /// Adds the first one, transposed, times the other: a product that is symmetric.
+    /// Add the product leftᵀ right, which is symmetric.
     #[inline(always)]
     pub(super) fn add(&mut self, left: &Block<S>, right: &Block<S>) {
         let ([a, b, c, d], [xx, xy, yx, yy]) = (left.0, right.0);
@@ -178,18 +183,21 @@ impl<S: Simd> Symmetric<S> {
 }
 
 impl<S: Simd> Block<S> {
+    /// Return selfᵀ.
     #[inline(always)]
     pub(super) fn transposed(&self) -> Self {
         let [xx, xy, yx, yy] = self.0;
         Self([xx, yx, xy, yy])
     }
 
+    /// Return -self.
     #[inline(always)]
     pub(super) fn negated(&self) -> Self {
         let [xx, xy, yx, yy] = self.0;
         Self([-xx, -xy, -yx, -yy])
     }
 
+    /// Return self + other.
     #[inline(always)]
     pub(super) fn plus(&self, other: &Self) -> Self {
         let mut sum = *self;
@@ -199,6 +207,7 @@ impl<S: Simd> Block<S> {
         sum
     }
 
+    /// Return self other.
     #[inline(always)]
     pub(super) fn times(&self, other: &Self) -> Self {
         let ([a, b, c, d], [xx, xy, yx, yy]) = (self.0, other.0);
@@ -210,13 +219,14 @@ impl<S: Simd> Block<S> {
         ])
     }
 
+    /// Return self other for a symmetric `other`.
     #[inline(always)]
     pub(super) fn times_symmetric(&self, other: &Symmetric<S>) -> Self {
         let [a, d, b] = other.0;
         self.times(&Self([a, b, b, d]))
     }
 
-    /// self^T other, where that is symmetric.
+    /// Return selfᵀ other, which is symmetric.
     #[inline(always)]
     pub(super) fn transposed_times(&self, other: &Self) -> Symmetric<S> {
         let ([a, b, c, d], [xx, xy, yx, yy]) = (self.0, other.0);
@@ -227,7 +237,7 @@ impl<S: Simd> Block<S> {
         ])
     }
 
-    /// Takes a product off.
+    /// Subtract the product left right.
     #[inline(always)]
     pub(super) fn take_off(&mut self, left: &Self, right: &Self) {
         let ([a, b, c, d], [xx, xy, yx, yy]) = (left.0, right.0);
@@ -240,7 +250,7 @@ impl<S: Simd> Block<S> {
         ];
     }
 
-    /// from - self v
+    /// Return from - self v.
     #[inline(always)]
     pub(super) fn less(&self, from: &Pair<S>, v: &Pair<S>) -> Pair<S> {
         let ([xx, xy, yx, yy], [x, y], [fx, fy]) = (self.0, v.0, from.0);
@@ -250,13 +260,13 @@ impl<S: Simd> Block<S> {
         ])
     }
 
-    /// from - self^T v
+    /// Return from - selfᵀ v.
     #[inline(always)]
     pub(super) fn transposed_less(&self, from: &Pair<S>, v: &Pair<S>) -> Pair<S> {
         self.transposed().less(from, v)
     }
 
-    /// self^T v
+    /// Return selfᵀ v.
     #[inline(always)]
     pub(super) fn transposed_of(&self, v: &Pair<S>) -> Pair<S> {
         let ([xx, xy, yx, yy], [x, y]) = (self.0, v.0);
@@ -265,6 +275,7 @@ impl<S: Simd> Block<S> {
 }
 
 impl<S: Simd> Pair<S> {
+    /// Add `other`.
     #[inline(always)]
     pub(super) fn add(&mut self, other: &Self) {
         for (entry, other) in self.0.iter_mut().zip(other.0) {
@@ -272,6 +283,7 @@ impl<S: Simd> Pair<S> {
         }
     }
 
+    /// Subtract `other`.
     #[inline(always)]
     pub(super) fn subtract(&mut self, other: &Self) {
         for (entry, other) in self.0.iter_mut().zip(other.0) {

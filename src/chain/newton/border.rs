@@ -1,4 +1,4 @@
-//! The sprockets' own coordinates on the border of Newton's matrix, and the small dense system that they leave.
+//! Coordinates of the sprockets on the border of Newton's matrix, and the small dense system of the border.
 
 use crate::chain::model::{Model, Rotation, SprocketModel, Support};
 
@@ -6,7 +6,7 @@ use super::dense::Dense;
 use super::teeth::Motion;
 use crate::chain::rhs::teeth::SprocketPose;
 
-/// The coordinates of one sprocket: numbers `first`, `first` + 1, ... on the border.
+/// Coordinates of one sprocket: numbers `first`, `first` + 1, ... on the border.
 #[derive(Debug, Clone)]
 pub(super) struct SprocketMotions {
     pub(super) first: usize,
@@ -14,7 +14,7 @@ pub(super) struct SprocketMotions {
 }
 
 impl SprocketMotions {
-    /// Those of all sprockets.
+    /// Return the coordinates of all sprockets of `model`.
     pub(super) fn of(model: &Model) -> Vec<Self> {
         let start = 3 * model.links;
         let mut all = Vec::with_capacity(model.sprockets.len());
@@ -48,7 +48,7 @@ impl SprocketMotions {
         all
     }
 
-    /// Turns the way of a tensioner's sprocket to where that is.
+    /// Update the direction of a slide to the tangent of its guide path at the sprocket's centre.
     pub(super) fn follow(&mut self, sprocket: &SprocketModel, pose: &SprocketPose) {
         if let (Some(Motion::Along(way)), Some((_, tangent))) = (
             self.motions.first_mut(),
@@ -59,13 +59,13 @@ impl SprocketMotions {
     }
 }
 
-/// What the border's coordinates leave among themselves.
+/// Diagonal block of the border's coordinates.
 #[derive(Debug, Clone)]
 pub(super) struct Corner {
     matrix: Dense,
-    /// Its inverse, where it is no larger than 2x2: rows, then columns.
+    /// Inverse in row-major order, for sizes up to 2x2.
     inverse: [f64; 4],
-    /// Entries on the diagonal without teeth.
+    /// Diagonal entries without teeth.
     own: Vec<f64>,
 }
 
@@ -78,7 +78,8 @@ impl Corner {
         }
     }
 
-    /// Masses, and the dashpots, springs and stops of tensioners and arms: the harder dashpot, whichever acts.
+    /// Assemble masses, and dashpots, springs and stops of tensioners and arms. A dashpot with two rates enters with the larger
+    /// one.
     pub(super) fn start(
         &mut self,
         model: &Model,
@@ -100,6 +101,7 @@ impl Corner {
                 let (s, _) = sprocket.slide_at(pose.center.into()).unwrap_or_default();
                 add(
                     index,
+                    // A = M - γ dQ/dv - γ² dQ/dq for a force -d v - k q: γ d + γ² k.
                     gamma * damping + gamma * gamma * guide.stiffness_at(s, pawl),
                 );
             }
@@ -116,18 +118,19 @@ impl Corner {
         }
     }
 
-    /// The greatest share of an entry on the diagonal that teeth make up.
+    /// Return the largest share of a diagonal entry that teeth contribute.
     pub(super) fn bound_by_teeth(&self) -> f64 {
         let entries = self.own.iter().zip(self.matrix.diagonal());
         let shares = entries.map(|(own, all)| (all - own).abs() / all.abs());
         shares.fold(0.0, f64::max)
     }
 
+    /// Add `value` to one entry.
     pub(super) fn add(&mut self, row: usize, column: usize, value: f64) {
         self.matrix.add(row, column, value);
     }
 
-    /// Factorises; false when singular.
+    /// Factorise; return false where the block is singular. Sizes up to 2x2 use the closed-form inverse.
     pub(super) fn factorise(&mut self) -> bool {
         match *self.matrix.entries() {
             [a] => {
@@ -143,7 +146,7 @@ impl Corner {
         }
     }
 
-    /// Solves in place.
+    /// Solve in place.
     pub(super) fn solve(&self, right: &mut [f64]) {
         let [a, b, c, d] = self.inverse;
         match right {

@@ -1,16 +1,17 @@
-//! Slopes of contact forces scaled for the matrix of one step: what a change of velocities by one does to the force at its end.
+//! Slopes of contact forces scaled for the matrix of one step: change of the force at its end per unit change of the velocities.
 //!
-//! A velocity changed by w has moved its coordinate by γ w. The force -f n of a contact then changes, in its own frame of n
-//! and t, by -(α n·w, η t·w), with α = γ² k + γ d and η = γ² f κ: k, d slopes with penetration and its rate, κ the curvature.
+//! A change w of a velocity changes its coordinate by γ w. The force -f n of a contact then changes by -(α n·w, η t·w) in its own
+//! frame of n and t. Here α = γ² k + γ d and η = γ² f κ. k and d are the slopes of f with penetration and penetration rate; κ is
+//! the curvature.
 //!
-//! Two terms are left out, which keeps the matrix symmetric: a contact that slips by s across turns its rate by d κ s, and an
-//! end takes its velocity along when its body turns. Both are damping times an angle that is turned in a step, γ κ s and γ ω,
-//! which Newton's method corrects at that rate.
+//! Two terms are neglected, which keeps the matrix symmetric. A contact that slides across with s changes its rate by d κ s. A body
+//! that rotates with ω changes the direction of its ends' velocity. Both terms are damping times an angle turned in a step, γ κ s
+//! and γ ω. Newton's method corrects them with that convergence rate.
 //!
-//! Friction adds τ = γ times its slope with the slip, along t at the point of contact: w then is the velocity of the points
-//! there, whose arms from the ends' centres lie along n and do not change n·w. The turn of n, η, does not feel the bodies' own
-//! turning; η and τ together act as η + τ does at arms shortened to their share τ/(η + τ). Left out is how friction changes with
-//! the normal force, μ α, which is not symmetric.
+//! Friction adds τ, γ times its slope with the sliding velocity, along t at the point of contact. There w is the velocity of the
+//! contact points. Their arms from the ends' centres are parallel to n and do not change n·w. η, the turn of n, does not depend on
+//! the rotation of the bodies. η and τ together act as η + τ at arms multiplied by τ/(η + τ). The change of friction with the
+//! normal force, μ α, is neglected: it is not symmetric.
 
 use pulp::Simd;
 
@@ -18,7 +19,7 @@ use super::ring::{HingeBlocks, own_registers};
 use crate::chain::rhs::slopes::{FrictionGroup, SlopeGroup};
 use crate::math::simd::{Lanes, Numbers, WIDTH, padded_zeros, parts, read, vectors_mut};
 
-/// α and η of register `part` of these contacts.
+/// Return α and η of vector `part` of these contacts.
 #[inline(always)]
 pub(super) fn scaled<S: Simd>(
     gamma: f64,
@@ -35,20 +36,21 @@ pub(super) fn scaled<S: Simd>(
     ]
 }
 
-/// Entry of hinge 0 in arrays that have the last hinge before it.
+/// Entry of hinge 0 in arrays with a copy of the last hinge before it.
 pub(super) const BASE: usize = WIDTH;
 
-/// Least α \[kg\]: a contact that has only just begun is taken for no softer.
+/// Lower bound of α \[kg\]. It limits the compliance of a contact at its onset.
 pub(super) const LEAST: f64 = 1e-20;
 
-/// Least η over α. Across its normal a contact is the softer the less deep it is; below this share nothing moves for it.
+/// Lower bound of η/α. The stiffness across the normal decreases with the penetration. Below this share it has no effect on the
+/// motion.
 pub(super) const LEAST_SHARE: f64 = 1e-10;
 
-/// Which hinges bear something: one, or zero; the last one once more before the first, which is at entry [`BASE`].
+/// Flags of the hinges that transmit force: one or zero. A copy of the last one precedes the first, which is at entry [`BASE`].
 #[derive(Debug, Clone)]
 pub(super) struct Closed {
     pub(super) hinges: Numbers,
-    /// Whether any does.
+    /// Whether any hinge transmits force.
     pub(super) any: bool,
 }
 
@@ -61,13 +63,13 @@ impl Closed {
     }
 }
 
-/// Where hinges with friction have their contacts, seen from the ends' centres, along t and in their share \[m\]: hinge k at
-/// [`BASE`] + k, the last one once more before the first.
+/// Arms of the contact points of hinges with friction from the centres of the ends, along t, times τ/(η + τ) \[m\]. Hinge k is at
+/// [`BASE`] + k; a copy of the last one precedes the first.
 #[derive(Debug, Clone)]
 pub(super) struct Arms {
-    /// From fronts, x and y.
+    /// Arms from fronts, x and y.
     pub(super) front: [Numbers; 2],
-    /// From rears.
+    /// Arms from rears, x and y.
     pub(super) rear: [Numbers; 2],
 }
 
@@ -80,7 +82,7 @@ impl Arms {
         }
     }
 
-    /// Puts the last hinge before the first as well.
+    /// Copy the last hinge to the entry before the first.
     #[inline(always)]
     pub(super) fn close(&mut self, hinges: usize) {
         for array in self.front.iter_mut().chain(&mut self.rear) {
@@ -88,7 +90,7 @@ impl Arms {
         }
     }
 
-    /// Writes those of register `i` of hinges.
+    /// Write the arms of vector `i` of hinges: position along n times `share`, in the direction t = (-ny, nx).
     #[inline(always)]
     pub(super) fn put<S: Simd>(
         &mut self,
@@ -108,14 +110,14 @@ impl Arms {
     }
 }
 
-/// Friction of hinges, where there is any.
+/// Friction slopes of hinges and the arms to write, where there is friction.
 pub(super) struct Rubbing<'a> {
     pub(super) slopes: &'a [FrictionGroup],
     pub(super) arms: &'a mut Arms,
 }
 
-/// Begins the ring's blocks with the compliance of each hinge, n n^T/α + t t^T/η; one for hinges that bear nothing. `RUBBED`: with
-/// friction, η + τ in the place of η.
+/// Initialise the ring's blocks with the compliance of each hinge, n n^T/α + t t^T/η. Hinges without force get the identity.
+/// `RUBBED`: with friction, η + τ in the place of η.
 #[inline(always)]
 pub(super) fn soften_hinges<S: Simd, const RUBBED: bool>(
     simd: S,
@@ -161,6 +163,7 @@ pub(super) fn soften_hinges<S: Simd, const RUBBED: bool>(
                 arms.put(i, [nx, ny], tau / both, places);
                 eta = both;
             }
+            // n n^T/α + t t^T/η with t = (-ny, nx): along = 1/α, across = 1/η.
             let over = one / (alpha * eta);
             let (along, across) = (eta * over, alpha * over);
             let entries = [
@@ -176,7 +179,7 @@ pub(super) fn soften_hinges<S: Simd, const RUBBED: bool>(
 }
 
 impl Closed {
-    /// Puts the last hinge before the first as well.
+    /// Copy the last hinge to the entry before the first.
     #[inline(always)]
     pub(super) fn close(&mut self, hinges: usize) {
         self.hinges[BASE - 1] = self.hinges[BASE + hinges - 1];

@@ -1,10 +1,10 @@
-//! A small dense system, solved by elimination with row exchanges.
+//! A small dense system: LU factorisation with partial pivoting.
 
-/// A square matrix, then its factors.
+/// Square matrix, later its factors.
 #[derive(Debug, Clone)]
 pub(super) struct Dense {
     size: usize,
-    /// Row after row; then the factors, with inverses of the pivots.
+    /// Row-major entries; later the factors L and U with the inverses of the pivots.
     entries: Vec<f64>,
     pivots: Vec<usize>,
 }
@@ -18,29 +18,33 @@ impl Dense {
         }
     }
 
+    /// Set all entries to zero.
     #[inline]
     pub(super) fn clear(&mut self) {
         self.entries.fill(0.0);
     }
 
+    /// Add `value` to one entry.
     #[inline]
     pub(super) fn add(&mut self, row: usize, column: usize, value: f64) {
         self.entries[row * self.size + column] += value;
     }
 
-    /// Row after row.
+    /// Return the entries in row-major order.
     pub(super) fn entries(&self) -> &[f64] {
         &self.entries
     }
 
+    /// Return the diagonal entries.
     pub(super) fn diagonal(&self) -> impl Iterator<Item = f64> {
         self.entries.iter().step_by(self.size + 1).copied()
     }
 
-    /// Factorises; false when singular.
+    /// Factorise P A = L U in place; return false where a pivot is zero or not finite.
     pub(super) fn factorise(&mut self) -> bool {
         let (size, matrix) = (self.size, &mut self.entries);
         for k in 0..size {
+            // Partial pivoting: the largest entry of the column.
             let pivot = (k..size)
                 .max_by(|&a, &b| {
                     let entry = |row: usize| matrix[row * size + k].abs();
@@ -69,17 +73,19 @@ impl Dense {
         true
     }
 
-    /// Solves in place.
+    /// Solve L U x = P b in place.
     pub(super) fn solve(&self, right: &mut [f64]) {
         let (size, matrix) = (self.size, &self.entries);
         for (k, &pivot) in self.pivots.iter().enumerate() {
             right.swap(k, pivot);
         }
+        // Forward substitution with L, whose diagonal is one.
         for i in 0..size {
             for j in 0..i {
                 right[i] -= matrix[i * size + j] * right[j];
             }
         }
+        // Back substitution with U, whose diagonal holds inverses.
         for i in (0..size).rev() {
             for j in i + 1..size {
                 right[i] -= matrix[i * size + j] * right[j];

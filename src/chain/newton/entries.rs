@@ -1,10 +1,10 @@
-//! Registers of arrays that begin anywhere beside a cache line and may end within a register: residuals, axis by axis.
+//! SIMD vectors of unaligned arrays that may end within a vector: residuals, axis by axis.
 
 use pulp::Simd;
 
 use crate::math::simd::{Lanes, load, partial_load};
 
-/// Registers of an array that may end within one; zeros after that.
+/// SIMD vectors of an array to read; lanes behind its end are zero.
 pub(super) struct Entries<'a, S: Simd> {
     whole: &'a [S::f64s],
     last: Lanes<S>,
@@ -20,6 +20,7 @@ impl<'a, S: Simd> Entries<'a, S> {
         }
     }
 
+    /// Return vector `i`.
     #[inline(always)]
     pub(super) fn at(&self, i: usize) -> Lanes<S> {
         match self.whole.get(i) {
@@ -30,7 +31,7 @@ impl<'a, S: Simd> Entries<'a, S> {
     }
 }
 
-/// The same to write to; what would stand behind the end is dropped.
+/// SIMD vectors of an array to write; lanes behind its end are dropped.
 pub(super) struct EntriesMut<'a, S: Simd> {
     simd: S,
     whole: &'a mut [S::f64s],
@@ -44,6 +45,7 @@ impl<'a, S: Simd> EntriesMut<'a, S> {
         Self { simd, whole, rest }
     }
 
+    /// Write vector `i`.
     #[inline(always)]
     pub(super) fn set(&mut self, i: usize, values: Lanes<S>) {
         let behind = self.whole.len();

@@ -1,7 +1,8 @@
-//! Compliances of hinges with lubricant: contact, friction and film side by side, each hinge a symmetric 2x2 block.
+//! Compliances of hinges with lubricant: contact, friction and film in parallel, one symmetric 2x2 block per hinge.
 //!
-//! A film's force changes by `-(γ D + γ² K)` for a change of the velocities by one, D and K its slopes. Left out is what is not symmetric
-//! in them, and that the ends' turning moves the frame in which the film is seen, which is the eccentricity over a lever.
+//! The force of a film changes by `-(γ D + γ² K)` per unit change of the velocities, where D and K are its slopes. Their asymmetric
+//! parts are neglected. The rotation of the film's frame with the ends is neglected too; its relative size is the eccentricity over
+//! a lever.
 
 use pulp::Simd;
 
@@ -12,10 +13,10 @@ use crate::math::simd::{Lanes, parts, read, vectors_mut};
 
 use super::contacts::BASE;
 
-/// Share of the product of both diagonal entries that the square of the one beside them may be: the rest keeps a block definite.
+/// Upper bound of xy²/(xx yy) in a block. Larger off-diagonal entries are set to zero, which keeps the block positive definite.
 const MOST_BESIDE: f64 = 0.9;
 
-/// Begins the ring's blocks with the compliance of each hinge, as `soften_hinges` does.
+/// Initialise the ring's blocks with the compliance of each hinge, as `soften_hinges` does.
 #[inline(always)]
 pub(super) fn soften_filled_hinges<S: Simd>(
     simd: S,
@@ -48,6 +49,8 @@ pub(super) fn soften_filled_hinges<S: Simd>(
             bearing[i] = bears.select(one, zero).values();
             let [alpha, eta] = scaled(gamma, simd, slopes, part);
             let tau = once * rubs.slope.at(simd, part);
+            // Stiffness in the frame (n, t): α + γ D_xx + γ² K_xx and η + τ + γ D_yy + γ² K_yy; negative K_xx and K_yy are set to
+            // zero.
             let film_xx = once.mul_add(dxx, (twice * kxx).positive_part());
             let film_yy = once.mul_add(dyy, (twice * kyy).positive_part());
             let xx = bears.select((alpha + film_xx).max(least), one);
@@ -58,6 +61,7 @@ pub(super) fn soften_filled_hinges<S: Simd>(
             let (nx, ny) = (film.normal[0].at(simd, part), film.normal[1].at(simd, part));
             let places = read(simd, &rubs.places, part);
             arms.put(i, [nx, ny], tau / yy, places);
+            // Inverse of the block in the frame (n, t), rotated to the frame of the scene.
             let over = one / xx.mul_add(yy, -(xy * xy));
             let (along, across, beside) = (yy * over, xx * over, -(xy * over));
             let crossed = (beside + beside) * (nx * ny);

@@ -1,8 +1,8 @@
-//! Links eliminated: the inverse of every link's own 3x3 block, and what remains between its two hinges.
+//! Elimination of the links: inverse of the 3x3 block of every link, and the remaining coupling between its two hinges.
 //!
-//! Row of link i: `D_i w_i + F_i^T f_i - R_i^T f_(i-1) = M_i r_i`, where `f_i` is the change of the force of hinge i, and F, R
-//! give the velocities of the link's front and rear: `F w = (w_x + u w_θ, w_y + v w_θ)`, R with -u, -v. Of hinge k:
-//! `P_k f_k = F_k w_k - R_(k+1) w_(k+1)`, P its compliance.
+//! Row of link i: `D_i w_i + F_i^T f_i - R_i^T f_(i-1) = M_i r_i`, where `f_i` is the change of the force of hinge i. F and R give
+//! the velocities of the link's front and rear: `F w = (w_x + u w_θ, w_y + v w_θ)`, R with -u, -v. Row of hinge k: `P_k f_k = F_k
+//! w_k - R_(k+1) w_(k+1)`, where P is its compliance.
 
 use pulp::Simd;
 
@@ -15,7 +15,7 @@ use crate::math::simd::{
     vectors_mut, write,
 };
 
-/// Eight links. One of the padding has mass and inertia one.
+/// Eight links. Links of the padding have mass and inertia one.
 #[derive(Debug, Clone, Copy)]
 struct LinkGroup {
     mass: Octet,
@@ -25,15 +25,15 @@ struct LinkGroup {
     front_bushing: Octet,
     /// One where bushing k - 1 is on the rear of link k.
     rear_bushing: Octet,
-    /// Whether a bushing of one of them touches a tooth.
+    /// Whether a bushing of one of these links touches a tooth.
     held: bool,
-    /// u and v: how turning the link moves its front \[m\].
+    /// u and v: velocity of the link's front per angular velocity of the link \[m\].
     lever: [Octet; 2],
-    /// Inverse of D: xx, xy, xθ, yy, yθ, θθ; where no tooth is touched only the last one.
+    /// Inverse of D: xx, xy, xθ, yy, yθ, θθ. Without tooth contact D is diagonal and only the last entry is used.
     inverse: [Octet; 6],
-    /// Scratch of a solution: links that feel no change of hinge forces.
+    /// Scratch of a solution: velocities of the links without changes of the hinge forces.
     free: [Octet; 3],
-    /// Scratch: velocities of their fronts.
+    /// Scratch: the corresponding velocities of their fronts.
     front_velocity: [Octet; 2],
 }
 
@@ -60,7 +60,7 @@ impl LinkGroup {
         }
     }
 
-    /// Of register `i` of links what their front bushings have, and what their rear bushings have.
+    /// Return values of the bushings on the fronts and on the rears of vector `i` of links; zero where that end has no bushing.
     #[inline(always)]
     fn of_ends<S: Simd>(&self, simd: S, of: &Bushings<S>, i: usize, part: usize) -> [Lanes<S>; 2] {
         [
@@ -69,6 +69,7 @@ impl LinkGroup {
         ]
     }
 
+    /// Return D⁻¹ times `right`.
     #[inline(always)]
     fn times_inverse<S: Simd>(&self, simd: S, right: [Lanes<S>; 3], part: usize) -> [Lanes<S>; 3] {
         if self.held {
@@ -79,7 +80,10 @@ impl LinkGroup {
         [light * x, light * y, self.inverse[5].at(simd, part) * turn]
     }
 
-    /// Blocks of links of which bushings touch teeth.
+    /// Return the blocks D of links whose bushings touch teeth.
+    ///
+    /// D = diag(m, m, J) + F^T H_f F + R^T H_r R with the stiffness H of the teeth at the front and the rear bushing. Friction adds
+    /// the moments `spun` about the bushings.
     #[inline(always)]
     fn held_links<S: Simd, const RUBBED: bool>(
         &self,
@@ -117,7 +121,7 @@ impl LinkGroup {
     }
 }
 
-/// An array of bushings in registers of links: those on their fronts, and those on their rears.
+/// Array of bushings as SIMD vectors of links: bushings on their fronts, and bushings on their rears.
 #[derive(Clone, Copy)]
 struct Bushings<'a, S: Simd> {
     front: &'a [S::f64s],
@@ -125,7 +129,7 @@ struct Bushings<'a, S: Simd> {
 }
 
 impl<'a, S: Simd> Bushings<'a, S> {
-    /// The first `count` registers; bushing k is at [`BASE`] + k.
+    /// Return the first `count` vectors; bushing k is at [`BASE`] + k.
     #[inline(always)]
     fn of(array: &'a [f64], count: usize) -> Self {
         Self {
@@ -134,28 +138,30 @@ impl<'a, S: Simd> Bushings<'a, S> {
         }
     }
 
+    /// Return three arrays.
     #[inline(always)]
     fn of_three([x, y, z]: &'a [Numbers; 3], count: usize) -> [Self; 3] {
         [Self::of(x, count), Self::of(y, count), Self::of(z, count)]
     }
 }
 
-/// Whether a bushing of a group of links touches a tooth.
+/// Return whether a bushing of a group of links touches a tooth; rears add the bushing before the group.
 #[inline(always)]
 fn touched(teeth: &ToothTerms, links: usize, group: usize) -> bool {
     let first = group * WIDTH;
     teeth.touches(first) || teeth.touches(if first > 0 { first - 1 } else { links - 1 })
 }
 
-/// Links after elimination.
+/// Eliminated links.
 #[derive(Debug, Clone)]
 pub(super) struct LinkTerms {
     groups: Vec<LinkGroup>,
-    /// How turning a link moves its contacts at front and rear, x and y each \[m\]; used where there is friction.
+    /// Velocity of the contact points at front and rear per angular velocity of the link, x and y each \[m\]; used where there is
+    /// friction.
     levers: Vec<[Octet; 4]>,
-    /// `R D⁻¹ R^T`: xx, yy, xy; the first link once more behind the last.
+    /// `R D⁻¹ R^T`: xx, yy, xy; a copy of the first link follows the last.
     rear: [Numbers; 3],
-    /// Scratch of a solution: velocities of rears, the first one once more behind the last.
+    /// Scratch of a solution: velocities of rears; a copy of the first one follows the last.
     rear_velocity: [Numbers; 2],
     /// Scratch: changes of hinge forces, x and y; hinge k at [`BASE`] + k.
     force: [Numbers; 2],
@@ -178,18 +184,19 @@ impl LinkTerms {
         }
     }
 
-    /// The unknowns of the ring, which hold its right-hand sides.
+    /// Return the unknowns of the ring, which initially hold its right-hand sides.
     #[inline(always)]
     pub(super) fn ring_unknowns(&mut self) -> &mut [Numbers; 2] {
         &mut self.force
     }
 }
 
-/// A symmetric matrix: xx, xy, xz, yy, yz, zz.
+/// Symmetric 3x3 matrix: xx, xy, xz, yy, yz, zz.
 #[derive(Clone, Copy)]
 pub(super) struct Spatial<S: Simd>(pub(super) [Lanes<S>; 6]);
 
 impl<S: Simd> Spatial<S> {
+    /// Return the inverse: cofactors over the determinant.
     #[inline(always)]
     pub(super) fn inverse(&self) -> Self {
         let [xx, xy, xz, yy, yz, zz] = self.0;
@@ -207,6 +214,7 @@ impl<S: Simd> Spatial<S> {
         ])
     }
 
+    /// Return the product with a vector.
     #[inline(always)]
     pub(super) fn times(&self, [x, y, z]: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
         let [xx, xy, xz, yy, yz, zz] = self.0;
@@ -218,7 +226,7 @@ impl<S: Simd> Spatial<S> {
     }
 }
 
-/// What the links' elimination reads.
+/// Input of the links' elimination.
 pub(super) struct Linked<'a> {
     pub(super) links: usize,
     pub(super) gamma: f64,
@@ -235,7 +243,7 @@ pub(super) struct Linked<'a> {
 }
 
 impl LinkTerms {
-    /// Eliminates all links; the ring, which holds the hinges' compliances, remains.
+    /// Eliminate all links; the result is added to the ring, which holds the hinges' compliances.
     #[inline(always)]
     pub(super) fn eliminate<S: Simd, const RUBBED: bool>(
         &mut self,
@@ -281,6 +289,8 @@ impl LinkTerms {
                     let (arm, cos, sin) = (at(arm), at(cos), at(sin));
                     let lever = [-(arm * sin), arm * cos];
                     write(&mut links.lever, part, lever);
+                    // Geometric stiffness: the moment of the end forces decreases by arm times stretching force per angle of the
+                    // link.
                     let pull = [at(front_x) - at(rear_x), at(front_y) - at(rear_y)];
                     let stretch = cos.mul_add(pull[0], sin * pull[1]);
                     let inertia =
@@ -318,6 +328,7 @@ impl LinkTerms {
                     rear[1][i] = ends.rear[1].values();
                     rear[2][i] = ends.rear[2].values();
                     let closed = at(closed);
+                    // S_k += F D⁻¹ F^T and C_k = -F D⁻¹ R^T; hinges without force stay uncoupled.
                     for (own, entry) in own.iter_mut().zip(ends.front) {
                         own[i] = closed.mul_add(entry, load(simd, &own[i])).values();
                     }
@@ -331,7 +342,7 @@ impl LinkTerms {
         self.add_rears(simd, n, closed, ring);
     }
 
-    /// Adds to each hinge what the rear of the link behind it gives.
+    /// Add `R D⁻¹ R^T` of the next link to the block of each hinge.
     #[inline(always)]
     fn add_rears<S: Simd>(
         &mut self,
@@ -355,7 +366,8 @@ impl LinkTerms {
         }
     }
 
-    /// Links that feel `right` and no change of hinge forces, and what that does to the hinges: the ring's right-hand sides.
+    /// Solve the links for `right` without changes of the hinge forces. The velocity differences of the hinges are the ring's
+    /// right-hand sides.
     #[inline(always)]
     pub(super) fn solve_free<S: Simd, R: RightHand<S>, const RUBBED: bool>(
         &mut self,
@@ -398,6 +410,7 @@ impl LinkTerms {
         for array in &mut self.rear_velocity {
             array[links] = array[0];
         }
+        // Hinge k: F_k w_k - R_(k+1) w_(k+1) with the free velocities; zero for hinges without force.
         let [x, y] = &self.rear_velocity;
         let behind = [vectors::<S>(&x[1..], blocks), vectors::<S>(&y[1..], blocks)];
         let closed = vectors::<S>(&closed.hinges[BASE..], blocks);
@@ -417,7 +430,7 @@ impl LinkTerms {
         }
     }
 
-    /// Puts the last hinge before the first as well, once the ring is solved.
+    /// Copy the last hinge to the entry before the first, after the solution of the ring.
     #[inline(always)]
     pub(super) fn close_ring(&mut self, links: usize) {
         for force in &mut self.force {
@@ -425,7 +438,7 @@ impl LinkTerms {
         }
     }
 
-    /// Links that feel the changes of hinge forces; adds their products with the border's rows to `sums`.
+    /// Solve the links with the changes of the hinge forces; add their products with the border's rows to `sums`.
     #[inline(always)]
     pub(super) fn solve_bound<S: Simd, const RUBBED: bool>(
         &self,
@@ -448,6 +461,7 @@ impl LinkTerms {
                 let i = number * count + part;
                 let at = |array: &[S::f64s]| load(simd, &array[i]);
                 let (front, rear) = ([at(front[0]), at(front[1])], [at(rear[0]), at(rear[1])]);
+                // w = w_free - D⁻¹ (F^T f_i - R^T f_(i-1)).
                 let turn = if RUBBED {
                     let [fx, fy, rx, ry] = read(simd, levers, part);
                     let of_front = fx.mul_add(front[0], fy * front[1]);
@@ -472,7 +486,7 @@ impl LinkTerms {
         }
     }
 
-    /// Velocities of fronts, x and y, of rears, and with friction spins of links with these `unknowns`.
+    /// Write velocities of fronts, x and y, and of rears for links with these `unknowns`; with friction angular velocities too.
     #[inline(always)]
     pub(super) fn write_ends<S: Simd, const RUBBED: bool>(
         &self,
@@ -508,7 +522,7 @@ impl LinkTerms {
         }
     }
 
-    /// What bushings leave for one coordinate on the border, link by link.
+    /// Gather one column of the border from bushings to links, link by link: F^T and R^T times their values.
     #[inline(always)]
     pub(super) fn gather_column<S: Simd, const RUBBED: bool>(
         &self,
@@ -538,26 +552,27 @@ impl LinkTerms {
     }
 }
 
-/// Right-hand sides of links.
+/// Right-hand sides of the links.
 pub(super) trait RightHand<S: Simd> {
-    /// Those of register `i` of links with masses and inertias `mass`, `held` by teeth or not.
+    /// Return those of vector `i` of links with masses and inertias `mass`, `held` by teeth or not.
     fn at(&self, simd: S, mass: [Lanes<S>; 3], held: bool, i: usize) -> [Lanes<S>; 3];
 }
 
-/// A row of the border, or a column: x, y and θ of the links.
+/// Row or column of the border: x, y and θ of the links.
 pub(super) type Border = Vec<[Octet; 3]>;
 
-/// What a register of links does to its two hinges.
+/// Coupling of the two hinges of a vector of links.
 struct Ends<S: Simd> {
     /// `F D⁻¹ F^T`: xx, yy, xy.
     front: [Lanes<S>; 3],
     /// `R D⁻¹ R^T`
     rear: [Lanes<S>; 3],
-    /// `-F D⁻¹ R^T`: rows, then columns.
+    /// `-F D⁻¹ R^T` in row-major order.
     between: [Lanes<S>; 4],
 }
 
 impl<S: Simd> Ends<S> {
+    /// Return the coupling by links without tooth contact: D = diag(m, m, J), levers (u, v) and (-u, -v).
     #[inline(always)]
     fn of_free(light: Lanes<S>, turn: Lanes<S>, [u, v]: [Lanes<S>; 2]) -> Self {
         let (tu, tv) = (turn * u, turn * v);
@@ -570,13 +585,14 @@ impl<S: Simd> Ends<S> {
         }
     }
 
+    /// Return the coupling by links with tooth contact: D is a full matrix, levers (u, v) and (-u, -v).
     #[inline(always)]
     fn of_held(inverse: &Spatial<S>, [u, v]: [Lanes<S>; 2]) -> Self {
         let [xx, xy, xz, yy, yz, zz] = inverse.0;
         let (zu, zv) = (zz * u, zz * v);
         let [uu, vv, uv] = [zu * u, zv * v, zu * v];
         let (same_x, same_y, same_xy) = (xx + uu, yy + vv, xy + uv);
-        // Twice the products of turning and moving have opposite signs at the two ends.
+        // The products of rotation and translation have opposite signs at the two ends.
         let (x, y) = (u * xz, v * yz);
         let crossed = u.mul_add(yz, v * xz);
         let between = v.mul_add(xz, -(u * yz));
@@ -587,7 +603,7 @@ impl<S: Simd> Ends<S> {
         }
     }
 
-    /// Links whose contacts lie `[front, rear]` of their centres, each at a lever of its own.
+    /// Return the coupling by links whose contacts are at `[front, rear]` from their centres, each with its own lever.
     #[inline(always)]
     fn apart(inverse: &Spatial<S>, [front, rear]: [[Lanes<S>; 2]; 2]) -> Self {
         let [xx, xy, xz, yy, yz, zz] = inverse.0;
@@ -604,7 +620,7 @@ impl<S: Simd> Ends<S> {
         }
     }
 
-    /// What a contact at this lever has of its own: xx, yy, xy.
+    /// Return `F D⁻¹ F^T` of a contact at this lever: xx, yy, xy.
     #[inline(always)]
     fn own(inverse: &Spatial<S>, [u, v]: [Lanes<S>; 2]) -> [Lanes<S>; 3] {
         let [xx, xy, xz, yy, yz, zz] = inverse.0;
@@ -616,7 +632,7 @@ impl<S: Simd> Ends<S> {
         ]
     }
 
-    /// The same where no tooth is touched.
+    /// Return the same for links without tooth contact.
     #[inline(always)]
     fn apart_and_free(light: Lanes<S>, turn: Lanes<S>, [front, rear]: [[Lanes<S>; 2]; 2]) -> Self {
         let zero = light.constant(0.0);

@@ -1,12 +1,12 @@
-//! Newton's matrix for velocities, M - γ dQ/dv - γ² dQ/dq, made and solved from what the last evaluation left.
+//! Matrix of Newton's method for the velocities, M - γ dQ/dv - γ² dQ/dq: assembly, factorisation and solution.
 //!
 //! contacts (slopes scaled by γ) -> teeth (blocks of bushings, border) -> rollers, where they are bodies (eliminated) -> links
 //! (eliminated) -> ring (hinges) -> border
 //!
-//! The unknowns of links go first, 3x3 each; what remains is a ring of 2x2 blocks, one a hinge, and the sprockets' own
-//! coordinates on its border. The work grows with the links; nothing is allocated once it has been made.
+//! The 3x3 blocks of the links are eliminated first. The remainder is a ring of 2x2 blocks, one per hinge, bordered by the
+//! coordinates of the sprockets. The work is proportional to the number of links. No memory is allocated after construction.
 
-#![allow(clippy::inline_always)] // what is not inlined into a kernel does not run with its instructions
+#![allow(clippy::inline_always)] // a function that is not inlined is compiled without the kernel's instruction set
 
 mod blocks;
 mod border;
@@ -37,69 +37,70 @@ use crate::chain::contact::Candidates;
 use crate::chain::model::Model;
 use crate::math::simd::{InstructionSet, Lanes, Octet, PartialSums, WIDTH, parts, read, write};
 
-/// Share of a border coordinate's own entry that teeth may make up for the border to be swept instead of eliminated: what a
-/// correction then lacks is less than that share.
+/// Upper bound of the share of a diagonal border entry that teeth contribute. Below this bound one block Gauss-Seidel sweep
+/// replaces the elimination of the border. The relative error of a correction is then below this share.
 const WEAK: f64 = 0.14;
 
-/// The slopes that evaluations write, the matrix and its factors.
+/// Contact slopes written by evaluations, the matrix and its factors.
 #[derive(Debug, Clone)]
 pub(crate) struct NewtonMatrix {
-    /// Of the hinges.
+    /// Slopes of the hinges.
     pub(crate) hinge_slopes: Vec<SlopeGroup>,
-    /// Of each sprocket's candidates, slot by slot.
+    /// Slopes of the candidates of each sprocket, slot by slot.
     pub(crate) tooth_slopes: Vec<Vec<SlopeGroup>>,
-    /// Those of friction in hinges; empty where there is none anywhere.
+    /// Friction slopes of the hinges; empty where links have no moments.
     pub(crate) hinge_rubs: Vec<FrictionGroup>,
-    /// Likewise on teeth.
+    /// Friction slopes of the candidates of each sprocket, slot by slot.
     pub(crate) tooth_rubs: Vec<Vec<FrictionGroup>>,
-    /// Of bushings in rollers; empty where rollers are no bodies.
+    /// Slopes of the contacts between bushings and rollers; empty where rollers are no bodies.
     pub(crate) roller_slopes: Vec<SlopeGroup>,
-    /// Those of friction there.
+    /// Friction slopes of these contacts.
     pub(crate) roller_rubs: Vec<FrictionGroup>,
-    /// Those of lubricant in hinges; empty where there is none.
+    /// Slopes of the lubricant films in hinges; empty without lubricant.
     pub(crate) films: Vec<FilmGroup>,
     motions: Vec<SprocketMotions>,
     arms: Arms,
     closed: Closed,
     teeth: ToothTerms,
-    /// Where rollers are bodies.
+    /// Eliminated rollers, where rollers are bodies.
     rollers: Option<RollerTerms>,
     links: LinkTerms,
     hinges: HingeBlocks,
     ring: Ring,
-    /// Columns of the border, which are its rows too, link by link; behind them, where there are rollers, what those do to links.
+    /// Columns of the border, link by link. The matrix is symmetric: they are its rows too. With rollers, one more column holds
+    /// their forces on the links.
     columns: Vec<Border>,
-    /// The columns solved by the links' part, when the border is eliminated.
+    /// Columns multiplied by the inverse of the links' part, where the border is eliminated.
     solved: Vec<Border>,
     corner: Corner,
-    /// Whether teeth bind the border so weakly that it is swept, not eliminated.
+    /// Whether the coupling of the border by teeth is weak: one block Gauss-Seidel sweep replaces its elimination.
     swept: bool,
-    /// Scratch: what the border would do without links; behind it, where there are rollers, minus one.
+    /// Scratch: solution of the border alone, without links. With rollers, the factor -1 of their column follows.
     alone: Vec<f64>,
-    /// Scratch: products of the border's rows with the links.
+    /// Scratch: products of the border's rows with the solutions of the links.
     sums: Vec<PartialSums>,
-    /// Scratch: solutions of links.
+    /// Scratch: solutions of the links.
     unknowns: Border,
 }
 
-/// What an evaluation left.
+/// Data of the last evaluation of the right-hand side from which the matrix is assembled.
 pub(crate) struct Evaluated<'a> {
     pub(crate) instructions: InstructionSet,
     pub(crate) constants: &'a LinkConstants,
     pub(crate) chain: &'a ChainArrays,
-    /// The same, or rollers in the place of bushings.
+    /// Arrays of the bodies on the teeth: the chain's, or those of the rollers.
     pub(crate) on_teeth: &'a ChainArrays,
     pub(crate) candidates: &'a Candidates,
     pub(crate) poses: &'a [SprocketPose],
-    /// How far the pawls of ratchets have come.
+    /// Positions of the pawls of ratchets.
     pub(crate) pawls: &'a [f64],
-    /// Whether the matrix may be indefinite. That of a step in time is definite, or the step is too long; a step to a static
-    /// equilibrium may begin where links under compression are unstable.
+    /// Whether the matrix may be indefinite. The matrix of a step in time is definite, or the step is too long. A step towards a
+    /// static equilibrium may begin with unstable links under compression.
     pub(crate) indefinite: bool,
 }
 
 impl NewtonMatrix {
-    /// Room for the matrix of `model`.
+    /// Allocate the matrix of `model`.
     pub(crate) fn new(model: &Model) -> Self {
         let n = model.links;
         let border = model.wheel_coordinates();
@@ -143,7 +144,7 @@ impl NewtonMatrix {
         }
     }
 
-    /// Makes and factorises the matrix; false when it is singular, or indefinite where it may not be.
+    /// Assemble and factorise the matrix; return false where it is singular, or indefinite without permission.
     pub(crate) fn factorise(&mut self, model: &Model, evaluated: &Evaluated, gamma: f64) -> bool {
         macro_rules! factorise {
             ($rubbed:literal) => {
@@ -162,7 +163,7 @@ impl NewtonMatrix {
         }
     }
 
-    /// Overwrites a residual of velocities by the correction that it asks for.
+    /// Overwrite a residual of the velocities with the correction, the solution of the linear system.
     pub(crate) fn correct(
         &mut self,
         model: &Model,
@@ -184,6 +185,7 @@ impl NewtonMatrix {
         }
     }
 
+    /// Add the contacts on all teeth to the bushings' blocks and to the border; eliminate the rollers.
     #[inline(always)]
     fn add_teeth<S: Simd, const RUBBED: bool>(
         &mut self,
@@ -216,6 +218,7 @@ impl NewtonMatrix {
             for (i, row) in among.iter().enumerate().take(motions.len()) {
                 for (j, &entry) in row.iter().enumerate().take(motions.len()).skip(i) {
                     self.corner.add(first + i, first + j, entry);
+                    // The matrix is symmetric; tooth kernels return the upper triangle.
                     if i < j {
                         self.corner.add(first + j, first + i, entry);
                     }
@@ -232,7 +235,8 @@ impl NewtonMatrix {
         }
     }
 
-    /// Brings the border's columns to the links and, unless it is only swept, eliminates it; false when singular.
+    /// Gather the border's columns by links and eliminate the border where its coupling is strong; return false where it is
+    /// singular.
     #[inline(always)]
     fn eliminate_border<S: Simd, const RUBBED: bool>(&mut self, simd: S, links: usize) -> bool {
         for (from, column) in self.teeth.column.iter().zip(&mut self.columns) {
@@ -245,6 +249,7 @@ impl NewtonMatrix {
         self.corner.factorise()
     }
 
+    /// Eliminate the border: corner -= cᵀ A⁻¹ c, where A is the part of links and hinges and c the columns.
     #[inline(always)]
     fn solve_columns<S: Simd, const RUBBED: bool>(&mut self, simd: S, links: usize) {
         for j in 0..self.solved.len() {
@@ -265,7 +270,7 @@ impl NewtonMatrix {
         }
     }
 
-    /// From links that are free to changes of hinge forces.
+    /// Solve the ring for the changes of the hinge forces.
     #[inline(always)]
     fn solve_hinges<S: Simd>(&mut self, simd: S, links: usize) {
         if self.closed.any {
@@ -275,7 +280,7 @@ impl NewtonMatrix {
     }
 }
 
-/// A column of the border as right-hand side.
+/// Column of the border as the right-hand side.
 struct Column<'a>(&'a Border);
 
 impl<S: Simd> RightHand<S> for Column<'_> {
@@ -286,12 +291,12 @@ impl<S: Simd> RightHand<S> for Column<'_> {
     }
 }
 
-/// Accelerations times masses and inertias, less what the border does by itself.
+/// Right-hand side of a correction: residuals times masses and inertias, minus columns times factors of the border.
 struct Residual<'a, S: Simd> {
-    /// x, y and θ of all links.
+    /// Residuals x, y and θ of all links.
     accelerations: [Entries<'a, S>; 3],
     columns: &'a [Border],
-    /// What the border does; nothing where it is not swept.
+    /// Factors of the columns; empty where the border is eliminated and rollers are no bodies.
     alone: &'a [f64],
 }
 
@@ -312,7 +317,7 @@ impl<S: Simd> RightHand<S> for Residual<'_, S> {
     }
 }
 
-/// Takes register `part` of a column, times its factor, off entries of links.
+/// Subtract vector `part` of a column times `factor` from the entries of links.
 #[inline(always)]
 fn take<S: Simd>(simd: S, from: &mut [Lanes<S>; 3], column: &[Octet; 3], factor: f64, part: usize) {
     let factor = Lanes::splat(simd, factor);
@@ -321,6 +326,7 @@ fn take<S: Simd>(simd: S, from: &mut [Lanes<S>; 3], column: &[Octet; 3], factor:
     }
 }
 
+/// Kernel of [`NewtonMatrix::factorise`]; `RUBBED`: with moments on the links.
 struct Factorise<'a, const RUBBED: bool> {
     matrix: &'a mut NewtonMatrix,
     model: &'a Model,
@@ -395,6 +401,7 @@ impl<const RUBBED: bool> WithSimd for Factorise<'_, RUBBED> {
     }
 }
 
+/// Kernel of [`NewtonMatrix::correct`]; `RUBBED`: with moments on the links.
 struct Correct<'a, const RUBBED: bool> {
     matrix: &'a mut NewtonMatrix,
     model: &'a Model,
@@ -432,7 +439,7 @@ impl<const RUBBED: bool> WithSimd for Correct<'_, RUBBED> {
         }
         let swept = matrix.swept && !border.is_empty();
         if swept {
-            // What the border does by itself comes first; links then know most of it.
+            // Block Gauss-Seidel, first half: the border alone. The second half below solves the border with the links' solution.
             of_border.copy_from_slice(border);
             matrix.corner.solve(of_border);
         }
@@ -457,10 +464,12 @@ impl<const RUBBED: bool> WithSimd for Correct<'_, RUBBED> {
             &matrix.columns,
             &mut matrix.sums,
         );
+        // Border: right-hand side minus rows times the links' solution.
         for (sum, entry) in matrix.sums.iter().zip(border.iter_mut()) {
             *entry -= sum.total();
         }
         matrix.corner.solve(border);
+        // Elimination: w -= (A⁻¹ c) s, where s is the solution of the border.
         if !matrix.swept {
             for (column, &factor) in matrix.solved.iter().zip(&*border) {
                 for (unknowns, column) in matrix.unknowns.iter_mut().zip(column) {

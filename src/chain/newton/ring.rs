@@ -1,9 +1,10 @@
-//! The hinges' part of Newton's matrix: a symmetric ring of 2x2 blocks, cut into eight parts that are eliminated side by side.
+//! The hinges' part of Newton's matrix: a symmetric ring of 2x2 blocks, cut into eight parts that are eliminated in parallel.
 //!
-//! Row k reads `S_k f_k + C_k f_(k-1) + C_(k+1)^T f_(k+1) = r_k`. Each place in a register has a part of the ring, hinges that
-//! follow one another. All but the last hinge of each part are eliminated one after the other (S. J. Wang's partition, as for
-//! tridiagonal systems); the eight that are left are a ring again, of which each round takes every other neighbour out
-//! (cyclic reduction by all rows at once). Hinges that bear nothing have the block one and are coupled with none.
+//! Row k reads `S_k f_k + C_k f_(k-1) + C_(k+1)^T f_(k+1) = r_k`. Each SIMD lane holds one part of the ring, which consists of
+//! consecutive hinges. All but the last hinge of each part are eliminated in sequence (partition method of H. H. Wang, as for
+//! tridiagonal systems). The remaining eight hinges form a ring again. They are solved by parallel cyclic reduction: each round
+//! eliminates both neighbours of every row and doubles their distance. Hinges without force have the identity as block and no
+//! coupling.
 
 use pulp::Simd;
 
@@ -15,17 +16,17 @@ use crate::math::simd::{
     vectors, vectors_mut, write,
 };
 
-/// Blocks of all hinges, hinge k at [`BASE`] + k; what is behind the last one may be read, and means nothing.
+/// Blocks of all hinges, hinge k at [`BASE`] + k. Entries behind the last one may be read; their values are not used.
 #[derive(Debug, Clone)]
 pub(super) struct HingeBlocks {
     /// S: xx, yy, xy.
     pub(super) own: [Numbers; 3],
-    /// C, which couples hinge k with hinge k - 1: rows, then columns.
+    /// C, the coupling of hinge k with hinge k - 1, in row-major order.
     pub(super) before: [Numbers; 4],
 }
 
 impl HingeBlocks {
-    /// Room for the blocks of `hinges`.
+    /// Allocate the blocks of `hinges`.
     pub(super) fn new(hinges: usize) -> Self {
         Self {
             own: [(); 3].map(|()| hinge_numbers(hinges)),
@@ -34,7 +35,7 @@ impl HingeBlocks {
     }
 }
 
-/// The first `count` registers of S.
+/// Return the first `count` vectors of S.
 #[inline(always)]
 pub(super) fn own_registers<S: Simd>(
     [xx, yy, xy]: &mut [Numbers; 3],
@@ -47,7 +48,7 @@ pub(super) fn own_registers<S: Simd>(
     ]
 }
 
-/// The first `count` registers of C.
+/// Return the first `count` vectors of C.
 #[inline(always)]
 pub(super) fn coupling_registers<S: Simd>(
     [xx, xy, yx, yy]: &mut [Numbers; 4],
@@ -61,56 +62,58 @@ pub(super) fn coupling_registers<S: Simd>(
     ]
 }
 
-/// Room for a number of each of `hinges`, hinge k at [`BASE`] + k, and for a register behind them.
+/// Allocate one number per hinge, hinge k at [`BASE`] + k, and one vector behind them.
 pub(super) fn hinge_numbers(hinges: usize) -> Numbers {
     padded_zeros(BASE + hinges + WIDTH)
 }
 
-/// One hinge of each part.
+/// One hinge of each of the eight parts.
 #[derive(Debug, Clone, Copy, Default)]
 struct Place {
-    /// S, then its inverse when those before have been eliminated.
+    /// S; after elimination the inverse of the reduced S.
     own: [Octet; 3],
-    /// C; then how the unknowns follow from those of the last hinge of the part before.
+    /// C; after elimination the coefficients of the last hinge of the previous part in the unknowns of this hinge.
     before: [Octet; 4],
-    /// How they follow from those of the next hinge.
+    /// Coefficients of the next hinge in the unknowns of this hinge.
     next: [Octet; 4],
 }
 
-/// One round of the ring of eight.
+/// Factors of one round of the cyclic reduction of eight rows.
 #[derive(Debug, Clone, Copy, Default)]
 struct Round {
-    /// How much of the row to the left each row takes.
+    /// Factors by which the left neighbour's row is subtracted from each row.
     left: [Octet; 4],
+    /// Factors by which the right neighbour's row is subtracted from each row.
     right: [Octet; 4],
 }
 
-/// The ring's factors.
+/// Factors of the ring.
 #[derive(Debug, Clone)]
 pub(super) struct Ring {
     hinges: usize,
-    /// Entry of the first place of each part. The last ones may have one hinge less than the others: their first place is empty,
+    /// Entry of the first place of each part. The last parts may have one hinge less than the others. Their first place is empty,
     /// and this is the entry of the hinge before it.
     starts: [usize; WIDTH],
-    /// How many parts have all places.
+    /// Number of parts with all places occupied.
     full: usize,
-    /// How many places there are; `places` and `unknowns` have some more, which mean nothing.
+    /// Number of places per part; `places` and `unknowns` have some more, whose values are not used.
     count: usize,
     places: Vec<Place>,
-    /// Couplings of the second hinges of parts that have no first one, with the part before.
+    /// Couplings of the second places with the previous part, for parts with an empty first place.
     direct: [Octet; 4],
     rounds: [Round; 2],
-    /// The last round, of which both neighbours are one.
+    /// Factors of the last round, in which both neighbours are the same row.
     opposite: [Octet; 4],
+    /// Inverses of the blocks after the last round.
     inverse: [Octet; 3],
     /// Scratch of a solution, place by place.
     unknowns: Vec<[Octet; 2]>,
-    /// Instead of all this in a chain of fewer hinges than parts.
+    /// Dense matrix for a chain with fewer hinges than parts, in place of all other fields.
     dense: Option<Dense>,
 }
 
 impl Ring {
-    /// Room for `hinges`.
+    /// Allocate the factors for `hinges`.
     pub(super) fn new(hinges: usize) -> Self {
         let count = hinges.div_ceil(WIDTH);
         let full = hinges - (count - 1) * WIDTH;
@@ -131,13 +134,13 @@ impl Ring {
         }
     }
 
-    /// Registers that the places of one part take.
+    /// Return the number of vectors that the places of one part take.
     #[inline(always)]
     fn registers<S: Simd>(&self) -> usize {
         self.count.div_ceil(S::F64_LANES)
     }
 
-    /// Of an array the places of each part in register `part`, and what is behind them.
+    /// Return the entries of an array from the first place of each part on, for the parts in vector `part`.
     #[inline(always)]
     fn rows<'a, S: Simd>(&self, from: &'a [f64], part: usize) -> [&'a [S::f64s]; WIDTH] {
         let mut rows: [&[S::f64s]; WIDTH] = [&[]; WIDTH];
@@ -148,14 +151,14 @@ impl Ring {
         rows
     }
 
-    /// Which parts of register `part` have all places.
+    /// Return the mask of the parts in vector `part` with all places occupied.
     #[inline(always)]
     fn have_all<S: Simd>(&self, simd: S, part: usize) -> Mask<S> {
         let full = self.full as f64 - (part * S::F64_LANES) as f64;
         lane_numbers(simd).less(Lanes::splat(simd, full - 0.5))
     }
 
-    /// Takes the blocks over.
+    /// Copy the blocks and transpose them: from consecutive hinges in a vector to one hinge of each part.
     #[inline(always)]
     fn take_in<S: Simd>(&mut self, simd: S, blocks: &HingeBlocks) {
         let count = self.registers::<S>();
@@ -186,7 +189,7 @@ impl Ring {
         }
     }
 
-    /// Of parts that have a hinge less the first place bears nothing, and the second is coupled with the part before.
+    /// Give empty first places the identity and couple the second place with the previous part.
     #[inline(always)]
     fn leave_first_places_empty<S: Simd>(&mut self, simd: S) {
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
@@ -206,7 +209,7 @@ impl Ring {
         }
     }
 
-    /// Eliminates all but the last place; what is left of that and its coupling with the part before goes to `left`.
+    /// Eliminate all but the last place of each part; write the reduced last blocks and their couplings to `left`.
     #[inline(always)]
     fn eliminate<S: Simd>(&mut self, simd: S, left: &mut Left<S>) {
         let last = self.count - 1;
@@ -214,6 +217,9 @@ impl Ring {
             let mut own = Symmetric::read(simd, &self.places[0].own, part);
             let mut edge = Block::read(simd, &self.places[0].before, part);
             let mut to_last = Symmetric::zero(simd);
+            // With E the coupling of place j with the last hinge of the previous part, S and E already reduced: f_j = S⁻¹ r_j - S⁻¹
+            // C_(j+1)^T f_(j+1) - S⁻¹ E f_last. Place j + 1 gets S_(j+1) - C_(j+1) S⁻¹ C_(j+1)^T and E' = -C_(j+1) S⁻¹ E. The last
+            // hinge of the previous part loses E^T S⁻¹ E.
             for j in 0..last {
                 let inverse = own.inverse(&mut left.irregular);
                 let coupling = Block::read(simd, &self.places[j + 1].before, part);
@@ -239,7 +245,8 @@ impl Ring {
         }
     }
 
-    /// Solves the ring of the eight that are left; false when a block has no inverse.
+    /// Factorise the ring of the eight remaining rows by parallel cyclic reduction; return false where a block is not positive
+    /// definite.
     #[inline(always)]
     fn reduce<S: Simd>(&mut self, simd: S, left: &mut Left<S>) -> bool {
         let Left {
@@ -252,6 +259,8 @@ impl Ring {
         for part in parts::<S>() {
             own[part].subtract(&taken[part]);
         }
+        // Round with neighbours at `distance` d, C the coupling of row k with row k - d: S_k -= C_k S_(k-d)⁻¹ C_k^T + C_(k+d)^T
+        // S_(k+d)⁻¹ C_(k+d), and the new coupling with row k - 2 d is -C_k S_(k-d)⁻¹ C_(k-d).
         for (distance, round) in [1, 2].into_iter().zip(&mut self.rounds) {
             let mut inverse = [Symmetric::zero(simd); WIDTH];
             let mut follow = [Block::zero(simd); WIDTH];
@@ -274,6 +283,7 @@ impl Ring {
                 write(&mut round.right, part, follow[part].transposed().0);
             }
         }
+        // Distance four: both neighbours are the same row, and the couplings add.
         let mut inverse = [Symmetric::zero(simd); WIDTH];
         for part in parts::<S>() {
             inverse[part] = own[part].inverse(irregular);
@@ -291,7 +301,7 @@ impl Ring {
         !irregular.any()
     }
 
-    /// Factorises the ring of these blocks; false when one has no inverse.
+    /// Factorise the ring of these blocks; return false where a block is not positive definite.
     #[inline(always)]
     pub(super) fn factorise<S: Simd>(&mut self, simd: S, blocks: &HingeBlocks) -> bool {
         if let Some(dense) = &mut self.dense {
@@ -303,7 +313,7 @@ impl Ring {
         self.reduce(simd, &mut left)
     }
 
-    /// Solves in place: x and y of the unknowns of all hinges, hinge k at [`BASE`] + k.
+    /// Solve in place: x and y of the unknowns of all hinges, hinge k at [`BASE`] + k.
     #[inline(always)]
     pub(super) fn solve<S: Simd>(&mut self, simd: S, unknowns: &mut [Numbers; 2]) {
         if let Some(dense) = &self.dense {
@@ -320,6 +330,7 @@ impl Ring {
         }
     }
 
+    /// Copy one axis of the right-hand sides place by place; empty first places get zero.
     #[inline(always)]
     fn take_right_hand_side<S: Simd>(&mut self, simd: S, axis: usize, from: &[f64]) {
         for part in parts::<S>() {
@@ -341,12 +352,12 @@ impl Ring {
         }
     }
 
-    /// Writes the unknowns hinge by hinge.
+    /// Write one axis of the unknowns hinge by hinge.
     #[inline(always)]
     fn give_back<S: Simd>(&self, simd: S, axis: usize, to: &mut [f64]) {
         let lanes = S::F64_LANES;
-        // The last registers end with the last place, unless there are fewer places than one has lanes: what they then have
-        // behind the last place is written over by the next part.
+        // The last vectors end with the last place where a part has as many places as a vector has lanes. Otherwise the next part
+        // overwrites the values behind the last place.
         let most = self.count.saturating_sub(lanes);
         for part in parts::<S>() {
             let starts = &self.starts[part * lanes..(part + 1) * lanes];
@@ -363,7 +374,7 @@ impl Ring {
                 }
             }
         }
-        // Empty places were written over the hinges before them.
+        // Empty first places have overwritten the hinges before them.
         let last = &self.unknowns[self.count - 1][axis].0;
         for part in self.full..WIDTH {
             to[self.starts[part]] = last[part - 1];
@@ -372,13 +383,14 @@ impl Ring {
         behind.fill(0.0);
     }
 
-    /// Solves for the unknowns, which hold the right-hand sides place by place.
+    /// Solve for the unknowns, which initially hold the right-hand sides place by place.
     #[inline(always)]
     fn solve_places<S: Simd>(&mut self, simd: S) {
         let last = self.count - 1;
         let mut to_last = [Pair::zero(simd); WIDTH];
         let mut unknowns = [Pair::zero(simd); WIDTH];
         for part in parts::<S>() {
+            // Forward elimination of the parts.
             let mut right = Pair::read(simd, &self.unknowns[0], part);
             for j in 0..last {
                 let place = &self.places[j];
@@ -393,6 +405,7 @@ impl Ring {
         for part in parts::<S>() {
             unknowns[part].subtract(&taken[part]);
         }
+        // Cyclic reduction of the eight remaining rows.
         for (distance, round) in [1, 2].into_iter().zip(&self.rounds) {
             let left = from_left(simd, unknowns, distance);
             let right = from_right(simd, unknowns, distance);
@@ -407,6 +420,7 @@ impl Ring {
                 Block::read(simd, &self.opposite, part).less(&unknowns[part], &across[part]);
             unknowns[part] = Symmetric::read(simd, &self.inverse, part).of(&right);
         }
+        // Back substitution: f_j = S⁻¹ r_j - `before` f_last - `next` f_(j+1), f_last of the previous part.
         let before = from_left(simd, unknowns, 1);
         for part in parts::<S>() {
             let mut next = unknowns[part];
@@ -423,18 +437,20 @@ impl Ring {
     }
 }
 
-/// What elimination leaves of the eight parts.
+/// Result of the elimination of the eight parts.
 struct Left<S: Simd> {
-    /// Blocks of their last hinges.
+    /// Blocks of the last hinges.
     own: [Symmetric<S>; WIDTH],
-    /// Couplings of each with the part before.
+    /// Couplings of each last hinge with the last hinge of the previous part.
     edge: [Block<S>; WIDTH],
-    /// What each takes off the last hinge of the part before.
+    /// Blocks that each part subtracts from the last hinge of the previous part.
     to_last: [Symmetric<S>; WIDTH],
+    /// Lanes with a block that is not positive definite.
     irregular: Mask<S>,
 }
 
 impl<S: Simd> Left<S> {
+    /// Return zero blocks and no irregular lane.
     #[inline(always)]
     fn nothing(simd: S) -> Self {
         let number = lane_numbers(simd);
@@ -447,7 +463,7 @@ impl<S: Simd> Left<S> {
     }
 }
 
-/// Register `number` of each row, as columns: as many places as a register has lanes.
+/// Return vector `number` of each row, transposed: one column per place, as many as a vector has lanes.
 #[inline(always)]
 fn gather<S: Simd>(simd: S, rows: &[&[S::f64s]; WIDTH], number: usize) -> [Lanes<S>; WIDTH] {
     let mut lanes = [Lanes::splat(simd, 0.0); WIDTH];
@@ -457,6 +473,7 @@ fn gather<S: Simd>(simd: S, rows: &[&[S::f64s]; WIDTH], number: usize) -> [Lanes
     transposed(simd, lanes)
 }
 
+/// Factorise a ring with fewer hinges than parts as a dense matrix.
 fn factorise_short(dense: &mut Dense, hinges: usize, blocks: &HingeBlocks) -> bool {
     dense.clear();
     for k in 0..hinges {
@@ -478,6 +495,7 @@ fn factorise_short(dense: &mut Dense, hinges: usize, blocks: &HingeBlocks) -> bo
     dense.factorise()
 }
 
+/// Solve a ring with fewer hinges than parts.
 fn solve_short(dense: &Dense, x: &mut [f64], y: &mut [f64]) {
     let mut unknowns = [0.0; 2 * WIDTH];
     let count = x.len();

@@ -1,9 +1,11 @@
-//! Rollers eliminated: what remains between a bushing and the teeth is its bore and the roller's teeth in series.
+//! Elimination of the rollers: between a bushing and the teeth, the contact in the roller's bore and the roller's teeth remain in
+//! series.
 //!
-//! Row of a roller with velocity w: `(M + B + T) w - C b + c s = M r`, where B is its bore, T its teeth, b the velocity of the
-//! bushing, s the sprockets' coordinates and c their columns; without friction B = C. What is left has the form that teeth have
-//! when bushings meet them: `held = K - C^T A C` with `A = (M + B + T)⁻¹` and K, the bore as the bushing feels it, columns
-//! `C^T A c`, and on the border `-c^T A c`. Without friction a roller's turning moves nothing and is left as it is.
+//! Row of a roller with velocity w: `(M + B + T) w - C b + c s = M r`. B is the stiffness of its bore, T that of its teeth, and C
+//! couples it with its bushing. b is the velocity of the bushing, s the sprockets' coordinates and c their columns. Without
+//! friction B = C. The remainder has the form of teeth in contact with bushings: `held = K - C^T A C` with `A = (M + B + T)⁻¹`,
+//! columns `C^T A c`, and `-c^T A c` on the border. K is the stiffness of the bore at the bushing. Without friction no force
+//! depends on a roller's rotation, whose residual stays unchanged.
 
 use pulp::Simd;
 
@@ -25,19 +27,19 @@ use crate::math::simd::{
 struct RollerGroup {
     /// One where the bushing is on the front of its link, else zero.
     front_bushing: Octet,
-    /// Whether anything bears on one of them.
+    /// Whether a bushing or a tooth touches one of these rollers.
     held: bool,
-    /// Whether a tooth does.
+    /// Whether a tooth touches one of these rollers.
     meshes: bool,
-    /// A; without friction xx, yy, xy alone.
+    /// A; without friction only xx, yy, xy.
     inverse: [Octet; 6],
-    /// A C: rows, then columns; without friction four entries alone.
+    /// A C in row-major order; without friction only four entries.
     follow: [Octet; 9],
-    /// Scratch of a solution: rollers that feel their own right-hand side only.
+    /// Scratch of a solution: velocities of the rollers by their own right-hand side only.
     free: [Octet; 3],
 }
 
-/// Rollers after elimination.
+/// Eliminated rollers.
 #[derive(Debug, Clone)]
 pub(super) struct RollerTerms {
     mass: f64,
@@ -45,9 +47,10 @@ pub(super) struct RollerTerms {
     groups: Vec<RollerGroup>,
     /// A c of each coordinate on the border.
     solved: Vec<Border>,
-    /// Scratch of a solution: what bushings feel, bushing k at [`BASE`] + k, the last one once more before the first.
+    /// Scratch of a solution: right-hand sides of the bushings, bushing k at [`BASE`] + k; a copy of the last one precedes the
+    /// first.
     felt: [Numbers; 3],
-    /// Scratch: velocities of fronts, of rears, the first one once more behind the last, and spins, likewise.
+    /// Scratch: velocities of fronts, of rears and angular velocities; for the last two a copy of the first one follows the last.
     ends: [Numbers; 5],
 }
 
@@ -77,7 +80,7 @@ impl RollerTerms {
         }
     }
 
-    /// Eliminates all rollers from what teeth have added; `slopes` and `rubs` of the bores.
+    /// Eliminate all rollers from the terms of the teeth; `slopes` and `rubs` are those of the bores.
     #[inline(always)]
     pub(super) fn eliminate<S: Simd, const RUBBED: bool>(
         &mut self,
@@ -130,7 +133,7 @@ impl RollerTerms {
         self.eliminate_from_border::<S, RUBBED>(simd, &mut teeth.column, corner);
     }
 
-    /// Columns of the border: `A c`, what that leaves of them to the bushings, and on the border.
+    /// Eliminate the rollers from the border: `A c`, the columns of the bushings `C^T A c`, and `-c^T A c` on the border.
     #[inline(always)]
     fn eliminate_from_border<S: Simd, const RUBBED: bool>(
         &mut self,
@@ -203,8 +206,8 @@ impl RollerTerms {
         }
     }
 
-    /// Rollers that feel `right`, accelerations x, y and θ of all, and nothing else: what that does to the `border`, which is taken off
-    /// it, and to links, a `column` of which is written.
+    /// Solve the rollers for `right`, residuals x, y and θ of all, with bushings and border at rest. Subtract c^T A M r from
+    /// `border` and write the `column` of the links, gathered from C^T A M r.
     #[inline(always)]
     pub(super) fn solve_free<S: Simd, const RUBBED: bool>(
         &mut self,
@@ -280,8 +283,8 @@ impl RollerTerms {
         links.gather_column::<S, RUBBED>(simd, &self.felt, column);
     }
 
-    /// Rollers that feel links, which have these velocities, and the `border` too; written to `to`, which has [`Self::solve_free`]'s
-    /// right-hand side: what nothing holds keeps it.
+    /// Solve the rollers with these velocities of the links and the `border`: w = A (M r + C b - c s). `to` holds the right-hand
+    /// side of [`Self::solve_free`]; rollers without contact keep it.
     #[inline(always)]
     pub(super) fn solve_bound<S: Simd, const RUBBED: bool>(
         &mut self,
@@ -367,13 +370,13 @@ impl RollerTerms {
     }
 }
 
-/// Of the end that a bushing is on.
+/// Return the value of the end that carries the bushing.
 #[inline(always)]
 fn end<S: Simd>(simd: S, on_front: Mask<S>, front: &S::f64s, rear: &S::f64s) -> Lanes<S> {
     on_front.select(load(simd, front), load(simd, rear))
 }
 
-/// Registers of a column of the border.
+/// Return the SIMD vectors of a column of the border.
 #[inline(always)]
 fn of_column<S: Simd>(column: &[Numbers; 3], registers: usize) -> [&[S::f64s]; 3] {
     let [x, y, turn] = column;
@@ -384,7 +387,7 @@ fn of_column<S: Simd>(column: &[Numbers; 3], registers: usize) -> [&[S::f64s]; 3
     ]
 }
 
-/// The same to write to.
+/// Return the SIMD vectors of a column of the border for writing.
 #[inline(always)]
 fn of_column_mut<S: Simd>(column: &mut [Numbers; 3], registers: usize) -> [&mut [S::f64s]; 3] {
     let [x, y, turn] = column;
@@ -395,7 +398,8 @@ fn of_column_mut<S: Simd>(column: &mut [Numbers; 3], registers: usize) -> [&mut 
     ]
 }
 
-/// What holds bushings on teeth, register by register: it is the teeth that hold rollers, and then the rollers that hold bushings.
+/// Stiffness of the teeth at the bushings, vector by vector. On input it acts on the rollers; on output the rollers act on the
+/// bushings with it.
 struct OnTeeth<'a, S: Simd> {
     simd: S,
     held: [&'a mut [S::f64s]; 3],
@@ -403,14 +407,14 @@ struct OnTeeth<'a, S: Simd> {
 }
 
 impl RollerGroup {
-    /// A without friction.
+    /// Return A without friction.
     #[inline(always)]
     fn alone<S: Simd>(&self, simd: S, part: usize) -> Symmetric<S> {
         let [xx, yy, xy, ..] = &self.inverse;
         Symmetric([xx.at(simd, part), yy.at(simd, part), xy.at(simd, part)])
     }
 
-    /// A C without friction.
+    /// Return A C without friction.
     #[inline(always)]
     fn follows<S: Simd>(&self, simd: S, part: usize) -> Block<S> {
         let [xx, xy, yx, yy, ..] = &self.follow;
@@ -423,7 +427,7 @@ impl RollerGroup {
     }
 }
 
-/// How stiffly bores hold rollers to their bushings: xx, yy, xy.
+/// Return the stiffness of bores without friction, α n n^T + η t t^T: xx, yy, xy; zero without contact.
 #[inline(always)]
 fn bore<S: Simd>(simd: S, gamma: f64, slopes: &SlopeGroup, part: usize) -> Symmetric<S> {
     let zero = Lanes::splat(simd, 0.0);
@@ -439,7 +443,7 @@ fn bore<S: Simd>(simd: S, gamma: f64, slopes: &SlopeGroup, part: usize) -> Symme
 }
 
 impl<S: Simd> OnTeeth<'_, S> {
-    /// Register `i` of rollers without friction: velocities x and y.
+    /// Eliminate vector `i` of rollers without friction: velocities x and y.
     #[inline(always)]
     fn eliminate(
         &mut self,
@@ -456,7 +460,7 @@ impl<S: Simd> OnTeeth<'_, S> {
         let over = mass.constant(1.0) / a.mul_add(d, -(b * b));
         let inverse = Symmetric([d * over, a * over, -(b * over)]);
         let follow = inverse.times_block(&Block([bore_xx, bore_xy, bore_xy, bore_yy]));
-        // The bore and all that holds the roller in series: C A (M + T).
+        // The bore in series with teeth and inertia, since C = B: B - B A B = C A (M + T).
         let left = follow.transposed_times(&Block([xx, xy, xy, yy]));
         held_xx[i] = left.0[0].values();
         held_yy[i] = left.0[1].values();
@@ -469,7 +473,7 @@ impl<S: Simd> OnTeeth<'_, S> {
         }
     }
 
-    /// With friction: velocities x, y and θ.
+    /// Eliminate vector `i` of rollers with friction: velocities x, y and θ.
     #[inline(always)]
     fn eliminate_rubbed(
         &mut self,
@@ -493,6 +497,7 @@ impl<S: Simd> OnTeeth<'_, S> {
             .inverse();
         let coupling = rubbing.coupling(bore);
         let follow = times_spatial(&inverse, &coupling);
+        // held = K - C^T A C.
         let left = rubbing
             .block(bore, rubbing.of_bushing, rubbing.of_bushing)
             .less_product(&coupling, &follow);
@@ -508,7 +513,7 @@ impl<S: Simd> OnTeeth<'_, S> {
     }
 }
 
-/// Friction of bushings in bores: τ along `across` at the contact, which lies so far along the normal from both centres.
+/// Friction of bushings in bores: τ along `across` at the contact, with its positions along the normal from both centres.
 struct Rubbing<S: Simd> {
     tau: Lanes<S>,
     across: [Lanes<S>; 2],
@@ -517,6 +522,7 @@ struct Rubbing<S: Simd> {
 }
 
 impl<S: Simd> Rubbing<S> {
+    /// Return the friction of vector `part` of bores.
     #[inline(always)]
     fn new(simd: S, gamma: f64, normal: &[Octet; 2], rubs: &FrictionGroup, part: usize) -> Self {
         let [nx, ny] = read(simd, normal, part);
@@ -529,7 +535,7 @@ impl<S: Simd> Rubbing<S> {
         }
     }
 
-    /// None elsewhere.
+    /// Return the same with zeros where no contact exists.
     #[inline(always)]
     fn where_it(self, bears: Mask<S>) -> Self {
         let zero = self.tau.constant(0.0);
@@ -541,7 +547,9 @@ impl<S: Simd> Rubbing<S> {
         }
     }
 
-    /// The bore's block of one body whose arms are `first` and `second`.
+    /// Return the block of the bore on one body with arms `first` and `second`.
+    ///
+    /// With t = `across` and the arm a of the body: B + τ t t^T for translation, τ a t for the coupling, τ a² for rotation.
     #[inline(always)]
     fn block(&self, bore: &Symmetric<S>, first: Lanes<S>, second: Lanes<S>) -> Spatial<S> {
         let ([xx, yy, xy], [tx, ty]) = (bore.0, self.across);
@@ -556,7 +564,7 @@ impl<S: Simd> Rubbing<S> {
         ])
     }
 
-    /// C: rows of the roller, columns of the bushing.
+    /// Return C: rows of the roller, columns of the bushing.
     #[inline(always)]
     fn coupling(&self, bore: &Symmetric<S>) -> [Lanes<S>; 9] {
         let ([xx, yy, xy], [tx, ty]) = (bore.0, self.across);
@@ -577,7 +585,7 @@ impl<S: Simd> Rubbing<S> {
     }
 }
 
-/// A symmetric matrix times another one, row by row.
+/// Return a symmetric matrix times a general one, row-major.
 #[inline(always)]
 fn times_spatial<S: Simd>(left: &Spatial<S>, right: &[Lanes<S>; 9]) -> [Lanes<S>; 9] {
     let [a, b, c, d, e, f, g, h, i] = *right;
@@ -587,7 +595,7 @@ fn times_spatial<S: Simd>(left: &Spatial<S>, right: &[Lanes<S>; 9]) -> [Lanes<S>
     [xx, xy, xz, yx, yy, yz, zx, zy, zz]
 }
 
-/// m^T v
+/// Return m^T v.
 #[inline(always)]
 fn transposed_times<S: Simd>(m: &[Lanes<S>; 9], [x, y, z]: [Lanes<S>; 3]) -> [Lanes<S>; 3] {
     let [a, b, c, d, e, f, g, h, i] = *m;
@@ -599,6 +607,7 @@ fn transposed_times<S: Simd>(m: &[Lanes<S>; 9], [x, y, z]: [Lanes<S>; 3]) -> [La
 }
 
 impl<S: Simd> Spatial<S> {
+    /// Return self + other.
     #[inline(always)]
     fn plus(&self, other: &Self) -> Self {
         let mut sum = *self;
@@ -608,7 +617,7 @@ impl<S: Simd> Spatial<S> {
         sum
     }
 
-    /// self - left^T right, where that is symmetric.
+    /// Return self - left^T right, which is symmetric.
     #[inline(always)]
     fn less_product(&self, left: &[Lanes<S>; 9], right: &[Lanes<S>; 9]) -> Self {
         let [a, b, c, d, e, f, g, h, i] = *right;

@@ -1,5 +1,5 @@
-//! What bushings on teeth add to the matrix: how stiffly each of them is held, and columns of the sprockets' own coordinates,
-//! which are their rows too.
+//! Terms of the contacts between bushings and teeth: stiffness of the teeth at each bushing, and columns of the sprockets' own
+//! coordinates. The matrix is symmetric: the columns are rows too.
 
 use pulp::{Simd, WithSimd};
 
@@ -11,30 +11,30 @@ use crate::math::simd::{
     Lanes, Numbers, PartialSums, WIDTH, both, load, padded, padded_zeros, read, vectors_mut,
 };
 
-/// A coordinate of a sprocket.
+/// Coordinate of a sprocket.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Motion {
-    /// Its centre moves along this direction.
+    /// Displacement of its centre along this direction.
     Along([f64; 2]),
-    /// It turns.
+    /// Rotation.
     Turn,
 }
 
-/// Coordinates that a sprocket may have at most: two of its centre and its angle.
+/// Maximum number of coordinates of a sprocket: two of its centre and its angle.
 pub(super) const MOST: usize = 3;
 
-/// What teeth add, bushing by bushing: the change of force for a change of the bushing's velocity, and that for one of each
-/// coordinate on the border. Bushing k is at [`BASE`] + k, and the last one once more before the first. All but the groups of
-/// [`WIDTH`] bushings that are marked is zero.
+/// Terms of the teeth, bushing by bushing: change of the force per change of the bushing's velocity, and per change of each
+/// coordinate on the border. Bushing k is at [`BASE`] + k; a copy of the last one precedes the first. Everything is zero outside of
+/// the marked groups of [`WIDTH`] bushings.
 #[derive(Debug, Clone)]
 pub(super) struct ToothTerms {
     /// xx, yy, xy
     pub(super) held: [Numbers; 3],
-    /// Moments about the bushings that friction adds: for a change of their velocity, x and y, and of their spin.
+    /// Moments about the bushings by friction: per change of their velocity, x and y, and of their angular velocity.
     pub(super) spun: [Numbers; 3],
-    /// x and y of each coordinate, and the moment about the bushing.
+    /// Force x and y of each coordinate, and its moment about the bushing.
     pub(super) column: Vec<[Numbers; 3]>,
-    /// Groups that are not zero.
+    /// Marks of the groups that are not zero.
     touched: Vec<bool>,
 }
 
@@ -50,7 +50,7 @@ impl ToothTerms {
         }
     }
 
-    /// No teeth yet.
+    /// Set the marked groups and the copies before the first bushing to zero.
     #[inline(always)]
     pub(super) fn clear<const RUBBED: bool>(&mut self) {
         for group in 0..self.touched.len() {
@@ -86,13 +86,13 @@ impl ToothTerms {
         }
     }
 
-    /// Marks the group with bushing `k`.
+    /// Mark the group with bushing `k`.
     #[inline(always)]
     pub(super) fn touch(&mut self, k: usize) {
         self.touched[k / WIDTH] = true;
     }
 
-    /// Puts the last one of `links` bushings before the first, whatever it has.
+    /// Copy the last one of `links` bushings to the entry before the first.
     #[inline(always)]
     pub(super) fn close<const RUBBED: bool>(&mut self, links: usize) {
         let spun = if RUBBED { &mut self.spun[..] } else { &mut [] };
@@ -102,13 +102,14 @@ impl ToothTerms {
         }
     }
 
-    /// Whether any bushing of the group with bushing `k` touches.
+    /// Return whether the group with bushing `k` is marked.
     #[inline(always)]
     pub(super) fn touches(&self, k: usize) -> bool {
         self.touched[k / WIDTH]
     }
 
-    /// Adds to the first bushings what runs that go past the last one have left behind it, and puts the last one before them.
+    /// Add the terms that runs past the last bushing have written behind it to the first bushings. Copy the last bushing to the
+    /// entry before the first.
     #[inline(always)]
     pub(super) fn take_back<const RUBBED: bool>(&mut self, links: usize, overhang: usize) {
         let behind = links / WIDTH..(links + overhang).div_ceil(WIDTH);
@@ -123,7 +124,7 @@ impl ToothTerms {
         let pulls = pulls::<RUBBED>(&mut self.column);
         for array in self.held.iter_mut().chain(pulls).chain(spun) {
             if past {
-                // What is behind the overhang is zero.
+                // Entries behind the overhang are zero.
                 for first in (BASE..BASE + overhang).step_by(WIDTH) {
                     let behind = &mut array[first + links..first + links + WIDTH];
                     let mut past = [0.0; WIDTH];
@@ -139,13 +140,13 @@ impl ToothTerms {
     }
 }
 
-/// No teeth in this group of bushings.
+/// Set this group of bushings to zero.
 #[inline(always)]
 fn clear_group(array: &mut Numbers, group: usize) {
     array.as_chunks_mut().0[BASE / WIDTH + group] = [0.0; WIDTH];
 }
 
-/// The columns' arrays; those of moments only with friction.
+/// Return the arrays of the columns; those of moments only with friction.
 #[inline(always)]
 fn pulls<const RUBBED: bool>(column: &mut [[Numbers; 3]]) -> impl Iterator<Item = &mut Numbers> {
     let count = if RUBBED { 3 } else { 2 };
@@ -154,13 +155,13 @@ fn pulls<const RUBBED: bool>(column: &mut [[Numbers; 3]]) -> impl Iterator<Item 
         .flat_map(move |arrays| &mut arrays[..count])
 }
 
-/// Friction of the candidates of one sprocket, where there is any.
+/// Friction slopes of the candidates of one sprocket; empty without friction.
 pub(super) struct RubbingTeeth<'a> {
     pub(super) slopes: &'a [FrictionGroup],
     pub(super) bushing_radius: f64,
 }
 
-/// Adds the candidates of one sprocket. `RUBBED`: with friction.
+/// Kernel that adds the candidates of one sprocket. `RUBBED`: with friction.
 pub(super) struct AddTeeth<'a, const RUBBED: bool> {
     pub(super) gamma: f64,
     pub(super) pose: &'a SprocketPose,
@@ -168,7 +169,7 @@ pub(super) struct AddTeeth<'a, const RUBBED: bool> {
     pub(super) slopes: &'a [SlopeGroup],
     /// Centres of the bushings \[m\].
     pub(super) bushing: &'a [Numbers; 2],
-    /// The sprocket's coordinates, the first of which is number `first` on the border.
+    /// Coordinates of the sprocket; the first is number `first` on the border.
     pub(super) motions: &'a [Motion],
     pub(super) first: usize,
     pub(super) terms: &'a mut ToothTerms,
@@ -176,7 +177,7 @@ pub(super) struct AddTeeth<'a, const RUBBED: bool> {
 }
 
 impl<const RUBBED: bool> WithSimd for AddTeeth<'_, RUBBED> {
-    /// Entries of the sprocket's coordinates among themselves, those on and above the diagonal.
+    /// Entries of the sprocket's coordinates among themselves, on and above the diagonal.
     type Output = [[f64; MOST]; MOST];
 
     #[inline(always)]
@@ -234,6 +235,7 @@ impl<const RUBBED: bool> WithSimd for AddTeeth<'_, RUBBED> {
                     eta = eta + tau;
                 }
                 let group = first + b * S::F64_LANES / WIDTH * WIDTH;
+                // A run may begin within a group: its vectors then reach into the next one.
                 touched[group / WIDTH] = true;
                 touched[group.div_ceil(WIDTH)] = true;
                 let [nx, ny] = tooth.normal;
@@ -250,6 +252,8 @@ impl<const RUBBED: bool> WithSimd for AddTeeth<'_, RUBBED> {
                 let moved = tooth.all_moved(self.motions);
                 for (j, &motion) in self.motions.iter().enumerate() {
                     let of = moved[j];
+                    // Column j: α n ∂δ/∂s_j + t (γ² f ∂φ/∂s_j + τ ∂x_t/∂s_j), with the penetration δ, the angle φ of the normal and
+                    // the sliding distance x_t.
                     let (push, mut across) = (alpha * of.closes, tooth.turn * of.turns);
                     if RUBBED {
                         across = tau.mul_add(of.rubs, across);
@@ -266,6 +270,7 @@ impl<const RUBBED: bool> WithSimd for AddTeeth<'_, RUBBED> {
                         add(&mut array[BASE + first..], blocks, b, entry);
                     }
                     for (i, by) in moved.iter().enumerate().take(j + 1) {
+                        // Entry (i, j): α ∂δ/∂s_i ∂δ/∂s_j + γ² f ∂²δ/(∂s_i ∂s_j) + τ ∂x_t/∂s_i ∂x_t/∂s_j.
                         let bend = match motion {
                             Motion::Along(_) => of.across * by.turns,
                             Motion::Turn => by.across - by.turns * tooth.outward(),
@@ -283,7 +288,7 @@ impl<const RUBBED: bool> WithSimd for AddTeeth<'_, RUBBED> {
     }
 }
 
-/// Those on and above the diagonal of the first `count` rows.
+/// Return the entries on and above the diagonal of the first `count` rows.
 #[inline(always)]
 fn totals(corner: &[[PartialSums; MOST]; MOST], count: usize) -> [[f64; MOST]; MOST] {
     let mut totals = [[0.0; MOST]; MOST];
@@ -295,40 +300,40 @@ fn totals(corner: &[[PartialSums; MOST]; MOST], count: usize) -> [[f64; MOST]; M
     totals
 }
 
-/// Adds to register `b` of the `blocks` of an array.
+/// Add `entry` to vector `b` of the `blocks` of an array.
 #[inline(always)]
 fn add<S: Simd>(array: &mut [f64], blocks: usize, b: usize, entry: Lanes<S>) {
     let place = &mut vectors_mut::<S>(array, blocks)[b];
     *place = (load(entry.simd(), place) + entry).values();
 }
 
-/// A register of bushings on teeth.
+/// Geometry of one SIMD vector of bushings on teeth.
 struct Tooth<S: Simd> {
     normal: [Lanes<S>; 2],
-    /// Bushing seen from the sprocket's centre \[m\].
+    /// Position of the bushing's centre relative to the sprocket's \[m\].
     arm: [Lanes<S>; 2],
     curvature: Lanes<S>,
     /// γ² f
     turn: Lanes<S>,
-    /// Of the bushings.
+    /// Radius of the bushings \[m\].
     radius: Lanes<S>,
 }
 
-/// What a coordinate of the sprocket does to a contact.
+/// Derivatives of the contact geometry with respect to a coordinate of the sprocket.
 #[derive(Clone, Copy)]
 struct Moved<S: Simd> {
     /// Penetration.
     closes: Lanes<S>,
-    /// Bushing seen from the sprocket, along t.
+    /// Position of the bushing relative to the sprocket, along t.
     across: Lanes<S>,
     /// Angle of the normal.
     turns: Lanes<S>,
-    /// The bushing's point at the contact seen from the sprocket's, along t.
+    /// Position of the bushing's contact point relative to the sprocket's, along t.
     rubs: Lanes<S>,
 }
 
 impl<S: Simd> Tooth<S> {
-    /// How stiffly it holds the bushing: xx, yy, xy.
+    /// Return the stiffness at the bushing, α n n^T + η t t^T: xx, yy, xy.
     #[inline(always)]
     fn stiff(&self, alpha: Lanes<S>, eta: Lanes<S>) -> [Lanes<S>; 3] {
         let [nx, ny] = self.normal;
@@ -339,7 +344,7 @@ impl<S: Simd> Tooth<S> {
         ]
     }
 
-    /// What each of these coordinates does.
+    /// Return the derivatives for each of these coordinates.
     #[inline(always)]
     fn all_moved(&self, motions: &[Motion]) -> [Moved<S>; MOST] {
         let mut moved = [self.still(); MOST];
@@ -349,12 +354,13 @@ impl<S: Simd> Tooth<S> {
         moved
     }
 
-    /// n·arm
+    /// Return n·arm.
     #[inline(always)]
     fn outward(&self) -> Lanes<S> {
         self.arm[0].mul_add(self.normal[0], self.arm[1] * self.normal[1])
     }
 
+    /// Return zero derivatives.
     #[inline(always)]
     fn still(&self) -> Moved<S> {
         let zero = self.turn.constant(0.0);
@@ -366,6 +372,7 @@ impl<S: Simd> Tooth<S> {
         }
     }
 
+    /// Return the derivatives for one coordinate.
     #[inline(always)]
     fn moved(&self, motion: Motion) -> Moved<S> {
         let [nx, ny] = self.normal;
