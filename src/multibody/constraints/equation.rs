@@ -1,35 +1,35 @@
-//! One scalar constraint equation c(q, t) = 0: its value, its row of the Jacobian, and what its second derivative leaves.
+//! One scalar constraint equation c(q, t) = 0: its value, its row of the Jacobian, and its right-hand side γ for accelerations.
 
 use crate::geometry::{Vec2, turned_left};
 use crate::multibody::description::body::{End, Frame};
 use crate::multibody::description::driver::Motion;
 
-/// What is held; ends a and b, directions in the frame of a.
+/// Quantity that an equation constrains. Points a and b are the joint's ends; directions are in the frame of body a.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Quantity {
     /// x (0) or y (1) of point b less that of point a.
     Coincident(usize),
-    /// Way of point b from point a along a direction.
+    /// Displacement of point b from point a along a direction.
     Along(Vec2),
-    /// Angle of b less that of a.
+    /// Angle of body b less that of body a.
     Angle,
     /// (|d|² - L²) / 2L for the vector d from point a to point b.
     Distance(f64),
     /// (`θ_b` - `θ_c`) - ratio (`θ_a` - `θ_c`).
     Gear(f64),
-    /// Way along a direction less radius · (`θ_b` - `θ_a`).
+    /// Displacement along a direction less radius · (`θ_b` - `θ_a`).
     Rack(Vec2, f64),
 }
 
 /// A scalar constraint: quantity - offset - motion(t) = 0.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Equation {
-    /// The joint that it belongs to.
+    /// Number of the joint that the equation belongs to.
     pub(crate) joint: usize,
     pub(crate) quantity: Quantity,
     pub(crate) a: End,
     pub(crate) b: End,
-    /// Third body, of a gear.
+    /// Carrier of a gear; the ground (0) otherwise.
     pub(crate) carrier: usize,
     pub(crate) offset: f64,
     pub(crate) motion: Option<Motion>,
@@ -46,7 +46,7 @@ pub(crate) struct Row {
 }
 
 impl Row {
-    /// dc/dt for velocities of the bodies.
+    /// Return dc/dt for the velocities of the bodies.
     pub(crate) fn rate(&self, frames: &[Frame]) -> f64 {
         let parts = self.bodies.iter().zip(&self.jacobian);
         parts.fold(self.time_rate, |sum, (&body, j)| {
@@ -57,16 +57,19 @@ impl Row {
 }
 
 impl Equation {
-    /// Whether its residual is an angle.
+    /// Return whether the residual is an angle.
     pub(crate) fn is_angle(&self) -> bool {
         matches!(self.quantity, Quantity::Angle | Quantity::Gear(_))
     }
 
-    /// What is missed, as it is told: a length or an angle. The equation of a distance L, found as d, has (d² - L²) / 2L,
-    /// which is smooth where the points coincide; what is told is d - L.
+    /// Return the residual as reported: a length or an angle.
+    ///
+    /// The equation of a distance L at the actual distance d is (d² - L²) / 2L, which is smooth where the points coincide. The
+    /// residual reported is d - L.
     pub(crate) fn residual(&self, row: &Row) -> f64 {
         match self.quantity {
             Quantity::Distance(length) => {
+                // d² = L (L + 2c), and d - L = (d² - L²) / (d + L) without cancellation.
                 let found = (length * (length + 2.0 * row.value)).max(0.0).sqrt();
                 2.0 * length * row.value / (found + length)
             }
@@ -74,11 +77,12 @@ impl Equation {
         }
     }
 
-    /// Its rate.
+    /// Return the rate of the residual as reported.
     pub(crate) fn residual_rate(&self, row: &Row, frames: &[Frame]) -> f64 {
         match self.quantity {
             Quantity::Distance(length) => {
                 let found = length + self.residual(row);
+                // c' = d d' / L, so d' = c' L / d.
                 let part = if found > 0.0 { length / found } else { 1.0 };
                 row.rate(frames) * part
             }
@@ -86,7 +90,7 @@ impl Equation {
         }
     }
 
-    /// The quantity itself, without offset and motion.
+    /// Return the quantity without offset and prescribed motion.
     pub(crate) fn quantity(&self, frames: &[Frame]) -> f64 {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let d = fb.place(self.b.point) - fa.place(self.a.point);
@@ -105,7 +109,7 @@ impl Equation {
         }
     }
 
-    /// The equation at one state.
+    /// Evaluate the equation at time `t` and the state of the bodies.
     pub(crate) fn evaluate(&self, t: f64, frames: &[Frame]) -> Row {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let (arm_a, arm_b) = (fa.turned(self.a.point), fb.turned(self.b.point));
@@ -114,7 +118,7 @@ impl Equation {
             bodies: [self.a.body, self.b.body, self.carrier],
             ..Row::default()
         };
-        // What the second derivative of d leaves beside the accelerations: the centripetal parts.
+        // d'' = (terms in the accelerations) + `ω_a`² `arm_a` - `ω_b`² `arm_b`: the centripetal terms.
         let centripetal = fa.spin * fa.spin * arm_a - fb.spin * fb.spin * arm_b;
         let rate = |frame: &Frame, arm: Vec2| frame.velocity + frame.spin * turned_left(arm);
         match self.quantity {
@@ -133,6 +137,7 @@ impl Equation {
                 row.value = n.dot(&d);
                 row.jacobian[0] = [-n.x, -n.y, left.dot(&d) - n.dot(&turned_left(arm_a))];
                 row.jacobian[1] = [n.x, n.y, n.dot(&turned_left(arm_b))];
+                // (n·d)'' = n·d'' + 2 n'·d' + n''·d with n' = ω left(n) and n'' = ω' left(n) - ω² n.
                 row.gamma = -(n.dot(&centripetal) + 2.0 * fa.spin * left.dot(&d_rate)
                     - fa.spin * fa.spin * n.dot(&d));
                 if let Quantity::Rack(_, radius) = self.quantity {
@@ -152,6 +157,7 @@ impl Equation {
                 row.value = (d.norm_squared() - length * length) / (2.0 * length);
                 row.jacobian[0] = [-n.x, -n.y, -n.dot(&turned_left(arm_a))];
                 row.jacobian[1] = [n.x, n.y, n.dot(&turned_left(arm_b))];
+                // ((d·d - L²) / 2L)'' = (d'·d' + d·d'') / L.
                 row.gamma = -(d_rate.norm_squared() / length + n.dot(&centripetal));
             }
             Quantity::Gear(ratio) => {
@@ -178,7 +184,7 @@ mod tests {
     use super::*;
     use crate::math::Signal;
 
-    /// Bodies moving with constant velocities but for an acceleration of one coordinate.
+    /// Return bodies that move with constant accelerations, given for each coordinate.
     fn frames(t: f64, acceleration: [[f64; 3]; 3]) -> Vec<Frame> {
         let starts = [[0.1, -0.2, 0.3], [0.7, 0.4, -1.1], [0.2, 0.9, 2.0]];
         let rates = [[0.5, 0.2, 1.3], [-0.4, 0.8, -0.7], [0.3, 0.1, 0.9]];

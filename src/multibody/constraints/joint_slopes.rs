@@ -1,11 +1,11 @@
-//! How a constraint equation changes: second derivatives of its quantity, and third ones along the velocities.
+//! Second derivatives of the quantity of a constraint equation, and its third derivatives along the velocities.
 
 use super::equation::{Equation, Quantity};
 use super::relative_kinematics::{Block, Pair};
 use crate::geometry::{Vec2, turned_left};
 use crate::multibody::description::body::Frame;
 
-/// Derivatives of a quantity c over the coordinates of bodies a and b.
+/// Derivatives of a quantity c with respect to the coordinates of bodies a and b.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct JointSlopes {
     /// ∂²c/∂q².
@@ -15,7 +15,7 @@ pub(crate) struct JointSlopes {
 }
 
 impl Equation {
-    /// Its second derivatives, and third ones along the velocities; `None` where it is linear.
+    /// Return the second derivatives, and the third ones along the velocities; `None` for a linear equation.
     pub(crate) fn slopes(&self, frames: &[Frame]) -> Option<JointSlopes> {
         let mut found = JointSlopes::default();
         let pair = Pair::new(self.a, self.b, frames, false);
@@ -48,11 +48,12 @@ impl Equation {
     }
 }
 
+/// Return the matrix with the entries of a function of row and column.
 fn fill(entry: impl Fn(usize, usize) -> f64) -> Block {
     std::array::from_fn(|k| std::array::from_fn(|l| entry(k, l)))
 }
 
-/// ∂(u''·d + 2 u'·d' + u·d'')/∂q for a direction u that turns with body a.
+/// Return ∂(u''·d + 2 u'·d' + u·d'')/∂q for a direction u that rotates with body a.
 fn along_third(pair: &Pair, u: Vec2, k: usize) -> f64 {
     let (spin, left) = (pair.v[2], turned_left(u));
     let (u_rate, u_second) = (spin * left, -spin * spin * u);
@@ -71,7 +72,7 @@ mod tests {
     use super::*;
     use crate::multibody::description::body::End;
 
-    /// Coordinates and velocities of three bodies, one of the coordinates moved by `change`.
+    /// Return three bodies with fixed coordinates and velocities; coordinate number `moved` is changed by `change`.
     fn frames(moved: usize, change: f64) -> Vec<Frame> {
         let mut q = [[0.1, -0.2, 0.3], [0.7, 0.4, -1.1], [0.2, 0.9, 2.0]];
         let v = [[0.5, 0.2, 1.3], [-0.4, 0.8, -0.7], [0.3, 0.1, 0.9]];
@@ -116,7 +117,7 @@ mod tests {
                         "{quantity:?} {k} {l}: {found} {expected}"
                     );
                 }
-                // γ is what v · ∂²c/∂q² v leaves on the other side.
+                // γ = -v · ∂²c/∂q² v, as it stands on the right-hand side.
                 let expected = -(up.gamma - down.gamma) / (2.0 * h);
                 let found = slopes.third[l];
                 assert!(

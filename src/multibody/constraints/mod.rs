@@ -1,4 +1,4 @@
-//! Constraint equations and the linear systems in which they stand.
+//! Constraint equations and the linear systems that contain them.
 
 pub(crate) mod equation;
 pub(crate) mod joint_slopes;

@@ -1,9 +1,9 @@
 //! Friction torque in the pins of ideal revolute joints: τ = -μ r |R| h(r ω) on body b, R being the joint's reaction.
 //!
-//! The reaction depends on the torque through the equations of motion, which are linear in it. So both are found by a fixed-point
-//! iteration over right-hand sides, with the factors of the constraints at hand, from no torque on: an evaluation depends on its
-//! state alone. It converges by a factor of about μ r over the distance to the next joint each time; where that is above one the
-//! pin locks itself, whatever turns it, and there is no solution.
+//! The reaction depends on the torque through the equations of motion, which are linear in the torque. Both are found by a
+//! fixed-point iteration over right-hand sides with the available factors of the constraints. The iteration starts from zero torque,
+//! so an evaluation depends on its state alone. Its contraction constant is about μ r over the distance to the next joint. Where this
+//! exceeds one, the pin is self-locking under any load, and no solution exists.
 
 use super::equation::Equation;
 use crate::force_law::Friction;
@@ -11,31 +11,32 @@ use crate::multibody::description::body::Frame;
 use crate::multibody::description::tribology::PinFriction;
 use crate::multibody::dynamics::MechanismDynamics;
 
-/// Part of the largest torque by which torques may change in the last iteration: a few units of rounding, for the accelerations
-/// are differentiated by the error test.
+/// Convergence tolerance: change of the torques in the last iteration over the largest torque. It is a few units of round-off, as the
+/// error test of the integrator takes differences of the accelerations.
 const CONVERGED: f64 = 1e-14;
 
-/// Iterations after which a pin counts as locked: a factor of 0.7 each is enough. Twice as many would do for 0.84.
+/// Number of iterations after which a pin counts as locked. It suffices for a contraction constant of 0.7; twice as many would for
+/// 0.84.
 const MOST_ITERATIONS: usize = 90;
 
 /// A revolute joint with friction.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pin {
     pub(crate) joint: usize,
-    /// The first of its two equations.
+    /// Number of the first of the two equations of the joint.
     pub(crate) row: usize,
     bodies: [usize; 2],
     radius: f64,
     law: Friction,
 }
 
-/// The torque of a pin on body b, and its slopes.
+/// Torque of a pin on body b, and its derivatives.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct PinTorque {
     pub(crate) value: f64,
-    /// With the angular velocity of b seen from a \[N m s\].
+    /// Derivative with respect to the angular velocity of b relative to a \[N m s\].
     pub(crate) by_spin: f64,
-    /// With both multipliers \[m\].
+    /// Derivatives with respect to the two multipliers \[m\].
     pub(crate) by_multiplier: [f64; 2],
 }
 
@@ -44,9 +45,9 @@ pub(crate) struct PinTorque {
 pub(crate) struct PinTorques {
     /// Torque of each pin on its body b \[N m\].
     pub(crate) values: Vec<f64>,
-    /// Loads of the free coordinates with these torques.
+    /// Loads on the free coordinates, with these torques.
     pub(crate) loads: Vec<f64>,
-    /// Whether the last iteration from a sound state did not end.
+    /// Whether the last iteration with finite values did not converge.
     pub(crate) locked: bool,
 }
 
@@ -76,14 +77,15 @@ impl Pin {
         }
     }
 
-    /// Angular velocity of b seen from a \[rad/s\].
+    /// Return the angular velocity of b relative to a \[rad/s\].
     fn spin(&self, frames: &[Frame]) -> f64 {
         frames[self.bodies[1]].spin - frames[self.bodies[0]].spin
     }
 
-    /// The torque at these multipliers.
+    /// Return the torque at given multipliers, with its derivatives.
     pub(crate) fn torque(&self, frames: &[Frame], multipliers: &[f64]) -> PinTorque {
         let [x, y] = [multipliers[self.row], multipliers[self.row + 1]];
+        // τ = -μ r |λ| h(r ω); the two multipliers of a revolute joint are the components of its reaction.
         let force = x.hypot(y);
         let (share, slope) = self.law.share(self.radius * self.spin(frames));
         let arm = self.law.coefficient * self.radius;
@@ -98,8 +100,8 @@ impl Pin {
 }
 
 impl MechanismDynamics {
-    /// Accelerations and multipliers by the factors and the loads at hand, with the friction of pins; false when a pin
-    /// locks itself.
+    /// Solve for accelerations and multipliers with the available factors and loads, with the friction of pins. Return false when a
+    /// pin is self-locking or values are not finite.
     pub(crate) fn solve_constrained(&mut self) -> bool {
         let Some(kkt) = &mut self.kkt else {
             return false;
@@ -111,6 +113,7 @@ impl MechanismDynamics {
             return true;
         }
         let torques = &mut self.pin_torques;
+        // Fixed-point iteration: solve with the present torques, then update these from the multipliers.
         torques.values.fill(0.0);
         for _ in 0..MOST_ITERATIONS {
             torques.loads.copy_from_slice(&self.forces);
@@ -142,7 +145,7 @@ impl MechanismDynamics {
         false
     }
 
-    /// Power that the friction of pins takes at the multipliers of the last evaluation \[W\].
+    /// Return the power dissipated by the friction of pins at the multipliers of the last evaluation \[W\].
     pub(crate) fn pin_losses(&mut self) -> f64 {
         let pins = self.model.pins.iter().zip(&mut self.pin_torques.values);
         let losses = pins.map(|(pin, torque)| {

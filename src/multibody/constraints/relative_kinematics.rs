@@ -1,25 +1,26 @@
-//! The vector between points of two bodies and its derivatives by their six coordinates: what linearised forces and joints need.
+//! Vector between points of two bodies and its derivatives with respect to their six coordinates, for linearised forces and joints.
 
 use crate::geometry::{Vec2, turned_left};
 use crate::multibody::description::body::{End, Frame};
 use nalgebra::Matrix2;
 
-/// A matrix over the coordinates of two bodies, [x, y, θ] of a, then of b.
+/// Matrix over the coordinates of two bodies: [x, y, θ] of a, then of b.
 pub(crate) type Block = [[f64; 6]; 6];
 
-/// The vector d from point a to point b, as it changes with the coordinates; all in the ground's frame.
+/// Vector d from point a to point b and its derivatives; components in the ground's frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pair {
     pub(crate) d: Vec2,
-    /// Directions of the points from the centres of mass.
+    /// Vectors from the centres of mass to the points.
     arms: [Vec2; 2],
-    /// Velocities of the coordinates.
+    /// Velocities of the six coordinates.
     pub(crate) v: [f64; 6],
-    /// Whether d is seen from body a, so that a turn of a turns it.
+    /// Whether d is measured relative to body a: its derivative with respect to `θ_a` then includes the rotation of the frame of a.
     seen_from_a: bool,
 }
 
-/// A force on b, its reaction on a at the same place, and how it changes with place and velocity of point b seen from a.
+/// Force on b with its reaction on a at the same place, and its derivatives with respect to the position and velocity of point b
+/// relative to a.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct PairForce {
     pub(crate) force: Vec2,
@@ -28,7 +29,7 @@ pub(crate) struct PairForce {
 }
 
 impl PairForce {
-    /// Adds another one between the same points.
+    /// Add another force between the same points.
     pub(crate) fn add(&mut self, part: &Self) {
         self.force += part.force;
         self.by_place += part.by_place;
@@ -36,8 +37,10 @@ impl PairForce {
     }
 }
 
-/// How a torque on b, with its reaction on a, changes with place and velocity of point b and the angular velocity of b, all seen
-/// from a, and how the force beside it changes with that angular velocity.
+/// Derivatives of a torque on b, with its reaction on a, and of the force that acts with it.
+///
+/// The torque depends on position and velocity of point b and on the angular velocity of b, all relative to a; `force_by_spin` is the
+/// derivative of the force with respect to that angular velocity.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PairTorque {
     pub(crate) force_by_spin: Vec2,
@@ -46,7 +49,7 @@ pub(crate) struct PairTorque {
     pub(crate) by_spin: f64,
 }
 
-/// The coordinates that are angles.
+/// Numbers of the coordinates that are angles.
 const ANGLES: [usize; 2] = [2, 5];
 
 impl Pair {
@@ -68,8 +71,9 @@ impl Pair {
         }
     }
 
-    /// ∂d/∂q of one coordinate.
+    /// Return ∂d/∂q of one coordinate.
     pub(crate) fn first(&self, k: usize) -> Vec2 {
+        // Relative to the frame of a, d rotates by -`θ_a`.
         let turned = if self.seen_from_a && k == 2 {
             -turned_left(self.d)
         } else {
@@ -78,7 +82,7 @@ impl Pair {
         self.plain_first(k) + turned
     }
 
-    /// The same as seen from the ground.
+    /// Return the same relative to the ground.
     fn plain_first(&self, k: usize) -> Vec2 {
         match k {
             0 => Vec2::new(-1.0, 0.0),
@@ -90,7 +94,7 @@ impl Pair {
         }
     }
 
-    /// ∂²d/∂q² of two coordinates.
+    /// Return ∂²d/∂q² of two coordinates.
     pub(crate) fn second(&self, k: usize, l: usize) -> Vec2 {
         let mut found = match (k, l) {
             (2, 2) => self.arms[0],
@@ -111,17 +115,17 @@ impl Pair {
         found
     }
 
-    /// d' along the velocities, seen from the ground.
+    /// Return d' = ∂d/∂q v relative to the ground.
     pub(crate) fn rate(&self) -> Vec2 {
         (0..6).map(|k| self.v[k] * self.plain_first(k)).sum()
     }
 
-    /// d'' along the velocities, seen from the ground, without accelerations.
+    /// Return d'' relative to the ground at zero accelerations.
     pub(crate) fn second_rate(&self) -> Vec2 {
         self.v[2] * self.v[2] * self.arms[0] - self.v[5] * self.v[5] * self.arms[1]
     }
 
-    /// How the rate changes with a coordinate, seen from the ground.
+    /// Return the derivative of d' with respect to a coordinate, relative to the ground.
     pub(crate) fn rate_by(&self, k: usize) -> Vec2 {
         match k {
             2 => self.v[2] * self.arms[0],
@@ -130,7 +134,7 @@ impl Pair {
         }
     }
 
-    /// How the second rate changes with a coordinate, seen from the ground.
+    /// Return the derivative of d'' with respect to a coordinate, relative to the ground.
     pub(crate) fn second_rate_by(&self, k: usize) -> Vec2 {
         match k {
             2 => self.v[2] * self.v[2] * turned_left(self.arms[0]),
@@ -139,12 +143,13 @@ impl Pair {
         }
     }
 
-    /// ∂d/∂q for plain d, for joints.
+    /// Return ∂d/∂q relative to the ground, for joints.
     pub(crate) fn slope(&self, k: usize) -> Vec2 {
         self.plain_first(k)
     }
 
-    /// The same of a torque beside a pair force that is seen from a.
+    /// Add ∂Q/∂v · `by_velocity` + ∂Q/∂q · `by_place` of the generalised forces Q of a torque. It acts with a pair force measured
+    /// relative to body a.
     pub(crate) fn add_torque(
         &self,
         torque: &PairTorque,
@@ -152,7 +157,7 @@ impl Pair {
         by_place: f64,
         block: &mut Block,
     ) {
-        // ∂ω/∂v of ω = v₅ - v₂.
+        // Torque: ω = v₅ - v₂, so `arm` is ∂ω/∂v and Q = `arm`ᵀ τ. The force adds (∂d/∂q)ᵀ `force_by_spin` ∂ω/∂v.
         let arm = [0.0, 0.0, -1.0, 0.0, 0.0, 1.0];
         let first: [Vec2; 6] = std::array::from_fn(|k| self.first(k));
         for l in 0..6 {
@@ -167,7 +172,7 @@ impl Pair {
         }
     }
 
-    /// Adds ∂Q/∂v · `by_velocity` + ∂Q/∂q · `by_place` of the generalised forces Q of a pair force.
+    /// Add ∂Q/∂v · `by_velocity` + ∂Q/∂q · `by_place` of the generalised forces Q of a pair force.
     pub(crate) fn add(
         &self,
         force: &PairForce,
@@ -177,7 +182,7 @@ impl Pair {
     ) {
         let first: [Vec2; 6] = std::array::from_fn(|k| self.first(k));
         for l in 0..6 {
-            // How the velocity seen changes with the coordinate.
+            // Derivative of the relative velocity with respect to the coordinate.
             let turning: Vec2 = if self.seen_from_a {
                 (0..6).map(|j| self.v[j] * self.second(j, l)).sum()
             } else {

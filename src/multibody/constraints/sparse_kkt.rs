@@ -1,9 +1,10 @@
-//! The constrained equations of motion: S λ = G M⁻¹ f - γ with S = G M⁻¹ Gᵀ, as sparse as the joints are connected.
+//! Sparse solution of the constrained equations of motion: S λ = G M⁻¹ f - γ with S = G M⁻¹ Gᵀ.
 //!
-//! The order of elimination (least degree first) and the places of all numbers are found once; each state then costs what
-//! they ask for: for a chain of hinges, open or closed, a fixed number of operations a link. A constraint whose pivot
-//! vanishes depends on others and is left out; `null_space.rs` then shares the multipliers out. S squares how near to
-//! dependence constraints are, so where that is near it is eliminated in twice the precision.
+//! The order of elimination (least degree first) and the places of all entries are determined once. The cost of a state is
+//! proportional to the number of operations on these entries; for a chain of hinges, open or closed, it is constant per link. A
+//! constraint whose pivot vanishes depends on others and is left out; `null_space.rs` then distributes the multipliers. The pivots of
+//! S are squares of the independence of constraints. Nearly dependent constraints are therefore eliminated in double-double
+//! precision.
 
 use std::collections::BTreeSet;
 
@@ -16,26 +17,27 @@ use crate::math::sparse_kkt::symbolic::{
 };
 use crate::multibody::model::MechanismModel;
 
-/// Factors L D Lᵀ of S, and room to solve.
+/// Factors L D Lᵀ of S, with work arrays.
 #[derive(Debug, Clone)]
 pub(crate) struct SparseKkt {
     inverse_mass: Vec<f64>,
     first: Vec<Option<usize>>,
     /// Place of each constraint in the order of elimination.
     place: Vec<usize>,
-    /// Which rows of G meet in which entry of S.
+    /// Products of rows of G that contribute to the entries of S.
     meetings: Vec<Meeting>,
     structure: Structure,
     factors: Factors<f64>,
-    /// The constraints that the factors are of.
+    /// Constraint rows of the factors.
     factorised: Vec<Row>,
-    /// Those of twice the precision, once they are needed.
+    /// Factors in double-double precision, once they are needed.
     twice: Option<Box<Factors<Twice>>>,
-    /// Multipliers that do nothing, where constraints were left out; `None` until they are asked for.
+    /// Multipliers without effect on the motion, where constraints were left out; `None` until they are needed.
     null_space: Option<NullSpace>,
     right: Vec<f64>,
 }
 
+/// Contribution of two constraints on the same body to an entry of S.
 #[derive(Debug, Clone, Copy)]
 struct Meeting {
     rows: [usize; 2],
@@ -45,25 +47,25 @@ struct Meeting {
     entry: usize,
 }
 
-/// A constraint counts as dependent when the others leave less than this part of it: more than rounding of places that
-/// many joints hold together.
+/// Independence below which a constraint counts as dependent; it exceeds the round-off of points that many joints constrain together.
 const DEPENDENT: f64 = 1e-10;
 
-/// Pivots below this part of their diagonal entry are rounded too much to go by.
+/// Pivot over its diagonal entry below which round-off makes the pivot inaccurate.
 const ROUNDED: f64 = 1e-6;
 
 impl SparseKkt {
-    /// For the constraints of `model`.
+    /// Return the factors for the constraints of `model`.
     pub(crate) fn of(model: &MechanismModel) -> Self {
         let bodies = model.equations.iter();
         let bodies: Vec<_> = bodies.map(|e| [e.a.body, e.b.body, e.carrier]).collect();
         Self::new(&model.mass, &model.first, &bodies)
     }
 
-    /// For constraints over `bodies`; all masses must be above zero.
+    /// Return the factors for constraints between `bodies`; all masses must be above zero.
     fn new(mass: &[f64], first: &[Option<usize>], bodies: &[[usize; 3]]) -> Self {
         let m = bodies.len();
         let on_body = rows_on_bodies(first, bodies);
+        // Two constraints have an entry in S where they act on a common body.
         let mut neighbours = vec![BTreeSet::new(); m];
         for rows in &on_body {
             for &(i, _) in rows {
@@ -110,23 +112,24 @@ impl SparseKkt {
         }
     }
 
+    /// Return the number of independent constraints.
     pub(crate) fn rank(&self) -> usize {
         self.factors.rank
     }
 
-    /// How independent the constraints are: the least part of one that those before it leave.
+    /// Return the independence of the constraints: the least norm, in parts, of what remains of one after those eliminated before it.
     pub(crate) fn independence(&self) -> f64 {
         self.factors.least.sqrt()
     }
 
-    /// Constraints that those described before them imply.
+    /// Return the constraints that depend on those described before them.
     pub(crate) fn dependent(&mut self) -> Vec<usize> {
         self.find_null_space();
         let space = self.null_space.as_ref();
         space.map_or_else(Vec::new, |space| space.last_rows(&self.place))
     }
 
-    /// Gathers S and factorises it without constraints of which those before them leave less than `part`.
+    /// Assemble and factorise S, without constraints whose independence is below `part`.
     pub(crate) fn factorise(&mut self, rows: &[Row], part: f64) {
         self.null_space = None;
         self.factorised.copy_from_slice(rows);
@@ -134,13 +137,14 @@ impl SparseKkt {
         gather(&self.meetings, &self.inverse_mass, rows, entries);
         self.factors
             .eliminate(&self.structure, (part * part).max(DEPENDENT * DEPENDENT));
+        // Pivots are squares of the independence, so a threshold below √ROUNDED is not resolved in double precision.
         let certain = self.rank() == rows.len() && self.factors.least > ROUNDED;
         if part * part < ROUNDED && !certain {
             self.factorise_twice(rows, part.max(DEPENDENT));
         }
     }
 
-    /// The same in twice the precision.
+    /// Factorise in double-double precision.
     fn factorise_twice(&mut self, rows: &[Row], part: f64) {
         let taken = self.twice.take();
         let mut twice = taken.unwrap_or_else(|| Box::new(Factors::new(&self.structure)));
@@ -155,8 +159,9 @@ impl SparseKkt {
         self.twice = Some(twice);
     }
 
-    /// Multipliers that do nothing: Lᵀ n = `e_k` for each constraint left out, at place k, less what those behind it take of the rest
-    /// that those before it leave.
+    /// Compute the multipliers without effect on the motion: one vector for each constraint k left out.
+    ///
+    /// Lᵀ n = `e_k`. One refinement subtracts the solution x of S x = S n over the constraints that are kept.
     fn find_null_space(&mut self) {
         if self.null_space.is_some() {
             return;
@@ -176,7 +181,7 @@ impl SparseKkt {
                 let terms = below.zip(&factors.values[column]);
                 n[i] = -terms.map(|(&row, value)| value * n[row]).sum::<f64>();
             }
-            // Rounded pivots would make more of the rest than there is.
+            // With inaccurate pivots the refinement would increase the error.
             if factors.least > ROUNDED {
                 structure.multiply(&factors.entries, &n, &mut self.right);
                 self.solve_factors();
@@ -192,9 +197,10 @@ impl SparseKkt {
         self.null_space = Some(space);
     }
 
-    /// Solves S x = b in the order of elimination, in place.
+    /// Solve S x = b in place, in the order of elimination.
     fn solve_factors(&mut self) {
         let (x, structure, factors) = (&mut self.right, &self.structure, &self.factors);
+        // L y = b, then D z = y, then Lᵀ x = z; a constraint left out has the inverse pivot 0 and the solution 0.
         for k in 0..x.len() {
             let known = x[k];
             let column = structure.column_start[k]..structure.column_start[k + 1];
@@ -217,7 +223,7 @@ impl SparseKkt {
         }
     }
 
-    /// G x of one row.
+    /// Return G x of one row.
     fn along(&self, row: &Row, x: &[f64]) -> f64 {
         let mut sum = 0.0;
         for (body, part) in row.bodies.iter().zip(&row.jacobian) {
@@ -230,7 +236,7 @@ impl SparseKkt {
         sum
     }
 
-    /// Adds M⁻¹ Gᵀ λ times `sign`.
+    /// Add M⁻¹ Gᵀ λ times `sign` to `x`.
     fn push(&self, rows: &[Row], sign: f64, lambda: impl Fn(usize) -> f64, x: &mut [f64]) {
         for (i, row) in rows.iter().enumerate() {
             let lambda = sign * lambda(i);
@@ -247,7 +253,7 @@ impl SparseKkt {
         }
     }
 
-    /// Accelerations and multipliers of forces f with G a = γ; further passes take off what rounding left of the first.
+    /// Solve M a + Gᵀ λ = f, G a = γ for accelerations and multipliers, with iterative refinement.
     pub(crate) fn solve(
         &mut self,
         forces: &[f64],
@@ -259,6 +265,8 @@ impl SparseKkt {
             *a = f * inverse;
         }
         multipliers.fill(0.0);
+        // Each pass solves S Δλ = G a - γ and subtracts M⁻¹ Gᵀ Δλ from a. Passes after the first reduce the round-off of the one
+        // before.
         let passes = if self.factors.least > ROUNDED { 2 } else { 3 };
         for _ in 0..passes {
             for (i, row) in rows.iter().enumerate() {
@@ -278,8 +286,10 @@ impl SparseKkt {
         }
     }
 
-    /// Adds to `change` the least change (weighed by mass) of coordinates that takes `residual` off the constraints as they
-    /// were factorised: S of one state with G of another would change too much where bodies are turned much more easily than moved.
+    /// Add to `change` the least change of coordinates, weighted by mass, that removes `residual` from the constraints as factorised.
+    ///
+    /// The rows of the factorised state are used. S of one state with G of another would give too large a change where the inertia of
+    /// bodies is small beside their mass.
     pub(crate) fn correct(&mut self, residual: &[f64], change: &mut [f64]) {
         for (residual, &place) in residual.iter().zip(&self.place) {
             self.right[place] = *residual;
@@ -290,7 +300,7 @@ impl SparseKkt {
     }
 }
 
-/// S, entry by entry.
+/// Assemble S: each entry is a sum of products `g_i` M⁻¹ `g_j`ᵀ over the common bodies of two constraints.
 fn gather<T: Number>(meetings: &[Meeting], inverse_mass: &[f64], rows: &[Row], entries: &mut [T]) {
     entries.fill(T::default());
     for meeting in meetings {

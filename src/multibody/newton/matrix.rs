@@ -1,4 +1,4 @@
-//! What the implicit corrector asks of a mechanism: the linear system of 1 - γ ∂a/∂v - γ² ∂a/∂q with its constraints.
+//! Matrix of the implicit corrector: the linear system of 1 - γ ∂a/∂v - γ² ∂a/∂q with its constraints.
 //!
 //! With corrections x of the velocities and γ x of the coordinates, the equations of motion and the constraints change by
 //!
@@ -7,7 +7,7 @@
 //! (G + 2 γ ∂²c/∂q² v + γ² (∂(v ∂²c/∂q² v)/∂q + ∂²c/∂q² a)) x = G r
 //! ```
 //!
-//! for a residual r of the velocities: all derivatives are exact but those of callables and of how a place of contact fades.
+//! for a residual r of the velocities. All derivatives are exact except those of callables and of how a place of contact fades.
 
 use std::ops::Range;
 
@@ -23,34 +23,39 @@ use crate::multibody::description::tribology::FrictionLaw;
 use crate::multibody::dynamics::{MechanismDynamics, Stabilisation};
 use crate::multibody::forces::force_slopes::add_twist;
 
-/// Change of a velocity that differences are taken over \[m/s\]; of an angular one over its arm.
+/// Change of a velocity for difference quotients \[m/s\]; that of an angular velocity is divided by its arm.
 const CHANGE: f64 = 1e-6;
 
-/// Softness of a constraint beside what it holds: far below rounding of the iteration, above that of the factors.
+/// Relative compliance of a constraint: ε over the diagonal entry of G M⁻¹ Gᵀ. It is far below the round-off of the iteration and
+/// above that of the factors.
 const SOFT: f64 = 1e-11;
 
-/// Deflection at break-away of bristles whose error weighs as that of a length \[m\]: at an accuracy of 1e-10 m a thousandth of
-/// it is allowed, as in chain drives. What they get wrong is a share of a force, and not a place.
+/// Deflection at break-away of bristles whose error has the weight of a length's \[m\].
+///
+/// At an accuracy of 1e-10 m a thousandth of it is allowed, as in chain drives. The error of a deflection is a relative error of the
+/// friction force, not of a position.
 const WHOLE_DEFLECTION: f64 = 1e-7;
 
-/// Near singular positions, where accelerations come from both sides, the matrix is made of differences up to so many coordinates.
+/// Largest number of coordinates for which difference quotients give the matrix near singular positions, where accelerations are
+/// interpolated.
 const MOST_BY_DIFFERENCES: usize = 150;
 
-/// The corrector's matrix, its places and factors.
+/// Matrix of the corrector, with the places of its entries and its factors.
 #[derive(Debug, Clone)]
 pub(crate) struct ImplicitMatrix {
     saddle: Saddle,
     joints: Vec<(PairPlaces, RowPlaces)>,
     forces: Vec<PairPlaces>,
     contacts: Vec<PairPlaces>,
-    /// Softness of each constraint.
+    /// Compliance ε of each constraint.
     soft: Vec<f64>,
-    /// Factors by differences, where they stand in.
+    /// Factors of the dense matrix by difference quotients, where it replaces the sparse one.
     by_differences: Option<LU<f64, Dyn, Dyn>>,
 }
 
 impl MechanismDynamics {
-    /// The length that turns each coordinate into one: for angles the farthest point of the body.
+    /// Write the length of each coordinate that scales it to metres: for angles, the distance of the farthest joint or contact point;
+    /// 1 without one.
     fn lengths(&self, lengths: &mut [f64]) {
         lengths.fill(1.0);
         for angle in lengths.iter_mut().skip(2).step_by(3) {
@@ -71,7 +76,7 @@ impl MechanismDynamics {
         }
     }
 
-    /// Room and places for the matrix.
+    /// Return the zero matrix with the places of all forces, contacts and joints.
     fn implicit_matrix(&self) -> Option<Box<ImplicitMatrix>> {
         let model = &self.model;
         let (n, first) = (model.coordinates(), &model.first);
@@ -105,7 +110,7 @@ impl MechanismDynamics {
         }))
     }
 
-    /// Writes and factorises the matrix where everything was evaluated last.
+    /// Assemble and factorise the matrix at the last evaluation; return whether it is regular.
     fn linearise(&self, matrix: &mut ImplicitMatrix, gamma: f64) -> bool {
         let model = &self.model;
         let (by_velocity, by_place) = (-gamma, -gamma * gamma);
@@ -121,6 +126,7 @@ impl MechanismDynamics {
         let contacts = model.contacts.iter().zip(&model.sides_of_contact);
         for ((contact, sides), places) in contacts.zip(&matrix.contacts) {
             let touches = &self.touches[sides.clone()];
+            // Contacts without penetration and film exert no force.
             let apart = |touch: &Touch| touch.contact.penetration <= 0.0;
             if contact.film.is_none() && touches.iter().all(apart) {
                 continue;
@@ -141,9 +147,11 @@ impl MechanismDynamics {
         matrix.saddle.factorise()
     }
 
+    /// Add the constraints: their rows and columns, and γ² Σ λ ∂²c/∂q² (see the module's equations).
     fn linearise_joints(&self, matrix: &mut ImplicitMatrix, gamma: f64) {
         let model = &self.model;
         let n = model.coordinates();
+        // Baumgarte's terms 2 w c' + w² c change G x by the factor 1 + 2 w γ + w² γ².
         let pulled = match self.stabilisation {
             Stabilisation::Baumgarte(w) => 2.0 * w * gamma + (w * gamma).powi(2),
             Stabilisation::Projection => 0.0,
@@ -167,6 +175,7 @@ impl MechanismDynamics {
                 matrix.saddle.add_pair(pair_places, &block);
             }
             matrix.saddle.add_row(row_places, &row.jacobian, &across);
+            // Diagonal entry of G M⁻¹ Gᵀ, which scales the compliance of the constraint.
             let mut held = 0.0;
             for (body, part) in row.bodies.iter().zip(&row.jacobian) {
                 if let Some(first) = model.first[*body] {
@@ -181,7 +190,7 @@ impl MechanismDynamics {
         }
     }
 
-    /// Shows `visit` how friction of each side of a contact and its film change.
+    /// Call `visit` with the derivatives of the friction of each side of a contact, and with those of its film.
     fn tangential_slopes(
         &self,
         contact: &CompiledContact,
@@ -208,7 +217,7 @@ impl MechanismDynamics {
         }
     }
 
-    /// The friction of pins: with the angular velocity, and with the multipliers, whose corrections are γ times as large.
+    /// Add the friction of pins. Corrections of the multipliers are μ = γ Δλ, so the derivatives with respect to λ enter without γ.
     fn linearise_pins(&self, matrix: &mut ImplicitMatrix, gamma: f64) {
         for pin in &self.model.pins {
             let torque = pin.torque(&self.frames, &self.multipliers);
@@ -223,7 +232,7 @@ impl MechanismDynamics {
         }
     }
 
-    /// Accelerations of two bodies.
+    /// Return the accelerations of two bodies; zero for a fixed body.
     fn pair_accelerations(&self, bodies: [usize; 2]) -> [f64; 6] {
         let mut found = [0.0; 6];
         for (part, body) in found.chunks_exact_mut(3).zip(bodies) {
@@ -234,7 +243,7 @@ impl MechanismDynamics {
         found
     }
 
-    /// The dense matrix by differences of whole evaluations at `y`, where everything was evaluated last.
+    /// Return the factors of the dense matrix by central differences of whole evaluations at `y`, the state of the last evaluation.
     fn matrix_by_differences(&mut self, y: &[f64], gamma: f64) -> LU<f64, Dyn, Dyn> {
         let n = self.model.coordinates();
         let mut lengths = vec![1.0; n];
@@ -246,6 +255,7 @@ impl MechanismDynamics {
         for i in 0..n {
             let change = CHANGE / lengths[i];
             let kept = (state[i], state[n + i]);
+            // Velocities change by δ and coordinates by γ δ: column i of γ ∂a/∂v + γ² ∂a/∂q is γ (a⁺ - a⁻) / 2δ.
             let mut at = |sign: f64| {
                 state[i] = kept.0 + sign * gamma * change;
                 state[n + i] = kept.1 + sign * change;
@@ -261,8 +271,8 @@ impl MechanismDynamics {
         matrix.lu()
     }
 
-    /// Overwrites a residual of velocities by the correction of the dense matrix by differences at `y`, where the derivative
-    /// was just evaluated; false when the matrix is singular. What the sparse matrix is held against.
+    /// Overwrite a residual of velocities by the correction of the dense matrix by differences at `y`, where the derivative was just
+    /// evaluated. Return false when the matrix is singular. Tests compare the sparse matrix with it.
     pub fn correct_by_differences(&mut self, y: &[f64], gamma: f64, residual: &mut [f64]) -> bool {
         let n = self.model.coordinates();
         let matrix = self.matrix_by_differences(y, gamma);
@@ -304,6 +314,7 @@ impl SecondOrderSystem for MechanismDynamics {
             .kkt
             .as_ref()
             .map_or(f64::INFINITY, SparseKkt::independence);
+        // Near a singular position the accelerations are interpolated, and the sparse matrix of one state does not apply.
         let singular = nearness < self.near_singular;
         let regular = if singular && self.model.coordinates() <= MOST_BY_DIFFERENCES {
             let factors = self.matrix_by_differences(y, gamma);
@@ -320,7 +331,7 @@ impl SecondOrderSystem for MechanismDynamics {
 
     fn correct(&mut self, residual: &mut [f64]) {
         let n = self.model.coordinates();
-        // Evaluations have solved for the bristles.
+        // Bristle deflections are local unknowns: each evaluation solves for them.
         let (residual, bristles) = residual.split_at_mut(n);
         bristles.fill(0.0);
         let Some(matrix) = &mut self.corrector else {
@@ -333,6 +344,7 @@ impl SecondOrderSystem for MechanismDynamics {
             return;
         }
         let model = &self.model;
+        // Right-hand sides M r and G r of the module's equations.
         let right = &mut matrix.saddle.right;
         for ((right, r), mass) in right.iter_mut().zip(&*residual).zip(&model.mass) {
             *right = mass * r;

@@ -1,4 +1,4 @@
-//! The linear system of the implicit corrector.
+//! Linear system of the implicit corrector.
 
 pub(crate) mod matrix;
 pub(crate) mod sparse_system;

@@ -1,8 +1,8 @@
-//! The implicit corrector's linear system with its constraints, sparse: places of all entries, factors, solutions.
+//! Sparse linear system of the implicit corrector with its constraints: places of all entries, factors, solutions.
 //!
-//! [M - γ D - γ² K, Gᵀ; G', -ε] over corrections of the velocities and of the multipliers. What couples which bodies does not
-//! change, so places and the order of elimination are found once; factors are faer's, with partial pivoting, in room that is
-//! kept. ε is far below what a constraint holds, and keeps redundant ones from being singular.
+//! The matrix is [M - γ D - γ² K, Gᵀ; G', -ε] over corrections of the velocities and of the multipliers. Its sparsity pattern is
+//! constant, so places and the order of elimination are determined once. Factors are faer's, with partial pivoting, in memory that is
+//! kept. ε is far below the diagonal entries of G M⁻¹ Gᵀ and keeps the matrix regular with redundant constraints.
 
 use std::collections::BTreeSet;
 
@@ -13,16 +13,16 @@ use faer::{Conj, MatMut, Par, Spec};
 
 use crate::multibody::constraints::relative_kinematics::Block;
 
-/// Where the block of two bodies is: for each of its columns the place of the first of three rows.
+/// Places of a 3 × 3 block: for each column, the place of its first row.
 type Places = [usize; 3];
 
-/// Where a pair of bodies is: blocks aa, ab, ba, bb; none of a body that is held.
+/// Places of the blocks aa, ab, ba, bb of two bodies; `None` for a fixed body.
 pub(crate) type PairPlaces = [Option<Places>; 4];
 
-/// Where a constraint is, by body: the column of Gᵀ, and the row of G'.
+/// Places of a constraint, by body: the column of Gᵀ, and the row of G'.
 pub(crate) type RowPlaces = [Option<(usize, Places)>; 3];
 
-/// The matrix and its factors.
+/// Matrix of the saddle-point system and its factors.
 #[derive(Debug, Clone)]
 pub(crate) struct Saddle {
     size: usize,
@@ -37,7 +37,7 @@ pub(crate) struct Saddle {
     pub(crate) right: Vec<f64>,
 }
 
-/// Room for factors and solutions.
+/// Work memory for factors and solutions.
 struct Room {
     buffer: MemBuffer,
     needed: StackReq,
@@ -64,7 +64,7 @@ impl std::fmt::Debug for Room {
     }
 }
 
-/// What couples bodies and constraints: makes the places.
+/// Sparsity pattern: the rows of each column.
 #[derive(Debug)]
 pub(crate) struct Pattern {
     coordinates: usize,
@@ -73,7 +73,7 @@ pub(crate) struct Pattern {
 }
 
 impl Pattern {
-    /// Of bodies whose coordinates begin at `first`, and `constraints`.
+    /// Return the pattern with the diagonal blocks of bodies whose coordinates begin at `first`, and of `constraints`.
     pub(crate) fn new(first: &[Option<usize>], coordinates: usize, constraints: usize) -> Self {
         let size = coordinates + constraints;
         let mut columns: Vec<BTreeSet<usize>> = (0..size).map(|i| BTreeSet::from([i])).collect();
@@ -89,7 +89,7 @@ impl Pattern {
         }
     }
 
-    /// A force between two bodies.
+    /// Add the blocks of a force between two bodies.
     pub(crate) fn couple(&mut self, a: usize, b: usize) {
         for (row, column) in [(a, b), (b, a)] {
             if let (Some(row), Some(column)) = (self.first[row], self.first[column]) {
@@ -100,7 +100,7 @@ impl Pattern {
         }
     }
 
-    /// A constraint on bodies.
+    /// Add the entries of a constraint on bodies.
     pub(crate) fn constrain(&mut self, constraint: usize, bodies: [usize; 3]) {
         let own = self.coordinates + constraint;
         for start in bodies.into_iter().filter_map(|body| self.first[body]) {
@@ -111,7 +111,7 @@ impl Pattern {
         }
     }
 
-    /// The matrix of all that was coupled, zero; `None` when memory does not do.
+    /// Return the zero matrix of this pattern; `None` when memory is insufficient.
     pub(crate) fn finish(&self) -> Option<Saddle> {
         let size = self.columns.len();
         let mut column_start = vec![0];
@@ -141,13 +141,14 @@ impl Pattern {
 }
 
 impl Saddle {
+    /// Return the place of an entry among the values.
     fn place(&self, row: usize, column: usize) -> usize {
         let start = self.column_start[column];
         let rows = &self.rows[start..self.column_start[column + 1]];
         start + rows.partition_point(|&r| r < row)
     }
 
-    /// Where the blocks of two bodies are.
+    /// Return the places of the blocks of two bodies.
     pub(crate) fn pair_places(&self, first: &[Option<usize>], a: usize, b: usize) -> PairPlaces {
         [(a, a), (a, b), (b, a), (b, b)].map(|(row, column)| {
             let (row, column) = (first[row]?, first[column]?);
@@ -155,7 +156,7 @@ impl Saddle {
         })
     }
 
-    /// Where a constraint is.
+    /// Return the places of a constraint, whose row and column are `own`.
     pub(crate) fn row_places(
         &self,
         first: &[Option<usize>],
@@ -169,17 +170,17 @@ impl Saddle {
         })
     }
 
-    /// Begins with zero.
+    /// Set all entries to zero.
     pub(crate) fn clear(&mut self) {
         self.values.fill(0.0);
     }
 
-    /// Adds to the diagonal.
+    /// Add a value to a diagonal entry.
     pub(crate) fn add_diagonal(&mut self, k: usize, value: f64) {
         self.values[self.diagonal[k]] += value;
     }
 
-    /// Adds the block of two bodies.
+    /// Add the block of two bodies.
     pub(crate) fn add_pair(&mut self, places: &PairPlaces, block: &Block) {
         for (at, (row, column)) in places.iter().zip([(0, 0), (0, 3), (3, 0), (3, 3)]) {
             let Some(columns) = at else { continue };
@@ -191,7 +192,7 @@ impl Saddle {
         }
     }
 
-    /// Adds a constraint: its part of Gᵀ and of G', three numbers a body.
+    /// Add a constraint: its column of Gᵀ (`down`) and its row of G' (`across`), three numbers per body.
     pub(crate) fn add_row(
         &mut self,
         places: &RowPlaces,
@@ -207,7 +208,7 @@ impl Saddle {
         }
     }
 
-    /// Factorises; false when the matrix is singular or no number.
+    /// Factorise; return false when the matrix is singular or not finite.
     pub(crate) fn factorise(&mut self) -> bool {
         let pattern = SymbolicSparseColMatRef::new_checked(
             self.size,
@@ -228,7 +229,7 @@ impl Saddle {
         factors.is_ok() && self.values.iter().all(|value| value.is_finite())
     }
 
-    /// Overwrites the right-hand side by the solution.
+    /// Overwrite the right-hand side by the solution.
     pub(crate) fn solve(&mut self) {
         let stack = MemStack::new(&mut self.room.buffer);
         let right = MatMut::from_column_major_slice_mut(&mut self.right, self.size, 1);
