@@ -1,8 +1,8 @@
-//! Deflections of `LuGre` bristles, one for each side of a contact that has them, as unknowns of the ODE.
+//! Deflections of `LuGre` bristles, one for each side of a contact with this friction law, as unknowns of the ODE.
 //!
-//! The integrator's state is y = [q, Z, v, z, sums]: a deflection z stands among the velocities and its integral Z, which nobody
-//! reads, among the coordinates, as in chain drives. In a step of Newton's method an evaluation solves z = foretold + γ dz/dt,
-//! which is linear in z once the sliding velocity is known; the matrix of the bodies then holds z in its friction slope.
+//! The integrator's state is y = [q, Z, v, z, sums]. A deflection z is one of the velocities, and its integral Z, which is unused,
+//! one of the coordinates, as in chain drives. In an implicit step an evaluation solves z = z₀ + γ dz/dt with the predicted value
+//! z₀. This equation is linear in z for a given sliding velocity. The friction slope in the matrix of the bodies includes z.
 
 use crate::multibody::dynamics::MechanismDynamics;
 use crate::multibody::model::MechanismModel;
@@ -10,22 +10,22 @@ use crate::multibody::model::MechanismModel;
 /// All bristles of a mechanism.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Bristles {
-    /// z of the last evaluation, given or solved for \[m\].
+    /// Deflections z of the last evaluation, given or solved for \[m\].
     pub(crate) deflection: Vec<f64>,
-    /// dz/dt of the last evaluation \[m/s\].
+    /// Rates dz/dt of the last evaluation \[m/s\].
     pub(crate) rate: Vec<f64>,
-    /// What is known of z before an implicit step's own rate \[m\].
+    /// Predicted values z₀ of an implicit step, without the contribution of its own rate \[m\].
     foretold: Vec<f64>,
-    /// γ of the implicit step under way \[s\]; none: deflections are those of the state.
+    /// γ of the present implicit step \[s\]; `None`: the deflections are those of the state.
     gamma: Option<f64>,
 }
 
-/// What one bristle begins an evaluation with.
+/// Deflection of one bristle at the beginning of an evaluation.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Bent {
-    /// Bent so far \[m\].
+    /// Deflection of the state \[m\].
     Given(f64),
-    /// To be solved for: foretold \[m\] and γ \[s\].
+    /// Deflection to be solved for, with its predicted value \[m\] and γ \[s\].
     Ahead(f64, f64),
 }
 
@@ -39,7 +39,7 @@ impl Bristles {
         }
     }
 
-    /// Begins an evaluation: bristles of contacts that are apart stand still.
+    /// Begin an evaluation. The rates are zero for bristles of contacts that are apart.
     pub(crate) fn begin(&mut self) {
         self.rate.fill(0.0);
         if self.gamma.is_some() {
@@ -47,7 +47,7 @@ impl Bristles {
         }
     }
 
-    /// What bristle `i` begins with.
+    /// Return the deflection of bristle `i` at the beginning of the evaluation.
     pub(crate) fn bent(&self, i: usize) -> Bent {
         match self.gamma {
             Some(gamma) => Bent::Ahead(self.foretold[i], gamma),
@@ -55,7 +55,7 @@ impl Bristles {
         }
     }
 
-    /// Begins an implicit step, or ends it.
+    /// Begin an implicit step with predicted values \[m\] and γ \[s\], or end it with `None`.
     pub(crate) fn begin_implicit_stage(&mut self, step: Option<(&[f64], f64)>) {
         self.gamma = step.map(|(_, gamma)| gamma);
         if let Some((foretold, _)) = step {
@@ -65,13 +65,13 @@ impl Bristles {
 }
 
 impl MechanismModel {
-    /// Coordinates of the ODE: those of the bodies, then one for each bristle.
+    /// Return the number of coordinates of the ODE: those of the bodies, then one for each bristle.
     #[must_use]
     pub fn unknowns(&self) -> usize {
         self.coordinates() + self.bristles
     }
 
-    /// Where a coordinate or velocity of the bodies, numbered in [q, v], stands in the integrator's state.
+    /// Return the index in the integrator's state of component `i` of [q, v] of the bodies.
     pub(crate) fn component(&self, i: usize) -> usize {
         if i < self.coordinates() {
             i
@@ -82,7 +82,7 @@ impl MechanismModel {
 }
 
 impl MechanismDynamics {
-    /// Reads [q, v] and the deflections from a state of the integrator.
+    /// Read [q, v] and the deflections from a state of the integrator.
     pub(crate) fn read(&mut self, y: &[f64], state: &mut [f64]) {
         let (n, count) = (self.model.coordinates(), self.model.bristles);
         if count == 0 {
@@ -96,7 +96,7 @@ impl MechanismDynamics {
         self.bristles.deflection.copy_from_slice(&y[z..z + count]);
     }
 
-    /// The state of the integrator with all bristles unbent and without energy sums, of [q, v].
+    /// Return the integrator's state for [q, v] with all deflections and energy sums zero.
     pub(crate) fn with_bristles(&self, state: &[f64]) -> Vec<f64> {
         let (q, v) = state.split_at(self.model.coordinates());
         let unbent = vec![0.0; self.model.bristles];
@@ -104,7 +104,7 @@ impl MechanismDynamics {
         [q, &unbent, v, &unbent, &sums].concat()
     }
 
-    /// Bristles of sides that do not touch where everything was evaluated last, and that are still bent.
+    /// Return the bristles of all sides without contact at the last evaluation.
     pub(crate) fn parted_bristles(&self) -> impl Iterator<Item = usize> {
         let sides = self.touches.iter().zip(&self.model.bristle_of_side);
         sides.filter_map(|(touch, bristle)| bristle.filter(|_| touch.contact.penetration <= 0.0))

@@ -1,29 +1,31 @@
-//! The path of a circle's centre within one step, seen from the profile: what the depth does between its ends.
+//! Path of a circle's centre within one step in the frame of the profile, and bounds of the penetration along it.
 
 use crate::geometry::Vec2;
 
-/// Depth \[m\] of a contact that opens and closes again within a step, or the reverse, below which it counts as none: a steel
-/// pin of 10 mm presses with less than 0.01 N there. A tenth of it doubles the depths evaluated along a grazing path.
+/// Penetration (or gap) \[m\] below which a contact (or separation) that begins and ends within a step is neglected. The contact
+/// force of a steel pin of 10 mm is then below 0.01 N. A tenth of it doubles the evaluations along a grazing path.
 pub(crate) const UNSEEN: f64 = 1e-9;
 
-/// Place \[m\], velocity \[m/s\] and acceleration \[m/s²\] of a centre at one end of a step.
+/// Position \[m\], velocity \[m/s\] and acceleration \[m/s²\] of a circle's centre at one end of a step.
 pub(crate) type Motion = [Vec2; 3];
 
-/// A path of fifth order through place, velocity and acceleration at both ends, as the control points of a Bézier curve: differences
-/// of these bound its derivatives. Times and derivatives are in parts of its length. Its error, h⁶/46080 of the sixth derivative, is
-/// 2e-8 radii where a body turns by half a radian in a step of h.
+/// Polynomial path of fifth order through position, velocity and acceleration at both ends, as control points of a Bézier curve.
+///
+/// Differences of the control points bound its derivatives. The parameter is the time over the length of the step. The error is
+/// h⁶/46080 of the sixth derivative: 3.4e-7 radii for a point on a circle that turns by half a radian in a step of h.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ContactPath([Vec2; 6]);
 
-/// Depth of a contact by place \[m\], positive where the circle of `radius` touches.
+/// Penetration of a circle of `radius` \[m\] by the position of its centre \[m\], positive in contact.
 pub(crate) struct Depth<F> {
     pub(crate) radius: f64,
     pub(crate) at: F,
 }
 
 impl ContactPath {
-    /// Through both ends of a step of `length` \[s\].
+    /// Return the path through both ends of a step of `length` \[s\].
     pub(crate) fn through([p, v, a]: Motion, [q, w, b]: Motion, length: f64) -> Self {
+        // Control points of a Bézier curve of degree 5: P₁ = p + v h/5, P₂ = p + 2 v h/5 + a h²/20, and mirrored at the other end.
         let (first, second) = (length / 5.0, length * length / 20.0);
         Self([
             p,
@@ -35,12 +37,12 @@ impl ContactPath {
         ])
     }
 
-    /// The place at a part of its length.
+    /// Return the position at the parameter `part`, from 0 to 1.
     pub(crate) fn at(&self, part: f64) -> Vec2 {
         self.split(part).0.0[5]
     }
 
-    /// The paths before and after a part of its length (de Casteljau).
+    /// Return the paths before and after the parameter `part` (de Casteljau's algorithm).
     fn split(&self, part: f64) -> (Self, Self) {
         let mut points = self.0;
         let (mut before, mut after) = (*self, *self);
@@ -54,23 +56,23 @@ impl ContactPath {
         (before, after)
     }
 
-    /// Bound of its velocity.
+    /// Return an upper bound of the velocity: 5 max |`P_(i+1)` - `P_i`| \[m per step\].
     fn speed(&self) -> f64 {
         let sides = self.0.windows(2).map(|pair| (pair[1] - pair[0]).norm());
         5.0 * sides.fold(0.0, f64::max)
     }
 
-    /// Bound of its acceleration.
+    /// Return an upper bound of the acceleration: 20 max |`P_(i+2)` - 2 `P_(i+1)` + `P_i`| \[m per step²\].
     fn acceleration(&self) -> f64 {
         let bends = (self.0.windows(3)).map(|three| (three[2] - 2.0 * three[1] + three[0]).norm());
         20.0 * bends.fold(0.0, f64::max)
     }
 
-    /// Whether the depth is above `level` somewhere, with the depths at both ends, neither of them above it.
+    /// Return whether the penetration exceeds `level` along the path; it does not at both ends, where it is `start` and `end`.
     ///
-    /// The distance d from any closed set curves upwards by no more than 1/d across the direction to it. So with velocity v and
-    /// acceleration a, the depth of a circle of radius R curves downwards by no more than |a| + v²/R, and is above the chord of
-    /// its ends by no more than an eighth of that. A path whose bound is above the level is halved.
+    /// The second derivative of the distance d from any closed set is at most 1/d across the direction to the set. With velocity v
+    /// and acceleration a, the second derivative of the penetration of a circle of radius R is at least -(|a| + v²/R). The penetration
+    /// exceeds the chord between its ends by at most an eighth of that bound. A path whose bound exceeds the level is halved.
     pub(crate) fn rises_above<F: Fn(Vec2) -> f64>(
         &self,
         level: f64,
@@ -89,7 +91,9 @@ impl ContactPath {
             || after.rises_above(level, [middle, end], depth)
     }
 
-    /// Whether a contact that ends along it, apart with the depth `end`, begins anew before its end.
+    /// Return whether a contact that ends along the path begins again before the path's end, where the penetration is `end`.
+    ///
+    /// Bisection for the contact end. A half with contact at both ends is searched for a separation, one without for a contact.
     pub(crate) fn touches_again<F: Fn(Vec2) -> f64>(&self, end: f64, depth: &Depth<F>) -> bool {
         let (mut path, mut end) = (*self, end);
         while path.speed() > UNSEEN {
@@ -110,8 +114,8 @@ impl ContactPath {
         false
     }
 
-    /// Whether a contact is apart at some place of a path that begins and ends in touch; looked for near the beginning, where the
-    /// contact ends that was there.
+    /// Return whether a path with contact at both ends has a separation. The path is halved towards its beginning, where the present
+    /// contact would end.
     fn parts<F: Fn(Vec2) -> f64>(&self, depth: &Depth<F>) -> bool {
         let mut path = *self;
         while path.speed() > UNSEEN {
@@ -131,14 +135,14 @@ mod tests {
 
     use super::*;
 
-    /// A path thrown up from `start` under a downward acceleration, over a time of one second.
+    /// Return the path of a throw from `start` under a downward acceleration, for a time of one second.
     fn thrown(start: Vec2, velocity: Vec2, acceleration: f64) -> ContactPath {
         let a = Vec2::new(0.0, -acceleration);
         let end = start + velocity + 0.5 * a;
         ContactPath::through([start, velocity, a], [end, velocity + a, a], 1.0)
     }
 
-    /// Depth of a circle of radius 1 in a bore of radius 1.5.
+    /// Return the penetration of a circle of radius 1 in a bore of radius 1.5.
     fn in_bore(place: Vec2) -> f64 {
         place.norm() - 0.5
     }
@@ -156,7 +160,7 @@ mod tests {
     fn an_arch_through_the_wall_is_found_however_little_it_is_in_it() {
         for excess in [1e-1, 1e-3, 1e-5, 1e-8] {
             for sign in [1.0, -1.0] {
-                // Highest at y = 0.5 ± excess, where it has turned.
+                // The highest point is y = 0.5 ± excess.
                 let top: f64 = 0.5 + sign * excess;
                 let path = thrown(Vec2::zeros(), Vec2::new(0.0, 4.0 * top), 8.0 * top);
                 let asked = Cell::new(0);
@@ -182,7 +186,7 @@ mod tests {
             at: in_bore,
         };
         for (top, again) in [(0.6, true), (0.4, false)] {
-            // From the lower wall, over its highest place at `top`, back to the middle.
+            // The path runs from the lower wall over its highest point `top` back to the middle.
             let speed = |rise: f64, g: f64| (2.0 * g * rise).sqrt();
             let g = (speed(top + 0.51, 1.0) + speed(top, 1.0)).powi(2);
             let path = thrown(

@@ -1,4 +1,4 @@
-//! How the forces of a contact change with place and velocity of its circle, for the implicit corrector.
+//! Derivatives of contact forces with respect to position and velocity of the circle, for the implicit corrector.
 
 use nalgebra::Matrix2;
 
@@ -8,7 +8,10 @@ use crate::multibody::constraints::relative_kinematics::PairForce;
 use crate::multibody::description::body::Frame;
 
 impl CompiledContact {
-    /// Shows `visit` how the force of each place that bears changes, and the side that it is on.
+    /// Call `visit` with the side and the force slopes of each contact point that has a force.
+    ///
+    /// With the outward normal n, penetration δ, rate δ' = -n·v and weight w, the force on the circle is F = w f n - E ∇w.
+    /// The derivatives are ∂δ/∂x = -n, ∂n/∂x = b (1 - n nᵀ) with the rotation b of the normal, and ∂f/∂x = -k n - c (∂n/∂x v).
     pub(crate) fn slopes(
         &self,
         frames: &[Frame],
@@ -35,7 +38,7 @@ impl CompiledContact {
                 None => self.profile().bend(local, self.radius, bearing.outward),
             };
             let across = bend * (Matrix2::identity() - n * n.transpose());
-            // The bend of the weight itself is left out.
+            // The second derivative of the weight is neglected.
             let along = -stiffness * n - damping * (across * approach);
             let slopes = PairForce {
                 force: w * force * n - energy * slope,

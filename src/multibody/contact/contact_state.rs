@@ -1,4 +1,4 @@
-//! A contact in a run: where its circle bears, its forces, and what each side of the profile remembers.
+//! A contact prepared for a run: contact points, forces, energies and the impact velocity memory of each side of the profile.
 
 use super::impact_memory::{Memory, Touch};
 use super::outline::{Bearing, Outline, Place, is_tight};
@@ -13,16 +13,16 @@ use crate::multibody::description::profile::{Curvature, Nearest, Profile, Tooth}
 use crate::multibody::description::tribology::FrictionLaw;
 use crate::multibody::forces::loads::Loads;
 
-/// A contact whose bodies are numbers, with the constants of each piece of its profile.
+/// A contact with its bodies by index and the constants of each piece of its profile.
 #[derive(Debug, Clone)]
 pub(crate) struct CompiledContact {
     pub(crate) a: End,
     pub(crate) b: End,
     profile: Profile,
-    /// Of an outline, all that a circle may bear on at once.
+    /// The prepared outline, if the profile is an outline; a circle may have several contact points on it.
     pub(crate) outline: Option<Outline>,
     pub(crate) radius: f64,
-    /// Distance of the markers from which on they are apart; infinite for what has no outside.
+    /// Distance of the markers above which there is no contact \[m\]; infinite for profiles of unbounded extent.
     pub(crate) reach: f64,
     pairs: Vec<Prepared>,
     pub(crate) friction: Option<FrictionLaw>,
@@ -37,7 +37,7 @@ impl CompiledContact {
             _ => None,
         };
         let prepare = |curvature| {
-            // A circle bears on the sides of an arc that it does not fit into.
+            // In an arc that the circle does not fit into, it is in contact with the pieces beside the arc.
             let sides = outline.is_some() && is_tight(curvature, pair.radius);
             let curvature = if sides { Curvature::Flat } else { curvature };
             pair.law.prepare(&field, pair.radius, curvature)
@@ -62,17 +62,17 @@ impl CompiledContact {
         })
     }
 
-    /// How many sides of the profile may bear at once.
+    /// Return the number of sides of the profile, each with its own contact force.
     pub(crate) fn sides(&self) -> usize {
         self.outline.as_ref().map_or(1, Outline::sides)
     }
 
-    /// The circle's centre in the frame of the profile.
+    /// Return the position of the circle's centre in the frame of the profile \[m\].
     pub(crate) fn local(&self, fa: &Frame, fb: &Frame) -> Vec2 {
         fa.into_local(fb.place(self.b.point) - fa.place(self.a.point))
     }
 
-    /// Shows `visit` every place where the circle may bear, in the frame of the profile, whatever is remembered.
+    /// Call `visit` with every candidate contact point in the frame of the profile, independent of the memory.
     pub(crate) fn bearings(&self, local: Vec2, mut visit: impl FnMut(&Bearing, Option<Tooth>)) {
         if let Some(outline) = &self.outline {
             outline.bearings(local, self.radius, |bearing| visit(bearing, None));
@@ -81,7 +81,7 @@ impl CompiledContact {
         }
     }
 
-    /// The same for forces, for which places far from the surface count only where there is no other.
+    /// Call `visit` with the candidate contact points needed for forces: points far from the surface only if there is no other.
     fn bearings_near(&self, local: Vec2, mut visit: impl FnMut(&Bearing, Option<Tooth>)) {
         if let Some(outline) = &self.outline {
             outline.bearings_near(local, self.radius, |bearing| visit(bearing, None));
@@ -90,7 +90,7 @@ impl CompiledContact {
         }
     }
 
-    /// Where the circle bears on what is no outline.
+    /// Call `visit` with the single candidate contact point of a profile that is not an outline.
     fn only_bearing(&self, local: Vec2, mut visit: impl FnMut(&Bearing, Option<Tooth>)) {
         let Nearest {
             distance,
@@ -111,7 +111,8 @@ impl CompiledContact {
         visit(&bearing, tooth);
     }
 
-    /// Whether a place bears: what is behind an open outline does not, until it has come out; what sank in from the front does.
+    /// Return whether a contact point may have a force. A circle behind an open outline has none until it is outside. A circle that
+    /// penetrated from the front has one.
     pub(crate) fn bears(&self, bearing: &Bearing, memory: Memory) -> bool {
         match bearing.place {
             Place::DeepAtEnd => memory.in_front,
@@ -122,7 +123,7 @@ impl CompiledContact {
         }
     }
 
-    /// The contact with one side, as deep as it is anywhere on it.
+    /// Return the contact with one side at its point of largest penetration.
     pub(crate) fn find(&self, fa: &Frame, fb: &Frame, side: usize, memory: Memory) -> Touch {
         let mut touch = Touch::default();
         let approach = self.approach(fa, fb);
@@ -140,7 +141,8 @@ impl CompiledContact {
         touch
     }
 
-    /// Velocity of the circle's centre as seen from the profile: along a normal both bodies' are the same anywhere on it.
+    /// Return the velocity of the circle's centre relative to the profile's body at the same place \[m/s\]. The component along a normal
+    /// is the penetration rate, as it is the same at all points of the normal.
     pub(crate) fn approach(&self, fa: &Frame, fb: &Frame) -> Vec2 {
         let center = fb.place(self.b.point);
         fb.velocity_at(center) - fa.velocity_at(center)
@@ -165,7 +167,7 @@ impl CompiledContact {
         }
     }
 
-    /// Penetration of the deepest side as it is recorded.
+    /// Return the largest penetration of all sides \[m\], which is the recorded one.
     pub(crate) fn penetration(&self, frames: &[Frame], memory: &[Memory]) -> f64 {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let depths = memory.iter().enumerate();
@@ -173,15 +175,19 @@ impl CompiledContact {
         depths.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Whether the circle may touch the profile where the bodies are.
+    /// Return whether the circle is within reach of the profile.
     pub(crate) fn is_near(&self, frames: &[Frame]) -> bool {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let apart = fb.place(self.b.point) - fa.place(self.a.point);
         apart.norm_squared() <= self.reach * self.reach
     }
 
-    /// Adds the loads of the contact, its stored energy and what it loses; writes what happens on each side. Returns the depth
-    /// \[m\] where it is largest, negative when apart, and its rate \[m/s\]; a depth of -∞ where it bears nowhere.
+    /// Add forces, elastic energy and dissipated power of the contact, and write the state of each side.
+    ///
+    /// Return the largest penetration \[m\], negative when apart, and its rate \[m/s\]; the penetration is -∞ without a contact point.
+    ///
+    /// With the outward normal n, weight w and energy E(δ) of each contact point, the force on the circle is Σ (w f n - E ∇w). Its
+    /// elastic part is the negative gradient of U = Σ w E(δ).
     pub(crate) fn add(
         &self,
         frames: &[Frame],
@@ -218,6 +224,7 @@ impl CompiledContact {
             loads.elastic += bearing.weight * energy;
             loads.dissipated += bearing.weight * (force.total - force.elastic) * rate;
         });
+        // The resultant of each side passes through the circle's centre.
         let center = fb.place(self.b.point);
         for touch in touches
             .iter_mut()
@@ -230,7 +237,7 @@ impl CompiledContact {
         deepest
     }
 
-    /// The law where a circle bears: a live contact keeps the one that it began with.
+    /// Return the contact law at a contact point. A contact keeps the law of the piece on which it began.
     pub(crate) fn pair(&self, bearing: &Bearing, memory: Memory) -> &Prepared {
         &self.pairs[if memory.speed > 0.0 {
             memory.piece
@@ -239,8 +246,8 @@ impl CompiledContact {
         }]
     }
 
-    /// What a side without a force remembers: that the circle is behind it, in the material of an open outline or beyond,
-    /// without having come through the surface; or nothing.
+    /// Return the memory of a side without a force. It is [`Memory::BEHIND`] if the circle is behind an open outline without having
+    /// come through the surface, and empty otherwise.
     pub(crate) fn apart(&self, fa: &Frame, fb: &Frame, side: usize, memory: Memory) -> Memory {
         let mut behind = false;
         if self.is_open() {
@@ -264,7 +271,7 @@ impl CompiledContact {
         }
     }
 
-    /// How deep the circle's centre is in material that has no other side \[m\]; not above zero when it is outside.
+    /// Return the depth of the circle's centre in the material \[m\], not above zero outside; -∞ for an open outline, which has a back.
     pub(crate) fn center_depth(&self, frames: &[Frame]) -> f64 {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let mut depth = f64::NEG_INFINITY;
@@ -278,7 +285,7 @@ impl CompiledContact {
         depth
     }
 
-    /// Whether the circle's centre is behind an open outline, deeper than what was pressed in, and is not about to come out.
+    /// Return whether the circle's centre is behind an open outline by half a radius or more and does not move towards the front.
     pub(crate) fn is_behind(&self, frames: &[Frame]) -> bool {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let mut behind = false;
@@ -292,7 +299,7 @@ impl CompiledContact {
         behind
     }
 
-    /// Whether the material of a closed outline lies outside it.
+    /// Return whether the material of a closed outline lies outside the outline.
     pub(crate) fn is_hole(&self) -> bool {
         self.outline.is_some() && !self.is_open() && self.reach.is_infinite()
     }
@@ -305,7 +312,7 @@ impl CompiledContact {
         self.outline.as_ref().is_some_and(Outline::is_open)
     }
 
-    /// What a contact that began on `piece` at `rate` remembers.
+    /// Return the impact velocity memory of a contact with its onset on `piece` at the penetration rate `rate` \[m/s\].
     pub(crate) fn remember(&self, piece: usize, rate: f64) -> Memory {
         Memory {
             speed: self.pairs[piece].onset_speed(rate),

@@ -1,4 +1,4 @@
-//! Screening of a step for contacts that begin and end within it, which neither of its ends shows.
+//! Event screening: search of a step for contacts that begin and end within it and are visible at neither of its ends.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,13 +11,13 @@ use crate::integrator::event_location::Cubic;
 use crate::multibody::description::body::Frame;
 use crate::multibody::dynamics::MechanismDynamics;
 
-/// A contact at one end of a step.
+/// State of a contact at one end of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ContactEnd {
-    /// Depth \[m\], negative when apart, and its rate \[m/s\].
+    /// Penetration \[m\], negative when apart, and its rate \[m/s\].
     depth: [f64; 2],
-    /// Place \[m\], velocity \[m/s\] and acceleration \[m/s²\] of the circle's centre, seen from the profile; none where it is
-    /// farther away than a step may carry it, or behind the profile.
+    /// Position \[m\], velocity \[m/s\] and acceleration \[m/s²\] of the circle's centre in the frame of the profile; `None` if
+    /// the circle is farther away than a step may carry it, or behind the profile.
     motion: Option<[[f64; 2]; 3]>,
 }
 
@@ -29,7 +29,7 @@ impl ContactEnd {
 }
 
 impl MechanismDynamics {
-    /// Writes how all contacts are where the next step begins, which is where everything was evaluated last.
+    /// Write the state of all contacts at the start of the next step, which is the state of the last evaluation.
     pub(crate) fn begin_screening(&mut self) {
         let mut starts = std::mem::take(&mut self.starts);
         for (k, start) in starts.iter_mut().enumerate() {
@@ -38,7 +38,7 @@ impl MechanismDynamics {
         self.starts = starts;
     }
 
-    /// Whether a contact begins and ends, or ends and begins anew, within the step of `length` \[s\] that was evaluated last.
+    /// Return whether a contact begins and ends, or ends and begins again, within the last evaluated step of `length` \[s\].
     pub(crate) fn passes_contact(&self, length: f64) -> bool {
         (0..self.starts.len()).any(|k| {
             let (start, end) = (&self.starts[k], self.contact_end(k));
@@ -51,11 +51,11 @@ impl MechanismDynamics {
                 radius: contact.radius,
                 at: |place| contact.depth_at(place, memory),
             };
-            // What is far away is at least so far.
+            // Circles without a known gap have at least this gap.
             let least = -FARTHEST * contact.radius;
             let depths = [start.depth[0].max(least), end.depth[0].max(least)];
             match depths.map(|depth| depth > 0.0) {
-                // On its way out at the end, it was deeper within.
+                // Apart at the start: a penetration above that at the end belongs to a contact that has ended or is ending.
                 [false, _] => path.rises_above(depths[1].max(0.0) + UNSEEN, depths, &depth),
                 [true, false] => path.touches_again(depths[1], &depth),
                 [true, true] => Cubic::through(start.depth, end.depth, length)
@@ -65,7 +65,7 @@ impl MechanismDynamics {
         })
     }
 
-    /// How contact `k` is where everything was evaluated last.
+    /// Return the state of contact `k` at the last evaluation.
     fn contact_end(&self, k: usize) -> ContactEnd {
         let contact = &self.model.contacts[k];
         let mut depth = self.deepest[k];
@@ -77,7 +77,7 @@ impl MechanismDynamics {
         }
         let (fa, fb) = (&self.frames[contact.a.body], &self.frames[contact.b.body]);
         let (speed, acceleration) = contact.relative_motion(&self.frames, self.rates_of(contact));
-        // The frame of the profile turns.
+        // Coriolis term of the rotating frame of the profile; the other terms of that frame are in the acceleration.
         let acceleration = acceleration - 2.0 * fa.spin * turned_left(speed);
         let motion = [
             contact.local(fa, fb),
@@ -91,8 +91,8 @@ impl MechanismDynamics {
     }
 }
 
-/// The path of a circle in a step of `length` \[s\]; none where it is far at both ends. From or to far away it goes with the
-/// acceleration of its other end.
+/// Return the path of a circle's centre in a step of `length` \[s\], or `None` if the circle is far away at both ends. If it is far
+/// away at one end, the path has the constant acceleration of the other end.
 fn path_between(start: &ContactEnd, end: &ContactEnd, length: f64) -> Option<ContactPath> {
     let motion = |end: &ContactEnd| end.motion.map(|motion| motion.map(Vec2::from));
     let (start, end) = match (motion(start), motion(end)) {
@@ -104,7 +104,7 @@ fn path_between(start: &ContactEnd, end: &ContactEnd, length: f64) -> Option<Con
     Some(ContactPath::through(start, end, length))
 }
 
-/// A motion after a time \[s\] of constant acceleration.
+/// Return a motion after a `time` \[s\] of constant acceleration.
 fn continued([place, velocity, acceleration]: Motion, time: f64) -> Motion {
     let faster = velocity + time * acceleration;
     [
@@ -115,8 +115,8 @@ fn continued([place, velocity, acceleration]: Motion, time: f64) -> Motion {
 }
 
 impl CompiledContact {
-    /// Depth \[m\] of a circle that is out of reach: no less than how far it is from the circle that holds the profile; -∞ where that is
-    /// more than a step may carry it.
+    /// Return an upper bound of the penetration \[m\] of a circle out of reach, from the circle that encloses the profile. It is -∞ if
+    /// the gap is larger than a step may carry the circle.
     fn outer_depth(&self, frames: &[Frame]) -> f64 {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let apart = (fb.place(self.b.point) - fa.place(self.a.point)).norm_squared();
@@ -127,7 +127,8 @@ impl CompiledContact {
         }
     }
 
-    /// Depth \[m\] of the circle around a place in the frame of the profile, negative when apart, with what its sides remember.
+    /// Return the penetration \[m\] of the circle around `place` in the frame of the profile, negative when apart. `memory` is that of
+    /// the contact's sides.
     fn depth_at(&self, place: Vec2, memory: &[Memory]) -> f64 {
         let mut depth = f64::NEG_INFINITY;
         self.bearings(place, |bearing, _| {

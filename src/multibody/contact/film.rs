@@ -1,8 +1,9 @@
 //! Lubricant film of a clearance joint.
 //!
-//! The film's frame turns with the mean of both angular velocities: of the pin's velocity v as seen from the bore's body only
-//! u = v - ½ ω × d counts, d being the eccentricity and ω the angular velocity of the pin seen from the bore. Force and reaction
-//! act half-way between the two centres: about the pin's centre that is a torque of -½ |d| `F_t` on the pin, beside the shear -S ω.
+//! The frame of the film rotates with the mean of both angular velocities. The film force depends on u = v - ½ ω × d. Here v is the
+//! velocity of the pin relative to the bore's body, d the eccentricity and ω the angular velocity of the pin relative to the bore.
+//! Force and reaction act half-way between the two centres. About the pin's centre this is a torque -½ |d| `F_t` on the pin, in
+//! addition to the shear torque -S ω.
 
 use nalgebra::Matrix2;
 
@@ -14,12 +15,12 @@ use crate::multibody::constraints::relative_kinematics::{PairForce, PairTorque};
 use crate::multibody::description::body::Frame;
 use crate::multibody::forces::loads::Loads;
 
-/// Eccentricity over clearance below which its direction is lost in rounding: slopes are those at this one.
+/// Ratio of eccentricity to clearance below which the direction is lost in rounding. Slopes below it are those at this ratio.
 const LEAST_RATIO: f64 = 1e-7;
 
-/// The state of a film.
+/// Kinematic state of a film.
 struct Wet {
-    /// Along the eccentricity, and left of it.
+    /// Unit vectors along the eccentricity and left of it.
     axes: [Vec2; 2],
     /// |d| \[m\].
     eccentricity: f64,
@@ -30,7 +31,7 @@ struct Wet {
 }
 
 impl Wet {
-    /// u along both axes.
+    /// Return u along both axes \[m/s\].
     fn seen(&self) -> [f64; 2] {
         let [along, across] = self.velocity;
         [along, across - 0.5 * self.spin * self.eccentricity]
@@ -41,7 +42,7 @@ impl CompiledContact {
     fn wet(&self, fa: &Frame, fb: &Frame) -> Wet {
         let d = fb.place(self.b.point) - fa.place(self.a.point);
         let eccentricity = d.norm();
-        // In the middle any direction will do.
+        // The direction is arbitrary if pin and bore are concentric.
         let along = if eccentricity > 0.0 {
             d / eccentricity
         } else {
@@ -57,7 +58,7 @@ impl CompiledContact {
         }
     }
 
-    /// Adds the load of the film and what it dissipates.
+    /// Add force, torque and dissipated power of the film.
     pub(crate) fn add_film(
         &self,
         film: &HingeFilm,
@@ -73,10 +74,11 @@ impl CompiledContact {
         let shear = found.shear * wet.spin;
         self.add_wrench(frames, force, -0.5 * wet.eccentricity * drag - shear, loads);
         touch.friction += force;
+        // Dissipated power: S ω² - F·u.
         loads.dissipated += shear * wet.spin - (push * seen[0] + drag * seen[1]);
     }
 
-    /// How the load of the film changes.
+    /// Return force and torque of the film on the pin with their slopes.
     pub(crate) fn film_slopes(
         &self,
         film: &HingeFilm,
@@ -87,7 +89,7 @@ impl CompiledContact {
         let length = wet.eccentricity.max(LEAST_RATIO * film.clearance);
         let (found, slopes) = film.slopes(wet.eccentricity, wet.seen());
         let [push, drag] = found.force;
-        // Changes of |d|, u_r and u_t with the place of the pin, as covectors.
+        // Gradients of |d|, u_r and u_t with respect to the position of the pin.
         let [along, across] = wet.velocity;
         let turn = y / length;
         let by_place = [x, across * turn, -along * turn - 0.5 * wet.spin * x];
@@ -101,6 +103,7 @@ impl CompiledContact {
             (push_place, push_velocity, push_spin),
             (drag_place, drag_velocity, drag_spin),
         ] = slopes.force.map(chain);
+        // The axes rotate with the direction of d: F_r dx̂ + F_t dŷ = (F_r ŷ - F_t x̂) dθ, dθ = ŷ·dd/|d|.
         let turned: Matrix2<f64> = (push * y - drag * x) * turn.transpose();
         let half = 0.5 * wet.eccentricity;
         let force = PairForce {

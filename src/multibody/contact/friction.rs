@@ -1,8 +1,9 @@
-//! Friction of the sides of a contact, by the resultant normal force of each side.
+//! Friction on the sides of a contact, from the resultant normal force of each side.
 //!
-//! Of a side that pushes the circle by N n, n from the profile to the centre, the bodies touch at the circle's point -r n. There
-//! the circle slides along t, left of n, by s = t·v - r ω, v and ω being velocity of the centre and angular velocity of b as seen
-//! from a. Both bodies feel the friction φ = N h(s) at that point: on b about the centre a force -φ t and a torque r φ.
+//! The normal force of a side on the circle is N n, n pointing from the profile to the centre. The contact point is -r n from the
+//! circle's centre. The sliding velocity along t, left of n, is s = t·v - r ω. Here v and ω are the velocity of the centre and the
+//! angular velocity of b relative to a. The friction force φ = N h(s) acts on both bodies at the contact point. On b, about the
+//! centre, it is a force -φ t and a torque r φ.
 
 use nalgebra::Matrix2;
 
@@ -16,7 +17,7 @@ use crate::multibody::description::body::Frame;
 use crate::multibody::description::tribology::FrictionLaw;
 use crate::multibody::forces::loads::Loads;
 
-/// How one side slides.
+/// Normal force and sliding velocity of one side.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sliding {
     /// N \[N\].
@@ -31,7 +32,7 @@ pub(crate) struct Sliding {
     slip: f64,
 }
 
-/// Friction over normal force.
+/// Ratio of friction force to normal force, and its slope.
 #[derive(Debug, Clone, Copy)]
 struct Share {
     /// h.
@@ -43,7 +44,7 @@ struct Share {
     rate: f64,
 }
 
-/// h(s) by a law.
+/// Return h(s) of a friction law.
 fn share(law: &FrictionLaw, slip: f64, bent: Option<Bent>) -> Share {
     match (law, bent) {
         (FrictionLaw::Coulomb(law), _) => {
@@ -74,7 +75,7 @@ fn bristled(law: &LuGre, slip: f64, bent: Bent) -> Share {
 }
 
 impl CompiledContact {
-    /// How a side slides that pushes the circle by `push`, which is not zero.
+    /// Return normal, tangent and sliding velocity of a side with the normal force `push` on the circle, which is not zero.
     fn sliding(&self, push: Vec2, fa: &Frame, fb: &Frame) -> Sliding {
         let normal_force = push.norm();
         let normal = push / normal_force;
@@ -89,7 +90,7 @@ impl CompiledContact {
         }
     }
 
-    /// Adds the friction of all sides that push, after their normal forces.
+    /// Add the friction of all sides with a normal force; the normal forces must be evaluated before.
     pub(crate) fn add_friction(
         &self,
         law: &FrictionLaw,
@@ -117,7 +118,7 @@ impl CompiledContact {
         }
     }
 
-    /// Adds a force on b at the circle's centre and a torque on b, and both turned round on a.
+    /// Add a force on b at the circle's centre and a torque on b, with the opposite force and torque on a.
     pub(crate) fn add_wrench(&self, frames: &[Frame], force: Vec2, torque: f64, loads: &mut Loads) {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         let center = fb.place(self.b.point);
@@ -127,7 +128,7 @@ impl CompiledContact {
         loads.twist(self.a.body, -torque);
     }
 
-    /// How the friction of a side changes whose normal force is `push` with its slopes.
+    /// Return friction force and torque of a side with their slopes, from the normal force `push` and its slopes.
     pub(crate) fn friction_slopes(
         &self,
         law: &FrictionLaw,
@@ -141,7 +142,7 @@ impl CompiledContact {
         let share = share(law, at.slip, bent);
         let friction = at.normal_force * share.value;
         let slope = at.normal_force * share.slope;
-        // The normal turns by t·dP/N; with it the sliding velocity changes by -n·v of that.
+        // The normal rotates by dθ = t·dP/N, P being the normal force vector, and the sliding velocity changes by -n·v dθ.
         let rows = |by: &Matrix2<f64>| {
             let turning = by.tr_mul(&t) / at.normal_force;
             let slip = -n.dot(&at.velocity) * turning;
@@ -149,8 +150,10 @@ impl CompiledContact {
         };
         let (turning_by_place, by_place) = rows(&push.by_place);
         let (turning_by_velocity, by_velocity) = rows(&push.by_velocity);
+        // Derivatives of s = t·v - r ω at a constant normal: ∂s/∂v = t, ∂s/∂ω = -r.
         let by_velocity = by_velocity + slope * t;
         let by_spin = -slope * self.radius;
+        // d(-φ t) = -t dφ + φ n dθ.
         let force = PairForce {
             force: -friction * t,
             by_place: friction * n * turning_by_place.transpose() - t * by_place.transpose(),

@@ -1,4 +1,4 @@
-//! What happens on one side of a contact's profile, and what it remembers from its onset.
+//! State of a contact on one side of its profile, and its impact velocity memory.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,25 +7,26 @@ use crate::geometry::Contact;
 use crate::geometry::Vec2;
 use crate::multibody::description::profile::Tooth;
 
-/// What a live contact remembers of one side of its profile from its onset: written between steps only.
+/// Impact velocity memory of one side of a contact's profile, written between steps only.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct Memory {
-    /// Approach speed \[m/s\]; zero: no memory; below zero: behind an open outline, until it has come out.
+    /// Initial impact velocity \[m/s\]. Zero means no memory. A negative value means that the circle is behind an open outline;
+    /// it remains until the circle is outside.
     pub(crate) speed: f64,
-    /// The piece it began on, whose stiffness it keeps.
+    /// Number of the piece at the onset; its stiffness is used until the contact ends.
     pub(crate) piece: usize,
-    /// Whether it bears on the front of an open outline: from there it may sink in however deep.
+    /// Whether the circle came from the front of an open outline, from where the penetration has no limit.
     pub(crate) in_front: bool,
 }
 
-/// A contact with one side of its profile at one state; out of reach, its penetration is -∞.
+/// Contact with one side of a profile at one state; the penetration is -∞ out of reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Touch {
-    /// Where it is deepest.
+    /// Normal, penetration and penetration rate at the point of largest penetration.
     pub(crate) contact: Contact,
     pub(crate) piece: usize,
     pub(crate) place: Place,
-    /// Where among teeth, when it is near them.
+    /// Tooth gap and region, if the circle is near the teeth of a sprocket.
     pub(crate) tooth: Option<Tooth>,
     /// Normal force \[N\].
     pub(crate) force: f64,
@@ -54,14 +55,14 @@ impl Default for Touch {
 }
 
 impl Touch {
-    /// Whether anything was found out about it.
+    /// Return whether the evaluation found a contact point or a force.
     pub(crate) fn is_known(&self) -> bool {
         self.contact.penetration > f64::NEG_INFINITY || self.push != Vec2::zeros()
     }
 }
 
 impl Memory {
-    /// Of a circle behind an open outline, which it did not come through.
+    /// Memory of a circle behind an open outline that did not come through the surface.
     pub(crate) const BEHIND: Self = Self {
         speed: -1.0,
         piece: 0,

@@ -1,4 +1,4 @@
-//! Contacts of circles with profiles: place, force, memory, longest safe step.
+//! Contacts of circles with profiles: contact points, forces, impact velocity memory, bound of the step size.
 
 pub(crate) mod bristles;
 pub(crate) mod contact_path;

@@ -1,4 +1,4 @@
-//! Contacts that began or ended within a step: what each side remembers from then on.
+//! Contact onsets and contact ends within a step, and the impact velocity memory of each side.
 
 use super::impact_memory::{Memory, Touch};
 use super::outline::Place;
@@ -7,13 +7,14 @@ use crate::integrator::{Adams, Step};
 use crate::multibody::description::body::Frame;
 use crate::multibody::dynamics::MechanismDynamics;
 
-/// Part of the depth at the end of a step below which a contact began from nothing within it.
+/// Penetration at the onset over the penetration at the end of the step, below which the contact started at zero penetration.
+/// Above it, the contact moved over from another side.
 const SHALLOW: f64 = 1e-3;
 
-/// An onset that no row has reported yet.
+/// A contact onset that is not yet in a row of the report.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Onset {
-    /// When \[s\].
+    /// Time of the onset \[s\].
     pub(crate) time: f64,
     pub(crate) contact: usize,
     /// Initial impact velocity \[m/s\].
@@ -21,7 +22,7 @@ pub(crate) struct Onset {
 }
 
 impl MechanismDynamics {
-    /// Contacts that are there at the last evaluation have begun with their present rate.
+    /// Set the memory of all contacts present at the last evaluation, with the present penetration rate as initial impact velocity.
     pub(crate) fn remember_present_contacts(&mut self) {
         for k in 0..self.touches.len() {
             let touch = self.touches[k];
@@ -34,7 +35,7 @@ impl MechanismDynamics {
         }
     }
 
-    /// Writes the memory of contacts that began or ended within the step; the root of the dense output says when.
+    /// Write the memory of contacts with an onset or an end within the step. The onset is a root of the dense output.
     pub(crate) fn find_onsets(&mut self, adams: &Adams, step: &Step) {
         for contact in 0..self.near.len() {
             let sides = self.model.sides_of_contact[contact].clone();
@@ -42,7 +43,7 @@ impl MechanismDynamics {
                 let open = self.model.contacts[contact].is_open();
                 sides.for_each(|k| self.find_onset_of_side(k, open, adams, step));
             } else {
-                // Out of reach, where no outline has a back.
+                // Circles out of reach have no memory: the reach of an open outline, which has a back, is infinite.
                 self.memory[sides].fill(Memory::default());
             }
         }
@@ -71,7 +72,8 @@ impl MechanismDynamics {
         if begun.contact.penetration > SHALLOW * depth
             && let Some(speed) = self.speed_beside(k)
         {
-            // Rolled over from the side before, whose place on this one was in contact when it came to be.
+            // The contact moved over from a neighbouring side: its penetration is not zero at the crossing. It is not an onset, and the
+            // impact velocity memory of that side remains valid.
             let memory = &mut self.memory[k];
             *memory = Memory {
                 speed,
@@ -97,7 +99,8 @@ impl MechanismDynamics {
         self.memory[k] = self.model.contacts[contact].remember(piece, rate);
     }
 
-    /// What was in front of an open outline may sink in; what goes round its end does not come back through it.
+    /// Record whether the circle came from the front of an open outline. Only then may it penetrate to any depth. A circle that
+    /// moves round the end is not in contact from behind.
     fn note_place(&mut self, k: usize, place: Place) {
         let memory = &mut self.memory[k];
         match place {
@@ -107,7 +110,7 @@ impl MechanismDynamics {
         }
     }
 
-    /// The approach speed that another side of the same contact remembers.
+    /// Return the largest initial impact velocity in the memory of the other sides of the same contact \[m/s\].
     fn speed_beside(&self, k: usize) -> Option<f64> {
         let (contact, _) = self.model.sides[k];
         let sides = self.model.sides_of_contact[contact].clone();
@@ -117,13 +120,14 @@ impl MechanismDynamics {
         speeds.reduce(f64::max).filter(|&speed| speed > 0.0)
     }
 
-    /// One side of a contact at `t` inside the last step.
+    /// Return the contact state of side `k` at time `t` \[s\] inside the last step, from the dense output.
     fn side_at(&self, adams: &Adams, k: usize, t: f64) -> Touch {
         let (contact, side) = self.model.sides[k];
         let contact = &self.model.contacts[contact];
         let dense = adams.dense(t);
         let model = &self.model;
         let n = model.coordinates();
+        // The shift by projections is constant for velocities and grows linearly for positions, so that dq/dt = v.
         let (shift, since) = (&self.shift, t - self.shift_time);
         let value = |i: usize| {
             let grown = if i < n { since * shift[n + i] } else { 0.0 };

@@ -1,10 +1,10 @@
-//! Where a circle bears on an outline: every place of least distance, less the places of greatest distance between them.
+//! Contact points of a circle on an outline: all local minima of the distance, less the local maxima between them.
 //!
-//! Going along an outline, the distance from the circle's centre has places of least and of greatest value in turn. With an
-//! elastic energy E(δ) of one place, that of all is U = Σ E at the least - Σ E at the greatest distances that are near. In a
-//! corner between two sides both bear; where the circle slides over an edge or along a bent line, a least place and a greatest
-//! one meet and vanish with the same δ, so that U and its slope, the force, go on without a jump. An arc that is tighter than
-//! the circle is such a corner, rounded.
+//! Along an outline, the distance from the circle's centre has local minima and local maxima in turn. With the elastic energy
+//! E(δ) of one point, the total is U = Σ E(minima) - Σ E(maxima), over the points nearer than the radius. In a re-entrant corner
+//! both sides carry load. Where the circle slides over an edge or along a bent line, a minimum and a maximum merge and vanish at
+//! the same δ. U and its gradient, the force, are therefore continuous. An arc of a radius below that of the circle is a rounded
+//! re-entrant corner.
 
 mod extrema;
 
@@ -13,62 +13,62 @@ use crate::geometry::{Vec2, turned_left};
 use crate::multibody::description::outline_piece::Piece;
 use crate::multibody::description::profile::Curvature;
 
-/// Turns to the right below this are rounding, not corners \[sine\].
+/// Angle of a turn to the right below which it is a rounding error and no re-entrant corner \[sine\].
 const SMOOTH: f64 = 1e-6;
 
-/// Radii of the circle within which places are looked for first.
+/// Distance of the contact points included in the first search, over the radius of the circle.
 const NEAR: f64 = 2.0;
 
-/// A place where a circle may bear on a profile.
+/// A candidate contact point: a local minimum or maximum of the distance between a profile and the centre of a circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bearing {
     /// Distance of the circle's centre from the surface \[m\], negative inside the material.
     pub(crate) distance: f64,
-    /// Unit vector out of the material, the slope of the distance.
+    /// Unit vector out of the material, the gradient of the distance.
     pub(crate) outward: Vec2,
     /// Number of the piece.
     pub(crate) piece: usize,
-    /// Number of the side: what lies between two corners.
+    /// Number of the side, which is the part of the outline between two re-entrant corners.
     pub(crate) side: usize,
-    /// Part that it has in force and energy; negative for a place of greatest distance.
+    /// Weight in force and energy; negative for a local maximum of the distance.
     pub(crate) weight: f64,
-    /// Slope of the weight \[1/m\].
+    /// Gradient of the weight \[1/m\].
     pub(crate) slope: Vec2,
-    /// How the outward direction turns as the centre moves along the surface \[1/m\]: one over its distance from the centre
-    /// of curvature, negative where that lies in front.
+    /// Rotation of the outward direction per displacement of the centre along the surface \[1/m\]: one over its distance from
+    /// the centre of curvature, negative where that centre lies in front of the surface.
     pub(crate) bend: f64,
-    /// Where on the profile it is.
+    /// Position relative to the surface and the ends of the profile.
     pub(crate) place: Place,
 }
 
-/// Where on a profile a place is.
+/// Position of a contact point relative to the surface and the ends of a profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum Place {
-    /// In front of the surface.
+    /// The centre is in front of the surface.
     #[default]
     Front,
-    /// Around the end of an open outline, in front of it.
+    /// The point is the end of an open outline, and the centre is in front of it.
     EndFront,
-    /// Around the end of an open outline, from behind: the part fades to nothing where the back begins.
+    /// The point is the end of an open outline, and the centre is behind it. The weight decreases to zero where the back begins.
     EndBack,
     /// The centre is in the material.
     Deep,
-    /// The centre came through the surface and slides out past the end, far below it.
+    /// The centre is behind the end of an open outline. The point carries load only if the centre came through the surface.
     DeepAtEnd,
 }
 
-/// A piece, or a part of an arc of at most a quarter turn.
+/// A piece, or a part of an arc of at most a quarter turn, inside which the distance has at most one extremum.
 #[derive(Debug, Clone, Copy)]
 struct Part {
     piece: Piece,
     number: usize,
     side: usize,
-    /// Directions at its ends.
+    /// Unit tangents at both ends.
     tangents: [Vec2; 2],
     radius: f64,
 }
 
-/// An outline as a run needs it.
+/// An outline prepared for the evaluation of contacts.
 #[derive(Debug, Clone)]
 pub(crate) struct Outline {
     parts: Vec<Part>,
@@ -77,7 +77,7 @@ pub(crate) struct Outline {
 }
 
 impl Outline {
-    /// For a circle of `radius`.
+    /// Return the outline prepared for contacts with a circle of `radius` \[m\].
     pub(crate) fn new(pieces: &[Piece], closed: bool, radius: f64) -> Self {
         let mut parts = Vec::new();
         for (number, piece) in pieces.iter().enumerate() {
@@ -102,7 +102,7 @@ impl Outline {
         outline
     }
 
-    /// How many sides there are between corners.
+    /// Return the number of sides between re-entrant corners.
     pub(crate) fn sides(&self) -> usize {
         self.sides
     }
@@ -111,7 +111,7 @@ impl Outline {
         !self.closed
     }
 
-    /// A side ends at a corner that turns to the right, or with an arc that a circle of `radius` does not fit into.
+    /// Number the sides. A side ends at a corner that turns to the right, or with an arc of a radius not above `radius`.
     fn number_sides(&mut self, radius: f64) {
         let count = self.parts.len();
         let tight = |part: &Part| is_tight(part.piece.curvature(), radius);
@@ -124,7 +124,7 @@ impl Outline {
             .filter(|&i| begins(i))
             .collect();
         if self.closed && starts.len() == 1 {
-            // Both sides of the only corner are to be told apart.
+            // With a single corner both of its sides would have the same number: a second start divides the outline.
             starts.push((starts[0] + count.div_ceil(2)) % count);
             starts.sort_unstable();
             starts.dedup();
@@ -137,12 +137,13 @@ impl Outline {
         }
     }
 
-    /// Shows `visit` every place where a circle of `radius` around `point` may bear, and those farther off that face it.
+    /// Call `visit` with every candidate contact point of a circle of `radius` around `point`, at any distance.
     pub(crate) fn bearings(&self, point: Vec2, radius: f64, visit: impl FnMut(&Bearing)) {
         self.bearings_within(f64::INFINITY, point, radius, visit);
     }
 
-    /// The same for forces: along a closed outline, places nearer than some radii alone, where there are any.
+    /// Call `visit` with the contact points that are needed for forces. On a closed outline points farther than [`NEAR`] radii are
+    /// left out if any point is nearer.
     pub(crate) fn bearings_near(&self, point: Vec2, radius: f64, mut visit: impl FnMut(&Bearing)) {
         let limit = if self.closed {
             NEAR * radius
@@ -154,14 +155,16 @@ impl Outline {
             none = false;
             visit(bearing);
         });
-        // Far from all of it, the centre may be deep in the material.
+        // A centre that is far from the whole outline may be deep in the material.
         if none && self.closed {
             self.bearings(point, radius, visit);
         }
     }
 
-    /// Places farther off than `limit`, which is not below `radius`, are left out: a greatest distance that bears lies between
-    /// least ones that are nearer still.
+    /// Call `visit` with the contact points not farther than `limit` \[m\], which must not be below `radius`.
+    ///
+    /// A local maximum with a force lies between local minima that are nearer still: the limit excludes none of them. The sign of the
+    /// distance's derivative along the outline changes at an extremum: inside a part, or from one part to the next in a corner.
     fn bearings_within(
         &self,
         limit: f64,
@@ -219,18 +222,18 @@ impl Outline {
     }
 }
 
-/// Whether a circle of `radius` finds no place in an arc.
+/// Return whether a circle of `radius` does not fit into an arc.
 pub(crate) fn is_tight(curvature: Curvature, radius: f64) -> bool {
     matches!(curvature, Curvature::Concave(own) if own <= radius)
 }
 
 impl Part {
-    /// Whether the distance still falls at its end.
+    /// Return whether the distance decreases along the outline at the end of the part.
     fn descends(&self, point: Vec2) -> bool {
         self.tangents[1].dot(&(point - self.piece.to)) > 0.0
     }
 
-    /// The least (or greatest) distance inside the part.
+    /// Return the local minimum (or maximum) of the distance inside the part.
     fn inside(&self, point: Vec2, least: bool) -> Bearing {
         let Some(center) = self.piece.center else {
             let outward = -turned_left(self.tangents[0]);
@@ -243,7 +246,7 @@ impl Part {
             (true, true) => self.bearing(length - self.radius, direction, 1.0 / length),
             (true, false) => self.bearing(self.radius - length, -direction, -1.0 / length),
             (false, false) => self.bearing(self.radius + length, direction, 1.0 / length),
-            // The far side of a disc does not face the circle.
+            // The far side of a convex arc faces away from the circle: it has no force.
             (false, true) => self.bearing(f64::INFINITY, direction, 0.0),
         }
     }
@@ -270,7 +273,7 @@ fn direction(vector: Vec2, length: f64) -> Vec2 {
     }
 }
 
-/// A corner as a place of least or greatest distance; behind it the distance is negative.
+/// Return a corner as a local minimum or maximum of the distance; the distance is negative behind the corner.
 fn at_corner(before: &Part, part: &Part, arm: Vec2) -> Bearing {
     let distance = arm.norm();
     let outward = -turned_left(before.tangents[1] + part.tangents[0]);

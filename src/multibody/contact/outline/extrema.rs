@@ -1,20 +1,20 @@
-//! The places of least and greatest distance in the order of the way along an outline, and what bears of them.
+//! Local minima and maxima of the distance in their order along an outline, and the contact points among them.
 
 use super::{Bearing, Part, Place, direction};
 use crate::geometry::Vec2;
 
-/// The places seen so far on the way along an outline.
+/// The extrema found so far along an outline.
 #[derive(Default)]
 pub(super) struct Found {
     first_least: Option<Bearing>,
     last_least: Option<Bearing>,
-    /// A greatest distance before the first least one, of a closed outline.
+    /// The local maximum before the first local minimum of a closed outline.
     leading: Option<Bearing>,
-    /// A greatest distance whose next least one is still to come.
+    /// The local maximum after the last local minimum; the next local minimum is not yet found.
     pending: Option<Bearing>,
-    /// The nearest place with the point behind it.
+    /// The nearest local minimum with the circle's centre behind the surface.
     deep: Option<Bearing>,
-    /// Least distance of what the point is in front of.
+    /// Smallest distance of the local minima with the circle's centre in front of the surface \[m\].
     nearest: Option<f64>,
 }
 
@@ -53,8 +53,10 @@ impl Found {
         }
     }
 
-    /// The end of an open outline, which runs out of it along `away`, its outside along `front`. From behind, the part falls
-    /// as the square of the cosine.
+    /// Add the end of an open outline. `away` is the direction of the outline out of its end, `front` its outward normal.
+    ///
+    /// From behind, the weight is w = cos²φ, φ being the angle of the centre from `away`: with a = arm · away, w = a²/|arm|² and
+    /// ∇w = 2 a/|arm|² (away - a/|arm|² arm). The point below the surface past the end has the weight 1 - w.
     pub(super) fn at_end(
         &mut self,
         part: &Part,
@@ -108,7 +110,10 @@ impl Found {
     }
 }
 
-/// The greatest distance between two least ones: it takes part with the laws of both, more of the one that it is about to meet.
+/// Call `visit` with the local maximum between two local minima, once with the piece and side of each.
+///
+/// Let d₁ and d₂ be the differences between the maximum and the minima before and after it. The weights are -d₂/(d₁ + d₂) for the
+/// piece before and -d₁/(d₁ + d₂) for the piece after: a minimum that merges with the maximum cancels it.
 fn between(
     before: &Bearing,
     greatest: &Bearing,

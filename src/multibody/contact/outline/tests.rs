@@ -1,4 +1,4 @@
-//! A circle along edges, corners, bends and ends.
+//! Forces on a circle along edges, corners, bends and ends of outlines.
 
 use super::*;
 
@@ -15,12 +15,12 @@ fn polyline(points: &[(f64, f64)], closed: bool) -> Vec<Piece> {
         .collect()
 }
 
-/// Energy of all places, of a law δ^1.5 / 1.5, and the force.
+/// Return energy and force of all contact points for the energy δ^2.5/2.5 and the force δ^1.5.
 fn sum(outline: &Outline, point: Vec2, radius: f64) -> (f64, Vec2) {
     let (mut energy, mut force) = (0.0, Vec2::zeros());
     outline.bearings(point, radius, |b| {
         let depth = (radius - b.distance).max(0.0);
-        // What is behind an open outline has not come through it here.
+        // A circle behind an open outline is not in contact here: it did not come through the surface.
         let behind = outline.is_open() && b.place == Place::Deep;
         if b.place != Place::DeepAtEnd && !behind {
             let stored = depth.powf(2.5) / 2.5;
@@ -31,10 +31,10 @@ fn sum(outline: &Outline, point: Vec2, radius: f64) -> (f64, Vec2) {
     (energy, force)
 }
 
-/// A way of the circle's centre, from 0 to 1.
+/// Path of the circle's centre by a parameter from 0 to 1.
 type Way = Box<dyn Fn(f64) -> Vec2>;
 
-/// The largest change of the force along a way in small steps, and the largest difference from the slope of the energy.
+/// Return the largest change of the force between small steps along a path, and the largest difference from the energy gradient.
 fn roughness(outline: &Outline, radius: f64, way: impl Fn(f64) -> Vec2) -> (f64, f64) {
     let (mut jump, mut wrong) = (0.0f64, 0.0f64);
     let mut before = sum(outline, way(0.0), radius).1;
@@ -163,7 +163,7 @@ fn along_edges_corners_bends_and_ends_the_force_does_not_jump_and_is_the_slope_o
     for (name, pieces, closed, way) in cases {
         let outline = Outline::new(pieces, closed, radius);
         let (jump, wrong) = roughness(&outline, radius, way);
-        // Steps of 1e-4 of forces of 0.1 over lengths of 0.1.
+        // The steps are 1e-4 long, and forces change by 0.1 over lengths of 0.1.
         assert!(jump < 1e-3, "{name}: a jump of {jump}");
         assert!(wrong < 2e-5, "{name}: {wrong} beside the slope");
     }
@@ -223,7 +223,7 @@ fn an_open_row_of_bends_has_a_side_for_each_and_a_convex_one_has_one() {
 
 #[test]
 fn forces_ask_for_near_places_and_get_what_all_give() {
-    // A wheel with notches, a lens of two arcs, and the same points clockwise: a hole.
+    // The cases are a wheel with notches, the same points clockwise (a hole), and a lens of two arcs.
     let wheel: Vec<(f64, f64)> = (0..24)
         .map(|k| {
             let (sin, cos) = (f64::from(k) * std::f64::consts::PI / 12.0).sin_cos();
