@@ -94,7 +94,7 @@ impl SprocketCandidates {
     }
 
     fn slot_of(&self, bushing: usize, links: usize) -> Option<usize> {
-    // The distance along the ring, modulo the number of links, also finds bushings behind the end of the chain.
+        // The distance along the ring, modulo the number of links, also finds bushings behind the end of the chain.
         self.runs.iter().find_map(|run| {
             let place = (bushing + links - run.first) % links;
             (place < run.length).then_some(run.slot + place)

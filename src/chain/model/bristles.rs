@@ -1,27 +1,27 @@
-//! Where the deflections of bristles stand in the state: among the velocities, their integrals among the coordinates.
+//! Bristle deflections in the state: deflections among the velocities, their integrals among the coordinates.
 //!
-//! The state of a drive is [q, dq/dt], and all that integrates it knows no other. A bristle's deflection z is a first-order unknown:
-//! as the velocity of a coordinate that is the integral of z, which nothing reads, it is foretold, corrected, weighed, written out
-//! inside steps and saved as every velocity is.
+//! The state of a drive is [q, dq/dt], and the integrator supports no other form. The deflection z of a bristle is a first-order unknown.
+//! It is stored as the velocity of a coordinate, the integral of z, which no equation uses. Prediction, correction, error weights, dense
+//! output and checkpoints therefore treat z like every velocity.
 
 use std::ops::Range;
 
 use super::Model;
 use crate::force_law::LuGre;
 
-/// Coordinates of bristles, behind all others; empty where there are none.
+/// Coordinates of bristles, behind all others; empty ranges for contacts without bristles.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct BristlePlaces {
-    /// One for every hinge.
+    /// One coordinate for every hinge.
     pub hinges: Range<usize>,
-    /// One for every bushing in its roller.
+    /// One coordinate for every bushing in its roller.
     pub rollers: Range<usize>,
-    /// One for every pair: sprocket or guide · links + bushing.
+    /// One coordinate for every pair: sprocket or guide · links + bushing.
     pub teeth: Range<usize>,
 }
 
 impl BristlePlaces {
-    /// Places from coordinate `first` on.
+    /// Return the ranges that begin at coordinate `first`, for the given numbers of bristles.
     pub(super) fn from(first: usize, [hinges, rollers, teeth]: [usize; 3]) -> Self {
         let in_rollers = first + hinges;
         let on_teeth = in_rollers + rollers;
@@ -32,19 +32,19 @@ impl BristlePlaces {
         }
     }
 
-    /// All of them.
+    /// Return the range of all bristle coordinates.
     #[must_use]
     pub fn all(&self) -> Range<usize> {
         self.hinges.start..self.teeth.end
     }
 
-    /// Whether there is none.
+    /// Return whether there are no bristles.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.all().is_empty()
     }
 
-    /// The body that feels the bristle of a coordinate: the link of the hinge's front, the roller, or the link of the bushing.
+    /// Return the body on which the bristle of a coordinate acts: the front link of the hinge, the roller, or the link of the bushing.
     pub(super) fn body(&self, model: &Model, index: usize) -> Option<usize> {
         if self.hinges.contains(&index) {
             return Some(index - self.hinges.start);
@@ -60,20 +60,20 @@ impl BristlePlaces {
     }
 }
 
-/// Deflection at break-away above which bristles bend further than contacts of a drive have play \[m\].
+/// Largest break-away deflection without a warning \[m\]; larger ones exceed the usual clearances of a drive.
 const SOFTEST: f64 = 1e-4;
 
-/// The same below which they are stiffer than steps at any usual accuracy resolve \[m\].
+/// Smallest break-away deflection without a warning \[m\]; steps at usual accuracies do not resolve stiffer bristles.
 const STIFFEST: f64 = 1e-8;
 
-/// What is to be said of the bristles of hinges and of teeth.
+/// Return the warnings for the bristles of hinges and of teeth.
 pub(super) fn doubts([hinges, teeth]: [Option<LuGre>; 2]) -> impl Iterator<Item = String> {
     let all = [(hinges, "hinges"), (teeth, "teeth")];
     all.into_iter()
         .filter_map(|(law, place)| doubt(&law?, place))
 }
 
-/// Why bristles would hardly be what was meant, in words.
+/// Return a warning for a break-away deflection static_coefficient/stiffness outside of `STIFFEST` to `SOFTEST`.
 fn doubt(law: &LuGre, place: &str) -> Option<String> {
     let found = law.breakaway();
     let what = format!(

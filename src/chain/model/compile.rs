@@ -1,4 +1,4 @@
-//! Drive and start -> `Model`: inertias, coordinates, pair constants.
+//! Compilation of a drive and its initial configuration to a `Model`: inertias, coordinates, constants of surface pairs.
 
 use super::bristles::{BristlePlaces, doubts};
 use super::rail::place_rail;
@@ -16,24 +16,24 @@ use crate::force_law::{
 use crate::geometry::Vec2;
 use crate::layout::{InitialConfiguration, check_places, strands};
 
-/// The laws of a run.
+/// Force laws of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceLaws {
-    /// Pins in bushings.
+    /// Normal force of pins in bushings.
     pub hinge: ForceLaw,
-    /// Bushings on teeth.
+    /// Normal force of bushings on teeth.
     pub tooth: ForceLaw,
-    /// Friction of pins in bushings; none: absent.
+    /// Friction of pins in bushings; `None`: no friction.
     pub hinge_friction: Option<Friction>,
-    /// Friction of bushings on teeth.
+    /// Friction of bushings on teeth; `None`: no friction.
     pub tooth_friction: Option<Friction>,
-    /// Bristles of pins in bushings, in the place of their friction; none: absent.
+    /// Bristle friction of pins in bushings, instead of `hinge_friction`; `None`: no bristles.
     pub hinge_bristles: Option<LuGre>,
-    /// Bristles of bushings on teeth.
+    /// Bristle friction of bushings on teeth, instead of `tooth_friction`; `None`: no bristles.
     pub tooth_bristles: Option<LuGre>,
-    /// Lubricant between pins and bushings; none: absent.
+    /// Lubricant film between pins and bushings; `None`: no film.
     pub hinge_film: Option<Film>,
-    /// Floor of the approach speed at onset \[m/s\].
+    /// Minimum impact velocity \[m/s\].
     pub min_approach_speed: f64,
 }
 
@@ -73,7 +73,7 @@ impl ForceLaws {
 }
 
 impl ForceLaws {
-    /// Coordinates of the bristles of a drive of so many hinges, rollers and wheels.
+    /// Allocate the coordinates of the bristles for the given numbers of hinges, rollers, and sprockets with guides.
     fn place_bristles(
         &self,
         coordinates: &mut Coordinates,
@@ -107,7 +107,7 @@ impl Default for ForceLaws {
     }
 }
 
-/// Hands out generalized coordinates.
+/// Counter that allocates generalized coordinates.
 struct Coordinates(usize);
 
 impl Coordinates {
@@ -118,10 +118,10 @@ impl Coordinates {
 }
 
 impl Model {
-    /// Compiles a drive that begins at `start`.
+    /// Compile a drive with the initial configuration `start`.
     ///
     /// # Errors
-    /// When a description does not hold, or a law does not apply to a pair of surfaces.
+    /// When a description is invalid, or a law does not apply to a pair of surfaces.
     pub fn compile(drive: &Drive, laws: &ForceLaws, start: &InitialConfiguration) -> Result<Self> {
         drive.validate()?;
         laws.check(drive.chain.material.restitution)?;
@@ -181,7 +181,7 @@ impl Model {
         let (bodies, arms) = ring(drive, ends.as_ref());
         let mass: Vec<f64> = bodies.iter().map(|body| body.mass).collect();
         let inertia: Vec<f64> = bodies.iter().map(|body| body.inertia).collect();
-        // What nothing moves has none: exactly.
+        // The inverse is exactly zero for a body with prescribed motion: no force accelerates it.
         let inverse = |value: &f64| if *value < IMMOVABLE { 1.0 / value } else { 0.0 };
         Ok(Self {
             links,
@@ -220,7 +220,7 @@ impl Model {
     }
 }
 
-/// Mass properties of the links, and half their lengths; behind them those of an open chain's ends.
+/// Return mass properties and half lengths of the links, followed by those of the two bodies at the ends of an open chain.
 fn ring(drive: &Drive, ends: Option<&OpenEnds>) -> (Vec<Link>, Vec<f64>) {
     let chain = &drive.chain;
     let links = 0..chain.links as usize;
@@ -229,7 +229,7 @@ fn ring(drive: &Drive, ends: Option<&OpenEnds>) -> (Vec<Link>, Vec<f64>) {
         return (links.map(|i| chain.link(i)).collect(), arms);
     };
     let mut bodies: Vec<Link> = links.map(|i| chain.strand_link(i)).collect();
-    // The end of the last link follows it; then comes that of the first.
+    // Order of the bodies in the ring: links, body at the end of the last link, body at the end of the first link.
     for (end, described) in ends.bodies.iter().zip(described).rev() {
         bodies.push(match described {
             ChainEnd::Load { mass, inertia, .. } if end.kind == EndKind::Load => Link {
@@ -246,7 +246,9 @@ fn ring(drive: &Drive, ends: Option<&OpenEnds>) -> (Vec<Link>, Vec<f64>) {
     (bodies, arms)
 }
 
-/// What the plates at each of so many hinges give way by \[m/N\]: half of either link, and what holds an end of an open chain does not.
+/// Return the compliance of the plates at each hinge \[m/N\].
+///
+/// Each of the two links of a hinge contributes half of its compliance `whole`; the body at an end of an open chain is rigid.
 fn plates_at_hinges(whole: f64, hinges: usize, ends: Option<&OpenEnds>) -> Vec<f64> {
     let mut compliance = vec![whole; hinges];
     for end in ends.iter().flat_map(|ends| &ends.bodies) {
@@ -255,7 +257,7 @@ fn plates_at_hinges(whole: f64, hinges: usize, ends: Option<&OpenEnds>) -> Vec<f
     compliance
 }
 
-/// Sprockets, then guides.
+/// Return the models of the sprockets, followed by those of the guides.
 fn place_wheels(
     drive: &Drive,
     start: &InitialConfiguration,
@@ -283,7 +285,7 @@ fn place_wheels(
     Ok(wheels)
 }
 
-/// Bushings against every surface of all sprockets and guides.
+/// Return the surface pairs of bushings and every surface of all sprockets and guides.
 fn tooth_pairs(drive: &Drive, wheels: &[SprocketModel]) -> Vec<SurfacePair> {
     let chain = &drive.chain;
     let of_teeth = (drive.sprockets.iter()).map(|_| chain.material.contact_modulus());
@@ -295,7 +297,7 @@ fn tooth_pairs(drive: &Drive, wheels: &[SprocketModel]) -> Vec<SurfacePair> {
     let mut pairs = Vec::new();
     for (s, (wheel, modulus)) in wheels.iter().zip(moduli).enumerate() {
         let guide = s.checked_sub(drive.sprockets.len());
-        // Of a rail that plates bear on, their ends and its own outline are pressed.
+        // On a rail that supports the plates, the contact is between the plate ends (radius plate_height/2) and the rail's own outline.
         let plates = guide.and_then(|g| {
             let rail = &drive.guides[g];
             Some((rail.profile().ok()?, 0.5 * rail.plate_height?))
@@ -314,13 +316,13 @@ fn tooth_pairs(drive: &Drive, wheels: &[SprocketModel]) -> Vec<SurfacePair> {
     pairs
 }
 
-/// Why the law of bushings in rollers is outside its range.
+/// Return a warning if the law of bushings in rollers is outside its range of validity.
 fn roller_note(law: Elastic, pair: &SurfacePair) -> Option<String> {
     let note = range_note(law, pair)?;
     Some(format!("{} law, bushing and roller: {note}", law.name()))
 }
 
-/// Why laws are outside their ranges, a line for each pair of surfaces.
+/// Return warnings on laws outside their range of validity, one line for each pair of surfaces.
 fn range_notes(
     laws: &ForceLaws,
     hinge_pairs: &[SurfacePair],
@@ -379,7 +381,8 @@ fn place_sprocket(
         (Some(tensioner), _) => {
             let line = tensioner.line(drive)?;
             let [back, forth] = tensioner.travel;
-            // The way, its spring and its stops begin where the sprocket is described, wherever the start has it.
+            // Spring and stops have their origin at the described centre, whatever the initial configuration. A straight guide path
+            // passes through the initial centre: its origin is the described centre, shifted across the path.
             let moved = center - sprocket.center;
             center = if line.curvature == 0.0 {
                 center - moved.dot(&line.direction) * line.direction
@@ -403,7 +406,7 @@ fn place_sprocket(
                 },
                 pull: line.pull,
                 ramp_time: tensioner.ramp_time,
-                // Newton's method converges with the harder one, whichever acts.
+                // Newton's method converges with the larger coefficient, whichever direction the centre moves in.
                 damping: tensioner.damping.max(tensioner.damping_back.unwrap_or(0.0)),
             }
         }

@@ -1,7 +1,8 @@
-//! An open chain as the ring of links that the kernels know: two more bodies close it, and hinges that are none stay open.
+//! Open chain as a ring of links for the kernels: two additional bodies close the ring, and its open hinges have no contact.
 //!
-//! Behind the links stand the body at the end of the last link and the body at the beginning of the first one. The hinge between
-//! these two never touches, nor does that of a loose end. An anchor has no inverse mass: it feels nothing and moves as it is told.
+//! The links are followed by the body at the end of the last link and the body at the beginning of the first one. The hinge between
+//! these two bodies has no contact; neither has the hinge of a free end. The inverse mass of an anchored end is zero: forces do not
+//! affect its prescribed motion.
 
 use super::Model;
 use crate::drive::bushing_on_front;
@@ -10,39 +11,39 @@ use crate::geometry::Vec2;
 use crate::layout::InitialConfiguration;
 use crate::math::Signal;
 
-/// Mass \[kg\] and inertia \[kg m²\] that Newton's matrix has for a body that nothing moves.
+/// Mass \[kg\] and inertia \[kg m²\] in Newton's matrix of a body with prescribed motion: larger by far than those of any body of a chain.
 pub(crate) const IMMOVABLE: f64 = 1e20;
 
-/// Both ends of an open chain: that of the first link, that of the last one.
+/// Both ends of an open chain: the end at the first link, then the end at the last one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OpenEnds {
-    /// Number of links, without the two bodies that close the ring.
+    /// Number of links of the chain, without the two bodies that close the ring.
     pub links: usize,
-    /// The bodies at the ends.
+    /// Bodies at the ends.
     pub bodies: [EndModel; 2],
 }
 
 /// One end of an open chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EndModel {
-    /// Its body.
+    /// Number of its body.
     pub body: usize,
-    /// The hinge that joins it to the chain.
+    /// Hinge between this body and the chain.
     pub hinge: usize,
-    /// Where its body is at the start \[m\].
+    /// Centre of its body at the start \[m\].
     pub start: Vec2,
-    /// What it is.
+    /// Kind of the end.
     pub kind: EndKind,
 }
 
-/// What an end of an open chain is.
+/// Kind of an end of an open chain.
 #[derive(Debug, Clone, PartialEq)]
 pub enum EndKind {
-    /// Nothing: its body takes no part.
+    /// Free end: its body has no effect.
     Loose,
-    /// A pin with this velocity, x and y \[m/s\].
+    /// Anchored end: a pin with this velocity, x and y \[m/s\].
     Held([Signal; 2]),
-    /// A body with a mass.
+    /// Loaded end: a body with mass and inertia.
     Load,
 }
 
@@ -62,7 +63,7 @@ impl EndModel {
         }
     }
 
-    /// Place that it is given at time `t` \[m\], and its velocity \[m/s\]; nothing for a load.
+    /// Return the prescribed position \[m\] and velocity \[m/s\] at time `t` \[s\]; `None` for a loaded end.
     #[must_use]
     pub fn given_motion(&self, t: f64) -> Option<(Vec2, Vec2)> {
         let moved = match &self.kind {
@@ -72,13 +73,15 @@ impl EndModel {
         Some((self.start + moved, self.given_velocity(t)?))
     }
 
-    /// Whether it is moved with an acceleration that changes between knots, which the integrator follows within its tolerance only.
+    /// Return whether the prescribed acceleration varies between knots.
+    ///
+    /// The integrator follows such a motion only within its tolerance.
     pub(crate) fn follows_a_curve(&self) -> bool {
         let straight = |signal: &Signal| matches!(signal, Signal::Constant(_) | Signal::Table(_));
         matches!(&self.kind, EndKind::Held(velocity) if !velocity.iter().all(straight))
     }
 
-    /// Velocity that it is given at time `t` \[m/s\]; nothing for a load.
+    /// Return the prescribed velocity at time `t` \[s\] \[m/s\]; `None` for a loaded end.
     #[must_use]
     pub fn given_velocity(&self, t: f64) -> Option<Vec2> {
         match &self.kind {
@@ -88,7 +91,7 @@ impl EndModel {
         }
     }
 
-    /// Acceleration that it is given at time `t` \[m/s²\]; nothing for a load.
+    /// Return the prescribed acceleration at time `t` \[s\] \[m/s²\]; `None` for a loaded end.
     #[must_use]
     pub fn given_acceleration(&self, t: f64) -> Option<Vec2> {
         match &self.kind {
@@ -100,7 +103,7 @@ impl EndModel {
 }
 
 impl OpenEnds {
-    /// The ends of `drive`, which begins at `start`, if its chain is open.
+    /// Return the ends of `drive` with the initial configuration `start`; `None` for a closed chain.
     #[must_use]
     pub fn of(drive: &Drive, start: &InitialConfiguration) -> Option<Self> {
         let [first, last] = drive.ends.as_ref()?;
@@ -114,7 +117,7 @@ impl OpenEnds {
         })
     }
 
-    /// The velocities that its ends follow.
+    /// Return the velocity signals of the anchored ends.
     pub(super) fn signals(&self) -> impl Iterator<Item = &Signal> {
         self.bodies.iter().flat_map(|end| match &end.kind {
             EndKind::Held(velocity) => velocity.as_slice(),
@@ -122,21 +125,21 @@ impl OpenEnds {
         })
     }
 
-    /// Time of the first knot after `t` of a velocity of an end \[s\]; infinite when there is none.
+    /// Return the time of the first knot of an end's velocity after `t` \[s\]; infinite without one.
     #[must_use]
     pub fn next_knot(&self, t: f64) -> f64 {
         let knots = self.signals().map(|signal| signal.next_knot(t));
         knots.fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether hinge `k` is none.
+    /// Return whether hinge `k` of the ring is open: between the two end bodies, or at a free end.
     #[must_use]
     pub fn hinge_is_open(&self, k: usize) -> bool {
         let loose = |end: &EndModel| end.hinge == k && end.kind == EndKind::Loose;
         k == self.links || self.bodies.iter().any(loose)
     }
 
-    /// Whether hinge `k` has a bushing; at a loose end the link itself may have one.
+    /// Return whether hinge `k` has a bushing; at a free end, the bushing may belong to the link itself.
     #[must_use]
     pub fn bushing_is_there(&self, k: usize) -> bool {
         let [first, last] = &self.bodies;
@@ -146,7 +149,9 @@ impl OpenEnds {
         k == first.hinge || k != self.links
     }
 
-    /// Power that the chain's pull on the ends, `force` \[N\] of each, takes from those that are moved, at time `t` \[W\].
+    /// Return the external power of the prescribed end motions at time `t` \[W\]: -Σ v · F over the anchored ends.
+    ///
+    /// `force`: force of the chain on each end \[N\].
     #[must_use]
     pub(crate) fn worked_in(&self, force: [Vec2; 2], t: f64) -> f64 {
         let ends = self.bodies.iter().zip(force);
@@ -159,13 +164,13 @@ impl OpenEnds {
 }
 
 impl Model {
-    /// Whether hinge `k` is none: where an open chain is open.
+    /// Return whether hinge `k` is an open hinge of an open chain.
     #[must_use]
     pub fn hinge_is_open(&self, k: usize) -> bool {
         self.ends.as_ref().is_some_and(|ends| ends.hinge_is_open(k))
     }
 
-    /// Whether hinge `k` has a bushing.
+    /// Return whether hinge `k` has a bushing.
     #[must_use]
     pub fn bushing_is_there(&self, k: usize) -> bool {
         self.ends
@@ -173,9 +178,9 @@ impl Model {
             .is_none_or(|ends| ends.bushing_is_there(k))
     }
 
-    /// Rollers that are none: where an open chain has no bushing.
+    /// Return the numbers of absent rollers: hinges of an open chain without a bushing.
     pub(crate) fn absent_rollers(&self) -> impl Iterator<Item = usize> {
-        // Only the hinge between the ends and that of the last link can be without.
+        // Only the hinge between the end bodies and the hinge of the last link can lack a bushing.
         let last = self
             .ends
             .as_ref()
@@ -183,7 +188,7 @@ impl Model {
         last.filter(|&k| !self.bushing_is_there(k))
     }
 
-    /// Whether link `i` is an end that nothing moves but what it is told.
+    /// Return whether link `i` is the body of an anchored or free end: its motion is prescribed.
     #[must_use]
     pub fn is_held(&self, i: usize) -> bool {
         let held = |end: &EndModel| end.body == i && end.kind != EndKind::Load;

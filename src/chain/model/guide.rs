@@ -1,41 +1,43 @@
-//! Where a tensioner lets a sprocket's centre go: a straight line or a circle about a pivot, a spring, and stops.
+//! Guide path of a tensioner: a straight line or a circle about a pivot, with spring, stops, dashpots and ratchet.
 
 use crate::geometry::Vec2;
 use crate::geometry::path::guide_path;
 
-/// The way of a centre, by its distance s along it \[m\] from the start.
+/// Guide path of a centre and the forces along it, as functions of the displacement s along the slide \[m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guide {
-    /// 1/radius of the way \[1/m\], positive where it bends to the left; 0: straight.
+    /// Curvature of the guide path \[1/m\], positive for a bend to the left; 0: straight.
     pub curvature: f64,
-    /// What holds the centre back \[N/m\].
+    /// Stiffness of the spring \[N/m\]; its force is zero at s = 0.
     pub stiffness: f64,
-    /// Where the stops are: least and greatest s \[m\].
+    /// Positions of the stops: smallest and largest s without a stop force \[m\].
     pub stops: [f64; 2],
     /// Stiffness of the stops \[N/m\].
     pub stop_stiffness: f64,
-    /// Dashpots against a centre that moves back and forth \[N s/m\].
+    /// Dashpot coefficients for ds/dt < 0 and for ds/dt >= 0 \[N s/m\].
     pub dashpots: [f64; 2],
-    /// Mass that moves along besides the sprocket's own \[kg\].
+    /// Additional moving mass besides that of the sprocket \[kg\].
     pub extra_mass: f64,
-    /// What lets it move one way only.
+    /// Ratchet that permits motion in one direction only.
     pub ratchet: Option<Ratchet>,
 }
 
-/// A rack and its pawl: a stop that follows what moves forward, tooth by tooth.
+/// Rack and pawl: a stop that follows the forward motion tooth by tooth.
 ///
-/// How far the pawl has come is remembered between steps (`ImpactMemory::pawls`). It falls behind a tooth only when that has passed, so
-/// that the stop is never loaded where it moves: neither force nor energy jumps.
+/// The position of the pawl is stored between steps (`ImpactMemory::pawls`). The pawl engages behind a tooth only after that tooth has
+/// passed: the stop carries no load when it moves, and neither force nor energy is discontinuous.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ratchet {
-    /// Distance of the teeth along the way \[m\]; 0: the pawl holds anywhere.
+    /// Pitch of the rack along the guide path \[m\]; 0: the pawl holds at any position.
     pub step: f64,
-    /// 1 where it lets s grow, -1 where it lets it fall.
+    /// 1 if s can only increase, -1 if s can only decrease.
     pub forward: f64,
 }
 
 impl Ratchet {
-    /// How far forward the pawl stands, which was at `pawl` before, when what it holds is at s.
+    /// Return the new forward position of a pawl at `pawl` for a displacement s.
+    ///
+    /// With way = ± s and the pitch p of the rack: max(pawl, p floor(way/p)).
     #[must_use]
     pub fn follow(&self, pawl: f64, s: f64) -> f64 {
         let way = self.forward * s;
@@ -49,31 +51,31 @@ impl Ratchet {
 }
 
 impl Guide {
-    /// Displacement of the centre at s.
+    /// Return the displacement vector of the centre at s \[m\].
     #[must_use]
     pub fn offset(&self, direction: Vec2, s: f64) -> Vec2 {
         guide_path::along(direction, self.curvature, s).0
     }
 
-    /// Unit vector along the way at s.
+    /// Return the tangent of the guide path at s.
     #[must_use]
     pub fn tangent(&self, direction: Vec2, s: f64) -> Vec2 {
         guide_path::along(direction, self.curvature, s).1
     }
 
-    /// s of a centre that is displaced by `offset`.
+    /// Return s of a centre displaced by `offset` \[m\].
     #[must_use]
     pub fn place(&self, direction: Vec2, offset: Vec2) -> f64 {
         guide_path::place(direction, self.curvature, offset)
     }
 
-    /// Force of spring and stops along the way \[N\], the pawl of a ratchet where it stands.
+    /// Return the force of spring and stops along the guide path \[N\], for a pawl at `pawl`.
     #[must_use]
     pub fn force(&self, s: f64, pawl: f64) -> f64 {
         -self.stiffness * s - self.stop_stiffness * self.past_stop(s, pawl)
     }
 
-    /// How it falls with s \[N/m\].
+    /// Return the stiffness -dF/ds of spring and stops \[N/m\].
     #[must_use]
     pub fn stiffness_at(&self, s: f64, pawl: f64) -> f64 {
         let stopped = if self.past_stop(s, pawl) == 0.0 {
@@ -84,13 +86,13 @@ impl Guide {
         self.stiffness + stopped
     }
 
-    /// Dashpot at a speed along the way \[N s/m\].
+    /// Return the dashpot coefficient for a speed ds/dt along the guide path \[N s/m\].
     #[must_use]
     pub fn dashpot(&self, speed: f64) -> f64 {
         self.dashpots[usize::from(speed >= 0.0)]
     }
 
-    /// Energy in spring and stops \[J\].
+    /// Return the energy stored in spring and stops \[J\].
     #[must_use]
     pub fn energy(&self, s: f64, pawl: f64) -> f64 {
         let past = self.past_stop(s, pawl);

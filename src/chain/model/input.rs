@@ -1,4 +1,4 @@
-//! Speeds and torques that are set while a drive runs, in place of those that it was described with.
+//! Speed and torque inputs that replace those of the description during a run.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,27 +6,27 @@ use super::{Model, Rotation};
 use crate::error::{Error, Result};
 use crate::math::Signal;
 
-/// What of a sprocket is set.
+/// Input quantity of a sprocket.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Quantity {
-    /// The prescribed speed \[rad/s\].
+    /// Prescribed speed \[rad/s\].
     Speed,
-    /// The torque against time \[N m\]; a curve over the speed stays as it is.
+    /// Torque as a function of time \[N m\]; a curve over the speed remains unchanged.
     Torque,
 }
 
-/// What holds for one sprocket from some time on.
+/// Input of one sprocket from a given time on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Input {
     sprocket: usize,
     quantity: Quantity,
     signal: Signal,
-    /// Angle that the sprocket would have had at time zero \[rad\], where its speed is prescribed.
+    /// Angle at time zero for which the angle is continuous at the time of the input \[rad\]; used for prescribed speeds.
     phase: f64,
 }
 
 impl Input {
-    /// Number of the sprocket, from 0.
+    /// Return the number of the sprocket, from 0.
     #[must_use]
     pub fn sprocket(&self) -> usize {
         self.sprocket
@@ -34,11 +34,12 @@ impl Input {
 }
 
 impl Model {
-    /// What gives sprocket `sprocket` (from 0) another speed or torque from `t` on \[s\]; its angle does not jump. `None`: it has this
-    /// already.
+    /// Return the input that changes the speed or torque of `sprocket` (from 0) from `t` \[s\] on; its angle is continuous.
+    ///
+    /// `None`: the sprocket already has this input.
     ///
     /// # Errors
-    /// When there is no such sprocket, its motion has no such quantity, or `signal` is beyond what a drive may be described with.
+    /// When there is no such sprocket, its motion has no such quantity, or `signal` exceeds the bounds of a drive.
     pub fn input(
         &self,
         sprocket: usize,
@@ -98,7 +99,7 @@ impl Model {
         }))
     }
 
-    /// The model with `inputs` in place of what it was compiled with; `None` when they are of another model.
+    /// Return the model with `inputs` instead of its compiled ones; `None` for inputs of another model.
     #[must_use]
     pub fn with_inputs(&self, inputs: &[Input]) -> Option<Self> {
         let mut model = self.clone();

@@ -1,4 +1,4 @@
-//! What a run needs: flat, indexed, immutable.
+//! Compiled model of a drive: flat arrays, indices instead of names, constant during a run.
 
 mod bristles;
 mod compile;
@@ -22,87 +22,89 @@ use crate::math::{Signal, Table};
 
 /// The complete model of a drive. Read-only during a run.
 ///
-/// Bodies: links first, then rollers, then sprockets. Generalized coordinates q: all link x, all link y, all link θ, those that the
-/// sprockets have, then all roller x, all roller y, all roller θ, then the integrals of what bristles are bent by, see [`BristlePlaces`]. Hinge `k` joins the front of link `k` and the rear of link `k + 1`;
-/// bushing `k` belongs to the inner one. An open chain is closed to a ring by the two bodies at its ends, which count as links; see
-/// [`OpenEnds`].
+/// Bodies: links first, then rollers, then sprockets and guides. Generalized coordinates q: all link x, all link y, all link θ, those of
+/// the sprockets and guides, all roller x, all roller y, all roller θ, and the integrals of the bristle deflections, see
+/// [`BristlePlaces`].
+///
+/// Hinge `k` joins the front of link `k` and the rear of link `k + 1`; bushing `k` belongs to the inner one of these links. An open chain
+/// is closed to a ring by the two bodies at its ends, which count as links; see [`OpenEnds`].
 #[derive(Debug, Clone)]
 pub struct Model {
     /// Number of links, hinges and bushings.
     pub links: usize,
-    /// The ends of an open chain.
+    /// Ends of an open chain; `None` for a closed chain.
     pub ends: Option<OpenEnds>,
     /// Number of generalized coordinates.
     pub coordinates: usize,
     /// Half the nominal pitch \[m\].
     pub half_pitch: f64,
-    /// Half the length of each link \[m\]: its hinges lie at (± arm, 0).
+    /// Half the length of each link \[m\]: its hinges lie at (± arm, 0) in its own frame.
     pub arms: Vec<f64>,
     /// Mass of each link \[kg\].
     pub mass: Vec<f64>,
     /// Moment of inertia of each link \[kg m²\].
     pub inertia: Vec<f64>,
-    /// 1/mass of each link \[1/kg\].
+    /// 1/mass of each link \[1/kg\]; zero for an end with prescribed motion.
     pub inverse_mass: Vec<f64>,
-    /// 1/inertia of each link \[1/(kg m²)\].
+    /// 1/inertia of each link \[1/(kg m²)\]; zero for an end with prescribed motion.
     pub inverse_inertia: Vec<f64>,
     /// Radial clearance of the hinges \[m\].
     pub clearance: f64,
     /// Radius of the pins \[m\].
     pub pin_radius: f64,
-    /// Outside radius of what meets the teeth: bushings, or rollers \[m\].
+    /// Outside radius of the bushings or rollers in contact with the teeth \[m\].
     pub contact_radius: f64,
-    /// The rollers, where they are bodies of their own.
+    /// Rollers, where they are bodies of their own.
     pub rollers: Option<RollerModel>,
-    /// The sprockets, and behind them the guides: to the chain, wheels without teeth.
+    /// Sprockets, followed by the guides, which are treated as wheels without teeth.
     pub sprockets: Vec<SprocketModel>,
-    /// How many of them are guides.
+    /// Number of guides at the end of `sprockets`.
     pub guides: usize,
-    /// From which to which sprocket each strand leads. Two sprockets: the upper strand, the lower one.
+    /// Sprockets at the start and at the end of each strand. With two sprockets: the upper strand, then the lower one.
     pub strands: Vec<[usize; 2]>,
-    /// Law of the hinges: one pair for all.
+    /// Contact law of the hinges: one pair of surfaces for all.
     pub hinge_law: ContactLaw,
-    /// Law of the teeth: the pairs of one sprocket after those of another, see [`Self::tooth_pair`].
+    /// Contact law of the teeth: pairs of surfaces sprocket by sprocket, see [`Self::tooth_pair`].
     pub tooth_law: ContactLaw,
-    /// Friction in the hinges; none: absent.
+    /// Friction in the hinges; `None`: no friction.
     pub hinge_friction: Option<Friction>,
-    /// Friction on the teeth.
+    /// Friction on the teeth; `None`: no friction.
     pub tooth_friction: Option<Friction>,
-    /// Bristles in the hinges, in the place of a friction of the slip speed; none: absent.
+    /// Bristle (LuGre) friction in the hinges, instead of a function of the sliding velocity; `None`: no bristles.
     pub hinge_bristles: Option<LuGre>,
-    /// Bristles on the teeth.
+    /// Bristle (LuGre) friction on the teeth; `None`: no bristles.
     pub tooth_bristles: Option<LuGre>,
-    /// Where their deflections stand.
+    /// Coordinates of the bristles.
     pub bristles: BristlePlaces,
-    /// What the plates at each hinge give way by \[m/N\]; none: they are rigid.
+    /// Compliance of the plates at each hinge \[m/N\]; `None`: rigid plates.
     pub link_compliance: Option<Vec<f64>>,
-    /// Lubricant in the hinges; none: absent.
+    /// Lubricant film in the hinges; `None`: no film.
     pub hinge_film: Option<HingeFilm>,
-    /// Floor of the approach speed at onset \[m/s\].
+    /// Minimum impact velocity \[m/s\].
     pub min_approach_speed: f64,
     /// Gravity \[m/s²\].
     pub gravity: Vec2,
-    /// Why a law is outside its range in this drive, one line each.
+    /// Warnings on laws outside their range of validity in this drive, one line each.
     pub range_notes: Vec<String>,
 }
 
-/// A force law made ready for one group of pairs.
+/// Contact law with constants for one group of surface pairs.
 #[derive(Debug, Clone)]
 pub struct ContactLaw {
-    /// Which elastic law.
+    /// Elastic law.
     pub elastic: Elastic,
-    /// Its constants for each pair.
+    /// Constants of the elastic law for each pair.
     pub pairs: PairTable,
     /// λ of the damping factor; zero without damping.
     pub lambda: f64,
-    /// What happens between the regions of a tooth.
+    /// Treatment of transitions between the regions of a tooth.
     pub regions: Regions,
 }
 
-/// Rollers: one on every bushing, all alike.
+/// Rollers: one on every bushing, all identical.
 #[derive(Debug, Clone)]
 pub struct RollerModel {
-    /// Coordinate of the first one: all x, all y, all θ follow.
+    /// First coordinate of the rollers: all x, all y, all θ follow.
     pub first: usize,
     /// Mass \[kg\].
     pub mass: f64,
@@ -112,22 +114,22 @@ pub struct RollerModel {
     pub clearance: f64,
     /// Outside radius of the bushings \[m\].
     pub bushing_radius: f64,
-    /// Law of bushings in the rollers' bores: one pair for all.
+    /// Contact law of bushings in the bores of the rollers: one pair of surfaces for all.
     pub law: ContactLaw,
 }
 
-/// One sprocket.
+/// Sprocket or guide.
 #[derive(Debug, Clone)]
 pub struct SprocketModel {
     /// Tooth profile.
     pub profile: ToothProfile,
-    /// Number of the pair of its first surface in the law of the teeth.
+    /// Number of the first surface pair of this sprocket in the contact law of the teeth.
     pub first_pair: usize,
-    /// Directions (cos, sin) of the gaps in the sprocket's own frame.
+    /// Directions (cos, sin) of the tooth gaps in the frame of the sprocket.
     pub gap_directions: Vec<(f64, f64)>,
-    /// The teeth's centre in the sprocket's own frame \[m\]; zero unless they are eccentric.
+    /// Centre of the teeth in the frame of the sprocket \[m\]; zero unless the teeth are eccentric.
     pub offset: Vec2,
-    /// Distance of a bushing beyond which nothing touches \[m\].
+    /// Distance of a bushing from the centre beyond which contact is impossible \[m\].
     pub reach: f64,
     /// Mass \[kg\].
     pub mass: f64,
@@ -135,41 +137,41 @@ pub struct SprocketModel {
     pub inertia: f64,
     /// Centre at the start \[m\].
     pub center: Vec2,
-    /// Angle at time zero \[rad\]: that of gap 0.
+    /// Angle of gap 0 at time zero \[rad\]. For a guide on an arm: angle at zero displacement of `swing`.
     pub phase: f64,
-    /// What holds the centre.
+    /// Support of the centre.
     pub support: Support,
-    /// What the rotation obeys.
+    /// Law of the rotation.
     pub rotation: Rotation,
-    /// On which side of the chain it stands.
+    /// Side of the chain path on which the sprocket lies.
     pub side: Side,
-    /// What holds back the arm of a guide, by the angle that it has turned by \[rad\]: N m in the place of N.
+    /// Spring, stops and dashpots of a guide's arm, as functions of its rotation \[rad\]: N m instead of N, rad instead of m.
     pub swing: Option<Guide>,
-    /// What it may be driven by at most; none: a guide, which nothing drives.
+    /// Bounds of speed and torque inputs; `None` for a guide, which has no inputs.
     pub input_bounds: Option<InputBounds>,
 }
 
-/// What holds a sprocket's centre; indices point into q.
+/// Support of a sprocket's centre; indices refer to q.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Support {
-    /// At rest.
+    /// Fixed centre.
     Fixed,
-    /// Slides along a line or round a pivot, pulled and damped by a tensioner.
+    /// Slide along a line or about a pivot, with the pull and the damping of a tensioner.
     Slide {
-        /// Coordinate: distance from the start along the way \[m\].
+        /// Coordinate: displacement along the slide from its origin \[m\].
         index: usize,
-        /// Unit vector of the way at the start.
+        /// Unit vector of the guide path at its origin.
         direction: Vec2,
-        /// The way, its spring and its stops.
+        /// Guide path, spring and stops.
         guide: Guide,
-        /// Full pull \[N\].
+        /// Tensioner force after the ramp \[N\].
         pull: f64,
-        /// Time in which the pull grows \[s\].
+        /// Duration of the linear ramp of the tensioner force \[s\].
         ramp_time: f64,
-        /// Dashpot \[N s/m\]: the harder one of both directions.
+        /// Dashpot coefficient \[N s/m\]: the larger one of both directions.
         damping: f64,
     },
-    /// Free in the plane: coordinates x and y \[m\].
+    /// Centre free in the plane: coordinates x and y \[m\].
     Floating {
         /// Coordinate x.
         x: usize,
@@ -178,24 +180,24 @@ pub enum Support {
     },
 }
 
-/// What a sprocket's rotation obeys.
+/// Law of a sprocket's rotation.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Rotation {
-    /// Turns at a given speed \[rad/s\]: no coordinate.
+    /// Prescribed angular speed \[rad/s\]: no coordinate.
     Prescribed(Signal),
-    /// Turned by a torque \[N m\] and the chain.
+    /// Free rotation under the moment of the chain and an applied torque \[N m\].
     Free {
         /// Coordinate θ \[rad\].
         index: usize,
-        /// Applied torque, if any.
+        /// Applied torque as a function of time \[N m\].
         torque: Option<Signal>,
-        /// Torque against the sprocket's own speed, if any.
+        /// Applied torque as a function of the sprocket's angular speed \[N m\].
         curve: Option<Table>,
     },
 }
 
 impl Model {
-    /// All that prescribed speeds, applied torques and moved ends follow.
+    /// Return all signals of prescribed speeds, applied torques and moving ends.
     fn signals(&self) -> impl Iterator<Item = &Signal> {
         let of_sprockets = self.sprockets.iter().filter_map(|s| match &s.rotation {
             Rotation::Prescribed(signal) => Some(signal),
@@ -204,14 +206,16 @@ impl Model {
         of_sprockets.chain(self.ends.iter().flat_map(OpenEnds::signals))
     }
 
-    /// Time of the first knot after `t` of any speed or torque \[s\]: a derivative jumps there; infinite when there is none.
+    /// Return the time of the first knot of any signal after `t` \[s\]; infinite without one.
+    ///
+    /// A derivative is discontinuous at a knot: steps end there.
     #[must_use]
     pub fn next_kink(&self, t: f64) -> f64 {
         let knots = self.signals().map(|signal| signal.next_knot(t));
         knots.fold(f64::INFINITY, f64::min)
     }
 
-    /// Longest step from `t` beside the time that speeds and torques take to change between their knots \[s\].
+    /// Return the longest step from `t` that resolves the variation of speeds and torques between their knots \[s\].
     pub(crate) fn longest_step_between_kinks(&self, t: f64) -> f64 {
         let steps = self
             .signals()
@@ -219,13 +223,13 @@ impl Model {
         steps.fold(f64::INFINITY, f64::min)
     }
 
-    /// Number of sprockets that have teeth.
+    /// Return the number of sprockets with teeth.
     #[must_use]
     pub fn toothed(&self) -> usize {
         self.sprockets.len() - self.guides
     }
 
-    /// What sprocket or guide `s` is called.
+    /// Return the name of sprocket or guide `s`.
     #[must_use]
     pub fn wheel_name(&self, s: usize) -> String {
         match s.checked_sub(self.toothed()) {
@@ -234,38 +238,38 @@ impl Model {
         }
     }
 
-    /// What of hinge `k` meets the teeth, in words.
+    /// Return the name of the bushing or roller of hinge `k` that is in contact with the teeth.
     #[must_use]
     pub fn on_teeth_name(&self, k: usize) -> String {
         let what = self.rollers.as_ref().map_or("bushing", |_| "roller");
         format!("{what} {}", k + 1)
     }
 
-    /// Number of bodies: links, rollers, sprockets and guides.
+    /// Return the number of bodies: links, rollers, sprockets and guides.
     #[must_use]
     pub fn bodies(&self) -> usize {
         self.wheel_body(self.sprockets.len())
     }
 
-    /// Number of rollers that are bodies.
+    /// Return the number of rollers that are bodies of their own.
     #[must_use]
     pub fn roller_count(&self) -> usize {
         self.rollers.as_ref().map_or(0, |_| self.links)
     }
 
-    /// Number of sprocket or guide `s` among the bodies.
+    /// Return the body number of sprocket or guide `s`.
     #[must_use]
     pub fn wheel_body(&self, s: usize) -> usize {
         self.links + self.roller_count() + s
     }
 
-    /// Number of the coordinates that are neither of links nor of rollers: those of sprockets and guides.
+    /// Return the number of coordinates of sprockets and guides.
     #[must_use]
     pub fn wheel_coordinates(&self) -> usize {
         self.coordinates - 3 * (self.links + self.roller_count()) - self.bristles.all().len()
     }
 
-    /// Names of the bodies, in the order of every array over bodies.
+    /// Return the names of the bodies, in the order of every array over bodies.
     #[must_use]
     pub fn body_names(&self) -> Vec<String> {
         (0..self.links)
@@ -275,7 +279,7 @@ impl Model {
             .collect()
     }
 
-    /// What link `i` is called: by its number, from 1; ends of an open chain by theirs.
+    /// Return the name of link `i`, numbered from 1; a body at an end of an open chain has the number of that end.
     #[must_use]
     pub fn link_name(&self, i: usize) -> String {
         let ends = self.ends.as_ref().map(|ends| &ends.bodies);
@@ -285,7 +289,7 @@ impl Model {
         }
     }
 
-    /// The link that bushing `k` is rigid with.
+    /// Return the link to which bushing `k` is fixed.
     #[must_use]
     pub fn link_of_bushing(&self, bushing: usize) -> usize {
         if bushing_on_front(bushing, self.links) {
@@ -295,7 +299,7 @@ impl Model {
         }
     }
 
-    /// From the centre of the link that bushing `k` is rigid with to the bushing, along the link \[m\].
+    /// Return the position of bushing `k` along its link, from the link's centre \[m\].
     #[must_use]
     pub fn bushing_arm(&self, bushing: usize) -> f64 {
         let link = self.link_of_bushing(bushing);
@@ -306,50 +310,51 @@ impl Model {
         }
     }
 
-    /// Whether hinges, and bushings in rollers, have friction.
+    /// Return whether hinges, and bushings in rollers, have friction.
     #[must_use]
     pub fn hinges_rub(&self) -> bool {
         self.hinge_friction.is_some() || self.hinge_bristles.is_some()
     }
 
-    /// Whether teeth have friction.
+    /// Return whether teeth have friction.
     #[must_use]
     pub fn teeth_rub(&self) -> bool {
         self.tooth_friction.is_some() || self.tooth_bristles.is_some()
     }
 
-    /// Whether any contact has friction.
+    /// Return whether any contact has friction.
     #[must_use]
     pub fn has_friction(&self) -> bool {
         self.hinges_rub() || self.teeth_rub()
     }
 
-    /// Whether hinges have a film or links are elastic.
+    /// Return whether hinges have a lubricant film or links are elastic.
     #[must_use]
     pub fn has_extra(&self) -> bool {
         self.hinge_film.is_some() || self.link_compliance.is_some()
     }
 
-    /// What the plates at hinge `k` give way by \[m/N\], where they are elastic.
+    /// Return the compliance of the plates at hinge `k` \[m/N\]; `None` for rigid plates.
     #[must_use]
     pub fn compliance_at(&self, k: usize) -> Option<f64> {
         Some(self.link_compliance.as_ref()?[k])
     }
 
-    /// Whether links may feel moments besides forces at the hinges' centres: where there is friction or a film, and where hinges are
-    /// treated as if there were.
+    /// Return whether hinges can transmit moments to links besides forces at their centres.
+    ///
+    /// That is the case with friction or a lubricant film. Hinges of elastic links are treated in the same way.
     #[must_use]
     pub fn has_moments(&self) -> bool {
         self.has_friction() || self.has_extra()
     }
 
-    /// The pair constants' number for a surface of a sprocket.
+    /// Return the number of the surface pair of a sprocket's surface in the contact law of the teeth.
     #[must_use]
     pub fn tooth_pair(&self, sprocket: usize, surface: Surface) -> usize {
         self.sprockets[sprocket].first_pair + surface.index()
     }
 
-    /// The body that generalized coordinate `index` belongs to.
+    /// Return the body of generalized coordinate `index`.
     #[must_use]
     pub fn body_of_coordinate(&self, index: usize) -> usize {
         if index < 3 * self.links {
@@ -376,7 +381,7 @@ impl Model {
 }
 
 impl SprocketModel {
-    /// Calls `each` with every coordinate of the sprocket and its mass \[kg\] or moment of inertia \[kg m²\].
+    /// Call `each` with every coordinate of the sprocket and its mass \[kg\] or moment of inertia \[kg m²\].
     pub(crate) fn for_each_inertia(&self, mut each: impl FnMut(usize, f64)) {
         match self.support {
             Support::Fixed => {}
@@ -391,14 +396,16 @@ impl SprocketModel {
         }
     }
 
-    /// Distance from the centre of the teeth \[m\] within which a bushing is seated: halfway from the pitch circle to where it passes
-    /// over the tips. A bushing cannot change gaps within it.
+    /// Return the distance from the centre of the teeth below which a bushing counts as seated \[m\].
+    ///
+    /// It lies halfway between the pitch circle and the distance at which a bushing passes over the tips. A bushing within this distance
+    /// cannot change gaps.
     #[must_use]
     pub fn seated_within(&self) -> f64 {
         0.5 * (self.profile.pitch_radius + self.reach - self.offset.norm())
     }
 
-    /// Torque applied from outside at time `t` and angular speed `spin` \[N m\]; zero where the rotation is prescribed or free.
+    /// Return the applied torque at time `t` \[s\] and angular speed `spin` \[rad/s\] \[N m\]; zero for prescribed or free rotation.
     #[must_use]
     pub fn applied_torque(&self, t: f64, spin: f64) -> f64 {
         let Rotation::Free { torque, curve, .. } = &self.rotation else {
@@ -411,7 +418,7 @@ impl SprocketModel {
         }
     }
 
-    /// Place along its tensioner's way of a centre there \[m\], and the unit vector of the way; nothing without a tensioner.
+    /// Return the displacement along the slide for a centre at `center` \[m\], and the tangent there; `None` without a tensioner.
     #[must_use]
     pub fn slide_at(&self, center: Vec2) -> Option<(f64, Vec2)> {
         let Support::Slide {
@@ -424,7 +431,7 @@ impl SprocketModel {
         Some((s, guide.tangent(*direction, s)))
     }
 
-    /// The ratchet of its tensioner or arm, and how far along its way what that holds is in the state `y`.
+    /// Return the ratchet of the tensioner or arm, and the displacement (rotation for an arm) that it limits, in the state `y`.
     pub(crate) fn ratchet_at(&self, y: &[f64]) -> Option<(Ratchet, f64)> {
         if let Support::Slide { index, guide, .. } = self.support {
             return guide.ratchet.map(|ratchet| (ratchet, y[index]));
@@ -437,7 +444,7 @@ impl SprocketModel {
         }
     }
 
-    /// The tensioner's pull \[N\] at time `t`, along its direction.
+    /// Return the tensioner force at time `t` along its direction \[N\]: a linear ramp, then constant.
     #[must_use]
     pub fn pull(&self, t: f64) -> f64 {
         match self.support {

@@ -1,4 +1,4 @@
-//! Guides as the run needs them: wheels without teeth, on bearings or arms.
+//! Compiled guides: wheels without teeth, fixed, on bearings or on arms.
 
 use super::{Guide, Ratchet, Rotation, SprocketModel, Support};
 use crate::drive::{Chain, Mount, Rail, STOP_STIFFNESS};
@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::geometry::path::belt::Side;
 use crate::math::Signal;
 
-/// A guide: a wheel without teeth that stands, turns, or swings about the pivot of its arm.
+/// Return the model of a guide: a wheel without teeth, fixed, rotating, or on an arm that swings about its pivot.
 pub(super) fn place_rail(
     rail: &Rail,
     chain: &Chain,
@@ -31,7 +31,8 @@ pub(super) fn place_rail(
             } else {
                 torque.into()
             };
-            // Along the plunger's way and by the arm's angle are the same but for the lever, and its sign.
+            // Conversion from the plunger's displacement to the arm's angle: angle = displacement/lever, torque = force · lever. Stiffness
+            // and damping scale with lever². A negative lever exchanges both directions.
             let [back, out] = arm.travel.map(|way| way / lever.abs());
             let square = lever * lever;
             let mut dashpots = [
