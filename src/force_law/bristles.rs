@@ -226,7 +226,7 @@ impl<R: Real> BristleLaw<R> {
         let relaxing = self.stiffness * speed * over;
         let damping = self.damping / self.quarter_damping.mul_add(speed * over, one);
         let (mut deflection, mut slope) = (given, zero);
-        // // z = (predicted + γ s)/(1 + γ σ₀ |s|/g) solves z = predicted + γ dz/dt.
+        // z = (predicted + γ s)/(1 + γ σ₀ |s|/g) solves z = predicted + γ dz/dt.
         if let Some(Ahead { predicted, gamma }) = ahead {
             let share = one / gamma.mul_add(relaxing, one);
             deflection = gamma.mul_add(slip, *predicted) * share;
@@ -238,7 +238,7 @@ impl<R: Real> BristleLaw<R> {
             let bent = self.stiffness.mul_add(*gamma, damping);
             slope = (force * bent.mul_add(of_rate, self.viscous)).positive_part();
         }
-        // // dz/dt = s - σ₀ |s|/g z, and F/f = σ₀ z + σ₁(s) dz/dt + σ₂ s.
+        // dz/dt = s - σ₀ |s|/g z, and F/f = σ₀ z + σ₁(s) dz/dt + σ₂ s.
         let rate = relaxing.negate_mul_add(deflection, slip);
         let sum = self
             .stiffness

@@ -45,7 +45,7 @@ impl ElasticLaw for Conformal {
     #[inline(always)]
     fn slope<R: Real>([stiffness, radius_difference]: [R; 2], penetration: R, _force: R) -> R {
         let share = penetration / (radius_difference + penetration);
-        // // d/dδ of δ sqrt(s), s = δ/(ΔR + δ), is sqrt(s) (1.5 - 0.5 s).
+        // d/dδ of δ sqrt(s), s = δ/(ΔR + δ), is sqrt(s) (1.5 - 0.5 s).
         let rise = share.negate_mul_add(share.constant(0.5), share.constant(1.5));
         stiffness * share.sqrt() * rise
     }

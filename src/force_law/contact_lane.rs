@@ -57,7 +57,7 @@ impl<R: Real> ContactLane<R> {
         let (zero, one) = (rate.constant(0.0), rate.constant(1.0));
         let remembered = memory.greater(zero);
         let mut inverse_onset = memory;
-        // // Vectors of contacts with a memory, the common case, skip the division.
+        // Vectors of contacts with a memory, the common case, skip the division.
         if touching.and(remembered.not()).any() {
             inverse_onset = remembered.select(memory, one / damping.floor.max(rate));
         }

@@ -142,7 +142,7 @@ pub fn effective_restitution(lambda: f64) -> f64 {
 
 /// Return h(x) = (x - ln(1 + x))/x² for x > -1; 1/2 at zero.
 fn logarithm_rest(x: f64) -> f64 {
-    // // The closed form suffers cancellation for small |x|; 18 terms of Σ (-x)^k/(k + 2) replace it there.
+    // The closed form suffers cancellation for small |x|; 18 terms of Σ (-x)^k/(k + 2) replace it there.
     if x.abs() > 0.1 {
         return (x - x.ln_1p()) / (x * x);
     }

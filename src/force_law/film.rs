@@ -21,8 +21,8 @@
 //! Neither power is ever negative.
 //!
 //! From ε = `handover` to 1 film force and shear are multiplied by a polynomial of order five in ε, whose first and second derivatives
-//! vanish at both ends. Dry contact begins at ε = 1. Flores, Ambrósio, Claro, Lankarani and Koshy (Mechanism and Machine Theory 41 (2006)
-//! 247) weight film and contact linearly, within a band outside the clearance.
+//! vanish at both ends. Dry contact begins at ε = 1. Flores, Ambrósio, Claro, Lankarani and Koshy (Mechanism and Machine Theory 41
+//! (2006) 247) weight film and contact linearly, within a band outside the clearance.
 
 use std::f64::consts::PI;
 
@@ -278,7 +278,7 @@ impl<R: Real> FilmLaw<R> {
         let cube = part * part * part;
         let bend = constant(6.0).mul_add(part, constant(-15.0));
         let weight = there * (cube * bend.mul_add(part, constant(10.0)));
-        // // Equations of the module documentation: g, b, J and the force.
+        // Equations of the module documentation: g, b, J and the force.
         let rest = (one - ratio) * (one + ratio);
         let over_root = one / rest.sqrt();
         let over_rest = over_root * over_root;

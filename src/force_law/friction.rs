@@ -116,7 +116,7 @@ impl<R: Real> RegularizedFriction<R> {
         let (zero, one) = (slip.constant(0.0), slip.constant(1.0));
         let speed = slip.abs();
         let (share, slope) = match self.regularization {
-            // // tanh(x) = (1 - e^(-2x))/(1 + e^(-2x)), with the slope (1 - tanh²)/v₁.
+            // tanh(x) = (1 - e^(-2x))/(1 + e^(-2x)), with the slope (1 - tanh²)/v₁.
             Regularization::Tanh => {
                 let rest = exp(speed * self.over * slip.constant(-2.0));
                 let share = (one - rest) / (one + rest);

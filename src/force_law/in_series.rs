@@ -32,7 +32,7 @@ pub(crate) fn depth_in_series<R: Real, L: ElasticLaw>(pair: [R; 2], compliance: 
         let above = excess.greater(zero);
         high = above.select(x, high);
         low = above.select(low, x);
-        // // Newton step for x + c F(x) - d = 0, replaced by the midpoint outside of the bracket.
+        // Newton step for x + c F(x) - d = 0, replaced by the midpoint outside of the bracket.
         let middle = half * (low + high);
         let mut next = x - excess / compliance.mul_add(slope, one);
         next = next.less(low).or(next.greater(high)).select(middle, next);

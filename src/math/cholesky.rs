@@ -5,7 +5,7 @@ const DEFINITE: f64 = 1e-13;
 
 /// Solve A x = b for a symmetric positive definite A of `n` rows, in place; return false for any other A.
 pub(crate) fn solve_positive(a: &mut [f64], n: usize, x: &mut [f64]) -> bool {
-    // // Factor A = L Lᵀ, column by column.
+    // Factor A = L Lᵀ, column by column.
     for k in 0..n {
         let before = a[k * n + k];
         let pivot = before - dot(&a[k * n..k * n + k], &a[k * n..k * n + k]);
@@ -19,11 +19,11 @@ pub(crate) fn solve_positive(a: &mut [f64], n: usize, x: &mut [f64]) -> bool {
             a[i * n + k] = sum / root;
         }
     }
-    // // Forward substitution, L y = b.
+    // Forward substitution, L y = b.
     for i in 0..n {
         x[i] = (x[i] - dot(&a[i * n..i * n + i], &x[..i])) / a[i * n + i];
     }
-    // // Back substitution, Lᵀ x = y.
+    // Back substitution, Lᵀ x = y.
     for i in (0..n).rev() {
         x[i] /= a[i * n + i];
         let known = x[i];

@@ -1,10 +1,10 @@
-//! Functions given by rows (argument, value): straight lines between them, or a cubic spline where two derivatives are needed.
+//! Functions given by rows (argument, value): linear interpolation, or a cubic spline where two derivatives are needed.
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result, check};
 
-/// Piecewise linear; constant before the first and after the last row.
+/// Piecewise linear function; constant before the first row and after the last one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Table {
     arguments: Vec<f64>,
@@ -14,18 +14,18 @@ pub struct Table {
 }
 
 impl Table {
-    /// Rows of (time \[s\], value); `field` names them in errors.
+    /// Return a table from rows of (time \[s\], value); `field` is its name in errors.
     ///
     /// # Errors
-    /// When there is no row, a number is not finite or times do not increase.
+    /// If there is no row, a number is not finite or times do not increase.
     pub fn new(field: &str, unit: &str, rows: &[(f64, f64)]) -> Result<Self> {
         Self::against(field, TIME, unit, rows)
     }
 
-    /// Rows of (argument, value); `axis` is the name of the argument and its unit.
+    /// Return a table from rows of (argument, value); `axis` is the name of the argument and its unit.
     ///
     /// # Errors
-    /// When there is no row, a number is not finite or arguments do not increase.
+    /// If there is no row, a number is not finite or arguments do not increase.
     pub fn against(
         field: &str,
         axis: (&str, &str),
@@ -45,35 +45,35 @@ impl Table {
         })
     }
 
-    /// Its rows.
+    /// Return the rows.
     #[must_use]
     pub fn rows(&self) -> Vec<(f64, f64)> {
         let arguments = self.arguments.iter().copied();
         arguments.zip(self.values.iter().copied()).collect()
     }
 
-    /// Arguments of the rows.
+    /// Return the arguments of the rows.
     pub(crate) fn arguments(&self) -> &[f64] {
         &self.arguments
     }
 
-    /// Smallest and largest value.
+    /// Return the smallest and the largest value.
     #[must_use]
     pub fn range(&self) -> [f64; 2] {
         range_of(self.values.iter().copied())
     }
 
-    /// Largest absolute value.
+    /// Return the largest absolute value.
     pub(crate) fn largest(&self) -> f64 {
         largest(&self.values)
     }
 
-    /// Largest absolute argument.
+    /// Return the largest absolute argument.
     pub(crate) fn farthest(&self) -> f64 {
         largest(&self.arguments)
     }
 
-    /// Value at `x`.
+    /// Return the value at `x`.
     #[must_use]
     pub fn value(&self, x: f64) -> f64 {
         match row_before(&self.arguments, x) {
@@ -82,13 +82,13 @@ impl Table {
         }
     }
 
-    /// Slope at `x`, from the right.
+    /// Return the slope at `x`, from the right.
     #[must_use]
     pub fn slope(&self, x: f64) -> f64 {
         row_before(&self.arguments, x).map_or(0.0, |i| self.slope_after(i))
     }
 
-    /// Integral from zero to `x`.
+    /// Return the integral from zero to `x`.
     #[must_use]
     pub fn integral(&self, x: f64) -> f64 {
         if let [value] = self.values[..] {
@@ -115,7 +115,7 @@ impl Table {
     }
 }
 
-/// A cubic spline with free ends: two continuous derivatives; beyond its ends it goes on along its tangent.
+/// Natural cubic spline with two continuous derivatives; linear beyond its ends, along its tangents.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Spline {
     arguments: Vec<f64>,
@@ -127,10 +127,10 @@ pub struct Spline {
 }
 
 impl Spline {
-    /// Rows of (time \[s\], value); `field` names them in errors.
+    /// Return a spline from rows of (time \[s\], value); `field` is its name in errors.
     ///
     /// # Errors
-    /// When there are fewer than two rows, a number is not finite or times do not increase.
+    /// If there are fewer than two rows, a number is not finite or times do not increase.
     pub fn new(field: &str, unit: &str, rows: &[(f64, f64)]) -> Result<Self> {
         check_rows(field, TIME, unit, rows, 2)?;
         let arguments: Vec<f64> = rows.iter().map(|row| row.0).collect();
@@ -149,19 +149,19 @@ impl Spline {
         Ok(spline)
     }
 
-    /// Its rows.
+    /// Return the rows.
     #[must_use]
     pub fn rows(&self) -> Vec<(f64, f64)> {
         let arguments = self.arguments.iter().copied();
         arguments.zip(self.values.iter().copied()).collect()
     }
 
-    /// Arguments of the rows.
+    /// Return the arguments of the rows.
     pub(crate) fn arguments(&self) -> &[f64] {
         &self.arguments
     }
 
-    /// Value and first two derivatives at `x`.
+    /// Return the value and the first two derivatives at `x`.
     #[must_use]
     pub fn derivatives(&self, x: f64) -> [f64; 3] {
         let last = self.arguments.len() - 1;
@@ -183,19 +183,19 @@ impl Spline {
         [value, slope, a * m + b * n]
     }
 
-    /// Integral from zero to `x`.
+    /// Return the integral from zero to `x`.
     #[must_use]
     pub fn integral(&self, x: f64) -> f64 {
         self.sum(x) - self.sum(0.0)
     }
 
-    /// Smallest and largest value between its ends.
+    /// Return the smallest and the largest value between the ends.
     #[must_use]
     pub fn range(&self) -> [f64; 2] {
         let extrema = (0..self.values.len() - 1).flat_map(|i| {
             let [_, c1, c2, c3] = self.cubic(i);
             let length = self.arguments[i + 1] - self.arguments[i];
-            // c1 + 2 c2 s + 3 c3 s² = 0, by the root that does not cancel; q is NaN where there is none.
+            // Roots of c1 + 2 c2 s + 3 c3 s² = 0 without cancellation; q is NaN if there is none.
             let q = -(c2 + c2.signum() * (c2 * c2 - 3.0 * c1 * c3).sqrt());
             let inside = [q / (3.0 * c3), c1 / q]
                 .into_iter()
@@ -205,7 +205,7 @@ impl Spline {
         range_of(self.values.iter().copied().chain(extrema))
     }
 
-    /// Coefficients of the cubic behind row `i`, in powers of the distance from it.
+    /// Return the coefficients of the cubic after row `i`, in powers of the distance from it.
     fn cubic(&self, i: usize) -> [f64; 4] {
         let length = self.arguments[i + 1] - self.arguments[i];
         let (m, n) = (self.bends[i], self.bends[i + 1]);
@@ -218,13 +218,13 @@ impl Spline {
         ]
     }
 
-    /// Integral from row `i` to `s` behind it.
+    /// Return the integral from row `i` over the distance `s`.
     fn area(&self, i: usize, s: f64) -> f64 {
         let [c0, c1, c2, c3] = self.cubic(i);
         s * (c0 + s * (c1 / 2.0 + s * (c2 / 3.0 + s * c3 / 4.0)))
     }
 
-    /// Integral from the first row to `x`.
+    /// Return the integral from the first row to `x`.
     fn sum(&self, x: f64) -> f64 {
         let last = self.arguments.len() - 1;
         let end = x.clamp(self.arguments[0], self.arguments[last]);
@@ -241,7 +241,7 @@ fn largest(numbers: &[f64]) -> f64 {
     numbers.iter().fold(0.0, |most, x| most.max(x.abs()))
 }
 
-/// Smallest and largest of some values.
+/// Return the smallest and the largest of some values.
 fn range_of(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let infinite = [f64::INFINITY, f64::NEG_INFINITY];
     values.fold(infinite, |[least, most], value| {
@@ -249,11 +249,12 @@ fn range_of(values: impl Iterator<Item = f64>) -> [f64; 2] {
     })
 }
 
-/// Second derivatives at the rows, zero at both ends: the tridiagonal system by elimination.
+/// Return the second derivatives at the rows, zero at both ends, by elimination of the tridiagonal system.
 fn bends(x: &[f64], y: &[f64]) -> Vec<f64> {
     let count = x.len();
     let mut bends = vec![0.0; count];
     let mut upper = vec![0.0; count];
+    // Continuity of the slope: h₁ m₋ + 2 (h₁ + h₂) m + h₂ m₊ = 6 (change of the secants' slope).
     for i in 1..count - 1 {
         let (left, right) = (x[i] - x[i - 1], x[i + 1] - x[i]);
         let jump = (y[i + 1] - y[i]) / right - (y[i] - y[i - 1]) / left;

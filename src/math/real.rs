@@ -1,8 +1,8 @@
-//! What a formula needs of its numbers: written once over [`Real`], it runs on one number and on a SIMD vector of them.
+//! Operations of real numbers: a formula over [`Real`] runs on one number and on a SIMD vector.
 //!
 //! `f64` rounds as the plain instruction set does, without fused multiply-add, so that both give the same bits.
 
-// What is not inlined into a kernel does not run with its instructions.
+// A function that is not inlined into a kernel is compiled without its instruction set.
 #![allow(clippy::inline_always)]
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -11,7 +11,7 @@ use pulp::{Scalar, Simd};
 
 use super::simd::{Lanes, Mask, nearest_whole, scaled_to};
 
-/// A number, or several side by side on which every operation acts element by element.
+/// A number, or a vector of numbers with lane-wise operations.
 pub(crate) trait Real:
     Copy
     + Add<Output = Self>
@@ -20,67 +20,67 @@ pub(crate) trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// Truth of a comparison.
+    /// Mask, the result of a comparison.
     type Mask: Truth<Self>;
 
-    /// What a constant is made with: the instruction set of a vector.
+    /// Context required to make a constant: the instruction set of a vector.
     type Context: Copy;
 
-    /// The same number everywhere.
+    /// Return the same number in all lanes.
     fn splat(context: Self::Context, value: f64) -> Self;
 
-    /// Another constant of the same width.
+    /// Return another constant of the same width.
     fn constant(self, value: f64) -> Self;
 
-    /// self * factor + addend, in one rounding where the instruction set has it.
+    /// Return self * factor + addend, with a single rounding if the instruction set has it.
     fn mul_add(self, factor: Self, addend: Self) -> Self;
 
-    /// addend - self * factor, likewise.
+    /// Return addend - self * factor, with the same rounding.
     fn negate_mul_add(self, factor: Self, addend: Self) -> Self;
 
-    /// Square root.
+    /// Return the square root.
     fn sqrt(self) -> Self;
 
-    /// Absolute value.
+    /// Return the absolute value.
     fn abs(self) -> Self;
 
-    /// The number where it is not negative, zero where it is; not a number stays so.
+    /// Return max(self, 0); NaN is kept.
     fn positive_part(self) -> Self;
 
-    /// The greater one; undefined where one is not a number.
+    /// Return the larger number; undefined if one is NaN.
     fn max(self, other: Self) -> Self;
 
-    /// self > other
+    /// Return self > other.
     fn greater(self, other: Self) -> Self::Mask;
 
-    /// self < other
+    /// Return self < other.
     fn less(self, other: Self) -> Self::Mask;
 
-    /// Not self <= other: greater, or not a number.
+    /// Return true for self > other and for NaN.
     fn exceeds(self, other: Self) -> Self::Mask;
 
-    /// The nearest whole number k, and 2^k if that is a normal number.
+    /// Return the nearest integer k, and 2^k if that is a normal number.
     fn nearest_whole(self) -> (Self, Self);
 
-    /// (k, 2^k self) such that 2^k self lies between 2/3 and 3/2 of `other`; both are positive normal numbers.
+    /// Return (k, 2^k self) such that 2^k self lies between 2/3 and 3/2 of `other`; both are positive normal numbers.
     fn scaled_to(self, other: Self) -> (Self, Self);
 }
 
-/// Truth of a comparison of [`Real`] numbers, element by element.
+/// Result of a lane-wise comparison of [`Real`] numbers.
 pub(crate) trait Truth<R>: Copy {
-    /// `yes` where true, `no` where false.
+    /// Return `yes` where true and `no` where false.
     fn select(self, yes: R, no: R) -> R;
 
-    /// Both.
+    /// Return the conjunction.
     fn and(self, other: Self) -> Self;
 
-    /// One of them, or both.
+    /// Return the disjunction.
     fn or(self, other: Self) -> Self;
 
-    /// The opposite.
+    /// Return the negation.
     fn not(self) -> Self;
 
-    /// Whether any is true.
+    /// Return whether any lane is true.
     fn any(self) -> bool;
 }
 
@@ -186,7 +186,7 @@ impl Truth<f64> for bool {
     }
 }
 
-/// Methods that a type has already.
+/// Delegates to the type's own methods of the same names.
 macro_rules! own {
     ($of:ident: $($name:ident($($argument:ident: $type:ty),*) -> $result:ty;)+) => {
         $(

@@ -1,29 +1,29 @@
-//! Numbers that depend on time: prescribed speeds and positions, applied torques and forces.
+//! Functions of time: prescribed speeds and positions, applied torques and forces.
 
 use serde::{Deserialize, Serialize};
 
 use super::piecewise::{Spline, Table};
 use crate::error::{Error, Result, check};
 
-/// A number as a function of time, with its derivatives and its integral.
+/// Function of time with its derivatives and its integral.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Signal {
-    /// The same at all times.
+    /// Constant value.
     Constant(f64),
-    /// From one value to another with two continuous derivatives: s³ (10 - 15 s + 6 s²).
+    /// Transition between two values with two continuous derivatives: s³ (10 - 15 s + 6 s²).
     SmoothStep {
-        /// When it begins to change \[s\].
+        /// Start of the transition \[s\].
         start: f64,
-        /// When it has changed \[s\].
+        /// End of the transition \[s\].
         end: f64,
-        /// Value before.
+        /// Value before the transition.
         from: f64,
-        /// Value after.
+        /// Value after the transition.
         to: f64,
     },
-    /// Straight lines between rows; a ramp has two of them.
+    /// Linear interpolation between rows; a ramp has two rows.
     Table(Table),
-    /// A cubic spline through rows.
+    /// Cubic spline through rows.
     Spline(Spline),
     /// offset + Σ amplitude · sin(frequency · t + phase).
     Sines {
@@ -34,12 +34,12 @@ pub enum Signal {
     },
 }
 
-/// Longest step inside a smooth step, as a part of its time.
+/// Longest step inside a smooth step, as a fraction of its duration.
 const PART_OF_RISE: f64 = 0.125;
-/// Longest step along a sine, as a part of its period.
+/// Longest step along a sine, as a fraction of its period.
 const PART_OF_PERIOD: f64 = 0.25;
 
-/// What rounding may leave of a step that was to end at `t`.
+/// Return the rounding error permitted for a step that ends at `t`.
 fn margin(t: f64) -> f64 {
     16.0 * f64::EPSILON * t.abs()
 }
@@ -57,18 +57,18 @@ impl From<Table> for Signal {
 }
 
 impl Signal {
-    /// From one value to another along a straight line.
+    /// Return a linear transition from one value to another.
     ///
     /// # Errors
-    /// When a number is not finite or the end is not after the start.
+    /// If a number is not finite or the end is not after the start.
     pub fn ramp(start: f64, end: f64, from: f64, to: f64) -> Result<Self> {
         Table::new("ramp", "its unit", &[(start, from), (end, to)]).map(Self::Table)
     }
 
-    /// Checks every number.
+    /// Check every number.
     ///
     /// # Errors
-    /// Names `field`, its value and what is allowed.
+    /// The error has `field`, its value and the permitted range.
     pub fn validate(&self, field: &str) -> Result<()> {
         match self {
             Self::Constant(value) => check::finite(field, *value, "its unit"),
@@ -100,7 +100,7 @@ impl Signal {
         }
     }
 
-    /// Value at `t` \[s\].
+    /// Return the value at `t` \[s\].
     #[must_use]
     pub fn value(&self, t: f64) -> f64 {
         match self {
@@ -109,7 +109,7 @@ impl Signal {
         }
     }
 
-    /// Value and first two derivatives at `t` \[s\].
+    /// Return the value and the first two derivatives at `t` \[s\].
     #[must_use]
     pub fn derivatives(&self, t: f64) -> [f64; 3] {
         match self {
@@ -143,13 +143,13 @@ impl Signal {
         }
     }
 
-    /// Derivative at `t` \[s\], from the right.
+    /// Return the derivative at `t` \[s\], from the right.
     #[must_use]
     pub fn slope(&self, t: f64) -> f64 {
         self.derivatives(t)[1]
     }
 
-    /// Smallest and largest value; of sines, bounds of them; of a spline, between its ends.
+    /// Return the smallest and the largest value; bounds of them for sines; between the ends for a spline.
     #[must_use]
     pub fn range(&self) -> [f64; 2] {
         match self {
@@ -164,26 +164,26 @@ impl Signal {
         }
     }
 
-    /// Largest absolute value, by [`Self::range`].
+    /// Return the largest absolute value, from [`Self::range`].
     #[must_use]
     pub fn largest(&self) -> f64 {
         let [least, most] = self.range();
         least.abs().max(most.abs())
     }
 
-    /// Whether it is zero at all times.
+    /// Return whether the function is zero at all times.
     #[must_use]
     pub fn is_zero(&self) -> bool {
         self.range() == [0.0; 2]
     }
 
-    /// First time after `t` \[s\] at which a derivative jumps; infinite for none.
+    /// Return the first time after `t` \[s\] at which a derivative jumps; infinity if there is none.
     #[must_use]
     pub fn next_knot(&self, t: f64) -> f64 {
         self.first_knot(|knot| knot <= t)
     }
 
-    /// First time at which a derivative jumps that is not `passed`.
+    /// Return the first time, not `passed`, at which a derivative jumps.
     fn first_knot(&self, passed: impl Fn(f64) -> bool) -> f64 {
         let first = |knots: &[f64]| {
             let next = knots.partition_point(|&knot| passed(knot));
@@ -198,7 +198,7 @@ impl Signal {
         }
     }
 
-    /// Longest step from `t` \[s\] beside the time that it takes to change between its knots.
+    /// Return the longest step from `t` \[s\] that resolves the function between its knots.
     pub(crate) fn longest_step_between_knots(&self, t: f64) -> f64 {
         match self {
             Self::SmoothStep {
@@ -218,8 +218,8 @@ impl Signal {
         }
     }
 
-    /// The longest step from `t` \[s\] that passes over nothing unseen: to its next knot, and short beside the time that it takes
-    /// to change.
+    /// Return the longest step from `t` \[s\] that resolves the function: at most to its next knot, and short relative to the duration of a
+    /// transition or a period.
     pub(crate) fn longest_step(&self, t: f64) -> f64 {
         let to_knot = self.first_knot(|knot| knot - margin(knot) <= t) - t;
         to_knot.min(self.longest_step_between_knots(t))
@@ -250,7 +250,7 @@ impl Signal {
                     if *frequency == 0.0 {
                         amplitude * phase.sin() * t
                     } else {
-                        // cos φ - cos(2 x + φ) = 2 sin x sin(x + φ), without its cancellation at small x.
+                        // cos φ - cos(2 x + φ) = 2 sin x sin(x + φ) avoids the cancellation at small x.
                         let x = 0.5 * frequency * t;
                         2.0 * amplitude / frequency * x.sin() * (x + phase).sin()
                     }

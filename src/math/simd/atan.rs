@@ -1,7 +1,7 @@
 //! Arc tangent.
 //!
-//! The argument is turned by none, an eighth or a quarter of a circle to within 0.66 of zero; there the rational form of S. L. Moshier's
-//! Cephes library holds, relative error 2e-17.
+//! The argument is reduced by an angle of 0, π/4 or π/2 to |x| <= 0.66. The rational form of S. L. Moshier's Cephes library has a relative
+//! error of 2e-17 there.
 
 use crate::math::{Real, Truth};
 
@@ -14,7 +14,7 @@ const ABOVE: [f64; 5] = [
     -6.485_021_904_942_025e1,
 ];
 
-/// Its denominator, whose highest coefficient is one.
+/// Denominator, whose highest coefficient is one.
 const BELOW: [f64; 5] = [
     2.485_846_490_142_306_3e1,
     1.650_270_098_316_988_5e2,
@@ -23,16 +23,16 @@ const BELOW: [f64; 5] = [
     1.945_506_571_482_614e2,
 ];
 
-/// Tangent of three eighths of half a circle: above it the argument is turned by a quarter of a circle.
+/// tan(3π/8); a larger argument is reduced by π/2.
 const STEEP: f64 = std::f64::consts::SQRT_2 + 1.0;
 
-/// Above it, by an eighth.
+/// A larger argument is reduced by π/4.
 const FLAT: f64 = 0.66;
 
-/// What π/2 is greater by than the number next to it.
+/// Difference between π/2 and its nearest `f64`.
 const REST: f64 = 6.123_233_995_736_766e-17;
 
-/// arctan x of any number to 2 units in the last place; not a number stays so.
+/// Return arctan x of any number to 2 units in the last place; NaN is kept.
 #[inline(always)]
 pub(crate) fn arc_tangent<R: Real>(x: R) -> R {
     let (zero, one) = (x.constant(0.0), x.constant(1.0));

@@ -1,6 +1,6 @@
 //! Exponential.
 //!
-//! x = k ln 2 + r with k the nearest whole number; e^r is a minimax polynomial on |r| <= ln(2)/2, relative error 4e-18.
+//! x = k ln 2 + r with k the nearest integer; e^r is a minimax polynomial on |r| <= ln(2)/2 with a relative error of 4e-18.
 
 use pulp::Simd;
 
@@ -8,7 +8,7 @@ use super::Lanes;
 use super::ln::LN_2;
 use crate::math::{Real, Truth};
 
-/// (e^r - 1 - r)/r² in powers of r.
+/// Coefficients of (e^r - 1 - r)/r² in powers of r.
 const SERIES: [f64; 10] = [
     0.500_000_000_000_001_1,
     0.166_666_666_666_664_13,
@@ -22,27 +22,27 @@ const SERIES: [f64; 10] = [
     2.499_999_557_077_961e-8,
 ];
 
-/// e^x of any number to 1 unit in the last place; not a number stays so.
+/// Return e^x of any number to 1 unit in the last place; NaN is kept.
 #[inline(always)]
 pub(crate) fn exp<R: Real>(x: R) -> R {
-    // Beyond these zero and infinity come out by themselves.
+    // The result is zero or infinite beyond these limits without further checks.
     let (least, greatest) = (x.constant(-746.0), x.constant(710.0));
     let x = x.less(least).select(least, x);
     let x = x.greater(greatest).select(greatest, x);
     let (k, _) = (x * x.constant(std::f64::consts::LOG2_E)).nearest_whole();
     let [head, tail] = [x.constant(LN_2[0]), x.constant(LN_2[1])];
     let r = k.negate_mul_add(tail, k.negate_mul_add(head, x));
-    // 2^k in two factors: it may lie outside the normal numbers where e^x does not.
+    // 2^k is computed as two factors: it may lie outside the normal numbers where e^x does not.
     let (first, first_power) = (k * x.constant(0.5)).nearest_whole();
     let (_, second_power) = (k - first).nearest_whole();
     exp_of_remainder(r) * first_power * second_power
 }
 
-/// The nearest whole number k, and 2^k if that is a normal number.
+/// Return the nearest integer k, and 2^k if that is a normal number.
 #[inline(always)]
 pub(in crate::math) fn nearest_whole<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     let simd = x.simd();
-    // Adding 1.5 2^52 rounds to a whole number, whose last bits are then those of the sum.
+    // The addition of 1.5 2^52 rounds to an integer, whose last bits are those of the sum.
     let magic = x.constant(1.5 * (1u64 << 52) as f64);
     let shifted = x + magic;
     let bits = simd.transmute_u64s_f64s(shifted.values());
@@ -54,9 +54,10 @@ pub(in crate::math) fn nearest_whole<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S
     )
 }
 
-/// e^r for |r| <= ln(2)/2.
+/// Return e^r for |r| <= ln(2)/2.
 #[inline(always)]
 pub(crate) fn exp_of_remainder<R: Real>(r: R) -> R {
+    // Estrin's scheme: independent products shorten the chain of dependent operations.
     let [a, b, c, d, e, f, g, h, i, j] = SERIES.map(|coefficient| r.constant(coefficient));
     let r2 = r * r;
     let r4 = r2 * r2;

@@ -1,24 +1,24 @@
-//! Which instructions the kernels use.
+//! Instruction set of the kernels.
 
 use pulp::{Arch, WithSimd};
 
-/// Numbers in a register of AVX2.
+/// Number of lanes of an AVX2 register.
 #[cfg(target_arch = "x86_64")]
 const AVX2_NUMBERS: usize = 4;
 
-/// An instruction set that this machine has.
+/// Instruction set available on this machine.
 #[derive(Debug, Clone, Copy)]
 pub struct InstructionSet(Arch);
 
 impl InstructionSet {
-    /// The widest one here.
+    /// Return the widest instruction set available.
     #[must_use]
     pub fn detect() -> Self {
         Self::available()[0]
     }
 
-    /// The one here that is best for arrays of `length` numbers: what fits in one register of AVX2 gains nothing from a wider one, which
-    /// waits longer for numbers that were just stored one by one.
+    /// Return the best available instruction set for arrays of `length` numbers. Arrays that fit into one AVX2 register gain nothing from
+    /// wider registers, whose loads wait longer for numbers that were stored one by one.
     #[must_use]
     pub fn detect_for(length: usize) -> Self {
         #[cfg(target_arch = "x86_64")]
@@ -32,7 +32,7 @@ impl InstructionSet {
         Self::detect()
     }
 
-    /// All that this machine has, the widest first. The last one is the plain one, of one number at a time.
+    /// Return all available instruction sets, widest first; the last is the plain one, with a single lane.
     #[must_use]
     pub fn available() -> Vec<Self> {
         let mut sets = Vec::new();
@@ -48,13 +48,13 @@ impl InstructionSet {
         sets
     }
 
-    /// The one of this name: "avx512", "avx2", "neon" or "plain"; `None` when this machine does not have it.
+    /// Return the instruction set of this name: "avx512", "avx2", "neon" or "plain"; `None` if this machine does not have it.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::available().into_iter().find(|set| set.name() == name)
     }
 
-    /// Its name: "avx512", "avx2", "neon" or "plain".
+    /// Return the name: "avx512", "avx2", "neon" or "plain".
     #[must_use]
     pub fn name(self) -> &'static str {
         match self.0 {
@@ -68,13 +68,13 @@ impl InstructionSet {
         }
     }
 
-    /// Whether products and sums are fused, with one rounding.
+    /// Return whether products and sums are fused, with a single rounding.
     #[must_use]
     pub fn has_fused_multiply_add(self) -> bool {
         !matches!(self.0, Arch::Scalar)
     }
 
-    /// Runs a kernel with these instructions.
+    /// Run a kernel with these instructions.
     #[inline(always)]
     pub(crate) fn run<Kernel: WithSimd>(self, kernel: Kernel) -> Kernel::Output {
         #[cfg(all(avx2_only, target_arch = "x86_64"))]

@@ -1,4 +1,4 @@
-//! One vector of numbers, with the operators of a number.
+//! SIMD vector of numbers with arithmetic operators.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -6,21 +6,21 @@ use pulp::Simd;
 
 use super::{Numbers, WIDTH};
 
-/// As many numbers as a vector of `S` holds.
+/// Vector of as many numbers as the lanes of `S`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Lanes<S: Simd> {
     simd: S,
     values: S::f64s,
 }
 
-/// True or false for each of them.
+/// Mask: true or false for each lane.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Mask<S: Simd> {
     simd: S,
     values: S::m64s,
 }
 
-/// The numbers of one vector of an array.
+/// Load one vector of an array.
 #[inline(always)]
 pub(crate) fn load<S: Simd>(simd: S, values: &S::f64s) -> Lanes<S> {
     Lanes {
@@ -29,7 +29,7 @@ pub(crate) fn load<S: Simd>(simd: S, values: &S::f64s) -> Lanes<S> {
     }
 }
 
-/// The numbers of `slice`, which may be fewer than a vector holds; zeros after them.
+/// Load `slice`, which may be shorter than a vector; the remaining lanes are zero.
 #[inline(always)]
 pub(crate) fn partial_load<S: Simd>(simd: S, slice: &[f64]) -> Lanes<S> {
     Lanes {
@@ -38,19 +38,19 @@ pub(crate) fn partial_load<S: Simd>(simd: S, slice: &[f64]) -> Lanes<S> {
     }
 }
 
-/// The first `count` vectors of an array.
+/// Return the first `count` vectors of an array.
 #[inline(always)]
 pub(crate) fn vectors<S: Simd>(slice: &[f64], count: usize) -> &[S::f64s] {
     &S::as_simd_f64s(slice).0[..count]
 }
 
-/// The same to write to.
+/// Return the first `count` vectors of an array, mutable.
 #[inline(always)]
 pub(crate) fn vectors_mut<S: Simd>(slice: &mut [f64], count: usize) -> &mut [S::f64s] {
     &mut S::as_mut_simd_f64s(slice).0[..count]
 }
 
-/// `count` vectors of an array of x and of one of y, from entry `first` on.
+/// Return `count` vectors of an x array and of a y array, from entry `first` on.
 #[inline(always)]
 pub(crate) fn both<S: Simd>(arrays: &[Numbers; 2], first: usize, count: usize) -> [&[S::f64s]; 2] {
     [
@@ -59,7 +59,7 @@ pub(crate) fn both<S: Simd>(arrays: &[Numbers; 2], first: usize, count: usize) -
     ]
 }
 
-/// The same to write to.
+/// Return `count` vectors of an x array and of a y array, from entry `first` on, mutable.
 #[inline(always)]
 pub(crate) fn both_mut<S: Simd>(
     arrays: &mut [Numbers; 2],
@@ -73,13 +73,13 @@ pub(crate) fn both_mut<S: Simd>(
     ]
 }
 
-/// Two numbers, each everywhere in its vector. (What `map` calls is not always inlined, and then loses its instructions.)
+/// Return two vectors, each with one number in all lanes. (A closure in `map` is not always inlined, and then loses its instruction set.)
 #[inline(always)]
 pub(crate) fn splat_two<S: Simd>(simd: S, [x, y]: [f64; 2]) -> [Lanes<S>; 2] {
     [Lanes::splat(simd, x), Lanes::splat(simd, y)]
 }
 
-/// 0, 1, 2, ... in a vector.
+/// Return a vector of the lane numbers 0, 1, 2, ...
 #[inline(always)]
 pub(crate) fn lane_numbers<S: Simd>(simd: S) -> Lanes<S> {
     const NUMBERS: [f64; WIDTH] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
@@ -87,7 +87,7 @@ pub(crate) fn lane_numbers<S: Simd>(simd: S) -> Lanes<S> {
 }
 
 impl<S: Simd> Lanes<S> {
-    /// The same number everywhere.
+    /// Return the same number in all lanes.
     #[inline(always)]
     pub(crate) fn splat(simd: S, value: f64) -> Self {
         Self {
@@ -96,31 +96,31 @@ impl<S: Simd> Lanes<S> {
         }
     }
 
-    /// From a vector.
+    /// Return the lanes of a raw vector.
     #[inline(always)]
     pub(crate) fn new(simd: S, values: S::f64s) -> Self {
         Self { simd, values }
     }
 
-    /// The vector, to be stored.
+    /// Return the raw vector, for storage.
     #[inline(always)]
     pub(crate) fn values(self) -> S::f64s {
         self.values
     }
 
-    /// The instructions.
+    /// Return the instruction set.
     #[inline(always)]
     pub(crate) fn simd(self) -> S {
         self.simd
     }
 
-    /// Another constant of the same width.
+    /// Return another constant of the same width.
     #[inline(always)]
     pub(crate) fn constant(self, value: f64) -> Self {
         Self::splat(self.simd, value)
     }
 
-    /// self * factor + addend, in one rounding where the machine can.
+    /// Return self * factor + addend, with a single rounding if the machine has fused multiply-add.
     #[inline(always)]
     pub(crate) fn mul_add(self, factor: Self, addend: Self) -> Self {
         self.with(
@@ -129,7 +129,7 @@ impl<S: Simd> Lanes<S> {
         )
     }
 
-    /// addend - self * factor, likewise.
+    /// Return addend - self * factor, with the same rounding.
     #[inline(always)]
     pub(crate) fn negate_mul_add(self, factor: Self, addend: Self) -> Self {
         self.with(
@@ -138,45 +138,45 @@ impl<S: Simd> Lanes<S> {
         )
     }
 
-    /// Square root.
+    /// Return the square root.
     #[inline(always)]
     pub(crate) fn sqrt(self) -> Self {
         self.with(self.simd.sqrt_f64s(self.values))
     }
 
-    /// Absolute value.
+    /// Return the absolute value.
     #[inline(always)]
     pub(crate) fn abs(self) -> Self {
         let magnitude = self.simd.splat_f64s(f64::from_bits(!(1 << 63)));
         self.with(self.simd.and_f64s(magnitude, self.values))
     }
 
-    /// The number where it is not negative, zero where it is; not a number stays so.
+    /// Return max(self, 0); NaN is kept.
     #[inline(always)]
     pub(crate) fn positive_part(self) -> Self {
         let zero = self.constant(0.0);
         self.less(zero).select(zero, self)
     }
 
-    /// The greater one; of no use where one is not a number.
+    /// Return the larger number; undefined if one is NaN.
     #[inline(always)]
     pub(crate) fn max(self, other: Self) -> Self {
         self.with(self.simd.max_f64s(self.values, other.values))
     }
 
-    /// The greatest of all.
+    /// Return the largest of all lanes.
     #[inline(always)]
     pub(crate) fn greatest(self) -> f64 {
         self.simd.reduce_max_f64s(self.values)
     }
 
-    /// The sum of all: halves are added until one number is left.
+    /// Return the sum of all lanes: halves are added until one number is left.
     #[inline(always)]
     pub(crate) fn sum(self) -> f64 {
         self.simd.reduce_sum_f64s(self.values)
     }
 
-    /// The second to the last of `count` numbers, moved to the first place, and `next` behind them; zeros behind that.
+    /// Shift `count` numbers down by one lane and put `next` after them; the remaining lanes are zero.
     #[inline(always)]
     pub(crate) fn followed_by(self, next: f64, count: usize) -> Self {
         if S::F64_LANES == WIDTH {
@@ -193,38 +193,37 @@ impl<S: Simd> Lanes<S> {
         load(self.simd, &vectors::<S>(&numbers[1..], 1)[0])
     }
 
-    /// The second and all after it, moved to the first place, and in the last place, which `last` is true for, the first
-    /// of `next`.
+    /// Shift all lanes down by one; the last lane, marked by `last`, becomes the first lane of `next`.
     #[inline(always)]
     pub(crate) fn moved_on(self, next: Self, last: Mask<S>) -> Self {
         last.select(next.turned(), self.turned())
     }
 
-    /// The second and all after it, moved to the first place, and the first in the last.
+    /// Rotate all lanes down by one; the first becomes the last.
     #[inline(always)]
     fn turned(self) -> Self {
         self.with(self.simd.rotate_left_f64s(self.values, 1))
     }
 
-    /// The number `distance` places on, the first ones behind the last.
+    /// Rotate all lanes down by `distance`.
     #[inline(always)]
     pub(crate) fn turned_by(self, distance: usize) -> Self {
         self.with(self.simd.rotate_left_f64s(self.values, distance))
     }
 
-    /// self > other
+    /// Return self > other.
     #[inline(always)]
     pub(crate) fn greater(self, other: Self) -> Mask<S> {
         self.mask(self.simd.greater_than_f64s(self.values, other.values))
     }
 
-    /// self < other
+    /// Return self < other.
     #[inline(always)]
     pub(crate) fn less(self, other: Self) -> Mask<S> {
         self.mask(self.simd.less_than_f64s(self.values, other.values))
     }
 
-    /// Not self <= other: greater, or not a number.
+    /// Return true for self > other and for NaN.
     #[inline(always)]
     pub(crate) fn exceeds(self, other: Self) -> Mask<S> {
         let within = self.simd.less_than_or_equal_f64s(self.values, other.values);
@@ -246,25 +245,25 @@ impl<S: Simd> Lanes<S> {
 }
 
 impl<S: Simd> Mask<S> {
-    /// `yes` where true, `no` where false.
+    /// Return `yes` where true and `no` where false.
     #[inline(always)]
     pub(crate) fn select(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
         yes.with(self.simd.select_f64s(self.values, yes.values, no.values))
     }
 
-    /// The same for two.
+    /// Select two vectors.
     #[inline(always)]
     pub(crate) fn select_two(self, yes: [Lanes<S>; 2], no: [Lanes<S>; 2]) -> [Lanes<S>; 2] {
         [self.select(yes[0], no[0]), self.select(yes[1], no[1])]
     }
 
-    /// Whether any is true.
+    /// Return whether any lane is true.
     #[inline(always)]
     pub(crate) fn any(self) -> bool {
         self.simd.first_true_m64s(self.values) < S::F64_LANES
     }
 
-    /// Both.
+    /// Return the conjunction.
     #[inline(always)]
     pub(crate) fn and(self, other: Self) -> Self {
         Self {
@@ -273,7 +272,7 @@ impl<S: Simd> Mask<S> {
         }
     }
 
-    /// One of them, or both.
+    /// Return the disjunction.
     #[inline(always)]
     pub(crate) fn or(self, other: Self) -> Self {
         Self {
@@ -282,7 +281,7 @@ impl<S: Simd> Mask<S> {
         }
     }
 
-    /// One of them, not both.
+    /// Return the exclusive disjunction.
     #[inline(always)]
     pub(crate) fn differs(self, other: Self) -> Self {
         Self {
@@ -291,7 +290,7 @@ impl<S: Simd> Mask<S> {
         }
     }
 
-    /// The other way round.
+    /// Return the negation.
     #[inline(always)]
     pub(crate) fn not(self) -> Self {
         Self {
@@ -342,7 +341,7 @@ impl<S: Simd> Neg for Lanes<S> {
 
     #[inline(always)]
     fn neg(self) -> Self {
-        // Written out: pulp's own is not always inlined into a kernel, and then it runs without its instructions.
+        // Written out, because pulp's own operation is not always inlined into a kernel and then loses its instruction set.
         self.with(self.simd.xor_f64s(self.values, self.simd.splat_f64s(-0.0)))
     }
 }

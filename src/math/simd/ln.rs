@@ -1,20 +1,20 @@
-//! Natural logarithm, and that of quotients without dividing first.
+//! Natural logarithm of numbers, and of quotients without a division.
 //!
-//! a/b = 2^k (1 + s)/(1 - s) with s = (a - 2^k b)/(a + 2^k b) and |s| < 0.202: the difference is exact, so that quotients near 1
-//! lose nothing. The series in s² is a minimax fit, relative error 2e-17.
+//! a/b = 2^k (1 + s)/(1 - s) with s = (a - 2^k b)/(a + 2^k b) and |s| < 0.202. The difference is exact, so that quotients near 1 have no
+//! cancellation. The series in s² is a minimax fit with a relative error of 2e-17.
 
 use pulp::{Simd, cast};
 
 use super::Lanes;
 use crate::math::Real;
 
-/// ln 2 to 32 bits, whose products with exponents are exact, and the rest.
+/// ln 2 to 32 bits, whose products with exponents are exact, and the remainder.
 pub(super) const LN_2: [f64; 2] = [
     f64::from_bits(0x3FE6_2E42_FEE0_0000),
     f64::from_bits(0x3DEA_39EF_3579_3C76),
 ];
 
-/// (ln((1 + s)/(1 - s)) - 2s)/s³ in powers of s².
+/// Coefficients of (ln((1 + s)/(1 - s)) - 2s)/s³ in powers of s².
 const SERIES: [f64; 7] = [
     0.666_666_666_666_728,
     0.399_999_999_961_139_6,
@@ -25,9 +25,9 @@ const SERIES: [f64; 7] = [
     0.153_726_396_891_824_32,
 ];
 
-/// ln x of positive normal numbers up to 2^1022 to 2.1 units in the last place; infinity and not a number stay so.
+/// Return ln x of positive normal numbers up to 2^1022 to 2.1 units in the last place; infinity and NaN are kept.
 ///
-/// Means nothing for zero, denormals, negative and still greater numbers. The laws use its parts; tests know the whole.
+/// The result is undefined for zero, subnormal, negative and larger numbers. The force laws use its parts; tests use the whole function.
 #[cfg(test)]
 #[inline(always)]
 pub(crate) fn ln<R: Real>(x: R) -> R {
@@ -35,7 +35,7 @@ pub(crate) fn ln<R: Real>(x: R) -> R {
     crate::math::Truth::select(x.exceeds(x.constant(f64::MAX)), x, logarithm)
 }
 
-/// ln(a/b) of numbers from 2^-1021 to 2^1022, to 2.5 units in the last place also near 1.
+/// Return ln(a/b) of numbers from 2^-1021 to 2^1022, to 2.5 units in the last place also near 1.
 #[inline(always)]
 pub(crate) fn ln_of_quotient<R: Real>(a: R, b: R) -> R {
     let (k, rest) = octaves_of_quotient(a, b);
@@ -43,7 +43,7 @@ pub(crate) fn ln_of_quotient<R: Real>(a: R, b: R) -> R {
     k.mul_add(head, k.mul_add(tail, rest))
 }
 
-/// (k, r) of ln(a/b) = k ln 2 + r, k whole and |r| < 0.41, for numbers as in [`ln_of_quotient`].
+/// Return (k, r) of ln(a/b) = k ln 2 + r, k an integer and |r| < 0.41, for numbers as in [`ln_of_quotient`].
 #[inline(always)]
 pub(crate) fn octaves_of_quotient<R: Real>(a: R, b: R) -> (R, R) {
     let (k, b) = b.scaled_to(a);
@@ -57,7 +57,7 @@ pub(crate) fn octaves_of_quotient<R: Real>(a: R, b: R) -> (R, R) {
     (k, (s * z).mul_add(series, s + s))
 }
 
-/// (k, 2^k b) such that 2^k b lies between 2/3 and 3/2 of a.
+/// Return (k, 2^k b) such that 2^k b lies between 2/3 and 3/2 of a.
 #[inline(always)]
 pub(in crate::math) fn scaled_to<S: Simd>(b: Lanes<S>, a: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     let simd = b.simd();
@@ -65,7 +65,7 @@ pub(in crate::math) fn scaled_to<S: Simd>(b: Lanes<S>, a: Lanes<S>) -> (Lanes<S>
         simd.transmute_u64s_f64s(a.values()),
         simd.transmute_u64s_f64s(b.values()),
     );
-    // The bits of a number are nearly its binary logarithm, in 2^-52; k is the difference, rounded.
+    // The bits of a number approximate its binary logarithm in units of 2^-52; k is the difference, rounded.
     let difference = simd.sub_u64s(a_bits, b_bits);
     let exponent = simd.and_u64s(
         simd.add_u64s(difference, simd.splat_u64s(1 << 51)),

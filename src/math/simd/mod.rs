@@ -1,9 +1,9 @@
-//! Arithmetic on several numbers at once, with the instruction set chosen when the program runs.
+//! SIMD arithmetic with an instruction set selected at run time.
 //!
-//! All operations but sums are element by element and, where the machine has fused multiply-add, rounded alike for every
-//! width; sums run over [`WIDTH`] partial sums whatever the width. AVX2, AVX-512 and NEON therefore give the same bits.
+//! All operations except sums are lane-wise. With fused multiply-add their rounding is independent of the width. Sums have [`WIDTH`]
+//! partial sums at any width. AVX2, AVX-512 and NEON therefore give the same bits.
 
-// A vector passed to a function that is not inlined goes through memory, and its instructions are not chosen.
+// A vector passed to a function that is not inlined goes through memory, and the function has no instruction set selected.
 #![allow(clippy::inline_always)]
 
 use aligned_vec::{AVec, ConstAlign, avec};
@@ -34,19 +34,19 @@ pub(crate) use pack8::{Octet, parts, read, write};
 pub(crate) use sin_cos::sin_cos;
 pub(crate) use transpose::transposed;
 
-/// Numbers that arrays are padded to a multiple of: those of the widest vectors.
+/// Number of lanes of the widest vectors; array lengths are padded to a multiple of it.
 pub const WIDTH: usize = 8;
 
-/// `length` rounded up to whole vectors.
+/// Return `length` rounded up to whole vectors.
 #[must_use]
 pub fn padded(length: usize) -> usize {
     length.next_multiple_of(WIDTH)
 }
 
-/// Numbers that begin at a cache line, so that no vector of them lies across two.
+/// Numbers aligned to a cache line, so that no vector crosses a cache line.
 pub(crate) type Numbers = AVec<f64, ConstAlign<64>>;
 
-/// Zeros for `length` numbers, padded.
+/// Return zeros for `length` numbers, padded.
 #[must_use]
 pub(crate) fn padded_zeros(length: usize) -> Numbers {
     avec![[64]| 0.0; padded(length)]

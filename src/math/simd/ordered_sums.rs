@@ -1,15 +1,15 @@
-//! Sums over arrays in [`WIDTH`] parts, so that every width of vectors gives the same bits.
+//! Sums over arrays in [`WIDTH`] partial sums: all vector widths give the same bits.
 
 use pulp::Simd;
 
 use super::{Lanes, WIDTH, load, vectors_mut};
 
-/// A sum in parts, one for each place in a vector of the widest kind. Kept in memory: for loops that seldom add.
+/// Sum as partial sums, one for each lane of the widest vectors. It is kept in memory, for loops with few additions.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct PartialSums([f64; WIDTH]);
 
 impl PartialSums {
-    /// Adds the numbers of vector `block` of an array.
+    /// Add vector `block` of an array.
     #[inline(always)]
     pub(crate) fn add<S: Simd>(&mut self, block: usize, values: Lanes<S>) {
         let parts = WIDTH / S::F64_LANES;
@@ -17,21 +17,21 @@ impl PartialSums {
         *part = (values + load(values.simd(), part)).values();
     }
 
-    /// The sum, in one order for all widths.
+    /// Return the sum, in the same order for all widths.
     pub(crate) fn total(&self) -> f64 {
         let [a, b, c, d, e, f, g, h] = self.0;
         ((a + e) + (c + g)) + ((b + f) + (d + h))
     }
 }
 
-/// Partial sums of [`Squares`]: two vectors of the widest kind, so that one sum need not wait for the other.
+/// Number of partial sums of [`Squares`]: two of the widest vectors, so that consecutive additions are independent.
 const SQUARES: usize = 2 * WIDTH;
 
-/// A sum of squares in vectors, for loops that add in every round.
+/// Sum of squares kept in vectors, for loops with an addition in every iteration.
 pub(crate) struct Squares<S: Simd>([Lanes<S>; SQUARES]);
 
 impl<S: Simd> Squares<S> {
-    /// Vectors that are added to in turns: vector `b` of an array belongs to part `b` modulo this.
+    /// Number of accumulator vectors, used in turn: vector `b` of an array belongs to accumulator `b` modulo this.
     pub(crate) const PARTS: usize = SQUARES / S::F64_LANES;
 
     #[inline(always)]
@@ -39,13 +39,13 @@ impl<S: Simd> Squares<S> {
         Self([Lanes::splat(simd, 0.0); SQUARES])
     }
 
-    /// Adds the squares of the numbers of a vector that belongs to `part`.
+    /// Add the squares of a vector that belongs to accumulator `part`.
     #[inline(always)]
     pub(crate) fn add(&mut self, part: usize, values: Lanes<S>) {
         self.0[part] = values.mul_add(values, self.0[part]);
     }
 
-    /// The sum, in one order for all widths, that of [`PartialSums::total`]: halves are added until one number is left.
+    /// Return the sum, in the order of [`PartialSums::total`] for all widths: halves are added until one number is left.
     #[inline(always)]
     pub(crate) fn total(&self) -> f64 {
         let mut sums = self.0;

@@ -1,35 +1,35 @@
-//! Eight numbers of one quantity: what the widest vectors hold, for arrays of structures with several quantities side by side.
+//! Packs of eight numbers, as wide as the widest vectors, for arrays of structures with several quantities.
 
 use pulp::Simd;
 
 use super::{Lanes, WIDTH, load, vectors, vectors_mut};
 
-/// Eight numbers that begin at a cache line.
+/// Eight numbers aligned to a cache line.
 #[derive(Debug, Clone, Copy, Default)]
 #[repr(align(64))]
 pub(crate) struct Octet(pub(crate) [f64; WIDTH]);
 
 impl Octet {
-    /// Vector `part` of it.
+    /// Load vector `part`.
     #[inline(always)]
     pub(crate) fn at<S: Simd>(&self, simd: S, part: usize) -> Lanes<S> {
         load(simd, &vectors::<S>(&self.0, WIDTH / S::F64_LANES)[part])
     }
 
-    /// Writes vector `part`.
+    /// Store vector `part`.
     #[inline(always)]
     pub(crate) fn put<S: Simd>(&mut self, part: usize, values: Lanes<S>) {
         vectors_mut::<S>(&mut self.0, WIDTH / S::F64_LANES)[part] = values.values();
     }
 }
 
-/// The vectors of an octet.
+/// Return the indices of the vectors of a pack.
 #[inline(always)]
 pub(crate) fn parts<S: Simd>() -> std::ops::Range<usize> {
     0..WIDTH / S::F64_LANES
 }
 
-/// Vector `part` of each octet.
+/// Load vector `part` of each pack.
 #[inline(always)]
 pub(crate) fn read<S: Simd, const N: usize>(
     simd: S,
@@ -43,7 +43,7 @@ pub(crate) fn read<S: Simd, const N: usize>(
     values
 }
 
-/// Writes vector `part` of each octet.
+/// Store vector `part` of each pack.
 #[inline(always)]
 pub(crate) fn write<S: Simd, const N: usize>(
     octets: &mut [Octet; N],

@@ -1,24 +1,24 @@
 //! Sine and cosine of a vector of angles.
 //!
-//! x = k π/2 + r with k the nearest whole number. π/2 is held in parts such that for |x| up to 10^6 every difference that
-//! cancels is exact; r is therefore right to half a unit in the last place, also near multiples of π/2. The polynomials on
-//! |r| <= π/4 are those of fdlibm's `k_sin.c` and `k_cos.c`.
+//! x = k π/2 + r with k the nearest integer. π/2 is split into parts such that for |x| up to 10^6 every difference with cancellation is
+//! exact. The error of r is therefore half a unit in the last place, also near multiples of π/2. The polynomials on |r| <= π/4 are those of
+//! fdlibm's `k_sin.c` and `k_cos.c`.
 
 use pulp::Simd;
 
 use super::Lanes;
 
-/// Largest |x| done here; one by one beyond.
+/// Largest |x| of the vector code; larger angles are evaluated one by one by std.
 const LIMIT: f64 = 1e6;
 
-/// π/2 in three parts of 53 bits, for products that are rounded together with the difference.
+/// π/2 in three parts of 53 bits, for products rounded together with the difference (fused multiply-add).
 const HALF_PI: [f64; 3] = [
     std::f64::consts::FRAC_PI_2,
     f64::from_bits(0x3C91_A626_3314_5C06),
     f64::from_bits(0x394C_1CD1_2902_4E08),
 ];
 
-/// π/2 for products that are rounded by themselves: down to 2^-32, down to 2^-53, the next 33 bits, and the rest.
+/// π/2 for products rounded separately: bits down to 2^-32, down to 2^-53, the next 33 bits, and the remainder.
 const HALF_PI_IN_SHORT_PARTS: [f64; 4] = [
     f64::from_bits(0x3FF9_21FB_5440_0000),
     f64::from_bits(0x3DD0_B460_0000_0000),
@@ -26,7 +26,7 @@ const HALF_PI_IN_SHORT_PARTS: [f64; 4] = [
     f64::from_bits(0x3A71_701B_839A_2520),
 ];
 
-/// (sin r - r)/r³ in powers of r².
+/// Coefficients of (sin r - r)/r³ in powers of r².
 const SINE: [f64; 6] = [
     -1.666_666_666_666_663_2e-1,
     8.333_333_333_322_49e-3,
@@ -36,7 +36,7 @@ const SINE: [f64; 6] = [
     1.589_690_995_211_55e-10,
 ];
 
-/// (cos r - 1 + r²/2)/r⁴ in powers of r².
+/// Coefficients of (cos r - 1 + r²/2)/r⁴ in powers of r².
 const COSINE: [f64; 6] = [
     4.166_666_666_666_66e-2,
     -1.388_888_888_887_411e-3,
@@ -46,7 +46,7 @@ const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
-/// (sin x, cos x) of angles \[rad\] of any size, to 1.5 units in the last place; not a number where x is not finite.
+/// Return (sin x, cos x) of angles \[rad\] of any size, to 1.5 units in the last place; NaN where x is not finite.
 ///
 /// The sine of -0 is 0.
 #[inline(always)]
@@ -65,11 +65,11 @@ pub(crate) fn sin_cos<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     (sine, cosine)
 }
 
-/// The same for |x| up to [`LIMIT`].
+/// Return (sin x, cos x) for |x| up to [`LIMIT`].
 #[inline(always)]
 fn of_moderate<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     let simd = x.simd();
-    // Adding 1.5 2^52 rounds to a whole number, whose last bits are then those of the sum.
+    // The addition of 1.5 2^52 rounds to an integer, whose last bits are those of the sum.
     let magic = x.constant(1.5 * (1u64 << 52) as f64);
     let shifted = x.mul_add(x.constant(std::f64::consts::FRAC_2_PI), magic);
     let k = shifted - magic;
@@ -85,6 +85,7 @@ fn of_moderate<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
         .mul_add(z, x.constant(-0.5))
         .mul_add(z, x.constant(1.0));
 
+    // Odd multiples of π/2 exchange sine and cosine; bit 1 of k, and of k + 1, gives the signs.
     let quadrant = simd.transmute_u64s_f64s(shifted.values());
     let one = simd.splat_u64s(1);
     let odd = simd.equal_u64s(simd.and_u64s(quadrant, one), one);
@@ -97,7 +98,7 @@ fn of_moderate<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     )
 }
 
-/// The other sign where bit 1 of `quadrant` is set.
+/// Change the sign where bit 1 of `quadrant` is set.
 #[inline(always)]
 fn with_sign<S: Simd>(value: Lanes<S>, quadrant: S::u64s) -> Lanes<S> {
     let simd = value.simd();
@@ -107,7 +108,7 @@ fn with_sign<S: Simd>(value: Lanes<S>, quadrant: S::u64s) -> Lanes<S> {
     Lanes::new(simd, simd.transmute_f64s_u64s(bits))
 }
 
-/// The sum of `coefficients` times powers of z, from the highest down.
+/// Return the polynomial with these coefficients in powers of z, by Horner's scheme.
 #[inline(always)]
 fn polynomial<S: Simd>(z: Lanes<S>, coefficients: [f64; 6]) -> Lanes<S> {
     let [a, b, c, d, e, f] = coefficients.map(|coefficient| z.constant(coefficient));
@@ -118,7 +119,7 @@ fn polynomial<S: Simd>(z: Lanes<S>, coefficients: [f64; 6]) -> Lanes<S> {
         .mul_add(z, a)
 }
 
-/// Puts std's values where |x| is beyond [`LIMIT`] or x is not a number.
+/// Replace the results by those of std where |x| exceeds [`LIMIT`] or x is NaN.
 #[cold]
 fn replace_the_others(xs: &[f64], sines: &mut [f64], cosines: &mut [f64]) {
     for ((&x, sine), cosine) in xs.iter().zip(sines).zip(cosines) {
@@ -153,7 +154,7 @@ mod tests {
         }
     }
 
-    /// std's own error is below 1 unit.
+    /// The error of std itself is below 1 unit.
     fn assert_as_std(xs: &[f64]) {
         assert_near(&Sine, xs, 2, f64::sin);
         assert_near(&Cosine, xs, 2, f64::cos);

@@ -1,10 +1,10 @@
-//! What the tests of vector functions share: a function over a slice, and distances in units in the last place.
+//! Shared code of the tests of vector functions: a function over a slice, and distances in units in the last place.
 
 use pulp::{Simd, WithSimd};
 
 use super::{InstructionSet, Lanes, padded_zeros, vectors, vectors_mut};
 
-/// A function of one vector.
+/// Function of one vector.
 pub(crate) trait LaneFunction {
     fn of<S: Simd>(&self, x: Lanes<S>) -> Lanes<S>;
 }
@@ -28,7 +28,7 @@ impl<F: LaneFunction> WithSimd for Map<'_, F> {
     }
 }
 
-/// The function of every number of a slice, with these instructions.
+/// Apply the function to every number of a slice, with these instructions.
 pub(crate) fn map(set: InstructionSet, function: &impl LaneFunction, xs: &[f64]) -> Vec<f64> {
     let mut from = padded_zeros(xs.len());
     from[..xs.len()].copy_from_slice(xs);
@@ -41,8 +41,8 @@ pub(crate) fn map(set: InstructionSet, function: &impl LaneFunction, xs: &[f64])
     to[..xs.len()].to_vec()
 }
 
-/// Asserts that every instruction set gives what `reference` gives, to `bound` units in the last place, and that all those with
-/// fused multiply-add give the same bits.
+/// Assert that every instruction set agrees with `reference` to `bound` units in the last place, and that all those with fused multiply-add
+/// give the same bits.
 pub(crate) fn assert_near(
     function: &impl LaneFunction,
     xs: &[f64],
@@ -63,7 +63,7 @@ pub(crate) fn assert_near(
     assert_same_bits(|set| map(set, function, xs));
 }
 
-/// Asserts that all instruction sets with fused multiply-add give the same bits.
+/// Assert that all instruction sets with fused multiply-add give the same bits.
 pub(crate) fn assert_same_bits(run: impl Fn(InstructionSet) -> Vec<f64>) {
     let fused = InstructionSet::available()
         .into_iter()
@@ -74,7 +74,7 @@ pub(crate) fn assert_same_bits(run: impl Fn(InstructionSet) -> Vec<f64>) {
     assert!(results.windows(2).all(|pair| pair[0] == pair[1]));
 }
 
-/// How many steps from one number of the format to the other: none between two that are not numbers.
+/// Return the number of representable steps between two numbers; zero between two NaN.
 pub(crate) fn ulps(a: f64, b: f64) -> u64 {
     if a.is_nan() || b.is_nan() {
         return if a.is_nan() && b.is_nan() {

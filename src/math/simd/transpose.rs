@@ -1,4 +1,4 @@
-//! Vectors transposed: rows become columns without going through memory, where the machine has the instructions.
+//! Transposition of vectors: rows become columns in registers, if the machine has the instructions.
 
 #[cfg(target_arch = "x86_64")]
 use std::any::Any;
@@ -7,7 +7,7 @@ use pulp::Simd;
 
 use super::{Lanes, WIDTH};
 
-/// Lane i of vector j in lane j of vector i, for as many vectors as one has lanes; what is behind them is left as it is.
+/// Return the transpose: lane i of vector j becomes lane j of vector i, for as many vectors as lanes. Further vectors remain unchanged.
 #[inline(always)]
 pub(crate) fn transposed<S: Simd>(simd: S, rows: [Lanes<S>; WIDTH]) -> [Lanes<S>; WIDTH] {
     #[cfg(target_arch = "x86_64")]
@@ -35,7 +35,7 @@ pub(crate) fn transposed<S: Simd>(simd: S, rows: [Lanes<S>; WIDTH]) -> [Lanes<S>
     columns
 }
 
-/// Pairs of rows, then pairs of pairs, then both halves.
+/// Transpose pairs of rows, then pairs of pairs, then both halves.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
 fn eight<S: Simd>(
@@ -44,7 +44,7 @@ fn eight<S: Simd>(
     rows: &[Lanes<S>; WIDTH],
 ) -> [Lanes<S>; WIDTH] {
     use std::arch::x86_64::__m512d;
-    /// The first and third quarter of one vector, then of another.
+    /// Selects the first and third quarter of one vector, then of another.
     const FIRST_AND_THIRD: i32 = 0b10_00_10_00;
     const SECOND_AND_FOURTH: i32 = 0b11_01_11_01;
 
@@ -56,7 +56,7 @@ fn eight<S: Simd>(
     let high = |a, b| avx._mm512_shuffle_f64x2::<SECOND_AND_FOURTH>(a, b);
     let even = [even(0), even(2), even(4), even(6)];
     let odd = [odd(0), odd(2), odd(4), odd(6)];
-    // Columns 0 and 4, 1 and 5, 2 and 6, 3 and 7: of rows 0 to 3, and of rows 4 to 7.
+    // Columns 0 and 4, 1 and 5, 2 and 6, 3 and 7, each as rows 0 to 3 and rows 4 to 7.
     let halves = [
         [low(even[0], even[1]), low(even[2], even[3])],
         [low(odd[0], odd[1]), low(odd[2], odd[3])],
@@ -78,7 +78,7 @@ fn eight<S: Simd>(
     ]
 }
 
-/// Pairs of rows, then both halves.
+/// Transpose pairs of rows, then both halves.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
 fn four<S: Simd>(
@@ -87,7 +87,7 @@ fn four<S: Simd>(
     rows: [Lanes<S>; WIDTH],
 ) -> [Lanes<S>; WIDTH] {
     use std::arch::x86_64::__m256d;
-    /// The first half of one vector, then of another.
+    /// Selects the first half of one vector, then of another.
     const FIRST: i32 = 0b0010_0000;
     const SECOND: i32 = 0b0011_0001;
 

@@ -1,23 +1,23 @@
-//! L D Lᵀ of a sparse symmetric matrix whose structure is known, without rows whose pivot vanishes; in either precision.
+//! L D Lᵀ factors of a sparse symmetric matrix with known structure, in either precision; rows with vanishing pivots are omitted.
 
 use crate::math::double_double::Number;
 
-/// Places of all numbers, in the order of elimination.
+/// Indices of all entries, in the order of elimination.
 #[derive(Debug, Clone)]
 pub(crate) struct Structure {
-    /// Upper triangle, column after column, the diagonal last.
+    /// Upper triangle by columns, with the diagonal last.
     pub(crate) start: Vec<usize>,
     pub(crate) above: Vec<usize>,
     /// Columns in which each row of L has an entry, in order.
     pub(crate) pattern_start: Vec<usize>,
     pub(crate) pattern: Vec<usize>,
-    /// Columns of L: where they begin, and their rows.
+    /// Columns of L: their first entries, and their rows.
     pub(crate) column_start: Vec<usize>,
     pub(crate) rows: Vec<usize>,
 }
 
 impl Structure {
-    /// From the places of the upper triangle and those of the rows of L.
+    /// Return the structure from the entries of the upper triangle and of the rows of L.
     pub(crate) fn new(
         (start, above): (Vec<usize>, Vec<usize>),
         (pattern_start, pattern): (Vec<usize>, Vec<usize>),
@@ -52,7 +52,7 @@ impl Structure {
         self.start.len() - 1
     }
 
-    /// The matrix of this upper triangle times `x`.
+    /// Multiply the matrix of this upper triangle by `x`.
     pub(crate) fn multiply(&self, entries: &[f64], x: &[f64], product: &mut [f64]) {
         product.fill(0.0);
         for (k, ends) in self.start.windows(2).enumerate() {
@@ -67,21 +67,21 @@ impl Structure {
     }
 }
 
-/// The matrix and its factors.
+/// Matrix and its factors.
 #[derive(Debug, Clone)]
 pub(crate) struct Factors<T> {
-    /// The upper triangle.
+    /// Upper triangle of the matrix.
     pub(crate) entries: Vec<T>,
-    /// L, column after column, without its diagonal.
+    /// L by columns, without its diagonal.
     pub(crate) values: Vec<T>,
-    /// Zero for rows that are left out.
+    /// Inverse pivots; zero for omitted rows.
     pub(crate) inverse_pivots: Vec<T>,
-    /// How much of each column is there.
+    /// Number of entries computed in each column.
     filled: Vec<usize>,
-    /// Scratch, zero between calls.
+    /// Work array, zero between calls.
     work: Vec<T>,
     pub(crate) rank: usize,
-    /// Least pivot in parts of its diagonal entry, of those that count.
+    /// Smallest ratio of an accepted pivot to its diagonal entry.
     pub(crate) least: f64,
 }
 
@@ -99,7 +99,7 @@ impl<T: Number> Factors<T> {
         }
     }
 
-    /// Factors without rows whose pivot is below `tolerance` of the diagonal entry.
+    /// Factorise, omitting rows whose pivot is below `tolerance` times the diagonal entry.
     pub(crate) fn eliminate(&mut self, structure: &Structure, tolerance: f64) {
         self.filled.fill(0);
         self.rank = 0;
@@ -109,7 +109,7 @@ impl<T: Number> Factors<T> {
         }
     }
 
-    /// Row k of L and its pivot.
+    /// Compute row k of L and its pivot (up-looking factorisation).
     fn eliminate_row(&mut self, structure: &Structure, k: usize, tolerance: f64) {
         let upper = structure.start[k]..structure.start[k + 1];
         for (&row, &entry) in structure.above[upper.clone()]
@@ -127,11 +127,12 @@ impl<T: Number> Factors<T> {
             self.filled[column] += 1;
             let inverse = self.inverse_pivots[column];
             if inverse.rounded() == 0.0 {
-                // What was left out takes nothing off.
+                // An omitted row contributes nothing.
                 self.values[end] = T::default();
                 continue;
             }
             let rows = &structure.rows[begin..end];
+            // w[row] -= L[row, column] y, then L[k, column] = y/d_column and d_k -= L[k, column] y.
             for (&row, value) in rows.iter().zip(&self.values[begin..end]) {
                 self.work[row] = self.work[row].less(*value, y);
             }
@@ -157,7 +158,7 @@ mod tests {
 
     #[test]
     fn twice_the_precision_tells_a_row_that_depends_from_one_that_nearly_does() {
-        // Gram's matrix of (1, 0), (1, 1e-9), (2, 1e-9): the second stands a billionth apart, the third is the sum of both.
+        // Gram matrix of (1, 0), (1, 1e-9), (2, 1e-9): the first two differ by 1e-9, and the third is their sum.
         let vectors = [[1.0, 0.0, 0.0], [1.0, 1e-9, 0.0], [2.0, 1e-9, 0.0]];
         let upper = (vec![0, 1, 3, 6], vec![0, 0, 1, 0, 1, 2]);
         let structure = Structure::new(upper, (vec![0, 0, 1, 3], vec![0, 0, 1]));

@@ -1,15 +1,14 @@
-//! Multipliers of redundant constraints that together do nothing: which constraints they belong to, and the least
-//! (Euclidean norm) of all multipliers that do the same.
+//! Null space of the multipliers of redundant constraints: which constraints are redundant, and the multipliers of least Euclidean norm.
 
 use crate::math::cholesky::solve_positive;
 
-/// Independent vectors, each a set of multipliers in the order of elimination.
+/// Linearly independent vectors, each a set of multipliers in the order of elimination.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct NullSpace {
     vectors: Vec<Vec<f64>>,
 }
 
-/// An entry counts as zero below this part of the largest of its vector.
+/// Ratio to the largest entry of its vector below which an entry counts as zero.
 const ZERO: f64 = 1e-6;
 
 impl NullSpace {
@@ -17,12 +16,13 @@ impl NullSpace {
         self.vectors.push(vector);
     }
 
-    /// Takes off `multipliers` what lies in this space: what remains does the same and is least.
+    /// Subtract from `multipliers` their component in this space; the remainder has the same effect and the least norm.
     pub(crate) fn take_off(&self, place: &[usize], multipliers: &mut [f64]) {
         if self.vectors.is_empty() {
             return;
         }
         let count = self.vectors.len();
+        // Least squares: Gram matrix times parts = projections of the multipliers.
         let mut normal = Vec::with_capacity(count * count);
         for a in &self.vectors {
             let along = |b: &Vec<f64>| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
@@ -42,7 +42,7 @@ impl NullSpace {
         }
     }
 
-    /// For each vector a constraint without which the others stay as they are, as late in the description as can be.
+    /// Return for each vector one redundant constraint, as late in the description as possible.
     pub(crate) fn last_rows(&self, place: &[usize]) -> Vec<usize> {
         let mut vectors = self.vectors.clone();
         let mut found = Vec::new();
@@ -56,6 +56,7 @@ impl NullSpace {
                 continue;
             };
             let chosen = vectors.swap_remove(chosen);
+            // Eliminate this constraint from the remaining vectors.
             for vector in &mut vectors {
                 let part = vector[k] / chosen[k];
                 vector
@@ -77,7 +78,7 @@ mod tests {
 
     #[test]
     fn the_last_of_rows_that_say_the_same_is_named_and_all_share_the_load() {
-        // Rows 0, 1, 3 say the same; row 2 stands alone. Place and row are each other's reverse.
+        // Rows 0, 1 and 3 are equal; row 2 is independent. Place and row are inverse permutations.
         let place = [3, 2, 1, 0];
         let mut space = NullSpace::default();
         space.add(vec![-1.0, 0.0, 1.0, 0.0]);

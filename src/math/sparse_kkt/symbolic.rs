@@ -1,8 +1,8 @@
-//! The structure of sparse factors: the order of elimination, and the places of all entries.
+//! Symbolic factorisation: the order of elimination and the structure of sparse factors.
 
 use std::collections::BTreeSet;
 
-/// For each body that is free, the constraints on it with their part of the row.
+/// Return for each free body its constraints, each with its part of the row.
 pub(crate) fn rows_on_bodies(
     first: &[Option<usize>],
     bodies: &[[usize; 3]],
@@ -18,7 +18,8 @@ pub(crate) fn rows_on_bodies(
     found
 }
 
-/// Eliminates the one with the fewest neighbours first; those then become neighbours of each other.
+/// Return the minimum-degree order: the node with the fewest neighbours is eliminated first, and its neighbours become neighbours of each
+/// other.
 pub(crate) fn least_degree_order(mut neighbours: Vec<BTreeSet<usize>>) -> Vec<usize> {
     let mut queue: BTreeSet<(usize, usize)> = (neighbours.iter().enumerate())
         .map(|(i, n)| (n.len(), i))
@@ -53,7 +54,7 @@ pub(crate) fn upper_triangle(
     (start, above)
 }
 
-/// Columns of the entries of each row of L: from those of S up the tree of elimination.
+/// Return the columns of the entries of each row of L, found along the elimination tree from the entries of S.
 pub(crate) fn patterns(start: &[usize], above: &[usize]) -> (Vec<usize>, Vec<usize>) {
     let m = start.len() - 1;
     let mut parent = vec![usize::MAX; m];
