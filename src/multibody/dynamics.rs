@@ -1,4 +1,4 @@
-//! The equations of motion of a mechanism as a system of first order: coordinates, velocities, two sums of energy.
+//! Equations of motion of a mechanism as a first-order system: coordinates, velocities, two energy sums.
 
 use std::sync::Arc;
 
@@ -21,83 +21,85 @@ use crate::error::Result;
 use crate::geometry::Vec2;
 use crate::integrator::OdeSystem;
 
-/// How positions and velocities are kept on the constraints.
+/// Stabilisation of the constraints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stabilisation {
-    /// Projected after every step, to round-off.
+    /// Positions and velocities are projected onto the constraints after every step, to round-off.
     Projection,
-    /// Pulled back by a damped oscillator of this angular frequency \[rad/s\] (Baumgarte 1972), for comparison; at 0 the drift of the
-    /// formulas shows.
+    /// Residuals decay as a critically damped oscillator of this angular frequency \[rad/s\] (Baumgarte 1972), for comparison. At 0
+    /// the drift of the integration formulas is visible.
     Baumgarte(f64),
 }
 
-/// The right-hand side; its memory changes between steps only.
+/// Right-hand side of the equations of motion. Its contact memory changes between steps only.
 ///
-/// The solution is y = [q, v, energy dissipated, external work], with the bristles of contacts behind q and v, less a `shift`, which
-/// holds what projections have added: the integrator's own solution and its history stay as they are. During a step the shift of velocities is constant and that of
-/// coordinates grows by it, so that dq/dt = v holds within the integrator's solution as it does within the state: an implicit
-/// corrector takes coordinates from velocities without asking.
+/// The solution is y = [q, v, energy dissipated, external work], with the deflections of bristles after q and their rates after v. It
+/// differs from the state by a `shift`, the sum of the corrections of all projections, so the integrator's solution and history are
+/// not modified.
+///
+/// During a step the shift of velocities is constant and that of coordinates grows at its rate. Thus dq/dt = v holds in the
+/// integrator's solution as in the state, and an implicit corrector can compute coordinates from velocities.
 #[derive(Debug, Clone)]
 pub struct MechanismDynamics {
     pub(crate) model: Arc<MechanismModel>,
     pub(crate) frames: Vec<Frame>,
     pub(crate) loads: Loads,
     pub(crate) rows: Vec<Row>,
-    /// Present when there are constraints.
+    /// Factors of the constraints; `None` without constraints.
     pub(crate) kkt: Option<SparseKkt>,
     pub(crate) accelerations: Vec<f64>,
     pub(crate) multipliers: Vec<f64>,
-    /// What happens on each side of each contact, and what it remembers.
+    /// State of each side of each contact, and its memory since the onset.
     pub(crate) touches: Vec<Touch>,
     pub(crate) memory: Vec<Memory>,
-    /// Whether each contact is near enough to bear: what is not leaves its sides alone.
+    /// Whether each contact is close enough to be evaluated; sides of others are not evaluated.
     pub(crate) near: Vec<bool>,
-    /// Largest depth \[m\] of each contact that is near, and its rate \[m/s\].
+    /// Largest penetration of each contact that is near \[m\], and its rate \[m/s\].
     pub(crate) deepest: Vec<[f64; 2]>,
-    /// How each contact is where the step under way began.
+    /// State of each contact at the start of the present step.
     pub(crate) starts: Vec<ContactEnd>,
     pub(crate) bristles: Bristles,
     pub(crate) pin_torques: PinTorques,
     pub(crate) shift: Vec<f64>,
-    /// When the shift of coordinates was what it says \[s\].
+    /// Time at which the shift of coordinates has the stored value \[s\].
     pub(crate) shift_time: f64,
     pub(crate) stabilisation: Stabilisation,
-    /// Below this, the constraints count as near a singular position.
+    /// Independence of the constraints below which a position counts as near-singular.
     pub(crate) near_singular: f64,
-    /// How many constraints are independent away from singular positions.
+    /// Number of independent constraints away from singular positions.
     pub(crate) rank: usize,
-    /// Whether a place beside is looked at for what holds here: it does not ask for its own sides.
+    /// Whether the evaluation is at an interpolation point or a trial position, where no interpolation takes place.
     pub(crate) aside: bool,
     /// Time of the last derivative \[s\].
     pub(crate) time: f64,
-    /// The implicit corrector's matrix, once it is used.
+    /// Matrix of the implicit corrector, once it is used.
     pub(crate) corrector: Option<Box<ImplicitMatrix>>,
-    /// Scratch of projections: residuals, changes.
+    /// Work arrays of projections: residuals, changes.
     pub(crate) projecting: [Vec<f64>; 2],
-    /// Scratch: loads of the free coordinates.
+    /// Work array: loads on the free coordinates.
     pub(crate) forces: Vec<f64>,
-    /// Scratch: the state with its shift.
+    /// Work array: the state with its shift.
     shifted: Vec<f64>,
-    /// Where the last step of a run began.
+    /// Start of the last step of a run.
     pub(super) step: StepStart,
-    /// Contact onsets so far.
+    /// Number of contact onsets.
     pub(super) onsets: u64,
-    /// Those that no row has reported, while a recording asks for them.
+    /// Onsets without a recorded row, while a recording needs them.
     pub(super) unreported_onsets: Option<Vec<Onset>>,
-    /// Energies dissipated and put in where the state was read last.
+    /// Energy dissipated and external work at the last state read.
     pub(super) sums: MechanismSums,
     assembly: Arc<Assembly>,
-    /// Scratch: a state inside a step, the integrator's solution there, and a derivative.
+    /// Work arrays: a state within a step, the integrator's solution there, and a derivative.
     pub(super) inside: Vec<f64>,
     pub(super) solution: Vec<f64>,
     pub(super) slope: Vec<f64>,
 }
 
-/// Where some constraints are redundant, part of the independence near singular positions below which nothing counts.
+/// With redundant constraints: independence below which a constraint is always left out, over the near-singular threshold.
 const FAINT: f64 = 0.1;
 
 impl MechanismDynamics {
-    /// The equations of a model, with no contact remembered.
+    /// Return the equations of a model, without contact memory.
     #[must_use]
     pub fn new(model: Arc<MechanismModel>, stabilisation: Stabilisation) -> Self {
         let (n, m, bodies) = (model.coordinates(), model.constraints(), model.bodies.len());
@@ -138,16 +140,16 @@ impl MechanismDynamics {
         }
     }
 
-    /// The model.
+    /// Return the model.
     #[must_use]
     pub fn model(&self) -> &Arc<MechanismModel> {
         &self.model
     }
 
-    /// Assembles the mechanism for a run; returns the integrator's state.
+    /// Assemble the mechanism for a run and return the integrator's state.
     ///
     /// # Errors
-    /// When it does not go together.
+    /// When no positions or velocities satisfy the constraints.
     pub(crate) fn assemble_for_run(&mut self, give_up: &dyn Fn() -> bool) -> Result<Vec<f64>> {
         let assembly = self.assemble_unless(give_up)?;
         let state = self.with_bristles(&assembly.state);
@@ -155,19 +157,19 @@ impl MechanismDynamics {
         Ok(state)
     }
 
-    /// What assembling found.
+    /// Return the result of the assembly.
     #[must_use]
     pub fn assembly(&self) -> &Assembly {
         &self.assembly
     }
 
-    /// Whether there is a constrained system to solve at all.
+    /// Return whether the mechanism has constraints.
     #[must_use]
     pub fn is_constrained(&self) -> bool {
         self.kkt.is_some()
     }
 
-    /// Reads positions and velocities (q, then v), without a shift.
+    /// Set the body frames to positions and velocities (q, then v), without a shift.
     pub(crate) fn place(&mut self, state: &[f64]) {
         let n = self.model.coordinates();
         for (frame, first) in self.frames.iter_mut().zip(&self.model.first) {
@@ -180,7 +182,7 @@ impl MechanismDynamics {
         }
     }
 
-    /// Reads velocities alone, of bodies that are where they were.
+    /// Set the velocities of the body frames; positions remain.
     pub(crate) fn move_with(&mut self, state: &[f64]) {
         let n = self.model.coordinates();
         for (frame, first) in self.frames.iter_mut().zip(&self.model.first) {
@@ -191,14 +193,14 @@ impl MechanismDynamics {
         }
     }
 
-    /// Evaluates the constraint equations where the bodies are.
+    /// Evaluate the constraint equations at the body frames.
     pub(crate) fn find_rows(&mut self, t: f64) {
         for (row, equation) in self.rows.iter_mut().zip(&self.model.equations) {
             *row = equation.evaluate(t, &self.frames);
         }
     }
 
-    /// Gathers all loads where the bodies are.
+    /// Sum all loads at the body frames.
     fn find_loads(&mut self, t: f64) {
         self.loads.clear();
         self.bristles.begin();
@@ -232,7 +234,7 @@ impl MechanismDynamics {
         }
     }
 
-    /// Accelerations and multipliers where the bodies are.
+    /// Compute accelerations and multipliers at the body frames.
     pub(crate) fn accelerate(&mut self, t: f64) {
         self.find_loads(t);
         for (load, first) in self.loads.on.iter().zip(&self.model.first) {
@@ -247,6 +249,7 @@ impl MechanismDynamics {
             return;
         }
         self.find_rows(t);
+        // G a = γ - 2 w c' - w² c.
         if let Stabilisation::Baumgarte(frequency) = self.stabilisation {
             for row in &mut self.rows {
                 let rate = row.rate(&self.frames);
@@ -254,8 +257,8 @@ impl MechanismDynamics {
             }
         }
         if self.kkt.is_some() {
-            // What is redundant depends on the rest only where all joints hold, which no state within a step is quite: so
-            // it is what is nearly dependent that is left out, while enough is left.
+            // A redundant constraint depends on the others only where all joints are satisfied, which a state within a step is not
+            // exactly. Nearly dependent constraints are therefore left out, as long as the rank is that away from singular positions.
             if !self.hold() {
                 if !self.aside && self.accelerate_across(t) {
                     self.loads.dissipated += self.pin_losses();
@@ -270,8 +273,8 @@ impl MechanismDynamics {
         self.loads.dissipated += self.pin_losses();
     }
 
-    /// Independence below which nothing counts: that of rounding, or, where some constraints are redundant, what these seem
-    /// to have where joints do not quite hold.
+    /// Return the independence below which a constraint is always left out: zero without redundant constraints, a part of the
+    /// near-singular threshold with them. Residuals of joints make redundant constraints appear independent to about that extent.
     pub(crate) fn faint(&self) -> f64 {
         if self.rank < self.rows.len() {
             FAINT * self.near_singular
@@ -280,7 +283,7 @@ impl MechanismDynamics {
         }
     }
 
-    /// Factors of constraints that have a hold; whether they are as many as away from singular positions.
+    /// Factorise without nearly dependent constraints. Return whether the rank is that away from singular positions.
     fn hold(&mut self) -> bool {
         let (part, faint) = (self.near_singular, self.faint());
         let Some(kkt) = &mut self.kkt else {
@@ -288,13 +291,13 @@ impl MechanismDynamics {
         };
         kkt.factorise(&self.rows, part);
         if kkt.rank() < self.rank && faint > 0.0 {
-            // Many joints together may hold weakly without being singular.
+            // Many joints together may have little independence without being singular.
             kkt.factorise(&self.rows, faint);
         }
         kkt.rank() >= self.rank
     }
 
-    /// Factors of all constraints that count.
+    /// Factorise all constraints except those always left out.
     pub(crate) fn factorise_whole(&mut self) {
         let part = self.faint();
         if let Some(kkt) = &mut self.kkt {
@@ -302,9 +305,10 @@ impl MechanismDynamics {
         }
     }
 
-    /// Time from `t` on \[s\] in which nothing passes unseen: no circle a profile that it is not near to, from where the bodies
-    /// are by their speeds and accelerations; no bend of a driver or of a force, nor a change that would be over at once. What is longer than `within`
-    /// is not told from what is without limit.
+    /// Return the longest step from `t` \[s\] within which no event is missed.
+    ///
+    /// Contacts: no circle may reach a profile that it is not near to, by the present velocities and accelerations. Drivers and
+    /// forces: no kink and no short pulse is skipped. Bounds of contacts above `within` are returned as infinite.
     pub(crate) fn longest_step_within(&self, t: f64, within: f64) -> f64 {
         let motions = self
             .model
@@ -322,7 +326,7 @@ impl MechanismDynamics {
         times.fold(longest, f64::min)
     }
 
-    /// Accelerations of the two bodies of a contact.
+    /// Return the accelerations of the two bodies of a contact.
     pub(crate) fn rates_of(&self, contact: &CompiledContact) -> [[f64; 3]; 2] {
         [contact.a.body, contact.b.body].map(|body| match self.model.first[body] {
             None => [0.0; 3],
@@ -330,7 +334,7 @@ impl MechanismDynamics {
         })
     }
 
-    /// What a side without penetration remembers: that the circle is behind it, or nothing.
+    /// Return the memory of a side without penetration: that the circle is behind an open outline, or none.
     pub(crate) fn apart(&self, k: usize) -> Memory {
         let (contact, side) = self.model.sides[k];
         let contact = &self.model.contacts[contact];
@@ -338,7 +342,8 @@ impl MechanismDynamics {
         contact.apart(frames[0], frames[1], side, self.memory[k])
     }
 
-    /// Power dissipated, with the work that bristles store, and power of applied forces and drivers at the last evaluation \[W\].
+    /// Return the power dissipated, including that stored in bristles, and the power of applied forces and drivers at the last
+    /// evaluation \[W\].
     fn powers(&self) -> [f64; 2] {
         [
             self.loads.dissipated,
@@ -346,13 +351,13 @@ impl MechanismDynamics {
         ]
     }
 
-    /// Work that the drivers do: power of the multipliers along the prescribed motions \[W\].
+    /// Return the power of the drivers \[W\]: Σ λ ∂c/∂t.
     fn driver_power(&self) -> f64 {
         let rows = self.rows.iter().zip(&self.multipliers);
         rows.map(|(row, lambda)| lambda * row.time_rate).sum()
     }
 
-    /// Adds the shift at `t` to the integrator's coordinates and velocities.
+    /// Add the shift at `t` to the integrator's coordinates and velocities.
     pub(crate) fn add_shift(&self, t: f64, state: &mut [f64]) {
         let n = self.model.coordinates();
         let since = t - self.shift_time;
@@ -364,7 +369,7 @@ impl MechanismDynamics {
         }
     }
 
-    /// Evaluates everything at positions and velocities, without a shift.
+    /// Evaluate everything at positions and velocities, without a shift.
     pub(crate) fn evaluate(&mut self, t: f64, state: &[f64]) {
         self.place(state);
         self.accelerate(t);
@@ -372,7 +377,8 @@ impl MechanismDynamics {
 }
 
 impl OdeSystem for MechanismDynamics {
-    /// What is allowed does not go with the accuracy: energy that a contact keeps or loses is not of the order of its depth.
+    /// Return whether event screening finds no contact skipped within the step. The error allowed is not used: the energy that a
+    /// contact stores or dissipates is not of the order of its penetration.
     fn accepts_step(&mut self, length: f64, _allowed: f64) -> bool {
         !self.passes_contact(length)
     }
@@ -381,7 +387,8 @@ impl OdeSystem for MechanismDynamics {
         self.model.dimension()
     }
 
-    /// A damped contact that lets go loses the energy that it stores without a force: only the sums show it.
+    /// Return the number of components under error control. It includes the energy sums where damping can reduce a contact force to
+    /// zero before the surfaces separate: the stored energy is then lost without a force, which only the sums show.
     fn controlled(&self) -> usize {
         let sums = if self.model.watches_energy { 2 } else { 0 };
         2 * self.model.unknowns() + sums

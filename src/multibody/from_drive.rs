@@ -1,4 +1,4 @@
-//! Chain drive -> mechanism: links, sprockets and tensioner as bodies, hinges as joints, teeth as contacts.
+//! Conversion of a chain drive into a mechanism: links, sprockets and tensioner as bodies, hinges as joints, teeth as contacts.
 //!
 //! ```text
 //! bodies     link_1 ... link_n, sprocket_1 ... sprocket_m, arm_k of a tensioner with a pivot
@@ -7,7 +7,7 @@
 //! contacts   hinge_k where hinges have clearance, bushing_k_on_sprocket_m
 //! ```
 //!
-//! Bodies are in the order of the drive's own, so that rows of both agree; an arm, which the drive has no body for, comes last.
+//! Bodies are in the order of the drive, so rows of both agree. An arm, which is not a body of the drive, comes last.
 
 #[cfg(feature = "python")]
 pub(crate) mod channels;
@@ -24,22 +24,22 @@ use crate::force_law::ForceLaw;
 use crate::geometry::Vec2;
 use crate::layout::{InitialConfiguration, check_places};
 
-/// Force law of all contacts of a mechanism that is made from a drive.
+/// Force law of all contacts of a mechanism converted from a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveContacts {
     /// Elastic force and damping.
     pub law: ForceLaw,
     /// Lower bound on the initial impact velocity used by the damping factor \[m/s\].
     pub min_approach_speed: f64,
-    /// Friction of all contacts; lubricant of hinges that have clearance.
+    /// Friction of all contacts; lubricant film of hinges with clearance.
     pub tribology: Tribology,
 }
 
 impl Mechanism {
-    /// The mechanism of `drive`, placed at `start`; without one, at the generated initial configuration.
+    /// Return the mechanism of `drive` at the positions and velocities `start`; `None`: the generated initial configuration.
     ///
     /// # Errors
-    /// When the drive does not hold, has a part that a mechanism has no counterpart for, or `start` moves what is held in its place.
+    /// When the drive is invalid or has a part without counterpart in a mechanism, or `start` moves a fixed body.
     pub fn from_drive(
         drive: &Drive,
         contacts: &DriveContacts,
@@ -65,7 +65,7 @@ impl Mechanism {
         Ok(mechanism)
     }
 
-    /// Links and sprockets, in the drive's order.
+    /// Add links and sprockets, in the order of the drive.
     fn add_bodies(&mut self, drive: &Drive, start: &InitialConfiguration) -> Result<()> {
         let chain = &drive.chain;
         let links = chain.links as usize;
@@ -99,7 +99,7 @@ impl Mechanism {
         Ok(())
     }
 
-    /// What holds the centre of sprocket `number` (from 0): its tensioner, its bearing, or nothing.
+    /// Add the support of the centre of sprocket `number` (from 0): its tensioner or its bearing, or nothing where it floats.
     fn add_support(
         &mut self,
         drive: &Drive,
@@ -120,7 +120,7 @@ impl Mechanism {
         Ok(())
     }
 
-    /// A revolute joint at a point of the ground's frame.
+    /// Add a revolute joint at a point of the ground's frame.
     fn add_revolute(&mut self, name: String, a: &str, b: &str, at: Vec2) {
         let joint = Joint::new(
             name,
@@ -131,7 +131,7 @@ impl Mechanism {
         self.joints.push(joint);
     }
 
-    /// The point of a body, as placed, that is at `place` in the ground's frame.
+    /// Return the point of a body, as placed, that is at `place` in the ground's frame.
     fn marker(&self, body: &str, place: Vec2) -> Marker {
         let placed = self.bodies.iter().find(|known| known.name == body);
         let point = placed.map_or(place, |placed| {
@@ -141,7 +141,7 @@ impl Mechanism {
         Marker::new(body, point.x, point.y)
     }
 
-    /// What turns sprocket `number` (from 0).
+    /// Add the driver or the torques of sprocket `number` (from 0).
     fn add_motor(&mut self, drive: &Drive, number: usize) {
         let [ground, wheel] =
             [GROUND, &sprocket_name(number)].map(|body| Marker::new(body, 0.0, 0.0));
@@ -167,7 +167,7 @@ impl Mechanism {
         }
     }
 
-    /// Hinges and tooth contacts.
+    /// Add hinges and tooth contacts.
     fn add_chain(&mut self, drive: &Drive, contacts: &DriveContacts) -> Result<()> {
         let chain = &drive.chain;
         let surfaces = |length: f64| ContactLaw::Surfaces {
@@ -183,6 +183,7 @@ impl Mechanism {
         let pitches = chain.link_pitches();
         let links = pitches.len();
         for k in 0..links {
+            // Hinge k joins the front of link k and the rear of link k + 1. Body a carries the bushing, body b the pin.
             let behind = (k + 1) % links;
             let front = Marker::new(link_name(k), 0.5 * pitches[k], 0.0);
             let rear = Marker::new(link_name(behind), -0.5 * pitches[behind], 0.0);
@@ -244,7 +245,7 @@ fn refuse(what: impl Into<String>) -> Result<()> {
     Err(Error::Impossible(what.into()))
 }
 
-/// Refuses a chain that is not a ring of links alone.
+/// Return an error for a chain with rollers as bodies and for an open chain.
 fn check_chain(drive: &Drive) -> Result<()> {
     if drive.chain.roller.is_some() {
         return refuse(
@@ -260,7 +261,7 @@ fn check_chain(drive: &Drive) -> Result<()> {
     Ok(())
 }
 
-/// Refuses parts of a valid drive that a mechanism has no counterpart for.
+/// Return an error for parts of a valid drive without counterpart in a mechanism.
 fn check_parts(drive: &Drive) -> Result<()> {
     if !drive.guides.is_empty() {
         return refuse(format!(

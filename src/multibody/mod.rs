@@ -1,4 +1,4 @@
-//! Any planar mechanism: bodies, ideal joints, drivers, force elements and contacts, and the constrained equations of motion.
+//! Planar mechanisms: bodies, ideal joints, drivers, force elements and contacts, and the constrained equations of motion.
 //!
 //! ```text
 //! Mechanism -> MechanismModel -> assembly -> MechanismDynamics (a System) -> run::Simulation
@@ -38,10 +38,10 @@ pub use system::{MechanismCheckpoint, MechanismSums};
 
 use crate::geometry::Vec2;
 
-/// Name of the frame that does not move.
+/// Name of the fixed frame.
 pub const GROUND: &str = "ground";
 
-/// Everything that a mechanism is made of.
+/// Description of a mechanism.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mechanism {
     /// Gravity \[m/s²\].

@@ -1,4 +1,4 @@
-//! A mechanism as a run needs it: names resolved, what is placed measured, everything by number.
+//! Compiled mechanism: names resolved to numbers, and lengths and angles that are not given taken from the initial positions.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -13,11 +13,11 @@ use super::{GROUND, Mechanism};
 use crate::error::{Error, Result};
 use crate::geometry::{Vec2, turned_left};
 
-/// A compiled mechanism; immutable during a run. Body 0 is the ground.
+/// Compiled mechanism, immutable during a run. Body 0 is the ground.
 #[derive(Debug, Clone)]
 pub struct MechanismModel {
     pub(crate) bodies: Vec<Body>,
-    /// Where each body's coordinates begin; `None` for those that are held.
+    /// Number of each body's first coordinate; `None` for fixed bodies.
     pub(crate) first: Vec<Option<usize>>,
     /// Mass or moment of inertia of each coordinate.
     pub(crate) mass: Vec<f64>,
@@ -27,28 +27,28 @@ pub struct MechanismModel {
     pub(crate) forces: Vec<Force>,
     pub(crate) contacts: Vec<CompiledContact>,
     pub(crate) contact_names: Vec<String>,
-    /// The sides of all contacts that may bear at once, one after another: contact and number of the side.
+    /// Sides of all contacts that may be in contact at once, in order: number of the contact and of the side.
     pub(crate) sides: Vec<(usize, usize)>,
-    /// The sides of each contact.
+    /// Range of the sides of each contact.
     pub(crate) sides_of_contact: Vec<Range<usize>>,
-    /// Body by name.
+    /// Number of each body by name.
     numbers: HashMap<String, usize>,
-    /// The equations of each joint.
+    /// Range of the equations of each joint.
     pub(crate) equations_of_joint: Vec<Range<usize>>,
-    /// The bristle of each side, where it has one, and how many there are.
+    /// Number of the bristle of each side, where it has one, and number of bristles.
     pub(crate) bristle_of_side: Vec<Option<usize>>,
     pub(crate) bristles: usize,
     /// Revolute joints with friction.
     pub(crate) pins: Vec<Pin>,
-    /// Whether the error test has to watch the energy.
+    /// Whether the energy sums are under error control.
     pub(crate) watches_energy: bool,
 }
 
 impl MechanismModel {
-    /// Compiles a mechanism as it is placed.
+    /// Compile a mechanism in its initial positions.
     ///
     /// # Errors
-    /// Names the part, the field and what is allowed.
+    /// For invalid input; the error contains the part, the field and the values allowed.
     pub fn compile(mechanism: &Mechanism) -> Result<Self> {
         mechanism.validate()?;
         let mut bodies = vec![Body::new(GROUND, 0.0, 0.0).fixed()];
@@ -108,6 +108,7 @@ impl MechanismModel {
             force.validate()?;
             let owner = || format!("force {:?}", force.name);
             let (a, b) = (model.end(&force.a, owner)?, model.end(&force.b, owner)?);
+            // A free length or angle that is not given is that of the initial positions.
             let rest = match &force.kind {
                 ForceKind::Spring { rest, .. } => rest.unwrap_or_else(|| {
                     (frames[b.body].place(b.point) - frames[a.body].place(a.point)).norm()
@@ -131,6 +132,7 @@ impl MechanismModel {
                 .sides
                 .extend((0..compiled.sides()).map(|side| (number, side)));
             model.sides_of_contact.push(first..model.sides.len());
+            // With bristle friction, each side of a contact has one bristle.
             let bristled = contact.tribology.bristles().is_some();
             for _ in 0..compiled.sides() {
                 model
@@ -143,55 +145,55 @@ impl MechanismModel {
         Ok(model)
     }
 
-    /// The bodies, the ground first.
+    /// Return the bodies, the ground first.
     #[must_use]
     pub fn bodies(&self) -> &[Body] {
         &self.bodies
     }
 
-    /// Names of the bodies, without the ground.
+    /// Return the names of the bodies, without the ground.
     #[must_use]
     pub fn body_names(&self) -> Vec<String> {
         self.bodies[1..].iter().map(|b| b.name.clone()).collect()
     }
 
-    /// Names of the joints.
+    /// Return the names of the joints.
     #[must_use]
     pub fn joint_names(&self) -> Vec<String> {
         self.joints.iter().map(|j| j.name.clone()).collect()
     }
 
-    /// Names of the contacts.
+    /// Return the names of the contacts.
     #[must_use]
     pub fn contact_names(&self) -> &[String] {
         &self.contact_names
     }
 
-    /// Number of coordinates of the bodies that are not held.
+    /// Return the number of coordinates of the bodies that are not fixed.
     #[must_use]
     pub fn coordinates(&self) -> usize {
         self.mass.len()
     }
 
-    /// Number of scalar constraint equations.
+    /// Return the number of scalar constraint equations.
     #[must_use]
     pub fn constraints(&self) -> usize {
         self.equations.len()
     }
 
-    /// Where the bodies are placed.
+    /// Return the initial positions and velocities of the bodies.
     pub(crate) fn start_frames(&self) -> Vec<Frame> {
         (self.bodies.iter())
             .map(|body| Frame::new(body.position, body.velocity))
             .collect()
     }
 
-    /// Components of the integrator's solution: coordinates and velocities with bristles, two sums of energy.
+    /// Return the number of components of the integrator's solution: coordinates and velocities with bristles, two energy sums.
     pub(crate) fn dimension(&self) -> usize {
         2 * self.unknowns() + 2
     }
 
-    /// The body that a coordinate of the integrator belongs to, or the contact of a bristle, in words.
+    /// Return the body of a coordinate of the integrator, or the contact of a bristle, as text.
     pub(crate) fn owner_of(&self, coordinate: usize) -> String {
         let Some(bristle) = coordinate.checked_sub(self.coordinates()) else {
             return format!("body {:?}", self.bodies[self.body_of(coordinate)].name);
@@ -204,7 +206,7 @@ impl MechanismModel {
         format!("friction of contact {:?}", self.contact_names[contact])
     }
 
-    /// The body that a coordinate belongs to.
+    /// Return the number of the body of a coordinate.
     pub(crate) fn body_of(&self, coordinate: usize) -> usize {
         let found = self
             .first
@@ -213,6 +215,7 @@ impl MechanismModel {
         found.unwrap_or(0)
     }
 
+    /// Return the body number and point of a marker; an error for an unknown body.
     fn end(&self, marker: &Marker, owner: impl Fn() -> String) -> Result<End> {
         if let Some(&body) = self.numbers.get(&marker.body) {
             let point = marker.point;
@@ -227,6 +230,7 @@ impl MechanismModel {
         ))
     }
 
+    /// Return the scalar equations of a joint; values that are not given are those of the initial positions `frames`.
     fn equations_of(
         &self,
         number: usize,
@@ -305,7 +309,7 @@ impl MechanismModel {
     }
 }
 
-/// The equation with its motion; one that is given by its speed begins where the bodies are placed.
+/// Return the equation with its prescribed motion. A motion given by its speed starts from the initial position.
 fn driven(
     mut equation: Equation,
     motion: &super::description::driver::Motion,

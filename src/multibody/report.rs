@@ -1,14 +1,15 @@
-//! Rows of a mechanism's recording: channels, and what is written into them.
+//! Recording of a mechanism: its channels and the values written into their rows.
 
 use super::dynamics::MechanismDynamics;
 use super::model::MechanismModel;
 use crate::system::{Channel, Row};
 
-/// Kinds of joints and contacts that have peaks.
+/// Index of the peaks of joints, and of those of contacts.
 pub(crate) const JOINTS: usize = 0;
+/// See [`JOINTS`].
 pub(crate) const CONTACTS: usize = 1;
 
-/// Which groups of channels of a mechanism are recorded.
+/// Groups of channels of a mechanism to record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(clippy::struct_excessive_bools)] // independent switches
 pub struct MechanismGroups {
@@ -23,7 +24,7 @@ pub struct MechanismGroups {
 }
 
 impl MechanismGroups {
-    /// Everything.
+    /// All groups.
     pub const ALL: Self = Self {
         bodies: true,
         joints: true,
@@ -32,7 +33,7 @@ impl MechanismGroups {
     };
 }
 
-/// Channels of these groups, without rows; rows are written in the same order.
+/// Return the channels of these groups without rows; rows are written in the same order.
 pub(crate) fn channels(model: &MechanismModel, groups: MechanismGroups) -> Vec<Channel> {
     let (bodies, joints) = (model.bodies.len() - 1, model.joints.len());
     let contacts = model.contacts.len();
@@ -66,7 +67,7 @@ pub(crate) fn channels(model: &MechanismModel, groups: MechanismGroups) -> Vec<C
     channels
 }
 
-/// Writes a row of `groups` for `dynamics` as evaluated at `t`.
+/// Write a row of `groups` for `dynamics` as evaluated at `t`.
 pub(crate) fn write_row(
     row: &mut Row,
     dynamics: &mut MechanismDynamics,
@@ -85,6 +86,7 @@ pub(crate) fn write_row(
     }
 }
 
+/// Write positions, velocities and accelerations of all bodies but the ground; the last two are zero for fixed bodies.
 fn write_bodies(row: &mut Row, dynamics: &MechanismDynamics) {
     let first = &dynamics.model.first[1..];
     let frames = &dynamics.frames[1..];
@@ -100,6 +102,7 @@ fn write_bodies(row: &mut Row, dynamics: &MechanismDynamics) {
     );
 }
 
+/// Write reactions, largest residuals and peaks of all joints.
 fn write_joints(row: &mut Row, dynamics: &MechanismDynamics) {
     let joints = dynamics.model.joints.len();
     row.real((0..joints).flat_map(|joint| dynamics.reaction(joint)));
@@ -123,6 +126,7 @@ fn write_joints(row: &mut Row, dynamics: &MechanismDynamics) {
     row.close_peaks(JOINTS, &forces);
 }
 
+/// Write forces, impact velocities, penetrations, tooth positions and peaks of all contacts.
 fn write_contacts(row: &mut Row, dynamics: &MechanismDynamics, impacts: &[f64]) {
     let model = &dynamics.model;
     let forces: Vec<f64> = dynamics.pushes().map(|push| push.norm()).collect();
@@ -141,20 +145,20 @@ fn write_contacts(row: &mut Row, dynamics: &MechanismDynamics, impacts: &[f64]) 
         }
     }));
     let teeth = || sides().map(|(_, sides)| dynamics.touches[sides.start].tooth);
-    // A sprocket has few teeth.
+    // The number of a tooth gap is small, so the conversion to a signed number is exact.
     row.whole(teeth().map(|tooth| tooth.map_or(-1, |tooth| tooth.gap.cast_signed())));
     row.whole(teeth().map(|tooth| tooth.map_or(0, |tooth| i32::from(tooth.region))));
     row.close_peaks(CONTACTS, &forces);
 }
 
 impl MechanismDynamics {
-    /// Magnitude of a joint's force \[N\].
+    /// Return the magnitude of a joint's force \[N\].
     pub(crate) fn joint_force(&self, joint: usize) -> f64 {
         let [x, y, _] = self.reaction(joint);
         x.hypot(y)
     }
 
-    /// Largest initial impact velocity of each contact among the onsets up to `t` that no row has yet \[m/s\].
+    /// Return the largest initial impact velocity of each contact \[m/s\] among the onsets up to `t`, and remove these onsets.
     fn take_impact_velocities(&mut self, t: f64) -> Vec<f64> {
         let mut largest = vec![0.0f64; self.model.contacts.len()];
         if let Some(onsets) = &mut self.unreported_onsets {

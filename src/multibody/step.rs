@@ -1,4 +1,4 @@
-//! One step of a run: what it begins with, projection where it ends, and the state inside it.
+//! One step of a run: the state at its start, projection at its end, and the state within it.
 
 use super::MechanismDynamics;
 use super::assembly::projection::AtHand;
@@ -8,10 +8,10 @@ use super::system::MechanismSums;
 use crate::error::{Error, Result};
 use crate::integrator::{Adams, OdeSystem};
 
-/// Iterations that a projection may take in a run, where it begins near.
+/// Largest number of iterations of a projection in a run, where the residual is small at the start.
 const ITERATIONS: usize = 12;
 
-/// Where the last step began: what to go back to when it fails, and what holds inside it.
+/// Start of the last step, for the return after a failure and for states within the step.
 #[derive(Debug, Clone, Default)]
 pub(super) struct StepStart {
     pub(super) time: f64,
@@ -20,12 +20,12 @@ pub(super) struct StepStart {
     pub(super) shift_time: f64,
     pub(super) memory: Vec<Memory>,
     onsets: u64,
-    /// Whether the step is made with the implicit corrector, which ends with an evaluation beside the solution.
+    /// Whether the step uses the implicit corrector, whose last evaluation is not at the final solution.
     is_implicit: bool,
 }
 
 impl StepStart {
-    /// Of a mechanism with so many coordinates and velocities, and sides of contacts, before its first step.
+    /// Return the state before the first step, with `dimension` coordinates and velocities and `sides` sides of contacts.
     pub(super) fn new(dimension: usize, sides: usize) -> Self {
         Self {
             shift: vec![0.0; dimension],
@@ -36,7 +36,7 @@ impl StepStart {
 }
 
 impl MechanismDynamics {
-    /// Keeps what a step changes. The integrator's history is not worth a copy a step.
+    /// Store the data that a step changes. The integrator's history is not copied: a return restarts the integrator.
     pub(super) fn keep_step_start(&mut self, adams: &Adams) {
         let start = &mut self.step;
         start.time = adams.time();
@@ -49,7 +49,7 @@ impl MechanismDynamics {
         start.onsets = self.onsets;
     }
 
-    /// Returns to where the last step began, from which the integrator starts anew.
+    /// Return to the start of the last step and restart the integrator there.
     pub(super) fn return_to_step_start(&mut self, adams: &mut Adams) {
         let start = &self.step;
         adams.restart(start.time, &start.solution);
@@ -59,23 +59,24 @@ impl MechanismDynamics {
         self.onsets = start.onsets;
     }
 
-    /// Whether the circle of a contact was behind an open outline when the last step began.
+    /// Return whether the circle of a side was behind an open outline at the start of the last step.
     fn was_behind(&self, k: usize) -> bool {
         self.step.memory.get(k) == Some(&Memory::BEHIND)
     }
 
-    /// Initial impact velocity that a side of a contact remembered when the last step began.
+    /// Return the initial impact velocity stored for a side at the start of the last step.
     pub(super) fn speed_at_step_start(&self, k: usize) -> f64 {
         let memory = self.step.memory.get(k);
         memory.map_or(0.0, |memory| memory.speed)
     }
 
-    /// Moves the end of the last step onto the constraints, and leaves the integrator's solution and history as they are.
+    /// Project the end of the last step onto the constraints. The correction enters the shift; the integrator's solution and history
+    /// remain.
     pub(super) fn project_step_end(&mut self, adams: &Adams) -> Result<()> {
         if !self.is_constrained() || self.stabilisation != Stabilisation::Projection {
             return Ok(());
         }
-        // The explicit corrector ends with an evaluation where the step does.
+        // The last evaluation of the explicit corrector is at the end of the step.
         let at_hand = if self.step.is_implicit {
             AtHand::Factors
         } else {
@@ -99,7 +100,7 @@ impl MechanismDynamics {
         Ok(())
     }
 
-    /// The state at `t` inside the last step: the dense output and the part of the shift that belongs there.
+    /// Write the state at `t` within the last step: the dense output plus the shift at `t`.
     pub(crate) fn state_at(&mut self, adams: &Adams, t: f64, state: &mut [f64]) {
         let (end, n) = (adams.time(), self.model.coordinates());
         let mut solution = std::mem::take(&mut self.solution);
@@ -120,21 +121,22 @@ impl MechanismDynamics {
         let (length, since) = (end - start, t - start);
         let (before, after) = (&self.step.shift, &self.shift);
         for (i, (x, after)) in state.iter_mut().zip(after).enumerate() {
-            // The shift of coordinates grows by that of their velocities; projection has changed what it came to.
+            // The shift of coordinates grows at the rate of the shift of velocities. The correction of the projection at the step's
+            // end is distributed linearly over the step.
             let growth = if i < n { before[n + i] } else { 0.0 };
             let change = after - (before[i] + length * growth);
             *x += before[i] + since * growth + part * change;
         }
     }
 
-    /// Evaluates everything at `t` inside the last step, on the constraints.
+    /// Evaluate everything at `t` within the last step, on the constraints.
     pub(crate) fn evaluate_inside(&mut self, adams: &Adams, t: f64) {
         let mut state = std::mem::take(&mut self.inside);
         self.state_at(adams, t, &mut state);
         if self.stabilisation == Stabilisation::Projection {
             self.project(t, &mut state, ITERATIONS, AtHand::Nothing);
         }
-        // What came out from behind in this step was still there before its end.
+        // A circle that left the back of an open outline in this step was still behind it before the step's end.
         let out = |k: usize| self.was_behind(k) && t < adams.time();
         let out: Vec<usize> = (0..self.memory.len()).filter(|&k| out(k)).collect();
         let kept: Vec<Memory> = out.iter().map(|&k| self.memory[k]).collect();
@@ -148,21 +150,21 @@ impl MechanismDynamics {
         self.inside = state;
     }
 
-    /// Evaluates the right-hand side at the integrator's `y`, for what it leaves behind.
+    /// Evaluate the right-hand side at the integrator's `y` and discard the derivative.
     pub(super) fn differentiate(&mut self, t: f64, y: &[f64]) {
         let mut slope = std::mem::take(&mut self.slope);
         self.derivative(t, y, &mut slope);
         self.slope = slope;
     }
 
-    /// Body or bristle of a component of the state, and what carries the largest forces.
+    /// Return the body or bristle of a component of the state and the largest forces, as text.
     pub(super) fn describe_culprit(&self, component: usize) -> String {
         let part = self.model.owner_of(component % self.model.unknowns());
         format!("{part}{}", self.hardest_pressed())
     }
 
-    /// Unbends the bristles of contacts that came apart: they begin anew with the next contact. They bear nothing, and their past
-    /// becomes one in which they were never bent, so that the integrator goes on.
+    /// Reset the bristles of contacts that have ended, so they start undeflected at the next onset. They exert no force. The history
+    /// of their components becomes zero as well, so the integrator continues without a restart.
     pub(super) fn unbend_parted(&self, adams: &mut Adams) {
         if self.model.bristles == 0 {
             return;
@@ -175,6 +177,7 @@ impl MechanismDynamics {
     }
 }
 
+/// Return the position of `t` in the step, from 0 to 1.
 fn part_of_step(start: f64, end: f64, t: f64) -> f64 {
     if end > start {
         ((t - start) / (end - start)).clamp(0.0, 1.0)

@@ -1,4 +1,4 @@
-//! A mechanism as a system that a run steps.
+//! Implementation of [`System`] for mechanisms: what a run needs to step and record one.
 
 use std::sync::Arc;
 
@@ -13,12 +13,12 @@ use crate::error::Result;
 use crate::integrator::{Adams, Step};
 use crate::system::{Channel, Energy, EventCounts, Identity, PowerSum, Row, System, hash};
 
-/// Energy dissipated and external work of a mechanism \[J\]: sums that are components of the solution.
+/// Energy dissipated and external work of a mechanism \[J\], as components of the solution.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct MechanismSums {
-    /// Lost in dampers and contacts, with what bristles store: [`System::without_stored`] takes that off.
+    /// Energy dissipated in dampers and contacts, including the energy stored in bristles; [`System::without_stored`] subtracts that.
     pub dissipated: f64,
-    /// Put in by applied forces and drivers.
+    /// Work of applied forces and drivers.
     pub external_work: f64,
 }
 
@@ -52,12 +52,12 @@ impl PowerSum for MechanismSums {
     }
 }
 
-/// All that decides, with the integrator's state, how the dynamics go on.
+/// State of the dynamics that, with the integrator's state, determines the rest of a run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct MechanismCheckpoint {
     shift: Vec<f64>,
     memory: Vec<Memory>,
-    /// Where the last step began: its time, shift and memory.
+    /// Time, shift and memory at the start of the last step.
     step_start: (f64, Vec<f64>, Vec<Memory>),
     starts: Vec<ContactEnd>,
     onsets: u64,
@@ -70,7 +70,7 @@ impl System for MechanismDynamics {
     type Checkpoint = MechanismCheckpoint;
 
     const KIND: &'static str = "mechanism";
-    /// A step of a large mechanism takes a good part of a second.
+    /// A step of a large mechanism can take a considerable part of a second.
     const STEPS_BETWEEN_CLOCK_READINGS: u32 = 1;
 
     fn model(&self) -> &Arc<MechanismModel> {
@@ -107,7 +107,8 @@ impl System for MechanismDynamics {
 
     fn longest_step(&mut self, adams: &Adams) -> f64 {
         self.begin_screening();
-        // Twice the step that would be next: whether it is near to its limit is asked for, too.
+        // The bound is evaluated up to twice the next step size, as step size control also tests whether a step is close to its
+        // bound.
         let within = if adams.is_starting() {
             adams.control().max_step
         } else {
@@ -148,7 +149,7 @@ impl System for MechanismDynamics {
         sums
     }
 
-    /// What is exchanged between two reports, as in a bounce, counts.
+    /// Energy exchanged between two reports, as in a bounce, is included.
     fn energy_at_step_end(&self) -> Option<Energy> {
         Some(self.energies())
     }
@@ -217,7 +218,7 @@ impl System for MechanismDynamics {
             && checkpoint.starts.len() == self.starts.len();
         let mut dynamics = alike.then(|| self.clone())?;
         dynamics.shift.clone_from(&checkpoint.shift);
-        // A shift is written where a step ends.
+        // The shift refers to the end of a step.
         dynamics.shift_time = adams.time();
         dynamics.memory.clone_from(&checkpoint.memory);
         dynamics.step.time = *time;

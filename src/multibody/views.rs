@@ -1,4 +1,4 @@
-//! What can be read of a mechanism's equations where they were evaluated last: the system itself, energies and forces.
+//! Quantities of a mechanism at the last evaluation: matrices of its equations, energies and forces.
 
 use super::contact::impact_memory::Memory;
 use super::description::body::Frame;
@@ -8,19 +8,19 @@ use crate::integrator::Adams;
 use crate::system::Energy;
 
 impl MechanismDynamics {
-    /// Accelerations of the bodies that are not held, three a body.
+    /// Return the accelerations of the bodies that are not fixed, three per body.
     #[must_use]
     pub fn accelerations(&self) -> &[f64] {
         &self.accelerations
     }
 
-    /// Multiplier of each constraint equation.
+    /// Return the multiplier of each constraint equation.
     #[must_use]
     pub fn multipliers(&self) -> &[f64] {
         &self.multipliers
     }
 
-    /// Entries (constraint, coordinate, value) of the Jacobian at the last state.
+    /// Return the non-zero entries (constraint, coordinate, value) of the Jacobian at the last state.
     #[must_use]
     pub fn jacobian(&self) -> Vec<(usize, usize, f64)> {
         let mut entries = Vec::new();
@@ -35,13 +35,13 @@ impl MechanismDynamics {
         entries
     }
 
-    /// Right-hand sides γ of the constraints at the last state.
+    /// Return the right-hand sides γ of the constraints at the last state.
     #[must_use]
     pub fn gamma(&self) -> Vec<f64> {
         self.rows.iter().map(|row| row.gamma).collect()
     }
 
-    /// Mass or moment of inertia of each coordinate, and the load on it at the last state.
+    /// Return the mass or moment of inertia of each coordinate, and the load on it at the last state, friction of pins included.
     #[must_use]
     pub fn masses_and_loads(&self) -> (&[f64], &[f64]) {
         let loads = if self.model.pins.is_empty() {
@@ -52,7 +52,7 @@ impl MechanismDynamics {
         (&self.model.mass, loads)
     }
 
-    /// Force of each contact on its circle, of all sides, friction and film together \[N\].
+    /// Return the force of each contact on its circle \[N\], with friction and film, summed over its sides.
     pub(crate) fn pushes(&self) -> impl Iterator<Item = Vec2> {
         let contacts = self.model.sides_of_contact.iter();
         contacts.map(|sides| {
@@ -63,7 +63,7 @@ impl MechanismDynamics {
         })
     }
 
-    /// Energies at the last evaluation.
+    /// Return kinetic, elastic and gravitational energy at the last evaluation.
     #[must_use]
     pub(crate) fn energies(&self) -> Energy {
         let mut energy = Energy {
@@ -80,13 +80,13 @@ impl MechanismDynamics {
         energy
     }
 
-    /// Force of each contact on its circle \[N\].
+    /// Return the force of each contact on its circle \[N\].
     #[must_use]
     pub fn contact_forces(&self) -> Vec<[f64; 2]> {
         self.pushes().map(<[f64; 2]>::from).collect()
     }
 
-    /// Positions (false) or velocities (true) of all bodies at the last evaluation, ground left out.
+    /// Return positions (`velocities` false) or velocities (true) of all bodies but the ground at the last evaluation.
     pub(crate) fn motion(&self, velocities: bool) -> Vec<[f64; 3]> {
         let of = |frame: &Frame| {
             if velocities {
@@ -98,7 +98,7 @@ impl MechanismDynamics {
         self.frames[1..].iter().map(of).collect()
     }
 
-    /// Largest residual of positions and of velocities where the last step ended.
+    /// Return the largest residual of positions and of velocities at the end of the last step.
     pub(crate) fn drift(&mut self, adams: &Adams) -> [f64; 2] {
         let t = adams.time();
         let mut state = vec![0.0; 2 * self.model.coordinates()];
@@ -114,7 +114,8 @@ impl MechanismDynamics {
         ]
     }
 
-    /// Evaluates the last state evaluated with other positions, velocities and time; with positions given, no contact has a memory.
+    /// Evaluate everything at the last state with other positions, velocities and time. Given positions clear the memory of all
+    /// contacts.
     pub(crate) fn evaluate_with(
         &mut self,
         positions: Option<&[[f64; 3]]>,
@@ -137,10 +138,11 @@ impl MechanismDynamics {
         self.evaluate(t, &state);
     }
 
-    /// Force and torque of a joint on its body b, about the joint's point b \[N, N, N m\].
+    /// Return force and torque of a joint on its body b, about the joint's point b \[N, N, N m\].
     #[must_use]
     pub(crate) fn reaction(&self, joint: usize) -> [f64; 3] {
         let mut load = [0.0; 3];
+        // Generalised force -λ `c_q` on body b; its moment is moved from the centre of mass to point b.
         for i in self.model.equations_of_joint[joint].clone() {
             let end = self.model.equations[i].b;
             let arm = self.frames[end.body].turned(end.point);
@@ -157,7 +159,8 @@ impl MechanismDynamics {
         load
     }
 
-    /// The joint and the contact that carry most and what drivers ask, in words for the end of an error's sentence; empty without either.
+    /// Return the joint and the contact with the largest loads and the values prescribed by drivers, as text at the end of an error
+    /// message. The text is empty without either.
     pub(crate) fn hardest_pressed(&self) -> String {
         let joints = (0..self.model.joints.len()).map(|joint| {
             let [x, y, torque] = self.reaction(joint);

@@ -1,4 +1,4 @@
-//! Channels of a drive with ideal hinges from the rows of its mechanism: reactions are hinge forces, contacts are those of bushings.
+//! Channels of a drive with ideal hinges from the rows of its mechanism: reactions as hinge forces, contacts as those of bushings.
 
 use super::tensioner::Arm;
 use super::{motor_name, sprocket_name};
@@ -9,7 +9,7 @@ use crate::geometry::{Vec2, unit};
 use crate::layout::{ChainRow, strands};
 use crate::multibody::MechanismModel;
 
-/// What a mechanism records at one time, three numbers a body or joint.
+/// Recorded values of a mechanism at one time, three numbers per body or joint.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MechanismRow<'a> {
     pub(crate) time: f64,
@@ -26,56 +26,56 @@ pub(crate) struct MechanismRow<'a> {
 /// Contact of a bushing with a sprocket.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct BushingContact {
-    /// The sprocket, from 0.
+    /// Number of the sprocket, from 0.
     pub(crate) sprocket: usize,
-    /// Normal force \[N\]; zero when apart.
+    /// Magnitude of the contact force \[N\]; zero without contact.
     pub(crate) force: f64,
-    /// The same on the bushing \[N\].
+    /// Contact force on the bushing \[N\].
     pub(crate) vector: [f64; 2],
     /// Penetration \[m\]; minus infinity out of reach of the teeth.
     pub(crate) penetration: f64,
-    /// Gap of the teeth, from 0; -1 when apart.
+    /// Number of the tooth gap, from 0; -1 without contact.
     pub(crate) gap: i32,
-    /// Region of the tooth, from 1; 0 when apart.
+    /// Region of the tooth, from 1; 0 without contact.
     pub(crate) region: i32,
 }
 
 impl BushingContact {
-    /// Number of the sprocket that is touched, from 1; 0 when apart.
+    /// Return the number of the sprocket in contact, from 1; 0 without contact.
     pub(crate) fn number(&self) -> i32 {
         let number = i32::try_from(self.sprocket + 1).unwrap_or(i32::MAX);
         if self.penetration > 0.0 { number } else { 0 }
     }
 }
 
-/// A sprocket as the channels need it.
+/// Data of a sprocket for the channels.
 #[derive(Debug, Clone)]
 struct Wheel {
     motion: SprocketMotion,
-    /// The joint that prescribes its speed.
+    /// Number of the joint that prescribes its speed.
     motor: Option<usize>,
     pitch_radius: f64,
     side: Side,
-    /// Distance of its centre within which bushings are in reach of its teeth \[m\].
+    /// Distance from its centre within which bushings are in reach of its teeth \[m\].
     reach: f64,
 }
 
-/// A drive with ideal hinges beside the mechanism that it runs as.
+/// Drive with ideal hinges, for the channels of its mechanism.
 #[derive(Debug, Clone)]
 pub(crate) struct DriveView {
     /// Half the pitch of each link \[m\].
     arms: Vec<f64>,
     wheels: Vec<Wheel>,
-    /// The sprocket that each strand leaves.
+    /// Number of the sprocket at which each strand begins.
     strands: Vec<usize>,
-    /// The joint of hinge 1; the others follow.
+    /// Number of the joint of hinge 1; the others follow.
     first_hinge: usize,
-    /// The tensioner's arm, which the drive has no body for, and its sprocket's row.
+    /// Arm of the tensioner, which is not a body of the drive, and the row of its sprocket.
     arm: Option<(Arm, usize)>,
 }
 
 impl DriveView {
-    /// The drive that `model` was made from.
+    /// Return the view of the drive from which `model` was converted.
     pub(crate) fn new(drive: &Drive, model: &MechanismModel) -> Result<Self> {
         let chain = &drive.chain;
         let joints = model.joint_names();
@@ -104,32 +104,32 @@ impl DriveView {
         })
     }
 
-    /// Number of links, of hinges and of bushings.
+    /// Return the number of links, which is that of hinges and of bushings.
     pub(crate) fn links(&self) -> usize {
         self.arms.len()
     }
 
-    /// Number of sprockets.
+    /// Return the number of sprockets.
     pub(crate) fn sprockets(&self) -> usize {
         self.wheels.len()
     }
 
-    /// Number of the drive's bodies, which come first among those of the mechanism.
+    /// Return the number of bodies of the drive, which are the first of the mechanism.
     pub(crate) fn bodies(&self) -> usize {
         self.links() + self.sprockets()
     }
 
-    /// Number of strands.
+    /// Return the number of strands.
     pub(crate) fn strands(&self) -> usize {
         self.strands.len()
     }
 
-    /// The hinges' numbers among the mechanism's joints.
+    /// Return the numbers of the hinges among the joints of the mechanism.
     pub(crate) fn hinges(&self) -> std::ops::Range<usize> {
         self.first_hinge..self.first_hinge + self.links()
     }
 
-    /// Rows of the mechanism's bodies from those of the drive's: an arm follows its sprocket.
+    /// Return the rows of the mechanism's bodies from those of the drive's bodies; that of an arm follows from its sprocket.
     pub(crate) fn with_arm(
         &self,
         mut positions: Vec<[f64; 3]>,
@@ -154,7 +154,7 @@ impl DriveView {
         Ok([positions, velocities])
     }
 
-    /// Front of link `k` and rear of the one behind it \[m\], which hinge `k` joins.
+    /// Return the front end of link `k` and the rear end of the link behind it \[m\], which hinge `k` joins.
     fn ends(&self, positions: &[f64], k: usize) -> [Vec2; 2] {
         let end = |link: usize, side: f64| {
             let [x, y, angle] = [0, 1, 2].map(|i| positions[3 * link + i]);
@@ -163,7 +163,7 @@ impl DriveView {
         [end(k, 1.0), end((k + 1) % self.links(), -1.0)]
     }
 
-    /// Pin's centre of each hinge seen from its bushing's \[m\]: what the joint's equations leave.
+    /// Return the position of each pin's centre relative to its bushing's \[m\]: the residual of the joint's equations.
     pub(crate) fn eccentricities(&self, positions: &[f64]) -> Vec<Vec2> {
         let eccentricity = |k: usize| {
             let [front, rear] = self.ends(positions, k);
@@ -176,7 +176,7 @@ impl DriveView {
         (0..self.links()).map(eccentricity).collect()
     }
 
-    /// Force of each hinge on its pin \[N\]: the reaction on body b of the joint.
+    /// Return the force of each hinge on its pin \[N\]: the reaction on body b of the joint.
     pub(crate) fn on_pins(&self, reactions: &[f64]) -> Vec<Vec2> {
         let rows = reactions.chunks_exact(3).skip(self.first_hinge);
         rows.take(self.links())
@@ -184,7 +184,7 @@ impl DriveView {
             .collect()
     }
 
-    /// Mean pull along the chain of the hinges of each strand \[N\].
+    /// Return the tension of each strand \[N\]: the mean of the forces along the chain over its hinges.
     pub(crate) fn strand_tensions(&self, row: &MechanismRow) -> Vec<f64> {
         let links = self.links();
         let place = |body: usize| Vec2::new(row.positions[3 * body], row.positions[3 * body + 1]);
@@ -221,7 +221,7 @@ impl DriveView {
         .strand_tensions()
     }
 
-    /// Contact of bushing `k` with sprocket `s`.
+    /// Return the contact of bushing `k` with sprocket `s`.
     pub(crate) fn bushing_contact(&self, row: &MechanismRow, k: usize, s: usize) -> BushingContact {
         let contact = k * self.sprockets() + s;
         let near = row.contact_region[contact] > 0;
@@ -256,7 +256,7 @@ impl DriveView {
         }
     }
 
-    /// The deepest contact of each bushing.
+    /// Return the contact of largest penetration of each bushing.
     pub(crate) fn deepest_contacts(&self, row: &MechanismRow) -> Vec<BushingContact> {
         let deepest = |k: usize| {
             (1..self.sprockets()).fold(self.bushing_contact(row, k, 0), |deepest, s| {
@@ -271,7 +271,7 @@ impl DriveView {
         (0..self.links()).map(deepest).collect()
     }
 
-    /// Torque of the motor or load of sprocket `s` \[N m\].
+    /// Return the torque of the motor or load of sprocket `s` \[N m\].
     pub(crate) fn shaft_torque(&self, row: &MechanismRow, s: usize) -> f64 {
         let wheel = &self.wheels[s];
         if let Some(motor) = wheel.motor {
@@ -287,7 +287,7 @@ impl DriveView {
         }
     }
 
-    /// Refuses another speed or torque of a sprocket (from 1) in a run.
+    /// Return the error for a change of the speed or torque of a sprocket (from 1) during a run.
     pub(crate) fn refuse_input(sprocket: usize, quantity: &str) -> Result<()> {
         Err(Error::invalid(
             "sprocket",

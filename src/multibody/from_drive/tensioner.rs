@@ -1,4 +1,4 @@
-//! A drive's tensioner as parts of a mechanism: slide or arm, pull, spring, damper and stops.
+//! Tensioner of a drive as parts of a mechanism: slide or arm, pull, spring, damper and stops.
 
 use std::f64::consts::TAU;
 
@@ -13,15 +13,17 @@ use crate::multibody::{
 
 /// Mass of an arm over that of its sprocket.
 ///
-/// A drive's arm has inertia alone, and a body needs mass. A bar of this share of the sprocket's mass, half of which the sprocket
-/// gives and which has a fourth of its mass times the length squared for an inertia, leaves the moment of the weight and the inertia
-/// about the pivot what they are: exact for any share below 2. The pivot alone bears the other half of its weight.
+/// The arm of a drive has inertia alone, but a body needs mass. The arm becomes a bar of length L with this share `m_a` of the
+/// sprocket's mass. The sprocket's mass is reduced by `m_a` / 2, and the arm's inertia about its centre is increased by `m_a` L² / 4.
+///
+/// The moment of the weight and the inertia about the pivot then remain exactly as described, for any share below 2. The pivot bears
+/// the other half of the arm's weight.
 const ARM_SHARE: f64 = 0.1;
 
-/// Distance \[m\] of the point behind a slide where its spring begins, and of a stop's second row from its first.
+/// Distance from the start of a slide back to the anchor of its spring, and length of a stop's segment in its force table \[m\].
 const ROOM: f64 = 1.0;
 
-/// Share of its mass that sprocket `number` (from 0) keeps beside an arm.
+/// Return the part of its mass that sprocket `number` (from 0) keeps beside an arm.
 pub(super) fn share_beside_arm(drive: &Drive, number: usize) -> f64 {
     let arm = drive
         .tensioner
@@ -33,17 +35,17 @@ pub(super) fn share_beside_arm(drive: &Drive, number: usize) -> f64 {
     }
 }
 
-/// An arm that carries a sprocket: it turns about `pivot`.
+/// Arm that carries a sprocket and rotates about `pivot`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Arm {
     pub(super) pivot: Vec2,
     length: f64,
-    /// Its angle as described \[rad\].
+    /// Angle as described \[rad\].
     angle: f64,
 }
 
 impl Arm {
-    /// The arm of the drive's tensioner, if it has one.
+    /// Return the arm of the drive's tensioner, if it has one.
     pub(super) fn of(drive: &Drive) -> Option<Self> {
         let tensioner = drive.tensioner.as_ref()?;
         let pivot = tensioner.pivot?;
@@ -55,8 +57,8 @@ impl Arm {
         })
     }
 
-    /// Position and velocity of the arm's body, whose middle is its centre of mass, with the sprocket at `center`: less than half a
-    /// turn from where it is described.
+    /// Return position and velocity of the arm's body with the sprocket at `center`. Its centre of mass is its midpoint, and its
+    /// angle is within half a turn of that described.
     pub(super) fn placed(&self, center: Vec2, velocity: Vec2) -> [[f64; 3]; 2] {
         let along = center - self.pivot;
         let spin = along.perp(&velocity) / along.norm_squared();
@@ -71,7 +73,7 @@ impl Arm {
 }
 
 impl Mechanism {
-    /// Adds the tensioner of `drive`, whose sprocket is at `center`.
+    /// Add the tensioner of `drive`, whose sprocket is at `center`.
     pub(super) fn add_tensioner(
         &mut self,
         drive: &Drive,
@@ -86,7 +88,7 @@ impl Mechanism {
         }
     }
 
-    /// Lets the sprocket slide along the pull, with a spring from a point behind it.
+    /// Add a slide along the pull, with a spring from a point behind the sprocket.
     fn add_slide(
         &mut self,
         drive: &Drive,
@@ -112,7 +114,7 @@ impl Mechanism {
         let name = format!("tensioner_{number}");
         self.forces
             .push(ForceElement::new(name, nowhere, wheel.clone(), pull));
-        // Its way begins where the sprocket is described, wherever it is placed.
+        // The displacement is measured from the sprocket's centre as described, not from its initial position.
         let described = drive.sprockets[number - 1].center;
         let moved = (center - described).dot(&line.direction);
         let [back, _] = tensioner.travel;
@@ -129,7 +131,7 @@ impl Mechanism {
         Ok(())
     }
 
-    /// Lets the sprocket swing on an arm, a body of its own, whose torques are forces times the arm's length.
+    /// Add an arm as a body on a pivot; its torques are forces times the arm's length.
     fn add_arm(
         &mut self,
         drive: &Drive,
@@ -158,7 +160,7 @@ impl Mechanism {
             self.forces
                 .push(ForceElement::new(name, ground.clone(), body.clone(), kind));
         };
-        // A positive torque turns the arm towards the left of its direction.
+        // A positive torque rotates the arm counterclockwise.
         let left = turned_left(unit(arm.angle));
         let sense = line.direction.dot(&left).signum();
         let torque = ramp(sense * arm.length * line.pull, tensioner.ramp_time)?;
@@ -171,8 +173,10 @@ impl Mechanism {
     }
 }
 
-/// Spring with damper, and stops, of a tensioner that has them: forces over the way, or torques over the angle of an arm of `length` that
-/// the pull turns in the `sense` 1 or -1.
+/// Return the spring with damper and the stops of a tensioner, where it has them.
+///
+/// On a slide, `length` and `sense` are 1, and the laws give forces over the displacement. On an arm of `length` they give torques
+/// over the angle, which the pull increases (`sense` 1) or decreases (-1).
 fn springs(
     tensioner: &Tensioner,
     length: f64,
@@ -192,6 +196,7 @@ fn springs(
     if forth.is_finite() {
         rows.extend([(forth, 0.0), (forth + ROOM, ROOM * STOP_STIFFNESS)]);
     }
+    // Displacement s = `sense` r φ and torque τ = `sense` r F on an arm of length r.
     for (way, force) in &mut rows {
         *way *= sense / length;
         *force *= sense * length;
@@ -214,7 +219,7 @@ fn springs(
     Ok(found)
 }
 
-/// What grows to `value` within `time` \[s\]; within none, it is there from the start.
+/// Return a signal that increases linearly to `value` within `time` \[s\]; constant for a time of zero.
 fn ramp(value: f64, time: f64) -> Result<Signal> {
     if time > 0.0 {
         return Signal::ramp(0.0, time, 0.0, value);

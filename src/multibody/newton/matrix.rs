@@ -7,7 +7,8 @@
 //! (G + 2 γ ∂²c/∂q² v + γ² (∂(v ∂²c/∂q² v)/∂q + ∂²c/∂q² a)) x = G r
 //! ```
 //!
-//! for a residual r of the velocities. All derivatives are exact except those of callables and of how a place of contact fades.
+//! for a residual r of the velocities. All derivatives are exact except those of callables; the second derivative of the weight of a
+//! contact that fades out is omitted.
 
 use std::ops::Range;
 
