@@ -1,4 +1,4 @@
-//! Implementation of [`System`] for mechanisms: what a run needs to step and record one.
+//! Implementation of the trait `System` for mechanisms: the steps and the recording of a run.
 
 use std::sync::Arc;
 
