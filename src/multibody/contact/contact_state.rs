@@ -116,9 +116,11 @@ impl CompiledContact {
     pub(crate) fn bears(&self, bearing: &Bearing, memory: Memory) -> bool {
         match bearing.place {
             Place::DeepAtEnd => memory.in_front,
+            // Without memory, a centre less than half a radius deep counts as having come from the front.
             Place::Deep if self.is_open() => {
                 memory.in_front || memory.speed == 0.0 && -bearing.distance < 0.5 * self.radius
             }
+            // A circle marked as behind has no force while it overlaps the surface.
             _ => memory.speed >= 0.0 || bearing.distance >= self.radius,
         }
     }
@@ -141,8 +143,8 @@ impl CompiledContact {
         touch
     }
 
-    /// Return the velocity of the circle's centre relative to the profile's body at the same place \[m/s\]. The component along a normal
-    /// is the penetration rate, as it is the same at all points of the normal.
+    /// Return the velocity of the circle's centre relative to the profile's body at the same point \[m/s\]. Its component along the
+    /// normal is the penetration rate: that component is the same at all points of the normal.
     pub(crate) fn approach(&self, fa: &Frame, fb: &Frame) -> Vec2 {
         let center = fb.place(self.b.point);
         fb.velocity_at(center) - fa.velocity_at(center)

@@ -99,8 +99,8 @@ impl MechanismDynamics {
         self.memory[k] = self.model.contacts[contact].remember(piece, rate);
     }
 
-    /// Record whether the circle came from the front of an open outline. Only then may it penetrate to any depth. A circle that
-    /// moves round the end is not in contact from behind.
+    /// Record whether the circle came from the front of an open outline. Only then is it in contact at any depth. A circle that
+    /// moved round the end is not in contact with the surface from behind.
     fn note_place(&mut self, k: usize, place: Place) {
         let memory = &mut self.memory[k];
         match place {
