@@ -1,4 +1,4 @@
-//! How force elements change with positions and velocities: exactly, but for callables, of which differences are taken.
+//! Derivatives of force elements with respect to positions and velocities: analytical, by differences for callables.
 
 use nalgebra::Matrix2;
 
@@ -8,11 +8,13 @@ use crate::multibody::description::body::Frame;
 use crate::multibody::description::force_element::{CustomForce, Force, ForceKind};
 use crate::multibody::description::spring_law::SpringLaw;
 
-/// Change of a coordinate and of a velocity that differences of a callable are taken over.
+/// Increment of coordinates and velocities in the forward differences of a callable \[m, rad, m/s, rad/s\].
 const CHANGE: f64 = 1e-7;
 
 impl Force {
-    /// Adds ∂Q/∂v · `by_velocity` + ∂Q/∂q · `by_place` of its generalised forces Q on bodies a and b.
+    /// Add ∂Q/∂v · `by_velocity` + ∂Q/∂q · `by_place` of the generalised forces Q of the element on bodies a and b.
+    ///
+    /// Rows and columns 0 to 2 of the block belong to body a, 3 to 5 to body b.
     pub(crate) fn add_slopes(
         &self,
         t: f64,
@@ -34,10 +36,12 @@ impl Force {
             ForceKind::Force { x, y, follows } => {
                 let given = Vec2::new(x.value(t), y.value(t));
                 if *follows {
+                    // The force rotates with the body: dF/dθ = F turned left. Its torque about the centre of mass is constant.
                     let turning = turned_left(fb.turned(given));
                     block[3][5] += by_place * turning.x;
                     block[4][5] += by_place * turning.y;
                 } else {
+                    // The arm r rotates with the body: d(r × F)/dθ = -r·F.
                     block[5][5] -= by_place * fb.turned(self.b.point).dot(&given);
                 }
             }
@@ -51,6 +55,7 @@ impl Force {
                 let position = [fb.origin.x, fb.origin.y, fb.angle];
                 let velocity = [fb.velocity.x, fb.velocity.y, fb.spin];
                 let here = function(t, position, velocity);
+                // Column l by forward differences of the coordinate and of the velocity l.
                 for l in 0..3 {
                     let (mut q, mut v) = (position, velocity);
                     q[l] += CHANGE;
@@ -66,7 +71,10 @@ impl Force {
         }
     }
 
-    /// Without a direction between the points there is no force.
+    /// Return force and slopes of a spring between two points, or `None` if the points coincide, as the direction is then undefined.
+    ///
+    /// F = -T n on b with T = F(x) + c n·v. The derivatives are ∂F/∂d = -(n (k n + c P v)ᵀ + T P), P = (1 - n nᵀ)/|d|, and
+    /// ∂F/∂v = -c n nᵀ.
     fn pull_slopes(&self, law: &SpringLaw, pair: &Pair) -> Option<PairForce> {
         let length = pair.d.norm();
         if length <= 0.0 {
@@ -85,7 +93,7 @@ impl Force {
     }
 }
 
-/// A slope of the torque on b by the angle or spin of b seen from a.
+/// Add the slope of the torque on b with respect to the angle or angular velocity of b relative to a.
 pub(crate) fn add_twist(slope: f64, block: &mut Block) {
     for (k, sign) in [(2, -1.0), (5, 1.0)] {
         block[k][5] += sign * slope;

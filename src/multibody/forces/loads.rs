@@ -1,9 +1,9 @@
-//! Forces and torques gathered per body, with the energy stored and the powers that go with them.
+//! Resultant force and torque of each body, with stored energies, dissipated power and power of applied forces.
 
 use crate::geometry::Vec2;
 use crate::multibody::description::body::Frame;
 
-/// What all forces together do at one state.
+/// Sum of all forces at one state, with their energies and powers.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Loads {
     /// Force and torque about the centre of mass of each body \[N, N, N m\].
@@ -12,9 +12,9 @@ pub(crate) struct Loads {
     pub(crate) elastic: f64,
     /// Energy stored in bristles \[J\].
     pub(crate) bristles: f64,
-    /// Power lost in dampers and contacts, with the work that bristles store \[W\].
+    /// Power dissipated in dampers and contacts, including the power stored in bristles \[W\].
     pub(crate) dissipated: f64,
-    /// Power of applied forces \[W\].
+    /// Power of applied forces, whose integral is the external work \[W\].
     pub(crate) worked_in: f64,
 }
 
@@ -26,14 +26,14 @@ impl Loads {
         }
     }
 
-    /// Begins with nothing.
+    /// Set all loads, energies and powers to zero.
     pub(crate) fn clear(&mut self) {
         self.on.fill([0.0; 3]);
         (self.elastic, self.bristles) = (0.0, 0.0);
         (self.dissipated, self.worked_in) = (0.0, 0.0);
     }
 
-    /// A force on a body at a place of the ground's frame.
+    /// Add a force \[N\] on a body at a point \[m\]; both are in the ground's frame.
     pub(crate) fn push(&mut self, body: usize, frame: &Frame, place: Vec2, force: Vec2) {
         let arm = place - frame.origin;
         let load = &mut self.on[body];
@@ -42,7 +42,7 @@ impl Loads {
         load[2] += arm.x * force.y - arm.y * force.x;
     }
 
-    /// A torque on a body.
+    /// Add a torque on a body \[N m\].
     pub(crate) fn twist(&mut self, body: usize, torque: f64) {
         self.on[body][2] += torque;
     }
