@@ -1,9 +1,9 @@
-//! Rigid bodies: what is described of them, and where they are at one instant.
+//! Rigid bodies: description, and position and velocity at one instant.
 
 use crate::error::{Error, Result, check};
 use crate::geometry::{Vec2, turned_left};
 
-/// A rigid body. Its frame sits at the centre of mass.
+/// A rigid body. The origin of its frame is its centre of mass.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     /// Unique name.
@@ -12,16 +12,16 @@ pub struct Body {
     pub mass: f64,
     /// Moment of inertia about the centre of mass \[kg m²\].
     pub inertia: f64,
-    /// Centre of mass and angle at the start \[m, m, rad\].
+    /// Initial position of the centre of mass and initial angle \[m, m, rad\].
     pub position: [f64; 3],
-    /// Its rates at the start \[m/s, m/s, rad/s\].
+    /// Initial velocity of the centre of mass and initial angular velocity \[m/s, m/s, rad/s\].
     pub velocity: [f64; 3],
-    /// Whether it is held where it is.
+    /// Whether the body is fixed to the ground.
     pub fixed: bool,
 }
 
 impl Body {
-    /// A free body at rest at the origin.
+    /// Return a free body at rest at the origin.
     pub fn new(name: impl Into<String>, mass: f64, inertia: f64) -> Self {
         Self {
             name: name.into(),
@@ -33,31 +33,31 @@ impl Body {
         }
     }
 
-    /// The same body elsewhere.
+    /// Return the body with another initial position \[m\] and angle \[rad\].
     #[must_use]
     pub fn at(mut self, x: f64, y: f64, angle: f64) -> Self {
         self.position = [x, y, angle];
         self
     }
 
-    /// The same body in motion.
+    /// Return the body with another initial velocity \[m/s\] and angular velocity \[rad/s\].
     #[must_use]
     pub fn moving(mut self, vx: f64, vy: f64, spin: f64) -> Self {
         self.velocity = [vx, vy, spin];
         self
     }
 
-    /// The same body, held.
+    /// Return the body, fixed to the ground.
     #[must_use]
     pub fn fixed(mut self) -> Self {
         self.fixed = true;
         self
     }
 
-    /// Checks every field.
+    /// Check every field.
     ///
     /// # Errors
-    /// Names the body, the field and what is allowed.
+    /// An invalid value; the message has the body, the field and the permitted values.
     pub fn validate(&self) -> Result<()> {
         let field = |name: &str| format!("{name} of body {:?}", self.name);
         check::not_negative(&field("mass"), self.mass, "kg")?;
@@ -79,17 +79,17 @@ impl Body {
     }
 }
 
-/// A point of a body, in the body's frame \[m\].
+/// A point of a body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Marker {
-    /// Name of the body; "ground" is the frame that does not move.
+    /// Name of the body; "ground" is the inertial frame.
     pub body: String,
     /// The point in the body's frame \[m\].
     pub point: Vec2,
 }
 
 impl Marker {
-    /// A point of a body.
+    /// Return the marker at point (`x`, `y`) \[m\] of a body.
     pub fn new(body: impl Into<String>, x: f64, y: f64) -> Self {
         Self {
             body: body.into(),
@@ -98,19 +98,19 @@ impl Marker {
     }
 }
 
-/// A marker whose body is a number.
+/// A marker with its body by index.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct End {
     pub(crate) body: usize,
     pub(crate) point: Vec2,
 }
 
-/// Where a body is at one instant, and how it moves.
+/// Position and velocity of a body at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Frame {
     pub(crate) origin: Vec2,
     pub(crate) angle: f64,
-    /// (cos, sin) of the angle.
+    /// Unit vector (cos, sin) of the angle.
     direction: Vec2,
     pub(crate) velocity: Vec2,
     pub(crate) spin: f64,
@@ -127,12 +127,12 @@ impl Frame {
         }
     }
 
-    /// A vector of the body's frame in the ground's.
+    /// Transform a vector of the body's frame into the ground's frame.
     pub(crate) fn turned(&self, local: Vec2) -> Vec2 {
         local.x * self.direction + local.y * turned_left(self.direction)
     }
 
-    /// A vector of the ground's frame in the body's.
+    /// Transform a vector of the ground's frame into the body's frame.
     pub(crate) fn into_local(self, vector: Vec2) -> Vec2 {
         Vec2::new(
             vector.dot(&self.direction),
@@ -140,12 +140,12 @@ impl Frame {
         )
     }
 
-    /// Place of a point of the body.
+    /// Return the position of a point of the body in the ground's frame \[m\].
     pub(crate) fn place(&self, local: Vec2) -> Vec2 {
         self.origin + self.turned(local)
     }
 
-    /// Velocity of the point of the body that is at `place`.
+    /// Return the velocity of the body's material point at `place` \[m/s\].
     pub(crate) fn velocity_at(&self, place: Vec2) -> Vec2 {
         self.velocity + self.spin * turned_left(place - self.origin)
     }

@@ -1,49 +1,49 @@
-//! Force of one contact of a mechanism: the published laws, a linear one and that of Hunt and Crossley.
+//! Normal force of one contact of a mechanism: the published laws, a linear law and the law of Hunt and Crossley.
 
 use crate::error::{Error, Result, check};
 use crate::force_law::{ContactLane, ElasticPair, ForceLaw, RestitutionDamping, SurfacePair};
 
 use super::profile::Curvature;
 
-/// How hard two surfaces press on each other.
+/// Normal force law of a contact.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ContactLaw {
-    /// A law of cylinders with its damping; stiffness and restitution from the material.
+    /// A law of cylinders with its damping; stiffness and restitution are those of the material.
     Surfaces {
         /// The law.
         law: ForceLaw,
-        /// E* \[Pa\].
+        /// Contact modulus E* \[Pa\].
         contact_modulus: f64,
         /// Restitution coefficient.
         restitution: f64,
         /// Length of contact \[m\].
         length: f64,
-        /// Least approach speed that the damping reckons with \[m/s\].
+        /// Minimum impact velocity: lower bound on the initial impact velocity used by the damping factor \[m/s\].
         min_approach_speed: f64,
     },
-    /// K δ + c δ', never negative.
+    /// Linear law K δ + c δ', with zero as its lower bound.
     Linear {
-        /// K \[N/m\].
+        /// Stiffness K \[N/m\].
         stiffness: f64,
-        /// c \[N s/m\].
+        /// Damping coefficient c \[N s/m\].
         damping: f64,
     },
-    /// K δ^n (1 + χ δ'), never negative (Hunt and Crossley 1975).
+    /// Law K δ^n (1 + χ δ'), with zero as its lower bound (Hunt and Crossley 1975).
     HuntCrossley {
-        /// K \[N/m^n\].
+        /// Stiffness K \[N/m^n\].
         stiffness: f64,
-        /// n.
+        /// Exponent n.
         exponent: f64,
-        /// χ \[s/m\].
+        /// Damping coefficient χ \[s/m\].
         damping: f64,
     },
 }
 
 impl ContactLaw {
-    /// Checks every field.
+    /// Check every field.
     ///
     /// # Errors
-    /// Names `field`, its value and what is allowed.
+    /// An invalid value; the message has `field`, the value and the permitted values.
     pub fn validate(&self, field: &str) -> Result<()> {
         let of = |name: &str| format!("{name} of {field}");
         match self {
@@ -76,7 +76,7 @@ impl ContactLaw {
         }
     }
 
-    /// Length of contact \[m\], of a law that has one.
+    /// Return the length of contact \[m\], if the law has one.
     pub(crate) fn length(&self) -> Option<f64> {
         match self {
             Self::Surfaces { length, .. } => Some(*length),
@@ -84,8 +84,8 @@ impl ContactLaw {
         }
     }
 
-    /// Whether damping can take the whole force away while the surfaces are still pressed: what is stored is then lost without a
-    /// force, and only the powers of the energy balance show it.
+    /// Return whether damping can reduce the force to zero during penetration. The elastic energy is then lost without a force, which
+    /// only the powers of the energy balance include.
     pub(crate) fn lets_go(&self) -> bool {
         match self {
             Self::Linear { damping, .. } | Self::HuntCrossley { damping, .. } => *damping > 0.0,
@@ -95,7 +95,7 @@ impl ContactLaw {
         }
     }
 
-    /// Constants for a circle of `radius` on a surface of a `curvature`.
+    /// Return the law with its constants for a circle of `radius` \[m\] on a surface with a `curvature`.
     pub(crate) fn prepare(
         &self,
         field: &str,
@@ -137,6 +137,7 @@ impl ContactLaw {
     }
 }
 
+/// Return the pair of surfaces of a circle and a surface with a curvature.
 fn surfaces(
     field: &str,
     radius: f64,
@@ -145,7 +146,7 @@ fn surfaces(
     modulus: f64,
 ) -> Result<SurfacePair> {
     Ok(match curvature {
-        // The laws that need a radius of the flat take that of the circle, as for two equal cylinders.
+        // Laws that need a radius of the flat use that of the circle, as for two equal cylinders.
         Curvature::Flat => SurfacePair::flat(radius, radius, length, modulus),
         Curvature::FlatBefore(next) => SurfacePair::flat(radius, next, length, modulus),
         Curvature::Convex(other) => SurfacePair::external(radius, other, length, modulus),
@@ -162,13 +163,14 @@ fn surfaces(
     })
 }
 
+/// Damping of a law.
 #[derive(Debug, Clone, Copy)]
 enum DampingPart {
-    /// Force by rate \[N s/m\].
+    /// Additive force c δ', with c \[N s/m\].
     Linear(f64),
-    /// Factor 1 + χ δ'.
+    /// Factor 1 + χ δ', with χ \[s/m\].
     Proportional(f64),
-    /// Factor 1 + λ δ'/δ'₀.
+    /// Factor 1 + λ δ'/δ'₀, with the initial impact velocity δ'₀.
     Restitution(RestitutionDamping<f64>),
 }
 
@@ -179,7 +181,7 @@ pub(crate) struct Prepared {
     damping: DampingPart,
 }
 
-/// Force \[N\] of a contact and the part of it that is elastic.
+/// Normal force of a contact and its elastic part \[N\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ContactForce {
     pub(crate) total: f64,
@@ -187,7 +189,7 @@ pub(crate) struct ContactForce {
 }
 
 impl Prepared {
-    /// Force at penetration δ \[m\] and rate δ' \[m/s\]; `onset` is the remembered approach speed, zero when there is none.
+    /// Return the force at penetration δ \[m\] and rate δ' \[m/s\]; `onset` is the initial impact velocity \[m/s\], zero without memory.
     pub(crate) fn force(&self, penetration: f64, rate: f64, onset: f64) -> ContactForce {
         if penetration <= 0.0 {
             return ContactForce {
@@ -203,11 +205,11 @@ impl Prepared {
         ContactForce { total, elastic }
     }
 
-    /// The contact with its damping factor.
+    /// Return the contact with its damping factor.
     fn damped(&self, elastic: f64, rate: f64, onset: f64) -> ContactLane<f64> {
         let (memory, damping) = match self.damping {
             DampingPart::Linear(_) => return ContactLane::undamped(elastic),
-            // As if the impact velocity were 1 m/s.
+            // λ = χ at an impact velocity of 1 m/s gives the factor 1 + χ δ'.
             DampingPart::Proportional(chi) => (
                 1.0,
                 RestitutionDamping {
@@ -221,7 +223,7 @@ impl Prepared {
         ContactLane::damped(elastic, true, rate, memory, damping)
     }
 
-    /// Force \[N\] and its slopes by penetration \[N/m\] and by its rate \[N s/m\], as [`Self::force`] has it.
+    /// Return the force of [`Self::force`] \[N\] and its derivatives with respect to penetration \[N/m\] and rate \[N s/m\].
     pub(crate) fn slopes(&self, penetration: f64, rate: f64, onset: f64) -> [f64; 3] {
         let ContactForce { total, elastic } = self.force(penetration, rate, onset);
         if total <= 0.0 {
@@ -235,12 +237,13 @@ impl Prepared {
         }
     }
 
-    /// Energy stored at penetration δ \[m\].
+    /// Return the elastic energy at penetration δ \[m\].
     pub(crate) fn energy(&self, penetration: f64) -> f64 {
         self.elastic.energy(penetration)
     }
 
-    /// The approach speed to remember of an onset at `rate`.
+    /// Return the initial impact velocity to store for an onset at `rate` \[m/s\]. It is above zero for every law, as zero means no
+    /// memory.
     pub(crate) fn onset_speed(&self, rate: f64) -> f64 {
         match self.damping {
             DampingPart::Restitution(damping) => rate.max(damping.floor),

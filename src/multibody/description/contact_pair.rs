@@ -1,5 +1,4 @@
-//! Contacts of a mechanism as they are described: a circle of body b against a profile of body a; a pin in a bore is the
-//! clearance joint.
+//! Description of the contacts of a mechanism: a circle of body b and a profile of body a; a pin in a bore is a clearance joint.
 
 use super::body::Marker;
 use super::contact_law::ContactLaw;
@@ -7,7 +6,7 @@ use super::profile::Profile;
 use super::tribology::Tribology;
 use crate::error::{Error, Result, check};
 
-/// A circle that may touch a profile.
+/// A contact pair of a circle and a profile.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactPair {
     /// Unique name.
@@ -16,21 +15,21 @@ pub struct ContactPair {
     pub a: Marker,
     /// Centre of the circle.
     pub b: Marker,
-    /// The shape on `a`, in the frame of `a` around the point of the marker.
+    /// Profile on `a`, in the frame of `a` with the marker's point as origin.
     pub profile: Profile,
     /// Radius of the circle \[m\].
     pub radius: f64,
-    /// How hard they press.
+    /// Normal force law.
     pub law: ContactLaw,
-    /// Friction and lubricant.
+    /// Friction and lubricant film.
     pub tribology: Tribology,
 }
 
 impl ContactPair {
-    /// Checks every field.
+    /// Check every field.
     ///
     /// # Errors
-    /// Names the contact, the field and what is allowed.
+    /// An invalid value; the message has the contact, the field and the permitted values.
     pub fn validate(&self) -> Result<()> {
         let field = format!("contact {:?}", self.name);
         for marker in [&self.a, &self.b] {

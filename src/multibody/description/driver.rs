@@ -1,19 +1,19 @@
-//! What a driver prescribes: a coordinate or its rate as a function of time.
+//! Motion prescribed by a driver: a coordinate or its rate as a function of time.
 
 use crate::error::{Error, Result};
 use crate::math::Signal;
 
-/// What a driver prescribes of a relative coordinate.
+/// Motion of a relative coordinate prescribed by a driver.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Motion {
     /// The coordinate itself; its first two derivatives must be continuous.
     Position(Signal),
-    /// Its rate; the coordinate begins where it is placed.
+    /// Its rate; the initial value of the coordinate is that of the initial configuration.
     Speed(Signal),
 }
 
 impl Motion {
-    /// The coordinate (for a speed: its change since time zero) and its first two derivatives.
+    /// Return the coordinate (for a speed: its change since time zero) and its first two derivatives.
     pub(crate) fn derivatives(&self, t: f64) -> [f64; 3] {
         match self {
             Self::Position(function) => function.derivatives(t),
@@ -24,7 +24,7 @@ impl Motion {
         }
     }
 
-    /// Whether it prescribes more than to stand still.
+    /// Return whether the prescribed rate is not identically zero.
     pub(crate) fn moves(&self) -> bool {
         match self {
             Self::Position(function) => !matches!(function, Signal::Constant(_)),
@@ -32,13 +32,13 @@ impl Motion {
         }
     }
 
-    /// The longest step from `t` that passes over nothing unseen \[s\].
+    /// Return the longest step from `t` that skips no feature of the function of time \[s\].
     pub(crate) fn longest_step(&self, t: f64) -> f64 {
         let (Self::Position(function) | Self::Speed(function)) = self;
         function.longest_step(t)
     }
 
-    /// Checks every number, and that the motion is smooth enough to be followed without impacts.
+    /// Check every number, and that the motion has no jumps of the velocity.
     pub(crate) fn validate(&self, field: &str) -> Result<()> {
         match self {
             Self::Position(Signal::Table(_)) => Err(Error::invalid(

@@ -1,4 +1,4 @@
-//! Applied forces, springs and dampers: their loads on the bodies, and what they do to the energy.
+//! Applied forces, springs and dampers: loads on the bodies, stored energy and powers.
 
 use std::sync::Arc;
 
@@ -15,52 +15,52 @@ use crate::multibody::forces::loads::Loads;
 pub struct ForceElement {
     /// Unique name.
     pub name: String,
-    /// Where the reaction acts.
+    /// Point of action of the reaction.
     pub a: Marker,
-    /// Where the force acts.
+    /// Point of action of the force.
     pub b: Marker,
-    /// What it is.
+    /// Type of the element.
     pub kind: ForceKind,
 }
 
-/// What a force element does.
+/// Type of a force element.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ForceKind {
-    /// A force on point b \[N\]; it has no reaction.
+    /// A force on point b \[N\], without a reaction on `a`.
     Force {
         /// Component along x.
         x: Signal,
         /// Component along y.
         y: Signal,
-        /// Whether the components turn with the body.
+        /// Whether the components are in the frame of the body, which rotates, instead of the ground's frame.
         follows: bool,
     },
     /// A torque on `b`, its reaction on `a` \[N m\].
     Torque(Signal),
-    /// A torque on `b`, its reaction on `a` \[N m\], by the speed of `b` seen from `a` \[rad/s\].
+    /// A torque on `b`, its reaction on `a` \[N m\], by the angular velocity of `b` relative to `a` \[rad/s\].
     TorqueBySpeed(Table),
     /// A spring and damper between the points.
     Spring {
-        /// Force by length.
+        /// Force as a function of the elongation.
         law: SpringLaw,
-        /// Length without force \[m\]; `None`: as placed.
+        /// Length at zero force \[m\]; `None`: that of the initial configuration.
         rest: Option<f64>,
     },
     /// A spring and damper between the angles.
     TorsionSpring {
-        /// Torque by angle.
+        /// Torque as a function of the angle.
         law: SpringLaw,
-        /// Angle of `b` less that of `a` without torque \[rad\]; `None`: as placed.
+        /// Angle of `b` less that of `a` at zero torque \[rad\]; `None`: that of the initial configuration.
         rest: Option<f64>,
     },
-    /// Whatever a function says, on `b`; for prototypes.
+    /// Force and torque on `b` from a function, for prototypes.
     Custom(CustomForce),
 }
 
-/// Force and torque about the centre of mass, by time, position and velocity of the body \[N, N, N m\].
+/// Function of time, position and velocity of a body that returns force and torque about its centre of mass \[N, N, N m\].
 pub type LoadFunction = dyn Fn(f64, [f64; 3], [f64; 3]) -> [f64; 3] + Send + Sync;
 
-/// A function that gives a load.
+/// A load function of the user.
 #[derive(Clone)]
 pub struct CustomForce(pub Arc<LoadFunction>);
 
@@ -77,7 +77,7 @@ impl PartialEq for CustomForce {
 }
 
 impl ForceElement {
-    /// A force element between two points.
+    /// Return a force element between two points.
     pub fn new(name: impl Into<String>, a: Marker, b: Marker, kind: ForceKind) -> Self {
         Self {
             name: name.into(),
@@ -87,10 +87,10 @@ impl ForceElement {
         }
     }
 
-    /// Checks every field.
+    /// Check every field.
     ///
     /// # Errors
-    /// Names the element, the field and what is allowed.
+    /// An invalid value; the message has the element, the field and the permitted values.
     pub fn validate(&self) -> Result<()> {
         let field = format!("force {:?}", self.name);
         for marker in [&self.a, &self.b] {
@@ -125,7 +125,7 @@ impl ForceElement {
 }
 
 impl ForceElement {
-    /// What acts between bodies needs two, and what acts on one needs a body that moves.
+    /// Check the bodies: an element between bodies needs two different ones, an element on one body needs one that is not the ground.
     fn check_bodies(&self, field: &str) -> Result<()> {
         if self.a.body != self.b.body {
             return Ok(());
@@ -153,7 +153,7 @@ impl ForceElement {
     }
 }
 
-/// A force element whose bodies are numbers and whose rest is known.
+/// A force element with its bodies by index and the length or angle at zero force.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Force {
     pub(crate) a: End,
@@ -163,7 +163,7 @@ pub(crate) struct Force {
 }
 
 impl Force {
-    /// Adds the element's loads, its stored energy and its powers.
+    /// Add the loads, the stored energy and the powers of the element.
     pub(crate) fn add(&self, t: f64, frames: &[Frame], loads: &mut Loads) {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
         match &self.kind {
@@ -198,7 +198,7 @@ impl Force {
         }
     }
 
-    /// The longest step from `t` that passes over nothing of its functions of time unseen \[s\].
+    /// Return the longest step from `t` that skips no feature of the element's functions of time \[s\].
     pub(crate) fn longest_step(&self, t: f64) -> f64 {
         match &self.kind {
             ForceKind::Force { x, y, .. } => x.longest_step(t).min(y.longest_step(t)),
@@ -207,17 +207,19 @@ impl Force {
         }
     }
 
+    /// Add a torque on b, its reaction on a and its power.
     fn twist(&self, torque: f64, fa: &Frame, fb: &Frame, loads: &mut Loads) {
         loads.twist(self.b.body, torque);
         loads.twist(self.a.body, -torque);
         loads.worked_in += torque * (fb.spin - fa.spin);
     }
 
+    /// Add the force of a spring and damper between both points: T = F(x) + c n·v along their connecting line.
     fn pull(&self, law: &SpringLaw, fa: &Frame, fb: &Frame, loads: &mut Loads) {
         let (from, to) = (fa.place(self.a.point), fb.place(self.b.point));
         let d = to - from;
         let length = d.norm();
-        // Points that coincide give the spring no direction to act in.
+        // The direction is undefined for coincident points: the force is then zero.
         let n = if length > 0.0 {
             d / length
         } else {

@@ -1,4 +1,4 @@
-//! Ideal joints and drivers, as they are described.
+//! Description of ideal joints and drivers.
 
 use super::body::Marker;
 use super::driver::Motion;
@@ -11,70 +11,70 @@ use crate::geometry::Vec2;
 pub struct Joint {
     /// Unique name.
     pub name: String,
-    /// The point on the one body; directions below are in this body's frame.
+    /// Point of body `a`; the directions below are in the frame of this body.
     pub a: Marker,
-    /// The point on the other.
+    /// Point of body `b`.
     pub b: Marker,
-    /// What it holds.
+    /// Type of the joint, with its constrained quantities.
     pub kind: JointKind,
-    /// Friction of the pin of a revolute joint.
+    /// Pin friction of a revolute joint.
     pub friction: Option<PinFriction>,
 }
 
-/// What a joint holds.
+/// Type of a joint: the relative motion that it constrains.
 #[derive(Debug, Clone, PartialEq)]
 pub enum JointKind {
     /// Both points coincide.
     Revolute,
-    /// Both points coincide and the bodies do not turn against each other; `None`: the angle as placed.
+    /// Both points coincide and the relative angle is constant.
     Fixed {
-        /// Angle of `b` less that of `a` \[rad\].
+        /// Angle of `b` less that of `a` \[rad\]; `None`: that of the initial configuration.
         angle: Option<f64>,
     },
-    /// Point b stays on the line through point a, and the bodies do not turn against each other.
+    /// Point b is on a line through point a, and the relative angle is constant.
     Prismatic {
         /// Direction of the line in the frame of `a`.
         direction: Vec2,
-        /// Angle of `b` less that of `a` \[rad\]; `None`: as placed.
+        /// Angle of `b` less that of `a` \[rad\]; `None`: that of the initial configuration.
         angle: Option<f64>,
     },
-    /// Point b stays on the line through point a.
+    /// Point b is on a line through point a.
     PointOnLine {
         /// Direction of the line in the frame of `a`.
         direction: Vec2,
     },
-    /// The points keep their distance \[m\]; `None`: as placed.
+    /// The distance between the points is constant.
     Distance {
-        /// Distance \[m\].
+        /// Distance \[m\]; `None`: that of the initial configuration.
         length: Option<f64>,
     },
-    /// Wheels rolling on each other: turns of `b` = ratio · turns of `a`, both seen from the carrier.
+    /// Two wheels rolling on each other: rotation of `b` = ratio · rotation of `a`, both relative to the carrier.
     Gear {
-        /// Turns of `b` for one turn of `a`: negative for wheels outside each other, `-r_a/r_b`.
+        /// Revolutions of `b` per revolution of `a`: negative for external gears, `-r_a/r_b`.
         ratio: f64,
-        /// The body that both wheels turn on; `None`: the ground.
+        /// The body that carries both wheels; `None`: the ground.
         carrier: Option<String>,
     },
-    /// A wheel `b` rolls on a line of body `a`: way along the line = radius · turns of `b`.
+    /// A wheel `b` rolling on a line of body `a`: displacement along the line = radius · rotation of `b` \[rad\].
     Rack {
         /// Direction of the line in the frame of `a`.
         direction: Vec2,
-        /// Radius of the wheel \[m\]; positive where a counterclockwise turn drives along the direction.
+        /// Radius of the wheel \[m\]; positive if a counterclockwise rotation moves it along the direction.
         radius: f64,
     },
-    /// A motor: the angle of `b` less that of `a` follows a motion.
+    /// A motor: the angle of `b` less that of `a` is prescribed by a motion.
     DrivenAngle(Motion),
-    /// An actuator: the way of point b along a line from point a follows a motion.
+    /// An actuator: the displacement of point b along a line from point a is prescribed by a motion.
     DrivenPosition {
         /// Direction of the line in the frame of `a`.
         direction: Vec2,
-        /// The way along it \[m\].
+        /// Displacement along the line \[m\].
         motion: Motion,
     },
 }
 
 impl Joint {
-    /// A joint between two points.
+    /// Return a joint between two points, without friction.
     pub fn new(name: impl Into<String>, a: Marker, b: Marker, kind: JointKind) -> Self {
         Self {
             name: name.into(),
@@ -85,17 +85,17 @@ impl Joint {
         }
     }
 
-    /// The same revolute joint with friction of its pin.
+    /// Return the joint with pin friction, which is valid for revolute joints only.
     #[must_use]
     pub fn with_friction(mut self, friction: PinFriction) -> Self {
         self.friction = Some(friction);
         self
     }
 
-    /// Checks every field.
+    /// Check every field.
     ///
     /// # Errors
-    /// Names the joint, the field and what is allowed.
+    /// An invalid value; the message has the joint, the field and the permitted values.
     pub fn validate(&self) -> Result<()> {
         let field = |name: &str| format!("{name} of joint {:?}", self.name);
         for (end, marker) in [("a", &self.a), ("b", &self.b)] {

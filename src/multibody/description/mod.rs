@@ -1,4 +1,4 @@
-//! What a mechanism is made of, as the user describes it: plain validated data.
+//! Description of a mechanism by its user: plain validated data.
 
 pub(crate) mod body;
 pub(crate) mod contact_law;

@@ -1,13 +1,13 @@
-//! What an outline must be: one way without gaps that does not cross itself, turn back on itself or enclose nothing.
+//! Checks of an outline: a path without gaps that does not cross itself, does not reverse on itself and encloses an area.
 
 use super::outline_piece::Piece;
 use crate::error::{Error, Result};
 use crate::geometry::Vec2;
 
-/// Chords that stand for a quarter turn of an arc where crossings are looked for.
+/// Number of chords that replace a quarter turn of an arc in the search for crossings.
 const CHORDS: f64 = 8.0;
 
-/// Checks that pieces follow each other and that the way does not cross itself.
+/// Check that each piece begins at the end of the previous one, that the path is simple and that a closed one encloses an area.
 pub(crate) fn check_way(field: &str, pieces: &[Piece], closed: bool) -> Result<()> {
     let next = pieces.iter().enumerate().skip(1);
     let next = next.chain(pieces.iter().enumerate().take(usize::from(closed)));
@@ -41,10 +41,10 @@ pub(crate) fn check_way(field: &str, pieces: &[Piece], closed: bool) -> Result<(
     check_area(field, &chords, closed)
 }
 
-/// Angle \[rad\] between two chords below which they run along each other.
+/// Angle \[rad\] between two chords below which they count as parallel; also the least area of a closed path over its squared length.
 const ALONG: f64 = 1e-9;
 
-/// No way goes back the way that it came: what lies between would have no width.
+/// Check that no piece reverses along the previous one, which would be a spike without width.
 fn check_turns(field: &str, chords: &[(usize, [Vec2; 2])], closed: bool) -> Result<()> {
     let next = chords.iter().cycle().skip(1);
     let pairs = chords.len() - usize::from(!closed);
@@ -65,8 +65,9 @@ fn check_turns(field: &str, chords: &[(usize, [Vec2; 2])], closed: bool) -> Resu
     Ok(())
 }
 
-/// A closed way has something inside.
+/// Check that a closed path encloses an area.
 fn check_area(field: &str, chords: &[(usize, [Vec2; 2])], closed: bool) -> Result<()> {
+    // Shoelace formula relative to the first point, which avoids cancellation far from the origin.
     let start = chords[0].1[0];
     let twice = |[a, b]: &[Vec2; 2]| (a - start).perp(&(b - start));
     let area = 0.5 * chords.iter().map(|(_, chord)| twice(chord)).sum::<f64>();
@@ -81,7 +82,7 @@ fn check_area(field: &str, chords: &[(usize, [Vec2; 2])], closed: bool) -> Resul
     Ok(())
 }
 
-/// Straight lines along the way, each with the number of its piece.
+/// Return chords along the path, each with the number of its piece.
 fn chords(pieces: &[Piece]) -> Vec<(usize, [Vec2; 2])> {
     let mut found = Vec::new();
     for (number, piece) in pieces.iter().enumerate() {
@@ -95,7 +96,7 @@ fn chords(pieces: &[Piece]) -> Vec<(usize, [Vec2; 2])> {
     found
 }
 
-/// Whether two lines without a common end cross or touch.
+/// Return whether two line segments cross: the ends of each are on opposite sides of the other.
 fn cross(a: Vec2, b: Vec2, c: Vec2, d: Vec2) -> bool {
     let side = |p: Vec2, q: Vec2, r: Vec2| (q - p).perp(&(r - p));
     let (to_c, to_d) = (side(a, b, c), side(a, b, d));
@@ -156,10 +157,10 @@ mod tests {
             error.contains("1 and 2") && error.contains("spike"),
             "{error}"
         );
-        // The last piece of a closed way runs back along the first.
+        // The last piece of a closed path reverses along the first.
         let error = told(&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (2.0, 0.0)], true);
         assert!(error.contains("4 and 1"), "{error}");
-        // A sharp point is none, nor is a straight line in two parts.
+        // A sharp point is not a spike, and neither is a straight line in two parts.
         let sharp = [(0.0, 0.0), (1.0, 1e-4), (0.0, 2e-4), (0.0, 1e-4)];
         assert_eq!(told(&sharp, true), "");
     }
@@ -184,7 +185,7 @@ mod tests {
             center: center.map(|(x, y)| Vec2::new(x, y)),
             convex: false,
         };
-        // A flat box whose floor is an arc that reaches above its lid.
+        // A flat box with an arc as its floor that may reach above its lid.
         let pieces = |height: f64| {
             let center = (height * height - 1.0) / (2.0 * height);
             [

@@ -1,4 +1,4 @@
-//! A piece of an outline, a straight line or an arc: its ends, tangents and curvature.
+//! A piece of an outline, a straight line or an arc: ends, tangents and curvature.
 
 use super::profile::Curvature;
 use crate::error::{Error, Result, check};
@@ -7,18 +7,18 @@ use crate::geometry::{Vec2, turned_left};
 /// A piece of an outline \[m\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Piece {
-    /// Where it begins.
+    /// Start point.
     pub from: Vec2,
-    /// Where it ends.
+    /// End point.
     pub to: Vec2,
     /// Centre of an arc; `None`: a straight line.
     pub center: Option<Vec2>,
-    /// Whether an arc runs counterclockwise: its outside is then convex.
+    /// Whether an arc runs counterclockwise, which makes its outside convex.
     pub convex: bool,
 }
 
 impl Piece {
-    /// Checks every number; `name` says which piece it is.
+    /// Check every number; `name` identifies the piece in messages.
     pub(crate) fn validate(&self, name: &str) -> Result<()> {
         for value in [self.from.x, self.from.y, self.to.x, self.to.y] {
             check::finite(name, value, "m")?;
@@ -51,13 +51,13 @@ impl Piece {
         }
     }
 
-    /// Radius of an arc \[m\]; infinite for a straight line.
+    /// Return the radius of an arc \[m\]; infinite for a straight line.
     pub(crate) fn radius(&self) -> f64 {
         self.center
             .map_or(f64::INFINITY, |center| (self.from - center).norm())
     }
 
-    /// Direction in which it runs at one of its ends.
+    /// Return the unit tangent at one of the ends.
     pub(crate) fn tangent(&self, at: Vec2) -> Vec2 {
         match self.center {
             None => (self.to - self.from).normalize(),
@@ -68,7 +68,7 @@ impl Piece {
         }
     }
 
-    /// The angle that an arc turns by, from 0 to 2π \[rad\]; 0 for a straight line.
+    /// Return the angle of an arc, from 0 to 2π \[rad\]; 0 for a straight line.
     pub(crate) fn span(&self) -> f64 {
         let Some(center) = self.center else {
             return 0.0;
@@ -81,7 +81,7 @@ impl Piece {
         }
     }
 
-    /// The same way in `count` pieces of equal angle.
+    /// Split an arc into `count` pieces of equal angle; a straight line remains one piece.
     pub(crate) fn split(&self, count: usize) -> Vec<Self> {
         let Some(center) = self.center.filter(|_| count > 1) else {
             return vec![*self];
@@ -108,7 +108,7 @@ impl Piece {
     }
 }
 
-/// Angle from one direction counterclockwise to another, from 0 to 2π \[rad\].
+/// Return the counterclockwise angle from one direction to another, from 0 to 2π \[rad\].
 fn turn(from: Vec2, to: Vec2) -> f64 {
     let angle = from.perp(&to).atan2(from.dot(&to));
     if angle < 0.0 {

@@ -1,14 +1,14 @@
-//! Shapes that a circle may touch: bore, circle, segment, arc, and outlines made of them.
+//! Profiles for contacts with a circle: bore, disc, teeth of a sprocket, and outlines of straight lines and arcs.
 
 use crate::error::{Error, Result, check};
 use crate::geometry::{SurfaceCurve, ToothProfile, Vec2, turned_left, unit};
 
 use super::outline_piece::Piece;
 
-/// A shape in the frame of marker a; a circle around marker b may touch it.
+/// Shape in the frame of marker a, for contacts with a circle around marker b.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Profile {
-    /// The inside of a hole: a pin in a bushing.
+    /// The inside of a circular hole, such as a bushing around a pin.
     Bore {
         /// Radius \[m\].
         radius: f64,
@@ -20,16 +20,16 @@ pub enum Profile {
     },
     /// The teeth of a sprocket, one gap after another; gap 0 lies along x.
     Teeth(Box<ToothProfile>),
-    /// A row of pieces, each beginning where the one before ends; the material lies on their left.
+    /// A sequence of pieces, each beginning at the end of the previous one; the material lies on their left.
     Outline {
         /// The pieces in order.
         pieces: Vec<Piece>,
-        /// Whether the last one ends where the first begins.
+        /// Whether the last piece ends at the beginning of the first.
         closed: bool,
     },
 }
 
-/// Where a profile is nearest to a point.
+/// Point of a profile nearest to a given point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Nearest {
     /// Distance from the surface \[m\], negative inside the material.
@@ -38,11 +38,11 @@ pub(crate) struct Nearest {
     pub(crate) outward: Vec2,
     /// Number of the piece.
     pub(crate) piece: usize,
-    /// Where among teeth, when it is near them.
+    /// Tooth gap and region, if the point is near the teeth of a sprocket.
     pub(crate) tooth: Option<Tooth>,
 }
 
-/// A place among the teeth of a sprocket.
+/// Position on the teeth of a sprocket.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Tooth {
     /// Number of the gap; gap 0 lies along x.
@@ -51,21 +51,21 @@ pub(crate) struct Tooth {
     pub(crate) region: u8,
 }
 
-/// How a piece is curved where a circle touches it.
+/// Curvature of a piece at its contact with a circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Curvature {
     Flat,
-    /// A flat that goes on as a convex curve of this radius.
+    /// A straight line followed by a convex curve of this radius \[m\].
     FlatBefore(f64),
     Convex(f64),
     Concave(f64),
 }
 
 impl Profile {
-    /// A polyline through points \[m\]; the material lies on its left.
+    /// Return a polyline through points \[m\]; the material lies on its left.
     ///
     /// # Errors
-    /// When there are too few points or two that follow each other coincide.
+    /// Too few points, coincident consecutive points, or a path that is not simple or encloses no area.
     pub fn polyline(field: &str, points: &[Vec2], closed: bool) -> Result<Self> {
         let fewest = if closed { 3 } else { 2 };
         if points.len() < fewest {
@@ -98,10 +98,10 @@ impl Profile {
         Ok(profile)
     }
 
-    /// Checks every number.
+    /// Check every number and the path of an outline.
     ///
     /// # Errors
-    /// Names `field`, its value and what is allowed.
+    /// An invalid value; the message has `field`, the value and the permitted values.
     pub fn validate(&self, field: &str) -> Result<()> {
         let outline = match self {
             Self::Bore { radius } | Self::Disc { radius } => {
@@ -120,14 +120,15 @@ impl Profile {
         super::outline_check::check_way(field, pieces, *closed)
     }
 
-    /// Radius of a circle around the origin of its frame that holds all of it; infinite where the material goes on without end.
+    /// Return the radius of a circle around the origin of the profile's frame that encloses the profile \[m\]; infinite for unbounded
+    /// material.
     pub(crate) fn reach(&self) -> f64 {
         match self {
             Self::Bore { .. } => f64::INFINITY,
             Self::Disc { radius } => *radius,
             Self::Teeth(profile) => profile.outside_radius,
             Self::Outline { pieces, closed } => {
-                // Material that an outline runs round clockwise lies outside it.
+                // The material of a clockwise closed outline lies outside the outline.
                 let twice_area: f64 = pieces.iter().map(|p| p.from.perp(&p.to)).sum();
                 if !closed || twice_area <= 0.0 {
                     return f64::INFINITY;
@@ -141,7 +142,7 @@ impl Profile {
         }
     }
 
-    /// How the outward direction turns as a point moves along the surface \[1/m\]; by a difference among teeth.
+    /// Return the rotation of the outward direction per displacement of a point along the surface \[1/m\]; by a difference for teeth.
     pub(crate) fn bend(&self, point: Vec2, radius: f64, outward: Vec2) -> f64 {
         match self {
             Self::Bore { .. } => -1.0 / point.norm(),
@@ -155,7 +156,7 @@ impl Profile {
         }
     }
 
-    /// Curvature of each piece.
+    /// Return the curvature of each piece.
     pub(crate) fn curvatures(&self) -> Vec<Curvature> {
         match self {
             Self::Bore { radius } => vec![Curvature::Concave(*radius)],
@@ -165,8 +166,9 @@ impl Profile {
         }
     }
 
-    /// Where the profile is nearest to a circle of `radius` around `point`, which is given in its frame; for an outline, see
-    /// [`crate::multibody::contact::outline::Outline`].
+    /// Return the point of the profile nearest to a circle of `radius` around `point`, in the frame of the profile.
+    ///
+    /// The distance is infinite for an outline: see [`crate::multibody::contact::outline::Outline`].
     pub(crate) fn nearest(&self, point: Vec2, radius: f64) -> Nearest {
         match self {
             Self::Outline { .. } => Nearest {
@@ -198,6 +200,7 @@ impl Profile {
     }
 }
 
+/// Return the unit vector of `vector`, which has the given length, or zero.
 fn direction(vector: Vec2, length: f64) -> Vec2 {
     if length > 0.0 {
         vector / length
@@ -206,6 +209,7 @@ fn direction(vector: Vec2, length: f64) -> Vec2 {
     }
 }
 
+/// Return the curvature of each surface of a tooth gap.
 fn tooth_curvatures(profile: &ToothProfile) -> Vec<Curvature> {
     let surfaces = profile.surfaces();
     let curves = surfaces.iter().map(|surface| surface.curve);
@@ -221,6 +225,7 @@ fn tooth_curvatures(profile: &ToothProfile) -> Vec<Curvature> {
     curves.zip(next).map(curvature).collect()
 }
 
+/// Return the point of the teeth nearest to a circle, or the outside circle if that is farther away than the radius.
 fn nearest_tooth(profile: &ToothProfile, point: Vec2, radius: f64) -> Nearest {
     let distance = point.norm();
     let clear = distance - profile.outside_radius;
@@ -233,7 +238,7 @@ fn nearest_tooth(profile: &ToothProfile, point: Vec2, radius: f64) -> Nearest {
         };
     }
     let gap = profile.nearest_gap(point.y.atan2(point.x));
-    // v: radially outward through the gap; u: v turned clockwise.
+    // Frame of the gap: v points radially outward through the gap, u is v turned clockwise.
     let v = unit(f64::from(gap) * profile.gap_angle());
     let u = Vec2::new(v.y, -v.x);
     let place = Vec2::new(point.dot(&u), point.dot(&v) - profile.seat_center_radius);

@@ -1,9 +1,9 @@
-//! Force of a spring and damper by its length or angle, and the energy that it stores.
+//! Force and stored energy of a spring and damper as functions of length or angle.
 
 use crate::error::{Error, Result, check};
 use crate::math::Table;
 
-/// Force of a spring and damper: k x + `k_3` x³ (or a table of x) + c x'.
+/// Force law of a spring and damper: k x + `k_3` x³ (or a table of x) + c x'.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SpringLaw {
     /// k \[N/m\] or \[N m/rad\].
@@ -12,12 +12,12 @@ pub struct SpringLaw {
     pub cubic: f64,
     /// c \[N s/m\] or \[N m s/rad\].
     pub damping: f64,
-    /// Force by x in place of k and `k_3`.
+    /// Force as a function of x, instead of k and `k_3`.
     pub table: Option<Table>,
 }
 
 impl SpringLaw {
-    /// k x + c x'.
+    /// Return the linear law k x + c x'.
     #[must_use]
     pub fn linear(stiffness: f64, damping: f64) -> Self {
         Self {
@@ -27,6 +27,7 @@ impl SpringLaw {
         }
     }
 
+    /// Return the elastic force at the deflection `x`.
     pub(crate) fn elastic(&self, x: f64) -> f64 {
         match &self.table {
             Some(curve) => curve.value(x),
@@ -34,6 +35,7 @@ impl SpringLaw {
         }
     }
 
+    /// Return the derivative of the elastic force with respect to `x`.
     pub(crate) fn stiffness(&self, x: f64) -> f64 {
         match &self.table {
             Some(curve) => curve.slope(x),
@@ -41,6 +43,7 @@ impl SpringLaw {
         }
     }
 
+    /// Return the elastic energy at the deflection `x` \[J\].
     pub(crate) fn energy(&self, x: f64) -> f64 {
         match &self.table {
             Some(curve) => curve.integral(x),
@@ -48,6 +51,7 @@ impl SpringLaw {
         }
     }
 
+    /// Check every number, and that the law has at least one part other than zero.
     pub(crate) fn validate(&self, field: &str) -> Result<()> {
         for (name, value) in [("stiffness", self.stiffness), ("cubic", self.cubic)] {
             if self.table.is_some() && value != 0.0 {

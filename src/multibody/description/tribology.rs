@@ -1,20 +1,20 @@
-//! Friction and lubricant of contacts and of the pins of revolute joints, as they are described.
+//! Description of friction and lubricant films of contacts and of friction in the pins of revolute joints.
 
 use super::contact_law::ContactLaw;
 use super::profile::Profile;
 use crate::error::{Error, Result, check};
 use crate::force_law::{Film, Friction, HingeFilm, LuGre};
 
-/// Friction of a contact: a share of its normal force.
+/// Friction law of a contact: ratio of the friction force to the normal force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FrictionLaw {
-    /// Coulomb's friction as a function of the sliding velocity.
+    /// Regularised Coulomb friction, a function of the sliding velocity.
     Coulomb(Friction),
-    /// Bristles, whose deflection is an unknown of the state.
+    /// Bristle model with the deflection as an unknown of the state.
     LuGre(LuGre),
 }
 
-/// What a contact has beside its normal force; by default nothing.
+/// Friction and lubricant film of a contact; both are absent by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tribology {
     /// Friction of the surfaces.
@@ -23,20 +23,20 @@ pub struct Tribology {
     pub film: Option<Film>,
 }
 
-/// Friction of the pin of an ideal revolute joint: a torque of radius times share times reaction force.
+/// Friction of the pin of an ideal revolute joint: torque = radius · friction ratio · reaction force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PinFriction {
     /// Radius of the pin \[m\].
     pub radius: f64,
-    /// Share of the reaction force by the sliding velocity, radius times relative angular velocity.
+    /// Ratio of friction to reaction force by the sliding velocity, which is radius times relative angular velocity.
     pub law: Friction,
 }
 
 impl PinFriction {
-    /// Checks every number.
+    /// Check every number.
     ///
     /// # Errors
-    /// Names `joint`, the field and what is allowed.
+    /// An invalid value; the message has `joint`, the field and the permitted values.
     pub fn validate(&self, joint: &str) -> Result<()> {
         check::positive(&format!("radius of {joint}"), self.radius, "m")?;
         self.law.check(&format!("friction of {joint}"))
@@ -44,10 +44,10 @@ impl PinFriction {
 }
 
 impl Tribology {
-    /// Checks every number, and that a film has a bore to be in.
+    /// Check every number, and that a film belongs to a pin in a bore.
     ///
     /// # Errors
-    /// Names `contact`, the field and what is allowed.
+    /// An invalid value; the message has `contact`, the field and the permitted values.
     pub fn validate(&self, contact: &str, profile: &Profile, law: &ContactLaw) -> Result<()> {
         match &self.friction {
             Some(FrictionLaw::Coulomb(law)) => law.check(&format!("friction of {contact}"))?,
@@ -76,7 +76,7 @@ impl Tribology {
         Ok(())
     }
 
-    /// The film between a pin and its bore.
+    /// Return the film between a pin and its bore, if there is one.
     pub(crate) fn film_of(
         &self,
         profile: &Profile,
@@ -90,7 +90,7 @@ impl Tribology {
         Some(film.between(pin_radius, radius - pin_radius, length))
     }
 
-    /// The bristles of the surfaces, where friction is of bristles.
+    /// Return the bristle model, if it is the friction law.
     pub(crate) fn bristles(&self) -> Option<LuGre> {
         match self.friction {
             Some(FrictionLaw::LuGre(law)) => Some(law),

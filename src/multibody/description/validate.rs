@@ -1,4 +1,4 @@
-//! What is checked of a mechanism as a whole: gravity, that there is something, names, masses and inertias.
+//! Checks of a mechanism as a whole: gravity, at least one body, names, masses and inertias.
 
 use std::collections::HashSet;
 
@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::multibody::{Body, Mechanism};
 
 impl Mechanism {
-    /// Checks what is of no part alone.
+    /// Check all properties that do not belong to a single part.
     pub(crate) fn validate(&self) -> Result<()> {
         if !(self.gravity.x.is_finite() && self.gravity.y.is_finite()) {
             return Err(Error::invalid(
@@ -32,11 +32,12 @@ impl Mechanism {
     }
 }
 
-/// Least mass or inertia that is proposed, over the largest of the mechanism: the constrained equations lose as many digits.
+/// Smallest mass or inertia proposed in the error message, over the largest of the mechanism. The constrained equations lose
+/// accuracy by this factor.
 const LEAST_SHARE: f64 = 1e-6;
 
 impl Mechanism {
-    /// A body that is not held needs mass and inertia: the equations of motion divide by them.
+    /// Check mass and inertia of all bodies that are not fixed: the equations of motion divide by them.
     fn check_masses(&self) -> Result<()> {
         self.check_above_zero("mass", "kg", |body| body.mass)?;
         self.check_above_zero("inertia", "kg m^2", |body| body.inertia)
@@ -62,7 +63,7 @@ impl Mechanism {
     }
 }
 
-/// Results and messages tell of a part by its name.
+/// Check that a name is not blank: results and messages identify a part by its name.
 fn check_name(kind: &str, name: &str) -> Result<()> {
     if !name.trim().is_empty() {
         return Ok(());
@@ -74,6 +75,7 @@ fn check_name(kind: &str, name: &str) -> Result<()> {
     ))
 }
 
+/// Check that names are unique and not blank.
 fn check_names<'a>(kind: &str, names: impl Iterator<Item = &'a String>) -> Result<()> {
     let mut seen = HashSet::new();
     for name in names {
