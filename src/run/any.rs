@@ -1,4 +1,4 @@
-//! A run of a system whose kind is known at run time only.
+//! A run of a system whose kind is known only at run time.
 
 use std::time::Duration;
 
@@ -7,17 +7,17 @@ use super::simulation::{Simulation, Statistics};
 use crate::error::Result;
 use crate::system::Recording;
 
-/// A run of a chain drive or of a mechanism.
+/// Run of a chain drive or of a mechanism.
 #[derive(Debug, Clone)]
 #[allow(clippy::large_enum_variant)] // one value a run
 pub enum AnySimulation {
-    /// Of a chain drive.
+    /// Run of a chain drive.
     Drive(Simulation),
-    /// Of a mechanism.
+    /// Run of a mechanism.
     Mechanism(MechanismSimulation),
 }
 
-/// Evaluates an expression with the simulation of whatever kind.
+/// Evaluates an expression with the simulation of either kind.
 macro_rules! of_any {
     ($any:expr, $simulation:ident => $result:expr) => {
         match $any {
@@ -28,19 +28,19 @@ macro_rules! of_any {
 }
 
 impl AnySimulation {
-    /// Present time \[s\].
+    /// Return the present time \[s\].
     #[must_use]
     pub fn time(&self) -> f64 {
         of_any!(self, simulation => simulation.time())
     }
 
-    /// Names of the bodies.
+    /// Return the names of the bodies.
     #[must_use]
     pub fn body_names(&self) -> Vec<String> {
         of_any!(self, simulation => simulation.model().body_names())
     }
 
-    /// Positions of all bodies at the present time.
+    /// Return the positions of all bodies at the present time.
     pub fn positions(&mut self) -> Vec<[f64; 3]> {
         match self {
             Self::Drive(simulation) => simulation.motion().positions(),
@@ -48,7 +48,7 @@ impl AnySimulation {
         }
     }
 
-    /// Velocities of all bodies at the present time.
+    /// Return the velocities of all bodies at the present time.
     pub fn velocities(&mut self) -> Vec<[f64; 3]> {
         match self {
             Self::Drive(simulation) => simulation.motion().velocities(),
@@ -100,7 +100,7 @@ impl AnySimulation {
         of_any!(self, simulation => simulation.take_recording())
     }
 
-    /// The state as bytes.
+    /// Return the state as bytes.
     ///
     /// # Errors
     /// After a panic in a step.
@@ -111,10 +111,10 @@ impl AnySimulation {
         })
     }
 
-    /// Goes on from the state that `bytes` hold.
+    /// Set the state from `bytes`.
     ///
     /// # Errors
-    /// When they hold none, or one of another scene; the simulation is then what it was.
+    /// If `bytes` contain no state, or the state of another scene; the simulation is then unchanged.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<()> {
         of_any!(self, simulation => {
             let snapshot = super::simulation::Snapshot::from_bytes(bytes)?;

@@ -13,10 +13,10 @@ use crate::layout::InitialConfiguration;
 use crate::math::Signal;
 
 impl Simulation<Dynamics> {
-    /// A run of `model` from `start` at time zero.
+    /// Return a run of `model` from `start` at time zero.
     ///
     /// # Errors
-    /// When a control or the start does not fit.
+    /// If a control or the start is invalid.
     pub fn new(
         model: Arc<Model>,
         start: &InitialConfiguration,
@@ -33,7 +33,7 @@ impl Simulation<Dynamics> {
         dynamics.remember_present_contacts(0.0, &y);
         dynamics.check_joints()?;
         if control.corrector != Corrector::Pece {
-            // Makes the room for the matrix, which a run that changes correctors would otherwise make under way.
+            // Allocates the matrix now; a run that switches correctors would otherwise allocate during its steps.
             dynamics.make_room_for_newton();
         }
         let mut adams = Adams::new(dimension, control);
@@ -41,32 +41,32 @@ impl Simulation<Dynamics> {
         Ok(Self::of(dynamics, adams))
     }
 
-    /// Divides each step into `fineness` panels for the energy quadrature, one at first, and of those in which contacts begin or end each
-    /// half: what changes with it is the quadrature's own error.
+    /// Divide each section of a step into `fineness` panels of the energy quadrature, one by default. A step has one section, and one more
+    /// for each contact onset or end. The change of the result with `fineness` is the error of the quadrature.
     pub fn refine_meter(&mut self, fineness: usize) {
         self.system.refine_quadrature(fineness);
     }
 
-    /// The model, with the speeds and torques that hold now.
+    /// Return the model with the present speeds and torques.
     #[must_use]
     pub fn model(&self) -> &Arc<Model> {
         self.system.model()
     }
 
-    /// The state at the present time.
+    /// Return the state at the present time.
     fn state(&self) -> Vec<f64> {
         let mut y = vec![0.0; self.system.dimension()];
         self.adams.interpolate(self.now, &mut y);
         y
     }
 
-    /// The dynamics, evaluated at the present time.
+    /// Return the dynamics, evaluated at the present time.
     pub fn present(&mut self) -> &Dynamics {
         self.system.evaluate(self.now, &self.state());
         &self.system
     }
 
-    /// Positions and velocities of all bodies at the present time.
+    /// Return positions and velocities of all bodies at the present time.
     #[must_use]
     pub fn motion(&self) -> Motion {
         let mut motion = Motion::new(self.model().bodies());
@@ -74,7 +74,7 @@ impl Simulation<Dynamics> {
         motion
     }
 
-    /// Teeth that the chain has jumped up to the present time, in the order of time.
+    /// Return the tooth jumps up to the present time, in the order of time.
     #[must_use]
     pub fn tooth_jumps(&self) -> &[ToothJump] {
         let jumps = self.system.tooth_jumps();
@@ -82,16 +82,16 @@ impl Simulation<Dynamics> {
         &jumps[..jumps.partition_point(|jump| jump.time <= self.now)]
     }
 
-    /// Which laws left their range, a line each.
+    /// Return the law warnings, one line per law that left its range.
     #[must_use]
     pub fn range_notes(&self) -> Vec<String> {
         let model = self.model().range_notes.iter();
         model.chain(self.system.past_range()).cloned().collect()
     }
 
-    /// Dynamics evaluated at other positions and velocities, or another time, without touching the run.
+    /// Return the dynamics evaluated at other positions, velocities or time; the run is unchanged.
     ///
-    /// Positions that are just given have no contact memory.
+    /// Given positions have no impact velocity memory.
     #[must_use]
     pub fn evaluate_elsewhere(
         &self,
@@ -116,13 +116,14 @@ impl Simulation<Dynamics> {
         dynamics
     }
 
-    /// Lets sprocket `sprocket` (from 0) have another speed or torque from the present time on.
+    /// Set another speed or torque of sprocket `sprocket` (from 0) from the present time on.
     ///
-    /// What the integrator had made beyond the present time is made anew. Positions do not jump, nor do velocities but that of the
-    /// sprocket whose speed is set; contacts keep their memory and the energy balance goes on.
+    /// The integrator repeats what it has integrated beyond the present time. Positions are continuous, and so are velocities except that
+    /// of the sprocket whose speed is set. Contacts keep their impact velocity memory and the energy balance continues.
     ///
     /// # Errors
-    /// When there is no such sprocket, its motion has no such quantity, or `signal` is beyond what a drive may be described with; the simulation is then what it was.
+    /// If there is no such sprocket, its motion has no such quantity, or `signal` is outside the range of a drive's description; the
+    /// simulation is then unchanged.
     pub fn set_input(&mut self, sprocket: usize, quantity: Quantity, signal: Signal) -> Result<()> {
         let input = (sprocket, quantity);
         let changed = self

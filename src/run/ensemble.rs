@@ -1,4 +1,4 @@
-//! Many scenes at once: each is built, run and recorded on one thread of a pool, and none disturbs another.
+//! Ensembles of independent cases: each is built, run and recorded on one thread of a pool.
 
 use std::num::NonZero;
 use std::sync::Arc;
@@ -19,73 +19,73 @@ use crate::panics;
 use crate::run::simulation::{Simulation, check_reports};
 use crate::run::{AnySimulation, MechanismSimulation};
 
-/// Wall time between two looks at whether the ensemble was cancelled.
+/// Wall time between two checks for cancellation of the ensemble.
 const SLICE: Duration = Duration::from_millis(50);
 
-/// What moves, where it begins and what is recorded of it.
+/// Drive or mechanism to simulate, with its start and its recorded groups.
 #[derive(Debug, Clone, PartialEq)]
 #[allow(clippy::large_enum_variant)] // one a case: the difference does not matter
 pub enum Scene {
-    /// A chain drive.
+    /// Chain drive.
     Drive {
-        /// Its description.
+        /// Description of the drive.
         drive: Box<Drive>,
-        /// The force laws.
+        /// Force laws.
         laws: ForceLaws,
-        /// Where it begins; `None`: as generated.
+        /// Start; `None`: the generated initial configuration.
         start: Option<InitialConfiguration>,
-        /// What to record.
+        /// Recorded groups.
         groups: Groups,
     },
-    /// A mechanism, which begins where it is placed.
+    /// Mechanism, which starts at its placement.
     Mechanism {
-        /// Its description.
+        /// Description of the mechanism.
         mechanism: Mechanism,
-        /// How it is kept on its constraints.
+        /// Stabilisation of the constraints.
         stabilisation: Stabilisation,
-        /// What to record.
+        /// Recorded groups.
         groups: MechanismGroups,
     },
 }
 
-/// One scene and how it is run.
+/// Scene with the settings of its run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
-    /// What moves.
+    /// Drive or mechanism to simulate.
     pub scene: Scene,
-    /// How it is integrated.
+    /// Settings of the integration.
     pub control: StepControl,
     /// Simulated time \[s\].
     pub duration: f64,
-    /// Time between two rows \[s\].
+    /// Report interval \[s\].
     pub report_step: f64,
 }
 
-/// A case that was begun.
+/// Case that was started.
 #[derive(Debug, Clone)]
 pub struct Run {
-    /// Where it began.
+    /// Initial positions and velocities.
     pub start: InitialConfiguration,
-    /// Where it is, with recording, statistics and notes.
+    /// Simulation with its recording, statistics and warnings.
     pub simulation: AnySimulation,
 }
 
-/// Why a case did not reach its end.
+/// Reason why a case did not reach its end.
 #[derive(Debug, Clone)]
 pub struct Failure {
-    /// What went wrong.
+    /// Error that ended the case.
     pub error: Error,
-    /// The run with what it had recorded; `None` when it did not begin.
+    /// Run with its recording up to the error; `None` if the case did not start.
     pub run: Option<Box<Run>>,
 }
 
-/// What came of a case.
+/// Outcome of a case.
 pub type Outcome = std::result::Result<Box<Run>, Failure>;
 
 /// Cases and the threads that run them.
 ///
-/// Each case runs on one thread from its beginning to its end, so that its numbers are the same whatever the number of
-/// threads and whatever the others do.
+/// Each case runs on one thread from its start to its end, so that its results are independent of the number of threads and of the other
+/// cases.
 #[derive(Debug)]
 pub struct Ensemble {
     cases: Vec<Case>,
@@ -96,10 +96,10 @@ pub struct Ensemble {
 }
 
 impl Ensemble {
-    /// `cases` on so many `threads`; `None`: as many as there are cores.
+    /// Return an ensemble of `cases` on `threads` threads; `None`: one thread per core.
     ///
     /// # Errors
-    /// When the system grants no threads.
+    /// If the operating system grants no threads.
     pub fn new(cases: Vec<Case>, threads: Option<NonZero<usize>>) -> Result<Self> {
         let cores = || std::thread::available_parallelism().unwrap_or(NonZero::<usize>::MIN);
         let threads = threads.unwrap_or_else(cores).get().min(cases.len().max(1));
@@ -120,19 +120,19 @@ impl Ensemble {
         })
     }
 
-    /// How many threads there are.
+    /// Return the number of threads.
     #[must_use]
     pub fn threads(&self) -> usize {
         self.pool.current_num_threads()
     }
 
-    /// Runs the cases in their order and hands each to `finished` with its number, from 0, as soon as it has ended.
+    /// Run the cases in their order and pass each to `finished` with its number, from 0, as soon as it has ended.
     ///
-    /// `finished` is called on the thread that ran the case, which takes its next one when `finished` returns: no more cases
-    /// are in memory than there are threads, but for those that `finished` keeps. A case that panics fails alone.
+    /// `finished` is called on the thread of the case, which starts its next case when `finished` returns. No more cases are in memory than
+    /// there are threads, except those kept by `finished`. A panic in a case fails that case alone.
     pub fn run(&self, finished: impl Fn(usize, Outcome) + Sync) {
         self.pool.install(|| {
-            // A bridge hands out one case at a time, in order: a thread that had short cases takes more of them.
+            // A bridge hands out one case at a time, in order: a thread with short cases takes more of them.
             (0..self.cases.len()).par_bridge().for_each(|number| {
                 if let Some(outcome) = guarded(|| self.run_case(number)) {
                     self.note(number, self.cases[number].duration);
@@ -142,19 +142,19 @@ impl Ensemble {
         });
     }
 
-    /// Ends [`run`](Self::run) soon, from whatever thread. Cases that have not ended by then are dropped.
+    /// End [`run`](Self::run) soon, from any thread. Cases that have not ended by then are dropped.
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// Simulated time that all cases together have behind them \[s\]; a case that failed counts as a whole one.
+    /// Return the simulated time of all cases together \[s\]; a failed case counts in full.
     #[must_use]
     pub fn simulated(&self) -> f64 {
         let seconds = |bits: &AtomicU64| f64::from_bits(bits.load(Ordering::Relaxed));
         self.reached.iter().map(seconds).sum()
     }
 
-    /// Runs a case to its end; `None` when the ensemble was cancelled before.
+    /// Run a case to its end; return `None` if the ensemble was cancelled before.
     fn run_case(&self, number: usize) -> Option<Outcome> {
         if self.cancelled.load(Ordering::Relaxed) {
             return None;
@@ -182,7 +182,7 @@ impl Ensemble {
 }
 
 impl Case {
-    /// Compiles the model, places everything and begins the recording.
+    /// Compile the model, place all bodies and begin the recording.
     fn begin(&self) -> Result<Run> {
         check_reports(self.duration, self.report_step)?;
         let mut simulation = self.simulation()?;
@@ -226,7 +226,7 @@ impl Case {
     }
 }
 
-/// What `work` comes to; a panic becomes a failure.
+/// Return the result of `work`; convert a panic to a failure.
 fn guarded(work: impl FnOnce() -> Option<Outcome>) -> Option<Outcome> {
     panics::guarded(work).unwrap_or_else(|message| {
         let error = Error::Panicked {

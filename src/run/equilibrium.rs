@@ -1,8 +1,8 @@
-//! Static equilibrium of a drive: where its links come to rest with every motor held, every load on and the tensioner at full pull.
+//! Static equilibrium of a drive: links at rest with motors held, all loads applied and the tensioner at full force.
 //!
-//! Newton's method on the forces, from rest in every iteration: a step of backward Euler of length γ, (M - γ² K) Δq = γ² Q,
-//! is Newton's step once γ is long, and a slow sag down the forces while it is short. γ grows while the forces fall. No hinge
-//! opens or turns by more than a share of its clearance in one iteration, because its normal would be another one.
+//! Newton's method on the forces, from rest in every iteration: a step of backward Euler of length γ, (M - γ² K) Δq = γ² Q. For long γ this
+//! is Newton's step; for short γ it is a slow motion along the forces. γ grows while the forces decrease. No hinge opens or turns by more
+//! than a fraction of its clearance in one iteration, because its contact normal would change.
 
 mod refusal;
 
@@ -21,58 +21,60 @@ use crate::math::Signal;
 
 /// First γ \[s\]: a link falls by 10 nm.
 const FIRST_GAMMA: f64 = 3e-5;
-/// Longest γ over the pitch \[s/m\]: 64 ms at half an inch. The elimination of the links divides by their masses; its rounding error grows
+/// Longest γ over the pitch \[s/m\]: 64 ms at half an inch. The elimination of the links divides by their masses. Its rounding error grows
 /// with the fourth power of γ over the period of a link on its contacts, which is proportional to the pitch. In a drive of half an inch
 /// corrections have a relative error of a thousandth at 0.1 s, and are useless from 0.6 s on.
 const LONGEST_GAMMA_PER_PITCH: f64 = 5.0;
 /// Shortest γ \[s\].
 const SHORTEST_GAMMA: f64 = 1e-6;
-/// Iterations after which contacts remember anew which surface of a tooth they are on: where two of unlike stiffness meet, the
-/// force jumps, and there may be no balance until one is kept.
+/// Number of iterations between updates of the tooth surface stored for each contact. The force jumps where two surfaces of different
+/// stiffness meet, and no equilibrium may exist until one of them is kept.
 const BETWEEN_MEMORIES: u32 = 500;
-/// How often a balance is found anew because contacts turn out to be on other surfaces than those that they remember: a contact
-/// at a junction of two may change between them for ever.
+/// Maximum number of renewals of an equilibrium because contacts are on other surfaces than the stored ones. A contact at the junction of
+/// two surfaces may alternate between them without end.
 const MOST_RENEWALS: u32 = 4;
-/// Share of the hinge clearance that the two ends in a hinge may move by against each other in one iteration.
+/// Largest relative displacement of the two link ends in a hinge in one iteration, over the hinge clearance.
 const HINGE_SHARE: f64 = 0.2;
-/// How far anything may move in one iteration, in pitches.
+/// Largest displacement of any coordinate in one iteration, in pitches.
 const LARGEST_MOVE: f64 = 0.02;
-/// The same in a second try: no farther than a hinge's clearance or two, so that no bushing comes to lie in the middle of a tooth.
+/// Largest displacement in the second attempt, in pitches: one or two hinge clearances, so that no bushing moves into the middle of a
+/// tooth.
 const SHORT_MOVE: f64 = 0.002;
-/// Iterations after which that is made, from the start.
+/// Number of iterations after which the second attempt begins, from the start.
 const FIRST_TRY: u32 = 1500;
-/// Unbalanced force that is let stand, over the largest force of a contact or from outside.
+/// Tolerated unbalanced force, over the largest contact force or external force.
 const TOLERANCE: f64 = 1e-7;
-/// Share of that which is gone on to, for strands that sag are soft: a force of 1e-7 of their tension moves a link by more than its contacts.
+/// Fraction of the tolerance that refinement aims at. Sagging strands are soft: a force of 1e-7 of their tension moves a link by more than
+/// its contacts do.
 const SOUGHT: f64 = 0.1;
-/// Iterations that are spent on it; rounding may be in its way.
+/// Maximum number of refinement iterations; rounding may prevent their success.
 const MOST_REFINEMENTS: u32 = 50;
-/// γ over which velocities are made to follow the contacts \[s\]: links do so in less, shafts in more.
+/// γ of the adjustment of velocities to the contacts \[s\]: links follow their contacts in less time, shafts in more.
 const TRAVEL_GAMMA: f64 = 1e-3;
-/// In so many rounds.
+/// Number of rounds of this adjustment.
 const TRAVEL_ROUNDS: u32 = 10;
-/// How far bodies are moved for the forces' change along their velocities \[m\].
+/// Displacement of the bodies along their velocities for differences of the forces \[m\].
 const SMALL_MOVE: f64 = 1e-10;
-/// How far back from the place where the chain is taut the tensioner is put for one more try to lay it, in pitches.
+/// Decrement of the tensioner's displacement from the taut position in each further attempt of the layout, in pitches.
 const STEP_BACK: f64 = 0.05;
-/// A drive that takes more does not come to rest. Of 61 random tensioned drives, those whose strands weigh four to eleven times
-/// their tension pull the tensioner far back and take most, 52,000 to 68,000. With twice as many a refusal takes twice as long.
+/// Maximum number of iterations. Of 61 random tensioned drives, those whose strands weigh four to eleven times their tension pull the
+/// tensioner far back and need most, 52,000 to 68,000. With twice this number a refusal takes twice as long.
 const MOST_ITERATIONS: u32 = 100_000;
 
-/// A drive at rest.
+/// Drive in static equilibrium.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
-    /// Positions at rest; velocities with which the drive runs on from there.
+    /// Positions in equilibrium, and velocities with which the run continues from there.
     pub start: InitialConfiguration,
-    /// Largest unbalanced force on a body, moments of links divided by half the pitch \[N\].
+    /// Largest unbalanced force on a body \[N\]; moments of links are divided by half the pitch.
     pub residual: f64,
-    /// Largest force of a contact \[N\].
+    /// Largest contact force \[N\].
     pub largest_force: f64,
-    /// How many iterations it took.
+    /// Number of iterations.
     pub iterations: u32,
 }
 
-/// The drive with its motors held, and all that depends on time or speed as it is at the start.
+/// Return the drive with its motors held, and with all dependence on time and speed fixed at the start.
 fn held(drive: &Drive, layout: &Layout) -> Drive {
     let mut held = drive.clone();
     for (sprocket, &speed) in held.sprockets.iter_mut().zip(&layout.speeds) {
@@ -95,7 +97,7 @@ fn held(drive: &Drive, layout: &Layout) -> Drive {
     }
     if let Some(tensioner) = &mut held.tensioner {
         tensioner.ramp_time = 0.0;
-        // What a ratchet would add depends on how the rest was come to.
+        // The displacement locked by a ratchet would depend on the history of the motion.
         tensioner.ratchet = None;
     }
     for guide in &mut held.guides {
@@ -107,8 +109,8 @@ fn held(drive: &Drive, layout: &Layout) -> Drive {
     held
 }
 
-/// Lays the chain with the tensioner where it has taken up the slack, or as near to that as it can be laid: a wheel that has far to
-/// go pulls the chain round all others, tooth by tooth.
+/// Generate the layout with the tensioner at the taut position, or as near to it as a layout exists. A tensioner that starts far from it
+/// would pull the chain round all other sprockets, tooth by tooth.
 fn lay_taut(drive: &Drive, give_up: &dyn Fn() -> bool) -> Result<(InitialConfiguration, Layout)> {
     let taut = |tensioner: &Tensioner| -> Option<(InitialConfiguration, Layout)> {
         let line = tensioner.line(drive).ok()?;
@@ -132,15 +134,15 @@ fn lay_taut(drive: &Drive, give_up: &dyn Fn() -> bool) -> Result<(InitialConfigu
 }
 
 impl Equilibrium {
-    /// Lets the chain of `drive` come to rest from where the generator lays it.
+    /// Find the static equilibrium of `drive` from its generated configuration.
     ///
     /// # Errors
-    /// When the chain cannot be laid, or there is no rest: a torque that nothing holds, with the force that is left.
+    /// If the chain cannot be laid out, or there is no equilibrium because nothing holds a torque, with the remaining force.
     pub fn find(drive: &Drive, laws: &ForceLaws) -> Result<Self> {
         Self::find_unless(drive, laws, &|| false)
     }
 
-    /// The same; `give_up` is asked before each iteration, and ends it with the force that is left by then.
+    /// Find the static equilibrium; `give_up` is called before each iteration and ends the search with the remaining force.
     ///
     /// # Errors
     /// As of [`Self::find`].
@@ -154,7 +156,7 @@ impl Equilibrium {
             positions: laid.positions.clone(),
             velocities: vec![[0.0; 3]; laid.velocities.len()],
         };
-        // Nothing slips at rest; friction that does not stick, and a film, then bear nothing.
+        // Nothing slides at rest: friction that does not stick, and a lubricant film, carry no load.
         let frictionless = ForceLaws {
             hinge_friction: None,
             tooth_friction: None,
@@ -200,7 +202,7 @@ impl Equilibrium {
     }
 }
 
-/// Length that a coordinate of a sprocket stands for: the pitch radius where it is an angle \[m\], 1 where it is a length.
+/// Return the length that converts a coordinate of a sprocket to a displacement: the pitch radius for an angle \[m\], 1 for a length.
 fn arm(sprocket: &SprocketModel, index: usize) -> f64 {
     match sprocket.rotation {
         Rotation::Free { index: own, .. } if own == index => sprocket.profile.pitch_radius,
@@ -208,7 +210,7 @@ fn arm(sprocket: &SprocketModel, index: usize) -> f64 {
     }
 }
 
-/// The largest force from outside \[N\]: weight of a link, pull of a tensioner, torque at a pitch radius; a micronewton at least.
+/// Return the largest external force \[N\]: weight of a link, force of a tensioner, torque over a pitch radius; at least a micronewton.
 fn applied_force(model: &Model) -> f64 {
     let moved = (0..model.links).filter(|&i| !model.is_held(i));
     let heaviest = moved.fold(0.0, |most: f64, i| most.max(model.mass[i]));
@@ -225,7 +227,7 @@ struct Settling {
     y: Vec<f64>,
     rates: Vec<f64>,
     iterations: u32,
-    /// How far anything may move in one iteration, in pitches.
+    /// Largest displacement of any coordinate in one iteration, in pitches.
     largest_move: f64,
 }
 
@@ -245,7 +247,7 @@ impl Settling {
         }
     }
 
-    /// Evaluates the accelerations at the present places; the largest unbalanced force \[N\].
+    /// Evaluate the accelerations at the present positions; return the largest unbalanced force \[N\].
     fn unbalanced(&mut self) -> f64 {
         self.dynamics
             .accelerations_with_slopes(0.0, &self.y, &mut self.rates);
@@ -259,7 +261,7 @@ impl Settling {
                 .max(model.inertia[i] * accelerations[2 * n + i].abs() / model.half_pitch);
         }
         if let Some(rollers) = &model.rollers {
-            // Without friction nothing turns them.
+            // Without friction no torque acts on the rollers.
             for acceleration in &accelerations[rollers.first..][..2 * n] {
                 largest = largest.max(rollers.mass * acceleration.abs());
             }
@@ -280,7 +282,7 @@ impl Settling {
         hinges.chain(rollers).chain(teeth).fold(0.0, f64::max)
     }
 
-    /// Moves the places to rest; the unbalanced force \[N\] that is left there, or when it ends before.
+    /// Iterate the positions to equilibrium; return the remaining unbalanced force \[N\], as an error if the iteration ends before.
     fn settle(&mut self, give_up: &dyn Fn() -> bool) -> std::result::Result<f64, f64> {
         let model = self.dynamics.model();
         let coordinates = model.coordinates;
@@ -299,7 +301,7 @@ impl Settling {
                 && self.iterations < MOST_ITERATIONS;
             refinements += u32::from(refines);
             if residual <= allowed && !refines {
-                // In balance with surfaces that contacts remember, which may not be those that they are on by now.
+                // The forces are in balance on the stored surfaces, which may differ from the present ones.
                 let remembers = self.iterations >= BETWEEN_MEMORIES && renewals < MOST_RENEWALS;
                 if remembers {
                     renewals += 1;
@@ -316,7 +318,7 @@ impl Settling {
             }
             self.iterations += 1;
             if self.iterations == FIRST_TRY && !refines {
-                // Where bushings have been thrown from tooth to tooth, no rest is near any more.
+                // After bushings have been thrown from tooth to tooth, no equilibrium is near any more.
                 self.y.copy_from_slice(&begin);
                 self.largest_move = SHORT_MOVE;
                 gamma = FIRST_GAMMA;
@@ -325,6 +327,7 @@ impl Settling {
                 self.dynamics.remember_present_contacts(0.0, &self.y);
                 residual = self.unbalanced();
             }
+            // Velocity of one step from rest, γ Q/M; the matrix turns it into the backward Euler step.
             for (step, acceleration) in step.iter_mut().zip(&self.rates[coordinates..]) {
                 *step = gamma * acceleration;
             }
@@ -346,6 +349,8 @@ impl Settling {
             }
             let before = residual;
             residual = self.unbalanced();
+            // γ grows after a full step with less than 1.2 times the residual, and shrinks after a step limited to less than a tenth or
+            // with more than twice the residual.
             gamma = if share == 1.0 && residual < 1.2 * before {
                 (1.5 * gamma).min(longest)
             } else if share < 0.1 || residual > 2.0 * before {
@@ -356,11 +361,11 @@ impl Settling {
         }
     }
 
-    /// Changes the velocities of a start at these places until no loaded contact is approached and no link stretched.
+    /// Change the velocities of a start at these positions until no loaded contact is approached and no link is stretched.
     ///
-    /// With the forces' slope K, of all places and of the motors' angles, a change of -(M + γ² K)⁻¹ γ² K v takes out of v what the
-    /// contacts would within γ; dashpots, which the matrix has too, make it take some rounds. Masses that are slower than that,
-    /// such as a load's, keep their speed.
+    /// With the slope K of the forces with all positions and with the motors' angles, the change -(M + γ² K)⁻¹ γ² K v removes from v what
+    /// the contacts would remove within γ. The matrix includes the dashpots, so that several rounds are needed. Masses that respond more
+    /// slowly, such as a load, keep their speed.
     fn move_along_contacts(&mut self, start: &mut InitialConfiguration) {
         for _ in 0..TRAVEL_ROUNDS {
             let fastest = start.velocities.iter().flat_map(|[x, y, _]| [x, y]);
@@ -371,7 +376,7 @@ impl Settling {
         }
     }
 
-    /// One round of that, with places after a `moment` \[s\]; false where the matrix is singular.
+    /// Perform one round, with positions after `moment` \[s\]; return false for a singular matrix.
     fn take_out_approaches(&mut self, start: &mut InitialConfiguration, moment: f64) -> bool {
         let model = Arc::clone(self.dynamics.model());
         let coordinates = model.coordinates;
@@ -383,7 +388,7 @@ impl Settling {
         for (rate, here) in rates.iter_mut().zip(here) {
             *rate = (*rate - here) * TRAVEL_GAMMA * TRAVEL_GAMMA / moment;
         }
-        // The matrix is made from the last evaluation.
+        // The matrix is assembled from the last evaluation.
         self.unbalanced();
         if !self.dynamics.factorise_indefinite(TRAVEL_GAMMA) {
             return false;
@@ -406,7 +411,7 @@ impl Settling {
         true
     }
 
-    /// Accelerations of all coordinates at these places, at rest.
+    /// Return the accelerations of all coordinates at these positions, at rest.
     fn accelerations_at(&mut self, positions: &[[f64; 3]]) -> Vec<f64> {
         let model = Arc::clone(self.dynamics.model());
         let coordinates = model.coordinates;
@@ -418,14 +423,14 @@ impl Settling {
         let rates: Vec<[f64; 3]> = (0..model.bodies())
             .map(|i| [found.x[i], found.y[i], found.angle[i]])
             .collect();
-        // As velocities of the bodies they become those of the coordinates.
+        // The same transformation applies to velocities and accelerations of bodies at rest.
         bodies.set(positions, &rates);
         let mut y = vec![0.0; 2 * coordinates];
         bodies.write(&model, &mut y);
         y.split_off(coordinates)
     }
 
-    /// How many times further a step goes than it may.
+    /// Return the ratio of the step to the largest permitted step.
     fn excess(&self, step: &[f64]) -> f64 {
         let model = self.dynamics.model();
         let n = model.links;

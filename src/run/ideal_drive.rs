@@ -1,4 +1,4 @@
-//! The channels of a drive with ideal hinges, from the recording of its mechanism.
+//! Channels of a drive with ideal hinges, from the recording of its mechanism.
 
 use crate::chain::Groups;
 use crate::geometry::Vec2;
@@ -6,7 +6,7 @@ use crate::multibody::MechanismModel;
 use crate::multibody::from_drive::channels::{BushingContact, DriveView, MechanismRow};
 use crate::system::{Channel, Recording, Values};
 
-/// Kinetic, gravity, elastic, dissipated, external work, residual: as the mechanism records them.
+/// Energy channels, with the same names as in the recording of the mechanism.
 const ENERGY: [&str; 6] = [
     "energy_kinetic",
     "energy_gravity",
@@ -16,7 +16,7 @@ const ENERGY: [&str; 6] = [
     "energy_residual",
 ];
 
-/// A recording of a mechanism, row by row.
+/// Recording of a mechanism, row by row.
 pub(crate) struct Rows<'a> {
     recording: &'a Recording,
     bodies: usize,
@@ -34,7 +34,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Row `i`.
+    /// Return row `i`.
     pub(crate) fn row(&self, i: usize) -> MechanismRow<'a> {
         let (from, contacts) = (self.recording, self.contacts);
         MechanismRow {
@@ -54,12 +54,12 @@ impl<'a> Rows<'a> {
         self.recording.time.len()
     }
 
-    /// Accelerations of the mechanism's bodies of all rows.
+    /// Return the accelerations of the mechanism's bodies in all rows.
     pub(crate) fn accelerations(&self) -> &'a [f64] {
         self.recording.real("accelerations")
     }
 
-    /// The last row of a channel that stop conditions look at; nothing without rows.
+    /// Return the last row of a channel used by stop conditions; none without rows.
     pub(crate) fn last(&self, view: &DriveView, name: &str) -> Option<Vec<f64>> {
         let i = self.count().checked_sub(1)?;
         match name {
@@ -76,14 +76,14 @@ impl<'a> Rows<'a> {
         part(values, i, self.joints)[view.hinges()].to_vec()
     }
 
-    /// Largest force of each bushing on any sprocket since the row before.
+    /// Return the largest force of each bushing on any sprocket since the previous row.
     fn largest_of_bushings(&self, view: &DriveView, i: usize) -> Vec<f64> {
         let forces = part(self.recording.real("peak_contact_force"), i, self.contacts);
         let largest = |forces: &[f64]| forces.iter().copied().fold(0.0, f64::max);
         forces.chunks_exact(view.sprockets()).map(largest).collect()
     }
 
-    /// A channel of real numbers, a row of `shape` at each time.
+    /// Return a channel of real numbers with a row of `shape` at each time.
     fn real<V: IntoIterator<Item = f64>>(
         &self,
         name: &'static str,
@@ -97,7 +97,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// All channels of `groups`.
+    /// Return all channels of `groups`.
     pub(crate) fn channels(&self, view: &DriveView, groups: Groups) -> Recording {
         let mut channels = Vec::new();
         if groups.hinges {
@@ -129,7 +129,7 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Force, place of the pin, tension of the strands, peaks.
+    /// Return hinge forces, pin positions, strand tensions and peaks.
     fn hinge_channels(&self, view: &DriveView) -> [Channel; 7] {
         let n = view.links();
         let vectors = |values: Vec<Vec2>| values.into_iter().flat_map(<[f64; 2]>::from);
@@ -153,7 +153,7 @@ impl<'a> Rows<'a> {
         ]
     }
 
-    /// The deepest contact of each bushing, and peaks over all sprockets.
+    /// Return the contact of largest penetration of each bushing, and peaks over all sprockets.
     fn tooth_channels(&self, view: &DriveView) -> Vec<Channel> {
         let n = view.links();
         let deepest: Vec<Vec<BushingContact>> = (0..self.count())
@@ -186,7 +186,7 @@ impl<'a> Rows<'a> {
         ]
     }
 
-    /// Angle, speed, torque on the shaft and centre of each sprocket.
+    /// Return angle, speed, shaft torque and centre of each sprocket.
     fn sprocket_channels(&self, view: &DriveView) -> [Channel; 4] {
         let s = view.sprockets();
         let wheels = view.links()..view.bodies();
@@ -208,7 +208,7 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// Row `i` of values of which each row has `width`.
+/// Return row `i` of values with `width` numbers per row.
 fn part<T>(values: &[T], i: usize, width: usize) -> &[T] {
     &values[i * width..(i + 1) * width]
 }

@@ -11,14 +11,14 @@ use crate::multibody::{
 };
 use crate::system::Recording;
 
-/// A mechanism in motion.
+/// Simulation of a mechanism.
 pub type MechanismSimulation = Simulation<MechanismDynamics>;
 
 impl Simulation<MechanismDynamics> {
-    /// A run from where the mechanism is placed, assembled.
+    /// Return a run from the assembled placement of the mechanism.
     ///
     /// # Errors
-    /// When a control does not fit or the mechanism does not go together.
+    /// If a control is invalid or the mechanism cannot be assembled.
     pub fn assemble(
         model: Arc<MechanismModel>,
         control: StepControl,
@@ -27,10 +27,10 @@ impl Simulation<MechanismDynamics> {
         Self::assemble_unless(model, control, stabilisation, &|| false)
     }
 
-    /// The same; `give_up` is asked now and then while the mechanism is assembled, and ends that with an error.
+    /// Return a run from the assembled placement; `give_up` is called repeatedly during assembly and ends it with an error.
     ///
     /// # Errors
-    /// When a control does not fit or the mechanism does not go together.
+    /// If a control is invalid or the mechanism cannot be assembled.
     pub fn assemble_unless(
         model: Arc<MechanismModel>,
         control: StepControl,
@@ -47,53 +47,53 @@ impl Simulation<MechanismDynamics> {
         Ok(Self::of(dynamics, adams))
     }
 
-    /// What assembling found.
+    /// Return the result of the assembly.
     #[must_use]
     pub fn assembly(&self) -> &Assembly {
         self.system.assembly()
     }
 
-    /// The model.
+    /// Return the model.
     #[must_use]
     pub fn model(&self) -> &Arc<MechanismModel> {
         self.system.model()
     }
 
-    /// Contact onsets so far.
+    /// Return the number of contact onsets so far.
     #[must_use]
     pub fn onsets(&self) -> u64 {
         self.statistics().onsets
     }
 
-    /// The dynamics at the present time, evaluated.
+    /// Return the dynamics, evaluated at the present time.
     pub fn present(&mut self) -> &MechanismDynamics {
         self.system.evaluate_inside(&self.adams, self.now);
         &self.system
     }
 
-    /// A recording of the present time alone.
+    /// Return a recording of the present time alone.
     pub fn row(&mut self) -> Recording {
         self.system.evaluate_inside(&self.adams, self.now);
         row_of(&mut self.system, self.now, MechanismGroups::ALL)
     }
 
-    /// Positions (false) or velocities (true) of all bodies at the present time, ground left out.
+    /// Return positions (false) or velocities (true) of all bodies at the present time, without the ground.
     pub fn motion(&mut self, velocities: bool) -> Vec<[f64; 3]> {
         self.present().motion(velocities)
     }
 
-    /// Largest residual of positions and of velocities where the last step ended.
+    /// Return the largest residuals of positions and of velocities at the end of the last step.
     pub fn drift(&mut self) -> [f64; 2] {
         self.system.drift(&self.adams)
     }
 
-    /// A recording of one row at another state; the run stays as it is. What is given replaces the present value.
+    /// Return a recording of one row at another state; the run is unchanged. Given values replace the present ones.
     ///
-    /// Three numbers a body, the ground left out; bodies that are held stay where they are. The state is taken as it is, on
-    /// the constraints or not. With positions given, no contact has a memory.
+    /// Rows have three numbers per body, without the ground; held bodies keep their positions. The state is used as given, on the
+    /// constraints or not. With given positions, no contact has an impact velocity memory.
     ///
     /// # Errors
-    /// When there are not as many rows as bodies, or a number is not finite.
+    /// If the number of rows differs from that of the bodies, or a number is not finite.
     pub fn evaluate_elsewhere(
         &mut self,
         positions: Option<&[[f64; 3]]>,
@@ -111,7 +111,7 @@ impl Simulation<MechanismDynamics> {
     }
 }
 
-/// One row of finite numbers for each body.
+/// Check that there is one row of finite numbers for each body.
 fn check_rows(bodies: &[Body], field: &str, rows: Option<&[[f64; 3]]>) -> Result<()> {
     let Some(rows) = rows else { return Ok(()) };
     if rows.len() != bodies.len() {

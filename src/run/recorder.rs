@@ -1,4 +1,4 @@
-//! Chosen channels at the report times.
+//! Recorder of the selected channels at the report times.
 
 mod balance;
 
@@ -8,7 +8,7 @@ use balance::{Balance, EnergyAtStart, Passed};
 
 pub(crate) use balance::OpenBalance;
 
-/// Channels of the energy balance, before those of losses by their place.
+/// Channels of the energy balance; the channels of the losses by location follow.
 const ENERGIES: [&str; 6] = [
     "energy_kinetic",
     "energy_gravity",
@@ -18,10 +18,10 @@ const ENERGIES: [&str; 6] = [
     "energy_residual",
 ];
 
-/// Channels being written.
+/// Recorder of a run: channels under construction.
 #[derive(Debug, Clone)]
 pub(crate) struct Recorder<S: System> {
-    /// Whether the run pauses after each report.
+    /// True if the run pauses after each report.
     pub(crate) pauses: bool,
     groups: S::Groups,
     report_step: f64,
@@ -29,11 +29,11 @@ pub(crate) struct Recorder<S: System> {
     end: f64,
     /// Index of the next report.
     next: u64,
-    /// The energy balance at the first report.
+    /// Energies at the first report.
     energy_at_start: Option<EnergyAtStart<S::Powers>>,
     balance: Balance,
     recording: Recording,
-    /// Of each kind of contact or joint.
+    /// Peaks of each kind of contact or joint.
     peaks: Vec<Peaks>,
 }
 
@@ -69,7 +69,7 @@ impl<S: System> Recorder<S> {
         }
     }
 
-    /// Time of the next report \[s\]; `None` when all are made. The last one lies exactly at the end.
+    /// Return the time of the next report \[s\]; `None` if all are complete. The last report lies exactly at the end.
     pub(crate) fn next_report(&self) -> Option<f64> {
         let t = self.begin + self.next as f64 * self.report_step;
         let rounding = 1e-9 * self.report_step;
@@ -87,8 +87,8 @@ impl<S: System> Recorder<S> {
         }
     }
 
-    /// The energy balance of the reports so far, when its residual is larger than it may be and the system was not `at_rest`, with
-    /// no more kinetic energy than that \[J\].
+    /// Return the energy balance of the reports so far if its residual exceeds the permitted one. A system whose kinetic energy never
+    /// exceeds `at_rest` \[J\] is exempt.
     pub(crate) fn open_balance(&self, at_rest: f64) -> Option<OpenBalance> {
         self.balance.open(at_rest)
     }
@@ -101,18 +101,18 @@ impl<S: System> Recorder<S> {
         &self.recording
     }
 
-    /// All whole rows.
+    /// Return all complete rows.
     pub(crate) fn into_recording(mut self) -> Recording {
         self.recording.truncate_to_whole_rows();
         self.recording
     }
 
-    /// Whether largest forces between two reports are recorded.
+    /// Return whether largest forces between two reports are recorded.
     pub(crate) fn has_peaks(&self) -> bool {
         self.peaks.iter().any(|peaks| !peaks.arriving.is_empty())
     }
 
-    /// Sets aside the forces of the last evaluation, that of the end of a step, before reports inside it are evaluated.
+    /// Store the forces of the last evaluation, at the end of a step, before reports inside the step are evaluated.
     pub(crate) fn keep_step_forces(&mut self, system: &S) {
         for (kind, peaks) in self.peaks.iter_mut().enumerate() {
             if !peaks.arriving.is_empty() {
@@ -121,7 +121,7 @@ impl<S: System> Recorder<S> {
         }
     }
 
-    /// The same, and takes in the energies there.
+    /// Store the forces at the end of a step, and include the energies there in the balance.
     pub(crate) fn keep_step_end(&mut self, system: &S) {
         self.keep_step_forces(system);
         if S::records_energy(self.groups)
@@ -131,20 +131,20 @@ impl<S: System> Recorder<S> {
         }
     }
 
-    /// Takes the set-aside forces into the peaks.
+    /// Include the stored forces in the peaks.
     pub(crate) fn take_step_forces(&mut self, t: f64) {
         for peaks in &mut self.peaks {
             peaks.arrive(t);
         }
     }
 
-    /// Evaluates `system` at `t` inside the last step of `adams` and writes a row.
+    /// Evaluate `system` at `t` inside the last step of `adams` and write a row.
     pub(crate) fn report(&mut self, t: f64, system: &mut S, adams: &Adams) {
         system.evaluate_report(adams, t, self.groups);
         self.write_row(t, system);
     }
 
-    /// Writes a row for `system` as it was evaluated last, at `t`.
+    /// Write a row for the last evaluation of `system`, at `t`.
     fn write_row(&mut self, t: f64, system: &mut S) {
         let mut row = Row {
             channels: self.recording.channels.iter_mut(),
@@ -161,6 +161,7 @@ impl<S: System> Recorder<S> {
                 sums,
             });
             let since = sums + start.sums.scaled(-1.0);
+            // residual = (stored energy - that at the start) + dissipated - external work.
             let [dissipated, external_work] = since.totals();
             let residual = energy.total() - start.total + dissipated - external_work;
             let stored = [energy.kinetic, energy.gravity, energy.elastic];
@@ -176,13 +177,13 @@ impl<S: System> Recorder<S> {
             };
             self.balance.report(t, energy, passed);
         }
-        // Last of all: a row that a panic has cut short does not count.
+        // The time is written last: a row cut short by a panic does not count.
         self.recording.time.push(t);
         self.next += 1;
     }
 }
 
-/// A recording of one row: `system` as it was evaluated last, at `t`.
+/// Return a recording of one row: the last evaluation of `system`, at `t`.
 pub(crate) fn row_of<S: System>(system: &mut S, t: f64, groups: S::Groups) -> Recording {
     let mut recorder = Recorder::new(system, groups, t, 0.0, 1.0);
     recorder.write_row(t, system);

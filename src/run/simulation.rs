@@ -1,4 +1,4 @@
-//! A run of any system: steps, located events, reports.
+//! Run of any system: steps, located events, reports.
 
 mod energy_warning;
 mod snapshot;
@@ -17,52 +17,52 @@ use crate::panics::guarded;
 use crate::run::recorder::{OpenBalance, Recorder};
 use crate::system::{Recording, System};
 
-/// A system in motion: a chain drive, unless another one is named.
+/// Simulation of a system: of a chain drive unless another system is given.
 #[derive(Debug, Clone)]
 pub struct Simulation<S: System = Dynamics> {
     pub(super) system: S,
     pub(super) adams: Adams,
-    /// Present time of the user \[s\]; the integrator may be ahead by a part of a step.
+    /// Present time of the user \[s\]; the integrator may be ahead by a fraction of a step.
     pub(super) now: f64,
     pub(super) recorder: Option<Recorder<S>>,
     wall: Wall,
-    /// The first recording whose energy balance did not close, in words.
+    /// Warning of the first recording whose energy balance did not close.
     balance_note: Option<String>,
     progress: Progress,
-    /// The panic that the run ended with.
+    /// Panic that ended the run.
     defect: Option<Error>,
 }
 
-/// What a run has cost so far.
+/// Counts of work and wall times of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Statistics {
     /// Steps, rejected steps, evaluations.
     pub counts: Counts,
-    /// Evaluations of the energy quadrature, which are not among those of the counts.
+    /// Evaluations by the energy quadrature, which the counts do not include.
     pub meter_evaluations: u64,
     /// Contact onsets.
     pub onsets: u64,
     /// Onsets slower than the minimum impact velocity.
     pub onsets_at_floor: u64,
-    /// Contacts that closed and opened again inside a step, within the accuracy, and were let pass.
+    /// Contacts that began and ended inside a step with an effect below the accuracy, and were not located.
     pub unseen_touches: u64,
-    /// Wall time in steps \[s\]; its share is that in the steps that were timed, one of 16.
+    /// Wall time in steps \[s\], estimated from timed steps, one of 16.
     pub wall_stepping: f64,
-    /// Wall time in event location and energy quadrature, likewise \[s\].
+    /// Wall time in event location and energy quadrature \[s\], estimated likewise.
     pub wall_onsets: f64,
     /// Wall time in reports \[s\].
     pub wall_reports: f64,
 }
 
-/// A step in so many is timed.
+/// Number of steps for each timed step.
 const STEPS_FOR_ONE_TIMED: u32 = 16;
 
-/// Speed that counts as rest, over the error allowed to speeds: drives that rest in static equilibrium move at up to 1.3 times
-/// that error. At twice this number, drives that move at six times the error would not be judged by their energy.
+/// Speed that counts as rest, over the permitted error of speeds. Drives in static equilibrium move at up to 1.3 times that error. With
+/// twice this value, the energy balance of drives that move at six times the error would not be checked.
 const SPEEDS_AT_REST: f64 = 3.0;
 
 impl<S: System> Simulation<S> {
-    /// A run of `system` from where `adams` is.
+    /// Return a run of `system` from the present state of `adams`.
     pub(super) fn of(system: S, adams: Adams) -> Self {
         let mut simulation = Self {
             system,
@@ -78,31 +78,31 @@ impl<S: System> Simulation<S> {
         simulation
     }
 
-    /// Present time \[s\].
+    /// Return the present time \[s\].
     #[must_use]
     pub fn time(&self) -> f64 {
         self.now
     }
 
-    /// The integrator.
+    /// Return the integrator.
     #[must_use]
     pub fn integrator(&self) -> &Adams {
         &self.adams
     }
 
-    /// The system as it was last evaluated, with the contacts' memory.
+    /// Return the system at its last evaluation, with the impact velocity memory of its contacts.
     #[must_use]
     pub fn dynamics(&self) -> &S {
         &self.system
     }
 
-    /// Work of the integrator so far.
+    /// Return the counts of the integrator's work so far.
     #[must_use]
     pub fn counts(&self) -> Counts {
         self.adams.counts()
     }
 
-    /// What the run has cost so far.
+    /// Return counts of work and wall times so far.
     #[must_use]
     pub fn statistics(&self) -> Statistics {
         let events = self.system.event_counts();
@@ -119,17 +119,17 @@ impl<S: System> Simulation<S> {
         }
     }
 
-    /// The energy balance residual of the first recording that has ended with more than it may, in words, and what helps.
+    /// Return the energy warning of the first recording that ended with too large a residual, with a remedy.
     ///
-    /// The largest residual at a report may be a twentieth of the energy dissipated. Where less was dissipated than a hundredth of the
-    /// energy exchanged, or 2e-4 of the kinetic and elastic energy, it may be a twentieth of that. Energy exchanged is the largest of
-    /// the energies dissipated, of external work, and moved in and out of kinetic, gravitational and elastic energy.
+    /// The largest residual at a report may be a twentieth of the dissipated energy. That reference is at least a hundredth of the
+    /// exchanged energy, and at least 2e-4 of the kinetic and elastic energy. Exchanged energy is the largest of the dissipated energy, the
+    /// external work, and the ranges of kinetic, gravitational and elastic energy.
     #[must_use]
     pub fn balance_note(&self) -> Option<&str> {
         self.balance_note.as_deref()
     }
 
-    /// Begins a recording at the present time.
+    /// Begin a recording at the present time.
     pub fn start_recording(&mut self, duration: f64, report_step: f64, groups: S::Groups) {
         if !S::records_energy(groups) {
             self.system.stop_metering();
@@ -146,7 +146,7 @@ impl<S: System> Simulation<S> {
         self.recorder = Some(recorder);
     }
 
-    /// Ends the recording and hands it over, with all rows made so far.
+    /// End the recording and return it with all rows so far.
     pub fn take_recording(&mut self) -> Recording {
         let Some(recorder) = self.recorder.take() else {
             return Recording::default();
@@ -167,24 +167,24 @@ impl<S: System> Simulation<S> {
         }
     }
 
-    /// Makes the recording pause after each report, so that its caller can look at the state there: [`record`](Self::record) then
-    /// returns, and goes on when it is called again.
+    /// Pause the recording after each report, so that its caller can inspect the state: [`record`](Self::record) then returns, and
+    /// continues when called again.
     pub fn pause_at_reports(&mut self) {
         if let Some(recorder) = &mut self.recorder {
             recorder.pauses = true;
         }
     }
 
-    /// The recording under way, if any.
+    /// Return the active recording, if any.
     #[must_use]
     pub fn recording(&self) -> Option<&Recording> {
         self.recorder.as_ref().map(Recorder::recording)
     }
 
-    /// Goes on with the recording for as long as `budget` of wall time allows; true when its end is reached.
+    /// Continue the recording within `budget` of wall time; return true at its end.
     ///
     /// # Errors
-    /// When the integrator cannot go on: time, step size, body and contact.
+    /// If the integrator cannot continue: time, step size, body and contact.
     pub fn record(&mut self, budget: Duration) -> Result<bool> {
         let Some(end) = self.recorder.as_ref().map(Recorder::end) else {
             return Ok(true);
@@ -192,13 +192,13 @@ impl<S: System> Simulation<S> {
         self.advance(end, budget)
     }
 
-    /// Steps to exactly `target` \[s\] for as long as `budget` of wall time allows; true when it is reached.
+    /// Integrate to exactly `target` \[s\] within `budget` of wall time; return true when it is reached.
     ///
     /// # Errors
-    /// When the integrator cannot go on: time, step size, body and contact. The run is then where the last accepted step ended.
+    /// If the integrator cannot continue: time, step size, body and contact. The present time is then the end of the last accepted step.
     pub fn advance(&mut self, target: f64, budget: Duration) -> Result<bool> {
         if self.recorder.is_none() {
-            // Nobody reads the sums: a run that goes on without a recording does not make them.
+            // Without a recording the energy sums are not used, and the quadrature is switched off.
             self.system.stop_metering();
         }
         self.check_intact()?;
@@ -213,10 +213,10 @@ impl<S: System> Simulation<S> {
         })
     }
 
-    /// After a panic in a step the state is that of no time.
+    /// Check that no step ended in a panic, after which the state is inconsistent.
     ///
     /// # Errors
-    /// The panic that [`advance`](Self::advance) ended with, until another state is restored.
+    /// The panic that ended [`advance`](Self::advance), until another state is restored.
     pub fn check_intact(&self) -> Result<()> {
         self.defect.clone().map_or(Ok(()), Err)
     }
@@ -245,7 +245,7 @@ impl<S: System> Simulation<S> {
         }
     }
 
-    /// Makes one step; after an error the system is where it was before.
+    /// Make one step; after an error the system is restored to the beginning of the step.
     fn step(&mut self, timed: bool) -> Result<()> {
         let begin = timed.then(Instant::now);
         self.system.begin_step(&mut self.adams);
@@ -272,13 +272,13 @@ impl<S: System> Simulation<S> {
         Ok(())
     }
 
-    /// Bounds the next step by what must not pass unseen.
+    /// Limit the next step such that no event is missed.
     pub(super) fn limit_step(&mut self) {
         let longest = self.system.longest_step(&self.adams);
         self.adams.limit_step(longest);
     }
 
-    /// Makes the reports that lie inside the last step; false when the budget ended before all were made, or at a pause.
+    /// Make the reports inside the last step; return false if the budget ended before the last of them, or at a pause.
     fn report(&mut self, start: Instant, budget: Duration) -> bool {
         let Self {
             recorder: Some(recorder),
@@ -310,7 +310,7 @@ impl<S: System> Simulation<S> {
         complete
     }
 
-    /// An error where the way to `target` \[s\] would take more steps than are worth waiting for.
+    /// Return an error if the remaining time to `target` \[s\] would require too many steps.
     fn watch_progress(&mut self, target: f64) -> Result<()> {
         let (counts, time) = (self.adams.counts(), self.adams.time());
         let Some(step_size) = self.progress.stalled(counts, time, target) else {
@@ -325,10 +325,10 @@ impl<S: System> Simulation<S> {
     }
 }
 
-/// A recording of `duration` \[s\] with rows `report_step` \[s\] apart.
+/// Check a recording of `duration` \[s\] with the report interval `report_step` \[s\].
 ///
 /// # Errors
-/// Names the field, its value and what is allowed.
+/// The error has the field, its value and the permitted range.
 pub fn check_reports(duration: f64, report_step: f64) -> Result<()> {
     check::positive("duration", duration, "s")?;
     check::positive("report_step", report_step, "s")?;

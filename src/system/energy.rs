@@ -8,23 +8,23 @@ use serde::de::DeserializeOwned;
 /// Energies \[J\].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Energy {
-    /// Of all bodies but for the rotation of those with prescribed speed.
+    /// Kinetic energy of all bodies, except the rotation of those with prescribed speed.
     pub kinetic: f64,
-    /// In the field of gravity, of all bodies that can move.
+    /// Gravitational energy of all bodies that can move.
     pub gravity: f64,
-    /// Stored in contacts, springs and elastic parts.
+    /// Elastic energy of contacts, springs and elastic parts.
     pub elastic: f64,
 }
 
 impl Energy {
-    /// The sum.
+    /// Return the sum.
     #[must_use]
     pub fn total(&self) -> f64 {
         self.kinetic + self.gravity + self.elastic
     }
 }
 
-/// Powers of an energy balance \[W\]; integrated, energies \[J\].
+/// Powers of an energy balance \[W\], or their integrals \[J\].
 pub trait PowerSum:
     Copy
     + Debug
@@ -35,10 +35,10 @@ pub trait PowerSum:
     + std::ops::Add<Output = Self>
     + std::ops::AddAssign
 {
-    /// All of them times `factor`.
+    /// Return all values times `factor`.
     #[must_use]
     fn scaled(self, factor: f64) -> Self;
 
-    /// Dissipated, and external work.
+    /// Return the dissipated part and the external work.
     fn totals(&self) -> [f64; 2];
 }

@@ -1,15 +1,15 @@
-//! Why a drive has no static equilibrium, or none that is found, in words.
+//! Reasons why a drive has no static equilibrium, or why none was found, in words.
 
 use crate::drive::{ChainEnd, Drive, Sprocket, SprocketMotion};
 use crate::layout::Layout;
 
-/// Share of its weight that a strand is tensioned by at least, for the equilibrium to be near the initial configuration: it then sags
-/// by a quarter of its span. With less the tensioner is pulled far back, which takes 10,000 iterations and more.
+/// Smallest ratio of a strand's tension to its weight for an equilibrium near the initial configuration: the strand then sags by a quarter
+/// of its span. A smaller tension pulls the tensioner far back, which takes 10,000 iterations and more.
 const LEAST_TENSION: f64 = 0.5;
-/// Sag over span that is usual at most, for the tension that is proposed.
+/// Largest usual ratio of sag to span, for the proposed tension.
 const USUAL_SAG: f64 = 0.06;
 
-/// What the drive itself shows as the cause; otherwise what is left.
+/// Return the causes shown by the drive itself; otherwise the remaining possible causes.
 pub(super) fn causes(drive: &Drive, layout: &Layout) -> String {
     let shown = [
         low_tension(drive, layout),
@@ -31,7 +31,7 @@ pub(super) fn causes(drive: &Drive, layout: &Layout) -> String {
     }
 }
 
-/// What a tensioner lacks that pulls less than its strands weigh.
+/// Return a description of a pretension below the weight of the strands, if it is too low.
 fn low_tension(drive: &Drive, layout: &Layout) -> Option<String> {
     let (tensioner, chain) = (drive.tensioner.as_ref()?, &drive.chain);
     let longest = f64::from(*layout.strand_pitches.iter().max()?);
@@ -49,7 +49,7 @@ fn low_tension(drive: &Drive, layout: &Layout) -> Option<String> {
     })
 }
 
-/// A torque in a drive in which no speed is prescribed.
+/// Return a description of a torque in a drive without a prescribed speed, if there is one.
 fn loose_torque(drive: &Drive) -> Option<String> {
     let motions = || drive.sprockets.iter().map(|sprocket| &sprocket.motion);
     let held = motions().any(|motion| matches!(motion, SprocketMotion::PrescribedSpeed(_)));
@@ -66,15 +66,15 @@ fn loose_torque(drive: &Drive) -> Option<String> {
     })
 }
 
-/// Share of a tension that frictionless bushings pass on from one tooth to the next: between the pulls of both strands and the push of
-/// a tooth at its pressure angle \[rad\], on a wheel of so many teeth.
+/// Return the ratio of tensions that frictionless bushings transmit from one tooth to the next. It balances the tensions of both links and
+/// the force of a tooth at its pressure angle \[rad\], on a sprocket of this number of teeth.
 fn passed_on(pressure_angle: f64, teeth: u32) -> f64 {
     let turn = std::f64::consts::TAU / f64::from(teeth);
     pressure_angle.sin() / (pressure_angle + turn).sin()
 }
 
-/// What an open chain lacks on the side that is to hold its load on the teeth, if it is that: 35° - 120°/N is the new chain's pressure
-/// angle of ANSI B29.1, of which other forms have much the same.
+/// Return a description of an open chain whose light strand cannot hold its load on the teeth, if it is too light. The pressure angle 35° -
+/// 120°/N is that of a new chain of ANSI B29.1; other forms have similar angles.
 fn light_strand(drive: &Drive, layout: &Layout) -> Option<String> {
     let (ends, chain) = (drive.ends.as_ref()?, &drive.chain);
     let (first, last) = (
@@ -120,7 +120,7 @@ fn light_strand(drive: &Drive, layout: &Layout) -> Option<String> {
     })
 }
 
-/// What an open chain lacks that slides over held teeth until a strand is taut, and only then rests.
+/// Return a description of an open chain that slides over held teeth until a strand is taut, if it does.
 pub(super) fn slid(
     drive: &Drive,
     layout: &Layout,
@@ -132,7 +132,7 @@ pub(super) fn slid(
         return None;
     }
     let light = light_strand(drive, layout)?;
-    // In the middle of the first wrap.
+    // The link in the middle of the first wrap.
     let link = *layout.strand_pitches.first()? as usize + *layout.seated.first()? as usize / 2;
     let ([x, y, _], [to_x, to_y, _]) = (laid.get(link)?, rest.get(link)?);
     let pitches = (to_x - x).hypot(to_y - y) / drive.chain.pitch;
@@ -148,7 +148,7 @@ mod tests {
     fn a_tooth_of_seventeen_passes_on_three_fifths_of_a_tension() {
         let angle = (35.0_f64 - 120.0 / 17.0).to_radians();
         assert!((passed_on(angle, 17) - 0.62).abs() < 1e-3);
-        // At a right angle to the mean of both strands they are alike.
+        // For a tooth force perpendicular to the mean of both strands, the tensions are equal.
         let half = std::f64::consts::PI / 17.0;
         assert!((passed_on(std::f64::consts::FRAC_PI_2 - half, 17) - 1.0).abs() < 1e-12);
     }

@@ -1,15 +1,15 @@
-//! The energy balance of a recording, and whether it closes.
+//! Energy balance of a recording, and its limit on the residual.
 
 use crate::system::Energy;
 
-/// Stored energy, and the sums of the quadrature, when a recording begins \[J\].
+/// Stored energy and sums of the quadrature at the start of a recording \[J\].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct EnergyAtStart<P> {
     pub(super) total: f64,
     pub(super) sums: P,
 }
 
-/// What passed since the first report, and the energy balance residual \[J\].
+/// Energies exchanged since the first report, and the energy balance residual \[J\].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Passed {
     pub(crate) dissipated: f64,
@@ -17,23 +17,23 @@ pub(crate) struct Passed {
     pub(crate) residual: f64,
 }
 
-/// Share of what the residual is held against that it may reach: an error of one in twenty in what was lost.
+/// Largest permitted ratio of the residual to its reference energy: an error of 5 % of the losses.
 const ALLOWED: f64 = 0.05;
 
-/// Share of the energy exchanged that stands for the loss where less was dissipated: at a hundredth, a run that loses less is known
-/// to be efficient by 99 %, to five in ten thousand. At twice that, a run that dissipates half as much as now is judged by its loss
-/// may be off by a tenth of it.
+/// Fraction of the exchanged energy that replaces a smaller dissipated energy as the reference. At 0.01, the efficiency of a run with
+/// smaller losses is above 99 % and its error below 5e-4. With 0.02, a run that dissipates 0.01 of the exchanged energy would be accepted
+/// with an error of a tenth of its losses.
 const OF_EXCHANGED: f64 = 0.01;
 
-/// The same share of the kinetic and elastic energy there is, for short runs that happen to be quiet: what steps leave is then more
-/// than was dissipated meanwhile. Measured over 1200 runs of the published drive of 0.2 to 1 ms at the default accuracy, the residuals
-/// reach up to 8e-6 of that energy besides the shares above; at twice this share two in 10^5 of it may be missing.
+/// Fraction of the kinetic and elastic energy that replaces a smaller reference, for short, quiet runs in which the error of the steps
+/// exceeds the dissipated energy. In 1200 runs of the published drive over 0.2 to 1 ms at the default accuracy, the residuals reach 8e-6 of
+/// that energy in addition to the shares above. With twice this value, 2e-5 of it would be accepted.
 const OF_STORED: f64 = 2e-4;
 
-/// Rounding of sums of energies, as a share of them: some 10^4 times that of a number.
+/// Rounding error of sums of energies, relative to the sums: about 10^4 times that of a number.
 const ROUNDING: f64 = 1e-12;
 
-/// An energy balance whose residual is larger than it may be \[J\].
+/// Energy balance whose residual exceeds the permitted one \[J\].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct OpenBalance {
     /// Time of the largest residual \[s\].
@@ -44,15 +44,15 @@ pub(crate) struct OpenBalance {
     pub(crate) allowed: f64,
 }
 
-/// The energy balance of a recording: its largest residual, and what that is held against.
+/// Energy balance of a recording: its largest residual and the reference energies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Balance {
-    /// Least and largest of the energies exchanged \[J\]: kinetic, of gravity, elastic, external work.
+    /// Smallest and largest kinetic, gravitational and elastic energy, and external work \[J\].
     exchanged: [[f64; 2]; 4],
-    /// Largest sum of kinetic and elastic energy, and of the magnitudes of all \[J\].
+    /// Largest sum of kinetic and elastic energy, and of the magnitudes of all energies \[J\].
     stored: f64,
     all: f64,
-    /// Energy dissipated at the last report \[J\].
+    /// Energy dissipated up to the last report \[J\].
     dissipated: f64,
     /// Largest residual \[J\] and its time \[s\].
     residual: f64,
@@ -73,7 +73,7 @@ impl Default for Balance {
 }
 
 impl Balance {
-    /// Takes in the energy at a report, or between two.
+    /// Include the energy at a report, or between two reports.
     pub(crate) fn take_in(&mut self, energy: Energy) {
         let values = [energy.kinetic, energy.gravity, energy.elastic];
         for (range, value) in self.exchanged.iter_mut().zip(values) {
@@ -84,7 +84,7 @@ impl Balance {
         self.all = self.all.max(stored + energy.gravity.abs());
     }
 
-    /// Takes in a report at `t`.
+    /// Include a report at `t`.
     pub(crate) fn report(&mut self, t: f64, energy: Energy, passed: Passed) {
         self.take_in(energy);
         let [least, most] = self.exchanged[3];
@@ -98,14 +98,14 @@ impl Balance {
         }
     }
 
-    /// Largest of the energies dissipated, put in, and moved in and out of a store \[J\].
+    /// Return the largest of the energies dissipated, supplied, and exchanged with each store \[J\].
     fn exchanged(&self) -> f64 {
         let ranges = self.exchanged.iter().map(|[least, most]| most - least);
         ranges.fold(self.dissipated, f64::max)
     }
 
-    /// The balance, when its largest residual is more than it may be. A recording whose kinetic energy never exceeds `at_rest` \[J\]
-    /// has none: all that passes is error then.
+    /// Return the balance if its largest residual exceeds the permitted one. A recording whose kinetic energy never exceeds `at_rest` \[J\]
+    /// has none, because all of its energy exchange is error.
     pub(crate) fn open(&self, at_rest: f64) -> Option<OpenBalance> {
         let [[_, kinetic], ..] = self.exchanged;
         if kinetic <= at_rest {
@@ -128,7 +128,7 @@ impl Balance {
 mod tests {
     use super::*;
 
-    /// The balance of two reports between which kinetic energy goes from 1 J to `kinetic`, beside 100 J that stay pressed.
+    /// Balance of two reports with kinetic energies of 1 J and `kinetic`, and a constant elastic energy of 100 J.
     fn balance(kinetic: f64, dissipated: f64, residual: f64) -> Balance {
         let mut balance = Balance::default();
         for (t, share) in [(0.0, 0.0), (1.0, 1.0)] {

@@ -1,16 +1,16 @@
-//! Words for an energy balance that does not close: how far it is open, and what closes it.
+//! Text of the energy warning: the residual, and the remedy.
 
 use crate::integrator::StepControl;
 use crate::run::recorder::OpenBalance;
 
-/// Finest accuracy \[m\] and tolerance that are advised: below, steps are near rounding.
+/// Smallest accuracy \[m\] and tolerance that are proposed; below, steps are near rounding.
 const FINEST: f64 = 1e-13;
 
-/// Share of what may be missing that an advised accuracy aims at: rows after the first open one may miss more. Of pins and balls that
-/// bounce at an accuracy of 1e-6, 10 of 49 had an open balance with the accuracy advised for the whole of it, 1 of 98 with this.
+/// Fraction of the permitted residual aimed at by a proposed accuracy, because later rows may have larger residuals. Of pins and balls that
+/// bounce at an accuracy of 1e-6, 10 of 49 still had an open balance with a fraction of one, and 1 of 98 with this value.
 const AIM: f64 = 0.25;
 
-/// An energy balance that does not close, in words, and what to take for it to close.
+/// Return the warning of an energy balance that does not close, with its remedy.
 pub(super) fn describe_open_balance(open: &OpenBalance, remedy: &str) -> String {
     let OpenBalance {
         time,
@@ -25,24 +25,24 @@ pub(super) fn describe_open_balance(open: &OpenBalance, remedy: &str) -> String 
     )
 }
 
-/// The accuracy, in words, with which the residual should be as small as it may be.
+/// Return the accuracy, in words, with which the residual should be within its limit.
 pub(super) fn tighter_accuracy(control: &StepControl, open: &OpenBalance) -> String {
     let ratio = open.allowed / open.residual.abs();
     if control.is_by_component() {
         let finer = power_of_ten_below(control.rtol.max(control.atol) * ratio);
         format!("rtol and atol of {finer:e} or less")
     } else {
-        // The residual goes with the root of the accuracy: a third for a tenth of it.
+        // The residual is proportional to the square root of the accuracy: a tenth of the accuracy gives a third of the residual.
         let aim = AIM * ratio;
         let finer = power_of_ten_below(control.accuracy * aim * aim);
         format!("accuracy = {finer:e} or less")
     }
 }
 
-/// The power of ten at or below `value`, not below the finest.
+/// Return the power of ten at or below `value`, not below the smallest accuracy.
 fn power_of_ten_below(value: f64) -> f64 {
     let exponent = value.log10().floor().max(FINEST.log10().round());
-    // Through text: a power of ten is then the number nearest to it.
+    // The conversion from text gives the number nearest to the power of ten.
     format!("1e{exponent:.0}").parse().unwrap_or(FINEST)
 }
 

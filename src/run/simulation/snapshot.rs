@@ -1,4 +1,4 @@
-//! The complete state of a run, as a value and as bytes: set in another process, the run goes on to the same bits.
+//! Complete state of a run, as a value and as bytes: restored in another process, the run continues with the same bits.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,19 +8,19 @@ use crate::error::{Error, Result};
 use crate::integrator::{Adams, Progress, StepControl};
 use crate::system::{Identity, System, hash};
 
-/// What the bytes begin with.
+/// First bytes of a state.
 const MAGIC: &[u8; 16] = b"rustchain state\n";
 
-/// Version of the bytes; another one for every change of what they hold.
+/// Version of the format; every change of the content has a new version.
 const VERSION: u32 = 10;
 
-/// All that decides how a run goes on, the integrator's history and the contacts' memory included; which model it is of.
+/// Complete state of a run, with the integrator's history, the impact velocity memory and the identity of its model.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(bound = "")]
 pub struct Snapshot<S: System = Dynamics> {
-    /// What system it is of; first, so that it can be read from the bytes of another kind.
+    /// Kind of the system; first, so that it can be read from a state of another kind.
     kind: String,
-    /// Properties of the model by which it is known again: name and value.
+    /// Properties that identify the model: name and value.
     identity: Vec<(String, String)>,
     now: f64,
     integrator: Adams,
@@ -28,10 +28,10 @@ pub struct Snapshot<S: System = Dynamics> {
 }
 
 impl<S: System> Snapshot<S> {
-    /// The state as bytes, for [`Self::from_bytes`]: magic, version, content, checksum.
+    /// Return the state as bytes, for [`Self::from_bytes`]: magic, version, content, checksum.
     ///
     /// # Errors
-    /// None that a state can give; the encoder has them for other types.
+    /// None for a state; the encoder has errors for other types.
     pub fn to_bytes(&self) -> Result<Vec<u8>> {
         let content = postcard::to_allocvec(self)
             .map_err(|error| Error::Impossible(format!("the state cannot be encoded: {error}")))?;
@@ -43,10 +43,10 @@ impl<S: System> Snapshot<S> {
         Ok(bytes)
     }
 
-    /// The state that [`Self::to_bytes`] wrote.
+    /// Return the state written by [`Self::to_bytes`].
     ///
     /// # Errors
-    /// When the bytes hold no state, one of an unknown version, or one that was damaged.
+    /// If the bytes contain no state, a state of an unknown version, or a damaged one.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let refuse = |expected: &str| {
             let value = format!("{} bytes", bytes.len());
@@ -84,9 +84,9 @@ impl<S: System> Snapshot<S> {
 }
 
 impl<S: System> Simulation<S> {
-    /// The complete state: [`restore`](Self::restore) goes on from it to the same bits.
+    /// Return the complete state, from which [`restore`](Self::restore) continues with the same bits.
     ///
-    /// Not in it: a recording under way and wall times.
+    /// It excludes an active recording and wall times.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot<S> {
         let identity = self.system.identity().into_iter();
@@ -101,10 +101,10 @@ impl<S: System> Simulation<S> {
         }
     }
 
-    /// Goes on from `snapshot`, as the simulation did that it was taken of; wall times go on from where they are.
+    /// Continue from `snapshot` as the original simulation did; wall times continue from their present values.
     ///
     /// # Errors
-    /// When the state is of another model or another control, or while a recording is under way; the simulation is then what it was.
+    /// If the state belongs to another model or another control, or a recording is active; the simulation is then unchanged.
     pub fn restore(&mut self, snapshot: &Snapshot<S>) -> Result<()> {
         if self.recorder.is_some() {
             return Err(Error::Impossible(

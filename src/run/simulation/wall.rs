@@ -1,24 +1,24 @@
-//! Where the wall time of runs goes.
+//! Wall time of runs, by activity.
 
 use std::time::Duration;
 
-/// Wall time spent in runs. Steps are too short to read the clock in each: some are timed, and all are taken to be like them.
+/// Wall time of runs. Steps are too short to read the clock in each: some are timed, and all are assumed to be like them.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Wall {
-    /// In all.
+    /// Total wall time.
     pub(super) runs: Duration,
     pub(super) reports: Duration,
-    /// In the steps that were timed, and in finding their onsets.
+    /// Wall time of the timed steps, and of the location of their onsets.
     stepping: Duration,
     onsets: Duration,
     timed: u32,
 }
 
-/// A step that took so many times as long as those before it was interrupted: it tells nothing of where time goes.
+/// Ratio of a step's time to the mean of previous ones above which it counts as interrupted and is ignored.
 const INTERRUPTED: u32 = 30;
 
 impl Wall {
-    /// Takes in a step that was timed: its own time and that of finding its onsets.
+    /// Include a timed step: its own time and that of locating its onsets.
     pub(super) fn take_in(&mut self, stepping: Duration, onsets: Duration) {
         let before = self.stepping + self.onsets;
         if self.timed > 0 && (stepping + onsets) * self.timed > before * INTERRUPTED {
@@ -29,7 +29,7 @@ impl Wall {
         self.timed += 1;
     }
 
-    /// Time in steps and in finding onsets \[s\].
+    /// Return the wall times in steps and in locating onsets \[s\].
     pub(super) fn steps(&self) -> [f64; 2] {
         let all = self.runs.saturating_sub(self.reports).as_secs_f64();
         let [stepping, onsets] = [self.stepping, self.onsets].map(|d| d.as_secs_f64());
