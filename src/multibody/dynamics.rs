@@ -401,6 +401,7 @@ impl OdeSystem for MechanismDynamics {
         self.add_shift(t, &mut shifted);
         self.time = t;
         self.evaluate(t, &shifted);
+        // dq/dt = v of the integrator's own solution, without the shift: see the type's description.
         dydt[..unknowns].copy_from_slice(&y[unknowns..2 * unknowns]);
         dydt[unknowns..unknowns + n].copy_from_slice(&self.accelerations);
         dydt[unknowns + n..2 * unknowns].copy_from_slice(&self.bristles.rate);

@@ -229,18 +229,22 @@ impl Mechanism {
     }
 }
 
+/// Return the name of a link, whose number counts from 0.
 fn link_name(link: usize) -> String {
     format!("link_{}", link + 1)
 }
 
+/// Return the name of a sprocket, whose number counts from 0.
 fn sprocket_name(sprocket: usize) -> String {
     format!("sprocket_{}", sprocket + 1)
 }
 
+/// Return the name of the driver or torque of a sprocket, whose number counts from 0.
 fn motor_name(sprocket: usize) -> String {
     format!("motor_{}", sprocket + 1)
 }
 
+/// Return the error for a drive without a mechanism.
 fn refuse(what: impl Into<String>) -> Result<()> {
     Err(Error::Impossible(what.into()))
 }

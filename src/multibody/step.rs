@@ -93,6 +93,7 @@ impl MechanismDynamics {
             return Err(Error::JointsApart { time: t, residuals });
         }
         for (i, (shift, x)) in self.shift.iter_mut().zip(&state).enumerate() {
+            // The new shift is the projected state less the integrator's solution.
             *shift = x - solution[self.model.component(i)];
         }
         self.shift_time = t;

@@ -216,6 +216,7 @@ impl System for MechanismDynamics {
             && shift.len() == self.shift.len()
             && memory.len() == self.memory.len()
             && checkpoint.starts.len() == self.starts.len();
+        // A checkpoint of other sizes belongs to another mechanism.
         let mut dynamics = alike.then(|| self.clone())?;
         dynamics.shift.clone_from(&checkpoint.shift);
         // The shift refers to the end of a step.

@@ -50,6 +50,7 @@ impl MechanismDynamics {
         let free: Vec<(&Body, usize)> = bodies
             .filter_map(|(body, first)| first.map(|i| (body, i)))
             .collect();
+        // Angular velocities count as velocities at the distance of the mechanism's size.
         let speed = |v: &[f64]| v[0].hypot(v[1]).max(size * v[2].abs());
         let fastest = free.iter().fold(0.0, |most: f64, (body, i)| {
             most.max(speed(&body.velocity))

@@ -149,6 +149,7 @@ impl MechanismDynamics {
     /// Factorise at the present state, without nearly dependent constraints.
     fn factorise_held(&self, held: &mut Held) {
         let faint = self.faint();
+        // Interpolation points and trial positions keep nearly dependent constraints.
         let part = if self.aside {
             faint
         } else {
@@ -174,8 +175,8 @@ impl MechanismDynamics {
         let speed = self.speed();
         let round_off = f64::EPSILON * speed;
         let mut before = f64::INFINITY;
-        // The velocity equation G v + ∂c/∂t = 0 is linear: one correction with the exact factors, a second for round-off or for
-        // factors of a nearby state.
+        // The velocity equation G v + ∂c/∂t = 0 is linear, so one correction suffices with exact factors. Further ones reduce
+        // round-off and the error of factors of a nearby state.
         for _ in 0..4 {
             for (r, row) in residual.iter_mut().zip(&self.rows) {
                 *r = row.rate(&self.frames);

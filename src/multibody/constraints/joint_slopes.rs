@@ -22,6 +22,7 @@ impl Equation {
         match self.quantity {
             Quantity::Angle | Quantity::Gear(_) => return None,
             Quantity::Coincident(axis) => {
+                // Only angles enter non-linearly, each by its own arm: ∂²d/∂θ² and ∂d''/∂θ.
                 for k in [2, 5] {
                     found.second[k][k] = pair.second(k, k)[axis];
                     found.third[k] = pair.second_rate_by(k)[axis];
@@ -29,11 +30,13 @@ impl Equation {
             }
             Quantity::Along(direction) | Quantity::Rack(direction, _) => {
                 let u = frames[self.a.body].turned(direction);
+                // u rotates with body a, so ∂²(u·d)/∂q² = u·∂²d/∂q² for d relative to the frame of a.
                 let seen = Pair::new(self.a, self.b, frames, true);
                 found.second = fill(|k, l| u.dot(&seen.second(k, l)));
                 found.third = std::array::from_fn(|k| along_third(&pair, u, k));
             }
             Quantity::Distance(length) => {
+                // c = (d·d - L²) / 2L: L ∂²c/∂q² = `d_k`·`d_l` + d·`d_kl`, and L ∂c''/∂q = ∂(d'·d' + d·d'')/∂q.
                 let (d, rate) = (pair.d, pair.rate());
                 found.second = fill(|k, l| {
                     (pair.slope(k).dot(&pair.slope(l)) + d.dot(&pair.second(k, l))) / length
@@ -60,6 +63,7 @@ fn along_third(pair: &Pair, u: Vec2, k: usize) -> f64 {
     let mut found = u_second.dot(&pair.slope(k))
         + 2.0 * u_rate.dot(&pair.rate_by(k))
         + u.dot(&pair.second_rate_by(k));
+    // Terms of the rotation of u with body a: ∂u/∂`θ_a` = left(u).
     if k == 2 {
         found += -spin * spin * left.dot(&pair.d) - 2.0 * spin * u.dot(&pair.rate())
             + left.dot(&pair.second_rate());

@@ -52,6 +52,7 @@ pub(crate) struct PinTorques {
 }
 
 impl PinTorques {
+    /// Return zero torques of `pins` pins.
     pub(crate) fn new(pins: usize, coordinates: usize) -> Self {
         Self {
             values: vec![0.0; pins],
@@ -62,6 +63,7 @@ impl PinTorques {
 }
 
 impl Pin {
+    /// Return the pin of a revolute joint, whose two equations begin at `row`.
     pub(crate) fn new(
         joint: usize,
         friction: PinFriction,

@@ -53,6 +53,7 @@ pub(crate) struct PairTorque {
 const ANGLES: [usize; 2] = [2, 5];
 
 impl Pair {
+    /// Return the pair of points a and b; `seen_from_a`: d is measured relative to body a.
     pub(crate) fn new(a: End, b: End, frames: &[Frame], seen_from_a: bool) -> Self {
         let (fa, fb) = (&frames[a.body], &frames[b.body]);
         let arms = [fa.turned(a.point), fb.turned(b.point)];

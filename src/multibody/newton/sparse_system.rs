@@ -44,6 +44,7 @@ struct Room {
 }
 
 impl Room {
+    /// Allocate the memory that is needed.
     fn new(needed: StackReq) -> Self {
         Self {
             buffer: MemBuffer::new(needed),
