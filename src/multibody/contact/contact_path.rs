@@ -96,6 +96,7 @@ impl ContactPath {
     /// Bisection for the contact end. A half with contact at both ends is searched for a separation, one without for a contact.
     pub(crate) fn touches_again<F: Fn(Vec2) -> f64>(&self, end: f64, depth: &Depth<F>) -> bool {
         let (mut path, mut end) = (*self, end);
+        // The bound of the velocity is also that of the displacement along the rest of the path, whose length is one.
         while path.speed() > UNSEEN {
             let (before, after) = path.split(0.5);
             let middle = (depth.at)(after.0[0]);

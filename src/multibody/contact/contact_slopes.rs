@@ -10,8 +10,8 @@ use crate::multibody::description::body::Frame;
 impl CompiledContact {
     /// Call `visit` with the side and the force slopes of each contact point that has a force.
     ///
-    /// With the outward normal n, penetration δ, rate δ' = -n·v and weight w, the force on the circle is F = w f n - E ∇w.
-    /// The derivatives are ∂δ/∂x = -n, ∂n/∂x = b (1 - n nᵀ) with the rotation b of the normal, and ∂f/∂x = -k n - c (∂n/∂x v).
+    /// The force on the circle is F = w f n - E ∇w, with outward normal n and weight w. The penetration rate is δ' = -n·v. The
+    /// derivatives are ∂δ/∂x = -n, ∂n/∂x = b (1 - n nᵀ) and ∂f/∂x = -k n - c (∂n/∂x v). Here b is the rotation of the normal.
     pub(crate) fn slopes(
         &self,
         frames: &[Frame],

@@ -188,7 +188,7 @@ impl CompiledContact {
     ///
     /// Return the largest penetration \[m\], negative when apart, and its rate \[m/s\]; the penetration is -∞ without a contact point.
     ///
-    /// With the outward normal n, weight w and energy E(δ) of each contact point, the force on the circle is Σ (w f n - E ∇w). Its
+    /// The force on the circle is Σ (w f n - E ∇w) over the contact points, with outward normal n, weight w and energy E(δ). Its
     /// elastic part is the negative gradient of U = Σ w E(δ).
     pub(crate) fn add(
         &self,

@@ -53,6 +53,7 @@ impl MechanismDynamics {
         let touch = &self.touches[k];
         let place = touch.place;
         if touch.contact.penetration > 0.0 {
+            // Penetration without memory: the contact began within the step.
             if self.memory[k].speed <= 0.0 {
                 self.find_onset(k, touch.contact.penetration, adams, step);
             }

@@ -183,6 +183,7 @@ impl Outline {
         for (i, part) in self.parts.iter().enumerate() {
             let at_start = point - part.piece.from;
             let starts = part.tangents[0].dot(&at_start) > 0.0;
+            // Extremum in the common point of two parts, or at the first end of an open outline.
             if descending != starts {
                 let before = match i {
                     0 if self.closed => Some(&self.parts[last]),
@@ -200,6 +201,7 @@ impl Outline {
                 }
             }
             descending = part.descends(point);
+            // Extremum inside the part.
             if starts != descending {
                 let bearing = part.inside(point, starts);
                 if bearing.distance.abs() <= limit {
@@ -207,6 +209,7 @@ impl Outline {
                 }
             }
         }
+        // The distance decreases up to the last end of an open outline.
         if !self.closed && descending {
             let part = &self.parts[last];
             let away = part.tangents[1];

@@ -108,11 +108,15 @@ pub(crate) struct End {
 /// Position and velocity of a body at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Frame {
+    /// Position of the centre of mass \[m\].
     pub(crate) origin: Vec2,
+    /// Angle \[rad\].
     pub(crate) angle: f64,
     /// Unit vector (cos, sin) of the angle.
     direction: Vec2,
+    /// Velocity of the centre of mass \[m/s\].
     pub(crate) velocity: Vec2,
+    /// Angular velocity \[rad/s\].
     pub(crate) spin: f64,
 }
 

@@ -214,7 +214,7 @@ impl Force {
         loads.worked_in += torque * (fb.spin - fa.spin);
     }
 
-    /// Add the force of a spring and damper between both points: T = F(x) + c n·v along their connecting line.
+    /// Add the force of a spring and damper between both points: T = f(x) + c n·v along their connecting line.
     fn pull(&self, law: &SpringLaw, fa: &Frame, fb: &Frame, loads: &mut Loads) {
         let (from, to) = (fa.place(self.a.point), fb.place(self.b.point));
         let d = to - from;

@@ -73,8 +73,8 @@ impl Force {
 
     /// Return force and slopes of a spring between two points, or `None` if the points coincide, as the direction is then undefined.
     ///
-    /// F = -T n on b with T = F(x) + c n·v. The derivatives are ∂F/∂d = -(n (k n + c P v)ᵀ + T P), P = (1 - n nᵀ)/|d|, and
-    /// ∂F/∂v = -c n nᵀ.
+    /// The force on b is F = -T n with T = f(x) + c n·v. The derivatives are ∂F/∂d = -(n (k n + c P v)ᵀ + T P) and ∂F/∂v = -c n nᵀ,
+    /// with P = (1 - n nᵀ)/|d|.
     fn pull_slopes(&self, law: &SpringLaw, pair: &Pair) -> Option<PairForce> {
         let length = pair.d.norm();
         if length <= 0.0 {

@@ -19,6 +19,7 @@ pub(super) struct Found {
 }
 
 impl Found {
+    /// Add a local minimum (`least`) or maximum in the order along the outline, and call `visit` with the contact points it completes.
     pub(super) fn add(
         &mut self,
         least: bool,
@@ -39,6 +40,7 @@ impl Found {
         }
         self.last_least = Some(bearing);
         self.first_least.get_or_insert(bearing);
+        // Each minimum in front of the surface is a contact point. Of those behind the surface only the nearest is kept.
         if bearing.distance >= 0.0 {
             self.nearest = Some(
                 self.nearest
@@ -93,12 +95,14 @@ impl Found {
         visit(&bearing);
     }
 
+    /// Call `visit` with the last maximum of a closed outline and with the minimum behind the surface, if the centre is in the material.
     pub(super) fn finish(self, radius: f64, visit: &mut impl FnMut(&Bearing)) {
         if let (Some(first), Some(last)) = (self.first_least, self.last_least)
             && let Some(greatest) = self.pending.or(self.leading)
         {
             between(&last, &greatest, &first, radius, visit);
         }
+        // The centre is in the material if the nearest minimum is one behind the surface.
         if let Some(deep) = self.deep
             && self.nearest.is_none_or(|nearest| -deep.distance <= nearest)
         {
@@ -121,6 +125,7 @@ fn between(
     radius: f64,
     visit: &mut impl FnMut(&Bearing),
 ) {
+    // A maximum farther than the radius has no force.
     if !(0.0..radius).contains(&greatest.distance) {
         return;
     }
