@@ -24,7 +24,9 @@ pub(super) struct Pair<S: Simd>(pub(super) [Lanes<S>; 2]);
 
 /// Type composed of `N` SIMD vectors.
 pub(super) trait Registers<S: Simd, const N: usize>: Copy {
+    /// Return the SIMD vectors.
     fn registers(self) -> [Lanes<S>; N];
+    /// Compose from SIMD vectors.
     fn of_registers(registers: [Lanes<S>; N]) -> Self;
 }
 
@@ -42,11 +44,13 @@ macro_rules! registers {
         }
 
         impl<S: Simd> $name<S> {
+            /// Read vector `part` of octets.
             #[inline(always)]
             pub(super) fn read(simd: S, octets: &[Octet; $count], part: usize) -> Self {
                 Self(read(simd, octets, part))
             }
 
+            /// Return zero in all entries.
             #[inline(always)]
             pub(super) fn zero(simd: S) -> Self {
                 Self([Lanes::splat(simd, 0.0); $count])

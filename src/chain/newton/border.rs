@@ -70,6 +70,7 @@ pub(super) struct Corner {
 }
 
 impl Corner {
+    /// Allocate a block of `size` coordinates.
     pub(super) fn new(size: usize) -> Self {
         Self {
             matrix: Dense::new(size),

@@ -55,6 +55,7 @@ pub(super) struct Closed {
 }
 
 impl Closed {
+    /// Allocate the flags of `hinges`.
     pub(super) fn new(hinges: usize) -> Self {
         Self {
             hinges: padded_zeros(BASE + hinges),
@@ -74,6 +75,7 @@ pub(super) struct Arms {
 }
 
 impl Arms {
+    /// Allocate the arms of `hinges`.
     pub(super) fn new(hinges: usize) -> Self {
         let zeros = || padded_zeros(BASE + hinges);
         Self {

@@ -10,6 +10,7 @@ pub(super) struct Dense {
 }
 
 impl Dense {
+    /// Allocate a matrix of `size` rows.
     pub(super) fn new(size: usize) -> Self {
         Self {
             size,

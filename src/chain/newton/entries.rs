@@ -11,6 +11,7 @@ pub(super) struct Entries<'a, S: Simd> {
 }
 
 impl<'a, S: Simd> Entries<'a, S> {
+    /// Return the vectors of `array`.
     #[inline(always)]
     pub(super) fn of(simd: S, array: &'a [f64]) -> Self {
         let (whole, rest) = S::as_simd_f64s(array);
@@ -39,6 +40,7 @@ pub(super) struct EntriesMut<'a, S: Simd> {
 }
 
 impl<'a, S: Simd> EntriesMut<'a, S> {
+    /// Return the vectors of `array` for writing.
     #[inline(always)]
     pub(super) fn of(simd: S, array: &'a mut [f64]) -> Self {
         let (whole, rest) = S::as_mut_simd_f64s(array);

@@ -38,6 +38,7 @@ struct LinkGroup {
 }
 
 impl LinkGroup {
+    /// Return the constants of eight links from link `first` on.
     fn new(model: &Model, first: usize) -> Self {
         let n = model.links;
         let lay_out = |value: &dyn Fn(usize) -> f64, rest: f64| {
@@ -168,6 +169,7 @@ pub(super) struct LinkTerms {
 }
 
 impl LinkTerms {
+    /// Allocate the elimination of the links of `model`.
     pub(super) fn new(model: &Model) -> Self {
         let n = model.links;
         let with_first = || padded_zeros(n + WIDTH);

@@ -55,6 +55,7 @@ pub(super) struct RollerTerms {
 }
 
 impl RollerTerms {
+    /// Allocate the elimination of the rollers of `model`.
     pub(super) fn new(model: &Model, rollers: &RollerModel) -> Self {
         let (n, border) = (model.links, model.wheel_coordinates());
         let none = Octet::default();
@@ -80,7 +81,7 @@ impl RollerTerms {
         }
     }
 
-    /// Eliminate all rollers from the terms of the teeth; `slopes` and `rubs` are those of the bores.
+    /// Eliminate all rollers from the terms of the teeth; `slopes` and `rubs` are those of the contacts in the bores.
     #[inline(always)]
     pub(super) fn eliminate<S: Simd, const RUBBED: bool>(
         &mut self,

@@ -39,6 +39,7 @@ pub(super) struct ToothTerms {
 }
 
 impl ToothTerms {
+    /// Allocate the terms of `links` bushings and `border` coordinates.
     pub(super) fn new(links: usize, border: usize) -> Self {
         let room = padded(BASE + 2 * links + 3 * WIDTH);
         let zeros = || padded_zeros(room);

@@ -1,5 +1,5 @@
-//! The gap of a whole ANSI tooth over a vector of bushings: the nearest of its four surfaces, the depth there and the direction
-//! in which it grows.
+//! Gap of an undamaged ANSI tooth for a SIMD vector of bushings: nearest of the four surfaces, penetration and its direction of
+//! growth.
 
 use pulp::Simd;
 
@@ -9,7 +9,7 @@ use crate::chain::model::Model;
 use crate::geometry::{AnsiCurves, Surface, ToothProfile, Vec2};
 use crate::math::simd::{Lanes, Mask};
 
-/// A tooth gap in numbers, and the constants of its four surfaces.
+/// Dimensions of a tooth gap and the constants of its four surfaces.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct AnsiGap {
     seat_center_radius: f64,
@@ -24,15 +24,16 @@ pub(crate) struct AnsiGap {
     topping_center: [f64; 2],
     topping_distance: f64,
     bushing_radius: f64,
-    /// 1/(2 D) for the distance D of centres at which a bushing touches seat, working curve and tip \[1/m\].
+    /// 1/(2 D) of seat, working curve and tip, where D is the distance of the centres at which bushing and curve touch \[1/m\].
     half_over_touch: [f64; 3],
-    /// Cosine and sine of half the angle from gap to gap.
+    /// Cosine and sine of half the angle between adjacent gaps.
     half_gap: [f64; 2],
-    /// Law constants: [constant][surface].
+    /// Constants of the contact law: [constant][surface].
     law: [[f64; 4]; 2],
 }
 
 impl AnsiGap {
+    /// Return the gap of sprocket `s`.
     pub(crate) fn new(model: &Model, s: usize, curves: &AnsiCurves) -> Self {
         let law = Surface::ANSI.map(|surface| surface_constants(model, s, surface));
         Self::of(
@@ -43,7 +44,7 @@ impl AnsiGap {
         )
     }
 
-    /// Cylinders of `radius` on `profile`, with the law constants of the four surfaces.
+    /// Return the gap for cylinders of `radius` on `profile`, with the law constants of the four surfaces.
     fn of(profile: &ToothProfile, curves: &AnsiCurves, radius: f64, law: [[f64; 2]; 4]) -> Self {
         let pair = |v: Vec2| [v.x, v.y];
         let (sin, cos) = (0.5 * profile.gap_angle()).sin_cos();
@@ -71,23 +72,23 @@ impl AnsiGap {
     }
 }
 
-/// A gap with its constants in vectors.
+/// Gap with its constants for SIMD vectors.
 pub(crate) struct AnsiVectors<'a, S: Simd> {
     simd: S,
     constants: &'a AnsiGap,
 }
 
-/// The surface nearest to each bushing, where its centre of curvature is seen from there, and whether it is within touch.
+/// Nearest surface of each bushing, position relative to its centre of curvature, and whether bushing and surface overlap.
 pub(crate) struct NearestOfFour<S: Simd> {
     seating: Mask<S>,
     working: Mask<S>,
     topping: Mask<S>,
-    /// Bushing seen from the centre of curvature, u on the right flank, v \[m\].
+    /// Position of the bushing relative to the centre of curvature; u as on the right flank, v \[m\].
     offset: [Lanes<S>; 2],
     distance_squared: Lanes<S>,
     /// Distance of the centres at which bushing and curve touch \[m\].
     touch: Lanes<S>,
-    /// Bushings on the flat: depth there.
+    /// Bushings nearest to the flat, and the penetration there \[m\].
     flat: Option<(Mask<S>, Lanes<S>)>,
     near: Mask<S>,
 }
@@ -105,6 +106,7 @@ impl GapConstants for AnsiGap {
 }
 
 impl<S: Simd> AnsiVectors<'_, S> {
+    /// Return a vector with `value` in all lanes.
     #[inline(always)]
     fn splat(&self, value: f64) -> Lanes<S> {
         Lanes::splat(self.simd, value)
@@ -158,6 +160,7 @@ impl<S: Simd> Gap<S> for AnsiVectors<'_, S> {
         ];
         let touch = of(c.seating_clearance, c.working_clearance, c.topping_distance);
         let distance_squared = offset[0].mul_add(offset[0], offset[1] * offset[1]);
+        // Overlap, without a square root: d > D for the concave curves, d < D for the convex topping curve.
         let beyond = distance_squared - touch * touch;
         let near = topping.select(-beyond, beyond).exceeds(zero);
         let flat = seating.or(working).or(topping).not();
@@ -173,6 +176,7 @@ impl<S: Simd> Gap<S> for AnsiVectors<'_, S> {
                 near,
             };
         }
+        // Flat: penetration = (distance of the centre from the line) + radius, along the normal into the material.
         let depth = from_start[0].mul_add(
             splat(c.flat_normal[0]),
             from_start[1] * splat(c.flat_normal[1]),
@@ -201,6 +205,7 @@ impl<S: Simd> Gap<S> for AnsiVectors<'_, S> {
         let inverse = distance
             .exceeds(zero)
             .select(self.splat(1.0) / distance, zero);
+        // Curves: penetration = ±(d - D), normal = ±offset/d, curvature = ±1/d; the minus sign holds for the convex topping curve.
         let outside = |value: Lanes<S>| surface.topping.select(-value, value);
         let inverse = outside(inverse);
         let mut curvature = inverse;
@@ -234,6 +239,7 @@ impl<S: Simd> Gap<S> for AnsiVectors<'_, S> {
         let scale = seating.select(self.splat(seat), rest);
         let [right, outward] = place.in_gap(place.on_left(), velocity);
         let touch = surface.touch;
+        // Gap ±(d² - D²)/(2 D) and its rate ±(offset · velocity)/D.
         let mut gap = (surface.distance_squared - touch * touch) * scale;
         let mut rate =
             surface.offset[0].mul_add(right, surface.offset[1] * outward) * (scale + scale);
@@ -263,7 +269,7 @@ impl<S: Simd> Gap<S> for AnsiVectors<'_, S> {
 }
 
 impl<S: Simd> AnsiVectors<'_, S> {
-    /// The number of the surface: seating, working, flat, topping.
+    /// Return the entry of each bushing's surface from an array ordered seating, working, flat, topping.
     #[inline(always)]
     fn of_surface(
         &self,
@@ -290,7 +296,7 @@ mod tests {
         ToothProfile::ansi(0.0127, 2.0 * RADIUS, teeth, seat)
     }
 
-    /// What the kernel finds at one point: surface, depth, normal (u, v), and whether it is near.
+    /// Kernel for one point: surface, penetration, normal (u, v), and whether bushing and surface overlap.
     struct At<'a>(&'a AnsiGap, Vec2);
 
     impl WithSimd for At<'_> {
@@ -316,7 +322,8 @@ mod tests {
         }
     }
 
-    /// Points (u, outward) of both flanks on, and to a few numbers beside, the middle of the gap and the normals at the junctions.
+    /// Return points (u, outward) of both flanks: on the middle of the gap and on the normals at the junctions, and a few units of
+    /// rounding beside them.
     fn points(profile: &ToothProfile) -> Vec<Vec2> {
         let c = profile.ansi_curves().unwrap();
         let [x, y] = [c.seat_end_tangent.x, c.seat_end_tangent.y];
@@ -340,7 +347,8 @@ mod tests {
         points
     }
 
-    /// With the same point for both: depths to 2 units of the distance of centres, normals to 4.
+    /// Compare with the scalar reference implementation at the same point: penetrations to 2 units of rounding of the distance of
+    /// centres, normals to 4.
     #[test]
     fn a_point_on_every_surface_and_junction_has_the_depth_and_normal_of_the_twin() {
         let law = [0.0, 1.0, 2.0, 3.0].map(|number| [number, 0.0]);
@@ -358,7 +366,7 @@ mod tests {
                         let (surface, depth, normal, near) = set.run(At(&constants, point));
                         let what =
                             format!("{} {teeth} teeth at {in_gap:?}: {surface:?}", set.name());
-                        // On a junction either of the two is nearest; they meet there with one normal.
+                        // On a junction either of the two surfaces is nearest; they have a common normal there.
                         let same = profile.contact_with(surface, in_gap, RADIUS);
                         assert!(surface.0.abs_diff(twin.surface.0) <= 1, "{what}");
                         assert!(

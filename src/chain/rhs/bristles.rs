@@ -1,7 +1,7 @@
-//! Bristles over vectors: deflections taken from the state, their rates put beside the accelerations.
+//! Bristles in SIMD vectors: deflections from the state, and their rates as part of the right-hand side.
 //!
-//! In a step of Newton's method an evaluation solves for them: a deflection is what was predicted of it and γ times its rate, one
-//! scalar equation that is linear once the slip is known.
+//! In a step of Newton's method an evaluation solves for the deflections. A deflection is its predicted value plus γ times its
+//! rate. For a given sliding velocity this is one linear scalar equation per contact.
 
 use pulp::Simd;
 
@@ -9,7 +9,7 @@ use crate::chain::model::Model;
 use crate::force_law::{Ahead, BristleLaw, LuGre};
 use crate::math::simd::{Lanes, Mask, Numbers, load, padded_zeros, vectors_mut};
 
-/// Kinds of contacts, which have loops and arrays of their own.
+/// Kinds of contacts; each kind has its own loop and arrays.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum ContactKind {
     Hinges,
@@ -18,7 +18,7 @@ pub(crate) enum ContactKind {
     Teeth,
 }
 
-/// Deflections \[m\] of some contacts, or what was predicted of them, and their rates \[m/s\].
+/// Deflections of one kind of contacts \[m\], or their predicted values, and their rates \[m/s\].
 #[derive(Debug, Clone)]
 struct BristleArrays {
     deflection: Numbers,
@@ -28,18 +28,18 @@ struct BristleArrays {
 /// All bristles of a drive.
 #[derive(Debug, Clone)]
 pub(crate) struct BristleState {
-    /// γ of the implicit step under way; none: deflections are those of the state.
+    /// γ of the current implicit step; `None`: deflections are those of the state.
     gamma: Option<f64>,
-    /// What was predicted for it \[m\].
+    /// Predicted deflections of this step \[m\].
     predicted: Vec<f64>,
-    /// What the last evaluation solved for \[m\].
+    /// Deflections that the last evaluation solved for \[m\].
     solved: Vec<f64>,
     /// By [`ContactKind`].
     arrays: [BristleArrays; 3],
 }
 
 impl BristleState {
-    /// Room for the bristles of `model`, where it has any; `slots`: most candidates of a sprocket.
+    /// Allocate the bristles of `model`, where it has any; `slots`: maximum number of candidates of a sprocket.
     pub(crate) fn of(model: &Model, slots: usize) -> Option<Self> {
         let places = &model.bristles;
         if places.is_empty() {
@@ -59,23 +59,23 @@ impl BristleState {
         })
     }
 
-    /// Lets evaluations solve for the deflections, from what is `predicted` of them, with γ.
+    /// Begin an implicit step: evaluations solve for the deflections from `predicted` values with γ.
     pub(crate) fn begin_implicit_stage(&mut self, predicted: &[f64], gamma: f64) {
         self.predicted.copy_from_slice(predicted);
         self.gamma = Some(gamma);
     }
 
-    /// Lets evaluations take deflections as they are.
+    /// End the implicit step: evaluations use the deflections of the state.
     pub(crate) fn end_implicit_stage(&mut self) {
         self.gamma = None;
     }
 
-    /// What the last evaluation of an implicit step solved for.
+    /// Return the deflections that the last evaluation of an implicit step solved for \[m\].
     pub(crate) fn solved(&self) -> &[f64] {
         &self.solved
     }
 
-    /// Before an evaluation: only those move that it finds in contact.
+    /// Prepare an evaluation: deflections of bristles without contact keep their values, with rate zero.
     pub(crate) fn begin(&mut self, rates: &mut [f64]) {
         rates.fill(0.0);
         if self.gamma.is_some() {
@@ -83,7 +83,7 @@ impl BristleState {
         }
     }
 
-    /// Takes the deflections of a loop from `all`: pairs of a place in its arrays and a number among all.
+    /// Copy the deflections of one kind of contacts from `all`; `slots` are pairs of an index in its arrays and an index in `all`.
     pub(crate) fn take(
         &mut self,
         kind: ContactKind,
@@ -101,7 +101,7 @@ impl BristleState {
         }
     }
 
-    /// Puts the rates of a loop where they belong among all, and what it solved for.
+    /// Copy the rates of one kind of contacts into `rates`, and in an implicit step the solved deflections.
     pub(crate) fn put(
         &mut self,
         kind: ContactKind,
@@ -117,7 +117,7 @@ impl BristleState {
         }
     }
 
-    /// The arrays of a loop, and what else it needs.
+    /// Return the arrays and parameters for the loop over one kind of contacts.
     pub(crate) fn lend<'a>(
         &'a mut self,
         kind: ContactKind,
@@ -135,10 +135,10 @@ impl BristleState {
     }
 }
 
-/// What a loop needs of the bristles of its contacts.
+/// Law and arrays of the bristles of a loop's contacts.
 pub(crate) struct Bristling<'a> {
     law: &'a LuGre,
-    /// Of the body whose outermost point is the contact \[m\].
+    /// Radius of the body whose outermost point is the contact point \[m\].
     radius: f64,
     gamma: Option<f64>,
     deflection: &'a mut [f64],
@@ -146,7 +146,7 @@ pub(crate) struct Bristling<'a> {
 }
 
 impl<'a> Bristling<'a> {
-    /// The same as vectors, from contact `first` on.
+    /// Return SIMD vectors of `blocks` vectors from contact `first` on.
     #[inline(always)]
     pub(crate) fn lanes<S: Simd>(
         &mut self,
@@ -163,7 +163,7 @@ impl<'a> Bristling<'a> {
         }
     }
 
-    /// The same for a loop over all that there are.
+    /// Return SIMD vectors of all contacts, for a loop over all of them.
     #[inline(always)]
     pub(crate) fn into_lanes<S: Simd>(self, simd: S, blocks: usize) -> BristleLanes<'a, S> {
         BristleLanes {
@@ -176,7 +176,7 @@ impl<'a> Bristling<'a> {
     }
 }
 
-/// Bristles of a loop's contacts as vectors.
+/// Bristles of a loop's contacts as SIMD vectors.
 pub(crate) struct BristleLanes<'a, S: Simd> {
     law: BristleLaw<Lanes<S>>,
     pub(crate) radius: Lanes<S>,
@@ -186,7 +186,8 @@ pub(crate) struct BristleLanes<'a, S: Simd> {
 }
 
 impl<S: Simd> BristleLanes<'_, S> {
-    /// Friction of vector `i` of contacts and its slope with the slip; those that do not touch keep their deflections.
+    /// Return the friction of vector `i` of contacts and its slope with the sliding velocity. Contacts that do not touch keep their
+    /// deflections.
     #[inline(always)]
     pub(crate) fn bend(
         &mut self,
@@ -209,7 +210,7 @@ impl<S: Simd> BristleLanes<'_, S> {
         [bent.force, bent.slope]
     }
 
-    /// Vector `i` of contacts of which none touches.
+    /// Set the rates of vector `i` of contacts to zero: none of them touches.
     #[inline(always)]
     pub(crate) fn rest(&mut self, i: usize) {
         let simd = self.radius.simd();

@@ -1,4 +1,4 @@
-//! The chain in one pass: directions and ends of the links, hinges between them, and where the bushings are.
+//! The chain in one pass: directions and ends of the links, hinges between them, and centres of the bushings.
 
 mod ends;
 mod hinges;
@@ -21,23 +21,25 @@ pub(crate) use hinges::Joints;
 pub(crate) use losses::{FilledHinges, HingeFriction};
 pub(crate) use rollers::{JoinRollers, Rollers};
 
-/// What the chain found besides its forces.
+/// Results of the chain's loop besides its forces.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct ChainFound {
     /// Largest squared distance of a bushing from its reference \[m²\].
     pub(crate) moved_squared: f64,
-    /// Whether a hinge touches that has no memory, or has one and does not touch.
+    /// Whether the contact state of a hinge differs from the impact velocity memory: contact without memory, or memory without
+    /// contact.
     pub(crate) changed: bool,
-    /// Power dissipated by damping \[W\], when asked for.
+    /// Power dissipated by damping \[W\], if requested.
     pub(crate) dissipated: f64,
-    /// Power dissipated by friction \[W\], likewise.
+    /// Power dissipated by friction \[W\], if requested.
     pub(crate) rubbed: f64,
-    /// Power dissipated by lubricant, likewise.
+    /// Power dissipated by lubricant \[W\], if requested.
     pub(crate) sheared: f64,
 }
 
-/// One law, one loop. `DAMPED`: with the damping factor; `RUBBED`: with friction; `BRISTLED`: of bristles; `EXTRA`: with lubricant,
-/// elastic plates and friction, those that there are; `ENERGY`: with the power that they dissipate.
+/// Kernel of the chain, one instance per contact law. `DAMPED`: with the damping factor; `RUBBED`: with friction; `BRISTLED`:
+/// friction by bristles; `EXTRA`: with lubricant, elastic plates and friction, as far as the model has them; `ENERGY`: with the
+/// dissipated power.
 pub(crate) struct JoinChain<
     'a,
     L,
@@ -51,15 +53,15 @@ pub(crate) struct JoinChain<
     pub(crate) hinges: Joints<'a>,
     /// x, y \[m\] and θ \[rad\] of the links.
     pub(crate) places: [&'a [f64]; 3],
-    /// Their rates.
+    /// Rates of these coordinates.
     pub(crate) speeds: [&'a [f64]; 3],
-    /// How many bushings are needed again behind the last one.
+    /// Number of bushings copied behind the last one.
     pub(crate) overhang: usize,
     pub(crate) constants: &'a LinkConstants,
     pub(crate) arrays: &'a mut ChainArrays,
-    /// What `EXTRA` needs.
+    /// Lubricant for `EXTRA`.
     pub(crate) lubricant: Option<FilledHinges<'a>>,
-    /// What the plates give way by at each hinge \[m/N\].
+    /// Compliance of the plates at each hinge \[m/N\].
     pub(crate) compliance: Option<&'a [f64]>,
 }
 
@@ -99,7 +101,8 @@ impl<
         let front_arms = Arms::<S>::of(&self.constants.front_arm, direction, 0, blocks);
         let rear_arms = Arms::<S>::of(&self.constants.rear_arm, direction, 1, blocks);
         if S::F64_LANES == WIDTH {
-            // Wide vectors that do not begin at a cache line are slow to load: the rear ends are moved on by one link.
+            // Unaligned loads of wide vectors are slow: rear ends are shifted by one lane instead. Hinge k joins the front of link
+            // k to the rear of link k + 1.
             let last_lane = lane_numbers(simd).greater(splat(WIDTH as f64 - 1.5));
             let here = if whole > 0 { fronts.at(simd, 0) } else { last };
             let [arm, cos, sin] = front_arms.at(simd, 0);
@@ -144,7 +147,7 @@ impl<
     }
 }
 
-/// Cosines and sines of the links' angles; the first once more behind the last.
+/// Write cosines and sines of the links' angles; a copy of the first follows the last.
 #[inline(always)]
 fn point<S: Simd>(simd: S, angle: &[f64], cos: &mut [f64], sin: &mut [f64]) {
     let n = angle.len();
@@ -165,7 +168,7 @@ fn point<S: Simd>(simd: S, angle: &[f64], cos: &mut [f64], sin: &mut [f64]) {
     sin[n] = sin[0];
 }
 
-/// The same of the sprockets.
+/// Write cosines and sines of the sprockets' angles.
 #[inline(always)]
 fn point_sprockets<S: Simd>(simd: S, arrays: &mut ChainArrays) {
     let blocks = arrays.sprocket_angle.len() / S::F64_LANES;
@@ -178,7 +181,7 @@ fn point_sprockets<S: Simd>(simd: S, arrays: &mut ChainArrays) {
     }
 }
 
-/// Writes the first bushings once more behind the last one, and zeros where teeth will add their forces.
+/// Kernel that copies the first bushings behind the last one, and writes zeros where teeth add their forces.
 pub(crate) struct RepeatBushings<'a> {
     pub(crate) links: usize,
     pub(crate) overhang: usize,
@@ -214,7 +217,7 @@ impl WithSimd for RepeatBushings<'_> {
     }
 }
 
-/// Copies the first `overhang` entries behind entry `n`.
+/// Copy the first `overhang` entries behind entry `n`.
 #[inline(always)]
 fn repeat<S: Simd>(array: &mut [f64], n: usize, overhang: usize) {
     for from in (0..overhang).step_by(S::F64_LANES) {

@@ -1,7 +1,8 @@
-//! Gaps and their rates at both ends of a step, for every hinge and candidate: which of them may have turned round inside.
+//! Event screening: gaps and their rates at both ends of a step for every hinge and candidate, and contacts with a possible event
+//! in between.
 //!
-//! A gap is (d² - D²)/2D for the distance d of two centres and D, where they touch: without a root, smooth where the centres
-//! meet, and the depth itself near zero.
+//! A gap is (d² - D²)/2D, where d is the distance of two centres and D its value at touch. It needs no square root, is smooth where
+//! the centres coincide, and equals the penetration near zero.
 
 use pulp::{Simd, WithSimd};
 use serde::{Deserialize, Serialize};
@@ -16,10 +17,10 @@ use crate::math::simd::{
     vectors,
 };
 
-/// Where the slopes' part of a cubic is largest: 4/27 of the slope at one end.
+/// Maximum over a step of the part of a cubic that a slope at one end contributes: 4/27 of slope times length.
 const REACH_OF_SLOPES: f64 = 4.0 / 27.0;
 
-/// Gaps \[m\], positive where touching, and their rates \[m/s\] at both ends of a step. Two zeros: not known.
+/// Gaps \[m\], positive in contact, and their rates \[m/s\] at both ends of a step. Gap and rate zero: unknown.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Ends {
     start: [Numbers; 2],
@@ -27,6 +28,7 @@ pub(super) struct Ends {
 }
 
 impl Ends {
+    /// Allocate `room` contacts.
     fn new(room: usize) -> Self {
         let zeros = || [padded_zeros(room), padded_zeros(room)];
         Self {
@@ -35,36 +37,39 @@ impl Ends {
         }
     }
 
-    /// Gap and rate at the start and at the end.
+    /// Return gap and rate of contact `i` at the start and at the end.
     fn of(&self, i: usize) -> [[f64; 2]; 2] {
         [&self.start, &self.end].map(|[gap, rate]| [gap[i], rate[i]])
     }
 
+    /// Exchange start and end.
     fn advance(&mut self) {
         std::mem::swap(&mut self.start, &mut self.end);
     }
 
+    /// Return whether all arrays have the same lengths as those of `other`.
     fn is_like(&self, other: &Self) -> bool {
         let lengths = |ends: &Self| [&ends.start, &ends.end].map(|[g, r]| [g.len(), r.len()]);
         lengths(self) == lengths(other)
     }
 }
 
-/// All hinges and candidates, watched from step to step.
+/// Event screening of all hinges and candidates over successive steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Watch {
     pub(super) hinges: Ends,
-    /// Bushings in rollers; empty where rollers are no bodies of their own.
+    /// Contacts between bushings and rollers; empty where rollers are no bodies of their own.
     pub(super) rollers: Ends,
-    /// For each sprocket, slot by slot.
+    /// Candidates of each sprocket, slot by slot.
     pub(super) teeth: Vec<Ends>,
-    /// Whom the slots are of: the runs of each sprocket.
+    /// Bushings of the slots: runs of each sprocket.
     runs: Vec<Vec<Run>>,
-    /// The number of the list with these slots.
+    /// Number of the list of candidates with these slots.
     list: u64,
 }
 
 impl Watch {
+    /// Allocate the arrays for `model`.
     pub(super) fn new(model: &Model) -> Self {
         let slots = Candidates::most_slots(model);
         let sprockets = model.sprockets.iter();
@@ -79,7 +84,7 @@ impl Watch {
         }
     }
 
-    /// Whether it can stand in the place of `other`, a watch of a chain of `links`.
+    /// Return whether this state can replace `other`, the state of a chain of `links`.
     pub(crate) fn is_like(&self, other: &Self, links: usize) -> bool {
         let there = |run: &Run, slots: usize| {
             run.first < links
@@ -100,7 +105,7 @@ impl Watch {
             })
     }
 
-    /// Becomes what `other` is, within its own room.
+    /// Copy `other` without allocation.
     pub(crate) fn carry_on(&mut self, other: &Self) {
         self.hinges.clone_from(&other.hinges);
         self.rollers.clone_from(&other.rollers);
@@ -112,24 +117,24 @@ impl Watch {
         self.list = other.list;
     }
 
-    /// The end of this step is the start of the next one.
+    /// Make the end of this step the start of the next one.
     pub(crate) fn advance(&mut self) {
         self.hinges.advance();
         self.rollers.advance();
         self.teeth.iter_mut().for_each(Ends::advance);
     }
 
-    /// Gap and rate at both ends of the step of hinge `k`.
+    /// Return gap and rate of hinge `k` at both ends of the step.
     pub(crate) fn hinge(&self, k: usize) -> [[f64; 2]; 2] {
         self.hinges.of(k)
     }
 
-    /// The same of bushing `k` in its roller.
+    /// Return gap and rate of bushing `k` in its roller at both ends of the step.
     pub(crate) fn roller(&self, k: usize) -> [[f64; 2]; 2] {
         self.rollers.of(k)
     }
 
-    /// Sprocket, bushing, and gap and rate at both ends of every candidate.
+    /// Return sprocket, bushing, and gap and rate at both ends of the step for every candidate.
     pub(crate) fn candidates(
         &self,
         links: usize,
@@ -142,7 +147,7 @@ impl Watch {
         })
     }
 
-    /// Moves what was known at the start to the slots of a new list; whom it did not have, nothing is known of.
+    /// Move the values of the start to the slots of a new list of candidates; new candidates have unknown values.
     pub(super) fn follow(&mut self, candidates: &Candidates, links: usize) {
         if self.list == candidates.refreshes() {
             return;
@@ -168,10 +173,10 @@ impl Watch {
     }
 }
 
-/// Contacts that may have touched between two times apart, or have been apart between two times in touch.
+/// Return the contacts that may have touched between two separated ends of the step, or separated between two ends in contact.
 ///
-/// A touch is judged by where the tangents at both ends meet, which is above every peak, also that of a tip; a gap by how far a
-/// cubic reaches.
+/// The criterion for touch is the intersection of the tangents at both ends, which bounds every peak from above, a tip's included.
+/// The criterion for separation is the lower bound of a cubic.
 #[inline(always)]
 fn may_have_turned<S: Simd>(
     length: Lanes<S>,
@@ -182,27 +187,30 @@ fn may_have_turned<S: Simd>(
     let least = -(-start).max(-end);
     let rising = start_rate.greater(zero).and(end_rate.less(zero));
     let falling = start_rate.less(zero).and(end_rate.greater(zero));
+    // Height of the intersection times (rate at start - rate at end), which is positive here: g0 (-v1) + g1 v0 - h v0 v1.
     let slopes = start.mul_add(-end_rate, end * start_rate);
     let peak = (length * start_rate).mul_add(-end_rate, slopes);
     let touched = (start.max(end).less(zero))
         .and(rising)
         .and(peak.greater(zero));
+    // Lower bound of the cubic: min(g0, g1) - 4/27 h (v1 - v0).
     let reach = length.constant(REACH_OF_SLOPES) * length;
     let fall = reach.mul_add(start_rate - end_rate, least);
     let parted = least.greater(zero).and(falling).and(fall.less(zero));
     touched.or(parted)
 }
 
-/// What a watch found.
+/// Result of event screening.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Watched {
-    /// Whether some contact may have turned round inside the step.
+    /// Whether an event inside the step is possible.
     pub(crate) turned: bool,
-    /// No bushing is faster, seen from any tooth \[m/s\].
+    /// Upper bound of the speed of the bushings relative to any tooth \[m/s\].
     pub(crate) speed: f64,
 }
 
-/// All hinges at the end of a step of `length` \[s\], where the last evaluation was; the speed is that of the bushings.
+/// Kernel that screens all hinges at the end of a step of `length` \[s\], where the last evaluation was. The speed is that of the
+/// bushings.
 pub(super) struct WatchHinges<'a> {
     pub(super) length: f64,
     pub(super) links: usize,
@@ -230,6 +238,7 @@ impl WithSimd for WatchHinges<'_> {
         let mut speed_squared = splat(0.0);
         for i in 0..blocks {
             let at = |array: &[S::f64s]| load(simd, &array[i]);
+            // Gap (d² - c²)/(2 c) with the clearance c, and its rate (e · de/dt)/c.
             let gap = at(distance_squared).mul_add(scale, -half_clearance);
             let rate = at(along) * (scale + scale);
             turned |= may_have_turned(length, two(simd, start, i), [gap, rate]).any();
@@ -247,13 +256,13 @@ impl WithSimd for WatchHinges<'_> {
     }
 }
 
-/// Vector `i` of two arrays.
+/// Return vector `i` of two arrays.
 #[inline(always)]
 fn two<S: Simd>(simd: S, arrays: [&[S::f64s]; 2], i: usize) -> [Lanes<S>; 2] {
     [load(simd, &arrays[0][i]), load(simd, &arrays[1][i])]
 }
 
-/// The candidates of one sprocket, likewise; true when one of them may have turned round.
+/// Kernel that screens the candidates of one sprocket; true where an event is possible.
 pub(super) struct WatchTeeth<'a, C> {
     pub(super) length: f64,
     pub(super) constants: &'a C,
@@ -293,6 +302,7 @@ impl<C: GapConstants> WithSimd for WatchTeeth<'_, C> {
                 let [x, y] = [x - center[0], y - center[1]];
                 let [vx, vy] = two(simd, velocity, b);
                 let [vx, vy] = [vx - own[0], vy - own[1]];
+                // Velocity of the bushing relative to the rotating sprocket.
                 let relative = [spin.mul_add(y, vx), spin.negate_mul_add(x, vy)];
                 let place = gaps.place([x, y], direction, [at(gap_cos), at(gap_sin)]);
                 let surface = gaps.nearest(&place);

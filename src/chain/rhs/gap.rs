@@ -1,4 +1,4 @@
-//! A tooth gap over a vector of bushings: what the loops over a sprocket's candidates ask of its tooth form.
+//! Tooth gap for a SIMD vector of bushings: interface between tooth forms and the loops over a sprocket's candidates.
 
 use pulp::Simd;
 
@@ -9,24 +9,25 @@ use crate::force_law::Regions;
 use crate::geometry::Vec2;
 use crate::math::simd::{Lanes, Mask};
 
-/// The teeth of a sprocket in numbers, with the law constants of every surface.
+/// Dimensions of a sprocket's teeth, with the law constants of every surface.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ToothConstants {
     pub(crate) form: Form,
-    /// Whether a contact keeps the stiffness that it began with.
+    /// Whether a contact keeps the stiffness of its onset.
     pub(crate) keeps_stiffness: bool,
 }
 
-/// The forms that have loops of their own.
+/// Tooth forms with their own instances of the loops.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Form {
-    /// The four surfaces of a whole ANSI tooth.
+    /// Four surfaces of an undamaged ANSI tooth.
     Ansi(AnsiGap),
-    /// Any surfaces, damaged and eccentric teeth.
+    /// Any surfaces, including damaged and eccentric teeth.
     Table(SurfaceTable),
 }
 
 impl ToothConstants {
+    /// Return the constants of sprocket `s`; concentric and undamaged ANSI teeth have their own form.
     pub(crate) fn new(model: &Model, s: usize) -> Self {
         let sprocket = &model.sprockets[s];
         let plain = sprocket.offset == Vec2::zeros() && sprocket.profile.damaged().next().is_none();
@@ -41,21 +42,21 @@ impl ToothConstants {
     }
 }
 
-/// Bushings in the frames of their gaps.
+/// Bushings in the coordinate frames of their gaps.
 pub(crate) struct InGap<S: Simd> {
     /// v, radially outward through the gap; u is v turned clockwise.
     pub(crate) direction: [Lanes<S>; 2],
-    /// v in the sprocket's own frame.
+    /// v in the frame of the sprocket.
     pub(crate) gap: [Lanes<S>; 2],
-    /// Along u \[m\].
+    /// Position along u \[m\].
     pub(crate) u: Lanes<S>,
-    /// Along v, from the teeth's centre \[m\].
+    /// Position along v, from the centre of the teeth \[m\].
     pub(crate) outward: Lanes<S>,
 }
 
 impl<S: Simd> InGap<S> {
-    /// Bushings at `arm` from the centre of the teeth of a sprocket that has turned to `direction`, in gaps at `gap` in its own
-    /// frame.
+    /// Return bushings at `arm` from the centre of the teeth. The sprocket's angle is `direction`, and the gaps are at `gap` in its
+    /// frame; both are cosine and sine.
     #[inline(always)]
     pub(crate) fn new(
         [arm_x, arm_y]: [Lanes<S>; 2],
@@ -72,13 +73,13 @@ impl<S: Simd> InGap<S> {
         }
     }
 
-    /// Bushings on the left of their gaps.
+    /// Return the bushings on the left of their gaps.
     #[inline(always)]
     pub(crate) fn on_left(&self) -> Mask<S> {
         self.u.less(self.u.constant(0.0))
     }
 
-    /// A direction (u as on the right flank, v) in the frame of the scene, where `left` that of the left flank.
+    /// Return a direction (u as on the right flank, v) in the frame of the scene; `left` selects left flanks.
     #[inline(always)]
     pub(crate) fn to_scene(&self, left: Mask<S>, [u, v]: [Lanes<S>; 2]) -> [Lanes<S>; 2] {
         let u = left.select(-u, u);
@@ -86,7 +87,7 @@ impl<S: Simd> InGap<S> {
         [u.mul_add(vy, v * vx), v.mul_add(vy, -(u * vx))]
     }
 
-    /// Velocities in the frame of the scene as (u as on the right flank, v).
+    /// Return velocities in the frame of the scene as (u as on the right flank, v).
     #[inline(always)]
     pub(crate) fn in_gap(&self, left: Mask<S>, [x, y]: [Lanes<S>; 2]) -> [Lanes<S>; 2] {
         let [vx, vy] = self.direction;
@@ -96,31 +97,34 @@ impl<S: Simd> InGap<S> {
     }
 }
 
-/// A tooth form with its constants at hand; one loop for each.
+/// Tooth form with its constants for SIMD vectors; each form has its own instance of a loop.
 pub(crate) trait Gap<S: Simd> {
-    /// The surface nearest to each bushing.
+    /// Nearest surface of each bushing.
     type Nearest;
 
-    /// Bushings at `arm` from the centre of a sprocket that has turned to `direction`, in gaps at `gap` in its own frame.
+    /// Return bushings at `arm` from the centre of a sprocket with angle `direction`, in gaps at `gap` in its frame; both are
+    /// cosine and sine.
     fn place(&self, arm: [Lanes<S>; 2], direction: [Lanes<S>; 2], gap: [Lanes<S>; 2]) -> InGap<S>;
 
-    /// Cosine and sine of half the angle from gap to gap.
+    /// Return cosine and sine of half the angle between adjacent gaps.
     fn half_gap(&self) -> [f64; 2];
 
-    /// The surface nearest to bushings.
+    /// Return the nearest surface of each bushing.
     fn nearest(&self, place: &InGap<S>) -> Self::Nearest;
 
-    /// Bushings within touch of it.
+    /// Return the bushings that overlap their nearest surface.
     fn near(&self, surface: &Self::Nearest) -> Mask<S>;
 
-    /// Depth, the direction in which it grows, and how far that direction turns for a length moved across it \[1/m\].
+    /// Return the penetration, its direction of growth in the frame of the scene, and the curvature: rotation of that direction per
+    /// displacement across it \[1/m\].
     fn depth(
         &self,
         surface: &Self::Nearest,
         place: &InGap<S>,
     ) -> (Lanes<S>, [Lanes<S>; 2], Lanes<S>);
 
-    /// The gap as [`watch`](super::event_screening) has it, and its rate for bushings that move at `velocity` seen from the sprocket.
+    /// Return the gap as defined in [`watch`](super::event_screening), and its rate for bushings with `velocity` relative to the
+    /// sprocket.
     fn gap_and_rate(
         &self,
         surface: &Self::Nearest,
@@ -128,28 +132,29 @@ pub(crate) trait Gap<S: Simd> {
         velocity: [Lanes<S>; 2],
     ) -> [Lanes<S>; 2];
 
-    /// Numbers of the surfaces, and which of them are on left flanks.
+    /// Return the numbers of the surfaces, and the mask of left flanks.
     fn surface(&self, surface: &Self::Nearest, place: &InGap<S>) -> (Lanes<S>, Mask<S>);
 
-    /// Law constants of the surfaces.
+    /// Return the law constants of the surfaces.
     fn law_constants(&self, surface: &Self::Nearest) -> [Lanes<S>; 2];
 
-    /// Bushings that are nearer to a neighbouring gap.
+    /// Return the bushings that are nearer to an adjacent gap.
     #[inline(always)]
     fn left(&self, place: &InGap<S>) -> Mask<S> {
         let [cos, sin] = self.half_gap();
         let (cos, sin) = (place.u.constant(cos), place.u.constant(sin));
+        // Angle to the middle of the gap above half a pitch: |u|/v > tan(half).
         (place.u.abs() * cos).greater(place.outward * sin)
     }
 }
 
-/// The constants of a form, from which its gap is made.
+/// Constants of a tooth form, from which its [`Gap`] is made.
 pub(crate) trait GapConstants {
-    /// The form with its constants at hand.
+    /// Tooth form with its constants for SIMD vectors.
     type Of<'a, S: Simd>: Gap<S>
     where
         Self: 'a;
 
-    /// With the instructions `simd`.
+    /// Return the gap for the instruction set `simd`.
     fn gap<S: Simd>(&self, simd: S) -> Self::Of<'_, S>;
 }

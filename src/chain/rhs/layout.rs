@@ -1,30 +1,31 @@
-//! What the kernels read of a model and the arrays they write, one array a quantity, padded to whole vectors.
+//! Constants that the kernels read from a model and arrays that they write: one array per quantity, padded to whole SIMD vectors.
 
 use crate::chain::model::{Model, OpenEnds};
 use crate::math::simd::{Numbers, WIDTH, padded_zeros};
 
-/// What the kernels need to know of the links; a link that is not there, in the padding, has no length and no mass.
+/// Constants of the links. Links of the padding have zero length and zero inverse mass.
 #[derive(Debug, Clone)]
 pub(crate) struct LinkConstants {
-    /// Half the length of link k \[m\]: where its front is.
+    /// Half the length of link k \[m\]: position of its front.
     pub(crate) front_arm: Numbers,
-    /// Where the rear of link k + 1 is: minus half its length \[m\].
+    /// Position of the rear of link k + 1: minus half its length \[m\].
     pub(crate) rear_arm: Numbers,
     /// 1/mass \[1/kg\].
     pub(crate) inverse_mass: Numbers,
     /// 1/inertia \[1/(kg m²)\].
     pub(crate) inverse_inertia: Numbers,
-    /// Square of the distance from which the two ends in a hinge touch \[m²\]; infinite where an open chain is open.
+    /// Squared distance of the two ends of a hinge at which they touch \[m²\]; infinite where an open chain is open.
     pub(crate) clearance_squared: Numbers,
-    /// What the plates at a hinge give way by \[m/N\], where they are elastic.
+    /// Compliance of the plates at each hinge \[m/N\], where they are elastic.
     pub(crate) compliance: Option<Numbers>,
     /// One for every hinge, zero in the padding and where an open chain is open.
     pub(crate) there: Numbers,
-    /// One where bushing k is on the front of link k, zero where it is on the rear of link k + 1; twice around the chain.
+    /// One where bushing k is on the front of link k, zero where it is on the rear of link k + 1. The array covers the chain twice.
     pub(crate) bushing_on_front: Numbers,
 }
 
 impl LinkConstants {
+    /// Return the constants of `model`.
     pub(crate) fn new(model: &Model) -> Self {
         let n = model.links;
         let lay_out = |count: usize, value: &dyn Fn(usize) -> f64| {
@@ -61,23 +62,23 @@ impl LinkConstants {
     }
 }
 
-/// Where arrays of forces on rear ends have that of the first link: that of hinge 0 on the second link is then aligned.
+/// Entry of the first link in arrays of forces on rear ends. The entry of hinge 0, on the rear of the second link, is then aligned.
 pub(crate) const FIRST: usize = WIDTH - 1;
 
-/// What an evaluation leaves of the chain.
+/// Arrays of the chain that an evaluation writes.
 #[derive(Debug, Clone)]
 pub(crate) struct ChainArrays {
-    /// Angles of the sprockets \[rad\], written before the chain is joined.
+    /// Angles of the sprockets \[rad\], written before the loop over the chain.
     pub(crate) sprocket_angle: Numbers,
-    /// Their cosines.
+    /// Cosines of these angles.
     pub(crate) sprocket_cos: Numbers,
-    /// Their sines.
+    /// Sines of these angles.
     pub(crate) sprocket_sin: Numbers,
-    /// Cosines of the links' angles, that of the first link again behind the last.
+    /// Cosines of the links' angles; a copy of the first follows the last.
     pub(crate) cos: Numbers,
-    /// Their sines, likewise.
+    /// Sines of the links' angles; a copy of the first follows the last.
     pub(crate) sin: Numbers,
-    /// Depth of every hinge \[m\]; zero where apart.
+    /// Penetration of every hinge \[m\]; zero without contact.
     pub(crate) depth: Numbers,
     /// Normal force of every hinge \[N\].
     pub(crate) force: Numbers,
@@ -87,25 +88,27 @@ pub(crate) struct ChainArrays {
     pub(crate) film: [Numbers; 2],
     /// Squared distance of pin and bushing of every hinge \[m²\].
     pub(crate) distance_squared: Numbers,
-    /// Their distance times the rate at which it grows \[m²/s\].
+    /// Product of this distance and its rate \[m²/s\].
     pub(crate) along: Numbers,
-    /// Force on the front of every link, x and y \[N\]; behind the last one what belongs to the first ones.
+    /// Force on the front of every link, x and y \[N\]. Entries behind the last link are forces on the first links.
     pub(crate) front_force: [Numbers; 2],
-    /// Force on the rear of link k, x and y \[N\], k from [`FIRST`] on; from link n on what belongs to the first ones.
+    /// Force on the rear of link k at entry [`FIRST`] + k, x and y \[N\]. Entries from link n on are forces on the first links.
     pub(crate) rear_force: [Numbers; 2],
-    /// Moment on the front of every link about its hinge \[N m\], as the forces; zero without friction.
+    /// Moment on the front of every link about its hinge \[N m\], laid out as the forces; zero without friction.
     pub(crate) front_moment: Numbers,
-    /// The same on the rear of link k, k from [`FIRST`] on.
+    /// Moment on the rear of link k at entry [`FIRST`] + k \[N m\].
     pub(crate) rear_moment: Numbers,
-    /// Angular speeds of the bushings \[rad/s\], written where teeth have friction.
+    /// Angular velocities of the bushings \[rad/s\], written where teeth have friction.
     pub(crate) bushing_spin: Numbers,
-    /// Centres of the bushings, x and y \[m\]. Runs of candidates that go past the last one find the first ones again behind it.
+    /// Centres of the bushings, x and y \[m\]. Copies of the first ones follow the last, for runs of candidates past the last
+    /// bushing.
     pub(crate) bushing: [Numbers; 2],
-    /// Their velocities, x and y \[m/s\].
+    /// Velocities of the bushings, x and y \[m/s\].
     pub(crate) bushing_velocity: [Numbers; 2],
 }
 
 impl ChainArrays {
+    /// Allocate the arrays for `model`.
     pub(crate) fn new(model: &Model) -> Self {
         let n = model.links;
         let once = || padded_zeros(2 * n + 3 * WIDTH);
@@ -133,7 +136,7 @@ impl ChainArrays {
         }
     }
 
-    /// Lets the hinges that are none keep a distance of zero: nothing turns round there.
+    /// Set the distances of open hinges of an open chain to zero: event screening then finds no events there.
     pub(crate) fn forget_open_hinges(&mut self, ends: &OpenEnds) {
         let hinges = ends.bodies.iter().map(|end| end.hinge);
         for k in hinges
@@ -144,20 +147,21 @@ impl ChainArrays {
         }
     }
 
-    /// The same of rollers on bushings that are none.
+    /// Set the distances of missing rollers to zero, for the same reason.
     pub(crate) fn forget_absent_rollers(&mut self, model: &Model) {
         for k in model.absent_rollers() {
             (self.distance_squared[k], self.along[k]) = (0.0, 0.0);
         }
     }
 
-    /// No moments yet.
+    /// Set the moments to zero.
     pub(crate) fn clear_moments(&mut self) {
         self.front_moment.fill(0.0);
         self.rear_moment.fill(0.0);
     }
 
-    /// Writes the angular speeds of the bushings, those of links; the first `overhang` ones again behind the last.
+    /// Write the angular velocities of the bushings, which are those of the links they belong to; copies of the first `overhang`
+    /// ones follow the last.
     pub(crate) fn spin_bushings(
         &mut self,
         constants: &LinkConstants,
@@ -174,8 +178,8 @@ impl ChainArrays {
         behind[..overhang].copy_from_slice(&own[..overhang]);
     }
 
-    /// Puts zeros behind the last of `links` bushings, where longer runs may have left what is no number: vectors at the end of
-    /// a run read it, and no number times no force is none.
+    /// Set entries behind the last of `links` bushings to zero, where longer runs may have left NaN. Vectors at the end of a run
+    /// read these entries, and NaN times a zero force is NaN.
     pub(crate) fn clear_repeated(&mut self, links: usize) {
         for array in self.bushing.iter_mut().chain(&mut self.bushing_velocity) {
             array[links..].fill(0.0);

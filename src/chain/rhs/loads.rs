@@ -1,15 +1,15 @@
-//! Forces of hinges and teeth gathered per link, without conflicts: every link knows its two ends.
+//! Accelerations from the forces of hinges and teeth, gathered per link from its two ends without write conflicts.
 
 use pulp::{Simd, WithSimd};
 
 use super::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::math::simd::{Lanes, both, load, splat_two, vectors, vectors_mut};
 
-/// Accelerations of all links. `RUBBED`: with moments of friction about the hinges.
+/// Kernel of the accelerations of all links. `RUBBED`: with moments about the hinges.
 pub(super) struct AccelerateLinks<'a, const RUBBED: bool> {
     pub(super) constants: &'a LinkConstants,
     pub(super) arrays: &'a mut ChainArrays,
-    /// How many tooth forces there are behind entry n.
+    /// Number of tooth forces behind entry n.
     pub(super) overhang: usize,
     pub(super) gravity: [f64; 2],
     /// d²x/dt², d²y/dt² \[m/s²\] and d²θ/dt² \[rad/s²\] of all links.
@@ -56,7 +56,8 @@ impl<const RUBBED: bool> WithSimd for AccelerateLinks<'_, RUBBED> {
         let blocks = whole + usize::from(!x_rest.is_empty());
         let loads = Loads::<S, RUBBED> {
             simd,
-            // With no sign on a zero: that of a force of none depends on what shares its vector.
+            // Adding 0.0 turns -0.0 into 0.0. The sign of a zero force depends on the other lanes of its vector; the sum with 0.0
+            // does not.
             gravity: splat_two(simd, [gravity[0] + 0.0, gravity[1] + 0.0]),
             cos: vectors::<S>(cos, blocks),
             sin: vectors::<S>(sin, blocks),
@@ -87,7 +88,7 @@ impl<const RUBBED: bool> WithSimd for AccelerateLinks<'_, RUBBED> {
     }
 }
 
-/// Adds to the first links what runs of candidates that go past the last one have left behind it.
+/// Add the forces that runs of candidates past the last bushing have written behind it to the first links.
 #[inline(always)]
 fn take_back<S: Simd>(simd: S, force: &mut [f64], first: usize, n: usize, overhang: usize) {
     for from in (first..first + overhang).step_by(S::F64_LANES) {
@@ -97,17 +98,17 @@ fn take_back<S: Simd>(simd: S, force: &mut [f64], first: usize, n: usize, overha
     }
 }
 
-/// Accelerations of all rollers. `RUBBED`: with moments of friction about them.
+/// Kernel of the accelerations of all rollers. `RUBBED`: with moments of friction.
 pub(super) struct AccelerateRollers<'a, const RUBBED: bool> {
-    /// The rollers', in which forces on them are those on fronts.
+    /// Arrays of the rollers; the forces on them are those on fronts.
     pub(super) arrays: &'a mut ChainArrays,
-    /// How many tooth forces there are behind entry n.
+    /// Number of tooth forces behind entry n.
     pub(super) overhang: usize,
     pub(super) gravity: [f64; 2],
-    /// 1/mass \[1/kg\] and 1/inertia \[1/(kg m²)\] of every one.
+    /// 1/mass \[1/kg\] and 1/inertia \[1/(kg m²)\] of each roller.
     pub(super) inverse_mass: f64,
     pub(super) inverse_inertia: f64,
-    /// As of the links.
+    /// d²x/dt², d²y/dt² \[m/s²\] and d²θ/dt² \[rad/s²\] of all rollers.
     pub(super) accelerations: [&'a mut [f64]; 3],
 }
 
@@ -129,7 +130,7 @@ impl<const RUBBED: bool> WithSimd for AccelerateRollers<'_, RUBBED> {
             take_back::<S>(simd, front_moment, 0, n, self.overhang);
         }
         let [to_x, to_y, to_angle] = self.accelerations;
-        // With no sign on a zero; see the links.
+        // Adding 0.0 turns -0.0 into 0.0, as for the links.
         let [gravity_x, gravity_y] = self.gravity.map(|g| g + 0.0);
         accelerate::<S>(simd, x, self.inverse_mass, gravity_x, to_x);
         accelerate::<S>(simd, y, self.inverse_mass, gravity_y, to_y);
@@ -141,7 +142,7 @@ impl<const RUBBED: bool> WithSimd for AccelerateRollers<'_, RUBBED> {
     }
 }
 
-/// Forces over masses, and gravity.
+/// Write force times inverse mass plus gravity.
 #[inline(always)]
 fn accelerate<S: Simd>(simd: S, force: &[f64], inverse_mass: f64, gravity: f64, to: &mut [f64]) {
     let [inverse_mass, gravity] = splat_two(simd, [inverse_mass, gravity]);
@@ -156,7 +157,7 @@ fn accelerate<S: Simd>(simd: S, force: &[f64], inverse_mass: f64, gravity: f64, 
     }
 }
 
-/// All loads as vectors.
+/// Forces, moments and constants of the links in SIMD vectors.
 struct Loads<'a, S: Simd, const RUBBED: bool> {
     simd: S,
     gravity: [Lanes<S>; 2],
@@ -167,12 +168,12 @@ struct Loads<'a, S: Simd, const RUBBED: bool> {
     inverse_inertia: &'a [S::f64s],
     front: [&'a [S::f64s]; 2],
     rear: [&'a [S::f64s]; 2],
-    /// On fronts and rears.
+    /// Moments on fronts and rears \[N m\]; empty without `RUBBED`.
     moments: [&'a [S::f64s]; 2],
 }
 
 impl<S: Simd, const RUBBED: bool> Loads<'_, S, RUBBED> {
-    /// Accelerations of one vector of links: x, y, angle.
+    /// Return the accelerations of one vector of links: x, y, angle.
     #[inline(always)]
     fn accelerations(&self, i: usize) -> [S::f64s; 3] {
         let at = |array: &[S::f64s]| load(self.simd, &array[i]);
@@ -181,8 +182,9 @@ impl<S: Simd, const RUBBED: bool> Loads<'_, S, RUBBED> {
         let inverse_mass = at(self.inverse_mass);
         let x = (front_x + rear_x).mul_add(inverse_mass, self.gravity[0]);
         let y = (front_y + rear_y).mul_add(inverse_mass, self.gravity[1]);
+        // Moment of the end forces about the centre: arm (cos, sin) × (F_front - F_rear).
         let turn = at(self.cos).mul_add(front_y - rear_y, -(at(self.sin) * (front_x - rear_x)));
-        // Nothing added takes the sign off a zero; see gravity.
+        // Adding 0.0 removes the sign of a zero, as for gravity.
         let nothing = Lanes::splat(self.simd, 0.0);
         let mut moment = at(self.arm) * turn;
         if RUBBED {

@@ -1,11 +1,11 @@
-//! The right-hand side: the equations of motion over vectors of contacts, with the instructions that the machine has.
+//! The right-hand side: equations of motion in SIMD kernels over vectors of contacts, for the instruction set of the machine.
 //!
 //! chain (directions, ends, hinges, bushings) -> rollers, where they are bodies -> candidates -> teeth -> loads -> accelerations
 //!
-//! Each kernel is one law in one loop over arrays of one quantity. What a scene does not need has its own instance of the loop,
-//! without it: damping, friction, the power dissipated where no energy balance is kept.
+//! Each kernel evaluates one law in one loop over arrays, one array per quantity. Options are constant parameters of a loop:
+//! damping, friction, and the dissipated power. A model without an option runs an instance of the loop without it.
 
-#![allow(clippy::inline_always)] // what is not inlined into a kernel does not run with its instructions
+#![allow(clippy::inline_always)] // a function that is not inlined is compiled without the kernel's instruction set
 
 mod ansi_gap;
 mod bristles;
@@ -45,12 +45,12 @@ use crate::force_law::{ElasticLaw, LuGre, with_law};
 use crate::geometry::Vec2;
 use crate::math::simd::InstructionSet;
 
-/// Arrays with what meets the teeth in the place of bushings: the rollers', or the chain's.
+/// Return the arrays of the bodies on the teeth: the rollers', or the chain's.
 fn on_teeth<'a>(chain: &'a ChainArrays, rollers: Option<&'a Rollers>) -> &'a ChainArrays {
     rollers.map_or(chain, |rollers| &rollers.arrays)
 }
 
-/// What a loop needs of bristles, where its contacts have any.
+/// Return the arrays and the law of the bristles of a loop, where its contacts have any.
 fn bristling<'a>(
     state: Option<&'a mut BristleState>,
     (place, law): (ContactKind, Option<&'a LuGre>),
@@ -61,37 +61,38 @@ fn bristling<'a>(
         .map(|(state, law)| state.lend(place, law, radius))
 }
 
-/// Arrays of the right-hand side and the instructions it runs with.
+/// Arrays of the right-hand side and the instruction set of its kernels.
 #[derive(Debug, Clone)]
 pub(crate) struct Kernels {
     instructions: InstructionSet,
     links: LinkConstants,
     chain: ChainArrays,
-    /// Where rollers are bodies of their own; then they meet the teeth.
+    /// Rollers, where they are bodies of their own; the teeth then touch them.
     rollers: Option<Box<Rollers>>,
     pub(crate) candidates: Candidates,
-    /// Gaps at both ends of the last step.
+    /// Event screening: gaps at both ends of the last step.
     pub(crate) watch: Watch,
-    /// One for each kind of sprocket: identical teeth share one.
+    /// Constants of the teeth, one per kind of sprocket: sprockets with identical teeth share them.
     teeth: Vec<ToothConstants>,
-    /// Which of them each sprocket has.
+    /// Index of the constants of each sprocket.
     kind: Vec<usize>,
     poses: Vec<SprocketPose>,
     loads: Vec<SprocketLoad>,
-    /// By [`ContactKind`]: whether at the last evaluation some contact had no memory, or some memory no contact.
+    /// By [`ContactKind`]: whether the contact states of the last evaluation differ from the impact velocity memory. Either a
+    /// contact has no memory, or a memory has no contact.
     changed: [bool; 3],
-    /// Newton's matrix, once it is asked for.
+    /// Newton's matrix, allocated on request.
     newton: Option<Box<NewtonMatrix>>,
-    /// Where friction is that of bristles.
+    /// Bristles, where friction is modelled by them.
     bristles: Option<Box<BristleState>>,
-    /// Whether evaluations write the slopes that it is made from.
+    /// Whether evaluations write the slopes for Newton's matrix.
     writes_slopes: bool,
-    /// Scratch: bushings that are seated on one sprocket.
+    /// Scratch: bushings seated on one sprocket.
     seated: Vec<Seated>,
 }
 
 impl Kernels {
-    /// Arrays for `model`.
+    /// Allocate the arrays for `model`.
     pub(crate) fn new(model: &Model) -> Self {
         let sprockets = model.sprockets.len();
         let (mut teeth, mut kind) = (Vec::new(), Vec::new());
@@ -122,20 +123,20 @@ impl Kernels {
         }
     }
 
-    /// Makes the room for Newton's matrix.
+    /// Allocate Newton's matrix.
     pub(crate) fn make_room_for_newton(&mut self, model: &Model) {
         if self.newton.is_none() {
             self.newton = Some(Box::new(NewtonMatrix::new(model)));
         }
     }
 
-    /// Lets the next evaluations write the slopes of all forces for [`Self::factorise`], or not.
+    /// Switch on or off the slopes of all forces, which [`Self::factorise`] needs, for the next evaluations.
     pub(crate) fn write_slopes(&mut self, write: bool) {
         self.writes_slopes = write;
     }
 
-    /// Factorises Newton's matrix of the last evaluation, which wrote slopes; false when it is singular, or not definite and not
-    /// allowed to be `indefinite`.
+    /// Factorise Newton's matrix of the last evaluation, which must have written slopes. Return false where it is singular, or not
+    /// definite and not allowed to be `indefinite`.
     pub(crate) fn factorise(
         &mut self,
         model: &Model,
@@ -158,14 +159,15 @@ impl Kernels {
             .is_some_and(|newton| newton.factorise(model, &evaluated, gamma))
     }
 
-    /// Overwrites a residual of velocities by the correction that the last matrix asks for.
+    /// Overwrite a residual of the velocities with the correction, the solution with the last matrix.
     pub(crate) fn correct(&mut self, model: &Model, residual: &mut [f64]) {
         if let Some(newton) = &mut self.newton {
             newton.correct(model, self.instructions, residual);
         }
     }
 
-    /// Lets evaluations solve for bristles in an implicit step, from what is predicted of their deflections, with γ; nothing: no more.
+    /// Start or end an implicit step for bristles. With predicted deflections and γ, evaluations solve for the deflections; with
+    /// `None` they use those of the state.
     pub(crate) fn solve_for_bristles(&mut self, step: Option<(&[f64], f64)>) {
         match (&mut self.bristles, step) {
             (Some(bristles), Some((predicted, gamma))) => {
@@ -176,32 +178,32 @@ impl Kernels {
         }
     }
 
-    /// The deflections that the last evaluation of an implicit step solved for \[m\].
+    /// Return the deflections of the bristles that the last evaluation of an implicit step solved for \[m\].
     pub(crate) fn solved_bristles(&self) -> &[f64] {
         (self.bristles.as_ref()).map_or(&[], |bristles| bristles.solved())
     }
 
-    /// Goes on with other instructions.
+    /// Set the instruction set.
     pub(crate) fn use_instructions(&mut self, instructions: InstructionSet) {
         self.instructions = instructions;
     }
 
-    /// The instructions in use.
+    /// Return the instruction set.
     pub(crate) fn instructions(&self) -> InstructionSet {
         self.instructions
     }
 
-    /// Whether at the last evaluation some contact had no memory, or some memory no contact.
+    /// Return whether any contact state of the last evaluation differs from the impact velocity memory.
     pub(crate) fn changed(&self) -> bool {
         self.changed.contains(&true)
     }
 
-    /// Where that was, by [`ContactKind`].
+    /// Return the same by [`ContactKind`].
     pub(crate) fn changes(&self) -> [bool; 3] {
         self.changed
     }
 
-    /// Place and motion of sprocket `s` at the last evaluation.
+    /// Return position and motion of sprocket `s` at the last evaluation.
     pub(crate) fn sprocket_frame(&self, s: usize) -> SprocketFrame {
         let pose = &self.poses[s];
         SprocketFrame {
@@ -213,29 +215,29 @@ impl Kernels {
         }
     }
 
-    /// Depth of every hinge at the last evaluation \[m\]; zero where apart.
+    /// Return the penetration of every hinge at the last evaluation \[m\]; zero without contact.
     pub(crate) fn hinge_depths(&self, model: &Model) -> &[f64] {
         &self.chain.depth[..model.links]
     }
 
-    /// Depth of every bushing in its roller at the last evaluation \[m\]; zero where apart.
+    /// Return the penetration of every bushing in its roller at the last evaluation \[m\]; zero without contact.
     pub(crate) fn roller_depths(&self, model: &Model) -> &[f64] {
         let rollers = self.rollers.as_ref();
         rollers.map_or(&[], |rollers| &rollers.arrays.depth[..model.links])
     }
 
-    /// Normal force of bushing `k` in its roller at the last evaluation \[N\].
+    /// Return the normal force of bushing `k` in its roller at the last evaluation \[N\].
     pub(crate) fn roller_force(&self, k: usize) -> f64 {
         let rollers = self.rollers.as_ref();
         rollers.map_or(0.0, |rollers| rollers.arrays.force[k])
     }
 
-    /// Normal force of hinge `k` at the last evaluation \[N\].
+    /// Return the normal force of hinge `k` at the last evaluation \[N\].
     pub(crate) fn hinge_force(&self, k: usize) -> f64 {
         self.chain.force[k]
     }
 
-    /// Sprocket, bushing, depth \[m\] and normal force \[N\] of every candidate at the last evaluation.
+    /// Return sprocket, bushing, penetration \[m\] and normal force \[N\] of every candidate at the last evaluation.
     pub(crate) fn tooth_contacts(
         &self,
         model: &Model,
@@ -249,13 +251,13 @@ impl Kernels {
         })
     }
 
-    /// Centre of bushing `k` at the last evaluation \[m\], or of its roller.
+    /// Return the centre of bushing `k`, or of its roller, at the last evaluation \[m\].
     fn place_on_teeth(&self, k: usize) -> Vec2 {
         let [x, y] = &on_teeth(&self.chain, self.rollers.as_deref()).bushing;
         Vec2::new(x[k], y[k])
     }
 
-    /// Looks for jumps over the teeth of any sprocket at the last evaluation, that of time `t` \[s\].
+    /// Detect jumps over the teeth of any sprocket at the last evaluation, which was at time `t` \[s\].
     pub(crate) fn look_for_jumps(&mut self, model: &Model, t: f64, jumps: &mut ToothJumps) {
         for s in 0..model.toothed() {
             let (sprocket, frame) = (&model.sprockets[s], self.sprocket_frame(s));
@@ -275,7 +277,7 @@ impl Kernels {
         }
     }
 
-    /// Watches all contacts at the end of a step of `length` \[s\], where the last evaluation was.
+    /// Screen all contacts for events in a step of `length` \[s\]. The last evaluation must be at its end.
     pub(crate) fn watch(&mut self, model: &Model, length: f64) -> Watched {
         let n = model.links;
         self.watch.follow(&self.candidates, n);
@@ -316,6 +318,7 @@ impl Kernels {
                 Form::Ansi(gap) => watch!(gap),
                 Form::Table(gap) => watch!(gap),
             };
+            // Bound of the speed of any point of the teeth.
             let center_speed = Vec2::from(pose.velocity).norm();
             rim = rim.max(center_speed + pose.spin.abs() * model.sprockets[s].reach);
         }
@@ -323,7 +326,8 @@ impl Kernels {
         watched
     }
 
-    /// Writes the accelerations at (`t`, `y`) into `rates`, coordinate by coordinate; returns the powers when energy is kept.
+    /// Write the accelerations at (`t`, `y`) into `rates`, coordinate by coordinate; return the powers when an energy balance is
+    /// kept.
     pub(crate) fn accelerations<const ENERGY: bool>(
         &mut self,
         model: &Model,
@@ -336,7 +340,7 @@ impl Kernels {
         self.accelerate_placed::<ENERGY>(model, memory, t, y, rates)
     }
 
-    /// The same with sprockets that are placed already.
+    /// Evaluate as [`Self::accelerations`] with sprockets that are positioned already.
     fn accelerate_placed<const ENERGY: bool>(
         &mut self,
         model: &Model,
@@ -366,7 +370,8 @@ impl Kernels {
         powers
     }
 
-    /// Hinges and rollers at `y`: the largest squared distance of what meets the teeth from its reference \[m²\], and the losses.
+    /// Evaluate hinges and rollers at `y`; return the largest squared distance of the bodies on the teeth from their references
+    /// \[m²\], and the losses.
     fn join<const ENERGY: bool>(
         &mut self,
         model: &Model,
@@ -416,7 +421,8 @@ impl Kernels {
         (moved_squared, losses)
     }
 
-    /// Teeth at `y`, after hinges and rollers, which have moved by so much; adds their losses.
+    /// Evaluate the teeth at `y`, after hinges and rollers, with the squared distance that [`Self::join`] returns; add the losses
+    /// of the teeth.
     fn touch<const ENERGY: bool>(
         &mut self,
         model: &Model,
@@ -453,7 +459,7 @@ impl Kernels {
         }
     }
 
-    /// Takes the deflections of hinges' and rollers' bristles, where there are any.
+    /// Copy the deflections of the bristles of hinges and rollers from the state, where there are any.
     fn take_bristles(&mut self, model: &Model, y: &[f64], rates: &mut [f64]) {
         let Some(bristles) = &mut self.bristles else {
             return;
@@ -467,7 +473,7 @@ impl Kernels {
         bristles.take(ContactKind::Rollers, all, rollers.map(|k| (k, hinges + k)));
     }
 
-    /// Puts their rates beside the accelerations.
+    /// Write the rates of the bristles of hinges and rollers into `rates`.
     fn put_bristles(&mut self, model: &Model, rates: &mut [f64]) {
         let Some(bristles) = &mut self.bristles else {
             return;
@@ -484,7 +490,7 @@ impl Kernels {
         );
     }
 
-    /// Takes the deflections of the bristles of sprocket `s`, where teeth have any.
+    /// Copy the deflections of the bristles of sprocket `s` from the state, where teeth have any.
     fn take_tooth_bristles(&mut self, model: &Model, s: usize, y: &[f64]) {
         if let (Some(bristles), Some(_)) = (&mut self.bristles, &model.tooth_bristles) {
             let (n, places) = (model.links, &model.bristles);
@@ -499,7 +505,7 @@ impl Kernels {
         }
     }
 
-    /// Puts their rates beside the accelerations.
+    /// Write the rates of the bristles of sprocket `s` into `rates`.
     fn put_tooth_bristles(&mut self, model: &Model, s: usize, rates: &mut [f64]) {
         if let (Some(bristles), Some(_)) = (&mut self.bristles, &model.tooth_bristles) {
             let (n, places) = (model.links, &model.bristles);
@@ -514,6 +520,7 @@ impl Kernels {
         }
     }
 
+    /// Write positions and velocities of the sprockets at (`t`, `y`).
     fn place_sprockets(&mut self, model: &Model, t: f64, y: &[f64]) {
         let (q, v) = y.split_at(model.coordinates);
         let angles = &mut self.chain.sprocket_angle;
@@ -536,6 +543,7 @@ impl Kernels {
         }
     }
 
+    /// Evaluate the hinges with the loop instance for the options of `model`.
     fn join_chain<L: ElasticLaw, const ENERGY: bool>(
         &mut self,
         model: &Model,
@@ -608,7 +616,7 @@ impl Kernels {
                 })
             };
         }
-        // Friction comes with its power whether it is asked for or not: that costs less than one more instance of each loop.
+        // Loops with friction always compute the dissipated power: this costs less than one more instance of each loop.
         if model.hinge_bristles.is_some() {
             join!(true, true, true, true, true)
         } else if model.has_extra() {
@@ -622,6 +630,7 @@ impl Kernels {
         }
     }
 
+    /// Evaluate the rollers on their bushings with the loop instance for the options of `model`.
     fn join_rollers<L: ElasticLaw, const ENERGY: bool>(
         &mut self,
         model: &Model,
@@ -693,6 +702,7 @@ impl Kernels {
         }
     }
 
+    /// Write the accelerations of the rollers.
     fn accelerate_rollers(&mut self, model: &Model, rates: &mut [f64]) {
         let (Some(rollers), Some(of)) = (&mut self.rollers, &model.rollers) else {
             return;
@@ -718,13 +728,13 @@ impl Kernels {
         } else {
             accelerate!(false);
         }
-        // Rollers that are none stay where they are.
+        // Missing rollers of an open chain stay at rest.
         for k in model.absent_rollers() {
             (rates[of.first + k], rates[of.first + n + k]) = (0.0, 0.0);
         }
     }
 
-    /// Makes the list of candidates again when something has moved too far for it.
+    /// Refresh the list of candidates where a displacement since its last refresh exceeds the permitted one.
     fn choose_candidates(&mut self, model: &Model, memory: &ImpactMemory, moved_squared: f64) {
         let poses = &self.poses;
         let center = |s: usize| Vec2::from(poses[s].center);
@@ -746,6 +756,7 @@ impl Kernels {
         }
     }
 
+    /// Evaluate the teeth of sprocket `s` with the loop instance for its tooth form and the options of `model`.
     fn touch_teeth<L: ElasticLaw, const ENERGY: bool>(
         &mut self,
         model: &Model,
@@ -814,6 +825,7 @@ impl Kernels {
         }
     }
 
+    /// Write the accelerations of the links.
     fn accelerate_links(&mut self, model: &Model, rates: &mut [f64]) {
         let n = model.links;
         let (x, rest) = rates.split_at_mut(n);
@@ -837,7 +849,7 @@ impl Kernels {
         }
     }
 
-    /// Lets the ends of an open chain move as they are told; returns the power that this takes \[W\].
+    /// Write the prescribed accelerations of the ends of an open chain; return the external power at the ends \[W\].
     fn move_ends(&self, ends: &OpenEnds, t: f64, rates: &mut [f64]) -> f64 {
         let n = ends.links + 2;
         for end in &ends.bodies {
@@ -849,7 +861,7 @@ impl Kernels {
         ends.worked_in(self.on_ends(ends), t)
     }
 
-    /// Force of the chain on both ends of an open one at the last evaluation \[N\].
+    /// Return the force of the chain on both ends of an open chain at the last evaluation \[N\].
     fn on_ends(&self, ends: &OpenEnds) -> [Vec2; 2] {
         ends.bodies.each_ref().map(|end| {
             let [front, rear] = [&self.chain.front_force, &self.chain.rear_force];
@@ -858,6 +870,7 @@ impl Kernels {
         })
     }
 
+    /// Write the accelerations of the sprockets' own coordinates.
     fn accelerate_sprockets(&self, model: &Model, pawls: &[f64], t: f64, rates: &mut [f64]) {
         let moved = model.sprockets.iter().zip(&self.poses).zip(&self.loads);
         for (((sprocket, pose), load), &pawl) in moved.zip(pawls) {

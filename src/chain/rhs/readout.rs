@@ -1,6 +1,7 @@
-//! What the kernels leave for those who read contacts: signed penetrations, rates, normals and surfaces of all candidates on teeth.
+//! Contact quantities for reports: signed penetrations, rates, normals and surfaces of all candidates on teeth.
 //!
-//! A step needs of a tooth contact its depth and its force only; reports need the rest, which is found here by the same tooth forms.
+//! A time step needs only penetration and force of a tooth contact. The other quantities are evaluated here with the same tooth
+//! forms.
 
 use pulp::{Simd, WithSimd};
 
@@ -17,16 +18,16 @@ use crate::math::simd::{
     Lanes, Numbers, both, both_mut, load, padded_zeros, splat_two, vectors, vectors_mut,
 };
 
-/// Candidates of one sprocket as reports have them, slot by slot.
+/// Contact quantities of the candidates of one sprocket, slot by slot.
 #[derive(Debug, Clone)]
 pub(crate) struct ToothReadings {
-    /// Penetration \[m\]; negative when apart.
+    /// Penetration \[m\]; negative without contact.
     pub(crate) penetration: Numbers,
-    /// Its rate \[m/s\].
+    /// Penetration rate \[m/s\].
     pub(crate) rate: Numbers,
-    /// Direction in which it grows, x and y.
+    /// Direction of growing penetration, x and y.
     pub(crate) normal: [Numbers; 2],
-    /// Bushing's centre seen from the sprocket's, x and y \[m\].
+    /// Position of the bushing's centre relative to the sprocket's, x and y \[m\].
     pub(crate) arm: [Numbers; 2],
     /// Number of the nearest surface.
     pub(crate) surface: Numbers,
@@ -35,7 +36,7 @@ pub(crate) struct ToothReadings {
 }
 
 impl ToothReadings {
-    /// Room for `slots` candidates.
+    /// Allocate `slots` candidates.
     pub(crate) fn new(slots: usize) -> Self {
         let zeros = || padded_zeros(slots);
         Self {
@@ -49,7 +50,7 @@ impl ToothReadings {
     }
 }
 
-/// Reads the candidates of one sprocket where the last evaluation was.
+/// Kernel that evaluates the candidates of one sprocket at the last evaluation.
 pub(super) struct ReadTeeth<'a, C> {
     pub(super) constants: &'a C,
     pub(super) pose: &'a SprocketPose,
@@ -90,7 +91,7 @@ impl<C: GapConstants> WithSimd for ReadTeeth<'_, C> {
                 let place = gaps.place([x, y], direction, [at(gap_cos), at(gap_sin)]);
                 let surface = gaps.nearest(&place);
                 let (found, [nx, ny], _) = gaps.depth(&surface, &place);
-                // A contact that bears nothing for its rounding is apart.
+                // Without contact in the last evaluation, a positive penetration is a rounding error and is set to zero.
                 let apart = -(-found).positive_part();
                 let depth = at(depth);
                 penetration[b] = depth.exceeds(zero).select(depth, apart).values();
@@ -108,7 +109,7 @@ impl<C: GapConstants> WithSimd for ReadTeeth<'_, C> {
 }
 
 impl Kernels {
-    /// Evaluates with the sprockets where `motion` has them, wherever that is, and the rest at `y`; writes accelerations into `rates`.
+    /// Evaluate with the sprockets at the positions of `motion` and everything else at `y`; write accelerations into `rates`.
     pub(crate) fn evaluate_placed<const ENERGY: bool>(
         &mut self,
         model: &Model,
@@ -121,7 +122,7 @@ impl Kernels {
         self.accelerate_placed::<ENERGY>(model, memory, t, y, rates)
     }
 
-    /// The same without accelerations: hinges and rollers, and `teeth` where they are asked for.
+    /// Evaluate contacts without accelerations: hinges and rollers, and on request `teeth`.
     pub(crate) fn evaluate_contacts(
         &mut self,
         model: &Model,
@@ -138,6 +139,7 @@ impl Kernels {
         self.put_bristles(model, rates);
     }
 
+    /// Write positions and velocities of the sprockets from `motion`.
     fn place_sprockets_as(&mut self, model: &Model, motion: &Motion) {
         let angles = self.chain.sprocket_angle.iter_mut();
         for (s, (pose, angle)) in self.poses.iter_mut().zip(angles).enumerate() {
@@ -153,27 +155,27 @@ impl Kernels {
         }
     }
 
-    /// What the last evaluation left of links and hinges.
+    /// Return the arrays of links and hinges of the last evaluation.
     pub(crate) fn chain(&self) -> &ChainArrays {
         &self.chain
     }
 
-    /// The same of rollers on their bushings.
+    /// Return the arrays of the rollers of the last evaluation.
     pub(crate) fn rollers(&self) -> Option<&ChainArrays> {
         self.rollers.as_ref().map(|rollers| &rollers.arrays)
     }
 
-    /// What the chain does to every sprocket at the last evaluation.
+    /// Return force and moment of the chain on every sprocket at the last evaluation.
     pub(crate) fn sprocket_loads(&self) -> &[SprocketLoad] {
         &self.loads
     }
 
-    /// Force of the chain on both ends of an open one at the last evaluation \[N\].
+    /// Return the force of the chain on both ends of an open chain at the last evaluation \[N\].
     pub(crate) fn forces_on_ends(&self, model: &Model) -> Option<[Vec2; 2]> {
         model.ends.as_ref().map(|ends| self.on_ends(ends))
     }
 
-    /// Reads the candidates of sprocket `s` where the last evaluation was.
+    /// Write the contact quantities of the candidates of sprocket `s` at the last evaluation into `readings`.
     pub(crate) fn read_teeth(&self, s: usize, readings: &mut ToothReadings) -> &SprocketCandidates {
         let candidates = &self.candidates.sprockets[s];
         macro_rules! read {

@@ -1,53 +1,53 @@
-//! How contact forces change, as an evaluation leaves it for Newton's matrix.
+//! Slopes of the contact forces, written by an evaluation for Newton's matrix.
 //!
-//! With the normal n, the direction t left of it and the offset e of the two points that a contact is between, the force is
-//! -f n, and its change has two parts: that of f, by penetration n·de and rate, and that of n, which turns by κ t·de.
+//! n is the normal, t the direction left of it, and e the offset of the two points of a contact. The force is -f n. Its change has
+//! two parts: the change of f with penetration, n·de, and rate, and the rotation of n by κ t·de.
 
 use pulp::Simd;
 
 use crate::math::simd::{Lanes, Octet, WIDTH};
 
-/// Slopes of the forces of eight contacts; all zero where a contact bears nothing.
+/// Slopes of the forces of eight contacts; all zero without contact.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct SlopeGroup {
     /// n, x and y.
     pub(crate) normal: [Octet; 2],
-    /// The force \[N\].
+    /// Normal force f \[N\].
     pub(crate) force: Octet,
-    /// Its slope with penetration \[N/m\].
+    /// Slope of f with penetration \[N/m\].
     pub(crate) stiffness: Octet,
-    /// Its slope with the rate of penetration \[N s/m\].
+    /// Slope of f with the penetration rate \[N s/m\].
     pub(crate) damping: Octet,
-    /// κ, how far the normal turns for a length moved across it \[1/m\].
+    /// κ, rotation of the normal per displacement across it \[1/m\].
     pub(crate) curvature: Octet,
 }
 
-/// Room for `contacts`.
+/// Allocate groups for `contacts`.
 pub(crate) fn slope_groups(contacts: usize) -> Vec<SlopeGroup> {
     vec![SlopeGroup::default(); contacts.div_ceil(WIDTH)]
 }
 
-/// How friction of eight contacts changes with their slip, and where it acts.
+/// Slopes of the friction of eight contacts with their sliding velocity, and the contact points.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct FrictionGroup {
-    /// Slope of the friction with the slip \[N s/m\].
+    /// Slope of the friction with the sliding velocity \[N s/m\].
     pub(crate) slope: Octet,
-    /// Where a hinge's contact lies along the normal, seen from the centres of its front and rear ends \[m\].
+    /// Position of a hinge's contact point along the normal, relative to the centres of its front and rear ends \[m\].
     pub(crate) places: [Octet; 2],
 }
 
-/// How the films of eight hinges change, along their eccentricities, across, and both; all zero where there is none.
+/// Slopes of the films of eight hinges, as components along the eccentricity, across it, and mixed; all zero without a film.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct FilmGroup {
     /// Direction of the eccentricity, x and y.
     pub(crate) normal: [Octet; 2],
     /// Slopes with the velocity \[N s/m\].
     pub(crate) damping: [Octet; 3],
-    /// With the eccentricity \[N/m\].
+    /// Slopes with the eccentricity \[N/m\].
     pub(crate) stiffness: [Octet; 3],
 }
 
-/// The group that vector `i` of contacts is in, and its number there.
+/// Return the group that contains vector `i` of contacts, and the vector's number in the group.
 #[inline(always)]
 pub(crate) fn group_of<S: Simd, T>(groups: &mut [T], i: usize) -> (&mut T, usize) {
     let parts = WIDTH / S::F64_LANES;
@@ -55,7 +55,7 @@ pub(crate) fn group_of<S: Simd, T>(groups: &mut [T], i: usize) -> (&mut T, usize
 }
 
 impl SlopeGroup {
-    /// Writes vector `part`: n, the force, its slopes with penetration and rate, κ.
+    /// Write vector `part`: n, force, slopes with penetration and rate, κ.
     #[inline(always)]
     pub(super) fn put<S: Simd>(
         &mut self,

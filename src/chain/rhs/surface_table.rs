@@ -1,4 +1,5 @@
-//! A gap of any surfaces over a vector of bushings: from a table, whatever the tooth form; damaged and eccentric teeth too.
+//! Gap of any surfaces for a SIMD vector of bushings, from a table of surfaces: all tooth forms, including damaged and eccentric
+//! teeth.
 
 use pulp::Simd;
 
@@ -8,28 +9,29 @@ use crate::chain::model::Model;
 use crate::geometry::{Surface, SurfaceCurve, SurfacePiece, ToothProfile, Vec2};
 use crate::math::simd::{Lanes, Mask, splat_two};
 
-/// Depth on a flank that is not there \[m\].
+/// Penetration on a missing part of a flank \[m\]. Every real penetration exceeds it.
 const NOWHERE: f64 = -1.0;
 
-/// A surface in numbers.
+/// Constants of one surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Row {
-    /// What lies `from` or more along `tangent` is past the surface before \[m\].
+    /// Boundary to the surface before: points with a coordinate of at least `from` along `tangent` are past it \[m\].
     tangent: [f64; 2],
     from: f64,
-    /// Centre of curvature; of a straight line, its start \[m\].
+    /// Centre of curvature; for a straight line its start \[m\].
     center: [f64; 2],
-    /// Distance of the centres at which bushing and curve touch; of a straight line, the bushing's radius \[m\].
+    /// Distance of the centres at which bushing and curve touch; for a straight line the bushing's radius \[m\].
     touch: f64,
-    /// 1: the bushing lies inside an arc; -1: outside; 0: on a straight line.
+    /// 1: the bushing is inside an arc; -1: outside; 0: straight line.
     side: f64,
-    /// Of a straight line, into the material.
+    /// Normal of a straight line, into the material.
     normal: [f64; 2],
-    /// Law constants.
+    /// Constants of the contact law.
     law: [f64; 2],
 }
 
 impl Row {
+    /// Return the row of a surface; `before` is the surface before it on the flank.
     fn new(
         piece: &SurfacePiece,
         before: Option<&SurfacePiece>,
@@ -59,31 +61,33 @@ impl Row {
     }
 }
 
-/// A damaged tooth and where its surfaces are in the table.
+/// Damaged tooth and the range of its surfaces in the table.
 #[derive(Debug, Clone, PartialEq)]
 struct Damaged {
-    /// Directions of the gaps whose left and whose right flank it is, in the sprocket's own frame.
+    /// Directions of the two gaps beside the tooth, in the frame of the sprocket: the tooth is the left flank of the first and the
+    /// right flank of the second.
     gaps: [[f64; 2]; 2],
     first: usize,
     last: usize,
 }
 
-/// The surfaces of a sprocket's teeth, by their numbers.
+/// Surfaces of a sprocket's teeth, by their numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct SurfaceTable {
     rows: Vec<Row>,
-    /// The last surface of whole teeth.
+    /// Index of the last surface of undamaged teeth.
     last: usize,
     damaged: Vec<Damaged>,
     has_lines: bool,
     seat_center_radius: f64,
-    /// Cosine and sine of half the angle from gap to gap.
+    /// Cosine and sine of half the angle between adjacent gaps.
     half_gap: [f64; 2],
-    /// The teeth's centre in the sprocket's own frame \[m\].
+    /// Centre of the teeth in the frame of the sprocket \[m\].
     offset: [f64; 2],
 }
 
 impl SurfaceTable {
+    /// Return the table of sprocket `s`.
     pub(crate) fn new(model: &Model, s: usize) -> Self {
         let sprocket = &model.sprockets[s];
         let law = |surface| surface_constants(model, s, surface);
@@ -95,7 +99,7 @@ impl SurfaceTable {
         )
     }
 
-    /// Cylinders of `radius` on `profile`, with the law constants of its surfaces.
+    /// Return the table for cylinders of `radius` on `profile`, with the law constants of its surfaces.
     fn of(
         profile: &ToothProfile,
         radius: f64,
@@ -131,7 +135,7 @@ impl SurfaceTable {
     }
 }
 
-/// The table at hand for a vector of bushings.
+/// Table for SIMD vectors of bushings.
 pub(crate) struct TableVectors<'a, S: Simd> {
     simd: S,
     table: &'a SurfaceTable,
@@ -146,7 +150,7 @@ impl GapConstants for SurfaceTable {
     }
 }
 
-/// The row nearest to each bushing.
+/// Nearest row of each bushing.
 #[derive(Clone, Copy)]
 struct Found<S: Simd> {
     number: Lanes<S>,
@@ -156,6 +160,7 @@ struct Found<S: Simd> {
 }
 
 impl<S: Simd> Found<S> {
+    /// Return a table row in all lanes.
     #[inline(always)]
     fn of(simd: S, number: usize, row: &Row) -> Self {
         let splat = |value| Lanes::splat(simd, value);
@@ -167,6 +172,7 @@ impl<S: Simd> Found<S> {
         }
     }
 
+    /// Return `by` in the lanes of `where_true`, `self` elsewhere.
     #[inline(always)]
     fn replaced(self, where_true: Mask<S>, by: &Self) -> Self {
         Self {
@@ -178,35 +184,37 @@ impl<S: Simd> Found<S> {
     }
 }
 
-/// Which bushings are nearest to a straight line, their depth and the line's normal.
+/// Bushings whose nearest surface is a straight line, their penetration and the line's normal.
 type OnLine<S> = (Mask<S>, Lanes<S>, [Lanes<S>; 2]);
 
-/// The surface nearest to each bushing, and where its centre of curvature is seen from there.
+/// Nearest surface of each bushing, and position relative to its centre of curvature.
 pub(crate) struct NearestOfTable<S: Simd> {
     found: Found<S>,
     /// Bushings on left flanks.
     left: Mask<S>,
-    /// Bushing seen from the centre of curvature, u on the right flank, v \[m\].
+    /// Position of the bushing relative to the centre of curvature; u as on the right flank, v \[m\].
     offset: [Lanes<S>; 2],
     distance_squared: Lanes<S>,
-    /// Where a table has straight lines.
+    /// Straight lines, where the table has any.
     line: Option<OnLine<S>>,
     near: Mask<S>,
 }
 
 impl<S: Simd> TableVectors<'_, S> {
+    /// Return a vector with `value` in all lanes.
     #[inline(always)]
     fn splat(&self, value: f64) -> Lanes<S> {
         Lanes::splat(self.simd, value)
     }
 
-    /// The nearest of the rows `first` to `last`, whose surfaces follow one another.
+    /// Return the nearest of the rows `first` to `last`, which are adjacent surfaces.
     #[inline(always)]
     fn scan(&self, first: usize, last: usize, [right, v]: [Lanes<S>; 2]) -> Found<S> {
         let rows = &self.table.rows;
         let mut found = Found::of(self.simd, first, &rows[first]);
         let mut past: Option<Mask<S>> = None;
         for (number, row) in rows.iter().enumerate().take(last + 1).skip(first + 1) {
+            // A bushing is on this row or a later one if it is past the boundary to the row before and past all earlier boundaries.
             let [tangent_u, tangent_v] = splat_two(self.simd, row.tangent);
             let along = right.mul_add(tangent_u, v * tangent_v);
             let within = along.less(self.splat(row.from));
@@ -220,16 +228,17 @@ impl<S: Simd> TableVectors<'_, S> {
         found
     }
 
-    /// Bushings in a gap, by its direction in the sprocket's own frame.
+    /// Return the bushings in the gap with this direction in the frame of the sprocket.
     #[inline(always)]
     fn within(&self, place: &InGap<S>, gap: [f64; 2]) -> Mask<S> {
         let [cos, sin] = splat_two(self.simd, gap);
         let [gap_cos, gap_sin] = place.gap;
         let half = self.splat(self.table.half_gap[0]);
+        // Cosine of the angle between the two directions above that of half a pitch.
         gap_cos.mul_add(cos, gap_sin * sin).greater(half)
     }
 
-    /// The nearest row of one flank, whole or damaged, and the depth there.
+    /// Return the nearest row of one flank, undamaged or damaged, and the penetration there.
     #[inline(always)]
     fn flank(&self, left: bool, place: &InGap<S>, v: Lanes<S>) -> (Found<S>, Lanes<S>) {
         let table = self.table;
@@ -245,7 +254,7 @@ impl<S: Simd> TableVectors<'_, S> {
             }
         }
         let nearest = self.measure(found, place.on_left(), across);
-        // The curve in the middle of the gap ends there.
+        // The first curve of a flank ends in the middle of the gap.
         let past_middle = across[0].less(self.splat(0.0));
         let middle = (found.number - first).less(self.splat(0.5));
         let depth = nearest.depth();
@@ -253,7 +262,7 @@ impl<S: Simd> TableVectors<'_, S> {
         (found, depth)
     }
 
-    /// What is known of bushings at `across` (u as on the right flank, v) from their nearest rows.
+    /// Return the geometry of bushings at `across` (u as on the right flank, v) relative to their nearest rows.
     #[inline(always)]
     fn measure(
         &self,
@@ -265,6 +274,7 @@ impl<S: Simd> TableVectors<'_, S> {
         let zero = self.splat(0.0);
         let offset = [across - found.center[0], v - found.center[1]];
         let distance_squared = offset[0].mul_add(offset[0], offset[1] * offset[1]);
+        // Overlap, without a square root: d > D inside an arc (side 1), d < D outside (side -1).
         let beyond = distance_squared - found.touch * found.touch;
         let near = (found.side * beyond).exceeds(zero);
         let mut nearest = NearestOfTable {
@@ -285,6 +295,7 @@ impl<S: Simd> TableVectors<'_, S> {
                     normal = own.select_two(splat_two(self.simd, row.normal), normal);
                 }
             }
+            // Line: distance of the centre from it, along the normal into the material, plus radius.
             let depth = offset[0].mul_add(normal[0], offset[1] * normal[1]) + found.touch;
             nearest.near = lines.and(depth.exceeds(zero)).or(lines.not().and(near));
             nearest.line = Some((lines, depth, normal));
@@ -294,6 +305,7 @@ impl<S: Simd> TableVectors<'_, S> {
 }
 
 impl<S: Simd> NearestOfTable<S> {
+    /// Return the penetration: side (d - D) on arcs, linear on straight lines.
     #[inline(always)]
     fn depth(&self) -> Lanes<S> {
         let Found { touch, side, .. } = self.found;
@@ -340,7 +352,8 @@ impl<S: Simd> Gap<S> for TableVectors<'_, S> {
         let mut left = place.on_left();
         let v = place.outward - self.splat(table.seat_center_radius);
         let mut found = self.scan(0, table.last, [across, v]);
-        // Between teeth that are not alike either flank may be the nearer one, wherever a bushing is.
+        // In a gap beside a damaged tooth either flank may be nearer, wherever a bushing is: the flank with the larger penetration
+        // is selected.
         let mut beside = place.u.less(place.u);
         for damaged in &table.damaged {
             for gap in damaged.gaps {
@@ -389,6 +402,7 @@ impl<S: Simd> Gap<S> for TableVectors<'_, S> {
         let Found { touch, side, .. } = surface.found;
         let [right, outward] = place.in_gap(surface.left, velocity);
         let scale = side * (self.splat(0.5) / touch);
+        // Gap side (d² - D²)/(2 D) and its rate side (offset · velocity)/D.
         let mut gap = (surface.distance_squared - touch * touch) * scale;
         let mut rate =
             surface.offset[0].mul_add(right, surface.offset[1] * outward) * (scale + scale);
@@ -430,7 +444,7 @@ mod tests {
 
     const RADIUS: f64 = 3.968_75e-3;
 
-    /// What the kernel finds at one point of gap 0, (u, outward): surface, depth, normal (u, v), and whether it is near.
+    /// Kernel for one point (u, outward) of gap 0: surface, penetration, normal (u, v), and whether bushing and surface overlap.
     struct At<'a>(&'a SurfaceTable, Vec2);
 
     impl WithSimd for At<'_> {
@@ -474,7 +488,7 @@ mod tests {
                 ToothProfile::iso(&blank, &iso).unwrap(),
                 ToothProfile::straight(&blank, 4.01e-3, 0.4).unwrap(),
             ] {
-                // Both flanks of gap 0 are damaged, and others that are not.
+                // Both flanks of gap 0 are damaged, and others that do not belong to it.
                 let damage = [(0, 0.5), (teeth - 1, 0.0), (3, 0.5)];
                 let damage = damage.map(|(tooth, height)| Damage { tooth, height });
                 profiles.push(whole.clone().with_damage(&damage, 2e-4).unwrap());
@@ -485,7 +499,8 @@ mod tests {
         profiles
     }
 
-    /// Points (u, outward) of both flanks on, and to a few numbers beside, the normals at the ends of surfaces and in between.
+    /// Return points (u, outward) of both flanks: on the normals at the ends of surfaces and in between, and a few units of
+    /// rounding beside them.
     fn points(profile: &ToothProfile) -> Vec<Vec2> {
         let mut points = Vec::new();
         for piece in profile.surfaces() {
@@ -504,7 +519,8 @@ mod tests {
         points
     }
 
-    /// With the same point for both: depths to 8 units of the distance of centres and of the straight lines' far starts.
+    /// Compare with the scalar reference implementation at the same point: penetrations to 8 units of rounding of the distance of
+    /// centres and of the distant starts of straight lines.
     #[test]
     fn a_point_of_every_form_has_the_depth_and_normal_of_the_twin() {
         for profile in profiles() {
@@ -522,7 +538,7 @@ mod tests {
                         set.name(),
                         profile.teeth
                     );
-                    // On a joint either of the two is nearest; they meet there with one normal.
+                    // On a joint either of the two surfaces is nearest; they have a common normal there.
                     let size = profile.outside_radius;
                     let off = (depth - twin.penetration).abs();
                     assert!(off <= 4.0 * f64::EPSILON * size, "{what}: {off:e}");
@@ -535,7 +551,7 @@ mod tests {
                     assert!(!near || depth >= -1e-18, "{what}: {depth:e}");
                 }
             }
-            // Gap 0 has none of the whole surfaces where both of its flanks are damaged.
+            // Gap 0 has no undamaged surfaces where both of its flanks are damaged.
             let first = profile
                 .damaged()
                 .next()

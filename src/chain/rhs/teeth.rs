@@ -1,4 +1,4 @@
-//! Candidates of one sprocket against its teeth: surface, depth, force.
+//! Contacts between the candidates of one sprocket and its teeth: surface, penetration, force.
 
 use std::marker::PhantomData;
 
@@ -20,23 +20,23 @@ use crate::math::simd::{
     vectors_mut,
 };
 
-/// Where a sprocket is and how it moves.
+/// Position and velocity of a sprocket.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct SprocketPose {
     /// Centre \[m\].
     pub(crate) center: [f64; 2],
-    /// Its velocity \[m/s\].
+    /// Velocity of the centre \[m/s\].
     pub(crate) velocity: [f64; 2],
     /// Angle \[rad\].
     pub(crate) angle: f64,
-    /// Its rate \[rad/s\].
+    /// Angular velocity \[rad/s\].
     pub(crate) spin: f64,
     /// Cosine and sine of the angle.
     pub(crate) direction: [f64; 2],
 }
 
 impl SprocketPose {
-    /// The same, as scalar code has it.
+    /// Return the same as the type of the scalar code.
     pub(crate) fn moves(&self) -> Moves {
         Moves {
             center: self.center.into(),
@@ -47,29 +47,30 @@ impl SprocketPose {
     }
 }
 
-/// What the chain does to a sprocket, and what else its teeth found.
+/// Loads of the chain on a sprocket, and the other results of the loop over its teeth.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct TeethFound {
     /// Force on the sprocket \[N\].
     pub(crate) force: [f64; 2],
     /// Moment about its centre \[N m\].
     pub(crate) moment: f64,
-    /// Whether a candidate touches that has no memory, or has one and does not touch.
+    /// Whether the contact state of a candidate differs from the impact velocity memory: contact without memory, or memory without
+    /// contact.
     pub(crate) changed: bool,
-    /// Power dissipated by damping \[W\], when asked for.
+    /// Power dissipated by damping \[W\], if requested.
     pub(crate) dissipated: f64,
-    /// Power dissipated by friction \[W\], likewise.
+    /// Power dissipated by friction \[W\], if requested.
     pub(crate) rubbed: f64,
 }
 
-/// Friction on teeth, where there is any.
+/// Friction on teeth.
 #[derive(Clone, Copy)]
 pub(crate) struct ToothFriction<'a> {
     pub(crate) law: &'a Friction,
     pub(crate) bushing_radius: f64,
 }
 
-/// One law, one loop; see the hinges.
+/// Kernel of the candidates of one sprocket, one instance per contact law; constant parameters as of `JoinChain`.
 pub(crate) struct TouchTeeth<
     'a,
     C,
@@ -82,7 +83,7 @@ pub(crate) struct TouchTeeth<
     pub(crate) law: PhantomData<L>,
     pub(crate) sprocket: &'a SprocketModel,
     pub(crate) constants: &'a C,
-    /// Whether a contact keeps the stiffness that it began with.
+    /// Whether a contact keeps the stiffness of its onset.
     pub(crate) keeps_stiffness: bool,
     pub(crate) pose: &'a SprocketPose,
     pub(crate) lambda: f64,
@@ -90,13 +91,13 @@ pub(crate) struct TouchTeeth<
     pub(crate) links: &'a LinkConstants,
     pub(crate) arrays: &'a mut ChainArrays,
     pub(crate) candidates: &'a mut SprocketCandidates,
-    /// Where the slopes of the forces go when they are asked for, slot by slot.
+    /// Output for the slopes of the forces, slot by slot, if requested.
     pub(crate) slopes: Option<&'a mut [SlopeGroup]>,
-    /// Those of friction.
+    /// Output for the slopes of friction, if requested.
     pub(crate) rubs: Option<&'a mut [FrictionGroup]>,
-    /// What `RUBBED` needs.
+    /// Friction for `RUBBED`.
     pub(crate) friction: Option<ToothFriction<'a>>,
-    /// What `BRISTLED` needs, slot by slot.
+    /// Bristles for `BRISTLED`, slot by slot.
     pub(crate) bristles: Option<Bristling<'a>>,
 }
 
@@ -202,6 +203,7 @@ impl<
                 let valid = lane_numbers(simd).less(splat((length - from) as f64));
                 let arm = teeth.arm(b, &run);
                 let mut place = teeth.place(b, arm, gap_cos, gap_sin);
+                // Some bushing is nearer to an adjacent gap: assign the gaps of this vector again.
                 if teeth.gap.left(&place).and(valid).any() {
                     for j in from..length.min(from + S::F64_LANES) {
                         let arm = Vec2::new(bushing[0][first + j], bushing[1][first + j])
@@ -226,7 +228,7 @@ impl<
     }
 }
 
-/// Arrays of one run as vectors.
+/// Arrays of one run in SIMD vectors.
 struct RunOfBushings<'a, S: Simd> {
     bushing: [&'a [S::f64s]; 2],
     velocity: [&'a [S::f64s]; 2],
@@ -241,19 +243,19 @@ struct RunOfBushings<'a, S: Simd> {
     rubbed: RubbedRun<'a, S>,
 }
 
-/// What friction reads and writes of a run.
+/// Arrays of one run that friction reads and writes.
 struct RubbedRun<'a, S: Simd> {
     spin: &'a [S::f64s],
-    /// On front and rear ends.
+    /// Moments on front and rear ends \[N m\].
     moments: [&'a mut [S::f64s]; 2],
     friction: &'a mut [S::f64s],
     slopes: Option<&'a mut [FrictionGroup]>,
-    /// Some where `BRISTLED`.
+    /// `Some` for `BRISTLED`.
     bristles: Option<BristleLanes<'a, S>>,
 }
 
 impl<'a, S: Simd> RubbedRun<'a, S> {
-    /// From these bushings and ends on.
+    /// Return the arrays from these bushings and ends on.
     #[inline(always)]
     fn of(
         spin: &'a [f64],
@@ -273,7 +275,7 @@ impl<'a, S: Simd> RubbedRun<'a, S> {
         }
     }
 
-    /// Where there is no friction.
+    /// Return empty arrays, for loops without friction.
     #[inline(always)]
     fn none() -> Self {
         Self {
@@ -286,7 +288,7 @@ impl<'a, S: Simd> RubbedRun<'a, S> {
     }
 }
 
-/// A sprocket's teeth in vectors, and sums over their contacts.
+/// Teeth of a sprocket in SIMD vectors, and sums over their contacts.
 struct Teeth<
     S: Simd,
     G,
@@ -309,7 +311,7 @@ struct Teeth<
     sums: [PartialSums; 4],
     /// Power dissipated by friction \[W\].
     rubbed: PartialSums,
-    /// Friction and the bushings' radius; some where `RUBBED`.
+    /// Friction and the bushings' radius; `Some` for `RUBBED` without bristles.
     rubbing: Option<(RegularizedFriction<Lanes<S>>, Lanes<S>)>,
 }
 
@@ -323,7 +325,7 @@ impl<
     const ENERGY: bool,
 > Teeth<S, G, L, DAMPED, RUBBED, BRISTLED, ENERGY>
 {
-    /// Power dissipated by friction, when asked for \[W\].
+    /// Return the power dissipated by friction \[W\], if requested.
     #[inline(always)]
     fn lost_to_friction(&self) -> f64 {
         if RUBBED && ENERGY {
@@ -333,7 +335,7 @@ impl<
         }
     }
 
-    /// Bushings seen from the sprocket's centre \[m\].
+    /// Return the positions of bushings relative to the sprocket's centre \[m\].
     #[inline(always)]
     fn arm(&self, b: usize, run: &RunOfBushings<S>) -> [Lanes<S>; 2] {
         let simd = self.spin.simd();
@@ -343,7 +345,7 @@ impl<
         ]
     }
 
-    /// The same in the gaps that they were last seen in.
+    /// Return the bushings in the frames of the gaps of the last evaluation.
     #[inline(always)]
     fn place(&self, b: usize, arm: [Lanes<S>; 2], gap_cos: &[f64], gap_sin: &[f64]) -> InGap<S> {
         let simd = self.spin.simd();
@@ -354,7 +356,7 @@ impl<
         self.gap.place(arm, self.direction, gap)
     }
 
-    /// Depth, force and what it does to links and sprocket, for one vector of bushings.
+    /// Evaluate one vector of bushings: penetration, force, and the loads on links and sprocket.
     #[inline(always)]
     fn touch(
         &mut self,
@@ -403,7 +405,8 @@ impl<
         let elastic = L::elastic(pair, depth);
         let mut across = zero;
         let contact = if DAMPED {
-            // Every surface is at rest in the sprocket: its velocity at the bushing's place gives the rate in every region.
+            // Every surface is fixed in the sprocket. The velocity of the sprocket's point at the bushing's centre gives the
+            // penetration rate on every surface.
             let vx = self
                 .spin
                 .mul_add(arm_y, at(run.velocity[0]) - self.velocity[0]);
@@ -432,7 +435,7 @@ impl<
         self.push(b, [arm_x, arm_y], [nx, ny], [force, across], run);
     }
 
-    /// What the forces of a vector of bushings do to links and sprocket; `across`: how fast their centres slip.
+    /// Add the forces of a vector of bushings to links and sprocket; `across`: sliding velocity of the bushings' centres.
     #[inline(always)]
     fn push(
         &mut self,
@@ -454,6 +457,7 @@ impl<
         }
         self.sums[0].add(b, push_x);
         self.sums[1].add(b, push_y);
+        // Moment about the sprocket's centre: arm × force.
         let mut moment = arm_x.mul_add(push_y, -(arm_y * push_x));
         if RUBBED {
             moment = moment + spun;
@@ -467,8 +471,8 @@ impl<
         run.rear_force[1][b] = (at(run.rear_force[1]) - (push_y - front_y)).values();
     }
 
-    /// Friction of a vector of bushings that slip `across` at their centres, on the sprocket \[N\], and its moment about a
-    /// bushing \[N m\], which the bushings feel the other way round.
+    /// Return the friction on the sprocket \[N\] for bushings whose centres slide with `across`, and its moment about a bushing \[N
+    /// m\]. The bushings receive the opposite moment.
     #[inline(always)]
     fn slide(
         &mut self,
@@ -488,7 +492,7 @@ impl<
         let Some(radius) = radius else {
             return [zero; 2];
         };
-        // The contact is the bushing's outermost point.
+        // The contact point is the bushing's outermost point: sliding velocity = across + radius (ω_bushing - ω_sprocket).
         let spin = load(simd, &run.rubbed.spin[b]);
         let slip = radius.mul_add(spin - self.spin, across);
         let [rub, slope] = if BRISTLED && let Some(bristles) = &mut run.rubbed.bristles {

@@ -1,13 +1,14 @@
-//! Ends of links: where they are and how they move, a vector of links at a time.
+//! Ends of links: positions and velocities, one SIMD vector of links at a time.
 
 use pulp::Simd;
 
 use crate::math::simd::{Lanes, Mask, load, partial_load, vectors};
 
-/// x, y \[m\], dx/dt, dy/dt \[m/s\] and dθ/dt \[rad/s\] of links, from one of them on.
+/// x, y \[m\], dx/dt, dy/dt \[m/s\] and dθ/dt \[rad/s\] of links, from a first link on.
 pub(super) struct Links<'a, S: Simd>([&'a [S::f64s]; 5]);
 
 impl<'a, S: Simd> Links<'a, S> {
+    /// Return `blocks` vectors from link `first` on.
     #[inline(always)]
     pub(super) fn of([x, y, vx, vy, spin]: [&'a [f64]; 5], first: usize, blocks: usize) -> Self {
         Self([
@@ -19,6 +20,7 @@ impl<'a, S: Simd> Links<'a, S> {
         ])
     }
 
+    /// Return vector `i` of links.
     #[inline(always)]
     pub(super) fn at(&self, simd: S, i: usize) -> [Lanes<S>; 5] {
         let [x, y, vx, vy, spin] = self.0;
@@ -32,7 +34,7 @@ impl<'a, S: Simd> Links<'a, S> {
     }
 }
 
-/// The last vector of links, from link `from` on.
+/// Return the last vector of links, from link `from` on; lanes behind the last link are zero.
 #[inline(always)]
 pub(super) fn last_links<S: Simd>(simd: S, links: [&[f64]; 5], from: usize) -> [Lanes<S>; 5] {
     let [x, y, vx, vy, spin] = links;
@@ -45,7 +47,7 @@ pub(super) fn last_links<S: Simd>(simd: S, links: [&[f64]; 5], from: usize) -> [
     ]
 }
 
-/// The vector that begins one link later and ends with the first link of all.
+/// Return the vector that begins one link later; its last entry is the first link of the chain.
 #[inline(always)]
 pub(super) fn behind_last<S: Simd>(
     links: [&[f64]; 5],
@@ -63,7 +65,7 @@ pub(super) fn behind_last<S: Simd>(
     ]
 }
 
-/// Where ends are along their links, and directions of the links, from one of them on.
+/// Positions of ends along their links, and directions of the links, from a first link on.
 pub(super) struct Arms<'a, S: Simd> {
     arm: &'a [S::f64s],
     cos: &'a [S::f64s],
@@ -71,6 +73,7 @@ pub(super) struct Arms<'a, S: Simd> {
 }
 
 impl<'a, S: Simd> Arms<'a, S> {
+    /// Return `blocks` vectors; the directions begin with link `first`.
     #[inline(always)]
     pub(super) fn of(
         arm: &'a [f64],
@@ -85,6 +88,7 @@ impl<'a, S: Simd> Arms<'a, S> {
         }
     }
 
+    /// Return arm, cosine and sine of vector `i` of links.
     #[inline(always)]
     pub(super) fn at(&self, simd: S, i: usize) -> [Lanes<S>; 3] {
         [
@@ -95,19 +99,19 @@ impl<'a, S: Simd> Arms<'a, S> {
     }
 }
 
-/// One end of a vector of links.
+/// One end of each link of a SIMD vector.
 #[derive(Clone, Copy)]
 pub(super) struct End<S: Simd> {
     pub(super) x: Lanes<S>,
     pub(super) y: Lanes<S>,
     pub(super) vx: Lanes<S>,
     pub(super) vy: Lanes<S>,
-    /// Angular speed of the link.
+    /// Angular velocity of the link \[rad/s\].
     pub(super) spin: Lanes<S>,
 }
 
 impl<S: Simd> End<S> {
-    /// All but the first of `here` and the first of `next`.
+    /// Return `here` shifted by one lane, with the first lane of `next` in the last lane.
     #[inline(always)]
     pub(super) fn moved_on(here: &Self, next: &Self, last_lane: Mask<S>) -> Self {
         let mut moved = *next;
@@ -119,6 +123,7 @@ impl<S: Simd> End<S> {
         moved
     }
 
+    /// Return the ends at `arm` from the centres: x + arm (cos, sin), with velocity v + arm dθ/dt (-sin, cos).
     #[inline(always)]
     pub(super) fn new([x, y, vx, vy, spin]: [Lanes<S>; 5], [arm, cos, sin]: [Lanes<S>; 3]) -> Self {
         let turn = arm * spin;

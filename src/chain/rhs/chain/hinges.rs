@@ -1,4 +1,5 @@
-//! Hinges as vectors: who touches whom, how deep, and the normal forces. Links meet in them, and rollers with their bushings.
+//! Hinges in SIMD vectors: contacts, penetrations and normal forces. The loop serves the hinges between links and the rollers on
+//! their bushings.
 
 use std::marker::PhantomData;
 
@@ -17,27 +18,30 @@ use crate::math::simd::{
     Lanes, Numbers, PartialSums, both, both_mut, load, splat_two, vectors, vectors_mut,
 };
 
-/// What is given for all hinges of one loop.
+/// Input for all hinges of one loop.
 pub(crate) struct Joints<'a> {
+    /// Constants of the contact law.
     pub(crate) pair: [f64; 2],
+    /// Radial clearance \[m\].
     pub(crate) clearance: f64,
     pub(crate) lambda: f64,
+    /// Minimum impact velocity \[m/s\].
     pub(crate) floor: f64,
-    /// 1/onset speed of every one \[s/m\]; zero without memory.
+    /// 1/initial impact velocity of every hinge \[s/m\]; zero without memory.
     pub(crate) inverse_onset: &'a [f64],
-    /// Where the bushings, or the rollers, were when the candidates were chosen, x and y \[m\].
+    /// Centres of the bushings, or of the rollers, at the last refresh of the candidates, x and y \[m\].
     pub(crate) reference: &'a [Numbers; 2],
-    /// Where the slopes of the forces go when they are asked for.
+    /// Output for the slopes of the forces, if requested.
     pub(crate) slopes: Option<&'a mut [SlopeGroup]>,
-    /// Those of friction.
+    /// Output for the slopes of friction, if requested.
     pub(crate) rubs: Option<&'a mut [FrictionGroup]>,
-    /// What `RUBBED` needs; where rollers turn on them, bushings are the pins.
+    /// Friction for `RUBBED`; for rollers, the bushings are the pins.
     pub(crate) friction: Option<HingeFriction<'a>>,
-    /// What `BRISTLED` needs.
+    /// Bristles for `BRISTLED`.
     pub(crate) bristles: Option<Bristling<'a>>,
 }
 
-/// The hinges as vectors.
+/// Hinges of one loop in SIMD vectors.
 pub(super) struct Hinges<
     'a,
     S: Simd,
@@ -52,7 +56,7 @@ pub(super) struct Hinges<
     pair: [Lanes<S>; 2],
     pub(super) clearance: Lanes<S>,
     damping: RestitutionDamping<Lanes<S>>,
-    /// Infinite where an open chain is open.
+    /// Squared radial clearance \[m²\]; infinite where an open chain is open.
     clearance_squared: &'a [S::f64s],
     onset: &'a [S::f64s],
     pub(super) on_front: &'a [S::f64s],
@@ -60,9 +64,9 @@ pub(super) struct Hinges<
     reference: [&'a [S::f64s]; 2],
     pub(super) depth: &'a mut [S::f64s],
     force: &'a mut [S::f64s],
-    /// Some numbers where `RUBBED`.
+    /// Friction \[N\]; empty without `RUBBED`.
     pub(super) friction: &'a mut [S::f64s],
-    /// Force of lubricant on the front ends; some numbers where `EXTRA`.
+    /// Force of lubricant on the front ends \[N\]; empty without `EXTRA`.
     pub(super) film_force: [&'a mut [S::f64s]; 2],
     distance_squared: &'a mut [S::f64s],
     along: &'a mut [S::f64s],
@@ -73,22 +77,22 @@ pub(super) struct Hinges<
     pub(super) moved_squared: Lanes<S>,
     pub(super) changed: bool,
     pub(super) power: PartialSums,
-    /// Power dissipated by friction.
+    /// Power dissipated by friction \[W\].
     pub(super) rubbed: PartialSums,
     slopes: Option<&'a mut [SlopeGroup]>,
     pub(super) rubs: Option<&'a mut [FrictionGroup]>,
-    /// Friction and the pins' radius; some where `RUBBED`.
+    /// Friction and the pins' radius; `Some` for `RUBBED` without bristles.
     pub(super) rubbing: Option<(RegularizedFriction<Lanes<S>>, Lanes<S>)>,
-    /// Some where `BRISTLED`.
+    /// `Some` for `BRISTLED`.
     pub(super) bristles: Option<BristleLanes<'a, S>>,
-    /// On fronts and rears.
+    /// Moments on fronts and rears \[N m\].
     pub(super) moments: [&'a mut [S::f64s]; 2],
-    /// Power dissipated by lubricant.
+    /// Power dissipated by lubricant \[W\].
     pub(super) sheared: PartialSums,
     pub(super) film_slopes: Option<&'a mut [FilmGroup]>,
-    /// Some where `EXTRA` and lubricant.
+    /// `Some` for `EXTRA` with lubricant.
     pub(super) film: Option<FilmLaw<Lanes<S>>>,
-    /// Some where `EXTRA` and elastic plates.
+    /// `Some` for `EXTRA` with elastic plates.
     pub(super) compliance: Option<&'a [S::f64s]>,
 }
 
@@ -103,8 +107,8 @@ impl<
     const ENERGY: bool,
 > Hinges<'a, S, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>
 {
-    /// Of these joints; also cosines and sines of links, which the rest of the arrays is separate from. Lubricant and elastic plates come
-    /// with [`Self::attach_optional_forces`].
+    /// Return the hinges of these joints, and cosines and sines of the links, which are borrowed apart from the other arrays.
+    /// [`Self::attach_optional_forces`] adds lubricant and elastic plates.
     #[inline(always)]
     pub(super) fn new(
         simd: S,
@@ -174,7 +178,7 @@ impl<
         (hinges, [&arrays.cos, &arrays.sin])
     }
 
-    /// Takes lubricant and elastic plates, where there are any.
+    /// Attach lubricant and elastic plates, where there are any.
     #[inline(always)]
     pub(super) fn attach_optional_forces(
         &mut self,
@@ -191,7 +195,7 @@ impl<
         }
     }
 
-    /// What they found besides their forces.
+    /// Return the results besides the forces.
     #[inline(always)]
     pub(super) fn found(&self) -> ChainFound {
         ChainFound {
@@ -203,12 +207,13 @@ impl<
         }
     }
 
-    /// One vector of hinges; whether any of them may touch.
+    /// Evaluate one vector of hinges; return whether contact is possible in any of them.
     #[inline(always)]
     pub(super) fn join(&mut self, i: usize, front: &End<S>, rear: &End<S>) -> bool {
         let simd = self.clearance.simd();
         let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
         self.place_bushings(i, front, rear);
+        // Eccentricity e from the rear end of link k + 1 to the front end of link k; contact for |e| > clearance.
         let (ex, ey) = (front.x - rear.x, front.y - rear.y);
         let distance_squared = ex.mul_add(ex, ey * ey);
         let velocity = [front.vx - rear.vx, front.vy - rear.vy];
@@ -242,6 +247,7 @@ impl<
         let touching = depth.exceeds(zero);
         self.changed |= touching.differs(remembered).any();
         let mut pressed = depth;
+        // Contact and plates in series: the contact's own penetration.
         if EXTRA && let Some(compliance) = self.compliance {
             let compliance = load(simd, &compliance[i]);
             pressed = depth_in_series::<_, L>(self.pair, compliance, depth);
@@ -261,6 +267,7 @@ impl<
             let alone = L::slope(self.pair, pressed, elastic);
             let [mut stiffness, damping] = contact.slopes(alone);
             if EXTRA && let Some(compliance) = self.compliance {
+                // Series of stiffness k and compliance c: k/(1 + c k).
                 stiffness = stiffness / load(simd, &compliance[i]).mul_add(alone, one);
             }
             let (group, part) = group_of::<S, _>(slopes, i);
@@ -277,7 +284,7 @@ impl<
         true
     }
 
-    /// Depth, force, and its direction as it acts on the rear ends.
+    /// Write penetration, normal force, and the force vector, which acts on the rear ends and with opposite sign on the front ends.
     #[inline(always)]
     fn put(&mut self, i: usize, [depth, force, x, y]: [Lanes<S>; 4]) {
         self.depth[i] = depth.values();
@@ -288,7 +295,7 @@ impl<
         self.rear_force[1][i] = y.values();
     }
 
-    /// Hinges that do not touch.
+    /// Write zero friction for hinges without contact.
     #[inline(always)]
     fn put_no_friction(&mut self, i: usize) {
         let zero = self.clearance.constant(0.0);
@@ -299,7 +306,7 @@ impl<
         }
     }
 
-    /// The bushings of these hinges, and how far they have moved from their references.
+    /// Write centres and velocities of the bushings of these hinges; update their largest squared distance from the references.
     #[inline(always)]
     fn place_bushings(&mut self, i: usize, front: &End<S>, rear: &End<S>) {
         let simd = self.clearance.simd();

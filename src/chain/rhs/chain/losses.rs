@@ -1,4 +1,4 @@
-//! Friction and lubricant of a vector of hinges, after their normal forces.
+//! Friction and lubricant of a SIMD vector of hinges, evaluated after the normal forces.
 
 use pulp::Simd;
 
@@ -8,17 +8,17 @@ use crate::chain::rhs::slopes::{FilmGroup, group_of};
 use crate::force_law::{ElasticLaw, FilmForce, Friction, HingeFilm};
 use crate::math::simd::{Lanes, load, write};
 
-/// Friction in hinges, where there is any.
+/// Friction in hinges.
 #[derive(Clone, Copy)]
 pub(crate) struct HingeFriction<'a> {
     pub(crate) law: &'a Friction,
     pub(crate) pin_radius: f64,
 }
 
-/// Lubricant in hinges, where there is any.
+/// Lubricant in hinges.
 pub(crate) struct FilledHinges<'a> {
     pub(crate) film: &'a HingeFilm,
-    /// Where its slopes go when they are asked for.
+    /// Output for its slopes, if requested.
     pub(crate) slopes: Option<&'a mut [FilmGroup]>,
 }
 
@@ -32,7 +32,7 @@ impl<
     const ENERGY: bool,
 > Hinges<'_, S, L, DAMPED, RUBBED, BRISTLED, EXTRA, ENERGY>
 {
-    /// Power dissipated by friction, when asked for \[W\].
+    /// Return the power dissipated by friction \[W\], if requested.
     #[inline(always)]
     pub(super) fn lost_to_friction(&self) -> f64 {
         if RUBBED && ENERGY {
@@ -42,7 +42,7 @@ impl<
         }
     }
 
-    /// Power dissipated by lubricant, when asked for \[W\].
+    /// Return the power dissipated by lubricant \[W\], if requested.
     #[inline(always)]
     pub(super) fn lost_to_lubricant(&self) -> f64 {
         if EXTRA && ENERGY {
@@ -52,7 +52,7 @@ impl<
         }
     }
 
-    /// Adds the film to the forces and moments of these hinges.
+    /// Add the film to the forces and moments of these hinges.
     #[inline(always)]
     pub(super) fn fill(
         &mut self,
@@ -67,7 +67,7 @@ impl<
         let (zero, one, half) = (splat(0.0), splat(1.0), splat(0.5));
         let Some(film) = self.film else { return };
         let distance = distance_squared.sqrt();
-        // In the middle any direction will do.
+        // At zero eccentricity the direction is arbitrary.
         let apart = distance.greater(zero);
         let over_distance = one / apart.select(distance, one);
         let (nx, ny) = (
@@ -75,6 +75,7 @@ impl<
             apart.select(ey * over_distance, zero),
         );
         let along = nx.mul_add(velocity[0], ny * velocity[1]);
+        // Velocity of the eccentricity along and across it, in a frame that rotates with the mean angular velocity.
         let mean_spin = half * (front.spin + rear.spin);
         let across = nx.mul_add(velocity[1], -(ny * velocity[0]));
         let across = mean_spin.negate_mul_add(distance, across);
@@ -87,6 +88,7 @@ impl<
         } = filled.film;
         let shear = shear * turning;
         if ENERGY {
+            // Dissipated power: S Δω² - F · v.
             let pressed = push.mul_add(along, drag * across);
             self.sheared.add(i, shear.mul_add(turning, -pressed));
         }
@@ -98,7 +100,7 @@ impl<
             let rear = &mut self.rear_force[axis][i];
             *rear = (load(simd, rear) - force).values();
         }
-        // Half of what the forces' distance leaves goes to each end.
+        // The forces on the two ends act at a distance: each end takes half of their moment.
         let lever = half * distance * drag;
         let moments = [shear - lever, -(shear + lever)];
         for (all, moment) in self.moments.iter_mut().zip(moments) {
@@ -113,7 +115,7 @@ impl<
         }
     }
 
-    /// The force on the rear ends with friction, of which the moments are written.
+    /// Return the force on the rear ends with friction; write the moments of friction.
     #[inline(always)]
     pub(super) fn add_friction(
         &mut self,
@@ -133,11 +135,13 @@ impl<
         let Some(pin_radius) = radius else {
             return [force * nx, force * ny];
         };
-        // The contact is the pin's outermost point: beyond the pin as the bushing sees it, whichever link has the pin.
+        // The contact point is the point of the pin on the bushing, whichever link carries the pin. Its position along the normal
+        // is relative to the centre of each end.
         let on_front = load(simd, &self.on_front[i]).greater(zero);
         let distance = depth + self.clearance;
         let from_front = on_front.select(-(pin_radius + distance), pin_radius);
         let from_rear = from_front + distance;
+        // Sliding velocity: t · de/dt + from_front ω_front - from_rear ω_rear.
         let across = nx.mul_add(velocity[1], -(ny * velocity[0]));
         let turning = from_front.mul_add(front.spin, -(from_rear * rear.spin));
         let slip = across + turning;

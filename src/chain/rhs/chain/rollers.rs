@@ -1,7 +1,7 @@
-//! Rollers on their bushings: the hinges' loop once more, between bushings, which are known, and rollers.
+//! Rollers on their bushings: the loop of the hinges, with bushings in known positions and rollers as the two bodies.
 //!
-//! Rollers have arrays like the chain's own: their centres stand in the place of the bushings', and the forces on them in the
-//! place of those on front ends. Teeth, candidates and watches read and write these as they would the chain's.
+//! Rollers have the same arrays as the chain. Their centres replace those of the bushings, and the forces on them replace those on
+//! front ends. Teeth, candidates and event screening use both kinds of arrays in the same way.
 
 use std::marker::PhantomData;
 
@@ -17,17 +17,17 @@ use crate::math::simd::{
     Lanes, Mask, both, both_mut, lane_numbers, load, partial_load, vectors, vectors_mut,
 };
 
-/// What the kernels have of rollers.
+/// Rollers in the kernels.
 #[derive(Debug, Clone)]
 pub(crate) struct Rollers {
-    /// To the teeth every roller is on a front.
+    /// Constants for the teeth: every roller counts as a bushing on the front of a link.
     pub(crate) constants: LinkConstants,
-    /// Rollers in the place of bushings.
+    /// Arrays with rollers in the place of bushings.
     pub(crate) arrays: ChainArrays,
 }
 
 impl Rollers {
-    /// Arrays for the rollers of `model`, where they are bodies.
+    /// Allocate the arrays for the rollers of `model`, where they are bodies.
     pub(crate) fn of(model: &Model) -> Option<Self> {
         model.rollers.as_ref().map(|rollers| {
             let mut constants = LinkConstants::new(model);
@@ -35,7 +35,7 @@ impl Rollers {
             constants
                 .clearance_squared
                 .fill(rollers.clearance * rollers.clearance);
-            // Without a bushing there is nothing to touch.
+            // A missing bushing has an infinite clearance: no contact occurs.
             for k in (0..model.links).filter(|&k| !model.bushing_is_there(k)) {
                 constants.clearance_squared[k] = f64::INFINITY;
             }
@@ -47,7 +47,7 @@ impl Rollers {
     }
 }
 
-/// One law, one loop; see the hinges.
+/// Kernel of the rollers, one instance per contact law; parameters as of `JoinChain`.
 pub(crate) struct JoinRollers<
     'a,
     L,
@@ -60,12 +60,12 @@ pub(crate) struct JoinRollers<
     pub(crate) bores: Joints<'a>,
     /// x and y \[m\] of the rollers.
     pub(crate) places: [&'a [f64]; 2],
-    /// Their rates, and that of θ.
+    /// Rates of these coordinates, and that of θ.
     pub(crate) speeds: [&'a [f64]; 3],
-    /// How many rollers are needed again behind the last one.
+    /// Number of rollers copied behind the last one.
     pub(crate) overhang: usize,
     pub(crate) links: &'a LinkConstants,
-    /// The chain, whose bushings are read and whose ends get the forces on them.
+    /// Chain: its bushings are read, and the forces on them are added to the ends of its links.
     pub(crate) chain: &'a mut ChainArrays,
     pub(crate) rollers: &'a mut Rollers,
 }
@@ -120,7 +120,7 @@ impl<
         let zero = splat(0.0);
         let there = lane_numbers(simd).less(splat((n - (blocks - 1) * S::F64_LANES) as f64));
         for i in 0..blocks {
-            // Behind the last bushing stands the first one again, or what was there once.
+            // Lanes behind the last bushing hold copies or old values: they are set to zero, as those of the rollers.
             let of_bushing = |array: &[S::f64s]| {
                 let value = load(simd, &array[i]);
                 if i + 1 < blocks {
@@ -166,7 +166,7 @@ impl<
     }
 }
 
-/// Ends of links, which feel what rollers do to the bushings on them.
+/// Forces and moments on the ends of links, to which those of rollers on their bushings are added.
 struct PressedEnds<'a, S: Simd> {
     on_front: &'a [S::f64s],
     front_force: [&'a mut [S::f64s]; 2],
@@ -176,7 +176,7 @@ struct PressedEnds<'a, S: Simd> {
 }
 
 impl<S: Simd> PressedEnds<'_, S> {
-    /// Adds forces on vector `i` of bushings.
+    /// Add forces on vector `i` of bushings to the ends that carry them.
     #[inline(always)]
     fn push(&mut self, i: usize, touching: Mask<S>, [x, y]: [Lanes<S>; 2]) {
         let on_front = load(x.simd(), &self.on_front[i]).greater(x.constant(0.0));
@@ -187,7 +187,7 @@ impl<S: Simd> PressedEnds<'_, S> {
         add(rear, y, &mut self.rear_force[1][i]);
     }
 
-    /// Adds moments.
+    /// Add moments on vector `i` of bushings to the ends that carry them.
     #[inline(always)]
     fn twist(&mut self, i: usize, touching: Mask<S>, felt: Lanes<S>) {
         let on_front = load(felt.simd(), &self.on_front[i]).greater(felt.constant(0.0));
@@ -196,20 +196,22 @@ impl<S: Simd> PressedEnds<'_, S> {
     }
 }
 
-/// Adds where it `acts` and nowhere else: not even the sign of a zero depends on who else is in the vector.
+/// Add `felt` in the lanes of `acts` only: other lanes keep even the sign of a zero, so that no result depends on the lanes of a
+/// vector.
 #[inline(always)]
 fn add<S: Simd>(acts: Mask<S>, felt: Lanes<S>, to: &mut S::f64s) {
     let before = load(felt.simd(), to);
     *to = acts.select(before + felt, before).values();
 }
 
-/// An array that may end within a vector, with zeros behind its end.
+/// Array that may end within a SIMD vector, with zeros behind its end.
 struct Column<'a, S: Simd> {
     whole: &'a [S::f64s],
     last: Lanes<S>,
 }
 
 impl<'a, S: Simd> Column<'a, S> {
+    /// Return the vectors of `array`.
     #[inline(always)]
     fn of(simd: S, array: &'a [f64]) -> Self {
         let (whole, rest) = S::as_simd_f64s(array);
@@ -219,6 +221,7 @@ impl<'a, S: Simd> Column<'a, S> {
         }
     }
 
+    /// Return vector `i`.
     #[inline(always)]
     fn at(&self, i: usize) -> Lanes<S> {
         match self.whole.get(i) {
