@@ -1,20 +1,20 @@
-//! Bristles of all contacts: what they store, and how they begin and end.
+//! Bristles of all contacts: deflections, stored energy, and their reset at the contact end.
 //!
-//! A contact's bristle is bent as long as it touches. When it has come apart its deflection has no part in anything; before the next
-//! step it is made zero, with a past in which it was never bent, so that nothing jumps.
+//! A bristle is deflected during its contact. After the contact end its deflection has no effect. Before the next step the deflection and
+//! its history in the integrator are set to zero, so that no discontinuity remains.
 
 use super::{Dynamics, Losses, Pair};
 use crate::chain::model::Model;
 use crate::force_law::LuGre;
 use crate::integrator::Adams;
 
-/// Deflections of bristles and their rates, hinges first, then rollers, then teeth, as [`BristlePlaces`](crate::chain::model::BristlePlaces)
-/// has them; empty where friction is none of bristles.
+/// Deflections of bristles and their rates: hinges, then rollers, then teeth, in the order of
+/// [`BristlePlaces`](crate::chain::model::BristlePlaces); empty without bristle friction.
 #[derive(Debug, Clone, Default)]
 pub struct Bristles {
-    /// z \[m\].
+    /// Deflection z \[m\].
     pub deflection: Vec<f64>,
-    /// dz/dt at the last evaluation \[m/s\].
+    /// Rate dz/dt at the last evaluation \[m/s\].
     pub rate: Vec<f64>,
 }
 
@@ -27,43 +27,43 @@ impl Bristles {
         }
     }
 
-    /// Takes the deflections of the state `y`.
+    /// Read the deflections from the state `y`.
     pub(crate) fn read(&mut self, model: &Model, y: &[f64]) {
         let all = &y[model.coordinates..2 * model.coordinates][model.bristles.all()];
         self.deflection.copy_from_slice(all);
     }
 
-    /// Puts the deflections into the state `y`.
+    /// Write the deflections into the state `y`.
     pub(crate) fn write(&self, model: &Model, y: &mut [f64]) {
         let all = &mut y[model.coordinates..2 * model.coordinates][model.bristles.all()];
         all.copy_from_slice(&self.deflection);
     }
 
-    /// Unbends them all.
+    /// Set all deflections to zero.
     pub(crate) fn clear(&mut self) {
         self.deflection.fill(0.0);
     }
 }
 
-/// Energy stored by bristles \[J\].
+/// Energy stored in the bristles \[J\].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Stored {
-    /// In hinges.
+    /// Bristles of hinges.
     pub hinges: f64,
-    /// In rollers.
+    /// Bristles of rollers.
     pub rollers: f64,
-    /// On teeth.
+    /// Bristles of teeth.
     pub teeth: f64,
 }
 
 impl Stored {
-    /// The sum.
+    /// Return the sum.
     #[must_use]
     pub fn total(&self) -> f64 {
         self.hinges + self.rollers + self.teeth
     }
 
-    /// Losses without what is only stored so far: friction's work is both.
+    /// Return losses without the stored energy: the integral of the friction power contains both.
     pub(crate) fn taken_off(&self, losses: Losses) -> Losses {
         Losses {
             hinge_friction: losses.hinge_friction - self.hinges,
@@ -75,7 +75,7 @@ impl Stored {
 }
 
 impl Dynamics {
-    /// What the bristles store at the last evaluation.
+    /// Return the energy stored in the bristles at the last evaluation.
     #[must_use]
     pub fn stored(&self) -> Stored {
         let places = &self.model.bristles;
@@ -108,7 +108,7 @@ impl Dynamics {
         all
     }
 
-    /// Unbends the bristles of contacts that came apart in the last step; call before [`Self::begin_step`].
+    /// Reset the bristles of contacts that ended in the last step, with their history; call before [`Self::begin_step`].
     pub(crate) fn unbend_parted(&mut self, adams: &mut Adams) {
         if self.model.bristles.is_empty() {
             return;
@@ -123,7 +123,7 @@ impl Dynamics {
         }
     }
 
-    /// The same in a state `y` at `t`, of all contacts that do not touch there.
+    /// Set the deflections of all open contacts at time `t` \[s\] to zero in the state `y`.
     pub(crate) fn unbend_open(&mut self, t: f64, y: &mut [f64]) {
         if self.model.bristles.is_empty() {
             return;
@@ -147,7 +147,7 @@ impl Dynamics {
         }
     }
 
-    /// The coordinate of a pair's bristle, where it has one.
+    /// Return the coordinate of a pair's bristle; `None` for a pair without bristle.
     fn bristle_of(&self, pair: Pair) -> Option<usize> {
         let places = &self.model.bristles;
         let (range, number) = match pair {

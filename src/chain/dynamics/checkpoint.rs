@@ -1,4 +1,4 @@
-//! What the dynamics carry from step to step: all that an evaluation does not find anew.
+//! Checkpoint of the dynamics: all quantities of a run that an evaluation of the right-hand side does not recompute.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use crate::chain::rhs::Watch;
 use crate::geometry::Surface;
 use crate::system::EnergyQuadrature;
 
-/// All that decides, with the integrator's state, how the dynamics go on.
+/// State of the dynamics that, with the state of the integrator, determines the continuation of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Checkpoint {
     inputs: Vec<Input>,
@@ -29,7 +29,7 @@ pub struct Checkpoint {
 }
 
 impl Dynamics {
-    /// What these dynamics carry.
+    /// Return the checkpoint of these dynamics.
     pub(super) fn carried(&self) -> Checkpoint {
         Checkpoint {
             inputs: self.inputs.set.clone(),
@@ -47,8 +47,9 @@ impl Dynamics {
         }
     }
 
-    /// Dynamics with the same compiled model and instructions that go on as those did of which `carried` was taken; `None` when it is
-    /// of no such model.
+    /// Return dynamics with the same compiled model and instructions, restored from the checkpoint `carried`.
+    ///
+    /// `None`: the checkpoint belongs to a different model.
     pub(super) fn carrying(&self, carried: &Checkpoint) -> Option<Self> {
         let compiled = &self.inputs.compiled;
         let mut dynamics = Self::new(Arc::new(compiled.with_inputs(&carried.inputs)?));
@@ -83,7 +84,7 @@ impl Dynamics {
         let candidates = &mut dynamics.kernels.candidates;
         candidates.carry_on(&dynamics.model, &dynamics.memory, &carried.candidates)?;
         dynamics.keeps_energy = carried.keeps_energy;
-        // Steps put parted pairs where there is room already.
+        // The existing vector has capacity for all pairs; a clone would not. Steps extend it without allocation.
         dynamics.parted.extend_from_slice(&carried.parted);
         dynamics
             .hinge_past_range

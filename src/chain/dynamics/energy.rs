@@ -11,6 +11,7 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
     let mut energy = Energy::default();
     let mut add_body = |body: usize, mass: f64, inertia: f64| {
         let (vx, vy, spin) = (motion.vx[body], motion.vy[body], motion.spin[body]);
+        // T = (m v² + J ω²)/2, V = -m g · r.
         energy.kinetic += 0.5 * mass * (vx * vx + vy * vy) + 0.5 * inertia * spin * spin;
         energy.gravity -= mass
             * model
@@ -65,6 +66,7 @@ fn elastic_energy(dynamics: &Dynamics) -> f64 {
         dynamics.hinges.penetration.iter().enumerate().map(|(k, &depth)| match model.compliance_at(k) {
             None => Law::energy(&pairs[0], depth),
             Some(compliance) => {
+            // Contact and plates in series: δ = δ_c + C f(δ_c), V = V_c(δ_c) + C f²/2.
                 let pressed = depth_in_series::<f64, Law>(pairs[0], compliance, depth);
                 let force = Law::force(&pairs[0], pressed);
                 Law::energy(&pairs[0], pressed) + 0.5 * compliance * force * force

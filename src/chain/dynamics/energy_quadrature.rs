@@ -1,8 +1,9 @@
 //! Energy dissipated and external work of a drive: powers along the path of each step.
 //!
-//! The path is the cubic through values and slopes at both ends of the step, whatever the integrator's order.
+//! The path is the cubic Hermite interpolant of values and slopes at both ends of the step, independent of the integrator's order
+//! (decision 22).
 
-#![allow(clippy::inline_always)] // what is not inlined into a kernel does not run with its instructions
+#![allow(clippy::inline_always)] // a function that is not inlined into a kernel is not compiled for the kernel's instruction set
 
 use pulp::{Simd, WithSimd};
 
@@ -16,7 +17,7 @@ use crate::system::PanelRule;
 /// Its error of order five is far below that of the trapezoidal rule. Steps of higher orders are longer (decision 22).
 const HIGHEST_ORDER_OF_SIMPSON: usize = 2;
 
-/// Values and slopes at both ends of a step: what the path inside it is interpolated from.
+/// Values and slopes at both ends of a step: data of the interpolation inside it.
 #[derive(Debug, Clone)]
 pub(super) struct StepEnds {
     y: Numbers,
@@ -36,32 +37,34 @@ impl StepEnds {
         }
     }
 
-    /// Takes `y` and its `slope` as the start of the next step.
+    /// Set `y` and its `slope` as the start of the next step.
     pub(super) fn begin(&mut self, y: &[f64], slope: &[f64]) {
         self.y[..y.len()].copy_from_slice(y);
         self.slope[..slope.len()].copy_from_slice(slope);
     }
 
-    /// Makes a component of the start of the next step zero.
+    /// Set a component of the start of the next step to zero.
     pub(super) fn reset_component(&mut self, component: usize) {
         (self.y[component], self.slope[component]) = (0.0, 0.0);
     }
 
-    /// Takes where `adams` is as the end of the step.
+    /// Set the present state of `adams` as the end of the step.
     fn end(&mut self, adams: &Adams) {
         let y = adams.y();
         self.end[..y.len()].copy_from_slice(y);
         adams.write_slope(&mut self.end_slope[..y.len()]);
     }
 
-    /// The end of this step is the start of the next one.
+    /// Make the end of this step the start of the next one.
     fn advance(&mut self) {
         std::mem::swap(&mut self.y, &mut self.end);
         std::mem::swap(&mut self.slope, &mut self.end_slope);
     }
 }
 
-/// The cubic through values and slopes at both ends of a step, at a `part` of its `length` \[s\].
+/// Kernel: cubic Hermite interpolant of a step of `length` h \[s\] at the relative position `part` p.
+///
+/// y = (1 + 2p)(1 - p)² (y0 - y1) + y1 + h p (1 - p)² y0' - h p² (1 - p) y1'.
 struct Between<'a> {
     ends: &'a StepEnds,
     part: f64,
@@ -99,12 +102,12 @@ impl WithSimd for Between<'_> {
 }
 
 impl Dynamics {
-    /// Divides each section of a step into `fineness` panels from now on.
+    /// Set the number of panels in each section of a step.
     pub(crate) fn refine_quadrature(&mut self, fineness: usize) {
         self.quadrature.refine(fineness);
     }
 
-    /// Keeps energy and lets its sums grow from the present state of `adams` on.
+    /// Switch energy metering on and start the energy quadrature at the present state of `adams`.
     pub(super) fn begin_energy_quadrature(&mut self, adams: &Adams) {
         self.keep_energy(true);
         self.differentiate(adams.time(), adams.y());
@@ -112,21 +115,22 @@ impl Dynamics {
         self.resume_energy_quadrature(adams);
     }
 
-    /// Takes the present state of `adams` as the start of the next step, when energy is kept.
+    /// Set the present state of `adams` as the start of the next step, with energy metering on.
     pub(super) fn resume_energy_quadrature(&mut self, adams: &Adams) {
         if !self.keeps_energy {
         } else if !adams.is_starting() {
             self.ends.end(adams);
             self.ends.advance();
         } else {
-            // The integrator has no slope before its first step from a start.
+            // Before its first step after a start, the integrator has no slope.
             self.differentiate(adams.time(), adams.y());
             self.ends.begin(adams.y(), &self.slope);
         }
     }
 
-    /// Adds the energies of the step just made, when they are kept; call after [`Self::finish_step`] and after all that looks at
-    /// the contacts at the step's end, which are not the last ones evaluated any more.
+    /// Add the energies of the last step, with energy metering on.
+    ///
+    /// Call after [`Self::finish_step`] and after all uses of the contacts at the end of the step: the quadrature evaluates other states.
     pub(super) fn add_energies_of_step(&mut self, adams: &Adams, step: &Step) {
         if !self.keeps_energy {
             return;
@@ -136,7 +140,8 @@ impl Dynamics {
         let mut slope = std::mem::take(&mut self.slope);
         self.ends.end(adams);
         let length = step.end - step.start;
-        // Contacts are many: where in the step one began or ended is not located for the quadrature.
+        // Power has a kink at a contact onset or end. With many contacts these times are not located for the quadrature: the step is
+        // divided at its middle.
         let kinks: &[f64] = if self.kernels.changed() { &[0.5] } else { &[] };
         let rule = if step.order <= HIGHEST_ORDER_OF_SIMPSON {
             PanelRule::SIMPSON
@@ -145,6 +150,7 @@ impl Dynamics {
         };
         let coordinates = self.model.coordinates;
         if adams.evaluation_differs_from_solution() {
+            // The last evaluation was at the predicted value: the powers at the end of the step need another one (decision 22).
             self.accelerate(step.end, adams.y(), &mut slope[coordinates..]);
             quadrature.count_evaluation();
         }

@@ -1,27 +1,32 @@
-//! Contacts that open or close inside one step, where neither of its ends shows it.
+//! Contact onsets and ends inside one step that leave no difference between its two ends.
 
 use super::Dynamics;
 use crate::chain::contact::{HingePath, RollerPath, ToothPath};
 use crate::integrator::event_location::{Cubic, crossing_between};
 use crate::integrator::{Adams, Step};
 
-/// No step moves a bushing farther along a sprocket than this part of a pitch: a tooth is not passed unseen.
+/// Largest displacement of a bushing relative to a sprocket within one step, as a fraction of the pitch.
+///
+/// It prevents a step that passes a whole tooth without contact. Doubled or halved, the scenes of docs/development/constants.md give equal
+/// runs.
 const FARTHEST: f64 = 0.1;
 
 impl Dynamics {
-    /// How long the next step may be \[s\].
+    /// Return the longest permitted next step \[s\]: h = 0.1 p/v, for the largest relative speed v of a bushing and a sprocket.
     #[must_use]
     pub fn longest_step(&self) -> f64 {
         FARTHEST * 2.0 * self.model.half_pitch / self.fastest
     }
 
-    /// Touches inside steps, between two ends apart, that were within the accuracy and let pass.
+    /// Return the number of accepted contacts inside steps between two open ends; their penetration was within the accuracy.
     #[must_use]
     pub fn unseen_touches(&self) -> u64 {
         self.unseen_touches
     }
 
-    /// Depth \[m\] of the deepest touch inside a step of `length` \[s\], watched just now, of contacts apart at both of its ends.
+    /// Return the largest penetration inside the last step of `length` \[s\] of contacts that are open at both of its ends \[m\].
+    ///
+    /// Call after the event screening of this step.
     pub(super) fn deepest_unseen(&self, length: f64) -> f64 {
         let watch = &self.kernels.watch;
         let hinges = (0..self.model.links).map(|k| watch.hinge(k));
@@ -33,7 +38,7 @@ impl Dynamics {
         hinges.chain(rollers).chain(teeth).fold(0.0, f64::max)
     }
 
-    /// Counts touches, and begins anew the memory of contacts that were apart for a part of the step just made.
+    /// Count contacts inside the last step, and restart the memory of contacts that were open for a part of it.
     pub(super) fn look_inside(&mut self, adams: &Adams, step: &Step) {
         let length = step.end - step.start;
         let times = [step.start, step.end];
@@ -47,6 +52,7 @@ impl Dynamics {
             };
             let path = HingePath::new(model, adams, k);
             let contact = |t| path.at(t);
+            // The cubic is an estimate: only a separation confirmed by the dense output is an event.
             if path.at(step.start + part * length).penetration < 0.0 {
                 let (_, rate) = crossing_between(contact, times, ends);
                 self.memory.begin_hinge(k, rate);
@@ -91,20 +97,22 @@ impl Dynamics {
     }
 }
 
-/// Whether a contact is apart at both `ends` of a step and came nearer in between.
+/// Return whether a contact is open at both `ends` of a step, approaching at the start and separating at the end.
 fn has_turned([start, end]: [[f64; 2]; 2]) -> bool {
     start[0] < 0.0 && end[0] < 0.0 && start[1] > 0.0 && end[1] < 0.0
 }
 
-/// Depth \[m\] of a touch inside a step of `length` \[s\] between two `ends` apart, where two tangents meet: the tip of a tooth is
-/// a corner, which no cubic follows.
+/// Return the penetration inside a step of `length` h \[s\] between two open `ends`, at the intersection of their tangents \[m\].
+///
+/// The tip of a tooth is a corner, which a cubic does not approximate. With values a, b and slopes a', b':
+/// δ = (b a' - a b' - h a' b')/(a' - b').
 fn touch_of_tip(ends: [[f64; 2]; 2], length: f64) -> Option<f64> {
     let [[start, rise], [end, fall]] = ends;
     let depth = (end * rise - start * fall - length * rise * fall) / (rise - fall);
     (has_turned(ends) && depth > 0.0).then_some(depth)
 }
 
-/// The same of a smooth path.
+/// Return the same penetration for a smooth path: the maximum of the cubic Hermite interpolant.
 fn touch(ends: [[f64; 2]; 2], length: f64) -> Option<f64> {
     if !has_turned(ends) {
         return None;
@@ -114,7 +122,9 @@ fn touch(ends: [[f64; 2]; 2], length: f64) -> Option<f64> {
     cubic.highest_inside().filter(|&depth| depth > 0.0)
 }
 
-/// Where a contact was farthest apart inside a step of `length` \[s\] between two `ends` in touch, as a part of the step.
+/// Return the relative position of the largest clearance inside a step of `length` \[s\] between two closed `ends`.
+///
+/// `None`: the cubic Hermite interpolant shows no separation.
 fn parting([start, end]: [[f64; 2]; 2], length: f64) -> Option<f64> {
     if start[0] <= 0.0 || end[0] <= 0.0 {
         return None;

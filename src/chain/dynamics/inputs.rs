@@ -1,4 +1,4 @@
-//! Speeds and torques set while a drive runs: the integrator goes back to the present time and starts from there.
+//! Inputs of speed and torque during a run: the integrator restarts at the present time, inside its last step.
 
 use std::sync::Arc;
 
@@ -8,16 +8,16 @@ use crate::error::Result;
 use crate::integrator::Adams;
 use crate::math::Signal;
 
-/// A kink nearer than this is not stepped to \[s\].
+/// Shortest step to a kink of an input \[s\]; a nearer kink counts as reached. Doubled or halved, the measured scenes give equal runs.
 const SHORTEST_TO_KINK: f64 = 1e-10;
 
-/// The model as it was compiled, and what was set since.
+/// Compiled model, and the inputs set since the start of the run.
 #[derive(Debug, Clone)]
 pub(super) struct Inputs {
     pub(super) compiled: Arc<Model>,
-    /// Speeds and torques, one a sprocket.
+    /// Inputs of speed or torque, at most one per sprocket.
     pub(super) set: Vec<Input>,
-    /// Next kink of a speed or torque \[s\], once it is known.
+    /// Time of the next kink of an input \[s\]; -inf before its first evaluation.
     kink: f64,
 }
 
@@ -32,15 +32,16 @@ impl Inputs {
 }
 
 impl Dynamics {
-    /// Lets sprocket `sprocket` (from 0) have another speed or torque from time `t` on, which lies inside the last step of `adams`; false
-    /// where it has it already.
+    /// Change the speed or torque of `sprocket` (from 0) from time `t` \[s\] on, inside the last step of `adams`.
     ///
-    /// What the integrator had made beyond that time is made anew. Positions do not jump, nor do velocities but that of the
-    /// sprocket whose speed is set; contacts keep their memory and the energy balance goes on.
+    /// Return false if the sprocket already has this input.
+    ///
+    /// The solution beyond `t` is computed again. Positions and velocities are continuous, except the speed of a sprocket with a new
+    /// prescribed speed. Contacts keep their memory, and the energy balance continues.
     ///
     /// # Errors
-    /// When there is no such sprocket, its motion has no such quantity, or `signal` is beyond what a drive may be described with; the
-    /// dynamics are then what they were.
+    /// When there is no such sprocket, its motion has no such quantity, or `signal` exceeds the bounds of a drive; the dynamics are then
+    /// unchanged.
     pub(crate) fn set_input(
         &mut self,
         (sprocket, quantity): (usize, Quantity),
@@ -65,18 +66,20 @@ impl Dynamics {
         Ok(true)
     }
 
-    /// Time from `t` \[s\] to the next kink of a speed or torque, where steps end.
+    /// Return the time from `t` to the next kink of an input, at which steps end \[s\].
     pub(super) fn time_to_kink(&mut self, t: f64) -> f64 {
-        // A kink that was met but for rounding is behind.
+        // A kink reached to within rounding counts as past.
         if self.inputs.kink <= t + SHORTEST_TO_KINK {
             self.inputs.kink = self.model.next_kink(t + SHORTEST_TO_KINK);
         }
         self.inputs.kink - t
     }
 
-    /// At a row of the velocity of an open chain's end, where its acceleration jumps: forgets the history, and puts the end where it
-    /// should be. Its path is exact between two rows; what the step that ends there misses would be a velocity for good. A row is met by
-    /// the step that ends at it or just before: those that end behind it have it behind them, however short they are.
+    /// Restart the integrator at a row of an end's velocity table, where the acceleration of an anchored end is discontinuous.
+    ///
+    /// The end is set to its prescribed position and velocity. Between two rows its path is exact; without the correction, the error of the
+    /// step that ends at the row would remain as a constant velocity error. A row belongs to the step that ends at it or just before it. A
+    /// step that ends behind a row has passed it, however short the step is.
     pub(super) fn restart_at_kink_of_end(&mut self, adams: &mut Adams) {
         let model = Arc::clone(&self.model);
         let Some(ends) = &model.ends else { return };
@@ -101,7 +104,7 @@ impl Dynamics {
         adams.limit_step(longest);
     }
 
-    /// Puts ends whose acceleration changes where they should be: what steps miss of their paths would add up.
+    /// Set ends with varying acceleration to their prescribed positions and velocities: the errors of the steps would accumulate.
     pub(super) fn place_ends_on_their_curves(&self, adams: &mut Adams) {
         let Some(ends) = &self.model.ends else { return };
         let (n, coordinates) = (self.model.links, self.model.coordinates);

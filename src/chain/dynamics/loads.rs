@@ -1,11 +1,11 @@
-//! What the chain does to a sprocket, the acceleration that follows, and the power of what moves it.
+//! Load of the chain on a sprocket, acceleration of the sprocket, and power of its motor, torque and tensioner.
 
 use super::Powers;
 use crate::chain::model::{Rotation, SprocketModel, Support};
 use crate::chain::motion::Motion;
 use crate::geometry::{Vec2, turned_left};
 
-/// What the chain does to a sprocket.
+/// Resultant load of the chain on a sprocket.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SprocketLoad {
     /// Force \[N\].
@@ -14,7 +14,7 @@ pub struct SprocketLoad {
     pub moment: f64,
 }
 
-/// Where a sprocket's centre is \[m\], its velocity \[m/s\], the sprocket's angle \[rad\] and its rate \[rad/s\].
+/// Centre \[m\], velocity of the centre \[m/s\], angle \[rad\] and angular speed \[rad/s\] of a sprocket.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Moves {
     pub(crate) center: Vec2,
@@ -34,7 +34,7 @@ impl Moves {
     }
 }
 
-/// Acceleration of a sprocket's centre \[m/s²\] and of its angle \[rad/s²\].
+/// Return the acceleration of a sprocket's centre \[m/s²\] and of its angle \[rad/s²\], for a pawl at `pawl` and time `t` \[s\].
 pub(crate) fn sprocket_acceleration(
     sprocket: &SprocketModel,
     gravity: Vec2,
@@ -48,6 +48,7 @@ pub(crate) fn sprocket_acceleration(
         Support::Slide { guide, .. } => {
             let (s, tangent) = sprocket.slide_at(moves.center).unwrap_or_default();
             let speed = moves.velocity.dot(&tangent);
+            // (m + m_arm) s'' = (F + m g) · t + pull - d s' + spring and stops; acceleration s'' t + κ s'² n on a path of curvature κ.
             let along = chain.force.dot(&tangent) + sprocket.pull(t) - guide.dashpot(speed) * speed
                 + guide.force(s, pawl);
             let mass = sprocket.mass + guide.extra_mass;
@@ -70,10 +71,10 @@ pub(crate) fn sprocket_acceleration(
     (center, angle)
 }
 
-/// Powers of a sprocket's motor, applied torque and tensioner.
+/// Return the powers of a sprocket's motor, applied torque, tensioner and dashpots.
 ///
-/// A sprocket of prescribed speed is a support: its own kinetic energy stays out of the balance, and the work done on the
-/// drive is that of its teeth on the chain.
+/// A sprocket with prescribed speed is a support: its own kinetic energy is not part of the balance. Its external work is the work of its
+/// teeth on the chain.
 pub(crate) fn outside_powers(
     sprocket: &SprocketModel,
     moves: &Moves,

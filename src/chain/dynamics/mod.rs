@@ -1,7 +1,7 @@
-//! The equations of motion: contacts -> forces -> accelerations.
+//! Equations of motion: contacts -> forces -> accelerations.
 //!
-//! A scene without ideal joints has no constraints: accelerations are forces over masses, and no linear system exists but that of
-//! the implicit corrector, where it is asked for.
+//! A chain drive has no ideal joints and therefore no constraints: accelerations are forces divided by masses. The only linear system is
+//! that of the implicit corrector.
 
 mod bristles;
 mod checkpoint;
@@ -48,13 +48,13 @@ use crate::math::simd::{InstructionSet, padded};
 pub use crate::system::Energy;
 use crate::system::EnergyQuadrature;
 
-/// A drive in motion: the right-hand side that the integrator calls, and the memory of its contacts.
+/// Dynamics of a drive: right-hand side for the integrator, and the impact velocity memory of its contacts.
 ///
 /// State: y = [q, dq/dt].
 #[derive(Debug, Clone)]
 pub struct Dynamics {
     model: Arc<Model>,
-    /// What live contacts remember; written between steps only.
+    /// Impact velocity memory of the contacts; written between steps only.
     pub memory: ImpactMemory,
     /// Motion of all bodies at the last evaluation.
     pub motion: Motion,
@@ -69,40 +69,40 @@ pub struct Dynamics {
     /// Accelerations at the last evaluation.
     pub accelerations: Accelerations,
     kernels: Kernels,
-    /// Evaluates for all who read contacts.
+    /// Kernels for reports, separate from those of the steps.
     reader: Box<Reader>,
     keeps_energy: bool,
-    /// Powers at the last derivative, while energy is kept.
+    /// Powers at the last evaluation of the right-hand side, with energy metering on.
     powers: Powers,
     quadrature: EnergyQuadrature<Powers>,
     inputs: Inputs,
-    /// Both ends of the step that is metered, or where the next one begins.
+    /// Both ends of the metered step, or the start of the next one.
     ends: StepEnds,
-    /// Pairs that came apart in the last step; they keep their memory until the next one begins, for reports inside it.
+    /// Pairs that ended their contact in the last step; their memory remains until the next step, for reports inside the last one.
     parted: Vec<Pair>,
-    /// Whether some contact may have turned round inside the step just made.
+    /// Whether event screening found a pair that may have touched or separated inside the last step.
     turned: bool,
-    /// No bushing was faster at the end of that step, seen from any tooth \[m/s\].
+    /// Upper bound on the speeds of bushings relative to teeth at the end of the last step \[m/s\].
     fastest: f64,
-    /// Touches inside steps that were too shallow to matter.
+    /// Number of accepted contacts inside steps whose penetration was within the accuracy.
     unseen_touches: u64,
-    /// Scratch: tooth contacts that began in the last step.
+    /// Scratch: tooth contacts with an onset in the last step, as (sprocket, bushing).
     begun: Vec<(usize, usize)>,
-    /// Scratch: a derivative that nobody asked for.
+    /// Scratch: derivative of the state.
     slope: Vec<f64>,
-    /// Scratch: the state inside a step, padded.
+    /// Scratch: state inside a step, padded.
     inside: Vec<f64>,
-    /// The first hinge that went past the end of its law, in words.
+    /// Message on the first hinge or roller beyond the end of its law.
     hinge_past_range: Option<String>,
-    /// The first tooth contact that did.
+    /// Message on the first tooth contact beyond the end of its law.
     tooth_past_range: Option<String>,
-    /// Jumps of the chain over teeth.
+    /// Seatings of the chain, and jumps over teeth.
     tooth_jumps: ToothJumps,
-    /// How often the list of candidates had been made when those were last looked for.
+    /// Number of candidate lists built at the last search for tooth jumps.
     jumps_looked_for: u64,
 }
 
-/// A hinge, or a bushing and a sprocket.
+/// Contact pair: hinge, bushing and roller, or bushing and sprocket (sprocket · links + bushing).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 enum Pair {
     Hinge(usize),
@@ -111,7 +111,7 @@ enum Pair {
 }
 
 impl Dynamics {
-    /// The dynamics of `model`.
+    /// Create the dynamics of `model`.
     #[must_use]
     pub fn new(model: Arc<Model>) -> Self {
         let (links, sprockets) = (model.links, model.sprockets.len());
@@ -150,31 +150,33 @@ impl Dynamics {
         }
     }
 
-    /// The model.
+    /// Return the model.
     #[must_use]
     pub fn model(&self) -> &Arc<Model> {
         &self.model
     }
 
-    /// Whether the sums of the energy balance grow.
+    /// Return whether energy metering is on.
     #[must_use]
     pub fn keeps_energy(&self) -> bool {
         self.keeps_energy
     }
 
-    /// Switches powers, and with them the sums of the energy balance, on or off.
+    /// Switch energy metering on or off: powers, and with them the sums of the energy balance.
     pub fn keep_energy(&mut self, keep: bool) {
         self.keeps_energy = keep;
         self.powers = Powers::default();
     }
 
-    /// Powers at the last derivative for which energy was kept.
+    /// Return the powers at the last evaluation of the right-hand side with energy metering.
     #[must_use]
     pub fn powers(&self) -> Powers {
         self.powers
     }
 
-    /// Hinges, and pairs of bushing and sprocket, that came apart in the last step: their memory ends with it.
+    /// Return the hinges, and the pairs of bushing and sprocket, whose contact ended in the last step.
+    ///
+    /// Their memory is cleared at the beginning of the next step.
     #[must_use]
     pub fn parted(&self) -> (Vec<usize>, Vec<usize>) {
         let mut parted = (Vec::new(), Vec::new());
@@ -188,7 +190,7 @@ impl Dynamics {
         parted
     }
 
-    /// Bushings that came apart from their rollers in the last step, likewise.
+    /// Return the bushings whose contact with their roller ended in the last step.
     #[must_use]
     pub fn parted_rollers(&self) -> Vec<usize> {
         let roller = |pair: &Pair| match *pair {
@@ -198,7 +200,7 @@ impl Dynamics {
         self.parted.iter().filter_map(roller).collect()
     }
 
-    /// Evaluates contacts, forces and accelerations at (`t`, `y`).
+    /// Evaluate contacts, forces and accelerations at (`t`, `y`), and return the powers.
     pub fn evaluate(&mut self, t: f64, y: &[f64]) -> Powers {
         self.motion.read(&self.model, t, y);
         self.bristles.read(&self.model, y);
@@ -206,14 +208,14 @@ impl Dynamics {
         self.evaluate_state(t)
     }
 
-    /// The same for motion and bristles as they stand.
+    /// Evaluate the same for the present motion and bristles.
     pub fn evaluate_motion(&mut self, t: f64) -> Powers {
         self.motion.write(&self.model, &mut self.reader.state);
         self.bristles.write(&self.model, &mut self.reader.state);
         self.evaluate_state(t)
     }
 
-    /// Evaluates the reader's state; candidates are found anew, wherever bodies are.
+    /// Evaluate the reader's state with a new candidate list, valid for any positions of the bodies.
     fn evaluate_state(&mut self, t: f64) -> Powers {
         let Reader {
             kernels,
@@ -240,7 +242,7 @@ impl Dynamics {
         powers
     }
 
-    /// Evaluates at (`t`, `y`) what `needs` asks for; the rest stays as it was, or what it was is gone.
+    /// Evaluate the outputs requested by `needs` at (`t`, `y`). Other outputs are undefined afterwards.
     pub(crate) fn evaluate_for(&mut self, needs: Needs, t: f64, y: &[f64]) {
         self.motion.read(&self.model, t, y);
         if needs.hinges == Want::Nothing && needs.teeth == Want::Nothing {
@@ -266,7 +268,7 @@ impl Dynamics {
         }
     }
 
-    /// Takes hinges, rollers and bristles from the reader's last evaluation.
+    /// Copy hinges, rollers and bristles from the last evaluation of the reader.
     fn read_hinges(&mut self) {
         let (model, kernels) = (&self.model, &self.reader.kernels);
         let chain = kernels.chain();
@@ -279,7 +281,7 @@ impl Dynamics {
         self.bristles.rate.copy_from_slice(rates);
     }
 
-    /// Takes the teeth from the reader's last evaluation.
+    /// Copy the tooth contacts from the last evaluation of the reader.
     fn read_teeth(&mut self) {
         let Reader {
             kernels, readings, ..
@@ -291,7 +293,7 @@ impl Dynamics {
         }
     }
 
-    /// Gives every pair that is in contact now a memory, as if it had begun here (positions just given).
+    /// Start the memory of every pair in contact at (`t`, `y`), with its present penetration rate, for an initial configuration.
     pub fn remember_present_contacts(&mut self, t: f64, y: &[f64]) {
         self.memory.clear();
         self.follow_with_pawls(y);
@@ -314,15 +316,16 @@ impl Dynamics {
             }
         }
         self.kernels.candidates.invalidate();
-        // Where the first step begins.
+        // Event screening needs the gaps at the start of the first step.
         self.differentiate(t, y);
         self.fastest = self.kernels.watch(&self.model, 0.0).speed;
         self.kernels.watch.advance();
         self.look_for_jumps(t);
     }
 
-    /// Lets the pawls of ratchets fall behind the teeth that have passed them in the last step, whose end is `y`; call before the next
-    /// one, so that reports inside that step have them where they were.
+    /// Advance the pawls of all ratchets behind the teeth that passed in the last step, whose end is `y`.
+    ///
+    /// Call before the next step: reports inside the last step use the previous positions of the pawls.
     pub(crate) fn follow_with_pawls(&mut self, y: &[f64]) {
         let sprockets = self.model.sprockets.iter().zip(&mut self.memory.pawls);
         for (sprocket, pawl) in sprockets {
@@ -332,7 +335,7 @@ impl Dynamics {
         }
     }
 
-    /// Forgets the contacts that ended in the last step; call before the next one.
+    /// Clear the memory of contacts that ended in the last step; call before the next step.
     pub fn begin_step(&mut self) {
         for pair in self.parted.drain(..) {
             match pair {
@@ -349,7 +352,9 @@ impl Dynamics {
         }
     }
 
-    /// Finds the contacts that began in the step just made and their onset speeds; call after it, before another derivative.
+    /// Locate the contact onsets of the last step and record their initial impact velocities.
+    ///
+    /// Call after the step, before another evaluation of the right-hand side.
     pub fn finish_step(&mut self, adams: &Adams, step: &Step) {
         let [hinges, rollers, teeth] = self.kernels.changes();
         if hinges {
@@ -366,7 +371,7 @@ impl Dynamics {
         }
         self.kernels.watch.advance();
         self.watch_ranges(adams);
-        // Steps are far shorter than a gap; of one that is not, nobody knows how many teeth it has passed.
+        // Steps are far shorter than a gap. After a displacement of more than half a pitch, the number of passed teeth is ambiguous.
         let farthest = self.fastest * (step.end - step.start);
         if farthest.is_nan() || farthest > self.model.half_pitch {
             self.tooth_jumps.lose_seatings();
@@ -375,15 +380,17 @@ impl Dynamics {
         }
     }
 
-    /// Looks for jumps over teeth at the last evaluation, that of time `t` \[s\]. A bushing that has changed gaps has moved by more than the
-    /// margin of the list of candidates against its sprocket, so that this is done only where that list was made again.
+    /// Search for tooth jumps at the last evaluation, at time `t` \[s\].
+    ///
+    /// A bushing that has changed gaps has moved by more than the margin of the candidate list relative to its sprocket. The search is
+    /// therefore necessary only after the list was built again.
     fn look_for_jumps(&mut self, t: f64) {
         self.jumps_looked_for = self.candidate_refreshes();
         let jumps = &mut self.tooth_jumps;
         self.kernels.look_for_jumps(&self.model, t, jumps);
     }
 
-    /// Teeth that the chain has jumped so far, in the order of time.
+    /// Return the tooth jumps since the start of the run, in the order of time.
     #[must_use]
     pub fn tooth_jumps(&self) -> &[ToothJump] {
         self.tooth_jumps.jumps()
@@ -391,6 +398,7 @@ impl Dynamics {
 
     fn find_hinge_onsets(&mut self, adams: &Adams, step: &Step) {
         let model = &self.model;
+        // Penetration without memory: contact onset in this step. Memory without penetration: contact end.
         for (k, &depth) in self.kernels.hinge_depths(model).iter().enumerate() {
             let touching = depth > 0.0;
             if touching == (self.memory.hinge_speed()[k] > 0.0) {
@@ -449,7 +457,7 @@ impl Dynamics {
         self.begun = begun;
     }
 
-    /// Notes the first hinge and the first tooth contact that go past the end of their law at the end of a step.
+    /// Record the first joint and the first tooth contact beyond the end of their law at the end of a step.
     fn watch_ranges(&mut self, adams: &Adams) {
         let model = &self.model;
         if self.hinge_past_range.is_none() {
@@ -470,7 +478,7 @@ impl Dynamics {
         }
     }
 
-    /// The same as contacts were last evaluated, for a report with `needs`: inside a step they may be deeper than at its ends.
+    /// Record the same for the last evaluation, that of a report with `needs`: penetrations inside a step may exceed those at its ends.
     pub(crate) fn watch_reported_ranges(&mut self, needs: Needs) {
         if needs.hinges != Want::Nothing && self.hinge_past_range.is_none() {
             let (hinges, rollers) = (&self.hinges.penetration, &self.rollers.penetration);
@@ -484,7 +492,7 @@ impl Dynamics {
         }
     }
 
-    /// The first hinge, or bushing in its roller, that is deeper than its law goes.
+    /// Return a message on the first hinge, or bushing in its roller, beyond the end of its law.
     fn joint_past_its_end(&self, hinges: &[f64], rollers: &[f64]) -> Option<String> {
         let model = &self.model;
         let law = &model.hinge_law;
@@ -494,6 +502,7 @@ impl Dynamics {
                 (end, force_at::<Law>(&pairs[0], end))
             });
             let end_of = |k: usize| end + model.compliance_at(k).map_or(0.0, |given| given * force);
+            // Elastic plates in series: the total approach at the end of the law is δ_end + C f(δ_end).
             if let Some(k) = (0..hinges.len()).find(|&k| hinges[k] > end_of(k)) {
                 let name = format!("hinge {}", k + 1);
                 return Some(past_range(law.elastic, &name, hinges[k], end_of(k)));
@@ -509,7 +518,7 @@ impl Dynamics {
         Some(past_range(law.elastic, &name, rollers[k], end))
     }
 
-    /// The first tooth contact of the last evaluation that is past the end of its own surface's law.
+    /// Return a message on the first tooth contact of the last evaluation beyond the end of the law for its surface.
     fn tooth_past_its_end(&self) -> Option<String> {
         let model = &self.model;
         self.teeth.near.iter().find_map(|&pair| {
@@ -524,12 +533,12 @@ impl Dynamics {
         })
     }
 
-    /// Which contacts were the first to go past the end of their law, a line each.
+    /// Return the messages on the first contacts beyond the end of their law, one line each.
     pub fn past_range(&self) -> impl Iterator<Item = &String> {
         self.hinge_past_range.iter().chain(&self.tooth_past_range)
     }
 
-    /// The surface whose stiffness a pair has now.
+    /// Return the surface that determines the stiffness of a pair: that at the contact onset with kept regions, else the present one.
     fn stiffness_surface(&self, pair: usize) -> Surface {
         if self.model.tooth_law.regions == Regions::Kept && self.memory.tooth_speed[pair] > 0.0 {
             self.memory.tooth_surface[pair]
@@ -538,13 +547,15 @@ impl Dynamics {
         }
     }
 
-    /// Energies at the last evaluation.
+    /// Return the energies at the last evaluation.
     #[must_use]
     pub fn energy(&self) -> Energy {
         energy::energy(self)
     }
 
-    /// The hardest pressed contact of a body (links, then rollers, then sprockets) at the last derivative, in words.
+    /// Return a description of the contact of a body with the largest force at the last evaluation of the right-hand side.
+    ///
+    /// Bodies: links, then rollers, then sprockets. For a body that is not a link, all hinges are included.
     #[must_use]
     pub fn busiest_contact(&self, body: usize) -> Option<String> {
         let (model, n) = (&self.model, self.model.links);
@@ -579,21 +590,21 @@ impl Dynamics {
             .map(|(force, name)| format!("{name} pressed by {force:.3e} N"))
     }
 
-    /// Normal force of every hinge at the last derivative \[N\].
+    /// Write the normal force of every hinge at the last evaluation of the right-hand side \[N\].
     pub(crate) fn write_hinge_forces(&self, forces: &mut [f64]) {
         for (k, force) in forces.iter_mut().enumerate() {
             *force = self.kernels.hinge_force(k);
         }
     }
 
-    /// Normal force of every bushing in its roller at the last derivative \[N\].
+    /// Write the normal force of every bushing in its roller at the last evaluation of the right-hand side \[N\].
     pub(crate) fn write_roller_forces(&self, forces: &mut [f64]) {
         for (k, force) in forces.iter_mut().enumerate() {
             *force = self.kernels.roller_force(k);
         }
     }
 
-    /// Tooth force on every bushing at the last derivative, over all sprockets \[N\].
+    /// Write the tooth force on every bushing, summed over all sprockets, at the last evaluation of the right-hand side \[N\].
     pub(crate) fn write_tooth_forces(&self, forces: &mut [f64]) {
         forces.fill(0.0);
         for (_, k, _, force) in self.kernels.tooth_contacts(&self.model) {
@@ -601,31 +612,34 @@ impl Dynamics {
         }
     }
 
-    /// Sprocket, bushing, depth \[m\] (zero where apart) and normal force \[N\] of every candidate at the last derivative: the
-    /// pairs that were looked at.
+    /// Return sprocket, bushing, penetration \[m\] (zero where apart) and normal force \[N\] of every candidate.
+    ///
+    /// The values are those of the last evaluation of the right-hand side.
     pub fn candidates(&self) -> impl Iterator<Item = (usize, usize, f64, f64)> {
         self.kernels.tooth_contacts(&self.model)
     }
 
-    /// How often the list of candidates was made.
+    /// Return the number of candidate lists built so far.
     #[must_use]
     pub fn candidate_refreshes(&self) -> u64 {
         self.kernels.candidates.refreshes()
     }
 
-    /// Depth \[m\] (zero where apart) and normal force \[N\] of every hinge at the last derivative.
+    /// Return penetration \[m\] (zero where apart) and normal force \[N\] of every hinge at the last evaluation of the right-hand side.
     pub fn hinge_contacts(&self) -> impl Iterator<Item = (f64, f64)> {
         let depths = self.kernels.hinge_depths(&self.model).iter().enumerate();
         depths.map(|(k, &depth)| (depth, self.kernels.hinge_force(k)))
     }
 
-    /// Depth \[m\] (zero where apart) and normal force \[N\] of every bushing in its roller at the last derivative.
+    /// Return penetration \[m\] (zero where apart) and normal force \[N\] of every bushing in its roller.
+    ///
+    /// The values are those of the last evaluation of the right-hand side.
     pub fn roller_contacts(&self) -> impl Iterator<Item = (f64, f64)> {
         let depths = self.kernels.roller_depths(&self.model).iter().enumerate();
         depths.map(|(k, &depth)| (depth, self.kernels.roller_force(k)))
     }
 
-    /// Writes the accelerations at (`t`, `y`), coordinate by coordinate.
+    /// Write the accelerations at (`t`, `y`) of all coordinates.
     fn accelerate(&mut self, t: f64, y: &[f64], accelerations: &mut [f64]) {
         let (kernels, model, memory) = (&mut self.kernels, &self.model, &self.memory);
         if self.keeps_energy {
@@ -635,21 +649,22 @@ impl Dynamics {
         }
     }
 
-    /// Evaluates the right-hand side at (`t`, `y`) for what it leaves behind: depths and forces of contacts, and the powers when
-    /// energy is kept.
+    /// Evaluate the right-hand side at (`t`, `y`) and discard the derivative.
+    ///
+    /// The results are penetrations and forces of contacts, and the powers with energy metering on.
     pub(crate) fn differentiate(&mut self, t: f64, y: &[f64]) {
         let mut slope = std::mem::take(&mut self.slope);
         self.derivative(t, y, &mut slope);
         self.slope = slope;
     }
 
-    /// Goes on with other instructions than the widest ones that this machine has.
+    /// Select an instruction set instead of the widest one of this machine.
     pub fn use_instructions(&mut self, instructions: InstructionSet) {
         self.kernels.use_instructions(instructions);
         self.reader.kernels.use_instructions(instructions);
     }
 
-    /// The instructions in use.
+    /// Return the instruction set in use.
     #[must_use]
     pub fn instructions(&self) -> InstructionSet {
         self.kernels.instructions()

@@ -1,23 +1,23 @@
-//! What an evaluation is for: contacts that nobody asked for are neither looked for nor given a force.
+//! Requested outputs of an evaluation: contacts that are not requested are neither detected nor evaluated.
 
-/// How much of one kind of contact is wanted.
+/// Requested quantities of one kind of contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Want {
     /// Nothing.
     Nothing,
-    /// Depths, and where the contacts are.
+    /// Penetrations, and the positions of the contacts.
     Depths,
-    /// Normal forces too.
+    /// Penetrations, positions and forces.
     Forces,
 }
 
-/// What is wanted of an evaluation beside the places and velocities of all bodies.
+/// Requested outputs of an evaluation, besides positions and velocities of all bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Needs {
-    /// Of the hinges.
+    /// Outputs of the hinges.
     pub(crate) hinges: Want,
-    /// Of the teeth.
+    /// Outputs of the teeth.
     pub(crate) teeth: Want,
-    /// What the chain does to the sprockets, for which the teeth's forces are needed.
+    /// Loads of the chain on the sprockets; they require the forces on the teeth.
     pub(crate) sprocket_loads: bool,
 }

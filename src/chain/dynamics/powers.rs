@@ -1,30 +1,30 @@
-//! Powers of the energy balance: what is dissipated, where, and what is put in.
+//! Powers of the energy balance: dissipated power by kind of contact, and external power.
 
 use serde::{Deserialize, Serialize};
 
 use crate::system::PowerSum;
 
-/// Powers dissipated in contacts \[W\]; integrated, the energies \[J\].
+/// Powers dissipated in contacts \[W\], or their integrals over time \[J\].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Losses {
-    /// By the damping of pins in bushings.
+    /// Damping of pins in bushings.
     pub hinge_contact: f64,
-    /// By the damping of bushings on teeth.
+    /// Damping of bushings on teeth.
     pub tooth_contact: f64,
-    /// By friction of pins in bushings.
+    /// Friction of pins in bushings.
     pub hinge_friction: f64,
-    /// By friction of bushings on teeth.
+    /// Friction of bushings on teeth.
     pub tooth_friction: f64,
-    /// By the damping of bushings in rollers.
+    /// Damping of bushings in rollers.
     pub roller_contact: f64,
-    /// By friction of bushings in rollers.
+    /// Friction of bushings in rollers.
     pub roller_friction: f64,
-    /// By lubricant between pins and bushings.
+    /// Lubricant film between pins and bushings.
     pub hinge_film: f64,
 }
 
 impl Losses {
-    /// All of them, in the order of the fields.
+    /// Return all values, in the order of the fields.
     #[must_use]
     pub fn values(&self) -> [f64; 7] {
         [
@@ -60,19 +60,19 @@ impl Losses {
     }
 }
 
-/// Power dissipated in contacts and dashpots, and power put in from outside \[W\]; integrated, the energies \[J\].
+/// Power dissipated in contacts and dashpots, and external power \[W\], or their integrals over time \[J\].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Powers {
-    /// Dissipated, everywhere.
+    /// Total dissipated power, in contacts and dashpots.
     pub dissipated: f64,
-    /// Put in by motors, torques and the tensioner.
+    /// External power of motors, applied torques, tensioner and moving ends.
     pub worked_in: f64,
-    /// What contacts have of it.
+    /// Dissipated power by kind of contact.
     pub losses: Losses,
 }
 
 impl Powers {
-    /// Of contacts alone.
+    /// Return the powers of contacts alone, without dashpots and external power.
     pub(crate) fn of(losses: Losses) -> Self {
         Self {
             dissipated: losses.hinge_contact

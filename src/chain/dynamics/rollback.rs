@@ -1,4 +1,4 @@
-//! Going back to a time inside the last step, from where other speeds and torques hold.
+//! Rollback to a time inside the last step, for a change of speed or torque inputs.
 
 use std::sync::Arc;
 
@@ -6,8 +6,9 @@ use super::{Dynamics, Pair};
 use crate::chain::model::Model;
 
 impl Dynamics {
-    /// Goes on at (`t`, `y`) inside the last step with `model`, which differs in its speeds and torques only: contacts that began after
-    /// `t` have not begun, those that parted after it are still there, and the sums of energy are those of `t`.
+    /// Continue at (`t`, `y`) inside the last step with `model`, which may differ in its inputs of speed and torque only.
+    ///
+    /// Contact onsets after `t` are removed, contacts that ended after `t` continue, and the energy sums are those at `t`.
     pub(crate) fn turn_back(&mut self, model: Arc<Model>, t: f64, y: &[f64]) {
         self.quadrature.cut(t);
         self.model = model;
@@ -57,7 +58,7 @@ impl Dynamics {
         self.slope = slope;
     }
 
-    /// A contact that is not there at a time turned back to, nor was before it, has not begun.
+    /// Remove the onset of an open pair from the counts, unless the pair ended in the last step: that onset was before the step.
     fn forget_onset(&mut self, pair: Pair, speed: f64) {
         if !self.parted.contains(&pair) {
             self.memory.take_back(speed);

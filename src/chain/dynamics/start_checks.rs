@@ -1,4 +1,4 @@
-//! Checks of a start: numbers, closed hinges, what supports and motors hold.
+//! Checks of an initial configuration: finite numbers, closed hinges, agreement with supports, motors and ends.
 
 use super::Dynamics;
 use crate::chain::model::{Model, Rotation, Support};
@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::geometry::Vec2;
 use crate::layout::InitialConfiguration;
 
-/// One row of finite numbers a body.
+/// Check that there is one row of finite numbers for every body.
 ///
 /// # Errors
 /// Names the body and the number.
@@ -44,10 +44,10 @@ impl Dynamics {
     }
 }
 
-/// A pin may be pressed into its bushing, but must be in it.
+/// Check that every pin lies in its bushing; penetration is permitted.
 fn check_hinges(dynamics: &Dynamics) -> Result<()> {
     let model = dynamics.model();
-    // Where an open chain is open, the centres count as one.
+    // Open hinges have coincident centres in these arrays: they pass this check.
     let apart = |k: usize| dynamics.hinges.penetration[k] + model.clearance;
     let Some(k) = (0..model.links).find(|&k| apart(k) > 0.1 * model.half_pitch) else {
         return Ok(());
@@ -68,7 +68,7 @@ fn check_hinges(dynamics: &Dynamics) -> Result<()> {
     ))
 }
 
-/// A bushing may be pressed into its roller, but must be in it.
+/// Check that every bushing lies in its roller; penetration is permitted.
 fn check_rollers(dynamics: &Dynamics) -> Result<()> {
     let model = dynamics.model();
     let Some(rollers) = &model.rollers else {
@@ -89,7 +89,7 @@ fn check_rollers(dynamics: &Dynamics) -> Result<()> {
     ))
 }
 
-/// What ends of an open chain are told must agree with the velocities.
+/// Check the initial velocities of the end bodies against the prescribed ones.
 fn check_ends(model: &Model, start: &InitialConfiguration) -> Result<()> {
     for end in model.ends.iter().flat_map(|ends| &ends.bodies) {
         let Some(given) = end.given_velocity(0.0) else {
@@ -110,7 +110,7 @@ fn check_ends(model: &Model, start: &InitialConfiguration) -> Result<()> {
     Ok(())
 }
 
-/// No body may begin faster than a drive may be described to run.
+/// Check the initial speeds of all bodies against the bounds of a drive.
 fn check_speeds(model: &Model, start: &InitialConfiguration) -> Result<()> {
     let field = |body: usize| format!("velocities of {}", model.body_names()[body]);
     for (body, [vx, vy, _]) in start.velocities.iter().enumerate() {
@@ -133,7 +133,7 @@ fn check_speeds(model: &Model, start: &InitialConfiguration) -> Result<()> {
     Ok(())
 }
 
-/// Numbers, and what the supports and motors hold must agree with them.
+/// Check the numbers of an initial configuration, and their agreement with supports, motors and ends.
 pub(crate) fn check_start(model: &Model, start: &InitialConfiguration) -> Result<()> {
     check_rows(model, "positions", &start.positions)?;
     check_rows(model, "velocities", &start.velocities)?;
@@ -158,7 +158,7 @@ pub(crate) fn check_start(model: &Model, start: &InitialConfiguration) -> Result
                 );
             }
             Support::Slide { .. } => {
-                // An arm turns its way: what counts is where the centre begins, not where it is described.
+                // The guide path of an arm is curved: its tangent at the initial centre applies, not that at the described one.
                 let way = sprocket.slide_at(Vec2::new(x, y));
                 let tangent = way.map_or(Vec2::zeros(), |(_, tangent)| tangent);
                 let across = tangent.x * vy - tangent.y * vx;

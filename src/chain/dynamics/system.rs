@@ -1,4 +1,4 @@
-//! The chain drive as a system that a run steps.
+//! Implementation of `System` for the chain drive: interface between the dynamics and a run.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::force_law::{Friction, LuGre, Regions};
 use crate::integrator::{Adams, OdeSystem, Step};
 use crate::system::{Channel, Energy, EventCounts, Identity, Row, System, hash};
 
-/// What closes the balance where regions of teeth are sharp: no accuracy does.
+/// Remedy for the energy balance with sharp regions of teeth, whose residual does not decrease with the accuracy.
 const KEPT_REGIONS: &str = "regions = \"kept\": with \"sharp\", a bushing that crosses into another region of a tooth under \
      load gains or loses elastic energy, at any accuracy";
 
@@ -51,7 +51,7 @@ impl System for Dynamics {
         Dynamics::longest_step(self).min(to_kink).min(between)
     }
 
-    /// The last evaluation was that of the step that failed; failing that, what was there before it.
+    /// Use the contacts of the last evaluation, that of the failed step; without any, those of the dense output at `time`.
     fn culprit(&mut self, adams: &Adams, time: f64, component: usize) -> String {
         let model = Arc::clone(&self.model);
         let body = model.body_of_coordinate(component % model.coordinates);
@@ -111,7 +111,7 @@ impl System for Dynamics {
         self.energy()
     }
 
-    /// What bristles store of the work of friction is not lost.
+    /// The work of friction contains the energy stored in bristles, which is not dissipated.
     fn without_stored(&self, mut sums: Powers) -> Powers {
         if !self.model.bristles.is_empty() {
             let stored = self.stored();
@@ -140,7 +140,7 @@ impl System for Dynamics {
         report::channels(&self.model, groups)
     }
 
-    /// Places that this drive does not have have no channel.
+    /// Contacts that this drive does not have have no channel.
     fn losses(&self, powers: &Powers) -> Vec<(&'static str, f64)> {
         let Losses {
             hinge_contact,
@@ -213,7 +213,7 @@ impl System for Dynamics {
     }
 }
 
-/// Enough of a model to know it again, and to say what differs.
+/// Return the properties that identify a model and name the differences between two models.
 fn identity(model: &Model) -> Vec<Identity> {
     const DRIVE: &str = "make the simulation with the drive of the state";
     const LAWS: &str = "make the simulation with the laws of the state";
@@ -258,7 +258,7 @@ fn identity(model: &Model) -> Vec<Identity> {
         ),
         of(
             "drive",
-            // Debug text has every field, also one that is added later, and every bit of its numbers.
+            // The debug text contains every field, later additions included, and every bit of its numbers.
             format!("model {:016x}", hash(format!("{model:?}").as_bytes())),
             "some number of drive, start or laws differs, or the version of rustchain: make the simulation with those of the state",
         ),

@@ -1,11 +1,11 @@
-//! Accelerations of all bodies, and what the chain does to sprockets and ends, as the kernels left them.
+//! Accelerations of all bodies, and loads of the chain on sprockets and ends, from the last evaluation of the kernels.
 
 use crate::chain::dynamics::{Moves, SprocketLoad, sprocket_acceleration};
 use crate::chain::model::{Model, Rotation};
 use crate::chain::motion::Motion;
 use crate::geometry::Vec2;
 
-/// Accelerations of all bodies, and what the chain does to the sprockets.
+/// Accelerations of all bodies, and loads of the chain on sprockets and ends.
 #[derive(Debug, Clone)]
 pub struct Accelerations {
     /// d²x/dt² \[m/s²\]
@@ -14,9 +14,9 @@ pub struct Accelerations {
     pub y: Vec<f64>,
     /// d²θ/dt² \[rad/s²\]
     pub angle: Vec<f64>,
-    /// What the chain does to each sprocket.
+    /// Load of the chain on each sprocket.
     pub chain: Vec<SprocketLoad>,
-    /// Force of the chain on both ends of an open one \[N\].
+    /// Force of an open chain on both of its ends \[N\].
     pub on_ends: [Vec2; 2],
 }
 
@@ -32,8 +32,9 @@ impl Accelerations {
         }
     }
 
-    /// Takes the accelerations of links and rollers from those of their coordinates, `rates`, and finds those of the sprockets under
-    /// the loads that they have.
+    /// Copy the accelerations of links and rollers from those of their coordinates, `rates`, and compute those of the sprockets.
+    ///
+    /// The accelerations of the sprockets follow from the loads in `chain`.
     pub(crate) fn read(
         &mut self,
         model: &Model,
@@ -61,7 +62,9 @@ impl Accelerations {
         }
     }
 
-    /// Torque on sprocket `s`, which turns at `spin` \[rad/s\], from its motor or load \[N m\]: what it takes to move it as it moves.
+    /// Return the shaft torque on sprocket `s` at time `t` \[s\] and angular speed `spin` \[rad/s\], by motor or load \[N m\].
+    ///
+    /// Prescribed speed: J dω/dt - M, with the moment M of the chain. Other rotations: applied torque.
     #[must_use]
     pub fn shaft_torque(&self, model: &Model, s: usize, t: f64, spin: f64) -> f64 {
         let sprocket = &model.sprockets[s];

@@ -1,10 +1,10 @@
-//! Names and shapes of the channels that are recorded.
+//! Names and shapes of the recorded channels.
 
 use super::Groups;
 use crate::chain::model::Model;
 use crate::system::Channel;
 
-/// Channels of these groups, without rows; rows are written in the same order.
+/// Return the channels of these groups, without rows; rows are written in the same order.
 pub(crate) fn channels(model: &Model, groups: Groups) -> Vec<Channel> {
     let mut channels = Vec::new();
     let mut add = |name: &'static str, row_shape: &[usize], whole: bool| {

@@ -1,4 +1,4 @@
-//! Rows of the channels of hinges, rollers, teeth and sprockets.
+//! Recorded rows of hinges, rollers, teeth and sprockets.
 
 use super::ToothContacts;
 use super::end_rows;
@@ -26,7 +26,7 @@ pub(super) fn write_hinges(row: &mut Row, dynamics: &Dynamics) {
     }
 }
 
-/// Tensions of the strands of a closed chain \[N\], in the order of the model's strands.
+/// Return the tensions of the strands of a closed chain \[N\], in the order of the model's strands.
 fn strand_tensions(dynamics: &Dynamics) -> Vec<f64> {
     let (model, motion, hinges) = (dynamics.model(), &dynamics.motion, &dynamics.hinges);
     let place = |body: usize| Vec2::new(motion.x[body], motion.y[body]);
@@ -70,13 +70,13 @@ pub(super) fn write_rollers(row: &mut Row, dynamics: &Dynamics) {
     ));
 }
 
-/// The onset speeds of the contacts that are closed, 0 of the others \[m/s\].
+/// Return the initial impact velocities of closed contacts, and 0 for open ones \[m/s\].
 fn onset_speeds<'a>(depths: &'a [f64], speeds: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
     let pairs = depths.iter().zip(speeds);
     pairs.map(|(&depth, &speed)| if depth > 0.0 { speed } else { 0.0 })
 }
 
-/// The deepest contact of every bushing.
+/// Write the tooth contact with the largest penetration of every bushing.
 #[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap)] // few sprockets, gaps and regions
 pub(super) fn write_teeth(row: &mut Row, dynamics: &Dynamics) {
     let (teeth, model) = (&dynamics.teeth, dynamics.model());
@@ -131,7 +131,7 @@ pub(super) fn write_teeth(row: &mut Row, dynamics: &Dynamics) {
     }));
 }
 
-/// Angle, speed, torque and centre of every sprocket and guide at time `t`.
+/// Write angle, speed, torque and centre of every sprocket and guide at time `t` \[s\].
 pub(super) fn write_sprockets(row: &mut Row, dynamics: &Dynamics, t: f64) {
     let model = dynamics.model();
     let sprockets = model.wheel_body(0)..model.bodies();
@@ -145,7 +145,7 @@ pub(super) fn write_sprockets(row: &mut Row, dynamics: &Dynamics, t: f64) {
     row.real(sprockets.flat_map(|body| [dynamics.motion.x[body], dynamics.motion.y[body]]));
 }
 
-/// Tooth force on every bushing \[N\], over all sprockets.
+/// Sum the tooth forces on every bushing over all sprockets \[N\].
 pub(super) fn gather_by_bushing(teeth: &ToothContacts, links: usize, forces: &mut [f64]) {
     forces.fill(0.0);
     for &pair in &teeth.near {

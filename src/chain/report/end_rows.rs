@@ -1,14 +1,14 @@
-//! What an open chain does to its ends, where they are, and the tensions of its strands.
+//! Recorded rows of an open chain: forces on its ends, their positions and velocities, and strand tensions.
 
 use crate::chain::dynamics::Dynamics;
 use crate::chain::model::OpenEnds;
 use crate::geometry::{Vec2, turned_left};
 use crate::system::Row;
 
-/// Force of the chain on each end \[N\]; place \[m\] and velocity \[m/s\] of its pin.
+/// Write the force of the chain on each end \[N\], and position \[m\] and velocity \[m/s\] of its pin.
 pub(super) fn write(row: &mut Row, dynamics: &Dynamics, ends: &OpenEnds) {
     let (model, motion, hinges) = (dynamics.model(), &dynamics.motion, &dynamics.hinges);
-    // The first end is the front of its hinge, the last one the rear.
+    // The body of the first end is the front link of its hinge, the body of the last end the rear link.
     let of = |end: usize| (&ends.bodies[end], if end == 0 { 1.0 } else { -1.0 });
     row.real([0, 1].into_iter().flat_map(|i| {
         let (end, sign) = of(i);
@@ -33,9 +33,10 @@ pub(super) fn write(row: &mut Row, dynamics: &Dynamics, ends: &OpenEnds) {
     }));
 }
 
-/// Mean pull along the chain of the hinges of each strand \[N\], from the first end to the last; zero for one without hinges.
+/// Return the mean tension along the chain of the hinges of each strand \[N\], from the first end to the last.
 ///
-/// A hinge that a sprocket's teeth may reach is in no strand; those behind it are in the next one.
+/// A hinge within reach of a sprocket's teeth belongs to no strand; the following hinges belong to the next strand. The tension of a
+/// strand without hinges is zero.
 pub(super) fn tensions(dynamics: &Dynamics) -> Vec<f64> {
     let (model, motion, hinges) = (dynamics.model(), &dynamics.motion, &dynamics.hinges);
     let Some(ends) = &model.ends else {

@@ -1,9 +1,9 @@
-//! Groups of channels that are recorded together.
+//! Groups of recorded channels.
 
 use crate::chain::dynamics::{Needs, Want};
 use crate::chain::model::{Model, Rotation};
 
-/// Which groups of channels of a drive are recorded.
+/// Selection of the recorded groups of channels of a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[allow(clippy::struct_excessive_bools)] // independent switches
 pub struct Groups {
@@ -15,14 +15,14 @@ pub struct Groups {
     pub sprockets: bool,
     /// Positions and velocities of all bodies.
     pub bodies: bool,
-    /// The energy balance.
+    /// Energy balance.
     pub energy: bool,
 }
 
 impl Groups {
-    /// What a row of these groups needs to know of the dynamics of `model`.
+    /// Return the outputs of the dynamics of `model` that a row of these groups requires.
     pub(crate) fn needs(self, model: &Model) -> Needs {
-        // A motor's torque is what the teeth leave to it; an applied one is known without them.
+        // The torque of a prescribed speed follows from the tooth forces; an applied torque is independent of them.
         let prescribed = |rotation: &Rotation| matches!(rotation, Rotation::Prescribed(_));
         let sprocket_loads =
             self.sprockets && model.sprockets.iter().any(|s| prescribed(&s.rotation));
@@ -31,7 +31,7 @@ impl Groups {
             (false, true) => Want::Depths,
             (false, false) => Want::Nothing,
         };
-        // What bristles store goes by the normal force.
+        // The energy stored in bristles is proportional to the normal force.
         let stored = |law: bool| self.energy && law;
         Needs {
             hinges: want(self.hinges || stored(model.hinge_bristles.is_some())),

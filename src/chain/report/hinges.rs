@@ -1,4 +1,4 @@
-//! Pin in bushing: every hinge of the chain, as the kernels left it.
+//! Hinge contacts: pin in bushing of every hinge, from the last evaluation of the kernels.
 
 use crate::chain::model::Model;
 use crate::chain::motion::Motion;
@@ -7,18 +7,18 @@ use crate::drive::bushing_on_front;
 use crate::geometry::{Vec2, turned_left};
 use crate::math::simd::Numbers;
 
-/// All hinges. Hinge `k` has an end of link `k` (its front) and one of link `k + 1` (its rear); one is the pin, one the bushing.
+/// Contacts of all hinges. Hinge `k` joins the front end of link `k` and the rear end of link `k + 1`; one is the pin, one the bushing.
 #[derive(Debug, Clone)]
 pub struct HingeContacts {
     /// Centres of the bushings \[m\].
     pub bushing: Vec<Vec2>,
-    /// Their velocities \[m/s\].
+    /// Velocities of the bushing centres \[m/s\].
     pub bushing_velocity: Vec<Vec2>,
-    /// Front end of link k seen from the rear end of link k + 1 \[m\]; zero where an open chain is open.
+    /// Front end of link k relative to the rear end of link k + 1 \[m\]; zero at open hinges of an open chain.
     pub offset: Vec<Vec2>,
-    /// Unit vector along it, x; zero where the centres coincide.
+    /// Unit vector along `offset`, x; zero where the centres coincide.
     pub direction_x: Vec<f64>,
-    /// The same, y.
+    /// Unit vector along `offset`, y.
     pub direction_y: Vec<f64>,
     /// Penetration δ = |e| - c \[m\].
     pub penetration: Vec<f64>,
@@ -28,12 +28,12 @@ pub struct HingeContacts {
     pub force: Vec<f64>,
     /// Friction on the rear end of link k + 1, along the direction turned left \[N\]; zero without a law of friction.
     pub friction: Vec<f64>,
-    /// Force of lubricant on the front end of link k \[N\]; zero without any.
+    /// Force of the lubricant film on the front end of link k \[N\]; zero without a film.
     pub film: Vec<Vec2>,
 }
 
 impl HingeContacts {
-    /// Room for `links` hinges.
+    /// Create arrays of zeros for `links` hinges.
     #[must_use]
     pub fn new(links: usize) -> Self {
         let zeros = || vec![0.0; links];
@@ -52,7 +52,7 @@ impl HingeContacts {
         }
     }
 
-    /// Takes all hinges from what an evaluation at this motion left of the chain.
+    /// Copy all hinges from the arrays `chain` of an evaluation at this motion.
     pub(crate) fn read(&mut self, model: &Model, motion: &Motion, chain: &ChainArrays) {
         let n = model.links;
         self.force.copy_from_slice(&chain.force[..n]);
@@ -65,6 +65,7 @@ impl HingeContacts {
             self.bushing[k] = both(&chain.bushing, k);
             self.bushing_velocity[k] = both(&chain.bushing_velocity, k);
             self.film[k] = both(&chain.film, k);
+            // e = x_k - x_next + a_k t_k + a_next t_next: front end of link k relative to the rear end of the next link.
             self.offset[k] = if model.hinge_is_open(k) {
                 Vec2::zeros()
             } else {
@@ -77,13 +78,13 @@ impl HingeContacts {
         }
     }
 
-    /// Centre of bushing `k` and its velocity; it belongs to the inner one of the two links.
+    /// Return centre \[m\] and velocity \[m/s\] of bushing `k`, which belongs to the inner one of the two links.
     #[must_use]
     pub fn bushing(&self, k: usize) -> (Vec2, Vec2) {
         (self.bushing[k], self.bushing_velocity[k])
     }
 
-    /// Pin centre of hinge `k` seen from its bushing's \[m\].
+    /// Return the centre of the pin of hinge `k` relative to that of its bushing \[m\].
     #[must_use]
     pub fn eccentricity(&self, k: usize) -> Vec2 {
         if bushing_on_front(k, self.offset.len()) {
@@ -93,7 +94,7 @@ impl HingeContacts {
         }
     }
 
-    /// Force on the pin of hinge `k` \[N\].
+    /// Return the force on the pin of hinge `k` \[N\].
     #[must_use]
     pub fn force_on_pin(&self, k: usize) -> Vec2 {
         let on_front = self.force_on_front(k);
@@ -104,7 +105,7 @@ impl HingeContacts {
         }
     }
 
-    /// Force on the front end of link `k` at hinge `k` \[N\].
+    /// Return the force on the front end of link `k` at hinge `k` \[N\]: film - normal force · n - friction · n turned left.
     #[must_use]
     pub fn force_on_front(&self, k: usize) -> Vec2 {
         let normal = Vec2::new(self.direction_x[k], self.direction_y[k]);
@@ -112,22 +113,22 @@ impl HingeContacts {
     }
 }
 
-/// Penetration and rate of one cylinder in another's bore, from the distance of their centres.
+/// Penetration and penetration rate of a cylinder in a bore, from the distance of the centres.
 pub(super) struct Gap {
-    /// \[m\]; negative when apart.
+    /// Penetration \[m\]; negative where apart.
     pub(super) penetration: f64,
-    /// \[m/s\]
+    /// Penetration rate \[m/s\].
     pub(super) rate: f64,
-    /// 1/distance \[1/m\]; zero where the centres coincide.
+    /// Inverse of the distance \[1/m\]; zero where the centres coincide.
     pub(super) over_distance: f64,
 }
 
 impl Gap {
-    /// Of joint `k` of these arrays, with a radial `clearance`.
+    /// Return the gap of joint `k` of these arrays, with a radial `clearance` \[m\].
     pub(super) fn of(arrays: &ChainArrays, k: usize, clearance: f64) -> Self {
         let distance = arrays.distance_squared[k].sqrt();
         let over_distance = if distance > 0.0 { 1.0 / distance } else { 0.0 };
-        // A contact that bears nothing for its rounding is apart.
+        // The kernel's penetration decides on contact: with zero penetration, a positive distance - clearance is rounding.
         let depth = arrays.depth[k];
         let apart = f64::min(distance - clearance, 0.0);
         Self {

@@ -1,8 +1,7 @@
-//! What is read of a drive: contacts and accelerations for reports, energies, range warnings and contact onsets at a start, and the
-//! rows of a recording.
+//! Report quantities of a drive: contacts and accelerations for reports, energies, law warnings, contacts at a start, and recorded rows.
 //!
-//! The kernels evaluate once more, in arrays of their own, so that a report inside a step leaves what the step needs as it is: the
-//! list of candidates and its gaps, the contacts that began or ended, and the bristles of the implicit step.
+//! Reports have separate kernels and arrays. A report inside a step therefore does not change the data of the step: candidate list and
+//! gaps, contact onsets and ends, and the bristles of the implicit stage.
 
 mod accelerations;
 mod channels;
@@ -26,15 +25,15 @@ pub use rollers::{RollerContacts, on_teeth};
 pub(crate) use rows::{HINGES, ROLLERS, write_row};
 pub use teeth::ToothContacts;
 
-/// Kernels that evaluate for readers, and their scratch arrays.
+/// Kernels for reports, and their scratch arrays.
 #[derive(Debug, Clone)]
 pub(crate) struct Reader {
     pub(crate) kernels: Kernels,
-    /// State that is evaluated where none is given.
+    /// State of an evaluation without a given state.
     pub(crate) state: Vec<f64>,
-    /// Accelerations, coordinate by coordinate.
+    /// Accelerations of all coordinates.
     pub(crate) rates: Vec<f64>,
-    /// Candidates of one sprocket.
+    /// Tooth contacts of the candidates of one sprocket.
     pub(crate) readings: ToothReadings,
 }
 

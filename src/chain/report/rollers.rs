@@ -1,4 +1,4 @@
-//! Roller on bushing: a clearance joint between each bushing and the roller that turns on it, as the kernels left it.
+//! Roller contacts: clearance joint between each bushing and its roller, from the last evaluation of the kernels.
 
 use super::HingeContacts;
 use super::hinges::Gap;
@@ -7,12 +7,12 @@ use crate::chain::motion::Motion;
 use crate::chain::rhs::layout::ChainArrays;
 use crate::geometry::{Vec2, turned_left};
 
-/// All rollers on their bushings; empty where rollers are no bodies of their own.
+/// Contacts of all rollers on their bushings; empty where rollers are no bodies of their own.
 #[derive(Debug, Clone)]
 pub struct RollerContacts {
     /// Unit vector from the roller's centre to the bushing's, x.
     pub direction_x: Vec<f64>,
-    /// The same, y.
+    /// Unit vector from the roller's centre to the bushing's, y.
     pub direction_y: Vec<f64>,
     /// Penetration δ = |e| - c \[m\].
     pub penetration: Vec<f64>,
@@ -22,12 +22,12 @@ pub struct RollerContacts {
     pub force: Vec<f64>,
     /// Friction on the roller, along the direction turned left \[N\]; zero without a law of friction.
     pub friction: Vec<f64>,
-    /// Bushing's centre seen from the roller's \[m\].
+    /// Centre of the bushing relative to that of the roller \[m\].
     pub eccentricity: Vec<Vec2>,
 }
 
 impl RollerContacts {
-    /// Room for so many.
+    /// Create arrays of zeros for `rollers` rollers.
     #[must_use]
     pub fn new(rollers: usize) -> Self {
         let zeros = || vec![0.0; rollers];
@@ -42,7 +42,7 @@ impl RollerContacts {
         }
     }
 
-    /// Takes all rollers from what an evaluation left of them; those that are none stay as they were.
+    /// Copy all rollers from the arrays of an evaluation; the values of absent rollers remain unchanged.
     pub(crate) fn read(
         &mut self,
         model: &Model,
@@ -65,7 +65,7 @@ impl RollerContacts {
         }
     }
 
-    /// Force on roller `k` of its bushing \[N\].
+    /// Return the force of the bushing on roller `k` \[N\].
     #[must_use]
     pub fn force_on_roller(&self, k: usize) -> Vec2 {
         let normal = Vec2::new(self.direction_x[k], self.direction_y[k]);
@@ -73,7 +73,7 @@ impl RollerContacts {
     }
 }
 
-/// Centre of what meets the teeth at hinge `k`, roller or bushing, its velocity, and the body that it turns with.
+/// Return ((centre, velocity), body) of the roller or bushing of hinge `k` that is in contact with the teeth \[m, m/s\].
 #[must_use]
 pub fn on_teeth(
     model: &Model,

@@ -1,4 +1,4 @@
-//! One row of a drive's recording.
+//! Recorded row of a drive.
 
 use super::Groups;
 use super::contact_rows::{
@@ -9,12 +9,14 @@ use crate::chain::dynamics::Dynamics;
 use crate::geometry::Vec2;
 use crate::system::Row;
 
-/// Kinds of contacts that have peaks.
+/// Number of the kind of contact for peak values: hinges, then rollers, then teeth.
 pub(crate) const HINGES: usize = 0;
 pub(crate) const ROLLERS: usize = 1;
 const TEETH: usize = 2;
 
-/// Writes a row of `groups` for `dynamics` as evaluated at `t` for what `Groups::needs` says. `tooth_forces`: scratch, one a bushing.
+/// Write a row of `groups` for `dynamics`, evaluated at `t` \[s\] for the outputs of `Groups::needs`.
+///
+/// `tooth_forces`: scratch, one value per bushing.
 pub(crate) fn write_row(
     row: &mut Row,
     dynamics: &Dynamics,

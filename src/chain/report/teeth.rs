@@ -1,32 +1,32 @@
-//! Bushings or rollers on the teeth, as the kernels left them.
+//! Tooth contacts of bushings or rollers, from the last evaluation of the kernels.
 
 use crate::chain::contact::SprocketCandidates;
 use crate::chain::model::Model;
 use crate::chain::rhs::ToothReadings;
 use crate::geometry::{Surface, Vec2, turned_left};
 
-/// All bushings against all sprockets; pair `sprocket * links + bushing`.
+/// Contacts of all bushings with all sprockets; pair `sprocket * links + bushing`.
 #[derive(Debug, Clone)]
 pub struct ToothContacts {
-    /// Penetration δ \[m\]; -inf when not even near.
+    /// Penetration δ \[m\]; -inf for a pair out of reach.
     pub penetration: Vec<f64>,
-    /// The pairs that are near, sprocket by sprocket; the arrays below hold for these only.
+    /// Pairs within reach, sprocket by sprocket; the arrays below are valid for these pairs only.
     pub near: Vec<u32>,
     /// dδ/dt \[m/s\].
     pub rate: Vec<f64>,
-    /// Direction in which the penetration grows, x.
+    /// Direction of increasing penetration, x.
     pub normal_x: Vec<f64>,
-    /// The same, y.
+    /// Direction of increasing penetration, y.
     pub normal_y: Vec<f64>,
-    /// Bushing's centre seen from the sprocket's, x \[m\].
+    /// Centre of the bushing relative to that of the sprocket, x \[m\].
     pub arm_x: Vec<f64>,
-    /// The same, y \[m\].
+    /// Centre of the bushing relative to that of the sprocket, y \[m\].
     pub arm_y: Vec<f64>,
     /// Number of the surface.
     pub surface: Vec<Surface>,
     /// Region from 1.
     pub region: Vec<u8>,
-    /// Gap the bushing is in.
+    /// Tooth gap of the bushing.
     pub gap: Vec<u32>,
     /// Normal force \[N\].
     pub force: Vec<f64>,
@@ -35,7 +35,7 @@ pub struct ToothContacts {
 }
 
 impl ToothContacts {
-    /// Room for every pair.
+    /// Create arrays for every pair.
     #[must_use]
     pub fn new(links: usize, sprockets: usize) -> Self {
         let pairs = links * sprockets;
@@ -56,14 +56,14 @@ impl ToothContacts {
         }
     }
 
-    /// Force of the sprocket on the bushing of a near pair, friction included \[N\].
+    /// Return the force of the sprocket on the bushing of a pair within reach, with friction \[N\].
     #[must_use]
     pub fn force_on_bushing(&self, pair: usize) -> Vec2 {
         let normal = Vec2::new(self.normal_x[pair], self.normal_y[pair]);
         -self.force[pair] * normal - self.friction[pair] * turned_left(normal)
     }
 
-    /// No pair is near.
+    /// Mark all pairs as out of reach.
     pub(crate) fn clear(&mut self) {
         for &pair in &self.near {
             self.penetration[pair as usize] = f64::NEG_INFINITY;
@@ -73,7 +73,7 @@ impl ToothContacts {
         self.near.clear();
     }
 
-    /// Takes the candidates of sprocket `s` within reach of its teeth from what an evaluation left of them.
+    /// Copy the candidates of sprocket `s` within reach of its teeth from `readings` of an evaluation.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // pairs and surfaces are few
     pub(crate) fn read(
         &mut self,
