@@ -1,8 +1,8 @@
 //! Elimination of the links: inverse of the 3x3 block of every link, and the remaining coupling between its two hinges.
 //!
 //! Row of link i: `D_i w_i + F_i^T f_i - R_i^T f_(i-1) = M_i r_i`, where `f_i` is the change of the force of hinge i. F and R give
-//! the velocities of the link's front and rear: `F w = (w_x + u w_θ, w_y + v w_θ)`, R with -u, -v. Row of hinge k: `P_k f_k = F_k
-//! w_k - R_(k+1) w_(k+1)`, where P is its compliance.
+//! the velocities of the link's front and rear: `F w = (w_x + u w_θ, w_y + v w_θ)`, R with -u, -v. Row of hinge k:
+//! `P_k f_k = F_k w_k - R_(k+1) w_(k+1)`, where P is its compliance.
 
 use pulp::Simd;
 
@@ -83,8 +83,8 @@ impl LinkGroup {
 
     /// Return the blocks D of links whose bushings touch teeth.
     ///
-    /// D = diag(m, m, J) + F^T H_f F + R^T H_r R with the stiffness H of the teeth at the front and the rear bushing. Friction adds
-    /// the moments `spun` about the bushings.
+    /// D = diag(m, m, J) + F^T H_f F + R^T H_r R with the stiffness H of the teeth at the front and the rear bushing. J is the
+    /// inertia with the geometric stiffness. Friction adds the moments `spun` about the bushings.
     #[inline(always)]
     fn held_links<S: Simd, const RUBBED: bool>(
         &self,
