@@ -1,15 +1,15 @@
-//! Energy quadrature: powers integrated through each step along its path, finer than the steps themselves.
+//! Energy quadrature: integration of powers along the path of each step, with more points than the steps.
 //!
-//! Each step has one panel of Simpson's rule or of the Gauss-Lobatto formula of four points. Power has a kink where a contact begins or
-//! ends: such a step is divided there, with a panel for each section. The sums are no part of the integrator's state: they do not enter
-//! its error test, and cost nothing while they are off.
+//! Each step has one panel of Simpson's rule or of the Gauss-Lobatto formula of four points. Power has a kink at a contact onset or end.
+//! The step is divided there, with a panel for each section. The sums are not part of the integrator's state: they do not affect its error
+//! test, and cost nothing while the quadrature is off.
 
 use serde::{Deserialize, Serialize};
 
 use super::PowerSum;
 use crate::integrator::Step;
 
-/// Formula of one panel: its points and their weights, as parts of it.
+/// Quadrature formula of one panel: its points and weights, as fractions of the panel.
 #[derive(Debug)]
 pub(crate) struct PanelRule {
     points: &'static [f64],
@@ -29,18 +29,18 @@ impl PanelRule {
         weights: &[1.0 / 12.0, 5.0 / 12.0, 5.0 / 12.0, 1.0 / 12.0],
     };
 
-    /// Points without the first one, which is the last of the panel before.
+    /// Return the number of points without the first one, which is the last point of the previous panel.
     const fn new_points(&self) -> usize {
         self.points.len() - 1
     }
 
-    /// Integral of the polynomial through `powers` from the start of a panel to a `part` of it, for a panel of length one.
+    /// Return the integral of the polynomial through `powers` from the start of a panel to the fraction `part`, for a panel of length one.
     fn integral_to<P: PowerSum>(&self, part: f64, powers: &[P]) -> P {
         if part >= 1.0 {
             return self.whole(powers);
         }
         let points = self.points;
-        // The formula's own points, moved into the part: it is exact for what is interpolated there.
+        // The formula itself, scaled to this fraction, integrates the interpolating polynomial (Lagrange basis) exactly.
         let mut sum = P::default();
         for (point, weight) in points.iter().zip(self.weights) {
             let x = part * point;
@@ -64,24 +64,24 @@ impl PanelRule {
     }
 }
 
-/// The sums of the energy balance, and the powers along the last step, for reports inside it.
+/// Sums of the energy balance, and the powers along the last step, for reports inside the step.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "P: PowerSum")]
 pub struct EnergyQuadrature<P> {
-    /// Panels of each section of a step.
+    /// Number of panels in each section of a step.
     fineness: usize,
-    /// Ends of the sections of the last step, as parts of it; the last one is 1.
+    /// Ends of the sections of the last step, as fractions of it; the last one is 1.
     sections: Vec<f64>,
-    /// The last step \[s\].
+    /// Start and end of the last step \[s\].
     start: f64,
     end: f64,
-    /// Energies at its start \[J\].
+    /// Energies at the start of the last step \[J\].
     at_start: P,
-    /// Energies at its end \[J\].
+    /// Energies at the end of the last step \[J\].
     at_end: P,
-    /// Powers at the points of its panels, from start to end \[W\].
+    /// Powers at the points of the panels, from start to end \[W\].
     powers: Vec<P>,
-    /// Evaluations of the right-hand side that the quadrature took.
+    /// Number of evaluations of the right-hand side by the quadrature.
     evaluations: u64,
 }
 
@@ -92,30 +92,30 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         quadrature
     }
 
-    /// Divides every section of a step from now on into `fineness` panels.
+    /// Divide every section of the following steps into `fineness` panels.
     pub(crate) fn refine(&mut self, fineness: usize) {
         self.fineness = fineness.max(1);
-        // One kink a step at most, but for a few steps.
+        // Almost all steps have one kink at most.
         let most = PanelRule::LOBATTO.new_points() * 2 * self.fineness + 1;
         self.powers.reserve(most.saturating_sub(self.powers.len()));
         self.sections.reserve(2);
         self.begin(self.end, self.last_power());
     }
 
-    /// Goes on at `t` with `powers`, which are taken to have been the same before.
+    /// Continue at `t` with `powers`, which are assumed constant before.
     pub(crate) fn begin(&mut self, t: f64, powers: P) {
         (self.start, self.end) = (t, t);
         self.at_start = self.at_end;
         self.lay_out(&PanelRule::SIMPSON, &[], powers);
     }
 
-    /// Forgets what came after `t` inside the last step.
+    /// Discard the energies after `t` inside the last step.
     pub(crate) fn cut(&mut self, t: f64) {
         self.at_end = self.energies(t);
         self.end = t;
     }
 
-    /// Makes room for the powers of a step with `kinks`, the first one that of its start.
+    /// Prepare the powers of a step with `kinks`; the first one is the power at its start.
     fn lay_out(&mut self, rule: &PanelRule, kinks: &[f64], at_start: P) {
         self.sections.clear();
         let inside = kinks.iter().filter(|&&kink| 0.0 < kink && kink < 1.0);
@@ -128,7 +128,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         self.powers.resize(count, at_start);
     }
 
-    /// The rule of the last step, which the number of its powers tells.
+    /// Return the formula of the last step, determined from the number of its powers.
     fn rule(&self) -> &'static PanelRule {
         const { [&PanelRule::SIMPSON, &PanelRule::LOBATTO] }
             .into_iter()
@@ -136,12 +136,12 @@ impl<P: PowerSum> EnergyQuadrature<P> {
             .unwrap_or(const { &PanelRule::LOBATTO })
     }
 
-    /// Panels of the last step.
+    /// Return the number of panels of the last step.
     fn panels(&self) -> usize {
         self.fineness * self.sections.len()
     }
 
-    /// The section of a panel of the last step, from one part of it to another, and the number of the panel there.
+    /// Return the section of a panel of the last step, as two fractions of the step, and the index of the panel in it.
     fn section_of(&self, panel: usize) -> ([f64; 2], usize) {
         let section = panel / self.fineness;
         let begin = section.checked_sub(1).map_or(0.0, |i| self.sections[i]);
@@ -151,7 +151,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         )
     }
 
-    /// Whether it can stand in the place of `other`.
+    /// Return whether this quadrature may replace `other`.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         self.fineness == other.fineness
             && self.powers.len() == self.rule().new_points() * self.panels() + 1
@@ -161,7 +161,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
             && self.start <= self.end
     }
 
-    /// Becomes what `other` is, within its own room.
+    /// Copy `other` within the allocated memory.
     pub(crate) fn carry_on(&mut self, other: &Self) {
         let mut powers = std::mem::take(&mut self.powers);
         powers.clear();
@@ -176,18 +176,18 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         };
     }
 
-    /// Panels of each section of a step.
+    /// Return the number of panels in each section of a step.
     pub(crate) fn fineness(&self) -> usize {
         self.fineness
     }
 
-    /// Evaluations of the right-hand side that the quadrature took.
+    /// Return the number of evaluations of the right-hand side by the quadrature.
     pub(crate) fn evaluations(&self) -> u64 {
         self.evaluations
     }
 
-    /// Adds the energies of a step whose power at its end is `at_end`, by this rule; `powers_at` evaluates the powers at a part of the
-    /// step and its time. The step is divided at the `kinks` of the powers, which are parts of it.
+    /// Add the energies of a step with the power `at_end` at its end, by this formula; `powers_at` evaluates the powers at a fraction of
+    /// the step and its time. The step is divided at the `kinks` of the powers, which are fractions of the step.
     pub(crate) fn add_step(
         &mut self,
         step: &Step,
@@ -209,6 +209,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         self.powers[last] = at_end;
         self.at_start = self.at_end;
         (self.start, self.end) = (step.start, step.end);
+        // Sum of weights times powers, over the width of each panel.
         for panel in 0..self.panels() {
             let ([begin, end], _) = self.section_of(panel);
             let width = (end - begin) * length / self.fineness as f64;
@@ -216,12 +217,12 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         }
     }
 
-    /// Counts an evaluation at the end of a step.
+    /// Count an evaluation at the end of a step.
     pub(crate) fn count_evaluation(&mut self) {
         self.evaluations += 1;
     }
 
-    /// Powers at the points of a panel.
+    /// Return the powers at the points of a panel.
     fn powers_of(&self, rule: &PanelRule, panel: usize) -> &[P] {
         let new_points = rule.new_points();
         &self.powers[new_points * panel..=new_points * (panel + 1)]
@@ -231,7 +232,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         self.powers.last().copied().unwrap_or_default()
     }
 
-    /// Energies dissipated and worked in at `t` inside the last step \[J\].
+    /// Return the dissipated energies and the external work at `t` inside the last step \[J\].
     pub(crate) fn energies(&self, t: f64) -> P {
         if t >= self.end || self.end <= self.start {
             return self.at_end + self.last_power().scaled(t - self.end);
@@ -242,6 +243,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         for panel in 0..self.panels() {
             let ([begin, end], number) = self.section_of(panel);
             let width = (end - begin) * length / self.fineness as f64;
+            // Position in the section in panel widths; panels before it count in full, panels after it not at all.
             let place = (t - self.start) / width - begin * length / width;
             let part = (place - number as f64).clamp(0.0, 1.0);
             let to_here = rule.integral_to(part, self.powers_of(rule, panel));
@@ -282,7 +284,7 @@ mod tests {
         }
     }
 
-    /// The quadrature of one step of 0 to 2 s with `panels` in each section, in which the power dissipated is `power`.
+    /// The quadrature of one step from 0 to 2 s with `panels` in each section, and the dissipated power `power`.
     fn metered(
         panels: usize,
         kinks: (&PanelRule, &[f64]),

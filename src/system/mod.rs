@@ -1,8 +1,8 @@
-//! What a run knows of the system that it steps.
+//! Interface between a run and the system that it integrates.
 //!
 //! [`System`] is implemented by the chain drive ([`crate::chain::dynamics::Dynamics`]) and by mechanisms
-//! ([`crate::multibody::MechanismDynamics`]). A third kind of system needs only that. The types that pass between a system and its
-//! run stand beside it: recordings, peaks, energies and their quadrature.
+//! ([`crate::multibody::MechanismDynamics`]). A third kind of system requires only this trait. The types exchanged by a system and its run
+//! are defined here: recordings, peaks, energies and their quadrature.
 
 mod energy;
 mod energy_quadrature;
@@ -24,162 +24,162 @@ pub use recording::{Channel, Recording, Row, Values};
 use crate::error::Result;
 use crate::integrator::{Adams, SecondOrderSystem, Step};
 
-/// Located events of a run so far.
+/// Counts of the located events of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct EventCounts {
     /// Contact onsets.
     pub onsets: u64,
     /// Onsets slower than the minimum impact velocity.
     pub onsets_at_floor: u64,
-    /// Contacts that closed and opened again inside a step, within the accuracy.
+    /// Contacts that began and ended inside a step, with an effect below the accuracy.
     pub unseen_touches: u64,
 }
 
-/// One property by which a state is held against the simulation that it is set in.
+/// Property compared between a state and the simulation that it is set in.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Identity {
-    /// Its name in messages.
+    /// Name of the property in messages.
     pub field: &'static str,
-    /// Its value in words.
+    /// Value in words.
     pub value: String,
-    /// What to do where it differs.
+    /// Remedy if it differs.
     pub remedy: &'static str,
 }
 
-/// A system of second order that a run steps, records and restores.
+/// Second-order system that a run integrates, records and restores.
 ///
-/// A step goes: [`Self::begin_step`], the integrator's step, [`Self::write_peak_forces`], [`Self::finish_step`],
+/// The order of calls in a step is: [`Self::begin_step`], the integrator's step, [`Self::write_peak_forces`], [`Self::finish_step`],
 /// [`Self::longest_step`], [`Self::meter_step`].
 pub trait System: SecondOrderSystem + Clone + Debug {
-    /// The compiled description.
+    /// Compiled description.
     type Model: Debug;
-    /// Which groups of channels are recorded.
+    /// Selected groups of channels.
     type Groups: Copy + Debug + PartialEq;
     /// Powers of the energy balance.
     type Powers: PowerSum;
-    /// All that an evaluation does not find anew, for states.
+    /// Part of the state that an evaluation does not recompute, for checkpoints.
     type Checkpoint: Clone + Debug + Serialize + DeserializeOwned;
 
-    /// What the system is, in states and messages.
+    /// Kind of the system, in states and messages.
     const KIND: &'static str;
-    /// Steps between two readings of the wall clock: one where a step may take a good part of a second.
+    /// Number of steps between two readings of the wall clock; one if a step may take a large part of a second.
     const STEPS_BETWEEN_CLOCK_READINGS: u32;
 
-    /// The compiled description.
+    /// Return the compiled description.
     fn model(&self) -> &Arc<Self::Model>;
 
-    /// Properties by which a state is known again, the ones that tell most first.
+    /// Return the properties that identify a state, most significant first.
     fn identity(&self) -> Vec<Identity>;
 
-    /// Prepares the next step of `adams`: ends the memory of contacts that ended in the last one.
+    /// Prepare the next step of `adams`: clear the impact velocity memory of contacts that ended in the last step.
     fn begin_step(&mut self, adams: &mut Adams);
 
-    /// Locates the events of the step just made and corrects the state where it ends.
+    /// Locate the events of the last step and correct the state at its end.
     ///
     /// # Errors
-    /// When no state there satisfies the constraints.
+    /// If no state there satisfies the constraints.
     fn finish_step(&mut self, adams: &mut Adams, step: &Step) -> Result<()>;
 
-    /// Longest step from where `adams` is \[s\], in which no event passes unseen.
+    /// Return the longest step from the present state of `adams` \[s\] without a missed event.
     fn longest_step(&mut self, adams: &Adams) -> f64;
 
-    /// Returns to where the step began that has failed.
+    /// Return to the beginning of a failed step.
     fn go_back(&mut self, _adams: &mut Adams) {}
 
-    /// Body of a component of the state at `time` \[s\], and its largest contact force, in words.
+    /// Return the body of a component of the state at `time` \[s\] and its largest contact force, in words.
     fn culprit(&mut self, adams: &Adams, time: f64, component: usize) -> String;
 
-    /// The contact with the largest force at the last evaluation, in words.
+    /// Return the contact with the largest force at the last evaluation, in words.
     fn busiest(&self) -> String;
 
-    /// Located events so far.
+    /// Return the counts of located events so far.
     fn event_counts(&self) -> EventCounts;
 
-    /// Whether the energy quadrature is on; always, of a system whose solution has the sums.
+    /// Return whether the energy quadrature is on; always true for a system whose solution includes the sums.
     fn keeps_energy(&self) -> bool {
         true
     }
 
-    /// Switches the energy quadrature off.
+    /// Switch the energy quadrature off.
     fn stop_metering(&mut self) {}
 
-    /// Switches the energy quadrature on, from where `adams` is.
+    /// Switch the energy quadrature on, from the present state of `adams`.
     fn begin_metering(&mut self, _adams: &Adams) {}
 
-    /// Takes where `adams` is as the start of the next metered step, when energy is metered.
+    /// Use the present state of `adams` as the start of the next metered step, if the energy quadrature is on.
     fn resume_metering(&mut self, _adams: &Adams) {}
 
-    /// Adds the energies of the step just made, when they are metered.
+    /// Add the energies of the last step, if the energy quadrature is on.
     fn meter_step(&mut self, _adams: &Adams, _step: &Step) {}
 
-    /// Energies dissipated and put in at `t` inside the last step, where a report was evaluated last \[J\].
+    /// Return the dissipated energies and the external work at `t` inside the last step, at the last evaluated report \[J\].
     fn sums_at(&self, t: f64) -> Self::Powers;
 
-    /// Evaluations of the right-hand side that the energy quadrature took.
+    /// Return the number of evaluations of the right-hand side by the energy quadrature.
     fn meter_evaluations(&self) -> u64 {
         0
     }
 
-    /// Energies at the last evaluation.
+    /// Return the energies at the last evaluation.
     fn energy(&self) -> Energy;
 
-    /// Energies where the step just made ended, where they cost next to nothing: they then count as exchanged.
+    /// Return the energies at the end of the last step if their evaluation is cheap; they are then included in the exchanged energy.
     fn energy_at_step_end(&self) -> Option<Energy> {
         None
     }
 
-    /// The part of `sums` that is lost, without what friction has stored at the last evaluation.
+    /// Return `sums` without the energy stored by friction at the last evaluation.
     fn without_stored(&self, sums: Self::Powers) -> Self::Powers {
         sums
     }
 
-    /// Kinetic energy of bodies that move no faster than `speed` \[m/s\]: no more than that is error alone \[J\].
+    /// Return the kinetic energy of bodies at `speed` \[m/s\], an upper bound on the kinetic energy caused by errors alone \[J\].
     fn kinetic_energy_at(&self, _speed: f64) -> f64 {
         0.0
     }
 
-    /// What closes an energy balance that no accuracy closes, in words.
+    /// Return the remedy, in words, for an energy balance that no accuracy closes.
     fn energy_remedy(&self) -> Option<&'static str> {
         None
     }
 
-    /// Whether `groups` have the energy balance.
+    /// Return whether `groups` include the energy balance.
     fn records_energy(groups: Self::Groups) -> bool;
 
-    /// Channels of `groups`, without rows. Those of the energy balance are not among them.
+    /// Return the channels of `groups` without rows, except those of the energy balance.
     fn channels(&self, groups: Self::Groups) -> Vec<Channel>;
 
-    /// Channels and values of what places have of the dissipated in `powers`, in the order of a row.
+    /// Return channels and values of the losses by location in `powers`, in the order of a row.
     fn losses(&self, _powers: &Self::Powers) -> Vec<(&'static str, f64)> {
         Vec::new()
     }
 
-    /// How many contacts or joints of each kind have peaks in `groups`.
+    /// Return the number of contacts or joints of each kind with peaks in `groups`.
     fn peak_sizes(&self, groups: Self::Groups) -> Vec<usize>;
 
-    /// Evaluates the right-hand side where the last step ended, for [`Self::write_peak_forces`].
+    /// Evaluate the right-hand side at the end of the last step, for [`Self::write_peak_forces`].
     fn evaluate_step_end(&mut self, adams: &Adams);
 
-    /// Writes the forces of a kind at the last evaluation of the right-hand side \[N\].
+    /// Write the forces of a kind at the last evaluation of the right-hand side \[N\].
     fn write_peak_forces(&self, kind: usize, forces: &mut [f64]);
 
-    /// Begins a recording of `groups`; `None`: it has ended.
+    /// Begin a recording of `groups`; `None` ends it.
     fn set_recorded(&mut self, _groups: Option<Self::Groups>) {}
 
-    /// Evaluates what a row of `groups` needs at `t` inside the last step.
+    /// Evaluate the quantities of a row of `groups` at `t` inside the last step.
     fn evaluate_report(&mut self, adams: &Adams, t: f64, groups: Self::Groups);
 
-    /// Writes a row of [`Self::channels`] as evaluated at `t`.
+    /// Write a row of [`Self::channels`] as evaluated at `t`.
     fn write_row(&mut self, row: &mut Row, t: f64, groups: Self::Groups);
 
-    /// All that decides, with the integrator's state, how the system goes on.
+    /// Return the checkpoint: with the integrator's state, it determines the continuation of the run.
     fn checkpoint(&self) -> Self::Checkpoint;
 
-    /// The system that `checkpoint` was taken of, where `adams` has come; `None` when it contradicts this one.
+    /// Return the system of `checkpoint` at the present state of `adams`; `None` if the checkpoint is inconsistent with this system.
     fn restored(&self, checkpoint: &Self::Checkpoint, adams: &Adams) -> Option<Self>;
 }
 
-/// FNV-1a, 64 bits (Fowler, Noll, Vo): the same on every machine; a single byte that is changed always changes it.
+/// Return the FNV-1a hash of 64 bits (Fowler, Noll, Vo): equal on all machines; a change of a single byte always changes it.
 #[must_use]
 pub fn hash(bytes: &[u8]) -> u64 {
     let step = |hash: u64, &byte: &u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);

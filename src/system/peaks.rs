@@ -1,11 +1,11 @@
 //! Largest forces and impulses between two reports, from the forces at the ends of the steps.
 
-/// Largest force and impulse of every contact of a kind since the last report.
+/// Largest force and impulse of each contact of a kind since the last report.
 #[derive(Debug, Clone)]
 pub struct Peaks {
     time: f64,
     last: Vec<f64>,
-    /// Forces at the end of the step under way.
+    /// Forces at the end of the present step.
     pub(crate) arriving: Vec<f64>,
     force: Vec<f64>,
     impulse: Vec<f64>,
@@ -23,14 +23,14 @@ impl Peaks {
         }
     }
 
-    /// Takes in the forces that have been set aside for time `t`.
+    /// Include the forces stored for time `t`.
     pub(crate) fn arrive(&mut self, t: f64) {
         let forces = std::mem::take(&mut self.arriving);
         self.account(t, &forces);
         self.arriving = forces;
     }
 
-    /// Adds the trapezoid from the last forces to these.
+    /// Add the trapezoid between the previous forces and these to the impulses.
     fn account(&mut self, t: f64, forces: &[f64]) {
         let half = 0.5 * (t - self.time);
         for (i, &force) in forces.iter().enumerate() {
@@ -41,7 +41,7 @@ impl Peaks {
         self.time = t;
     }
 
-    /// Ends an interval with the forces of a report at `t`; returns largest forces and impulses, which are zero at the `first` report.
+    /// End an interval with the forces of a report at `t`; return largest forces and impulses, which are zero at the `first` report.
     pub(crate) fn close(&mut self, t: f64, forces: &[f64], first: bool) -> [&[f64]; 2] {
         self.account(t, forces);
         if first {
@@ -51,7 +51,7 @@ impl Peaks {
         [&self.force, &self.impulse]
     }
 
-    /// Begins the next interval, with the last forces.
+    /// Begin the next interval with the last forces.
     pub(crate) fn begin_interval(&mut self) {
         self.force.copy_from_slice(&self.last);
         self.impulse.fill(0.0);
@@ -76,7 +76,7 @@ mod tests {
             peaks.arrive(t);
         }
         assert_eq!(close(&mut peaks, 3.0, 2.0, false), (5.0, 2.0 + 1.5 + 1.5));
-        // A report inside a step comes before the step's end.
+        // A report inside a step precedes the end of the step.
         peaks.arriving[0] = 8.0;
         assert_eq!(close(&mut peaks, 4.0, 4.0, false), (4.0, 3.0));
         peaks.arrive(5.0);

@@ -1,29 +1,29 @@
-//! What a run records: one row of each channel at each report time.
+//! Recording of a run: one row of each channel at each report time.
 
 use super::peaks::Peaks;
 
-/// Values of one channel, row after row.
+/// Values of one channel, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
     /// Real numbers.
     Real(Vec<f64>),
-    /// Whole numbers.
+    /// Integers.
     Whole(Vec<i32>),
 }
 
-/// One recorded quantity.
+/// Recorded quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
-    /// Its name.
+    /// Name of the channel.
     pub name: &'static str,
-    /// Shape of one row; empty for a number.
+    /// Shape of one row; empty for a scalar.
     pub row_shape: Vec<usize>,
     /// All rows.
     pub values: Values,
 }
 
 impl Channel {
-    /// A channel of real numbers without rows.
+    /// Return a channel of real numbers without rows.
     #[must_use]
     pub fn real(name: &'static str, row_shape: &[usize]) -> Self {
         Self {
@@ -33,7 +33,7 @@ impl Channel {
         }
     }
 
-    /// A channel of whole numbers without rows.
+    /// Return a channel of integers without rows.
     #[must_use]
     pub fn whole(name: &'static str, row_shape: &[usize]) -> Self {
         Self {
@@ -42,30 +42,30 @@ impl Channel {
         }
     }
 
-    /// How many numbers a row has.
+    /// Return the number of values per row.
     #[must_use]
     pub fn row_length(&self) -> usize {
         self.row_shape.iter().product()
     }
 }
 
-/// What was recorded: one row of each channel at each time.
+/// Recorded rows of all channels.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recording {
     /// Report times \[s\].
     pub time: Vec<f64>,
-    /// The channels.
+    /// Recorded channels.
     pub channels: Vec<Channel>,
 }
 
 impl Recording {
-    /// The channel of this name.
+    /// Return the channel of this name.
     #[must_use]
     pub fn channel(&self, name: &str) -> Option<&Channel> {
         self.channels.iter().find(|channel| channel.name == name)
     }
 
-    /// All rows of a channel of real numbers, one after another; empty where there is no such channel.
+    /// Return all rows of a channel of real numbers, flat; empty if there is no such channel.
     #[must_use]
     pub fn real(&self, name: &str) -> &[f64] {
         match self.channel(name).map(|channel| &channel.values) {
@@ -74,7 +74,7 @@ impl Recording {
         }
     }
 
-    /// The same of whole numbers.
+    /// Return all rows of a channel of integers, flat; empty if there is no such channel.
     #[must_use]
     pub fn whole(&self, name: &str) -> &[i32] {
         match self.channel(name).map(|channel| &channel.values) {
@@ -83,7 +83,7 @@ impl Recording {
         }
     }
 
-    /// Drops the numbers of a row that was cut short.
+    /// Discard the values of an incomplete row.
     pub(crate) fn truncate_to_whole_rows(&mut self) {
         let rows = self.time.len();
         for channel in &mut self.channels {
@@ -96,14 +96,14 @@ impl Recording {
     }
 }
 
-/// A row being written: its channels in the order in which they were added.
+/// Row under construction: its channels, in the order of their definition.
 #[derive(Debug)]
 pub struct Row<'a> {
     pub(crate) channels: std::slice::IterMut<'a, Channel>,
     pub(crate) peaks: &'a mut [Peaks],
-    /// Its time \[s\].
+    /// Time of the row \[s\].
     pub(crate) time: f64,
-    /// Whether it is the first row.
+    /// True for the first row.
     pub(crate) first: bool,
 }
 
@@ -128,7 +128,7 @@ impl Row<'_> {
         }
     }
 
-    /// Ends the interval of the peaks of a kind with the `forces` of this row, and writes largest forces and impulses.
+    /// End the interval of the peaks of a kind with the `forces` of this row, and write largest forces and impulses.
     pub(crate) fn close_peaks(&mut self, kind: usize, forces: &[f64]) {
         for values in self.peaks[kind].close(self.time, forces, self.first) {
             if let Some(Channel {
