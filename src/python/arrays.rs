@@ -10,7 +10,7 @@ use crate::system::{Recording, Values};
 
 pub(super) type Rows = Vec<[f64; 3]>;
 
-/// Rows of three numbers, one a body.
+/// Read rows of three numbers, one row per body.
 pub(super) fn rows(
     py: Python<'_>,
     field: &str,
@@ -46,7 +46,7 @@ pub(super) fn table(py: Python<'_>, rows: Rows) -> PyResult<Bound<'_, PyArray2<f
         .reshape([count, 3])
 }
 
-/// All channels of a recording, time first.
+/// Return all channels of a recording, time first.
 pub(super) fn recorded(py: Python<'_>, recording: Recording) -> PyResult<Bound<'_, PyDict>> {
     let rows = recording.time.len();
     let arrays = PyDict::new(py);
@@ -65,7 +65,7 @@ pub(super) fn recorded(py: Python<'_>, recording: Recording) -> PyResult<Bound<'
     Ok(arrays)
 }
 
-/// The last row of a channel of real numbers, flat.
+/// Return the last row of a channel of real numbers, flat.
 pub(super) fn last_row<'py>(
     py: Python<'py>,
     recording: &Recording,

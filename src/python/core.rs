@@ -1,4 +1,4 @@
-//! A run as Python sees it, of a chain drive or of a mechanism.
+//! Simulation object for Python, of a chain drive or of a mechanism.
 
 use std::sync::Arc;
 
@@ -25,17 +25,17 @@ use crate::run::simulation::Simulation;
 use crate::run::{AnySimulation, MechanismSimulation};
 use crate::system::Recording;
 
-/// A compiled model, its state and its integrator.
+/// Compiled model with its state and integrator.
 #[pyclass(module = "rustchain._rustchain", subclass)]
 pub(super) struct Core {
     simulation: AnySimulation,
-    /// Positions and velocities that it was made with.
+    /// Positions and velocities at construction.
     start: [Rows; 2],
-    /// What a callable of a mechanism has raised.
+    /// Exception raised by a callable of a mechanism.
     raised: Raised,
-    /// What was warned of, so that each is said once.
+    /// Warnings already issued; each is issued once.
     warned: Vec<String>,
-    /// How many tooth jumps were warned of.
+    /// Number of tooth jumps already warned of.
     jumps_warned: usize,
 }
 
@@ -80,7 +80,7 @@ impl Core {
         self.simulation.body_names()
     }
 
-    /// Names of the joints of a mechanism; none of a drive.
+    /// Return the names of the joints of a mechanism; none for a drive.
     #[getter]
     fn joint_names(&self) -> Vec<String> {
         match &self.simulation {
@@ -89,7 +89,7 @@ impl Core {
         }
     }
 
-    /// Names of the contacts of a mechanism; none of a drive.
+    /// Return the names of the contacts of a mechanism; none for a drive.
     #[getter]
     fn contact_names(&self) -> Vec<String> {
         match &self.simulation {
@@ -113,7 +113,7 @@ impl Core {
         table(py, self.simulation.velocities())
     }
 
-    /// What assembling a mechanism found.
+    /// Return the result of the assembly of a mechanism.
     fn check<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let assembly = describe::checked(py, self.mechanism())?.assembly();
         let found = PyDict::new(py);
@@ -127,7 +127,7 @@ impl Core {
         Ok(found)
     }
 
-    /// All that decides how the run goes on.
+    /// Return the complete state of the run.
     pub(super) fn state<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let snapshot = describe::checked(py, self.simulation.state())?;
         let state = PyDict::new(py);
@@ -141,7 +141,7 @@ impl Core {
         Ok(state)
     }
 
-    /// The same simulation in another state: its snapshot.
+    /// Return the same simulation in the state of a snapshot.
     pub(super) fn restored(&self, py: Python<'_>, snapshot: &[u8]) -> PyResult<Self> {
         let mut simulation = self.simulation.clone();
         describe::checked(py, simulation.restore(snapshot))?;
@@ -151,7 +151,7 @@ impl Core {
         Ok(core)
     }
 
-    /// Positions and velocities that the simulation was made with.
+    /// Return positions and velocities at construction.
     fn start<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyArray2<f64>>; 2]> {
         let [positions, velocities] = self.start.clone();
         Ok([table(py, positions)?, table(py, velocities)?])
@@ -213,19 +213,19 @@ impl Core {
         self.moved(py, |simulation| simulation.record(budget(wall_budget)))
     }
 
-    /// Makes `advance` return after each report.
+    /// Make `advance` return after each report.
     fn pause_at_reports(&mut self) {
         self.simulation.pause_at_reports();
     }
 
-    /// Number of rows recorded so far.
+    /// Return the number of rows recorded so far.
     #[getter]
     fn rows(&self) -> usize {
         let recording = self.simulation.recording();
         recording.map_or(0, |recording| recording.time.len())
     }
 
-    /// The last row of a channel, flat.
+    /// Return the last row of a channel, flat.
     pub(super) fn last_row<'py>(
         &self,
         py: Python<'py>,
@@ -234,7 +234,7 @@ impl Core {
         last_row(py, self.simulation.recording()?, name)
     }
 
-    /// Lets a sprocket, by its number from 1, have another speed ("speed") or torque ("torque") from now on.
+    /// Set the speed ("speed") or torque ("torque") of a sprocket, numbered from 1, from the present time on.
     fn set_input(
         &mut self,
         sprocket: usize,
@@ -283,7 +283,7 @@ impl Core {
         statistics(py, &self.simulation.statistics())
     }
 
-    /// Times \[s\], sprockets (from 1) and directions of all tooth jumps so far; nothing of a mechanism, which does not count them.
+    /// Return times \[s\], sprockets (from 1) and directions of all tooth jumps so far; none for a mechanism, which does not count them.
     #[allow(clippy::type_complexity)] // three columns
     fn tooth_jumps<'py>(
         &self,
@@ -310,7 +310,7 @@ impl Core {
         ))
     }
 
-    /// What was not warned of yet: laws that left their range; the energy balance; tooth jumps.
+    /// Return the warnings not issued yet: law warnings, energy warnings, tooth jumps.
     pub(super) fn take_warnings(&mut self) -> (Vec<String>, Vec<String>, Vec<String>) {
         let balance = self.simulation.balance_note().map(str::to_string);
         let range = match &self.simulation {
@@ -344,7 +344,7 @@ impl Core {
         }
     }
 
-    /// The run of `mechanism`, assembled; callables have left what they raise in `raised`.
+    /// Return the assembled run of `mechanism`; exceptions of callables are stored in `raised`.
     pub(super) fn assembled(
         py: Python<'_>,
         mechanism: &Mechanism,
@@ -363,7 +363,7 @@ impl Core {
         Ok(Self::of(simulation, start, raised))
     }
 
-    /// The run of a mechanism.
+    /// Return the run of a mechanism.
     pub(super) fn mechanism(&mut self) -> Result<&mut MechanismSimulation> {
         match &mut self.simulation {
             AnySimulation::Mechanism(simulation) => Ok(simulation),
@@ -375,7 +375,7 @@ impl Core {
         }
     }
 
-    /// The model of a mechanism.
+    /// Return the model of a mechanism.
     pub(super) fn mechanism_model(&self) -> Option<&MechanismModel> {
         match &self.simulation {
             AnySimulation::Mechanism(simulation) => Some(simulation.model()),
@@ -383,7 +383,7 @@ impl Core {
         }
     }
 
-    /// Its recording under way.
+    /// Return the active recording.
     pub(super) fn recording(&self) -> Option<&Recording> {
         self.simulation.recording()
     }
@@ -395,13 +395,13 @@ impl Core {
         }
     }
 
-    /// Steps with the interpreter free. What a callable has raised goes before what came of it.
+    /// Integrate with the interpreter released. An exception of a callable takes precedence over the error that it caused.
     fn moved(
         &mut self,
         py: Python<'_>,
         steps: impl FnOnce(&mut AnySimulation) -> Result<bool> + Send,
     ) -> PyResult<bool> {
-        // What a callable raised when a state was looked at is not of the steps to come.
+        // An exception from an earlier evaluation does not belong to these steps.
         drop(take(&self.raised));
         let simulation = &mut self.simulation;
         let outcome = py.detach(|| steps(simulation));
@@ -410,7 +410,7 @@ impl Core {
     }
 }
 
-/// A run of a mechanism. `baumgarte`: angular frequency of the stabilisation \[rad/s\]; `None`: projection.
+/// Return a run of a mechanism. `baumgarte`: angular frequency of the stabilisation \[rad/s\]; `None`: projection.
 #[pyfunction]
 #[pyo3(name = "MechanismCore")]
 pub(super) fn mechanism_core(

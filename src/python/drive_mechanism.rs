@@ -1,4 +1,4 @@
-//! The mechanism of a drive, for Python: calls of the methods of `Mechanism` that describe it.
+//! Mechanism of a drive, for Python: the calls of the methods of `Mechanism` that describe it.
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -14,10 +14,10 @@ use crate::multibody::{
 };
 use crate::panics::contained;
 
-/// Name of a method of `Mechanism`, and its keywords.
+/// Name of a method of `Mechanism`, and its keyword arguments.
 type Call<'py> = (&'static str, Bound<'py, PyDict>);
 
-/// Law of the contacts of the mechanism of a drive.
+/// Read the law of the contacts in the mechanism of a drive.
 pub(super) fn drive_contacts(
     force_law: &Bound<'_, PyAny>,
     min_impact_velocity: &Bound<'_, PyAny>,
@@ -33,8 +33,8 @@ pub(super) fn drive_contacts(
     })
 }
 
-/// Calls (method of `Mechanism`, keywords) that describe the mechanism of a drive. In place of its law a contact has its `length`, and in
-/// place of sprocket and chain the sprocket's number, from 0.
+/// Return the calls (method of `Mechanism`, keyword arguments) that describe the mechanism of a drive. A contact has its `length` in the
+/// place of its law, and the sprocket's number, from 0, in the place of sprocket and chain.
 #[pyfunction]
 pub(super) fn drive_mechanism<'py>(
     drive: &Bound<'py, PyAny>,
@@ -65,7 +65,7 @@ pub(super) fn drive_mechanism<'py>(
     Ok(calls)
 }
 
-/// A part of a kind that no drive has.
+/// Return the error of a part whose kind does not occur in a drive.
 fn unknown(name: &str) -> PyErr {
     InvalidInput::new_err(format!("{name} is of a kind that no drive has"))
 }
@@ -189,7 +189,7 @@ fn contact<'py>(
     Ok((method, keywords))
 }
 
-/// A number, or the Python object of another signal.
+/// Return a number, or the Python object of another signal.
 fn signal_object<'py>(py: Python<'py>, signal: &Signal) -> PyResult<Bound<'py, PyAny>> {
     let class = |name: &str| py.import("rustchain.description.signals")?.getattr(name);
     match signal {

@@ -1,4 +1,4 @@
-//! Many runs at once, as Python sees them: they run on threads of their own, and are fetched one by one.
+//! Ensembles of runs for Python: cases run on threads of their own and are fetched one by one.
 
 use std::num::NonZero;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
@@ -20,11 +20,11 @@ use crate::error::Error;
 use crate::run::ensemble;
 use crate::run::ensemble::{Failure, Outcome, Run, Scene};
 
-/// A scene and what to record of it, checked and ready to run.
+/// Scene with its recorded groups, checked and ready to run.
 #[pyclass(module = "rustchain._rustchain", frozen)]
 pub(super) struct Case {
     case: ensemble::Case,
-    /// What a callable of a mechanism has raised.
+    /// Exception raised by a callable of a mechanism.
     raised: Raised,
 }
 
@@ -75,7 +75,7 @@ impl Case {
     }
 }
 
-/// A mechanism and what to record of it, checked and ready to run; `groups` of `None`: all.
+/// Return the case of a mechanism, checked and ready to run; `groups` of `None`: all.
 #[pyfunction]
 #[pyo3(signature = (description, solver, duration, report_step, groups=None, energy=None, baumgarte=None))]
 #[allow(clippy::needless_pass_by_value)] // PyO3 hands lists over
@@ -104,18 +104,18 @@ pub(super) fn mechanism_case(
     Ok(Case { case, raised })
 }
 
-/// Cases on their way.
+/// Running cases.
 #[pyclass(module = "rustchain._rustchain", frozen)]
 pub(super) struct Ensemble {
     running: Arc<ensemble::Ensemble>,
-    /// What callables have raised, case by case.
+    /// Exceptions raised by callables, by case.
     raised: Vec<Raised>,
     outcomes: Mutex<Option<Receiver<(usize, Outcome)>>>,
     runner: Mutex<Option<JoinHandle<()>>>,
 }
 
 type Start<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
-/// Number of the case; the run and where it began, if it did begin; what went wrong, if anything did.
+/// Number of the case; the run and its start, if it started; the error, if there was one.
 type Fetched<'py> = (usize, Option<(Core, Start<'py>)>, Option<Py<PyAny>>);
 
 #[pymethods]
@@ -132,12 +132,12 @@ impl Ensemble {
         let cases = cases.iter().map(|case| case.case.clone()).collect();
         let running = describe::checked(py, ensemble::Ensemble::new(cases, threads))?;
         let running = Arc::new(running);
-        // Each thread may lay one case down and go on with its next: memory stays bounded by the number of threads.
+        // Each thread may leave one finished case in the channel and continue: memory is bounded by the number of threads.
         let (sender, outcomes) = sync_channel(running.threads());
         let shared = Arc::clone(&running);
         let runner = std::thread::spawn(move || {
             shared.run(|number, outcome| {
-                // Nobody listens any more after `close`.
+                // After `close` there is no receiver.
                 let _ = sender.send((number, outcome));
             });
         });
@@ -174,7 +174,7 @@ impl Ensemble {
             Ok(run) => (Some(run), None),
             Err(Failure { run, error }) => (run, Some(error)),
         };
-        // What a callable has raised goes before what came of it.
+        // An exception of a callable takes precedence over the error that it caused.
         let raised = &self.raised[number];
         let error = error.map(|error| take(raised).err().unwrap_or_else(|| to_python(py, &error)));
         let error = error.map(|error| error.into_value(py).into_any());
@@ -185,7 +185,7 @@ impl Ensemble {
     fn close(&self, py: Python<'_>) {
         self.running.cancel();
         py.detach(|| {
-            // Threads that wait to lay a case down go on when nobody listens.
+            // Without a receiver, threads that wait to send a case continue.
             drop(
                 self.outcomes
                     .lock()

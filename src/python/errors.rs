@@ -1,4 +1,4 @@
-//! This crate's errors as the exceptions of `rustchain.errors`.
+//! Conversion of this crate's errors to the exceptions of `rustchain.errors`.
 
 use pyo3::import_exception;
 use pyo3::prelude::*;
@@ -9,7 +9,7 @@ use crate::panics;
 import_exception!(rustchain.errors, InvalidInput);
 import_exception!(rustchain.errors, SimulationError);
 
-/// The exception that stands for a panic caught at the boundary with this `message`, of an object whose present time is `time` \[s\].
+/// Return the exception of a panic caught at the boundary with this `message`, of an object whose present time is `time` \[s\].
 #[pyfunction]
 pub(super) fn panicked(py: Python<'_>, message: &str, time: Option<f64>) -> Py<PyAny> {
     let message = message.to_string() + &panics::place();
@@ -17,7 +17,7 @@ pub(super) fn panicked(py: Python<'_>, message: &str, time: Option<f64>) -> Py<P
     exception.into_value(py).into_any()
 }
 
-/// The exception that stands for `error`.
+/// Return the exception of `error`.
 pub(super) fn to_python(py: Python<'_>, error: &Error) -> PyErr {
     let (time, step_size, contact) = match error {
         Error::InvalidValue { .. } | Error::Impossible(_) => {

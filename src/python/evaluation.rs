@@ -10,7 +10,7 @@ use crate::chain::model::Model;
 use crate::run::simulation::Statistics;
 use crate::system::Recording;
 
-/// Values over (bushings, sprockets) from values over pairs.
+/// Return values over (bushings, sprockets) from values over pairs.
 fn by_bushing<T>(model: &Model, value: impl Fn(usize) -> T) -> Vec<T> {
     let (links, sprockets) = (model.links, model.sprockets.len());
     (0..links)
@@ -19,7 +19,7 @@ fn by_bushing<T>(model: &Model, value: impl Fn(usize) -> T) -> Vec<T> {
         .collect()
 }
 
-/// What contacts of a drive remember, and which of them ended in the last step.
+/// Write the impact velocity memory of a drive, and the contacts that ended in the last step.
 pub(super) fn set_contact_memory(
     py: Python<'_>,
     dynamics: &Dynamics,
@@ -54,7 +54,7 @@ pub(super) fn set_contact_memory(
     Ok(())
 }
 
-/// Counts and wall times of a run.
+/// Return counts and wall times of a run.
 pub(super) fn statistics<'py>(
     py: Python<'py>,
     statistics: &Statistics,
@@ -74,7 +74,7 @@ pub(super) fn statistics<'py>(
     Ok(stats)
 }
 
-/// Accelerations, reactions and contacts of one row of a mechanism.
+/// Return accelerations, reactions and contacts of one row of a mechanism.
 pub(super) fn mechanism_evaluation(py: Python<'_>, row: Recording) -> PyResult<Bound<'_, PyDict>> {
     let all = recorded(py, row)?;
     let found = PyDict::new(py);
@@ -93,7 +93,7 @@ pub(super) fn mechanism_evaluation(py: Python<'_>, row: Recording) -> PyResult<B
     Ok(found)
 }
 
-/// Accelerations and contacts of a drive.
+/// Return accelerations and contacts of a drive.
 #[allow(clippy::cast_possible_wrap)] // gaps are few
 pub(super) fn drive_evaluation<'py>(
     py: Python<'py>,

@@ -17,15 +17,15 @@ use crate::layout::InitialConfiguration;
 use crate::math::simd::InstructionSet;
 use crate::run::equilibrium::Equilibrium;
 
-/// The instructions that the kernels run with on this machine: "avx512", "avx2", "neon" or "plain".
+/// Return the instruction set of the kernels on this machine: "avx512", "avx2", "neon" or "plain".
 ///
-/// "avx512" and "avx2" give the same bits as each other; "plain", without fused multiply-add, differs by rounding.
+/// "avx512" and "avx2" give the same bits; "plain", without fused multiply-add, differs by rounding.
 #[pyfunction]
 pub(super) fn instruction_set() -> &'static str {
     InstructionSet::detect().name()
 }
 
-/// Lays the chain of a drive and tells what was chosen.
+/// Generate the layout of a drive and return its properties.
 #[pyfunction]
 pub(super) fn layout<'py>(drive: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
     let py = drive.py();
@@ -97,7 +97,7 @@ pub(super) fn layout<'py>(drive: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDi
     Ok(found)
 }
 
-/// Lets the chain of a drive come to rest: positions, velocities to run on with, and how well it rests.
+/// Find the static equilibrium of a drive: positions, velocities at the start of a run, and the residual.
 #[pyfunction]
 pub(super) fn static_start<'py>(
     drive: &Bound<'py, PyAny>,
@@ -128,7 +128,7 @@ pub(super) fn static_start<'py>(
     Ok(found)
 }
 
-/// Names of the strands of a drive, in the order of arrays over strands.
+/// Return the names of the strands of a drive, in the order of arrays over strands.
 #[pyfunction]
 pub(super) fn strand_names(drive: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
     let description = describe::drive(drive)?;
@@ -141,7 +141,7 @@ pub(super) fn strand_names(drive: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
         .collect())
 }
 
-/// Smallest even number of links that closes round a drive's sprockets where they are.
+/// Return the smallest even number of links that closes around a drive's sprockets in their positions.
 #[pyfunction]
 pub(super) fn links_around(drive: &Bound<'_, PyAny>) -> PyResult<u32> {
     let description = describe::drive(drive)?;
@@ -149,7 +149,7 @@ pub(super) fn links_around(drive: &Bound<'_, PyAny>) -> PyResult<u32> {
     describe::checked(drive.py(), crate::layout::links_around(&description))
 }
 
-/// How far sprocket `number` has to move along `direction` for a drive's chain to be taut \[m\], searched within `reach` \[m\].
+/// Return the displacement of sprocket `number` along `direction` at which a drive's chain is taut \[m\], searched within `reach` \[m\].
 #[pyfunction]
 pub(super) fn closing_move(
     drive: &Bound<'_, PyAny>,
@@ -173,7 +173,7 @@ pub(super) fn closing_move(
     )
 }
 
-/// Unit vector along which sprocket `number` of a drive tightens both strands beside it alike.
+/// Return the unit vector along which sprocket `number` of a drive tightens both adjacent strands equally.
 #[pyfunction]
 pub(super) fn bisector(drive: &Bound<'_, PyAny>, number: usize) -> PyResult<(f64, f64)> {
     let description = one_of(drive, number)?;
@@ -182,7 +182,7 @@ pub(super) fn bisector(drive: &Bound<'_, PyAny>, number: usize) -> PyResult<(f64
     Ok((along.x, along.y))
 }
 
-/// A drive that has a sprocket of this number.
+/// Read a drive that has a sprocket of this number.
 fn one_of(drive: &Bound<'_, PyAny>, number: usize) -> PyResult<Drive> {
     let description = describe::drive(drive)?;
     describe::checked(drive.py(), description.validate())?;
@@ -200,7 +200,7 @@ fn positive(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyResult<f64> 
     describe::checked(value.py(), check::positive(field, found, unit)).map(|()| found)
 }
 
-/// Centre distance \[m\] at which both strands are taut and straight.
+/// Return the centre distance \[m\] at which both strands are taut and straight.
 #[pyfunction]
 pub(super) fn closing_center_distance(
     pitch: &Bound<'_, PyAny>,
@@ -222,7 +222,7 @@ pub(super) fn closing_center_distance(
     })
 }
 
-/// Links that close round two sprockets which just stand clear of each other.
+/// Return the number of links that closes around two sprockets with a minimum clearance between them.
 fn fewest_links(pitch: f64, teeth: [u32; 2]) -> u32 {
     let outside = |n: u32| {
         let half = std::f64::consts::PI / f64::from(n);
@@ -235,7 +235,7 @@ fn fewest_links(pitch: f64, teeth: [u32; 2]) -> u32 {
     )
 }
 
-/// Smallest even number of links that closes round two sprockets.
+/// Return the smallest even number of links that closes around two sprockets.
 #[pyfunction]
 pub(super) fn links_for(
     pitch: &Bound<'_, PyAny>,
@@ -246,24 +246,24 @@ pub(super) fn links_for(
     let pitch = positive(pitch, "pitch", "m")?;
     let teeth = describe::two_teeth(teeth)?;
     let center_distance = positive(center_distance, "center_distance", "m")?;
-    // Two strands of so many pitches make the longest chain.
+    // Two strands of this length form the longest chain.
     let farthest = 0.5 * f64::from(MOST_LINKS) * pitch;
     let allowed = check::within("center_distance", center_distance, 0.0, farthest);
     describe::checked(py, allowed)?;
     Ok(crate::layout::links_for(pitch, teeth, center_distance))
 }
 
-/// Most points of each arc of an outline: 14 million of a whole sprocket, of 1000 teeth of 14 arcs.
+/// Maximum number of points on each arc of an outline: 14 million on a sprocket of 1000 teeth with 14 arcs each.
 const MOST_POINTS: f64 = 1e3;
 
-/// How many points each arc of an outline is to have.
+/// Read the number of points on each arc of an outline.
 fn points_of_arcs(points: &Bound<'_, PyAny>) -> PyResult<usize> {
     let count = describe::count(points, "points")?;
     let allowed = check::within("points", f64::from(count), 2.0, MOST_POINTS);
     describe::checked(points.py(), allowed).map(|()| count as usize)
 }
 
-/// Closed outline of a sprocket in its own frame \[m\], (points, 2).
+/// Return the closed outline of a sprocket in its own frame \[m\], (points, 2).
 #[pyfunction]
 pub(super) fn tooth_outline<'py>(
     sprocket: &Bound<'py, PyAny>,
@@ -280,7 +280,7 @@ pub(super) fn tooth_outline<'py>(
     flat.into_pyarray(sprocket.py()).reshape([rows, 2])
 }
 
-/// Closed outline of a guide about the place where it is described, in a frame whose x axis points out of its face \[m\].
+/// Return the closed outline of a guide around its described position, in a frame whose x axis is the outward normal of its face \[m\].
 #[pyfunction]
 pub(super) fn guide_outline<'py>(
     guide: &Bound<'py, PyAny>,
@@ -300,7 +300,7 @@ pub(super) fn guide_outline<'py>(
     flat.into_pyarray(guide.py()).reshape([rows, 2])
 }
 
-/// Names of the surfaces of whole teeth, from the seat outward.
+/// Return the names of the surfaces of whole teeth, from the seat outward.
 #[pyfunction]
 pub(super) fn tooth_surfaces(
     sprocket: &Bound<'_, PyAny>,
@@ -312,7 +312,7 @@ pub(super) fn tooth_surfaces(
     Ok(profile.whole().iter().map(|piece| piece.name).collect())
 }
 
-/// Of each link: distance of its hinges \[m\], mass \[kg\], moment of inertia \[kg m²\], and 1 where a bushing is at its front,
+/// Return for each link: distance of its hinges \[m\], mass \[kg\], moment of inertia \[kg m²\], and 1 if a bushing is at its front,
 /// (links, 4).
 #[pyfunction]
 pub(super) fn chain_links<'py>(chain: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray2<f64>>> {
@@ -329,7 +329,7 @@ pub(super) fn chain_links<'py>(chain: &Bound<'py, PyAny>) -> PyResult<Bound<'py,
     flat.into_pyarray(chain.py()).reshape([count, 4])
 }
 
-/// Pull that makes a link longer by a metre, over all strands \[N/m\]; None: links are rigid.
+/// Return the axial stiffness of a link, over all strands \[N/m\]; None: links are rigid.
 #[pyfunction]
 pub(super) fn link_stiffness(chain: &Bound<'_, PyAny>) -> PyResult<Option<f64>> {
     let described = describe::chain(chain, "chain")?;
@@ -337,8 +337,8 @@ pub(super) fn link_stiffness(chain: &Bound<'_, PyAny>) -> PyResult<Option<f64>> 
     Ok(described.axial_stiffness())
 }
 
-/// Contact of cylinders at `points` (n, 2) in the frame of the teeth with a whole sprocket: region (n,), penetration (n,) \[m\] and
-/// normal (n, 2), in which the penetration grows.
+/// Return the contacts of cylinders at `points` (n, 2) in the frame of the teeth with a whole sprocket: region (n,), penetration (n,)
+/// \[m\], and normal (n, 2), the direction of growing penetration.
 #[pyfunction]
 #[allow(clippy::type_complexity, clippy::needless_pass_by_value)] // three arrays; PyO3 hands arrays over
 pub(super) fn tooth_contacts<'py>(
@@ -376,7 +376,7 @@ pub(super) fn tooth_contacts<'py>(
     ))
 }
 
-/// Force \[N\] of a film at eccentricities \[m\] and their velocities \[m/s\], along them and left of them in each row.
+/// Return the force \[N\] of a film at eccentricities \[m\] and their velocities \[m/s\], along each eccentricity and to its left.
 #[pyfunction]
 #[allow(clippy::needless_pass_by_value)] // PyO3 hands arrays over
 pub(super) fn film_forces<'py>(
@@ -407,7 +407,7 @@ pub(super) fn film_forces<'py>(
     Ok(PyArray2::from_vec2(py, &forces.collect::<Vec<_>>())?)
 }
 
-/// Elastic force \[N\] of a law at each penetration \[m\].
+/// Return the elastic force \[N\] of a law at each penetration \[m\].
 #[pyfunction]
 #[allow(clippy::too_many_arguments, clippy::needless_pass_by_value)] // the two surfaces; PyO3 hands arrays over
 pub(super) fn law_force<'py>(
@@ -459,7 +459,7 @@ pub(super) fn law_force<'py>(
     Ok(elastic_forces(law.elastic, &pair, penetration.as_slice()?).into_pyarray(py))
 }
 
-/// Restitution that an impact with a damping law really has when `restitution` is asked of it.
+/// Return the effective restitution of a damping law at the requested `restitution`.
 #[pyfunction]
 pub(super) fn effective_restitution(
     damping: &str,
@@ -473,7 +473,7 @@ pub(super) fn effective_restitution(
     Ok(obtained(law.lambda(asked)))
 }
 
-/// A Python callable as a system; the first exception it raises ends the run.
+/// Python callable as an ODE system; its first exception ends the run.
 struct Callable<'py> {
     function: Bound<'py, PyAny>,
     dimension: usize,
@@ -522,10 +522,10 @@ impl OdeSystem for Callable<'_> {
     }
 }
 
-/// Most values that [`integrate`] returns: a gigabyte.
+/// Maximum number of values returned by [`integrate`]: a gigabyte.
 const MOST_VALUES: f64 = 1.25e8;
 
-/// Integrates y' = fun(t, y) with the embedded Adams-Bashforth-Moulton method.
+/// Integrate y' = fun(t, y) with the embedded Adams-Bashforth-Moulton method.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, clippy::needless_pass_by_value)] // SciPy's; PyO3 hands arrays over
 pub(super) fn integrate<'py>(

@@ -1,4 +1,4 @@
-//! A run of a drive with ideal hinges as Python sees it: its mechanism, with the channels of a drive.
+//! Simulation of a drive with ideal hinges, for Python: its mechanism, with the channels of a drive.
 
 use std::sync::Arc;
 
@@ -23,17 +23,17 @@ use crate::multibody::{Mechanism, MechanismGroups, Stabilisation};
 use crate::panics::contained;
 use crate::run::ideal_drive::Rows;
 
-/// Way that assembly may move a given link by without a word, over the pitch.
+/// Largest displacement of a given link by the assembly without a warning, over the pitch.
 const FAR: f64 = 0.01;
 
-/// The mechanism of a drive with ideal hinges, as a core of the drive.
+/// Mechanism of a drive with ideal hinges, as a core of the drive.
 #[pyclass(module = "rustchain._rustchain", extends = Core)]
 pub(super) struct IdealCore {
     view: DriveView,
-    /// As placed: assembly moves them by rounding.
+    /// Positions and velocities before assembly, which moves them by rounding.
     start: InitialConfiguration,
     groups: Groups,
-    /// What assembly has to say of a start of the caller's own.
+    /// Warning of the assembly for a user's start.
     note: Option<String>,
 }
 
@@ -58,7 +58,7 @@ impl IdealCore {
         let contacts = drive_contacts(tooth_law.unwrap_or(force_law), min_impact_velocity)?;
         let mut control = describe::solver(solver)?;
         if control.corrector == Corrector::Auto {
-            // The one that ideal hinges were measured with.
+            // Results with ideal hinges were measured with the explicit corrector.
             control.corrector = Corrector::Pece;
         }
         let own = own_start(py, &description, positions.as_ref(), velocities.as_ref())?;
@@ -93,7 +93,7 @@ impl IdealCore {
         Ok(PyClassInitializer::from(core).add_subclass(ideal))
     }
 
-    /// What to warn of at the start.
+    /// Return the warning at the start.
     fn take_start_note(&mut self) -> Option<String> {
         self.note.take()
     }
@@ -124,7 +124,7 @@ impl IdealCore {
         table(py, describe::checked(py, rows)?)
     }
 
-    /// Positions and velocities that the simulation was made with.
+    /// Return positions and velocities at construction.
     fn start<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyArray2<f64>>; 2]> {
         Ok([
             table(py, self.start.positions.clone())?,
@@ -144,7 +144,7 @@ impl IdealCore {
         Ok(state)
     }
 
-    /// The same simulation in another state.
+    /// Return the same simulation in another state.
     #[allow(clippy::needless_pass_by_value)] // PyO3 hands over what is borrowed
     fn restored(slf: PyRef<'_, Self>, py: Python<'_>, snapshot: &[u8]) -> PyResult<Py<Self>> {
         let core = slf.as_super().restored(py, snapshot)?;
@@ -157,7 +157,7 @@ impl IdealCore {
         Py::new(py, PyClassInitializer::from(core).add_subclass(ideal))
     }
 
-    /// The fields of an `Evaluation`.
+    /// Return the fields of an `Evaluation`.
     #[allow(clippy::needless_pass_by_value)] // PyO3 hands arrays over
     fn evaluate<'py>(
         mut slf: PyRefMut<'py, Self>,
@@ -171,7 +171,7 @@ impl IdealCore {
         let time = time.map(|t| describe::finite(t, "time", "s")).transpose()?;
         let view = slf.view.clone();
         let simulation = describe::checked(py, slf.as_super().mechanism())?;
-        // With positions given, no contact has a memory.
+        // With given positions, no contact has an impact velocity memory.
         let given = positions.is_some();
         let mut own = |velocities: bool| {
             let mut rows = simulation.motion(velocities);
@@ -204,7 +204,7 @@ impl IdealCore {
             describe::reports(duration, report_step, Some(energy))?;
         slf.groups = describe::drive_groups(&groups, energy);
         let simulation = describe::checked(py, slf.as_super().mechanism())?;
-        // Channels of a drive are made of those of bodies, joints and contacts.
+        // Channels of a drive are computed from those of bodies, joints and contacts.
         let groups = MechanismGroups {
             energy,
             ..MechanismGroups::ALL
@@ -213,7 +213,7 @@ impl IdealCore {
         Ok(())
     }
 
-    /// The last row of a channel that a stop condition looks at.
+    /// Return the last row of a channel used by a stop condition.
     #[allow(clippy::needless_pass_by_value)] // PyO3 hands over what is borrowed
     fn last_row<'py>(
         slf: PyRef<'py, Self>,
@@ -228,7 +228,7 @@ impl IdealCore {
         Some(row.into_pyarray(py))
     }
 
-    /// Refuses: a mechanism's drivers stay as they were described.
+    /// Reject the input: drivers of a mechanism cannot be changed during a run.
     #[allow(clippy::needless_pass_by_value, clippy::unused_self)] // a method of `Core`, with its keywords
     fn set_input(
         &self,
@@ -253,7 +253,7 @@ impl IdealCore {
     }
 }
 
-/// Rows of the drive's own bodies at the present time.
+/// Return the rows of the drive's own bodies at the present time.
 fn own_motion(mut slf: PyRefMut<'_, IdealCore>, velocities: bool) -> Result<Vec<[f64; 3]>> {
     let bodies = slf.view.bodies();
     let mut rows = slf.as_super().mechanism()?.motion(velocities);
@@ -261,7 +261,7 @@ fn own_motion(mut slf: PyRefMut<'_, IdealCore>, velocities: bool) -> Result<Vec<
     Ok(rows)
 }
 
-/// Hinges without contact have no law: what a law of theirs would ask for is refused.
+/// Reject friction, film and a separate force law of hinges: ideal hinges have no contact.
 fn check_hinge_law(
     force_law: &Bound<'_, PyAny>,
     hinge_law: Option<&Bound<'_, PyAny>>,
@@ -290,7 +290,7 @@ fn check_hinge_law(
     Ok(())
 }
 
-/// The fields of an `Evaluation` from a recording of one row.
+/// Return the fields of an `Evaluation` from a recording of one row.
 fn evaluation<'py>(
     py: Python<'py>,
     view: &DriveView,

@@ -1,15 +1,15 @@
-//! Ctrl-C while the compiled module works.
+//! Handling of Ctrl-C while the compiled module is running.
 
 use std::cell::{Cell, RefCell};
 use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
 
-/// Wall time between two looks at whether Ctrl-C was pressed: well within the 0.2 s in which it is to act.
+/// Wall time between two checks for Ctrl-C: well below the 0.2 s within which it must act.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(50);
 
-/// Does `work` with the interpreter free. `work` ends soon when the function that it is handed returns true: Ctrl-C was pressed, or
-/// another signal's handler has raised, which is then raised here.
+/// Run `work` with the interpreter released. `work` ends soon after the function passed to it returns true: Ctrl-C was pressed, or another
+/// signal's handler has raised an exception, which is then raised here.
 pub(super) fn interruptible<T: Send>(
     py: Python<'_>,
     work: impl FnOnce(&dyn Fn() -> bool) -> T + Send,

@@ -1,4 +1,4 @@
-//! Python's description of a mechanism -> the one of this crate, part by part.
+//! Conversion of Python's description of a mechanism to that of this crate, part by part.
 
 use pyo3::prelude::*;
 
@@ -11,7 +11,7 @@ use crate::multibody::{
     SpringLaw,
 };
 
-/// Reads a `Mechanism`; callables leave what they raise in `raised`.
+/// Read a `Mechanism`; exceptions of callables are stored in `raised`.
 pub(super) fn mechanism(object: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<Mechanism> {
     let read = Reader::new(object, "mechanism", &["Mechanism"])?;
     let mut found = Mechanism {
@@ -25,7 +25,7 @@ pub(super) fn mechanism(object: &Bound<'_, PyAny>, raised: &Raised) -> PyResult<
     Ok(found)
 }
 
-/// Reads all parts of a kind; what is wrong with one of them is told with its name.
+/// Read all parts of a kind; the error of a part includes its name.
 fn parts<T>(
     read: &Reader<'_, '_>,
     field: &str,
@@ -40,7 +40,7 @@ fn parts<T>(
     Ok(found)
 }
 
-/// What was raised while a part was read, with the name of the part in front.
+/// Return the error of a part, preceded by the name of the part.
 fn of_part(part: &Bound<'_, PyAny>, kind: &str, error: &PyErr) -> PyErr {
     let name = part
         .getattr("name")

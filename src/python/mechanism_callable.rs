@@ -1,4 +1,4 @@
-//! A callable of Python as a force of a mechanism: what it raises or returns amiss ends the run with its name and the time.
+//! Python callable as a force of a mechanism: an exception or an invalid result ends the run, with name and time.
 
 use std::sync::{Arc, Mutex};
 
@@ -9,10 +9,10 @@ use super::describe::refuse;
 use super::errors::InvalidInput;
 use crate::multibody::{CustomForce, ForceKind};
 
-/// The first exception that a callable raised.
+/// First exception raised by a callable.
 pub(super) type Raised = Arc<Mutex<Option<PyErr>>>;
 
-/// A callable; what it raises ends the run, which sees a load that is not a number.
+/// Return the force of a callable; its exception ends the run, in which the load is NaN.
 pub(super) fn custom(
     name: &str,
     function: &Bound<'_, PyAny>,
@@ -71,7 +71,7 @@ fn call(
         })
 }
 
-/// What a callable raises that uses the simulation in whose step it is called says what of this is not allowed.
+/// Return an explanatory error for a callable that uses the simulation during its step.
 fn explained(py: Python<'_>, name: &str, error: PyErr) -> PyErr {
     let borrowed = error.get_type(py).is(py.get_type::<PyRuntimeError>())
         && error.value(py).to_string().starts_with("Already ");
@@ -87,7 +87,7 @@ fn explained(py: Python<'_>, name: &str, error: PyErr) -> PyErr {
     told
 }
 
-/// Raises what a callable has raised, once.
+/// Raise the stored exception of a callable, once.
 pub(super) fn take(raised: &Raised) -> PyResult<()> {
     match raised.lock().ok().and_then(|mut slot| slot.take()) {
         Some(error) => Err(error),

@@ -1,4 +1,4 @@
-//! Python's contacts of a mechanism, with their profiles and laws -> those of this crate.
+//! Conversion of Python's contacts of a mechanism, with their profiles and laws, to those of this crate.
 
 use pyo3::prelude::*;
 
@@ -55,7 +55,7 @@ pub(super) fn contact(object: &Bound<'_, PyAny>) -> PyResult<ContactPair> {
     })
 }
 
-/// Pieces (from x, from y, to x, to y, centre x, centre y, whether convex), the centre NaN for a straight line.
+/// Read pieces (from x, from y, to x, to y, centre x, centre y, whether convex); the centre of a straight line is NaN.
 fn arcs(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<Piece>> {
     let rows: Vec<[f64; 7]> = value
         .extract()
@@ -71,7 +71,7 @@ fn arcs(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<Piece>> {
         .collect())
 }
 
-/// Friction and film of a contact law, or of the law of cylinders in it; a film has the length of contact where it has none.
+/// Return friction and film of a contact law, or of the cylinder law in it; the default length of a film is the contact length.
 fn surfaces(object: &Bound<'_, PyAny>) -> PyResult<Tribology> {
     if let Ok(law) = object.getattr("law") {
         return tribology(&law);
@@ -91,7 +91,7 @@ fn contact_law(object: &Bound<'_, PyAny>) -> PyResult<ContactLaw> {
     let read = Reader::new(object, "law", &kinds)?;
     Ok(match read.kind.as_str() {
         "LinearContact" => {
-            // Per length where a length is given.
+            // Stiffness and damping are per length if a length is given.
             let length = read.optional_number("length", "m")?.unwrap_or(1.0);
             ContactLaw::Linear {
                 stiffness: length * read.number("stiffness", "N/m")?,

@@ -1,4 +1,4 @@
-//! The boundary to Python: reads a description, runs, hands arrays back. No physics.
+//! Boundary to Python: reading of descriptions, runs, results as arrays. It contains no physics.
 
 mod arrays;
 mod core;
@@ -19,7 +19,7 @@ mod toml;
 
 use pyo3::prelude::*;
 
-/// The compiled module `rustchain._rustchain`.
+/// Compiled module `rustchain._rustchain`.
 #[pymodule]
 fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     crate::panics::keep_places();

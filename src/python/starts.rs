@@ -1,4 +1,4 @@
-//! What a run is made with: a start of the caller's own, stabilisation, wall time; and words for what it warns of.
+//! Starts, stabilisation and wall time budget of a run for Python, and texts of its warnings.
 
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ use crate::layout::InitialConfiguration;
 use crate::multibody::Stabilisation;
 use crate::panics::contained;
 
-/// How a mechanism is kept on its constraints.
+/// Read the stabilisation of the constraints of a mechanism.
 pub(super) fn stabilisation(
     py: Python<'_>,
     baumgarte: Option<&Bound<'_, PyAny>>,
@@ -30,7 +30,7 @@ pub(super) fn stabilisation(
     Ok(Stabilisation::Baumgarte(frequency))
 }
 
-/// Whether Ctrl-C was pressed, which is then what was raised.
+/// Return whether a signal such as Ctrl-C was received; its exception is stored in `raised`.
 pub(super) fn interrupted(py: Python<'_>, raised: &Raised) -> bool {
     let Err(error) = py.check_signals() else {
         return false;
@@ -41,7 +41,7 @@ pub(super) fn interrupted(py: Python<'_>, raised: &Raised) -> bool {
     true
 }
 
-/// Tooth jumps in words: how many, and the first; nothing where there are none.
+/// Return the text of a warning of tooth jumps: their number and the first one; none without jumps.
 pub(super) fn describe_tooth_jumps(jumps: &[ToothJump]) -> Option<String> {
     let first = jumps.first()?;
     let teeth = if jumps.len() == 1 { "tooth" } else { "teeth" };
@@ -53,7 +53,7 @@ pub(super) fn describe_tooth_jumps(jumps: &[ToothJump]) -> Option<String> {
     ))
 }
 
-/// A start of the caller's own; of velocities alone, with the generated positions. `None` where nothing is given.
+/// Return a user's start, with generated positions if only velocities are given; `None` if nothing is given.
 pub(super) fn own_start(
     py: Python<'_>,
     drive: &Drive,
@@ -83,7 +83,7 @@ pub(super) fn own_start(
     }
 }
 
-/// Wall time of so many seconds.
+/// Return a wall time budget.
 pub(super) fn budget(seconds: f64) -> Duration {
     Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)
 }

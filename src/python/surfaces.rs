@@ -1,11 +1,11 @@
-//! What tooth surfaces are made of, for Python: their radii.
+//! Radii of tooth surfaces, for Python.
 
 use pyo3::prelude::*;
 
 use super::describe;
 use crate::geometry::SurfaceCurve;
 
-/// Radii of the surfaces of whole teeth \[m\], from the seat outward: positive where hollow, negative where round, infinite where
+/// Return the radii of the surfaces of whole teeth \[m\], from the seat outward: positive if concave, negative if convex, infinite if
 /// straight.
 #[pyfunction]
 pub(super) fn tooth_radii(

@@ -1,4 +1,4 @@
-//! TOML as Python's values, with the place of each key and of each item of a list.
+//! TOML as Python values, with the position of each key and of each list item.
 
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::{PyRecursionError, PyValueError};
@@ -6,8 +6,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 use toml_edit::{Array, ArrayOfTables, Document, Item, TableLike, Value};
 
-/// The content of a TOML text, and line and column, from 1, of each key and item in it by its path: names, and numbers from 0 in
-/// lists. Dates and times are text.
+/// Return the content of a TOML text, and line and column, from 1, of each key and item by its path: names, and indices from 0 in lists.
+/// Dates and times are text.
 #[pyfunction]
 pub(super) fn read_toml<'py>(
     py: Python<'py>,
@@ -23,20 +23,20 @@ pub(super) fn read_toml<'py>(
     Ok((content, reader.places(text)?))
 }
 
-/// The error of a text that is no TOML, with its place.
+/// Return the error of an invalid TOML text, with its position.
 fn refusal(text: &str, error: &toml_edit::TomlError) -> PyErr {
     let mut places = Places::of(text);
     let (line, column) = places.at(error.span().map_or(text.len(), |span| span.start));
     let message = error.message().replace('\n', "; ");
     let text = format!("{message}, at line {line}, column {column}");
-    // The reader's limit of nesting, which has no kind of its own.
+    // Detects the nesting limit of the TOML reader by its message, because the error has no kind.
     if message.contains("recurs") {
         return PyRecursionError::new_err(text);
     }
     PyValueError::new_err(text)
 }
 
-/// Makes Python's values, and gathers the byte at which each begins.
+/// Builder of Python values that records the first byte of each.
 struct Reader<'py> {
     py: Python<'py>,
     path: Vec<Bound<'py, PyAny>>,
@@ -91,7 +91,7 @@ impl<'py> Reader<'py> {
         Ok(found.into_any())
     }
 
-    /// What `read` makes of a value under `key`, whose text is at `span`.
+    /// Read a value under `key`, whose text is at `span`.
     fn below<T>(
         &mut self,
         key: impl IntoPyObjectExt<'py>,
@@ -108,7 +108,7 @@ impl<'py> Reader<'py> {
         Ok(value)
     }
 
-    /// Line and column of each path.
+    /// Return line and column of each path.
     fn places(mut self, text: &str) -> PyResult<Bound<'py, PyDict>> {
         self.starts.sort_by_key(|(start, _)| *start);
         let found = PyDict::new(self.py);
@@ -120,7 +120,7 @@ impl<'py> Reader<'py> {
     }
 }
 
-/// Goes through a text once, and counts lines and columns.
+/// Counter of lines and columns in a single pass over a text.
 struct Places<'text> {
     text: &'text str,
     byte: usize,
@@ -138,7 +138,7 @@ impl<'text> Places<'text> {
         }
     }
 
-    /// Line and column of a byte that is not before the one before.
+    /// Return line and column of a byte; bytes must be passed in ascending order.
     fn at(&mut self, byte: usize) -> (usize, usize) {
         for character in self.text.get(self.byte..byte).unwrap_or_default().chars() {
             (self.line, self.column) = match character {

@@ -1,4 +1,4 @@
-//! A chain, its links, hinges and material.
+//! Readers of a chain, its links, hinges and material.
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -54,7 +54,7 @@ pub(super) fn plates(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Plates>
     })
 }
 
-/// Rows (number of a link, mass).
+/// Read rows (number of a link, mass).
 fn carried(read: &Reader<'_, '_>) -> PyResult<Vec<(u32, f64)>> {
     const NAME: &str = "Chain.carried";
     let rows = read.get("carried")?;
@@ -74,7 +74,7 @@ fn carried(read: &Reader<'_, '_>) -> PyResult<Vec<(u32, f64)>> {
     rows.iter().map(row).collect()
 }
 
-/// A number, or the plates that it follows from.
+/// Read a stiffness, or the plates that determine it.
 fn link_stiffness(read: &Reader<'_, '_>) -> PyResult<Option<LinkStiffness>> {
     const NAME: &str = "link_stiffness";
     let given = read.get(NAME)?;

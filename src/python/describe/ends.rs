@@ -1,4 +1,4 @@
-//! What the ends of an open chain are joined to.
+//! Readers of the ends of an open chain.
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -8,10 +8,10 @@ use crate::drive::ChainEnd;
 use crate::math::{Signal, Table};
 
 pub(super) const ENDS: [&str; 3] = ["AnchoredEnd", "LoadedEnd", "FreeEnd"];
-/// Density of the steel that a load is a ball of, where its inertia is not given \[kg/m³\].
+/// Density of steel \[kg/m³\], for the default inertia of a load: that of a steel ball.
 const STEEL: f64 = 7850.0;
 
-/// Reads an end of an open chain.
+/// Read an end of an open chain.
 pub(crate) fn chain_end(object: &Bound<'_, PyAny>, field: &str) -> PyResult<ChainEnd> {
     let read = Reader::new(object, field, &ENDS)?;
     let links = if read.get("links")?.is_none() {
@@ -48,7 +48,7 @@ pub(crate) fn chain_end(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Chai
     })
 }
 
-/// Two functions of time, or rows (time, x, y).
+/// Read two functions of time, or rows (time, x, y).
 fn end_velocity(read: &Reader<'_, '_>) -> PyResult<[Signal; 2]> {
     const NAME: &str = "AnchoredEnd.velocity";
     let value = read.get("velocity")?;
@@ -81,7 +81,7 @@ fn end_velocity(read: &Reader<'_, '_>) -> PyResult<[Signal; 2]> {
     Ok([table(&both[0])?, table(&both[1])?])
 }
 
-/// Reads the two ends of an open chain.
+/// Read the two ends of an open chain.
 pub(super) fn chain_ends(read: &Reader<'_, '_>) -> PyResult<Option<[ChainEnd; 2]>> {
     let value = read.get("ends")?;
     if value.is_none() {

@@ -1,4 +1,4 @@
-//! The force laws of a run, their friction and film.
+//! Readers of the force laws of a run, their friction and lubricant film.
 
 use pyo3::prelude::*;
 
@@ -23,7 +23,7 @@ pub(super) const LAWS: [&str; 9] = [
     "Linear",
 ];
 
-/// Reads what a law of a contact has beside its normal force.
+/// Read friction and lubricant film of a contact law.
 pub(crate) fn tribology(object: &Bound<'_, PyAny>) -> PyResult<Tribology> {
     let field =
         |name: &str| Ok::<_, PyErr>((object.getattr(name)?, format!("{}.{name}", kind_of(object))));
@@ -38,7 +38,7 @@ pub(crate) fn tribology(object: &Bound<'_, PyAny>) -> PyResult<Tribology> {
     })
 }
 
-/// Reads an object that must be a force law.
+/// Read an object that must be a force law.
 fn law_reader<'a, 'py>(object: &'a Bound<'py, PyAny>, field: &str) -> PyResult<Reader<'a, 'py>> {
     if LAWS.contains(&kind_of(object).as_str()) {
         return Reader::new(object, field, &LAWS);
@@ -47,7 +47,7 @@ fn law_reader<'a, 'py>(object: &'a Bound<'py, PyAny>, field: &str) -> PyResult<R
     Err(refuse(object.py(), field, object, expected))
 }
 
-/// Reads the film of a force law, if it has one.
+/// Read the lubricant film of a force law, if any.
 pub(super) fn film_of(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Option<Film>> {
     let fills = law_reader(object, field)?.get("film")?;
     if fills.is_none() {
@@ -56,7 +56,7 @@ pub(super) fn film_of(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Option
     film(&fills, &format!("{}.film", kind_of(object))).map(Some)
 }
 
-/// Reads a `LubricantFilm` and checks it.
+/// Read a `LubricantFilm` and check it.
 pub(crate) fn film(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Film> {
     let read = Reader::new(object, field, &["LubricantFilm"])?;
     let film = Film {
@@ -69,7 +69,7 @@ pub(crate) fn film(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Film> {
     Ok(film)
 }
 
-/// Refuses a film in a law of teeth.
+/// Reject a lubricant film in a law of teeth.
 pub(crate) fn without_film(object: &Bound<'_, PyAny>) -> PyResult<()> {
     if film_of(object, "tooth_law")?.is_some() {
         return Err(refuse(
@@ -82,7 +82,7 @@ pub(crate) fn without_film(object: &Bound<'_, PyAny>) -> PyResult<()> {
     Ok(())
 }
 
-/// Reads a force law and its friction.
+/// Read a force law and its friction.
 pub(crate) fn law_and_friction(
     object: &Bound<'_, PyAny>,
     field: &str,
@@ -134,7 +134,7 @@ fn bristles(law: FrictionLaw) -> Option<LuGre> {
     }
 }
 
-/// Reads a `Coulomb` or a `LuGre` and checks it.
+/// Read a `Coulomb` or a `LuGre` and check it.
 pub(crate) fn rubbing(object: &Bound<'_, PyAny>, field: &str) -> PyResult<FrictionLaw> {
     let read = Reader::new(object, field, &["Coulomb", "LuGre"])?;
     if read.kind == "LuGre" {
@@ -144,7 +144,7 @@ pub(crate) fn rubbing(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Fricti
     }
 }
 
-/// Reads a `LuGre` and checks it.
+/// Read a `LuGre` and check it.
 fn lugre(object: &Bound<'_, PyAny>, field: &str) -> PyResult<LuGre> {
     let read = Reader::new(object, field, &["LuGre"])?;
     let bristles = LuGre {
@@ -160,7 +160,7 @@ fn lugre(object: &Bound<'_, PyAny>, field: &str) -> PyResult<LuGre> {
     Ok(bristles)
 }
 
-/// Reads a `Coulomb` and checks it.
+/// Read a `Coulomb` and check it.
 pub(crate) fn friction(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Friction> {
     let read = Reader::new(object, field, &["Coulomb"])?;
     let friction = Friction {
@@ -176,7 +176,7 @@ pub(crate) fn friction(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Frict
     Ok(friction)
 }
 
-/// Reads a damping by its name.
+/// Read a damping by its name.
 pub(crate) fn damping(name: &str, py: Python<'_>) -> PyResult<Damping> {
     let known = Damping::ALL.into_iter().find(|law| law.name() == name);
     known.ok_or_else(|| {
@@ -186,7 +186,7 @@ pub(crate) fn damping(name: &str, py: Python<'_>) -> PyResult<Damping> {
     })
 }
 
-/// Reads the laws of a run; `None`: as `force_law`.
+/// Read the laws of a run; `None` for a law of hinges or teeth selects `force_law`.
 pub(crate) fn force_laws(
     force_law: &Bound<'_, PyAny>,
     hinge_law: Option<&Bound<'_, PyAny>>,

@@ -1,4 +1,4 @@
-//! Python's frozen dataclasses -> the descriptions of this crate, field by field.
+//! Readers of Python's frozen dataclasses: conversion to the descriptions of this crate, field by field.
 
 mod chain;
 mod ends;
@@ -34,7 +34,7 @@ pub(super) use run::{drive_groups, mechanism_groups, reports, solver};
 pub(super) use sprocket::sprocket;
 pub(super) use tightening::rail;
 
-/// Reads a `ChainDrive`, unchecked.
+/// Read a `ChainDrive` without validation.
 pub(super) fn drive(object: &Bound<'_, PyAny>) -> PyResult<Drive> {
     let read = Reader::new(object, "drive", &["ChainDrive"])?;
     read.check_text("name")?;
@@ -86,7 +86,7 @@ pub(super) fn drive(object: &Bound<'_, PyAny>) -> PyResult<Drive> {
     })
 }
 
-/// Raises `InvalidInput` when a field of a description is not allowed.
+/// Raise `InvalidInput` if a field of a description is invalid.
 #[pyfunction]
 pub(super) fn validate(description: &Bound<'_, PyAny>) -> PyResult<()> {
     let object = description;
@@ -100,7 +100,7 @@ pub(super) fn validate(description: &Bound<'_, PyAny>) -> PyResult<()> {
         kind if FORMS.contains(&kind) => tooth_form(object, "")?.validate(),
         "ToothLine" | "ToothArc" => outline_piece(object, "").map(|_| Ok(()))?,
         "PrescribedSpeed" | "AppliedTorque" | "Free" => motion(object, "").map(|_| Ok(()))?,
-        // Of time, or of what the rows of a curve are against.
+        // The argument of a table may be time or any other quantity.
         "Table" => table(object, "Table.rows", ("argument", ""), "its unit").map(|_| Ok(()))?,
         kind if SIGNALS.contains(&kind) => signal(object, kind, "its unit").map(|_| Ok(()))?,
         "Sprocket" => sprocket(object, "")?.validate(),

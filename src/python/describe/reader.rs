@@ -1,4 +1,4 @@
-//! One description object read field by field, and the values that its fields may hold.
+//! Reader of a description object by field, with the types of its values.
 
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyString, PyTuple};
@@ -8,14 +8,14 @@ use crate::geometry::Vec2;
 use crate::math::{Signal, Spline, Table};
 use crate::python::errors::to_python;
 
-/// One description object, whose fields are read by name.
+/// Description object with fields read by name.
 pub(crate) struct Reader<'a, 'py> {
     object: &'a Bound<'py, PyAny>,
     pub(crate) kind: String,
 }
 
 impl<'a, 'py> Reader<'a, 'py> {
-    /// Reads `object`, which must be a description of one of the `kinds`.
+    /// Return a reader of `object`, which must be a description of one of the `kinds`.
     pub(crate) fn new(
         object: &'a Bound<'py, PyAny>,
         field: &str,
@@ -53,7 +53,7 @@ impl<'a, 'py> Reader<'a, 'py> {
         number(&value, &self.name(field), unit).map(Some)
     }
 
-    /// A name for people to read: nothing here uses it, but it has to be text.
+    /// Check that a display name is text; it has no other use here.
     pub(super) fn check_text(&self, field: &str) -> PyResult<()> {
         let value = self.get(field)?;
         if value.is_instance_of::<PyString>() {
@@ -67,7 +67,7 @@ impl<'a, 'py> Reader<'a, 'py> {
         ))
     }
 
-    /// A number, or a row of them.
+    /// Read a number, or a tuple of numbers.
     pub(super) fn numbers(&self, field: &str, unit: &str) -> PyResult<Vec<f64>> {
         let value = self.get(field)?;
         let name = self.name(field);
@@ -110,7 +110,7 @@ impl<'a, 'py> Reader<'a, 'py> {
         self.vector(field, unit).map(Some)
     }
 
-    /// One of several words, each standing for a value; `None` in Python is the word "None".
+    /// Read one of several words, each with a value; Python's `None` is the word "None".
     pub(crate) fn word<T: Copy>(&self, field: &str, words: &[(&str, T)]) -> PyResult<T> {
         let value = self.get(field)?;
         let text = if value.is_none() {
@@ -147,7 +147,7 @@ impl<'a, 'py> Reader<'a, 'py> {
 /// Classes of signals.
 pub(super) const SIGNALS: [&str; 4] = ["SmoothStep", "Table", "Spline", "Sines"];
 
-/// A function of time: a number, rows (time, value), or one of the classes of signals.
+/// Read a function of time: a number, rows (time, value), or one of the signal classes.
 pub(crate) fn signal(value: &Bound<'_, PyAny>, name: &str, unit: &str) -> PyResult<Signal> {
     let (py, axis) = (value.py(), ("time", "s"));
     if let Ok(tuple) = value.cast::<PyTuple>() {
@@ -185,7 +185,7 @@ pub(crate) fn signal(value: &Bound<'_, PyAny>, name: &str, unit: &str) -> PyResu
     checked(py, made.validate(&kind)).map(|()| made)
 }
 
-/// Sines (amplitude, angular frequency, phase).
+/// Read sines (amplitude, angular frequency, phase).
 fn terms(value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 3]>> {
     value.extract().map_err(|_| {
         let expected =
@@ -194,7 +194,7 @@ fn terms(value: &Bound<'_, PyAny>) -> PyResult<Vec<[f64; 3]>> {
     })
 }
 
-/// Values against `axis`, which is a name and a unit: a number, a tuple of rows (axis, value), or a `Table` of them.
+/// Read values against `axis`, a name and a unit: a number, a tuple of rows (axis, value), or a `Table`.
 pub(crate) fn table(
     value: &Bound<'_, PyAny>,
     name: &str,
@@ -235,7 +235,7 @@ fn rows(
     given.iter().map(row).collect()
 }
 
-/// Names of classes as alternatives: `a Coulomb or a LuGre`.
+/// Return class names as alternatives: `a Coulomb or a LuGre`.
 fn with_articles(kinds: &[&str]) -> String {
     let article = |kind: &str| {
         if kind.starts_with(['A', 'E', 'I', 'O', 'U']) {
@@ -259,20 +259,20 @@ pub(super) fn kind_of(object: &Bound<'_, PyAny>) -> String {
         .unwrap_or_default()
 }
 
-/// A finite number.
+/// Read a finite number.
 pub(crate) fn finite(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyResult<f64> {
     let found = number(value, field, unit)?;
     checked(value.py(), check::finite(field, found, unit)).map(|()| found)
 }
 
-/// True or False.
+/// Read True or False.
 pub(crate) fn truth(value: &Bound<'_, PyAny>, field: &str) -> PyResult<bool> {
     value
         .extract()
         .map_err(|_| refuse(value.py(), field, value, "must be True or False"))
 }
 
-/// A whole number, not negative.
+/// Read a nonnegative integer.
 pub(crate) fn count(value: &Bound<'_, PyAny>, field: &str) -> PyResult<u32> {
     if !value.is_instance_of::<PyBool>()
         && let Ok(count) = value.extract::<u32>()
@@ -287,7 +287,7 @@ pub(crate) fn count(value: &Bound<'_, PyAny>, field: &str) -> PyResult<u32> {
     ))
 }
 
-/// The numbers of teeth of two sprockets.
+/// Read the numbers of teeth of two sprockets.
 pub(crate) fn two_teeth(value: &Bound<'_, PyAny>) -> PyResult<[u32; 2]> {
     if let Ok([first, second]) = value.extract::<[Bound<'_, PyAny>; 2]>()
         && let (Ok(first), Ok(second)) = (count(&first, "teeth"), count(&second, "teeth"))
@@ -303,7 +303,7 @@ pub(crate) fn two_teeth(value: &Bound<'_, PyAny>) -> PyResult<[u32; 2]> {
     ))
 }
 
-/// A number, which may be infinite or NaN.
+/// Read a number, which may be infinite or NaN.
 pub(crate) fn number(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyResult<f64> {
     if !value.is_instance_of::<PyBool>()
         && !value.is_instance_of::<PyString>()
@@ -325,7 +325,7 @@ pub(crate) fn refuse(
     value: &Bound<'_, PyAny>,
     expected: &str,
 ) -> PyErr {
-    // The representation of an object of the caller's may fail.
+    // The `repr` of a user's object may raise an exception.
     let shown = value.repr().map_or_else(
         |_| format!("<{}>", kind_of(value)),
         |text| text.to_string_lossy().into_owned(),

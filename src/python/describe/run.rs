@@ -1,4 +1,4 @@
-//! What a run records, and how it is integrated.
+//! Readers of the recorded groups and the solver of a run.
 
 use pyo3::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::integrator::{Corrector, StepControl};
 use crate::multibody::MechanismGroups;
 use crate::run::simulation::check_reports;
 
-/// Reads and checks when to record: duration \[s\], time between two rows \[s\]; and whether the energy is recorded.
+/// Read and check duration \[s\], report interval \[s\], and whether the energy is recorded.
 pub(crate) fn reports(
     duration: &Bound<'_, PyAny>,
     report_step: &Bound<'_, PyAny>,
@@ -23,7 +23,7 @@ pub(crate) fn reports(
     Ok((duration, report_step, energy))
 }
 
-/// What to record of a drive: groups by their names.
+/// Return the recorded groups of a drive from their names.
 pub(crate) fn drive_groups(names: &[String], energy: bool) -> Groups {
     let has = |name: &str| names.iter().any(|n| n == name);
     Groups {
@@ -35,7 +35,7 @@ pub(crate) fn drive_groups(names: &[String], energy: bool) -> Groups {
     }
 }
 
-/// The same of a mechanism; `None`: all groups.
+/// Return the recorded groups of a mechanism from their names; `None`: all groups.
 pub(crate) fn mechanism_groups(names: Option<&[String]>, energy: bool) -> MechanismGroups {
     let has = |name: &str| names.is_none_or(|names| names.iter().any(|n| n == name));
     MechanismGroups {
@@ -46,10 +46,10 @@ pub(crate) fn mechanism_groups(names: Option<&[String]>, energy: bool) -> Mechan
     }
 }
 
-/// What one of `rtol` and `atol` is where only the other is given.
+/// Default of `rtol` or `atol` if only the other one is given.
 const DEFAULT_TOLERANCE: f64 = 1e-5;
 
-/// Reads a `Solver` and checks it.
+/// Read a `Solver` and check it.
 pub(crate) fn solver(object: &Bound<'_, PyAny>) -> PyResult<StepControl> {
     let read = Reader::new(object, "solver", &["Solver"])?;
     let corrector = read.word(

@@ -1,4 +1,4 @@
-//! Sprockets: what moves them, and their faults.
+//! Readers of sprockets, their motion and their faults.
 
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -9,7 +9,7 @@ use crate::drive::{Bearing, Faults, Sprocket, SprocketMotion};
 use crate::geometry::Damage;
 use crate::geometry::path::belt::Side;
 
-/// Rows (number of a tooth, share of its height that is left).
+/// Read rows (number of a tooth, remaining fraction of its height).
 fn damage(read: &Reader<'_, '_>) -> PyResult<Vec<Damage>> {
     const NAME: &str = "Sprocket.damaged_teeth";
     let rows = read.get("damaged_teeth")?;

@@ -1,4 +1,4 @@
-//! The tooth forms of sprockets.
+//! Readers of the tooth forms of sprockets.
 
 use pyo3::prelude::*;
 use pyo3::types::{PyString, PyTuple};
@@ -52,7 +52,7 @@ pub(super) fn tooth_form(object: &Bound<'_, PyAny>, field: &str) -> PyResult<Too
     })
 }
 
-/// A share of the way from the minimum gap to the maximum one, or one of the two by name.
+/// Read the position between the minimum gap (0) and the maximum gap (1), or one of the two by name.
 fn iso_gap(read: &Reader<'_, '_>) -> PyResult<f64> {
     let gap = read.get("gap")?;
     if gap.is_instance_of::<PyString>() {

@@ -1,4 +1,4 @@
-//! What a chain is tightened and led by: tensioners, rails, blades and smooth idlers.
+//! Readers of tensioners, rails, blades and smooth idlers.
 
 use pyo3::prelude::*;
 
