@@ -71,6 +71,7 @@ pub(crate) struct SprocketCandidates {
 }
 
 impl SprocketCandidates {
+    /// Create empty candidates with capacity for `slots` slots.
     fn with_room_for(slots: usize) -> Self {
         let room = || Numbers::with_capacity(64, slots);
         Self {
@@ -93,6 +94,7 @@ impl SprocketCandidates {
         })
     }
 
+    /// Return the slot of a bushing; `None` where it is no candidate.
     fn slot_of(&self, bushing: usize, links: usize) -> Option<usize> {
         // The distance along the ring, modulo the number of links, also finds bushings behind the end of the chain.
         self.runs.iter().find_map(|run| {
@@ -101,6 +103,7 @@ impl SprocketCandidates {
         })
     }
 
+    /// Set the number of slots and fill all arrays with zeros.
     fn resize(&mut self, slots: usize) {
         self.gap.clear();
         self.gap.resize(slots, 0);
@@ -288,6 +291,7 @@ impl Candidates {
 }
 
 impl SprocketCandidates {
+    /// Copy the initial impact velocity and the law constants of the surface at the contact onset into a slot.
     fn remember(&mut self, model: &Model, memory: &ImpactMemory, s: usize, slot: usize, k: usize) {
         let pair = s * model.links + k;
         let speed = memory.tooth_speed[pair];

@@ -134,6 +134,7 @@ impl ImpactMemory {
         }
     }
 
+    /// Count a contact onset at the penetration rate `rate` and return its initial impact velocity \[m/s\].
     fn count(&mut self, rate: f64) -> f64 {
         self.counts.onsets += 1;
         if rate < self.floor {

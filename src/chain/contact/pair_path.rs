@@ -199,6 +199,7 @@ fn prescribed(sprocket: &SprocketModel, t: f64) -> Option<[f64; 2]> {
     }
 }
 
+/// Return the elements of both arrays in one array.
 pub(super) fn join([a, b, c, d]: [f64; 4], [e, f, g, h]: [f64; 4]) -> [f64; 8] {
     [a, b, c, d, e, f, g, h]
 }

@@ -96,6 +96,7 @@ pub(crate) fn seen_from_teeth(sprocket: &SprocketModel, frame: &SprocketFrame, a
     ) - sprocket.offset
 }
 
+/// Return the contact of a bushing with the nearest tooth gap.
 fn on_gap(
     sprocket: &SprocketModel,
     frame: &SprocketFrame,
@@ -108,6 +109,7 @@ fn on_gap(
     in_gap(sprocket, frame, arm, velocity, radius, gap)
 }
 
+/// Return the contact of a bushing with tooth gap `gap`.
 fn in_gap(
     sprocket: &SprocketModel,
     frame: &SprocketFrame,

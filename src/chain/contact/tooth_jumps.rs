@@ -160,6 +160,7 @@ fn nearest_to_zero(value: i64, round: i64) -> i64 {
     (value + round / 2).rem_euclid(round) - round / 2
 }
 
+/// Return the gap number in 0 to `teeth` - 1 that differs from `gap` by a multiple of `teeth`.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // below the number of teeth
 fn wrapped(gap: i64, teeth: u32) -> u32 {
     gap.rem_euclid(i64::from(teeth)) as u32

@@ -19,6 +19,7 @@ pub struct Bristles {
 }
 
 impl Bristles {
+    /// Create deflections of zero for all bristles of `model`.
     pub(super) fn of(model: &Model) -> Self {
         let zeros = || vec![0.0; model.bristles.all().len()];
         Self {

@@ -6,6 +6,9 @@ use crate::force_law::{ElasticLaw, depth_in_series, with_law};
 use crate::geometry::Vec2;
 use crate::system::Energy;
 
+/// Return the energies at the last evaluation \[J\].
+///
+/// Bodies with prescribed motion are supports: fixed centres, prescribed rotations, and anchored or free ends have no energy.
 pub(super) fn energy(dynamics: &Dynamics) -> Energy {
     let (model, motion) = (dynamics.model(), &dynamics.motion);
     let mut energy = Energy::default();
@@ -60,6 +63,7 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
     energy
 }
 
+/// Return the elastic energy of all hinges, rollers and teeth \[J\].
 fn elastic_energy(dynamics: &Dynamics) -> f64 {
     let model = dynamics.model();
     let hinges: f64 = with_law!(&model.hinge_law.pairs, Law, pairs => {

@@ -1,4 +1,4 @@
-//! Energy dissipated and external work of a drive: powers along the path of each step.
+//! Energy quadrature of a drive: dissipated energy and external work from the powers along the path of each step.
 //!
 //! The path is the cubic Hermite interpolant of values and slopes at both ends of the step, independent of the integrator's order
 //! (decision 22).
@@ -14,7 +14,8 @@ use crate::system::PanelRule;
 
 /// Highest order of a step whose powers are integrated by Simpson's rule.
 ///
-/// Its error of order five is far below that of the trapezoidal rule. Steps of higher orders are longer (decision 22).
+/// Its error of order five is far below that of the trapezoidal rule. Steps of higher orders are longer and use the Gauss-Lobatto formula
+/// of four points (decision 22).
 const HIGHEST_ORDER_OF_SIMPSON: usize = 2;
 
 /// Values and slopes at both ends of a step: data of the interpolation inside it.

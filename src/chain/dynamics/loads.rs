@@ -24,6 +24,7 @@ pub(crate) struct Moves {
 }
 
 impl Moves {
+    /// Return the motion of a body.
     pub(crate) fn of(motion: &Motion, body: usize) -> Self {
         Self {
             center: Vec2::new(motion.x[body], motion.y[body]),

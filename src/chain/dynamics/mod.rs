@@ -396,6 +396,7 @@ impl Dynamics {
         self.tooth_jumps.jumps()
     }
 
+    /// Record contact onsets and ends of hinges in the last step.
     fn find_hinge_onsets(&mut self, adams: &Adams, step: &Step) {
         let model = &self.model;
         // Penetration without memory: contact onset in this step. Memory without penetration: contact end.
@@ -414,6 +415,7 @@ impl Dynamics {
         }
     }
 
+    /// Record contact onsets and ends of bushings in their rollers in the last step.
     fn find_roller_onsets(&mut self, adams: &Adams, step: &Step) {
         let model = &self.model;
         for (k, &depth) in self.kernels.roller_depths(model).iter().enumerate() {
@@ -430,6 +432,7 @@ impl Dynamics {
         }
     }
 
+    /// Record contact onsets, with their surfaces, and contact ends of teeth in the last step.
     fn find_tooth_onsets(&mut self, adams: &Adams, step: &Step) {
         let model = &self.model;
         let mut begun = std::mem::take(&mut self.begun);
@@ -671,6 +674,7 @@ impl Dynamics {
     }
 }
 
+/// Return the message on a contact beyond the end of its law: penetration `depth` and end of the law `end` \[m\].
 fn past_range(law: Elastic, contact: &str, depth: f64, end: f64) -> String {
     let law = law.name();
     format!(
@@ -679,10 +683,12 @@ fn past_range(law: Elastic, contact: &str, depth: f64, end: f64) -> String {
     )
 }
 
+/// Return the elastic force at a penetration \[N\].
 fn force_at<L: crate::force_law::ElasticLaw>(pair: &[f64; 2], depth: f64) -> f64 {
     L::force(pair, depth)
 }
 
+/// Return the penetration at the end of a law \[m\].
 fn range_end<L: crate::force_law::ElasticLaw>(pair: &[f64; 2]) -> f64 {
     L::range_end(pair)
 }

@@ -38,6 +38,7 @@ impl Losses {
         ]
     }
 
+    /// Create losses from values in the order of the fields.
     fn of_values(values: [f64; 7]) -> Self {
         let [
             hinge_contact,

@@ -10,7 +10,7 @@ use crate::layout::InitialConfiguration;
 /// Check that there is one row of finite numbers for every body.
 ///
 /// # Errors
-/// Names the body and the number.
+/// When the number of rows is wrong or a number is not finite; the message names the body and the number.
 pub(crate) fn check_rows(model: &Model, field: &str, rows: &[[f64; 3]]) -> Result<()> {
     let bodies = model.bodies();
     if rows.len() != bodies {
@@ -34,10 +34,10 @@ pub(crate) fn check_rows(model: &Model, field: &str, rows: &[[f64; 3]]) -> Resul
 }
 
 impl Dynamics {
-    /// Pins must be in their bushings, and bushings in their rollers, at the last evaluation.
+    /// Check that pins lie in their bushings, and bushings in their rollers, at the last evaluation.
     ///
     /// # Errors
-    /// Names the hinge or the roller, and how far apart its centres are.
+    /// When the centres of a hinge or a roller are farther apart than a tenth of half the pitch; the message names it and the distance.
     pub(crate) fn check_joints(&self) -> Result<()> {
         check_hinges(self)?;
         check_rollers(self)

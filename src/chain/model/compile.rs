@@ -38,6 +38,7 @@ pub struct ForceLaws {
 }
 
 impl ForceLaws {
+    /// Check all laws, for the coefficient of restitution `restitution`.
     fn check(&self, restitution: f64) -> Result<()> {
         check::positive("min_impact_velocity", self.min_approach_speed, "m/s")?;
         for (friction, name) in [
@@ -111,6 +112,7 @@ impl Default for ForceLaws {
 struct Coordinates(usize);
 
 impl Coordinates {
+    /// Return the next free coordinate.
     fn take(&mut self) -> usize {
         self.0 += 1;
         self.0 - 1
@@ -364,6 +366,7 @@ fn range_notes(
     notes
 }
 
+/// Return the model of sprocket `number` (from 0): profile, mass properties, support and rotation.
 fn place_sprocket(
     drive: &Drive,
     number: usize,

@@ -99,6 +99,9 @@ impl Guide {
         0.5 * self.stiffness * s * s + 0.5 * self.stop_stiffness * past * past
     }
 
+    /// Return the displacement beyond the stops \[m\]: positive beyond the greatest s, negative beyond the least s, else zero.
+    ///
+    /// The pawl of a ratchet replaces the stop behind it where it is nearer.
     fn past_stop(&self, s: f64, pawl: f64) -> f64 {
         let [mut least, mut greatest] = self.stops;
         match self.ratchet {
@@ -157,7 +160,7 @@ mod tests {
             for way in [0.3e-3, 0.7e-3, 1.2e-3, 0.9e-3, 0.1e-3] {
                 let before = guide.energy(forward * way, pawl);
                 let next = ratchet.follow(pawl, forward * way);
-                // Where the pawl moves on, nothing presses on it, behind its old tooth or its new one.
+                // The pawl carries no load when it moves, neither behind its previous tooth nor behind its new one.
                 if next > pawl {
                     assert_eq!(before, 0.0);
                     assert_eq!(guide.energy(forward * way, next), 0.0);

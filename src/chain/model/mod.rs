@@ -20,7 +20,7 @@ use crate::geometry::path::belt::Side;
 use crate::geometry::{Surface, ToothProfile, Vec2};
 use crate::math::{Signal, Table};
 
-/// The complete model of a drive. Read-only during a run.
+/// Complete model of a drive, constant during a run.
 ///
 /// Bodies: links first, then rollers, then sprockets and guides. Generalized coordinates q: all link x, all link y, all link θ, those of
 /// the sprockets and guides, all roller x, all roller y, all roller θ, and the integrals of the bristle deflections, see

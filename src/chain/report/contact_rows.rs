@@ -8,6 +8,7 @@ use crate::geometry::path::belt::Pulley;
 use crate::layout::ChainRow;
 use crate::system::Row;
 
+/// Write force, force vector, penetration, eccentricity and impact velocity of every hinge, and the strand tensions.
 pub(super) fn write_hinges(row: &mut Row, dynamics: &Dynamics) {
     let hinges = &dynamics.hinges;
     let n = hinges.force.len();
@@ -52,6 +53,7 @@ fn strand_tensions(dynamics: &Dynamics) -> Vec<f64> {
     .strand_tensions()
 }
 
+/// Write force, force vector, penetration, eccentricity and impact velocity of every bushing in its roller.
 pub(super) fn write_rollers(row: &mut Row, dynamics: &Dynamics) {
     let rollers = &dynamics.rollers;
     let n = rollers.force.len();

@@ -9,7 +9,7 @@ use crate::chain::model::{Model, Rotation};
 pub struct Groups {
     /// Force, penetration and eccentricity of every hinge, and of rollers on bushings, with peaks; strand tensions.
     pub hinges: bool,
-    /// Deepest tooth contact of every bushing, with peaks.
+    /// Tooth contact with the largest penetration of every bushing, with peaks.
     pub teeth: bool,
     /// Angle, speed, torque and centre of every sprocket.
     pub sprockets: bool,

@@ -22,7 +22,7 @@ pub struct HingeContacts {
     pub direction_y: Vec<f64>,
     /// Penetration δ = |e| - c \[m\].
     pub penetration: Vec<f64>,
-    /// dδ/dt \[m/s\].
+    /// Penetration rate dδ/dt \[m/s\].
     pub rate: Vec<f64>,
     /// Normal force \[N\].
     pub force: Vec<f64>,

@@ -12,7 +12,7 @@ pub struct ToothContacts {
     pub penetration: Vec<f64>,
     /// Pairs within reach, sprocket by sprocket; the arrays below are valid for these pairs only.
     pub near: Vec<u32>,
-    /// dδ/dt \[m/s\].
+    /// Penetration rate dδ/dt \[m/s\].
     pub rate: Vec<f64>,
     /// Direction of increasing penetration, x.
     pub normal_x: Vec<f64>,

@@ -100,6 +100,7 @@ impl Candidates {
 }
 
 impl SprocketCandidates {
+    /// Restore the candidates of sprocket `s`; `None` for bushings or gaps that do not exist in `model`.
     fn carry_on(
         &mut self,
         model: &Model,
