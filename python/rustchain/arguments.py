@@ -256,7 +256,7 @@ def finite_array(value: Any) -> npt.NDArray[np.float64] | None:  # noqa: ANN401
 
 
 def rows_of(name: str, values: npt.ArrayLike | None, bodies: int | str) -> Array | None:
-    """Return `values` as the compiled module wants them: (bodies, 3) real numbers."""
+    """Return `values` in the form of the compiled module: (bodies, 3) real numbers."""
     if values is None:
         return None
     try:

@@ -87,8 +87,9 @@ def check_writable(path: object, field: str = "path") -> None:
 def write_whole(path: object, content: bytes | memoryview, field: str = "path") -> None:
     """Write a file that is there whole or not at all, whatever interrupts.
 
-    The content is written beside the file and renamed when it is on the disc. A file that is
-    replaced hands on its permissions; the target of a symbolic link is replaced, not the link.
+    The content is written beside the file and renamed when it is on the disc. The new file has the
+    permissions of the one that it replaces; the target of a symbolic link is replaced, not the
+    link.
 
     Raises
     ------

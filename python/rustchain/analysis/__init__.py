@@ -56,11 +56,11 @@ class Outputs:
     def tooth_jumps(self) -> pd.DataFrame:
         """The jumps of the chain over teeth in this run, a row for each tooth.
 
-        Columns: ``time`` [s] of the end of the first step after which all seated bushings of the
-        sprocket are in other gaps than before; ``sprocket``, from 1; ``direction``, 1 where the
-        sprocket has turned counterclockwise by a tooth against the chain, -1 clockwise. A bushing
-        is seated where its centre is less than halfway from the pitch circle to where it passes
-        over the tips.
+        Columns are ``time`` [s], ``sprocket``, from 1, and ``direction``, 1 where the sprocket has
+        turned counterclockwise by a tooth against the chain, -1 clockwise. The time is the end of
+        the first step after which all seated bushings of the sprocket are in other gaps than
+        before. A bushing is seated where its centre is less than halfway from the pitch circle to
+        where it passes over the tips.
 
         Raises
         ------

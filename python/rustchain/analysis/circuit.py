@@ -22,7 +22,7 @@ _Listed = TypeVar("_Listed")
 
 @dataclass(frozen=True)
 class Section:
-    """A part of the way: the arc round a sprocket, or a strand.
+    """A part of the chain path: the arc round a sprocket, or a strand.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Circuit:
     Attributes
     ----------
     links : int
-        Length of the way [pitches].
+        Length of the chain path [pitches].
     sections : tuple of Section
         In the order in which a hinge passes them when sprocket 1 turns counterclockwise.
     """
@@ -190,7 +190,7 @@ class Belt:
 
 
 def _in_order_of_the_way(values: tuple[_Listed, ...]) -> tuple[_Listed, ...]:
-    """Return what is listed by strand in the order of the way: two are listed upper, lower."""
+    """Return values by strand in the order of the chain path: two are listed upper, lower."""
     return values[::-1] if len(values) == 2 else values
 
 

@@ -34,9 +34,9 @@ def engagements(
     Parameters
     ----------
     sprocket : int or str, optional
-        Number of the sprocket, from 1, or the name of a guide: "guide_1". By default all
-        sprockets, without guides, where contacts begin and end many times; the numbers of guides
-        follow those of the sprockets, and ``tooth`` is 0 for the face, 1 for the back.
+        Number of the sprocket, from 1, or the name of a guide: "guide_1". By default all sprockets,
+        without guides, which have many contact onsets. The numbers of guides follow those of the
+        sprockets, and ``tooth`` is 0 for the face, 1 for the back.
     within : float
         Length of the impact: the first so many pitches along the chain path.
 
@@ -44,9 +44,9 @@ def engagements(
     -------
     DataFrame
         ``time`` [s] of the report that first shows the contact, ``bushing``, ``sprocket``,
-        ``tooth`` (gap from 0), ``region``; ``force`` [N] and ``impulse`` [N s] of the impact,
-        from the peaks between reports; ``largest_force`` [N] and length ``pitches`` of the
-        contact episode.
+        ``tooth`` (gap from 0), ``region``. ``force`` [N] and ``impulse`` [N s] of the impact are
+        from the peaks between reports. ``largest_force`` [N] and length ``pitches`` are those of
+        the contact episode.
     """
     from rustchain.extras import pandas as pd
 

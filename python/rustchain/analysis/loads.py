@@ -58,10 +58,10 @@ def hinge_loads(
     Returns
     -------
     Dataset
-        Over ``position``, the place of a hinge along the chain path [pitches] from the first seat
-        of sprocket 1 at the start, counterclockwise (``section`` names sprocket or strand):
-        ``mean`` [N], from the impulses; ``quantiles`` [N] of the force at the reports;
-        ``largest`` [N], peaks between reports included; NaN where no hinge has been. Over
+        ``position`` is the position of a hinge along the chain path [pitches] from the first seat
+        of sprocket 1 at the start, counterclockwise; ``section`` names sprocket or strand. Over
+        ``position``: ``mean`` [N], from the impulses; ``quantiles`` [N] of the force at the
+        reports; ``largest`` [N], peaks between reports included. NaN where no hinge has been. Over
         ``hinge``: ``hinge_mean``, ``hinge_quantiles``, ``hinge_largest`` [N].
     """
     from rustchain.extras import xarray as xr
@@ -116,10 +116,10 @@ def wrap_loads(
     Returns
     -------
     Dataset
-        Over ``position``, the place of a bushing in the wrap [pitches] from where the belt line
-        meets the pitch circle, counterclockwise: ``mean``, ``quantiles``, ``largest`` [N] of
-        the tooth force, as in `hinge_loads`, and ``hinge_mean`` [N], the mean hinge force
-        there. ``attrs["wrap"]`` is the length of the wrap [pitches].
+        ``position`` is the position of a bushing in the wrap [pitches] from the point where the
+        belt line meets the pitch circle, counterclockwise. Over ``position``: ``mean``,
+        ``quantiles``, ``largest`` [N] of the tooth force, as in `hinge_loads`, and ``hinge_mean``
+        [N], the mean hinge force there. ``attrs["wrap"]`` is the length of the wrap [pitches].
     """
     from rustchain.extras import xarray as xr
 

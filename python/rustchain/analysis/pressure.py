@@ -52,10 +52,10 @@ def contact_pressure(
 ) -> xr.Dataset:
     """Return the largest pressure in each contact by Hertz's line contact.
 
-    p = sqrt(F E* k / (pi L)), half width b = sqrt(4 F / (pi L E* k)) (Johnson, Contact
-    Mechanics, 4.2c): F the force, L the length of contact, 1/E* = 2 (1 - nu^2)/E, k the sum of
-    the curvatures, which for a tooth is that of the surface in contact. It holds while b is
-    small beside the radii, whatever law gave the force.
+    p = sqrt(F E* k / (pi L)), half width b = sqrt(4 F / (pi L E* k)) (Johnson, Contact Mechanics,
+    4.2c). F is the force, L the length of contact, 1/E* = 2 (1 - nu^2)/E, and k the sum of the
+    curvatures of the surfaces in contact. It holds while b is small beside the radii, whatever law
+    gave the force.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The free strands: pull along the chain, motion across it, spectrum and natural frequencies."""
+"""The free strands: tension, motion across the chain, spectrum and natural frequencies."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _STATIONS = (0.25, 0.5, 0.75)
 
 
 def link_tension(result: Result, /, *, start: Time = None, end: Time = None) -> xr.DataArray:
-    """Return the pull in the chain at every hinge [N], (time, hinge).
+    """Return the tension of the chain at every hinge [N], (time, hinge).
 
     The component along the chain of the force between the two links of the hinge. It holds the
     part mu v^2 of the chain's own motion. Needs hinges and bodies recorded.
@@ -73,8 +73,8 @@ def strand_motion(
     strand : str or int
         Its name in `strand_names`, or its number there, from 1.
     stations : sequence of float
-        Where to look, fixed in space: shares of the way between the tangent points of the pitch
-        circles, from where a counterclockwise chain leaves its sprocket.
+        Positions fixed in space, as shares of the distance between the tangent points of the pitch
+        circles. They count from the point where a counterclockwise chain leaves its sprocket.
     """
     from rustchain.extras import xarray as xr
 
@@ -190,10 +190,10 @@ def natural_frequencies(
     """Return the natural frequencies of a taut strand of a moving chain [Hz], (modes,).
 
     f_n = n / (2 L) (c^2 - v^2) / c, c^2 = T / mu, of a string between fixed ends that moves along
-    itself (Swope and Ames 1963); T includes the part mu v^2 of the motion. In place of the string's
-    n pi c / L stands the frequency of rigid links of mass m and inertia J on hinges a pitch p
-    apart: omega^2 = (T / p) 4 s^2 / (m (1 - s^2) + 4 J s^2 / p^2), s = sin(n pi p / (2 L)). NaN
-    where the pull does not hold the strand, or it has no more links than modes.
+    itself (Swope and Ames 1963); T includes the part mu v^2 of the motion. The frequency is not
+    that of the string, n pi c / L, but that of rigid links of mass m and inertia J on hinges a
+    pitch p apart. It is omega^2 = (T / p) 4 s^2 / (m (1 - s^2) + 4 J s^2 / p^2), s = sin(n pi p /
+    (2 L)). NaN where the tension is not positive, or the strand has no more links than modes.
     """
     table = _rustchain.chain_links(chain)
     mass, inertia = table[:, 1].mean(), table[:, 2].mean()

@@ -64,7 +64,7 @@ def paper_drive(
         Tension that a tensioner on sprocket 2 gives each strand [N]; at 0 or None the centres are
         fixed.
     hinges : {"clearance", "ideal"}
-        Pins with play in their bushings, or ideal joints.
+        Pins with clearance in their bushings, or ideal joints.
     rollers : {"fixed", "bodies"}
         The published bushing chain, or the same with rollers of a no. 40 chain on smaller bushings:
         outside radius, mass of the chain and all else are the same.
@@ -131,7 +131,7 @@ def two_sprocket_drive(
     gravity : (float, float)
         Acceleration of gravity [m/s^2].
     hinges : {"clearance", "ideal"}
-        Pins with play in their bushings, or ideal joints.
+        Pins with clearance in their bushings, or ideal joints.
     profile : AnsiTooth, IsoTooth, StraightTooth or CustomTooth, optional
         Tooth form of both sprockets; by default that of the chain's standard with this `seat`.
     rollers : {"fixed", "bodies"}
@@ -212,8 +212,9 @@ def catalogue_chain(
         Parallel strands on common pins; by default those of the name, or 1.
     rollers : {"fixed", "bodies"}
         "fixed": a roller chain as a bushing chain of the roller's outside diameter, whose inner
-        links carry the rollers' mass. "bodies": every roller a body that turns on its bushing with
-        play; mass, inertia and bore are derived. Chains without rollers have none to make bodies.
+        links carry the rollers' mass. "bodies": every roller is a body that turns on its bushing
+        with clearance; mass, inertia and bore are derived. Chains without rollers have none to make
+        bodies.
     plates : {"rigid", "elastic"}
         "elastic": links stretch as their plates do, whose cross-sections are derived.
     """
@@ -291,7 +292,7 @@ def _rolling(chain: Chain, size: ChainSize, rollers: Rollers) -> Chain:
 
 
 def _tensioner(pretension: float | None) -> Tensioner | None:
-    """Return a tensioner on sprocket 2, or none where there is nothing to pull."""
+    """Return a tensioner on sprocket 2, or None without pretension."""
     if pretension is None or finite_number(pretension) == 0:
         return None
     return Tensioner(sprocket=2, pretension=pretension)

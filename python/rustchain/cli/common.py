@@ -85,7 +85,7 @@ class Output:
             typer.echo(text)
 
     def document(self, content: Mapping[str, Any]) -> None:
-        """Print what JSON is asked for."""
+        """Print the document if JSON is requested."""
         if self.json:
             typer.echo(json.dumps(_plain(content), indent=2, ensure_ascii=False))
 

@@ -83,7 +83,7 @@ def _imported(module: str, package: str) -> Any:  # noqa: ANN401
 
 
 def _count(text: str, given: str) -> int | None:
-    """Return how many workers are asked for; None: as many as there are cores."""
+    """Return the number of workers; None: as many as there are cores."""
     if not given:
         return None
     if not (given.isdecimal() and int(given) >= 1):

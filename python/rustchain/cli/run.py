@@ -109,7 +109,7 @@ def run(
 def check(
     drive: Drive, settings: Settings = None, as_json: AsJson = False, quiet: Quiet = False
 ) -> None:
-    """Say how a drive would be laid out and what is doubtful about it; nothing is run."""
+    """Print the initial configuration of a drive and its warnings; nothing is run."""
     output = Output(as_json, quiet)
     with clear_errors():
         scene = scene_file(drive, settings)

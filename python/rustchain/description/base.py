@@ -56,7 +56,7 @@ class Description:
     _types: ClassVar[dict[str, type[Any]]] = {}
 
     def __init_subclass__(cls) -> None:
-        """Remember the class by its name, for `from_json`; give it the short repr."""
+        """Register the class by its name, for `from_json`; give it the short repr."""
         Description._types[cls.__name__] = cls
         if "__repr__" not in vars(cls):  # before the dataclass makes its own
             cls.__repr__ = short_repr  # type: ignore[method-assign]

@@ -52,7 +52,7 @@ class ClearanceHinge(Description):
 
 @description(frozen=True)
 class Roller(Description):
-    """A roller that turns on its bushing with play: a body of its own.
+    """A roller that turns on its bushing with clearance: a body of its own.
 
     Attributes
     ----------
@@ -136,9 +136,8 @@ class Chain(Description):
         One on every bushing, a body of its own that meets the teeth in the bushing's place; inner
         links then go without the rollers' mass. By default a bushing chain.
     link_stiffness : float or Plates, optional
-        Pull that makes a link of one strand longer by a metre [N/m], or the plates from which it
-        follows: in series with the contacts of its hinges, half of the link with each. None: links
-        are rigid.
+        Axial stiffness of a link of one strand [N/m], or the plates from which it follows. It is in
+        series with the contacts of the hinges, half of the link with each. None: links are rigid.
     carried : sequence of (link, mass)
         What links carry in their middle, by their numbers from 1 [kg]: slats, buckets, goods; all
         strands together.
@@ -169,7 +168,7 @@ class Chain(Description):
 
     @property
     def axial_stiffness(self) -> float | None:
-        """Pull that makes a link of all strands longer by a metre [N/m]; None: links are rigid."""
+        """Axial stiffness of a link of all strands [N/m]; None: links are rigid."""
         return _rustchain.link_stiffness(self)
 
     @property

@@ -84,8 +84,9 @@ class ChainDrive(Description, HtmlView):
     name : str
         For people to read.
     hinges : {"clearance", "ideal"}
-        Pins with play in their bushings, or ideal joints: then the drive runs as the mechanism of
-        `to_mechanism`, with the same channels; hinge forces are the joints' reactions.
+        Pins with clearance in their bushings, or ideal joints. With ideal joints the drive runs as
+        the mechanism of `to_mechanism`, with the same channels; hinge forces are the joints'
+        reactions.
     guides : sequence of GuideRail and SmoothIdler
         Rails, blades and smooth idlers. The initial configuration is generated without them: they
         begin beside the chain, blades swung back on their arms.
@@ -130,8 +131,8 @@ class ChainDrive(Description, HtmlView):
         Parameters
         ----------
         hinges : {"clearance", "ideal"}, optional
-            Pins with play in their bushings, or ideal joints, whose reactions are the hinge forces;
-            by default as the drive says.
+            Pins with clearance in their bushings, or ideal joints, whose reactions are the hinge
+            forces; by default those of the drive.
         force_law : ForceLaw, optional
             Law of the contacts, by default that of Lankarani and Nikravesh.
         min_impact_velocity : float

@@ -28,21 +28,21 @@ class GuideArm(Description):
     ramp_time : float
         Time over which it grows from zero [s].
     stiffness : float
-        What the force loses as the plunger moves out [N/m].
+        Reduction of the force per displacement of the plunger [N/m].
     damping : float
         Dashpot of the plunger [N s/m].
     damping_back : float, optional
-        Dashpot while the arm gives way to the chain [N s/m], by default the same: a hydraulic
-        tensioner follows the chain through its check valve and gives way by its leak.
+        Dashpot while the arm moves back [N s/m], by default the same. It describes the leak of a
+        hydraulic tensioner with a check valve.
     travel : (float, float), optional
-        How far the plunger can go back and out from where the rail is described [m], where stops of
-        1e7 N/m are; by default there are none.
+        Largest displacements of the plunger, back and out, from the described position of the rail
+        [m], with stops of 1e7 N/m. By default there are no stops.
     inertia : float
         Moment of inertia of arm and rail about the pivot [kg m^2].
     ratchet : float, optional
-        Distance of the teeth of a ratchet along the plunger's way [m], which lets the plunger move
-        out and holds it behind the last tooth that it has passed, counted from where the rail is
-        described; 0: wherever it is. By default there is none.
+        Distance of the teeth of a ratchet along the path of the plunger [m], counted from the
+        described position of the rail. The plunger can move out and is held behind the last tooth
+        that it has passed. 0: it is held at any position. By default there is none.
     """
 
     pivot: _Point
@@ -70,7 +70,7 @@ class GuideRail(Description):
         Length over its round ends [m].
     radius : float, optional
         Radius of its arched faces [m], negative where they are hollow; by default they are
-        straight. A hollow bar is as deep, towards its back, as its hollow asks for.
+        straight. The depth of a hollow bar follows from its hollow face.
     end_radius : float
         Radius of its ends [m]: half the thickness of a straight bar.
     arm : GuideArm, optional

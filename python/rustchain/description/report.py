@@ -25,9 +25,9 @@ class DriveReport(HtmlView):
     """Initial configuration of a chain on its sprockets; ``print(report)`` shows it as a table.
 
     Tuples have an entry for each sprocket as listed, or for each strand. Two sprockets have the
-    strands "upper" (left of the line from sprocket 1 to sprocket 2) and "lower"; of more, strand
-    "1-3" leads from sprocket 1 to sprocket 3, and of an open chain "end_1-1" from end 1 to
-    sprocket 1.
+    strands "upper" (left of the line from sprocket 1 to sprocket 2) and "lower". With more
+    sprockets, strand "1-3" leads from sprocket 1 to sprocket 3. Strand "end_1-1" of an open chain
+    leads from end 1 to sprocket 1.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class DriveReport(HtmlView):
     start_gap : float
         Smallest gap of all contacts at the start [m].
     tension_force : float
-        Full pull of the tensioner on its sprocket [N].
+        Full force of the tensioner on its sprocket [N].
     guide_gap : tuple of float
         Smallest distance of a bushing from each guide at the start [m], or of a plate where plates
         are in contact with it.

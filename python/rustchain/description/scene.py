@@ -45,7 +45,7 @@ class Scene(Description):
         ``Solver(method="pece", rtol=1e-9, atol=1e-9, max_step=0.01)``.
     start : {"generated", "static"}
         The generated configuration, with nothing in contact; or the static equilibrium under
-        gravity, the loads of the first instant and the tensioner's full pull, which then has no
+        gravity, the loads of the first instant and the full tensioner force, which then has no
         ramp. The sprockets' speeds are those of the generated start. "static" is for drives with
         clearance in their hinges.
     positions, velocities : array_like, (bodies, 3), optional

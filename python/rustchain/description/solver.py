@@ -18,9 +18,9 @@ class Solver(Description):
     method : {"auto", "pece", "newton"}
         Solution of the corrector's equation. "pece": predict, evaluate, correct, evaluate
         (Adams-Bashforth-Moulton, Shampine and Gordon 1975); stiff contacts limit its step size.
-        "newton": Newton's method with the exact derivatives of all contacts; at order 2, the
-        trapezoid, while contacts vibrate stiffly, higher where the motion is smooth. "auto": the
-        cheaper of the two, switched during the run.
+        "newton": Newton's method with the exact derivatives of all contacts; order 2, the
+        trapezoidal rule, during stiff vibration of contacts, higher orders where the motion is
+        smooth. "auto": the cheaper of the two, switched during the run.
     rtol, atol : float, optional
         Relative and absolute tolerance of every component, in its own unit, as in SciPy; they rule
         in place of `accuracy` when one of them is given (the other is then 1e-5). One may be 0.

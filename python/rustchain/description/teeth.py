@@ -18,7 +18,7 @@ class AnsiTooth(Description):
     ----------
     seat : {"bottom-diameter", "pitch-circle"}
         Where the seat's centre lies: outside the pitch circle, so that a seated bushing's centre is
-        on it (the standard), or on the pitch circle itself (a seated bushing then has play all
+        on it (the standard), or on the pitch circle itself (a seated bushing then has clearance all
         round).
     roller_diameter : float, optional
         The diameter that the tooth is cut for [m]; by default that of the chain's bushings.
@@ -110,8 +110,8 @@ class ToothArc(Description):
     Attributes
     ----------
     start, end, center : (float, float)
-        Across the gap and outward through its middle, from the sprocket's centre [m]. About a
-        centre on the left of the way from start to end the arc is hollow, else convex.
+        Across the gap and outward through its middle, from the sprocket's centre [m]. With the
+        centre on the left in the direction from start to end the arc is hollow, else convex.
     """
 
     start: Point
@@ -127,7 +127,8 @@ class CustomTooth(Description):
     ----------
     pieces : sequence of ToothLine and ToothArc
         The right half of a gap, from its middle (u = 0, level) up the flank; the left half mirrors
-        it. The material lies on the right of the way. Joints may be off by 1e-7 m and 1e-4 rad.
+        it. The material lies on the right in the direction of the pieces. Joints may be off by 1e-7
+        m and 1e-4 rad.
     tip_diameter : float, optional
         Where the tooth is cut off [m]; without it, the pieces end level in the middle of the tooth.
     edge_radius : float, optional

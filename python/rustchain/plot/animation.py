@@ -217,7 +217,7 @@ def _gif(animation: Animation) -> bytes:
 
 
 def _mp4(animation: Animation) -> bytes:
-    """Return the frames as an MP4 video that browsers and presentations play."""
+    """Return the frames as an MP4 video for browsers and presentations."""
     program = shutil.which("ffmpeg")
     if program is None:
         msg = (

@@ -83,10 +83,10 @@ class ContactFigures(Figures):
     ) -> Figure:
         """Draw force against penetration of bushings on teeth, or of pins in bushings.
 
-        Tooth contacts are coloured by the region of the tooth that the bushing is on; with regions
-        "kept" its stiffness is that of the region where the contact began, so that points of one
-        colour may lie on two lines. Hinges are shown with the elastic part of their law. The
-        contacts of a mechanism go by their names; without a name, all are drawn.
+        Tooth contacts are coloured by the region of the tooth. With regions "kept" the stiffness is
+        that of the region of the contact onset, so that points of one colour may lie on two lines.
+        Hinges are shown with the elastic part of their law. The contacts of a mechanism go by their
+        names; without a name, all are drawn.
         """
         rows = self.rows(start, end)
         if self.result.scene.kind == "mechanism":
@@ -113,7 +113,7 @@ class ContactFigures(Figures):
     ) -> Figure:
         """Draw the path of a pin's centre in its bushing, coloured by the force between the two.
 
-        The dotted circle is where contact begins. One scale of colours holds for all hinges.
+        The dotted circle shows the contact onset. One scale of colours holds for all hinges.
         """
         numbers = (hinge, *more)
         rows = self.rows(start, end)

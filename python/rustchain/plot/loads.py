@@ -1,4 +1,4 @@
-"""Figures of loads over a revolution: hinges along the way, teeth, wrap, pressure, impacts."""
+"""Figures of loads over a revolution: chain path, teeth, wrap, pressure, impacts."""
 
 from __future__ import annotations
 

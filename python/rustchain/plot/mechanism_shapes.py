@@ -81,7 +81,7 @@ def _is_drawn(force: Force) -> bool:
 
 
 def _key(shape: Shape | Bar) -> tuple[object, ...]:
-    """Return what tells shapes apart."""
+    """Return the key of a shape: equal shapes have equal keys."""
     points = shape.outline if isinstance(shape, Shape) else shape.points
     return shape.kind, shape.bodies, points.tobytes()
 

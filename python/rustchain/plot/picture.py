@@ -36,7 +36,7 @@ class DrivePicture(Figures):
         """Draw the drive at the row nearest to `time` [s], by default at the start.
 
         Without bodies recorded, the start or the end is drawn, whichever is nearer, with a warning
-        where that is not what was asked for.
+        if it is not the requested time.
         """
         time, positions = self._snapshot(time)
         drive, chain = self.result.drive, self.result.drive.chain

@@ -295,7 +295,7 @@ def _radius(found: xr.Dataset) -> float:
 
 
 def _named(axis: str) -> str:
-    """Return the label of an axis of a sweep, with the unit where its name tells it."""
+    """Return the label of an axis of a sweep, with the unit where it follows from the name."""
     unit = _UNITS.get(axis.rsplit(".", 1)[-1])
     return axis if unit is None else f"{axis} [{unit}]"
 

@@ -48,7 +48,7 @@ class Safety:
     breaking_load : float, optional
         Smallest ultimate tensile strength of the chain, all strands [N]; None: not known.
     pull : float
-        Mean tension of the strand that is pulled hardest [N].
+        Largest mean tension of a strand [N].
     largest_pull : float
         Largest tension of a strand at a report [N].
     largest_force : float
@@ -60,7 +60,7 @@ class Safety:
     hertz_pressure : float
         Largest pressure by Hertz's line contact [Pa].
     usual_safety : float
-        What breaking load over pull should at least be.
+        Smallest usual ratio of breaking load to tension.
     """
 
     breaking_load: float | None

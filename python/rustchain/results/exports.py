@@ -145,10 +145,10 @@ class Exports:
     def save(self, path: str | Path) -> None:
         """Write everything to a netCDF file, for `load_result`.
 
-        The file is there whole or not at all: one that is there already is replaced when the new
-        one is complete, and hands on its permissions. A process that is killed meanwhile may leave
-        a hidden file that ends in ``.part``. Ctrl-C is answered when the content is packed. To save
-        in a function of `atexit`, import h5py, and dask where it is installed, before.
+        The file is there whole or not at all: an existing one is replaced when the new one is
+        complete, with the same permissions. A process that is killed meanwhile may leave a hidden
+        file that ends in ``.part``. Ctrl-C is answered when the content is packed. To save in a
+        function of `atexit`, import h5py, and dask where it is installed, before.
 
         Parameters
         ----------

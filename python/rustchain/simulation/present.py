@@ -190,7 +190,7 @@ class Present(OfScene):
                 warn_caller(message, category)
 
     def _check_idle(self, wanted: str) -> None:
-        """Raise where a callback wants to move the simulation that has called it."""
+        """Raise where a callback moves the simulation that has called it."""
         if self._running:
             msg = (
                 f"{wanted}: a run is under way; a callback may look at the simulation, but not "

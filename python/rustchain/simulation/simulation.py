@@ -160,8 +160,8 @@ class Simulation(Present):
         Raises
         ------
         InvalidInput
-            There is no such sprocket, its speed is prescribed, the table does not hold, or it asks
-            for more than a description may.
+            There is no such sprocket, its speed is prescribed, the table is not valid, or its
+            values exceed the limits of descriptions.
         """
         self._core.set_input(_sprocket_number(sprocket), "torque", plain(torque))
 
@@ -190,9 +190,10 @@ class Simulation(Present):
             default all but the bodies; of mechanisms "bodies", "joints", "contacts" and "energy",
             by default all.
         energy : bool, optional
-            False takes the energy balance out of `record`, True puts it in. It is metered along
-            every step of a chain, three evaluations more: a run takes 1.4 to 1.7 times as long as
-            without. Without it there is no `EnergyWarning`; the path is the same to the last bit.
+            False takes the energy balance out of `record`, True puts it in. The energies of a chain
+            are integrated along every step, with three more evaluations: a run takes 1.4 to 1.7
+            times as long as without. Without it there is no `EnergyWarning`; the path is the same
+            to the last bit.
         progress : bool
             Whether to show a progress bar, where a terminal is there to show it.
         stop : StopCondition or sequence of them
@@ -212,21 +213,21 @@ class Simulation(Present):
         Raises
         ------
         SimulationError
-            The run cannot go on, or over the last 1e5 steps it was so slow that the rest of it (one
-            second of it, where it is longer) would take more than 1e9 steps; ``error.result`` holds
-            the rows until then. The same holds of what a callback raises.
+            The run cannot continue, or it is too slow. At the mean step size of the last 1e5 steps,
+            the rest of the run, at most one second of it, would take more than 1e9 steps.
+            ``error.result`` has the rows until then. The same holds for an exception of a callback.
 
         Warns
         -----
         EnergyWarning
             With the energy balance kept, once a simulation, when a run ends: its largest residual
-            at a report is more than 5 % of the energy dissipated. Where less was dissipated than a
-            hundredth of the energy exchanged, or 2e-4 of the kinetic and elastic energy, it is held
-            against that. Energy exchanged is the largest of the energies dissipated, worked in, and
-            moved in and out of kinetic, gravitational and elastic energy. With regions="sharp" no
-            accuracy helps. A drive whose links move by no more than what steps may be wrong by, at
-            rest, is not judged: all that passes is error then.
-            ``result.stats["largest_residual"]`` has the largest residual [J].
+            at a report is more than 5 % of the energy dissipated. Where less than a hundredth of
+            the energy exchanged, or 2e-4 of the kinetic and elastic energy, was dissipated, that
+            value is the reference. Energy exchanged is the largest of the energy dissipated, the
+            external work, and the changes of kinetic, gravitational and elastic energy. With
+            regions="sharp" no accuracy helps. A drive at rest, whose links move by no more than the
+            accuracy, is not checked. ``result.stats["largest_residual"]`` has the largest residual
+            [J].
         ToothJumpWarning
             The chain has jumped teeth: how many, and the first; see `Result.tooth_jumps`.
         """

@@ -157,7 +157,7 @@ class StrandSlack(StopCondition):
     Attributes
     ----------
     tension : float
-        The strand is slack where the mean pull of its hinges is not above this [N].
+        The strand is slack where the mean tension of its hinges is not above this [N].
     strand : str, optional
         Name of the strand, as of `Result.strand`; by default any.
     lasting : float
@@ -318,7 +318,7 @@ def looks_of(
     callback: Callable[[Simulation], object] | None,
     groups: Sequence[str],
 ) -> list[Look]:
-    """Return what looks at each report of a run that records `groups`."""
+    """Return the conditions and callbacks of each report of a run that records `groups`."""
     looks: list[Look] = []
     for condition in check_looks(stop, callback):
         if condition.of_drives and simulation.scene.kind == "mechanism":

@@ -42,7 +42,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Looks:
-    """What looks at each row of a run."""
+    """Stop conditions and callback of each row of a run."""
 
     stop: StopCondition | Sequence[StopCondition]
     callback: Callable[[Simulation], object] | None

@@ -39,9 +39,8 @@ class SweepResult(HtmlView):
     axes : dict of tuple, or None
         The axes of the grid; None where the cases were listed.
     values : sequence
-        What was measured of each case, or its Result where nothing was to be measured; None for a
-        case that failed or did not end before Ctrl-C. With a store, results are read when they are
-        asked for.
+        The measured quantity of each case, or its Result without `measure`; None for a case that
+        failed or did not end before Ctrl-C. With a store, results are read when they are accessed.
     errors : dict of Exception
         What went wrong, by the number of the case, from 0. The error of a run that could not go on
         has its rows until then in ``error.result``, unless there is a store.

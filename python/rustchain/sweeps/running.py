@@ -54,7 +54,7 @@ Running: TypeAlias = Generator["tuple[Case, Outcome] | None", None, None]
 
 
 def number_of_threads(threads: object) -> int:
-    """Return how many threads are asked for; None: as many as there are cores."""
+    """Return the number of threads; None: as many as there are cores."""
     if threads is None:
         return os.cpu_count() or 1
     if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
@@ -68,8 +68,8 @@ def run_here(
 ) -> Running:
     """Run cases in this process: in the compiled pool, or on threads where it does not run them.
 
-    The pool runs drives with clearance in their hinges, whose runs nothing looks at. Cases are
-    measured in this thread.
+    The pool runs drives with clearance in their hinges, without stop conditions and callbacks.
+    Cases are measured in this thread.
     """
     count = number_of_threads(threads)
     while portion := list(islice(cases, _PORTION * count)):

@@ -45,7 +45,7 @@ class Measured:
 
 
 class StoredResults(Sequence[Result | None]):
-    """The results of a sweep in its store, read when they are asked for; None where there is none.
+    """The results of a sweep in its store, read when they are accessed; None where there is none.
 
     Attributes
     ----------

@@ -150,19 +150,19 @@ def study(
     """Run replicates of a scene from slightly different starts, and return their statistics.
 
     A slack chain is chaotic: two runs whose starts differ by rounding take different paths after
-    some milliseconds, and one run is one sample. The first run is the scene as it is; in the others
-    every sprocket without a prescribed speed, and every body of a mechanism that moves, starts up
-    to 1e-4 of its speed faster or slower, by the number of the run: a study gives the same numbers
-    when it is made again.
+    some milliseconds, and one run is one sample. The first run is the scene without changes. In the
+    others the initial speeds differ by up to 1e-4: of every sprocket without a prescribed speed,
+    and of every moving body of a mechanism. The change depends on the number of the run only, so
+    that a study is reproducible.
 
     Parameters
     ----------
     scene : Scene, ChainDrive or Mechanism, or function that returns one
         What to simulate.
     measure : function of a Result, optional
-        Returns what to know of a run: a number, an array, or a dict of them, NaN or None where a
-        run has none; the result that it is given begins after `burn_in` (its ``stats`` are those of
-        the whole run). By default `Result.summary`.
+        Returns the measured quantity of a run: a number, an array, or a dict of them, NaN or None
+        where a run has none. The result that is passed begins after `burn_in` (its ``stats`` are
+        those of the whole run). By default `Result.summary`.
     runs : int
         How many runs, 2 to 100,000.
     duration : float

@@ -102,12 +102,13 @@ def sweep(
         Where the cases run: an executor of `concurrent.futures`, loky or `mpi4py.futures`, or
         ``dask.distributed.Client(...)``. It stays open. By default threads of this process.
     store : str or Path, optional
-        A folder that keeps what came of each case, failed ones too, in a netCDF file each. What is
-        there of the same scene, run, stop conditions and functions, by the same version of
-        rustchain, is not run again: an interrupted sweep goes on. Several sweeps may use a folder
-        at once. Of functions, code and the numbers and functions of their module that it refers to
-        count, not what other modules do. What is measured must then be numbers, arrays, or a dict
-        of them; without `measure`, results are read from the folder when they are asked for.
+        A folder that keeps what came of each case, failed ones too, in a netCDF file each. Stored
+        cases of the same scene, run, stop conditions and functions, by the same version of
+        rustchain, are not run again: an interrupted sweep continues. Several sweeps may use a
+        folder at once. Of functions, code and the numbers and functions of their module that it
+        refers to count, not what other modules do. What is measured must then be numbers, arrays,
+        or a dict of them; without `measure`, results are read from the folder when they are
+        accessed.
     retry : bool
         Whether cases that are stored as failed are run again.
     progress : bool
@@ -204,7 +205,7 @@ class _Sweep:
         self._paths: dict[int, Path] = {}
 
     def todo(self, scene: System, run: Parameters, bar: Bar) -> Iterator[Case]:
-        """Yield the cases that are neither refused nor stored, as they are asked for."""
+        """Yield, one at a time, the cases that are neither refused nor stored."""
         for number, parameters in enumerate(self.found.cases):
             try:
                 case = Case(number, *case_of(scene, run, parameters))
@@ -259,7 +260,7 @@ def _seconds(parameters: Parameters) -> float:
 
 
 def _fail(found: SweepResult, number: int, error: Exception) -> None:
-    """Keep the error of a case, with a note that tells which."""
+    """Keep the error of a case, with a note that names the case."""
     # What add_note does, which Python 3.10 lacks.
     note = f"in {_name(found, number)} of the sweep"
     error.__notes__ = [*getattr(error, "__notes__", ()), note]

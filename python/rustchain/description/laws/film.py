@@ -21,17 +21,17 @@ class LubricantFilm(Description):
     Attributes
     ----------
     viscosity : float
-        Dynamic viscosity [Pa s]: some 0.01 for a thin oil when warm, 0.1 to 0.5 for chain oils.
+        Dynamic viscosity [Pa s]: some 0.01 for a warm lubricant of low viscosity, 0.1 to 0.5 for
+        chain lubricants.
     length : float, optional
         Of the film along the pin [m]; by default the hinge's length of contact.
     handover : float
-        Eccentricity over clearance from which on the film gives way to dry contact, 0.1 to 0.99; at
-        1, where pin and bushing touch, nothing of it is left.
+        Eccentricity over clearance above which dry contact replaces the film, 0.1 to 0.99. At 1,
+        where pin and bushing touch, the film force is zero.
     tension : float
-        By how much the pressure may fall below that outside before the film breaks [Pa]: what pulls
-        at it less has both halves of it. By default that of the atmosphere, below which oil boils;
-        capillarity alone holds air out at some 2e3. Zero: the textbooks' half film, whose kink at
-        rest no step follows well.
+        Largest tension of the film before it breaks [Pa]: the pressure may fall by that much below
+        the ambient pressure. By default it is the atmospheric pressure; capillarity alone gives
+        some 2e3. Zero: the half film of textbooks, which has a kink at zero velocity.
     """
 
     viscosity: float
@@ -54,9 +54,9 @@ class LubricantFilm(Description):
         eccentricity : array_like
             Distance of the pin's centre from the bore's [m], any shape.
         velocity : array_like, (..., 2)
-            Of the pin's centre, along the eccentricity and left of it, seen from a frame that turns
-            with the mean of both spins [m/s]: the wedge of a resting centre is minus the
-            eccentricity times the mean spin.
+            Of the pin's centre, along the eccentricity and left of it, in a frame that turns with
+            the mean of both angular velocities [m/s]. For a centre at rest, the second component is
+            minus the eccentricity times the mean angular velocity.
         radii : (float, float)
             Of the pin and of the bore [m].
         length : float

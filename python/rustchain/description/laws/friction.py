@@ -11,15 +11,15 @@ Regularization = Literal["tanh", "threlfall", "ambrosio"]
 
 @description(frozen=True)
 class Coulomb(Description):
-    """Coulomb's friction made a function of the slip speed; none sticks, what would stick creeps.
+    """Regularised Coulomb friction, a function of the sliding velocity; it permits creep.
 
     Attributes
     ----------
     coefficient : float
         Friction force over normal force at full slip.
     regularization : {"tanh", "threlfall", "ambrosio"}
-        How the force grows with the slip speed v. "tanh": tanh(v/speed), smooth. "threlfall":
-        1 - exp(-3 v/speed) up to `speed`, and what it is there, 0.950, above (Threlfall 1978).
+        Dependence of the force on the sliding velocity v. "tanh": tanh(v/speed), smooth.
+        "threlfall": 1 - exp(-3 v/speed) up to `speed`, constant above, 0.950 (Threlfall 1978).
         "ambrosio": zero up to `dead_speed`, then a straight line to one at `speed` (Ambrosio 2003).
     speed : float
         Slip speed at which friction is (nearly) full [m/s].

@@ -29,7 +29,7 @@ class WithContacts:
         bore_point: Point = (0.0, 0.0),
         pin_point: Point = (0.0, 0.0),
     ) -> None:
-        """Let a pin of one body play in a bore of another [m]."""
+        """Add a pin of one body in a bore of another, with clearance [m]."""
         points = {"bore_point": bore_point, "pin_point": pin_point}
         round_profile = {"profile_radius": bore_radius}
         self._touch("bore", name, (bore, pin), points, pin_radius, law, **round_profile)
