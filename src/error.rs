@@ -12,7 +12,7 @@ pub enum Error {
         field: String,
         /// The value, as text.
         value: String,
-        /// What is allowed, and the remedy where there is one.
+        /// Permitted values, and a remedy if there is one.
         expected: String,
     },
     /// The parts of a description are incompatible.
@@ -93,7 +93,7 @@ pub enum Error {
 
 impl Error {
     /// Return the error of a field with an invalid value.
-    #[allow(clippy::needless_pass_by_value)] // numbers and text alike
+    #[allow(clippy::needless_pass_by_value)] // accepts numbers and text
     pub fn invalid(
         field: impl Into<String>,
         value: impl ToString,

@@ -111,8 +111,8 @@ impl LuGre {
         }
     }
 
-    /// Return the deflection z = `foretold` + γ dz/dt at the end of an implicit step, at the slip `slip` \[m/s\], and the slope of
-    /// [`Bent::share`] with the slip while z follows the slip \[s/m\].
+    /// Return the deflection z = `foretold` + γ dz/dt at the end of an implicit step at the slip `slip` \[m/s\]. The second value is the
+    /// slope of [`Bent::share`] with the slip while z follows the slip \[s/m\].
     #[must_use]
     pub fn solve(&self, foretold: f64, gamma: f64, slip: f64) -> (f64, f64) {
         let speed = slip.abs();
@@ -120,14 +120,17 @@ impl LuGre {
         let power = (speed / self.stribeck_speed).powf(self.stribeck_exponent);
         let fallen = fall * (-power).exp();
         let g = self.kinetic_coefficient + fallen;
+        // dz/dt = s - σ₀ |s|/g z with z = foretold + γ dz/dt gives z = (foretold + γ s)/(1 + γ σ₀ |s|/g).
         let follows = 1.0 / (1.0 + gamma * self.stiffness * speed / g);
         let deflection = (foretold + gamma * slip) * follows;
         // d(|s|/g)/ds
         let steeper = (g + fallen * self.stribeck_exponent * power) / (g * g);
         let steeper = if slip < 0.0 { -steeper } else { steeper };
         let rate = slip - self.stiffness * speed / g * deflection;
+        // d(dz/dt)/ds = (1 - σ₀ z d(|s|/g)/ds)/(1 + γ σ₀ |s|/g), because dz/ds = γ d(dz/dt)/ds.
         let of_rate = (1.0 - self.stiffness * steeper * deflection) * follows;
         let damping = self.damping / (1.0 + self.damping * speed / (4.0 * g));
+        // dσ₁(s)/ds = -σ₁(s)²/4 d(|s|/g)/ds.
         let fading = -0.25 * damping * damping * steeper;
         let slope =
             (self.stiffness * gamma + damping) * of_rate + fading * rate + self.viscous_coefficient;

@@ -1,4 +1,4 @@
-//! Normal force of a contact, f = `f_e(δ)` max(0, 1 + λ δ'/δ'₀), its slopes and the power that it dissipates.
+//! Normal force of a contact, f = `f_e(δ)` max(0, 1 + λ δ'/δ'₀), its slopes and its dissipated power.
 
 use crate::math::{Real, Truth};
 

@@ -47,7 +47,7 @@ macro_rules! elastic_laws {
 
         /// Forms for which the kernels are compiled.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        #[allow(missing_docs)] // the names say it
+        #[allow(missing_docs)] // the names are descriptive
         pub(crate) enum Form {
             $($form,)+
         }
@@ -70,7 +70,7 @@ macro_rules! elastic_laws {
 // A new law takes a file and a line here. A new form takes a name with braces around its laws, and kernels of its own.
 elastic_laws! { $
     Hertz {
-        /// Hertz for spheres, as Lankarani and Nikravesh use it.
+        /// Hertz's law for spheres, as used by Lankarani and Nikravesh.
         Hertz = hertz::HERTZ;
     }
     Logarithmic {
@@ -86,7 +86,7 @@ elastic_laws! { $
     Power {
         /// The enhanced cylindrical law of Pereira, Ramalho and Ambrósio, coefficients of 2010.
         EnhancedCylinder = enhanced_cylinder::ENHANCED_CYLINDER;
-        /// The same with the coefficients of 2015.
+        /// The enhanced cylindrical law with the coefficients of 2015.
         EnhancedCylinder2015 = enhanced_cylinder::ENHANCED_CYLINDER_2015;
     }
     Conformal {

@@ -1,8 +1,8 @@
 //! The enhanced cylindrical law f = (a ΔR + b) L E*/ΔR δ^n of Pereira, Ramalho and Ambrósio, with both sets of coefficients.
 //!
-//! Sources: Pereira, Ramalho and Ambrósio, ECCM 2010 (Eq. 6); the same, "An enhanced cylindrical contact force model", Multibody System
-//! Dynamics 35 (2015) 277, whose internal coefficients are taken from two secondary sources that agree. The coefficients were fitted in mm
-//! and N/mm². They are converted to SI units once, here.
+//! Sources: Pereira, Ramalho and Ambrósio, ECCM 2010 (Eq. 6); Pereira, Ramalho and Ambrósio, "An enhanced cylindrical contact force model",
+//! Multibody System Dynamics 35 (2015) 277, whose internal coefficients are taken from two secondary sources that agree. The coefficients
+//! were fitted in mm and N/mm². They are converted to SI units once, here.
 
 use super::{Conformity, Definition, Power, SurfacePair};
 

@@ -97,7 +97,7 @@ pub struct HingeFilm {
     pub pressure: f64,
     /// 2π μ L R³/c \[N m s\]
     pub shear: f64,
-    /// As [`Film::handover`].
+    /// Ratio of [`Film::handover`].
     pub handover: f64,
     /// g₀ \[m/s\]
     pub speed: f64,
@@ -122,7 +122,7 @@ pub struct FilmForce<R = f64> {
 }
 
 impl HingeFilm {
-    /// Return the film at an eccentricity of this length \[m\] with the velocity `velocity`, along it and to its left \[m/s\], in a frame
+    /// Return the film at an eccentricity of this length \[m\]. `velocity` has the components along it and to its left \[m/s\], in a frame
     /// that rotates with the mean spin.
     #[must_use]
     pub fn at(&self, eccentricity: f64, velocity: [f64; 2]) -> FilmForce {
@@ -144,6 +144,8 @@ impl HingeFilm {
         if ratio >= 1.0 {
             return (found, gradient);
         }
+        // Equations of the module documentation: `weight` is the polynomial of the transition, `other` is b, `turn` is J with the share b
+        // of the other half, and `shape` is J g_r + 2 ε (1 - b) |g|.
         let part = ((1.0 - ratio) / (1.0 - self.handover)).min(1.0);
         let weight = part.powi(3) * (10.0 + part * (6.0 * part - 15.0));
         // dw/dε; zero below the transition.

@@ -4,11 +4,15 @@
 pub(crate) trait Number: Copy + Default + std::fmt::Debug {
     /// Return Σ a w b.
     fn meet(a: &[f64; 3], w: &[f64], b: &[f64; 3]) -> Self;
+    /// Return self + other.
     fn plus(self, other: Self) -> Self;
     /// Return self - a b.
     fn less(self, a: Self, b: Self) -> Self;
+    /// Return the product.
     fn times(self, other: Self) -> Self;
+    /// Return the reciprocal.
     fn inverse(self) -> Self;
+    /// Return the value rounded to `f64`.
     fn rounded(self) -> f64;
 }
 
@@ -82,6 +86,7 @@ impl Number for Twice {
     }
 
     fn plus(self, other: Self) -> Self {
+        // Both parts are added without rounding error, then renormalised twice.
         let Self(sum, left) = Self::sum(self.0, other.0);
         let Self(rest, least) = Self::sum(self.1, other.1);
         let Self(sum, left) = Self::sum(sum, left + rest);
@@ -95,6 +100,7 @@ impl Number for Twice {
 
     fn times(self, other: Self) -> Self {
         let Self(product, left) = Self::product(self.0, other.0);
+        // The product of the low parts is below the precision.
         Self::sum(product, left + (self.0 * other.1 + self.1 * other.0))
     }
 

@@ -1,4 +1,4 @@
-//! Numerics without physics: SIMD arithmetic, functions of time and of rows, factorisations, roots along a step.
+//! Numerics without physics: SIMD arithmetic, functions of time and of rows, factorisations.
 
 pub(crate) mod cholesky;
 pub(crate) mod double_double;

@@ -99,7 +99,7 @@ impl Real for f64 {
     }
 
     #[inline(always)]
-    #[allow(clippy::suboptimal_flops)] // without the instruction a fused product is a call of many
+    #[allow(clippy::suboptimal_flops)] // without the instruction, a fused product is a slow library call
     fn mul_add(self, factor: f64, addend: f64) -> f64 {
         self * factor + addend
     }
@@ -141,7 +141,7 @@ impl Real for f64 {
     }
 
     #[inline(always)]
-    #[allow(clippy::neg_cmp_op_on_partial_ord)] // true of what is not a number
+    #[allow(clippy::neg_cmp_op_on_partial_ord)] // true for NaN
     fn exceeds(self, other: f64) -> bool {
         !(self <= other)
     }

@@ -42,7 +42,7 @@ pub(super) struct Core {
 #[pymethods]
 impl Core {
     #[new]
-    #[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // keywords in Python; PyO3 hands arrays over
+    #[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // keywords in Python; PyO3 passes arrays by value
     fn new(
         drive: &Bound<'_, PyAny>,
         force_law: &Bound<'_, PyAny>,
@@ -157,7 +157,7 @@ impl Core {
         Ok([table(py, positions)?, table(py, velocities)?])
     }
 
-    #[allow(clippy::needless_pass_by_value)] // PyO3 hands arrays over
+    #[allow(clippy::needless_pass_by_value)] // PyO3 passes arrays by value
     fn evaluate<'py>(
         &mut self,
         py: Python<'py>,
@@ -187,7 +187,7 @@ impl Core {
     }
 
     #[pyo3(signature = (duration, report_step, groups=None, energy=None))]
-    #[allow(clippy::needless_pass_by_value)] // PyO3 hands lists over
+    #[allow(clippy::needless_pass_by_value)] // PyO3 passes lists by value
     fn start_recording(
         &mut self,
         duration: &Bound<'_, PyAny>,

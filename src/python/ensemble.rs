@@ -31,7 +31,7 @@ pub(super) struct Case {
 #[pymethods]
 impl Case {
     #[new]
-    #[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // keywords in Python; PyO3 hands lists over
+    #[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // keywords in Python; PyO3 passes lists by value
     fn new(
         drive: &Bound<'_, PyAny>,
         force_law: &Bound<'_, PyAny>,
@@ -78,7 +78,7 @@ impl Case {
 /// Return the case of a mechanism, checked and ready to run; `groups` of `None`: all.
 #[pyfunction]
 #[pyo3(signature = (description, solver, duration, report_step, groups=None, energy=None, baumgarte=None))]
-#[allow(clippy::needless_pass_by_value)] // PyO3 hands lists over
+#[allow(clippy::needless_pass_by_value)] // PyO3 passes lists by value
 pub(super) fn mechanism_case(
     description: &Bound<'_, PyAny>,
     solver: &Bound<'_, PyAny>,
@@ -121,7 +121,7 @@ type Fetched<'py> = (usize, Option<(Core, Start<'py>)>, Option<Py<PyAny>>);
 #[pymethods]
 impl Ensemble {
     #[new]
-    #[allow(clippy::needless_pass_by_value)] // PyO3 hands lists over
+    #[allow(clippy::needless_pass_by_value)] // PyO3 passes lists by value
     fn new(
         cases: Vec<PyRef<'_, Case>>,
         threads: Option<&Bound<'_, PyAny>>,

@@ -340,7 +340,7 @@ pub(super) fn link_stiffness(chain: &Bound<'_, PyAny>) -> PyResult<Option<f64>> 
 /// Return the contacts of cylinders at `points` (n, 2) in the frame of the teeth with a whole sprocket: region (n,), penetration (n,)
 /// \[m\], and normal (n, 2), the direction of growing penetration.
 #[pyfunction]
-#[allow(clippy::type_complexity, clippy::needless_pass_by_value)] // three arrays; PyO3 hands arrays over
+#[allow(clippy::type_complexity, clippy::needless_pass_by_value)] // three arrays; PyO3 passes arrays by value
 pub(super) fn tooth_contacts<'py>(
     sprocket: &Bound<'py, PyAny>,
     chain: &Bound<'py, PyAny>,
@@ -378,7 +378,7 @@ pub(super) fn tooth_contacts<'py>(
 
 /// Return the force \[N\] of a film at eccentricities \[m\] and their velocities \[m/s\], along each eccentricity and to its left.
 #[pyfunction]
-#[allow(clippy::needless_pass_by_value)] // PyO3 hands arrays over
+#[allow(clippy::needless_pass_by_value)] // PyO3 passes arrays by value
 pub(super) fn film_forces<'py>(
     film: &Bound<'py, PyAny>,
     radii: (f64, f64),
@@ -409,7 +409,7 @@ pub(super) fn film_forces<'py>(
 
 /// Return the elastic force \[N\] of a law at each penetration \[m\].
 #[pyfunction]
-#[allow(clippy::too_many_arguments, clippy::needless_pass_by_value)] // the two surfaces; PyO3 hands arrays over
+#[allow(clippy::too_many_arguments, clippy::needless_pass_by_value)] // the two surfaces; PyO3 passes arrays by value
 pub(super) fn law_force<'py>(
     law: &Bound<'py, PyAny>,
     kind: &str,
@@ -527,7 +527,7 @@ const MOST_VALUES: f64 = 1.25e8;
 
 /// Integrate y' = fun(t, y) with the embedded Adams-Bashforth-Moulton method.
 #[pyfunction]
-#[allow(clippy::too_many_arguments, clippy::needless_pass_by_value)] // SciPy's; PyO3 hands arrays over
+#[allow(clippy::too_many_arguments, clippy::needless_pass_by_value)] // signature of SciPy; PyO3 passes arrays by value
 pub(super) fn integrate<'py>(
     fun: &Bound<'py, PyAny>,
     t_span: (f64, f64),

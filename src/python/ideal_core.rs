@@ -40,7 +40,7 @@ pub(super) struct IdealCore {
 #[pymethods]
 impl IdealCore {
     #[new]
-    #[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // keywords in Python; PyO3 hands arrays over
+    #[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // keywords in Python; PyO3 passes arrays by value
     fn new(
         drive: &Bound<'_, PyAny>,
         force_law: &Bound<'_, PyAny>,
@@ -99,7 +99,7 @@ impl IdealCore {
     }
 
     #[getter]
-    #[allow(clippy::needless_pass_by_value)] // PyO3 hands over what is borrowed
+    #[allow(clippy::needless_pass_by_value)] // PyO3 passes borrowed objects by value
     fn body_names(slf: PyRef<'_, Self>) -> Vec<String> {
         let mut names = slf.as_super().body_names();
         names.truncate(slf.view.bodies());
@@ -145,7 +145,7 @@ impl IdealCore {
     }
 
     /// Return the same simulation in another state.
-    #[allow(clippy::needless_pass_by_value)] // PyO3 hands over what is borrowed
+    #[allow(clippy::needless_pass_by_value)] // PyO3 passes borrowed objects by value
     fn restored(slf: PyRef<'_, Self>, py: Python<'_>, snapshot: &[u8]) -> PyResult<Py<Self>> {
         let core = slf.as_super().restored(py, snapshot)?;
         let ideal = Self {
@@ -158,7 +158,7 @@ impl IdealCore {
     }
 
     /// Return the fields of an `Evaluation`.
-    #[allow(clippy::needless_pass_by_value)] // PyO3 hands arrays over
+    #[allow(clippy::needless_pass_by_value)] // PyO3 passes arrays by value
     fn evaluate<'py>(
         mut slf: PyRefMut<'py, Self>,
         py: Python<'py>,
@@ -191,7 +191,7 @@ impl IdealCore {
         evaluation(py, &view, &Rows::new(&recording, simulation.model()))
     }
 
-    #[allow(clippy::needless_pass_by_value)] // PyO3 hands lists over
+    #[allow(clippy::needless_pass_by_value)] // PyO3 passes lists by value
     fn start_recording(
         mut slf: PyRefMut<'_, Self>,
         duration: &Bound<'_, PyAny>,
@@ -214,7 +214,7 @@ impl IdealCore {
     }
 
     /// Return the last row of a channel used by a stop condition.
-    #[allow(clippy::needless_pass_by_value)] // PyO3 hands over what is borrowed
+    #[allow(clippy::needless_pass_by_value)] // PyO3 passes borrowed objects by value
     fn last_row<'py>(
         slf: PyRef<'py, Self>,
         py: Python<'py>,

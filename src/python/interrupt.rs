@@ -25,7 +25,7 @@ pub(super) fn interruptible<T: Send>(
             }
             looked.set(Instant::now());
             #[allow(clippy::redundant_closure_for_method_calls)]
-            // the method's lifetime is too particular
+            // the lifetime of the method is not general enough
             let error = Python::attach(|py| py.check_signals()).err();
             let stops = error.is_some();
             raised.replace(error);

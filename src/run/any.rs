@@ -56,46 +56,46 @@ impl AnySimulation {
         }
     }
 
-    /// See [`Simulation::statistics`].
+    /// Return the statistics of [`Simulation::statistics`].
     #[must_use]
     pub fn statistics(&self) -> Statistics {
         of_any!(self, simulation => simulation.statistics())
     }
 
-    /// See [`Simulation::balance_note`].
+    /// Return the energy warning of [`Simulation::balance_note`].
     #[must_use]
     pub fn balance_note(&self) -> Option<&str> {
         of_any!(self, simulation => simulation.balance_note())
     }
 
-    /// See [`Simulation::record`].
+    /// Continue the recording, as [`Simulation::record`].
     ///
     /// # Errors
-    /// As there.
+    /// As of [`Simulation::record`].
     pub fn record(&mut self, budget: Duration) -> Result<bool> {
         of_any!(self, simulation => simulation.record(budget))
     }
 
-    /// See [`Simulation::advance`].
+    /// Integrate to `target`, as [`Simulation::advance`].
     ///
     /// # Errors
-    /// As there.
+    /// As of [`Simulation::advance`].
     pub fn advance(&mut self, target: f64, budget: Duration) -> Result<bool> {
         of_any!(self, simulation => simulation.advance(target, budget))
     }
 
-    /// See [`Simulation::pause_at_reports`].
+    /// Pause the recording after each report, as [`Simulation::pause_at_reports`].
     pub fn pause_at_reports(&mut self) {
         of_any!(self, simulation => simulation.pause_at_reports());
     }
 
-    /// See [`Simulation::recording`].
+    /// Return the active recording, as [`Simulation::recording`].
     #[must_use]
     pub fn recording(&self) -> Option<&Recording> {
         of_any!(self, simulation => simulation.recording())
     }
 
-    /// See [`Simulation::take_recording`].
+    /// End the recording and return it, as [`Simulation::take_recording`].
     pub fn take_recording(&mut self) -> Recording {
         of_any!(self, simulation => simulation.take_recording())
     }

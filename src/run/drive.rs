@@ -118,8 +118,8 @@ impl Simulation<Dynamics> {
 
     /// Set another speed or torque of sprocket `sprocket` (from 0) from the present time on.
     ///
-    /// The integrator repeats what it has integrated beyond the present time. Positions are continuous, and so are velocities except that
-    /// of the sprocket whose speed is set. Contacts keep their impact velocity memory and the energy balance continues.
+    /// The integrator discards its steps beyond the present time and continues from there. Positions are continuous, and so are velocities
+    /// except that of the sprocket whose speed is set. Contacts keep their impact velocity memory and the energy balance continues.
     ///
     /// # Errors
     /// If there is no such sprocket, its motion has no such quantity, or `signal` is outside the range of a drive's description; the

@@ -84,7 +84,7 @@ pub type Outcome = std::result::Result<Box<Run>, Failure>;
 
 /// Cases and the threads that run them.
 ///
-/// Each case runs on one thread from its start to its end, so that its results are independent of the number of threads and of the other
+/// Each case runs on one thread from its start to its end. Its results are therefore independent of the number of threads and of the other
 /// cases.
 #[derive(Debug)]
 pub struct Ensemble {

@@ -331,6 +331,7 @@ impl Settling {
             for (step, acceleration) in step.iter_mut().zip(&self.rates[coordinates..]) {
                 *step = gamma * acceleration;
             }
+            // A singular matrix or a step that is not finite: γ is reduced and the iteration repeated.
             if !self.dynamics.factorise_indefinite(gamma) {
                 gamma *= 0.25;
                 continue;
@@ -343,13 +344,14 @@ impl Settling {
             for step in &mut step {
                 *step *= gamma;
             }
+            // The step is shortened to the largest permitted displacement.
             let share = (1.0 / self.excess(&step)).min(1.0);
             for (q, step) in self.y.iter_mut().zip(&step) {
                 *q += share * step;
             }
             let before = residual;
             residual = self.unbalanced();
-            // γ grows after a full step with less than 1.2 times the residual, and shrinks after a step limited to less than a tenth or
+            // γ grows after a full step with less than 1.2 times the residual. It shrinks after a step limited to less than a tenth, or
             // with more than twice the residual.
             gamma = if share == 1.0 && residual < 1.2 * before {
                 (1.5 * gamma).min(longest)
@@ -363,8 +365,8 @@ impl Settling {
 
     /// Change the velocities of a start at these positions until no loaded contact is approached and no link is stretched.
     ///
-    /// With the slope K of the forces with all positions and with the motors' angles, the change -(M + γ² K)⁻¹ γ² K v removes from v what
-    /// the contacts would remove within γ. The matrix includes the dashpots, so that several rounds are needed. Masses that respond more
+    /// K is the slope of the forces with all positions and with the motors' angles. The change -(M + γ² K)⁻¹ γ² K v removes from v what the
+    /// contacts would remove within γ. The matrix includes the dashpots, so that several rounds are needed. Masses that respond more
     /// slowly, such as a load, keep their speed.
     fn move_along_contacts(&mut self, start: &mut InitialConfiguration) {
         for _ in 0..TRAVEL_ROUNDS {

@@ -72,6 +72,7 @@ impl<S: System> Recorder<S> {
     /// Return the time of the next report \[s\]; `None` if all are complete. The last report lies exactly at the end.
     pub(crate) fn next_report(&self) -> Option<f64> {
         let t = self.begin + self.next as f64 * self.report_step;
+        // A report within 1e-9 intervals of the end is the last report, at the end.
         let rounding = 1e-9 * self.report_step;
         if t < self.end - rounding {
             Some(t)

@@ -37,6 +37,7 @@ const REST: f64 = 6.123_233_995_736_766e-17;
 pub(crate) fn arc_tangent<R: Real>(x: R) -> R {
     let (zero, one) = (x.constant(0.0), x.constant(1.0));
     let size = x.abs();
+    // |x| is replaced by -1/|x| above tan(3π/8), with the angle π/2, and by (|x| - 1)/(|x| + 1) above 0.66, with π/4.
     let steep = size.greater(x.constant(STEEP));
     let turned = size.greater(x.constant(FLAT));
     let above = steep.select(-one, turned.select(size - one, size));

@@ -46,6 +46,7 @@ pub(in crate::math) fn nearest_whole<S: Simd>(x: Lanes<S>) -> (Lanes<S>, Lanes<S
     let magic = x.constant(1.5 * (1u64 << 52) as f64);
     let shifted = x + magic;
     let bits = simd.transmute_u64s_f64s(shifted.values());
+    // The low bits of k, shifted by 52, are added to the exponent of 1.0.
     let exponent = simd.mul_u64s(bits, simd.splat_u64s(1 << 52));
     let power = simd.add_u64s(exponent, simd.splat_u64s(1.0f64.to_bits()));
     (

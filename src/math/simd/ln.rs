@@ -50,6 +50,7 @@ pub(crate) fn octaves_of_quotient<R: Real>(a: R, b: R) -> (R, R) {
     let s = (a - b) / (a + b);
     let z = s * s;
     let [c0, c1, c2, c3, c4, c5, c6] = SERIES.map(|coefficient| s.constant(coefficient));
+    // Estrin's scheme for the series in s².
     let z2 = z * z;
     let (low, middle) = (c1.mul_add(z, c0), c3.mul_add(z, c2));
     let high = c6.mul_add(z2, c5.mul_add(z, c4));
@@ -73,7 +74,7 @@ pub(in crate::math) fn scaled_to<S: Simd>(b: Lanes<S>, a: Lanes<S>) -> (Lanes<S>
     );
     let scaled = simd.transmute_f64s_u64s(simd.add_u64s(b_bits, exponent));
 
-    // k + 2048 in the upper half, from bit 20; moved to the lower half of 2^32, whose last bit is worth 2^-20.
+    // k + 2048 is in the upper half, from bit 20. It is moved to the lower half of the number 2^32, whose last bit has the value 2^-20.
     let biased = simd.xor_u64s(exponent, simd.splat_u64s(1 << 63));
     let halves_swapped: S::u64s = cast(simd.swap_re_im_c32s(cast(biased)));
     let base = (1u64 << 32) as f64;
@@ -138,7 +139,7 @@ mod tests {
         #[test]
         fn of_quotients_near_one(divisor in 1e-6..1e-5f64, parts in proptest::collection::vec(1e-16..0.3f64, 64)) {
             let xs: Vec<f64> = parts.iter().map(|part| divisor * (1.0 - part)).collect();
-            // The difference is exact and so the argument of ln_1p is right to one rounding.
+            // The difference is exact: the argument of ln_1p has a single rounding error.
             assert_near(&QuotientBy(divisor), &xs, 4, |x| ((x - divisor) / divisor).ln_1p());
         }
     }

@@ -65,6 +65,7 @@ pub(crate) fn patterns(start: &[usize], above: &[usize]) -> (Vec<usize>, Vec<usi
         let first = pattern.len();
         for &entry in &above[start[k]..start[k + 1]] {
             let mut i = entry;
+            // All columns on the path up the elimination tree, to the first marked one, have an entry in row k.
             while mark[i] != k {
                 mark[i] = k;
                 pattern.push(i);

@@ -66,8 +66,8 @@ fn loose_torque(drive: &Drive) -> Option<String> {
     })
 }
 
-/// Return the ratio of tensions that frictionless bushings transmit from one tooth to the next. It balances the tensions of both links and
-/// the force of a tooth at its pressure angle \[rad\], on a sprocket of this number of teeth.
+/// Return the ratio of tensions that frictionless bushings transmit from one tooth to the next. The tensions of both links and the force of
+/// a tooth at its pressure angle \[rad\] are in balance. `teeth` is the number of teeth of the sprocket.
 fn passed_on(pressure_angle: f64, teeth: u32) -> f64 {
     let turn = std::f64::consts::TAU / f64::from(teeth);
     pressure_angle.sin() / (pressure_angle + turn).sin()

@@ -25,9 +25,9 @@ const ALLOWED: f64 = 0.05;
 /// with an error of a tenth of its losses.
 const OF_EXCHANGED: f64 = 0.01;
 
-/// Fraction of the kinetic and elastic energy that replaces a smaller reference, for short, quiet runs in which the error of the steps
-/// exceeds the dissipated energy. In 1200 runs of the published drive over 0.2 to 1 ms at the default accuracy, the residuals reach 8e-6 of
-/// that energy in addition to the shares above. With twice this value, 2e-5 of it would be accepted.
+/// Fraction of the kinetic and elastic energy that replaces a smaller reference. In short, quiet runs the error of the steps exceeds the
+/// dissipated energy. The published drive was run 1200 times over 0.2 to 1 ms at the default accuracy. Its residuals reach 8e-6 of that
+/// energy in addition to the shares above. With twice this value, 2e-5 of it would be accepted.
 const OF_STORED: f64 = 2e-4;
 
 /// Rounding error of sums of energies, relative to the sums: about 10^4 times that of a number.

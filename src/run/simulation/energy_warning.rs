@@ -6,8 +6,8 @@ use crate::run::recorder::OpenBalance;
 /// Smallest accuracy \[m\] and tolerance that are proposed; below, steps are near rounding.
 const FINEST: f64 = 1e-13;
 
-/// Fraction of the permitted residual aimed at by a proposed accuracy, because later rows may have larger residuals. Of pins and balls that
-/// bounce at an accuracy of 1e-6, 10 of 49 still had an open balance with a fraction of one, and 1 of 98 with this value.
+/// Fraction of the permitted residual aimed at by a proposed accuracy, because later rows may have larger residuals. Bouncing pins and
+/// balls at an accuracy of 1e-6 were tested: 10 of 49 still had an open balance with a fraction of one, and 1 of 98 with this value.
 const AIM: f64 = 0.25;
 
 /// Return the warning of an energy balance that does not close, with its remedy.
