@@ -120,7 +120,7 @@ impl LuGre {
         let power = (speed / self.stribeck_speed).powf(self.stribeck_exponent);
         let fallen = fall * (-power).exp();
         let g = self.kinetic_coefficient + fallen;
-        // dz/dt = s - σ₀ |s|/g z with z = foretold + γ dz/dt gives z = (foretold + γ s)/(1 + γ σ₀ |s|/g).
+        // z = (foretold + γ s)/(1 + γ σ₀ |s|/g) solves z = foretold + γ dz/dt, where `foretold` is the predicted part of z.
         let follows = 1.0 / (1.0 + gamma * self.stiffness * speed / g);
         let deflection = (foretold + gamma * slip) * follows;
         // d(|s|/g)/ds

@@ -21,7 +21,7 @@
 //! Neither power is ever negative.
 //!
 //! From ε = `handover` to 1 film force and shear are multiplied by a polynomial of order five in ε, whose first and second derivatives
-//! vanish at both ends. Dry contact begins at ε = 1. Flores, Ambrósio, Claro, Lankarani and Koshy (Mechanism and Machine Theory 41
+//! vanish at both ends. The onset of dry contact is at ε = 1. Flores, Ambrósio, Claro, Lankarani and Koshy (Mechanism and Machine Theory 41
 //! (2006) 247) weight film and contact linearly, within a band outside the clearance.
 
 use std::f64::consts::PI;
@@ -37,7 +37,7 @@ pub struct Film {
     pub viscosity: f64,
     /// Length L of the film along the pin \[m\]; none: the contact length.
     pub length: Option<f64>,
-    /// Ratio of eccentricity to clearance at which the transition to dry contact begins.
+    /// Ratio of eccentricity to clearance at the start of the transition to dry contact.
     pub handover: f64,
     /// Tension, the pressure below ambient that the film sustains before it cavitates \[Pa\]; zero: Gümbel's half film.
     pub tension: f64,

@@ -110,7 +110,7 @@ fn held(drive: &Drive, layout: &Layout) -> Drive {
 }
 
 /// Generate the layout with the tensioner at the taut position, or as near to it as a layout exists. A tensioner that starts far from it
-/// would pull the chain round all other sprockets, tooth by tooth.
+/// would drag the chain around all other sprockets, tooth by tooth.
 fn lay_taut(drive: &Drive, give_up: &dyn Fn() -> bool) -> Result<(InitialConfiguration, Layout)> {
     let taut = |tensioner: &Tensioner| -> Option<(InitialConfiguration, Layout)> {
         let line = tensioner.line(drive).ok()?;
@@ -137,7 +137,7 @@ impl Equilibrium {
     /// Find the static equilibrium of `drive` from its generated configuration.
     ///
     /// # Errors
-    /// If the chain cannot be laid out, or there is no equilibrium because nothing holds a torque, with the remaining force.
+    /// If the layout of the chain fails, or there is no equilibrium because nothing holds a torque, with the remaining force.
     pub fn find(drive: &Drive, laws: &ForceLaws) -> Result<Self> {
         Self::find_unless(drive, laws, &|| false)
     }

@@ -113,7 +113,7 @@ impl<S: System> Recorder<S> {
         self.peaks.iter().any(|peaks| !peaks.arriving.is_empty())
     }
 
-    /// Store the forces of the last evaluation, at the end of a step, before reports inside the step are evaluated.
+    /// Store the forces of the last evaluation, at the end of a step, before reports within the step are evaluated.
     pub(crate) fn keep_step_forces(&mut self, system: &S) {
         for (kind, peaks) in self.peaks.iter_mut().enumerate() {
             if !peaks.arriving.is_empty() {
@@ -139,7 +139,7 @@ impl<S: System> Recorder<S> {
         }
     }
 
-    /// Evaluate `system` at `t` inside the last step of `adams` and write a row.
+    /// Evaluate `system` at `t` within the last step of `adams` and write a row.
     pub(crate) fn report(&mut self, t: f64, system: &mut S, adams: &Adams) {
         system.evaluate_report(adams, t, self.groups);
         self.write_row(t, system);

@@ -44,7 +44,7 @@ pub struct Statistics {
     pub onsets: u64,
     /// Onsets slower than the minimum impact velocity.
     pub onsets_at_floor: u64,
-    /// Contacts that began and ended inside a step with an effect below the accuracy, and were not located.
+    /// Contacts that began and ended within a step with an effect below the accuracy, and were not located.
     pub unseen_touches: u64,
     /// Wall time in steps \[s\], estimated from timed steps, one of 16.
     pub wall_stepping: f64,
@@ -139,7 +139,7 @@ impl<S: System> Simulation<S> {
         self.system.set_recorded(Some(groups));
         let mut recorder = Recorder::new(&self.system, groups, self.now, duration, report_step);
         if recorder.has_peaks() {
-            // The present time may lie inside the last step, whose end then belongs to the first interval.
+            // The present time may lie within the last step, whose end then belongs to the first interval.
             self.system.evaluate_step_end(&self.adams);
             recorder.keep_step_forces(&self.system);
         }
@@ -278,7 +278,7 @@ impl<S: System> Simulation<S> {
         self.adams.limit_step(longest);
     }
 
-    /// Make the reports inside the last step; return false if the budget ended before the last of them, or at a pause.
+    /// Make the reports within the last step; return false if the budget ended before the last of them, or at a pause.
     fn report(&mut self, start: Instant, budget: Duration) -> bool {
         let Self {
             recorder: Some(recorder),

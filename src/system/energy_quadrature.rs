@@ -64,7 +64,7 @@ impl PanelRule {
     }
 }
 
-/// Sums of the energy balance, and the powers along the last step, for reports inside the step.
+/// Sums of the energy balance, and the powers along the last step, for reports within the step.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "P: PowerSum")]
 pub struct EnergyQuadrature<P> {
@@ -109,7 +109,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         self.lay_out(&PanelRule::SIMPSON, &[], powers);
     }
 
-    /// Discard the energies after `t` inside the last step.
+    /// Discard the energies after `t` within the last step.
     pub(crate) fn cut(&mut self, t: f64) {
         self.at_end = self.energies(t);
         self.end = t;
@@ -232,7 +232,7 @@ impl<P: PowerSum> EnergyQuadrature<P> {
         self.powers.last().copied().unwrap_or_default()
     }
 
-    /// Return the dissipated energies and the external work at `t` inside the last step \[J\].
+    /// Return the dissipated energies and the external work at `t` within the last step \[J\].
     pub(crate) fn energies(&self, t: f64) -> P {
         if t >= self.end || self.end <= self.start {
             return self.at_end + self.last_power().scaled(t - self.end);

@@ -31,7 +31,7 @@ pub struct EventCounts {
     pub onsets: u64,
     /// Onsets slower than the minimum impact velocity.
     pub onsets_at_floor: u64,
-    /// Contacts that began and ended inside a step, with an effect below the accuracy.
+    /// Contacts that began and ended within a step, with an effect below the accuracy.
     pub unseen_touches: u64,
 }
 
@@ -106,13 +106,13 @@ pub trait System: SecondOrderSystem + Clone + Debug {
     /// Switch the energy quadrature on, from the present state of `adams`.
     fn begin_metering(&mut self, _adams: &Adams) {}
 
-    /// Use the present state of `adams` as the start of the next metered step, if the energy quadrature is on.
+    /// Use the present state of `adams` as the start of the next step of the energy quadrature, if the energy quadrature is on.
     fn resume_metering(&mut self, _adams: &Adams) {}
 
     /// Add the energies of the last step, if the energy quadrature is on.
     fn meter_step(&mut self, _adams: &Adams, _step: &Step) {}
 
-    /// Return the dissipated energies and the external work at `t` inside the last step, at the last evaluated report \[J\].
+    /// Return the dissipated energies and the external work at `t` within the last step, at the last evaluated report \[J\].
     fn sums_at(&self, t: f64) -> Self::Powers;
 
     /// Return the number of evaluations of the right-hand side by the energy quadrature.
@@ -166,7 +166,7 @@ pub trait System: SecondOrderSystem + Clone + Debug {
     /// Begin a recording of `groups`; `None` ends it.
     fn set_recorded(&mut self, _groups: Option<Self::Groups>) {}
 
-    /// Evaluate the quantities of a row of `groups` at `t` inside the last step.
+    /// Evaluate the quantities of a row of `groups` at `t` within the last step.
     fn evaluate_report(&mut self, adams: &Adams, t: f64, groups: Self::Groups);
 
     /// Write a row of [`Self::channels`] as evaluated at `t`.

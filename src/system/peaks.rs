@@ -76,7 +76,7 @@ mod tests {
             peaks.arrive(t);
         }
         assert_eq!(close(&mut peaks, 3.0, 2.0, false), (5.0, 2.0 + 1.5 + 1.5));
-        // A report inside a step precedes the end of the step.
+        // A report within a step precedes the end of the step.
         peaks.arriving[0] = 8.0;
         assert_eq!(close(&mut peaks, 4.0, 4.0, false), (4.0, 3.0));
         peaks.arrive(5.0);

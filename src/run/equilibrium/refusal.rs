@@ -4,7 +4,7 @@ use crate::drive::{ChainEnd, Drive, Sprocket, SprocketMotion};
 use crate::layout::Layout;
 
 /// Smallest ratio of a strand's tension to its weight for an equilibrium near the initial configuration: the strand then sags by a quarter
-/// of its span. A smaller tension pulls the tensioner far back, which takes 10,000 iterations and more.
+/// of its span. A smaller tension moves the tensioner far back, which takes 10,000 iterations and more.
 const LEAST_TENSION: f64 = 0.5;
 /// Largest usual ratio of sag to span, for the proposed tension.
 const USUAL_SAG: f64 = 0.06;
