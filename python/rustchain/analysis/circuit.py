@@ -42,10 +42,10 @@ class Section:
 
 @dataclass(frozen=True)
 class Circuit:
-    """The closed way of the chain, measured in pitches, counterclockwise.
+    """The closed chain path, measured in pitches, counterclockwise.
 
-    Position 0 is where hinge 1 sits in the generated configuration, the first seat of the first
-    sprocket; a hinge moves on by a pitch as a sprocket turns by a tooth.
+    Position 0 is that of hinge 1 in the generated configuration, the first seat of the first
+    sprocket. A hinge moves by a pitch as a sprocket turns by a tooth.
 
     Attributes
     ----------

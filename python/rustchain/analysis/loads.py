@@ -173,10 +173,9 @@ def tooth_loads(
     Returns
     -------
     Dataset
-        Over ``angle`` [rad], the direction of a gap seen from the centre, from x
-        counterclockwise: ``mean``, ``quantiles``, ``largest`` [N] as in `hinge_loads`, of all
-        gaps that pass there, loaded or not. Over ``tooth``: ``tooth_mean``, ``tooth_largest``
-        [N].
+        ``angle`` [rad] is the direction of a gap from the centre, from x counterclockwise. Over
+        ``angle``: ``mean``, ``quantiles``, ``largest`` [N] as in `hinge_loads`, of all gaps that
+        pass there, loaded or not. Over ``tooth``: ``tooth_mean``, ``tooth_largest`` [N].
     """
     from rustchain.extras import xarray as xr
 

@@ -189,11 +189,12 @@ def natural_frequencies(
 ) -> Array:
     """Return the natural frequencies of a taut strand of a moving chain [Hz], (modes,).
 
-    f_n = n / (2 L) (c^2 - v^2) / c, c^2 = T / mu, of a string between fixed ends that moves along
-    itself (Swope and Ames 1963); T includes the part mu v^2 of the motion. The frequency is not
-    that of the string, n pi c / L, but that of rigid links of mass m and inertia J on hinges a
-    pitch p apart. It is omega^2 = (T / p) 4 s^2 / (m (1 - s^2) + 4 J s^2 / p^2), s = sin(n pi p /
-    (2 L)). NaN where the tension is not positive, or the strand has no more links than modes.
+    f_n = n / (2 L) (c^2 - v^2) / c, c^2 = T / mu, holds for a string between fixed ends that moves
+    along itself (Swope and Ames 1963). T includes the centrifugal part mu v^2. The frequency n pi c
+    / L of the string is replaced by omega, that of rigid links of mass m and inertia J on hinges a
+    pitch p apart. It follows from omega^2 = (T / p) 4 s^2 / (m (1 - s^2) + 4 J s^2 / p^2), s =
+    sin(n pi p / (2 L)). NaN where the tension is not positive, or the strand has no more links than
+    modes.
     """
     table = _rustchain.chain_links(chain)
     mass, inertia = table[:, 1].mean(), table[:, 2].mean()

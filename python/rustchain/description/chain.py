@@ -79,9 +79,9 @@ class Roller(Description):
 class Plates(Description):
     """Link plates, from which the axial stiffness of links follows.
 
-    A link is a bar of its plates' cross-section and a pitch's length: E A / p, and of inner and
-    outer links, which are pulled one behind the other, the harmonic mean. The waist of real plates
-    makes them softer, the eyes that grip pins and bushings harder.
+    A link is a bar with the cross-section of its plates and the length of a pitch: E A / p. Inner
+    and outer links are in series, which gives the harmonic mean. The waist of real plates reduces
+    the stiffness, the eyes that grip pins and bushings increase it.
 
     Attributes
     ----------

@@ -110,8 +110,9 @@ class ChainDrive(Description, HtmlView):
     def hinge_count(self) -> int:
         """Number of hinges in arrays, which is that of the bodies before the sprockets.
 
-        A closed chain has one a link. An open one has two more: hinge `links` joins the last link
-        and end 2, the last one joins end 1 and the first link, and the one between is none.
+        A closed chain has one a link. An open one has two more. Hinge `links` joins the last link
+        and end 2, and the last one joins end 1 and the first link. The array entry between them is
+        unused.
         """
         return self.chain.links + (0 if self.ends is None else 2)
 

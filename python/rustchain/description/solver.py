@@ -22,17 +22,17 @@ class Solver(Description):
         trapezoidal rule, during stiff vibration of contacts, higher orders where the motion is
         smooth. "auto": the cheaper of the two, switched during the run.
     rtol, atol : float, optional
-        Relative and absolute tolerance of every component, in its own unit, as in SciPy; they rule
-        in place of `accuracy` when one of them is given (the other is then 1e-5). One may be 0.
+        Relative and absolute tolerance of every component, in its own unit, as in SciPy. If one of
+        them is given, they replace `accuracy`; the other is then 1e-5. One may be 0.
     max_step : float
         Largest step [s].
     max_order : int
         Highest order, 1 to 12.
     accuracy : float
-        Error tolerance of a step: in lengths `accuracy` [m], in speeds `accuracy` times 1e5/s,
-        in angles what moves as much at half the pitch (of a sprocket, at its pitch radius). To
-        compare it with: clearances of 25e-6 m, penetrations of about 1e-6 m, impacts at 1e-3 to
-        1 m/s. Every tenth of it divides the energy residual by about three with "newton".
+        Error tolerance of a step in lengths [m]. In speeds it is `accuracy` times 1e5/s, in angles
+        the rotation that moves a point at half the pitch by `accuracy` (a sprocket's, at its pitch
+        radius). For comparison: clearances of 25e-6 m, penetrations of about 1e-6 m, impacts at
+        1e-3 to 1 m/s. Every tenth of it divides the energy residual by about three with "newton".
     """
 
     method: Method = "auto"

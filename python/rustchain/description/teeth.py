@@ -17,9 +17,9 @@ class AnsiTooth(Description):
     Attributes
     ----------
     seat : {"bottom-diameter", "pitch-circle"}
-        Where the seat's centre lies: outside the pitch circle, so that a seated bushing's centre is
-        on it (the standard), or on the pitch circle itself (a seated bushing then has clearance all
-        round).
+        Position of the seat's centre. In the standard it is outside the pitch circle, so that a
+        seated bushing's centre is on it. On the pitch circle itself, a seated bushing has clearance
+        all round.
     roller_diameter : float, optional
         The diameter that the tooth is cut for [m]; by default that of the chain's bushings.
     tip : {"full", "cut"}

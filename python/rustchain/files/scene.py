@@ -130,8 +130,8 @@ def load_scene(path: str | Path) -> Scene:
     Raises
     ------
     InvalidInput
-        The file is no TOML or JSON, has a key that means nothing or lacks one, or a value is
-        refused: with the file, the line, the key, the value and what is allowed.
+        The file is not TOML or JSON, has an unknown key or lacks one, or a value is refused. The
+        message has the file, the line, the key, the value and the permitted values.
     """
     return SceneFile.read(path).scene
 

@@ -163,7 +163,7 @@ def _block(values: Array, step: float, order: int) -> dict[str, Any]:
     """Return numbers as the player's `decode` takes them.
 
     Values are rounded to whole multiples of `step`, or to a billionth of their range where that is
-    larger; their differences of `order` along time, small for smooth motion, are packed by bytes.
+    larger. Their differences of `order` along time, small for smooth motion, are packed by bytes.
 
     Parameters
     ----------

@@ -30,8 +30,8 @@ class Evaluation(ArrayValue):
     tooth_force_vector : ndarray, (bushings, sprockets, 2)
         Force on the bushing, friction and all [N].
     tooth_region, tooth_index : ndarray of int, (bushings, sprockets)
-        Region of the gap in contact, counted from 1 along its outline (0: none; an ANSI gap has
-        seven, the fourth is the seat), and the gap, from 0 (-1: none).
+        Region in contact, counted from 1 along the outline of the gap (0: none), and the gap, from
+        0 (-1: none). An ANSI gap has seven regions; the fourth is the seat.
     roller_force, roller_penetration : ndarray, (rollers,), optional
         Normal force [N] and penetration [m] of bushings in rollers, where those are bodies.
     roller_force_vector : ndarray, (rollers, 2), optional

@@ -20,8 +20,8 @@ from rustchain.errors import InvalidInput
 def digest_of(value: object) -> str:
     """Return a hash of a value that is the same in every process, 32 hexadecimal digits.
 
-    Of Python functions, code, defaults and the values of a closure count, and so do numbers, text
-    and functions of the same module that the code refers to; what other modules do does not.
+    The hash of a Python function covers code, defaults and the values of a closure. It also covers
+    numbers, text and functions of the same module that the code refers to, but not other modules.
 
     Raises
     ------

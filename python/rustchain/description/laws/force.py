@@ -87,8 +87,8 @@ class ForceLaw(Description):
         penetration : array_like
             [m], any shape; no force at zero and below.
         radii : (float, float)
-            Of the one cylinder, and of the bore that it is in ("internal"), of the other cylinder
-            ("external"), or of the convex curve that the flat goes on as ("flat") [m].
+            Radius of the cylinder [m], and that of its bore ("internal"), of the other cylinder
+            ("external"), or of the convex curve next to the flat ("flat").
         length : float
             Length of contact [m].
         surfaces : {"internal", "external", "flat"}
