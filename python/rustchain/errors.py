@@ -44,7 +44,7 @@ class MissingExtra(RustchainError, ImportError):
 
 
 class SimulationError(RustchainError, RuntimeError):
-    """A run cannot go on.
+    """A run cannot continue.
 
     Attributes
     ----------

@@ -65,7 +65,7 @@ def _html_of_result(result: Result) -> str:
 
 
 def _html_of_sweep(sweep: SweepResult) -> str:
-    """Return what was measured of each case as a table, and over the first axis as a figure."""
+    """Return the measured values of each case as a table, and over the first axis as a figure."""
 
     def picture() -> Figure:
         from rustchain.plot.studies import draw_sweep

@@ -137,7 +137,7 @@ def _hand_on_permissions(old: Path, new: Path) -> None:
 
 
 def _unwritable(path: object, field: str, error: OSError) -> OSError:
-    """Return the error that says why a file cannot be written."""
+    """Return the error with the reason why a file cannot be written."""
     return type(error)(
         f"{field} = {shown_path(path)}: cannot be written ({reason(error)}); expected a file in an "
         "existing directory with space and permission to write"

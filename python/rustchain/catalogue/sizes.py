@@ -9,7 +9,7 @@ Sources, by the words of `ChainSize.sources`:
   pitches), largest pin and smallest bore (0.0005 and 0.0015 in over the pin's nominal diameter).
 - "typical": one maker's value or one that makers' values scatter round; not checked against a
   second source.
-- "derived": computed here from the others; `ChainSize` says how.
+- "derived": computed here from the others; `ChainSize` describes the method.
 """
 
 from __future__ import annotations
@@ -60,7 +60,8 @@ class ChainSize:
     pitch : float
         [m].
     roller_diameter : float
-        Outside diameter of what meets the teeth [m]: the roller, or the bushing of a chain without.
+        Outside diameter in contact with the teeth [m]: the roller, or the bushing of a chain
+        without.
     inner_width : float
         Between the inner plates [m].
     pin_diameter, bore_diameter : float

@@ -299,7 +299,7 @@ def _tensioner(pretension: float | None) -> Tensioner | None:
 
 
 def _size(name: str) -> tuple[ChainSize, int | None]:
-    """Return the size of this name, whatever its case, and the strands that it says."""
+    """Return the size of this name, whatever its case, and its number of strands."""
     if isinstance(name, str):
         size, dash, strands = name.partition("-")
         listed = named_size(size)

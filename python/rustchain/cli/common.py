@@ -207,7 +207,7 @@ def fail(message: object) -> NoReturn:
 
 @contextmanager
 def clear_errors() -> Iterator[None]:
-    """Say errors and warnings in one line each."""
+    """Print errors and warnings in one line each."""
 
     def show(
         message: Warning | str,

@@ -58,9 +58,9 @@ def sweep(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run a drive with other parameters again and again, and write a table of what came of it.
+    """Run a drive with other parameters many times, and write a table of the results.
 
-    Ctrl-C keeps what is done. With --store, the same command goes on where it was ended.
+    Ctrl-C keeps what is done. With --store, the same command continues an interrupted sweep.
     """
     output = Output(as_json, quiet)
     with clear_errors():
@@ -191,7 +191,7 @@ def _tell(
     output: Output,
     more: dict[str, Any] | None = None,
 ) -> None:
-    """Say how a sweep ended, and which cases failed."""
+    """Print the end of a sweep and its failed cases."""
     failed = list(found.errors.items())
     for number, error in failed[:_SHOWN]:
         typer.echo(f"case {number} {found.cases[number]}: {error}", err=True)

@@ -49,7 +49,8 @@ def plot(
 ) -> None:
     """Plot figures from a result file: all that it has the data for, or those that are named.
 
-    What a file has no data for is told and left out; a figure that was named must be drawn.
+    Figures without data in the file are reported and left out; a figure that was named must be
+    drawn.
     """
     output = Output(as_json, quiet)
     with clear_errors():

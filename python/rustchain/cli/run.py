@@ -68,7 +68,7 @@ def run(
 ) -> None:
     """Run a drive and save what it did. Ctrl-C saves what is there.
 
-    What is given here takes the place of what a drive file says.
+    Options given here replace the values of a drive file.
     """
     output = Output(as_json, quiet)
     with clear_errors():
@@ -141,7 +141,7 @@ def _check_netcdf(path: Path) -> None:
 
 
 def _save(result: rc.Result, out: Path, output: Output) -> None:
-    """Save a result and say so."""
+    """Save a result and print its path."""
     result.save(out)
     stats, span = result.stats, result.time[-1] - result.time[0]
     wall = sum(seconds for name, seconds in stats.items() if name.startswith("wall_"))

@@ -57,7 +57,7 @@ class Roller(Description):
     Attributes
     ----------
     radius : float
-        Outside radius, where it meets the teeth [m].
+        Outside radius, in contact with the teeth [m].
     bore_radius : float
         Radius of its bore [m]; larger than the bushing's by the radial clearance.
     length : float
@@ -114,7 +114,7 @@ class Chain(Description):
     hinge : ClearanceHinge
         Pin and bore of every hinge.
     bushing_radius : float
-        Outside radius of a bushing [m]; without `roller` it meets the teeth there.
+        Outside radius of a bushing [m]; without `roller` it is in contact with the teeth.
     tooth_contact_length : float
         Length of contact with a tooth, along the bushing or roller [m].
     material : Material
@@ -133,8 +133,8 @@ class Chain(Description):
     seed : int
         Which links the spread makes longer and which shorter.
     roller : Roller, optional
-        One on every bushing, a body of its own that meets the teeth in the bushing's place; inner
-        links then go without the rollers' mass. By default a bushing chain.
+        One on every bushing, a body of its own, in contact with the teeth in place of the bushing;
+        inner links then go without the rollers' mass. By default a bushing chain.
     link_stiffness : float or Plates, optional
         Axial stiffness of a link of one strand [N/m], or the plates from which it follows. It is in
         series with the contacts of the hinges, half of the link with each. None: links are rigid.
@@ -163,7 +163,7 @@ class Chain(Description):
 
     @property
     def contact_radius(self) -> float:
-        """Outside radius of what meets the teeth, rollers or bushings [m]."""
+        """Outside radius of rollers or bushings, in contact with the teeth [m]."""
         return self.bushing_radius if self.roller is None else self.roller.radius
 
     @property

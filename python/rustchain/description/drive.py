@@ -75,8 +75,7 @@ class ChainDrive(Description, HtmlView):
     chain : Chain
         The chain.
     sprockets : sequence of Sprocket
-        In the order in which the chain meets them, one way round or the other; the driver first by
-        custom.
+        In the order along the chain, in either direction; the driver first by custom.
     tensioner : Tensioner, optional
         Without one, the centres are fixed.
     gravity : (float, float)
@@ -93,8 +92,8 @@ class ChainDrive(Description, HtmlView):
     ends : (end, end), optional
         Ends of an open chain, before its first link and behind its last one, each an
         `AnchoredEnd`, a `LoadedEnd` or a `FreeEnd`; by default the chain is closed. The first link
-        is an inner one. An open chain may run over no sprocket at all, and `side` then says which
-        sprockets stand on the same side of it.
+        is an inner one. An open chain may run over no sprocket at all, and `side` then
+        gives the sprockets on the same side of it.
     """
 
     chain: Chain

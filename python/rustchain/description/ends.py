@@ -20,8 +20,8 @@ class AnchoredEnd(Description):
         Its velocity [m/s]: two numbers or signals (`Table`, `Spline`, `Sines`, `SmoothStep`), or
         rows, linear between them and constant outside. The position is its integral.
     links : int, optional
-        Links between it and the first sprocket; by default as few as reach, unless the other end
-        says how many it takes.
+        Links between it and the first sprocket; by default as few as reach, unless the number of
+        the other end is given.
     """
 
     position: Point

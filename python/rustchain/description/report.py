@@ -38,8 +38,8 @@ class DriveReport(HtmlView):
     belt_pitches : float
         Length of a taut chain along the belt line on the pitch circles, in pitches.
     order : tuple of int
-        Sprockets in the order in which the chain meets them, counterclockwise; of an open chain
-        from end 1 to end 2.
+        Sprockets in the order along the chain, counterclockwise; of an open chain from end 1 to end
+        2.
     teeth : tuple of int
         Numbers of teeth.
     sides : tuple of str

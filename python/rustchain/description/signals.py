@@ -58,8 +58,8 @@ class Table(_Signal):
 class Spline(_Signal):
     """A cubic spline with free ends through rows of (time [s], value).
 
-    Two derivatives are continuous. Before the first row and after the last one it goes on along its
-    tangent.
+    Two derivatives are continuous. Before the first row and after the last one it continues along
+    its tangent.
 
     Attributes
     ----------

@@ -59,7 +59,7 @@ class SceneFile:
             return Simulation(self.scene)
 
     def run_simulation(self, simulation: Simulation) -> Result:
-        """Run a simulation for as long as the file says, and record.
+        """Run a simulation for the duration of the file, and record.
 
         Raises
         ------
@@ -104,7 +104,7 @@ class SceneFile:
 
     @contextmanager
     def _errors_located(self, section: str) -> Iterator[None]:
-        """Say of what is refused where in the file it stands."""
+        """Add the place in the file to errors."""
         try:
             yield
         except InvalidInput as error:

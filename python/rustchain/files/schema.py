@@ -58,7 +58,7 @@ def schema() -> dict[str, Any]:
 
 
 def descriptions_of(target: Maker) -> dict[str, str]:
-    """Return what the docstrings say of each parameter, those of base classes included."""
+    """Return the docstrings' text of each parameter, those of base classes included."""
     found: dict[str, str] = {}
     for each in reversed(getattr(target, "__mro__", (target,))):
         text = inspect.cleandoc(each.__doc__ or "")

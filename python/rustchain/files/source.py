@@ -74,7 +74,7 @@ class Source:
         )
 
     def refusal(self, key: Key, message: str) -> InvalidInput:
-        """Return the error that says where `key` stands, and what is wrong with it or below it."""
+        """Return the error with the place of `key`, for a fault in it or below it."""
         # What is refused is mostly a field of the table, as in "Sprocket.teeth = 3: ...", or in
         # "catalogue_chain(links): ...": its own place is nearer.
         where = message.split(" ", 1)[0].rstrip("):").replace("(", ".")
@@ -82,7 +82,7 @@ class Source:
         return InvalidInput(f"{self.place(below)}: {name_of(key)}: {message}")
 
     def refusal_at(self, key: Key, message: str) -> InvalidInput:
-        """Return the error that names `key` and says where it stands."""
+        """Return the error with the name and the place of `key`."""
         return InvalidInput(f"{self.place(key)}: {name_of(key)}: {message}")
 
     def place(self, key: Key) -> str:

@@ -1,7 +1,7 @@
 """Colours of figures, animations and pages, and what stands for each on a dark ground.
 
-Neighbours of `CYCLE` and its first four with grey are apart by 15 (CIE 1976) also for people who do
-not tell red from green or blue from yellow (tests/python/plot/test_colors.py).
+Neighbours of `CYCLE` and its first four with grey are apart by 15 (CIE 1976) also for people with
+red-green or blue-yellow colour blindness (tests/python/plot/test_colors.py).
 """
 
 from __future__ import annotations

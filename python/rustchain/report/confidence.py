@@ -1,4 +1,4 @@
-"""Key figures of a run with what its parts say of their confidence."""
+"""Key figures of a run with their confidence from its parts."""
 
 from __future__ import annotations
 

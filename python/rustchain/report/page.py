@@ -101,7 +101,7 @@ def _anchor(title: str) -> str:
 
 
 def _warnings(result: Result) -> str:
-    """Return what deserves a second look, of the scene and of the run."""
+    """Return the warnings of the scene and of the run."""
     found = list(result.scene.system.check().warnings)
     if not result.success:
         found.append(f"the run is {result.status}: {result.message}")

@@ -45,7 +45,7 @@ def read(path: object) -> xr.Dataset:
 
 
 def damaged(path: object, error: object) -> InvalidInput:
-    """Return the error that says why a file holds no whole result."""
+    """Return the error with the reason why a file has no complete result."""
     return InvalidInput(
         f"path = {shown_path(path)}: is no result, or is damaged ({error}): give a file "
         f"that {_WRITER} wrote, which is netCDF whatever its name, or copy or save it again"

@@ -131,7 +131,7 @@ class Present(OfScene):
     @classmethod
     @known_keywords
     def load_state(cls, path: str | Path) -> Self:
-        """Return a simulation that goes on from the state in a file, to the same bits.
+        """Return a simulation that continues from the state in a file, to the same bits.
 
         Parameters
         ----------

@@ -109,7 +109,7 @@ class Simulation(Present):
 
     @known_keywords
     def step_to(self, t: float) -> None:
-        """Go on to exactly `t` [s].
+        """Continue to exactly `t` [s].
 
         The energy balance is not integrated, which makes it the fastest way to advance.
         """
@@ -134,8 +134,8 @@ class Simulation(Present):
         sprocket : str or int
             Such as "sprocket_1", or its number from 1. Its motion must be a `PrescribedSpeed`.
         speed : float, rows of (time, speed), Table, Spline, Sines or SmoothStep
-            [rad/s], against the simulation's time. A number is a jump: what touches the teeth
-            meets them at another speed. Rows that begin at the present time and speed make a ramp.
+            [rad/s], against the simulation's time. A number is a jump of the speed: contacts with
+            the teeth have an impact. Rows that begin at the present time and speed make a ramp.
 
         Raises
         ------
@@ -153,7 +153,7 @@ class Simulation(Present):
         ----------
         sprocket : str or int
             Such as "sprocket_2", or its number from 1. Its motion must be an `AppliedTorque`, whose
-            curve over speed goes on to be added, or `Free`.
+            curve over speed is still added, or `Free`.
         torque : float, rows of (time, torque), Table, Spline, Sines or SmoothStep
             [N m], against the simulation's time.
 
@@ -202,7 +202,7 @@ class Simulation(Present):
             mechanisms `JointForceAbove`, `ContactForceAbove`, `TimeReached`.
         callback : function of the simulation, optional
             Called when a row has been recorded, with the simulation at that time. When it returns
-            True, the run stops there. It may look at everything and set speeds and torques; it must
+            True, the run stops there. It may read everything and set speeds and torques; it must
             not move the simulation. It does not change the steps.
 
         Returns

@@ -253,7 +253,7 @@ class ToothJump(StopCondition):
 
 @description(frozen=True)
 class TimeReached(StopCondition):
-    """The simulation's time, which goes on from run to run, has reached a value.
+    """The simulation's time, which continues from run to run, has reached a value.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""One case of a sweep: its scene and run, and what came of it."""
+"""One case of a sweep: its scene, its run and its outcome."""
 
 from __future__ import annotations
 
@@ -50,14 +50,14 @@ class Looks:
 
 
 class Outcome(NamedTuple):
-    """What came of a case.
+    """The outcome of a case.
 
     Attributes
     ----------
     value : object
-        What was measured, or its Result.
+        The measured value, or the Result.
     error : Exception, optional
-        What went wrong.
+        The error.
     notes : tuple of lists of str
         What there was to warn of.
     made : bool
@@ -132,7 +132,7 @@ def run_case(
 
 
 def measured(outcome: Outcome, measure: Measure | None) -> Outcome:
-    """Return what came of a case whose run has ended, measured."""
+    """Return the outcome of a case whose run has ended, measured."""
     if measure is None or outcome.error is not None:
         return outcome
     try:

@@ -42,8 +42,8 @@ class SweepResult(HtmlView):
         The measured quantity of each case, or its Result without `measure`; None for a case that
         failed or did not end before Ctrl-C. With a store, results are read when they are accessed.
     errors : dict of Exception
-        What went wrong, by the number of the case, from 0. The error of a run that could not go on
-        has its rows until then in ``error.result``, unless there is a store.
+        Errors by the number of the case, from 0. The error of a run that could not continue has its
+        rows until then in ``error.result``, unless there is a store.
     law_warnings : dict of list of str
         Which laws left their range, by the number of the case.
     energy_warnings : dict of list of str
@@ -103,7 +103,7 @@ class SweepResult(HtmlView):
         return ("case",) if self.axes is None else tuple(dims_of(self.axes).values())
 
     def to_xarray(self) -> xr.Dataset:
-        """Return what was measured, NaN where a case has none.
+        """Return the measured values, NaN where a case has none.
 
         The dimensions are those of the cases, `dims`, then those of an array that was measured:
         ``value_0``, ``value_1``. The variables are the keys of a measured dict, or "value".
@@ -129,7 +129,7 @@ class SweepResult(HtmlView):
         """Return a row for each case and a column for each parameter and each measured number.
 
         The numbers of an array have their place in the name: ``value_0``, ``value_1``. Where cases
-        have failed, the column "error" says why.
+        have failed, the column "error" has the reason.
         """
         from rustchain.extras import pandas as pd
 
@@ -173,7 +173,7 @@ def _told(error: Exception) -> str:
 
 
 def _stacked(name: str, values: Sequence[Any]) -> _Values:
-    """Return what was measured of all cases as one array, NaN where there is nothing."""
+    """Return the measured values of all cases as one array, NaN where there are none."""
     arrays = [None if value is None else np.asarray(value) for value in values]
     there = [array for array in arrays if array is not None]
     shapes = sorted({array.shape for array in there})

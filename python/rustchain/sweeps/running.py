@@ -129,7 +129,7 @@ def _fetched(
     error: Exception | None,
     measure: Measure | None,
 ) -> Outcome:
-    """Return what came of a case that the pool has run."""
+    """Return the outcome of a case that the pool has run."""
     if run is None:
         return Outcome(error=error, made=False)
     core, start = run
@@ -149,7 +149,7 @@ def _run_on_threads(
 ) -> Running:
     """Run cases as simulations on threads.
 
-    When the caller goes on no more, the cases under way stop within a moment of wall time.
+    When the caller does not continue, the cases under way stop within a moment of wall time.
     """
     from concurrent.futures import ThreadPoolExecutor
 
@@ -232,7 +232,7 @@ def _in_turn(
 
 
 def _outcome(future: Future[Outcome]) -> Outcome:
-    """Return what came of a case; what an executor raises is no failure of the case's run."""
+    """Return the outcome of a case; what an executor raises is no failure of the case's run."""
     try:
         return future.result()
     except Exception as error:

@@ -38,7 +38,7 @@ class Measured:
     measure: Measure
 
     def __call__(self, result: Result) -> Any:  # noqa: ANN401
-        """Return what was measured."""
+        """Return the measured value."""
         value = self.measure(result)
         numbers = {name: _plain(array) for name, array in numbers_of(value, ()).items()}
         return numbers if isinstance(value, Mapping) else numbers["value"]
@@ -134,7 +134,7 @@ class Store:
             return None
 
     def put(self, path: Path, case: Case, outcome: Outcome) -> None:
-        """Write what came of a case."""
+        """Write the outcome of a case."""
         from rustchain.extras import xarray as xr
 
         about: dict[str, Any] = {

@@ -65,7 +65,7 @@ class StudyResult(HtmlView):
 
     @property
     def samples(self) -> xr.Dataset:
-        """What was measured of every run: the axes, then "run", then the dimensions of an array."""
+        """Measured values of every run: the axes, then "run", then the dimensions of an array."""
         if self.sweep.errors and all(value is None for value in self.sweep.values):
             number, error = next(iter(self.sweep.errors.items()))
             msg = f"no run has a value; the first error, of run {number}: {shown(error)}"
@@ -243,6 +243,6 @@ def study(
 def _numbers(
     result: Result, *, of: Callable[[Result], Any] | None, burn_in: float, taken: tuple[str, ...]
 ) -> dict[str, Any]:
-    """Return what was measured of a run after the burn-in [s], under names that are not `taken`."""
+    """Return the measured values of a run after the burn-in [s], under names not `taken`."""
     part = result.between(start=burn_in)
     return numbers_of(part.summary() if of is None else of(part), taken)

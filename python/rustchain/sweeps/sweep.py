@@ -94,21 +94,20 @@ def sweep(
     report_step, record, energy
         As in `Simulation.run`.
     stop, callback
-        As in `Simulation.run`, for each case: one that a condition stops counts as finished, and
-        its result says so. A callback is called in the thread of its case, several at once.
+        As in `Simulation.run`, for each case: one that a condition stops counts as finished, with
+        that status. A callback is called in the thread of its case, several at once.
     threads : int, optional
         How many cases run at once; by default as many as there are cores.
     executor : Executor or Client of Dask, optional
         Where the cases run: an executor of `concurrent.futures`, loky or `mpi4py.futures`, or
         ``dask.distributed.Client(...)``. It stays open. By default threads of this process.
     store : str or Path, optional
-        A folder that keeps what came of each case, failed ones too, in a netCDF file each. Stored
-        cases of the same scene, run, stop conditions and functions, by the same version of
-        rustchain, are not run again: an interrupted sweep continues. Several sweeps may use a
-        folder at once. Of functions, code and the numbers and functions of their module that it
-        refers to count, not what other modules do. What is measured must then be numbers, arrays,
-        or a dict of them; without `measure`, results are read from the folder when they are
-        accessed.
+        A folder with the result of each case, failed ones too, in a netCDF file each. Stored cases
+        of the same scene, run, stop conditions and functions, by the same version of rustchain, are
+        not run again: an interrupted sweep continues. Several sweeps may use a folder at once. Of
+        functions, code and the numbers and functions of their module that it refers to count, not
+        what other modules do. What is measured must then be numbers, arrays, or a dict of them;
+        without `measure`, results are read from the folder when they are accessed.
     retry : bool
         Whether cases that are stored as failed are run again.
     progress : bool
@@ -222,7 +221,7 @@ class _Sweep:
                 self.tell(bar)
 
     def take(self, case: Case, outcome: Outcome) -> None:
-        """Take what came of a case; store it, unless it is the executor that failed."""
+        """Take the outcome of a case; store it, unless it is the executor that failed."""
         if self._store is not None and outcome.made:
             self._store.put(self._paths[case.number], case, outcome)
         self._keep(case.number, outcome)
@@ -248,7 +247,7 @@ class _Sweep:
             found.values[number] = outcome.value
 
     def tell(self, bar: Bar) -> None:
-        """Say how many cases there are and how many have failed."""
+        """Return a text with the numbers of cases and of failed cases."""
         done, failed = len(self.found._ended), len(self.found.errors)
         told = f"{done + failed} of {len(self.found.cases)} cases"
         bar.set_description(f"{told}, {failed} failed" if failed else told)
