@@ -58,7 +58,7 @@ def in_theme(color: str, theme: Theme) -> str:
 
 
 def theme_css() -> str:
-    """Return the colours of pages: light or dark as the reader has it, or as `data-theme` says.
+    """Return the colours of pages: light or dark as the reader has it, or as set by `data-theme`.
 
     Curves have the names c1, c2, ...; ``--x0b64a0`` is what stands for #0b64a0 of a figure.
     """
