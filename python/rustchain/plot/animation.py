@@ -18,6 +18,7 @@ import numpy as np
 from rustchain.analysis.window import rows_between
 from rustchain.arguments import shown
 from rustchain.description.mechanism.builder import Mechanism
+from rustchain.description.scene import Scene
 from rustchain.errors import InvalidInput, MissingExtra
 from rustchain.names import suggest
 from rustchain.paths import check_writable, path_of, write_whole
@@ -34,6 +35,13 @@ _SECONDS = 10.0  # that an animation lasts, unless slow motion is given
 _FRAMES = 20_000  # more are refused: thirteen minutes at 25 a second
 _FORMS = (".gif", ".mp4", ".html")
 _COLORS = 96  # of a GIF; with twice as many it is a fifth larger and looks the same
+
+
+def shapes_of(scene: Scene) -> Shapes:
+    """Return the shapes of a drive or of a mechanism."""
+    if isinstance(scene.system, Mechanism):
+        return shapes_of_mechanism(scene.system)
+    return shapes_of_drive(scene.system)
 
 
 @dataclass(frozen=True)
@@ -126,12 +134,7 @@ class Animation:
     @cached_property
     def shapes(self) -> Shapes:
         """Outlines of the scene, with those groups of forces that were recorded."""
-        system = self.result.scene.system
-        found = (
-            shapes_of_mechanism(system)
-            if isinstance(system, Mechanism)
-            else shapes_of_drive(system)
-        )
+        found = shapes_of(self.result.scene)
         there = [each for each in found.forces if self.forces and self._recorded(each)]
         return Shapes(found.outlines, tuple(there), found.size)
 

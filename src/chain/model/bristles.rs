@@ -73,7 +73,7 @@ pub(super) fn doubts([hinges, teeth]: [Option<LuGre>; 2]) -> impl Iterator<Item 
         .filter_map(|(law, place)| doubt(&law?, place))
 }
 
-/// Return a warning for a break-away deflection static_coefficient/stiffness outside of `STIFFEST` to `SOFTEST`.
+/// Return a warning for a break-away deflection `static_coefficient/stiffness` outside of `STIFFEST` to `SOFTEST`.
 fn doubt(law: &LuGre, place: &str) -> Option<String> {
     let found = law.breakaway();
     let what = format!(

@@ -70,9 +70,9 @@ pub struct Model {
     pub hinge_friction: Option<Friction>,
     /// Friction on the teeth; `None`: no friction.
     pub tooth_friction: Option<Friction>,
-    /// Bristle (LuGre) friction in the hinges, instead of a function of the sliding velocity; `None`: no bristles.
+    /// Bristle (`LuGre`) friction in the hinges, instead of a function of the sliding velocity; `None`: no bristles.
     pub hinge_bristles: Option<LuGre>,
-    /// Bristle (LuGre) friction on the teeth; `None`: no bristles.
+    /// Bristle (`LuGre`) friction on the teeth; `None`: no bristles.
     pub tooth_bristles: Option<LuGre>,
     /// Coordinates of the bristles.
     pub bristles: BristlePlaces,

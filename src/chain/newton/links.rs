@@ -83,7 +83,7 @@ impl LinkGroup {
 
     /// Return the blocks D of links whose bushings touch teeth.
     ///
-    /// D = diag(m, m, J) + F^T H_f F + R^T H_r R with the stiffness H of the teeth at the front and the rear bushing. J is the
+    /// `D = diag(m, m, J) + F^T H_f F + R^T H_r R` with the stiffness H of the teeth at the front and the rear bushing. J is the
     /// inertia with the geometric stiffness. Friction adds the moments `spun` about the bushings.
     #[inline(always)]
     fn held_links<S: Simd, const RUBBED: bool>(

@@ -9,6 +9,7 @@ from PIL import Image
 
 import rustchain as rc
 from rustchain.plot import between_rows, canvas, shapes
+from rustchain.plot.animation import shapes_of
 from rustchain.plot.looks import LOOKS
 
 RECORD = ("hinges", "teeth", "sprockets", "bodies")
@@ -66,7 +67,7 @@ def test_an_arrow_is_as_long_as_its_force_and_none_where_there_is_none():
 
 
 def test_forces_act_where_hinges_and_bushings_are():
-    drawn = shapes.shapes_of(RESULT.scene)
+    drawn = shapes_of(RESULT.scene)
     poses = RESULT.array("positions")[-1]
     hinges = shapes.force_points(drawn.forces[0], poses)
     following = poses[(np.arange(38) + 1) % 38]
@@ -82,7 +83,7 @@ def test_the_first_contact_pulls_an_arrow_from_the_bushing_to_the_outside_of_the
     force = RESULT.array("tooth_force_vector")[-1]
     wheel = RESULT.array("tooth_sprocket")[-1]
     poses = RESULT.array("positions")[-1]
-    at = shapes.force_points(shapes.shapes_of(RESULT.scene).forces[1], poses)
+    at = shapes.force_points(shapes_of(RESULT.scene).forces[1], poses)
     touching = np.hypot(*force.T) > 1.0
     assert touching.any()
     outward = at[touching] - poses[38 + wheel[touching] - 1, :2]

@@ -224,7 +224,7 @@ def test_the_table_has_a_column_for_each_number(result):
         (lambda plot: plot.tooth_force(6, 11, start=1e-3), 2),
         (lambda plot: plot.force_penetration(6), 1),
         (lambda plot: plot.force_penetration(6, 8, 10, 12, contact="hinge"), 4),
-        (lambda plot: plot.orbit(6), 1),
+        (lambda plot: plot.orbit(6), 2),  # with the scale of its colours
         (lambda plot: plot.tension(end=4e-3), 1),
         (lambda plot: plot.energy(), 2),
         (lambda plot: plot.drive(), 1),

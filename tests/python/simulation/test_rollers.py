@@ -108,7 +108,7 @@ def test_the_report_and_the_picture_have_rollers():
     assert "rollers" not in str(rc.paper_drive(25.0).check())
     result = rc.Simulation(drive).run(1e-3, 1e-3, record=["bodies", "energy"], progress=False)
     outlines = [len(artist.get_paths()) for artist in result.plot.drive().axes[0].collections]
-    assert outlines.count(38) == 4  # rollers, bores, bushings, pins
+    assert outlines.count(38) == 5  # rollers, bores, marks of their rotation, bushings, pins
     plain = rc.Simulation(rc.paper_drive(25.0)).run(1e-3, 1e-3, progress=False)
     outlines = [len(artist.get_paths()) for artist in plain.plot.drive().axes[0].collections]
     assert outlines.count(38) == 2
