@@ -26,7 +26,7 @@ HEAD = """# Gallery
 Every figure of a result of the published drive with 25 N, 0.05 s, of a slider-crank, and of sweeps;
 [the script](gallery_page.py) has the calls. All take `start`, `end` and `ax`.
 `rustchain.plot.use_theme("dark")` draws the figures that follow on a dark ground. The colours are
-told apart also by people who do not tell red from green (`tests/python/plot/test_colors.py`). What
+distinct for people with red-green colour blindness, too (`tests/python/plot/test_colors.py`). What
 the numbers mean is in [outputs](outputs.md).
 """
 
