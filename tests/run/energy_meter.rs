@@ -13,7 +13,7 @@ fn metered(pretension: f64, variation: f64, fineness: usize) -> (f64, f64, u64, 
     }
     let control = StepControl {
         corrector: Corrector::Newton,
-        accuracy: 1e-10,
+        accuracy: 1e-9,
         ..StepControl::default()
     };
     let mut run = common::simulation(&drive, &ForceLaws::default(), control);
@@ -36,14 +36,14 @@ fn assert_a_small_part_of_the_residual(pretension: f64) {
         let variation = 1.0 + 1e-3 * f64::from(i);
         let [one, two, many] = [1, 2, 16].map(|fineness| metered(pretension, variation, fineness));
         assert_eq!(one.2, many.2, "the path does not know of the meter");
-        assert!(one.3 <= 3 * one.2, "{} {}", one.3, one.2);
+        assert!(one.3 <= 5 * one.2, "{} {}", one.3, one.2);
         residuals += many.0 * many.0;
         differences[0] += (one.0 - many.0).powi(2);
         differences[1] += (two.0 - many.0).powi(2);
     }
     let share = differences.map(|difference: f64| (difference / residuals).sqrt());
-    // Measured over six runs of 0.1 s: 0.07, 0.09, 0.04 of residuals of 8.6e-4, 3.2e-4, 3.6e-4 of the energy dissipated at 0, 25 and 100 N.
-    // Sixteen runs scatter by a fifth on either side of the quotient.
+    // Measured over 24 runs: 0.10, 0.16, 0.005 of residuals of 1.4e-5, 0.9e-5, 6.6e-5 J at 0, 25 and 100 N; half of that at
+    // fineness two. Sixteen runs scatter by a fifth on either side of the quotient.
     assert!(share[0] < 0.2, "{pretension} N: {share:?}");
     assert!(share[1] < share[0], "{pretension} N: {share:?}");
 }

@@ -250,7 +250,8 @@ def test_rollers_of_an_open_chain_are_bodies():
         [rc.Sprocket(17, motion=rc.PrescribedSpeed(0.0))],
         rollers="bodies",
     )
-    simulation = rc.Simulation(drive, start="static")
+    # At the default accuracy the seated rollers chatter at 1e-9 J, of which the run warns.
+    simulation = rc.Simulation(drive, start="static", solver=rc.Solver(accuracy=1e-11))
     names = simulation.body_names
     assert names.index("roller_1") == 42
     assert "roller_42" in names
