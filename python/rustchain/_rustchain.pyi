@@ -38,6 +38,7 @@ __all__ = [
     "link_stiffness",
     "links_around",
     "links_for",
+    "mechanism_case",
     "panicked",
     "read_toml",
     "static_start",

@@ -191,18 +191,18 @@ impl IdealCore {
         evaluation(py, &view, &Rows::new(&recording, simulation.model()))
     }
 
+    #[pyo3(signature = (duration, report_step, groups=None, energy=None))]
     #[allow(clippy::needless_pass_by_value)] // PyO3 passes lists by value
     fn start_recording(
         mut slf: PyRefMut<'_, Self>,
         duration: &Bound<'_, PyAny>,
         report_step: &Bound<'_, PyAny>,
-        groups: Vec<String>,
-        energy: &Bound<'_, PyAny>,
+        groups: Option<Vec<String>>,
+        energy: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         let py = duration.py();
-        let (duration, report_step, energy) =
-            describe::reports(duration, report_step, Some(energy))?;
-        slf.groups = describe::drive_groups(&groups, energy);
+        let (duration, report_step, energy) = describe::reports(duration, report_step, energy)?;
+        slf.groups = describe::drive_groups(&groups.unwrap_or_default(), energy);
         let simulation = describe::checked(py, slf.as_super().mechanism())?;
         // Channels of a drive are computed from those of bodies, joints and contacts.
         let groups = MechanismGroups {

@@ -69,7 +69,9 @@ def test_a_script_for_a_cluster_runs(name, tmp_path):
     (tmp_path / f"{name}.py").write_text(text)
     called = [sys.executable, f"{name}.py"]
     if name == "on_mpi":
-        launcher = shutil.which("mpiexec")
+        launcher = shutil.which(
+            "mpiexec", path=f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+        )
         if importlib.util.find_spec("mpi4py") is None or launcher is None:
             pytest.skip("no MPI here")
         called = [launcher, "-n", "3", sys.executable, "-m", "mpi4py.futures", f"{name}.py"]

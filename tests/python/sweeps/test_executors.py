@@ -2,10 +2,12 @@
 
 import importlib.util
 import json
+import os
 import shutil
 import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -93,7 +95,9 @@ def test_every_executor_gives_the_same_bits_and_errors(kind, here, tmp_path):
     if kind == "loky":
         pytest.importorskip("loky")
     if kind == "mpi":
-        launcher = shutil.which("mpiexec")
+        launcher = shutil.which(
+            "mpiexec", path=f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+        )
         if importlib.util.find_spec("mpi4py") is None or launcher is None:
             pytest.skip("no MPI here")
         before = [launcher, "-n", "3"]
