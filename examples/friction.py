@@ -48,8 +48,8 @@ for coefficient in coefficients:
 # Damping takes a thousandth of what friction takes: a logarithmic axis shows both.
 figure, (powers, whole) = plt.subplots(1, 2, figsize=(9.0, 4.2), layout="constrained")
 for name, values in lost.items():
-    rubs = np.array(values) > 0.0
-    powers.semilogy(coefficients[rubs], np.array(values)[rubs], "o-", label=name)
+    slid = np.array(values) > 0.0
+    powers.semilogy(coefficients[slid], np.array(values)[slid], "o-", label=name)
 powers.semilogy(coefficients[1:], articulation[1:], "k--", label="work of articulation")
 powers.set(xlabel="friction coefficient", ylabel="power lost [W]")
 powers.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, frameon=False)

@@ -158,10 +158,10 @@ pub(super) fn soften_hinges<S: Simd, const RUBBED: bool>(
                 slopes.normal[1].at(simd, part),
             );
             if RUBBED && let Some(Rubbing { slopes, arms }) = &mut rubbing {
-                let rubs = &slopes[number];
-                let tau = Lanes::splat(simd, gamma) * rubs.slope.at(simd, part);
+                let friction = &slopes[number];
+                let tau = Lanes::splat(simd, gamma) * friction.slope.at(simd, part);
                 let both = eta + tau;
-                let places = read(simd, &rubs.places, part);
+                let places = read(simd, &friction.places, part);
                 arms.put(i, [nx, ny], tau / both, places);
                 eta = both;
             }
