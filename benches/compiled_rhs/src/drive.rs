@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use rustchain::chain::contact::ImpactMemory;
 use rustchain::chain::dynamics::{Dynamics, Powers};
-use rustchain::system::PowerSum;
 use rustchain::chain::motion::Motion;
 use rustchain::drive::Drive;
 use rustchain::integrator::OdeSystem;
 use rustchain::integrator::event_location::first_crossing;
 use rustchain::layout::InitialConfiguration;
+use rustchain::system::PowerSum;
 use rustchain::{ForceLaws, Model};
 
 use crate::system::{Accepted, Evolving, Pattern};
