@@ -6,62 +6,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.linalg import solve_banded
 from scipy.sparse import diags_array, eye_array, kron
 from scipy.sparse.linalg import spsolve
 
 import rustchain as rc
+from checks.check import hold
+from checks.contacts import CLEARANCE, LENGTH, RADII, film_at
 from reference.compare import assert_within
 from reference.dynamics import DriveEquations
 
 LN = rc.LankaraniNikravesh()
-RADII, LENGTH = (2.22e-3, 2.245e-3), 0.011  # of the published drive [m]
-CLEARANCE = RADII[1] - RADII[0]
-
-
-def reynolds(viscosity: float, ratio: float, velocity: np.ndarray, cells: int) -> np.ndarray:
-    """Return force along the eccentricity and left of it, from Reynolds' equation by cells.
-
-    Flow over the walls between cells balances what the pin displaces of each; the periodic solution
-    is known but for a constant, which makes it zero at two opposite places; what is then negative
-    is cut off (Guembel).
-    """
-    step = 2.0 * np.pi / cells
-    middle = (np.arange(cells) + 0.5) * step
-    wall = np.arange(1, cells) * step
-    thickness = CLEARANCE * (1.0 - ratio * np.cos(wall))
-    flow = thickness**3 / (12.0 * viscosity * RADII[0] ** 2 * step)
-    sinks = -(velocity[0] * np.cos(middle) + velocity[1] * np.sin(middle)) * step
-    # Pressure zero in the first cell; the wall between the last cell and the first closes the ring.
-    closing = (CLEARANCE * (1.0 - ratio)) ** 3 / (12.0 * viscosity * RADII[0] ** 2 * step)
-    banded = np.zeros((3, cells - 1))
-    banded[0, 1:] = banded[2, :-1] = flow[1:]
-    banded[1] = -flow - np.append(flow[1:], closing)
-    pressure = np.append(0.0, solve_banded((1, 1), banded, sinks[1:]))
-    # Where it is as high as on the other side: there the half that counts begins.
-    across = pressure - np.roll(pressure, cells // 2)
-    following = np.roll(across, -1)
-    k = int(np.argmax((across < 0.0) & (following >= 0.0)))
-    part = -across[k] / (following[k] - across[k])
-    level = pressure[k] + part * (np.roll(pressure, -1)[k] - pressure[k])
-    film = np.clip(pressure - level, 0.0, None)
-    normal = np.stack([np.cos(middle), np.sin(middle)])
-    return -(normal @ film) * step * RADII[0] * LENGTH
 
 
 @pytest.mark.parametrize("ratio", [0.05, 0.2, 0.4, 0.6, 0.8, 0.9])
 @pytest.mark.parametrize("viscosity", [0.01, 0.5])
 def test_force_is_that_of_reynolds_equation(ratio, viscosity):
-    film = rc.LubricantFilm(viscosity, tension=0.0)
-    angles = np.linspace(0.0, 2.0 * np.pi, 25)  # squeeze at 0, pull at pi, wedges between
-    for angle in angles:
-        velocity = 2e-3 * np.array([np.cos(angle), np.sin(angle)])
-        found = film.force(ratio * CLEARANCE, velocity, RADII, LENGTH)
-        coarse, fine = (reynolds(viscosity, ratio, velocity, cells) for cells in (2000, 4000))
-        expected = fine + (fine - coarse) / 3.0  # the cells' error is of order two
-        size = np.hypot(*film.force(ratio * CLEARANCE, (2e-3, 0.0), RADII, LENGTH))
-        # Measured: at most 2.2e-7.
-        assert np.hypot(*(found - expected)) < 2e-6 * size, angle
+    hold([film_at(ratio, viscosity)])
 
 
 def leaking(ratio: float, velocity: np.ndarray, around: int, along: int) -> np.ndarray:
