@@ -21,7 +21,7 @@ unexport CONDA_PREFIX
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help venv build demo docs check test test-rust test-python lint lint-text lint-rust lint-python bench bench-smoke robustness work-precision stress dist clean
+.PHONY: help venv build demo docs check test test-rust test-python lint lint-text lint-rust lint-python bench bench-smoke robustness work-precision validation-data stress dist clean
 
 help: ## Show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -135,6 +135,10 @@ reference-solvers: $(STAMPS)/bench-tools
 	cargo build --release --locked --quiet --manifest-path benches/compiled_rhs/Cargo.toml
 
 # --- documentation
+
+validation-data: build ## Compute what the validation pages read from a file: the comparison with Exudyn
+	@$(PIP_INSTALL) --group peers
+	PYTHONPATH=benches $(BIN)/python benches/exudyn_validation.py
 
 docs: build $(STAMPS)/docs-tools ## The site, executed and checked, into docs/_build/html; works without network
 	$(BIN)/python -m sphinx -W --keep-going -j auto -q docs docs/_build/html

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 import sys
@@ -44,10 +45,14 @@ suppress_warnings = [
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 4
 myst_links_external_new_tab = False
-nb_execution_mode = "force"  # of pages with code cells: the tutorial
+nb_execution_mode = "force"  # of pages with code cells: the tutorial, validation
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300
 nb_execution_in_temp = True
+# The pages on validation call the checks and references of the tests.
+os.environ["PYTHONPATH"] = os.pathsep.join(
+    [str(ROOT / "tests" / "python"), os.environ.get("PYTHONPATH", "")]
+)
 nb_ipywidgets_js: dict[str, Any] = {}  # nothing is loaded from the network
 
 # --- reference of the Python package

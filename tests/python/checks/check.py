@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
+from typing import Any, TypeAlias
 
 ROOT = Path(__file__).parents[3]
 
@@ -89,7 +90,10 @@ class Range:
         )
 
 
-def hold(checks: Iterable[Check | Range]) -> None:
+Row: TypeAlias = "Check | Range"
+
+
+def hold(checks: Iterable[Row]) -> None:
     """Assert that every check is within its bound."""
     wrong = [str(check) for check in checks if not check.holds]
     assert not wrong, "\n".join(wrong)
@@ -109,7 +113,7 @@ def exists(test: str) -> bool:
 class Table:
     """A table of checks for a notebook."""
 
-    checks: tuple[Check | Range, ...]
+    checks: tuple[Row, ...]
 
     def _repr_html_(self) -> str:
         ranges = isinstance(self.checks[0], Range)
@@ -119,18 +123,24 @@ class Table:
         return f'<table class="checks"><thead>{head}</thead><tbody>{rows}</tbody></table>'
 
 
-def table(*checks: Check | Range | Iterable[Check | Range]) -> Table:
+def table(*checks: Row | Iterable[Row] | Iterable[Iterable[Row]]) -> Table:
     """Return a table of checks, and of lists of them, after asserting that they hold."""
-    flat: list[Check | Range] = []
-    for each in checks:
-        flat.extend([each] if isinstance(each, (Check, Range)) else each)
+    flat = tuple(_flat(checks))
     hold(flat)
     missing = [check.test for check in flat if not exists(check.test)]
     assert not missing, f"no such tests: {missing}"
-    return Table(tuple(flat))
+    return Table(flat)
 
 
-def _cells(check: Check | Range) -> list[str]:
+def _flat(checks: Iterable[Any]) -> Iterator[Row]:
+    for each in checks:
+        if isinstance(each, (Check, Range)):
+            yield each
+        else:
+            yield from _flat(each)
+
+
+def _cells(check: Row) -> list[str]:
     path, name = check.test.split("::")
     test = f'<code title="{escape(name)}">{escape(path)}</code><br><small>{escape(name)}</small>'
     ours = f"{check.ours:.6g} {check.unit}"

@@ -32,7 +32,7 @@ def test_teeth_have_the_dimensions_of_the_standards():
 def test_a_table_of_a_page_has_error_bound_and_test_of_each_check():
     here = "python/validation/test_checks.py"
     good = replace(GOOD, test=f"{here}::test_teeth_have_the_dimensions_of_the_standards")
-    html = table(good, [replace(good, subject="another")])._repr_html_()
+    html = table(good, [[replace(good, subject="another")]])._repr_html_()
     assert html.count("1.0e-09 m") == html.count("1e-08 m") == 2
     assert "another" in html
     with pytest.raises(AssertionError, match="no such tests"):
