@@ -11,7 +11,7 @@ from rustchain.description.drive import ChainDrive
 from rustchain.description.ends import AnchoredEnd, LoadedEnd
 from rustchain.description.guides import GuideRail, SmoothIdler
 from rustchain.plot import outlines
-from rustchain.plot.shapes import GROUND_ROW, Bar, Forces, Shape, Shapes
+from rustchain.plot.shapes import GROUND_ROW, Bar, Forces, Kind, Shape, Shapes
 from rustchain.typing import Array
 
 
@@ -34,9 +34,10 @@ def shapes_of_drive(drive: ChainDrive) -> Shapes:
         found.append(Shape("rail", (body,), guide.outline() + _from_bearing(guide)))
     found += _ends(drive)
     # First link, height of the drawn plate over the pitch.
-    for kind, first, share in (("inner", 0, 0.8), ("outer", 1, 0.7)):
+    plates: tuple[tuple[Kind, int, float], ...] = (("inner", 0, 0.8), ("outer", 1, 0.7))
+    for kind, first, share in plates:
         plate = outlines.plate(pitch, share * pitch)
-        found.append(Shape(kind, tuple(range(first, links, 2)), plate))  # type: ignore[arg-type]
+        found.append(Shape(kind, tuple(range(first, links, 2)), plate))
     places = hinge_places(drive)
     front = tuple(body for body, sign in places if sign > 0)
     rear = tuple(body for body, sign in places if sign < 0)
@@ -49,11 +50,14 @@ def shapes_of_drive(drive: ChainDrive) -> Shapes:
             # Shows how each has turned.
             Shape("roller", rollers, np.array([[inner, 0.0], [outer, 0.0]]), closed=False),
         ]
-    for kind, radius in (("bushing", chain.bushing_radius), ("pin", chain.hinge.pin_radius)):
+    circles: tuple[tuple[Kind, float], ...] = (
+        ("bushing", chain.bushing_radius),
+        ("pin", chain.hinge.pin_radius),
+    )
+    for kind, radius in circles:
         for bodies, side in ((front, half), (rear, -half)):
             if bodies:
-                circle = outlines.circle(radius) + [side, 0.0]
-                found.append(Shape(kind, bodies, circle))  # type: ignore[arg-type]
+                found.append(Shape(kind, bodies, outlines.circle(radius) + [side, 0.0]))
     anchors = np.array([[sign * half, 0.0] for _, sign in places])
     carriers = tuple(body for body, _ in places)
     forces = [Forces("hinge", "hinge_force_vector", carriers, anchors)]

@@ -42,3 +42,45 @@ def test_an_example_prints_what_it_says(example, tmp_path, monkeypatch):
     told = []
     failed, _ = doctest.DocTestRunner(verbose=False).run(example, out=told.append)
     assert not failed, "".join(told)
+
+
+def long_signatures():
+    """Yield the public functions and methods of the library with more than eight parameters."""
+    for path in sorted(PACKAGE.rglob("*.py")):
+        if "cli" in path.parts:  # options of commands, which the command line names
+            continue
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        owners = {
+            child: node
+            for node in ast.walk(tree)
+            if isinstance(node, ast.ClassDef)
+            for child in node.body
+        }
+        for node in ast.walk(tree):
+            if not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                continue
+            given = [one for one in node.args.args if one.arg not in ("self", "cls")]
+            if len(given) + len(node.args.kwonlyargs) > 8:
+                # The parameters of a class are described in the docstring of the class.
+                told = owners[node] if node.name == "__init__" else node
+                yield pytest.param(node, told, id=f"{path.stem}.{node.name}")
+
+
+LONG = list(long_signatures())
+
+
+def test_long_signatures_are_found():
+    names = {one.id for one in LONG}
+    assert {"simulation.__init__", "standard.two_sprocket_drive", "study.study"} <= names
+
+
+@pytest.mark.parametrize(("function", "told"), LONG)
+def test_of_more_than_eight_parameters_each_is_described_and_most_are_keywords(function, told):
+    """At most two parameters with a default can be given by position; the others are keywords."""
+    assert len(function.args.defaults) <= 2
+    section = (ast.get_docstring(told) or "").partition("Parameters\n----------\n")[2]
+    arguments = [*function.args.args, *function.args.kwonlyargs]
+    names = [one.arg for one in arguments if one.arg not in ("self", "cls")]
+    heads = [line.split(" : ")[0] for line in section.partition("\n\n")[0].splitlines()]
+    described = {name.strip() for head in heads if head[:1] != " " for name in head.split(",")}
+    assert [name for name in names if name not in described] == []

@@ -67,11 +67,19 @@ class WithContacts:
 
         Parameters
         ----------
+        name : str
+            Name of the contact.
+        outline, circle : str
+            Names of the bodies that carry them; "ground" is the frame that does not move.
         points : sequence of (float, float)
             Corners in the frame of the body [m]; the material lies on the left of the path
             through them. Two points and ``closed=False`` make a segment.
         radius : float
             Of the circle [m].
+        law : LinearContact, HuntCrossley or SurfaceContact
+            Contact law.
+        circle_point : (float, float)
+            Centre of the circle in the frame of its body [m].
         bulges : sequence of float, optional
             For each piece the tangent of a quarter of the angle of its arc: positive where the
             outline is convex, negative where it is concave, 0 for a straight line.

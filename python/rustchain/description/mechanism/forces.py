@@ -80,6 +80,12 @@ class WithForces:
 
         Parameters
         ----------
+        name : str
+            Name of the spring.
+        body_a, body_b : str
+            Names of the bodies; "ground" is the frame that does not move.
+        point_a, point_b : (float, float)
+            Points in the frames of the bodies [m].
         stiffness, damping, cubic : float
             [N/m], [N s/m] and [N/m^3]: tension = stiffness * x + cubic * x^3 + damping * x'.
         rest_length : float, optional
