@@ -1,18 +1,19 @@
 """Start-up surge of a conveyor: largest tension against the time in which the torque is applied.
 
-The conveyor is that of `conveyor_start.toml`: 402 links, a motor and a tail shaft with 1 kg m² each.
-In a rigid conveyor the motor's torque M makes the tensions of the strands differ by M/(2 r), since
-one half accelerates the motor itself. In an elastic one, applied at once, it doubles that. Applied over a ramp of
-duration t, the factor is 1 + |sin(π t/τ)|/(π t/τ), τ being the natural period of the two shafts on
-both strands (Harris' Shock and Vibration Handbook). The tension travels at sqrt(k/m) links a second,
-k and m being stiffness and mass of one link.
+The conveyor is that of `conveyor_start.toml`: 402 links, a motor and a tail shaft with 1 kg m²
+each. In a rigid conveyor the motor's torque M makes the tensions of the strands differ by M/(2
+r), since one half accelerates the motor itself. In an elastic one, applied at once, it doubles
+that. Applied over a ramp of duration t, the factor is 1 + |sin(π t/τ)|/(π t/τ) (Harris' Shock and
+Vibration Handbook). τ is the natural period of the two shafts on both strands. The tension
+travels at sqrt(k/m) links a second, k and m being stiffness and mass of one link.
 
-Plates give a link the stiffness E A/p, hinges have that of Johnson's line contact at the tension at
-rest. A sixth of both strands' mass is added to either shaft for the period (Rayleigh). Contacts are
-without damping, as in the formulae; with it the largest factor is 1.7. The links and teeth of the
-wraps are not in the formula of the period: that of the run is 4 % longer. A ramp of one computed
-period is therefore a little short, and leaves 4 % of surge. What one learns: the chain has to be
-chosen for twice the tension of a rigid drive, or the motor starts over at least one natural period.
+Plates give a link the stiffness E A/p, hinges have that of Johnson's line contact at the tension
+at rest. A sixth of both strands' mass is added to either shaft for the period (Rayleigh).
+Contacts are without damping, as in the formulae; with it the largest factor is 1.7. The links and
+teeth of the wraps are not in the formula of the period: that of the run is 4 % longer. A ramp of
+one computed period is therefore a little short, and leaves 4 % of surge. What one learns: a motor
+that starts at once needs a chain for twice the tension. One that starts over a natural period
+does not.
 """
 
 import math
@@ -42,7 +43,9 @@ contact = (math.log(4.0 * line * hinge.clearance / drive.tensioner.pretension) -
 stiffness = 1.0 / (1.0 / chain.axial_stiffness + contact)  # of a link and a hinge [N/m]
 spring = 2.0 * stiffness / report.strand_pitches[0]
 strands = 2.0 * report.strand_pitches[0] * link
-shaft = tail.load_inertia / radius**2 + math.pi * radius**2 * chain.tooth_contact_length * 7850.0 / 2
+shaft = (
+    tail.load_inertia / radius**2 + math.pi * radius**2 * chain.tooth_contact_length * 7850.0 / 2
+)
 seated = 0.5 * (chain.links * link - strands)  # on either sprocket
 period = 2.0 * math.pi * math.sqrt((shaft + seated + strands / 6.0) / (2.0 * spring))
 rigid = 0.5 * torque / radius  # N
@@ -100,7 +103,9 @@ for share, history in zip(SHARES[::2], histories[::2], strict=True):
     tensions.plot(time, history, linewidth=1.0, label=f"ramp of {share:g} natural periods")
 tensions.axhline(1.0, color="0.6", linestyle="--", linewidth=0.8)
 tensions.set(
-    xlabel="time [ms]", ylabel="difference of the strands over that\nof a rigid conveyor", ylim=(-0.1, 2.6)
+    xlabel="time [ms]",
+    ylabel="difference of the strands over that\nof a rigid conveyor",
+    ylim=(-0.1, 2.6),
 )
 tensions.legend(loc="upper right")
 axis = np.linspace(0.0, 1.1 * max(SHARES), 300)

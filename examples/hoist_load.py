@@ -2,19 +2,19 @@
 
 The hoist is that of `hoist_load.toml`: 250 kg on 80 links of ANSI 80. The wheel's speed grows in
 0.2 s, as a straight ramp of acceleration a or as a smooth step. Four formulae stand beside the
-runs. At rest the hook has m g. A rigid chain adds m a. An elastic chain without damping overshoots
-to m (g + 2a), because the ramp begins suddenly. The load vibrates at sqrt(k/m)/2π; k is that of all
-links and hinges in series, and a third of the chain's mass counts (Rayleigh).
+runs. At rest the hook has m g. A rigid chain adds m a. An elastic chain without damping
+overshoots to m (g + 2a), because the ramp begins suddenly. The load vibrates at sqrt(k/m)/2π; k
+is that of all links and hinges in series, and a third of the chain's mass counts (Rayleigh).
 
-A link has the stiffness E A/p of its plates, a hinge that of Johnson's line contact at this force.
-The wheel's part is missing in k: the links on its first teeth and the teeth, as compliant as some
-two links. The frequency of the run is lower for that reason. The mean is lower because the load is
-slower than a rigid chain at the end of the ramp. The polygon of the wheel accounts for up to 1.7 %
-of its speed, the vibration for up to a/ω, 2.5 %. Damping in the
-contacts, here that of Lankarani and Nikravesh, takes a part of the overshoot. A smooth step does not
-overshoot, but its largest acceleration is 15/8 a: the hook has nearly the same peak. At 250 ms a link
-engages, and without damping the hinges vibrate after the impact. What one
-learns: a smooth start spares the hoist the vibration, a longer one the force.
+A link has the stiffness E A/p of its plates, a hinge that of Johnson's line contact at this
+force. The wheel's part is missing in k: the links on its first teeth and the teeth, as compliant
+as some two links. The frequency of the run is lower for that reason. The mean is lower because
+the load is slower than a rigid chain at the end of the ramp. The polygon of the wheel accounts
+for up to 1.7 % of its speed, the vibration for up to a/ω, 2.5 %. Damping in the contacts, here
+that of Lankarani and Nikravesh, takes a part of the overshoot. A smooth step does not overshoot,
+but its largest acceleration is 15/8 a: the hook has nearly the same peak. At 250 ms a link
+engages, and without damping the hinges vibrate after the impact. What one learns: a smooth start
+spares the hoist the vibration, a longer one the force.
 """
 
 import math

@@ -39,7 +39,21 @@ BRIEF = {
     ],
 }
 SCRIPTS = sorted(ROOT.glob("*.py"))
-SLOW = ("friction", "outputs", "paper_study", "paper_study_rollers", "polygon_effect")
+# Largest share by which runs may differ from the formulae beside them, by the first word of a name.
+PUBLISHED = {
+    "conveyor_start": {"ramp": 0.05, "period": 0.06, "wave": 0.01},
+    "hoist_load": {"at": 1e-6, "mean": 0.005, "largest": 0.01, "frequency": 0.03},
+    "motorcycle_chain": {"tension": 0.005, "series": 0.03},
+    "timing_drive": {"mode": 0.03},
+}
+SLOW = (
+    "friction",
+    "outputs",
+    "paper_study",
+    "paper_study_rollers",
+    "polygon_effect",
+    *PUBLISHED,
+)
 
 
 @pytest.fixture
@@ -62,10 +76,15 @@ def test_an_example_runs_and_makes_its_picture(path, tmp_path, monkeypatch, caps
     for long, brief in BRIEF.get(path.stem, ()):
         assert long in text
         text = text.replace(long, brief)
-    exec(compile(text, path, "exec"), {"__name__": "__main__"})
+    names = {"__name__": "__main__", "__file__": str(path)}
+    exec(compile(text, path, "exec"), names)
     pictures = list(tmp_path.glob(f"{path.stem}*.png"))
     assert pictures
     assert all(picture.stat().st_size > 5_000 for picture in pictures)
+    bounds = PUBLISHED.get(path.stem, {})
+    deviations = names.get("deviations", {})
+    assert {name.split()[0] for name in deviations} == set(bounds)
+    assert {n: d for n, d in deviations.items() if not abs(d) <= bounds[n.split()[0]]} == {}
 
 
 def test_only_examples_that_exist_are_shortened_or_slow():
