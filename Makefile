@@ -120,8 +120,12 @@ bench-smoke: build reference-solvers ## Run every benchmark once, without measur
 	cargo bench --bench '*' -- --test
 	$(BIN)/python benches/numpy_reference.py --test
 	$(BIN)/python benches/robustness.py --test
+	$(BIN)/python benches/practical.py --test
 	$(BIN)/python benches/ideal_drive_peer.py --test
 	$(BIN)/python benches/work_precision.py --test
+
+practical: build ## Run practical scenes at two accuracies and write docs/performance/practical.md (two minutes)
+	OMP_NUM_THREADS=1 $(BIN)/python benches/practical.py --write $(BENCH_ARGS)
 
 robustness: build ## Run scenes that are hard in different ways, 2 s each, and write docs/performance/robustness.md
 	$(BIN)/python benches/robustness.py --write $(BENCH_ARGS)
