@@ -147,7 +147,7 @@ def _save(result: rc.Result, out: Path, output: Output) -> None:
     wall = sum(seconds for name, seconds in stats.items() if name.startswith("wall_"))
     output.say(
         f"{stats['steps']} steps, {stats['rejected']} rejected, "
-        f"{stats['evaluations']} evaluations, {stats['onsets']} onsets of contact, {wall:.1f} s"
+        f"{stats['evaluations']} evaluations, {stats['onsets']} contact onsets, {wall:.1f} s"
         + (f" ({wall / span:.2f} s for each simulated second)" if span > 0.0 else "")
     )
     balance = {}
@@ -157,7 +157,7 @@ def _save(result: rc.Result, out: Path, output: Output) -> None:
         balance = {"dissipated": energy.dissipated[-1] + 0.0, "residual": energy.residual[-1] + 0.0}
         output.say(
             f"energy: {balance['dissipated']:.3e} J dissipated, "
-            f"{balance['residual']:.1e} J missing from the balance"
+            f"{balance['residual']:.1e} J energy balance residual"
         )
     output.say(f"{result.message}: {len(result.time)} rows in {out}")
     output.document(

@@ -184,7 +184,7 @@ class DriveReport(HtmlView):
         rows += [
             ("hinge stretch", f"{_text(1e6 * self.hinge_stretch, '.3f')} um"),
             ("smallest gap at the start", f"{_text(1e6 * self.start_gap, '.3f')} um"),
-            ("tensioner's pull", f"{_text(self.tension_force, '.3f')} N"),
+            ("tensioner force", f"{_text(self.tension_force, '.3f')} N"),
             *(of_sprockets if self.teeth else ()),
             ("", ""),
             _row("strand", self.strands),

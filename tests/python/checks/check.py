@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from html import escape
+from itertools import groupby
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -117,9 +118,18 @@ class Table:
 
     def _repr_html_(self) -> str:
         ranges = isinstance(self.checks[0], Range)
-        heads = "check,ours,allowed,test" if ranges else "check,ours,independent,error,bound,test"
-        rows = "".join(_row(_cells(check)) for check in self.checks)
-        head = _row(heads.split(","), "th")
+        heads = [
+            "check",
+            "rustchain",
+            *(["allowed"] if ranges else ["independent", "error", "bound"]),
+        ]
+        rows = ""
+        for test, group in groupby(self.checks, key=lambda check: check.test):
+            rows += "".join(_row(_cells(check)) for check in group)
+            path, name = test.split("::")
+            named = f"<code>tests/{escape(path)}</code> <code>{escape(name)}</code>"
+            rows += f'<tr class="test"><td colspan="{len(heads)}">test: {named}</td></tr>'
+        head = _row(heads, "th")
         return f'<table class="checks"><thead>{head}</thead><tbody>{rows}</tbody></table>'
 
 
@@ -141,22 +151,15 @@ def _flat(checks: Iterable[Any]) -> Iterator[Row]:
 
 
 def _cells(check: Row) -> list[str]:
-    path, name = check.test.split("::")
-    test = f'<code title="{escape(name)}">{escape(path)}</code><br><small>{escape(name)}</small>'
     ours = f"{check.ours:.6g} {check.unit}"
     if isinstance(check, Range):
         allowed = f"{check.low:g} to {check.high:g} {check.unit}"
         if check.high == float("inf"):
             allowed = f"at least {check.low:g} {check.unit}"
-        return [escape(check.subject), ours, allowed, test]
-    return [
-        escape(check.subject),
-        ours,
-        f"{check.other:.6g} {check.unit}",
-        f"{check.off:.1e} {check.kind}",
-        f"{check.bound:g} {check.kind}",
-        test,
-    ]
+        return [escape(check.subject), ours, allowed]
+    other = f"{check.other:.6g} {check.unit}"
+    error, bound = f"{check.off:.1e} {check.kind}", f"{check.bound:.2g} {check.kind}"
+    return [escape(check.subject), ours, other, error, bound]
 
 
 def _row(cells: list[str], tag: str = "td") -> str:

@@ -71,7 +71,7 @@ def drive_forces(count=33):
                     f"{name}, {count} random states: largest {kind}; worst of all",
                     *(*largest[kind], 1.0, test, unit),
                     error=worst[kind],
-                    error_unit="of the round-off bound",
+                    error_unit="× round-off",
                 )
             )
     return checks

@@ -25,7 +25,7 @@ def catenary():
     right.axhline(2e-7 * 40 * strands.PITCH, color="0.3", linestyle="--", label="bound")
     left.set(title="chain of 40 links at rest", xlabel="x [m]", ylabel="y [m]", aspect="equal")
     right.set(title="distance from the exact place", xlabel="link", ylabel="[m]")
-    left.legend()
+    left.legend(loc="upper right", bbox_to_anchor=(1.0, -0.35))
     right.legend()
     return figure
 
@@ -154,7 +154,9 @@ def squeezing():
         (line,) = axes.plot(1e3 * result.time, turned, label=name)
         axes.plot(30.0, (last + math.pi) % (2.0 * math.pi) - math.pi, "o", color=line.get_color())
     axes.set(xlabel="time [ms]", ylabel="angle, within half a turn [rad]")
-    axes.legend(ncols=7, title="line: rustchain, points: test set", loc="lower left")
+    axes.legend(
+        title="line: rustchain\npoint: test set", loc="center left", bbox_to_anchor=(1.0, 0.5)
+    )
     return figure
 
 

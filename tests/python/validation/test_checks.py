@@ -35,6 +35,7 @@ def test_a_table_of_a_page_has_error_bound_and_test_of_each_check():
     html = table(good, [[replace(good, subject="another")]])._repr_html_()
     assert html.count("1.0e-09 m") == html.count("1e-08 m") == 2
     assert "another" in html
+    assert html.count("test_teeth_have_the_dimensions_of_the_standards") == 1  # of both rows
     with pytest.raises(AssertionError, match="no such tests"):
         table(replace(good, test=f"{here}::test_that_is_not_there"))
 

@@ -19,7 +19,7 @@ class MechanismReport(HtmlView):
     degrees_of_freedom : int
         Motions that joints and drivers leave.
     redundant : list of str
-        Joints that hold something others hold already; one entry for each such equation.
+        Joints with redundant constraints; one entry for each redundant equation.
     moved, turned : float
         Farthest that a body had to be moved [m] and turned [rad] to fulfil the joints.
     velocity_change, spin_change : float
