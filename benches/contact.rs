@@ -18,7 +18,7 @@ fn one_gap(criterion: &mut Criterion) {
     let (_, elastic, damping) = LAWS[0];
     let model = common::at_start(elastic, damping).model().clone();
     let profile = &model.sprockets[0].profile;
-    let radius = model.contact_radius;
+    let radius = model.teeth.contact_radius;
     let right = profile.half_outline(POINTS);
     let left = right.iter().rev().map(|p| Vec2::new(-p.x, p.y));
     let places: Vec<Vec2> = left

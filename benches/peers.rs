@@ -32,7 +32,7 @@ fn main() {
     let elastic = (Elastic::Hertz, Damping::LankaraniNikravesh);
     let model = common::at_start(elastic.0, elastic.1).model().clone();
     let profile = &model.sprockets[0].profile;
-    let radius = model.contact_radius;
+    let radius = model.teeth.contact_radius;
     let ball = Ball::new(radius);
 
     let share = |i: usize| (i as f64 + 0.5) / PLACES as f64;

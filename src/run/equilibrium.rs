@@ -213,7 +213,7 @@ fn arm(sprocket: &SprocketModel, index: usize) -> f64 {
 /// Return the largest external force \[N\]: weight of a link, force of a tensioner, torque over a pitch radius; at least a micronewton.
 fn applied_force(model: &Model) -> f64 {
     let moved = (0..model.links).filter(|&i| !model.is_held(i));
-    let heaviest = moved.fold(0.0, |most: f64, i| most.max(model.mass[i]));
+    let heaviest = moved.fold(0.0, |most: f64, i| most.max(model.chain.mass[i]));
     let outside = model.sprockets.iter().map(|sprocket| {
         let torque = sprocket.applied_torque(0.0, 0.0) / sprocket.profile.pitch_radius;
         sprocket.pull(0.0).abs().max(torque.abs())
@@ -256,9 +256,9 @@ impl Settling {
         let mut largest: f64 = 0.0;
         for i in 0..n {
             largest = largest
-                .max(model.mass[i] * accelerations[i].abs())
-                .max(model.mass[i] * accelerations[n + i].abs())
-                .max(model.inertia[i] * accelerations[2 * n + i].abs() / model.half_pitch);
+                .max(model.chain.mass[i] * accelerations[i].abs())
+                .max(model.chain.mass[i] * accelerations[n + i].abs())
+                .max(model.chain.inertia[i] * accelerations[2 * n + i].abs() / model.half_pitch);
         }
         if let Some(rollers) = &model.rollers {
             // Without friction no torque acts on the rollers.
@@ -437,14 +437,14 @@ impl Settling {
         let model = self.dynamics.model();
         let n = model.links;
         let ends = |i: usize| {
-            let along = model.arms[i] * turned_left(unit(self.y[2 * n + i]));
+            let along = model.chain.arms[i] * turned_left(unit(self.y[2 * n + i]));
             let (center, turn) = (Vec2::new(step[i], step[n + i]), step[2 * n + i] * along);
             [center - turn, center + turn]
         };
         let mut excess: f64 = 0.0;
         for i in 0..n {
             let ([_, front], [rear, _]) = (ends(i), ends((i + 1) % n));
-            let apart = (front - rear).norm() / (HINGE_SHARE * model.clearance);
+            let apart = (front - rear).norm() / (HINGE_SHARE * model.hinges.clearance);
             let moved = front.norm() / (self.largest_move * 2.0 * model.half_pitch);
             excess = excess.max(apart).max(moved);
             if let Some(rollers) = &model.rollers

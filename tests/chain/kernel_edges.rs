@@ -47,8 +47,8 @@ fn row(laws: &ForceLaws, clearance: f64, gap: f64) -> Scene {
     let mut scene = Scene::laid(&paper_drive(), laws);
     let model = Arc::get_mut(&mut scene.model).unwrap();
     model.half_pitch = 1.0 / 128.0;
-    model.arms.fill(1.0 / 128.0);
-    model.clearance = clearance;
+    model.chain.arms.fill(1.0 / 128.0);
+    model.hinges.clearance = clearance;
     for i in 0..model.links {
         scene.motion.x[i] = 10.0 + i as f64 / 64.0;
         scene.motion.y[i] = if i % 2 == 0 { 0.0 } else { gap };
@@ -179,7 +179,7 @@ fn bushing_at(laws: &ForceLaws, distance: f64, angle: f64) -> Scene {
     let n = scene.model.links;
     let model = Arc::get_mut(&mut scene.model).unwrap();
     model.sprockets[0].phase = 0.0;
-    model.clearance = 1e3;
+    model.hinges.clearance = 1e3;
     for i in 0..n {
         scene.motion.x[i] = 10.0 + i as f64;
     }

@@ -133,7 +133,7 @@ fn a_pair_along_a_step_is_where_the_whole_state_has_it() {
                     let off = (contact.penetration - depth).abs();
                     let rate_off = (contact.penetration_rate - rate).abs();
                     // Where a pin is in the middle of its bushing to round-off, it has no direction.
-                    let middle = contact.penetration + model.clearance < 1e-9;
+                    let middle = contact.penetration + model.hinges.clearance < 1e-9;
                     assert!(off < 1e-15, "{off:e} m");
                     assert!(rate_off < 1e-10 || middle, "{rate_off:e} m/s");
                 };
@@ -271,7 +271,7 @@ fn a_touch_that_is_over_before_the_step_is_not_jumped_over() {
 #[test]
 fn a_contact_that_opens_and_closes_inside_a_step_begins_anew() {
     let mut scene = Scene::ring(8, &ForceLaws::default());
-    let (n, clearance, speed) = (scene.model.links, scene.model.clearance, 10.0);
+    let (n, clearance, speed) = (scene.model.links, scene.model.hinges.clearance, 10.0);
     scene.motion.y[..n].iter_mut().for_each(|y| *y += 0.5);
     // A link in touch with both neighbours, thrown at their other sides.
     scene.motion.x[2] += clearance + 1e-11;

@@ -38,7 +38,7 @@ fn a_dropped_chain_falls_with_its_momentum() {
             *velocity = [0.2 * noise.sign(), 0.2 * noise.sign(), 10.0 * noise.sign()];
         }
         let model = Model::compile(&drive, &ForceLaws::default(), &start).unwrap();
-        let mass = model.mass[..20].to_vec();
+        let mass = model.chain.mass[..20].to_vec();
         let mut run = Simulation::new(model.into(), &start, control).unwrap();
         let sums = |run: &mut Simulation| {
             let motion = &run.present().motion;

@@ -140,9 +140,9 @@ pub fn compare(dynamics: &mut Dynamics, t: f64, y: &[f64]) -> Agreement {
         all.force = all
             .force
             .max(ratio(force, errors.force, errors.force_error));
-        if model.hinge_law.lambda == 0.0 {
-            let law = elastic(&model.hinge_law.pairs, 0, 0.0, depth);
-            let error = law_error(&model.hinge_law.pairs, 0, depth, law);
+        if model.hinges.law.lambda == 0.0 {
+            let law = elastic(&model.hinges.law.pairs, 0, 0.0, depth);
+            let error = law_error(&model.hinges.law.pairs, 0, depth, law);
             all.elastic = all.elastic.max(ratio(force, law, error));
         }
     }
@@ -181,11 +181,11 @@ pub fn compare(dynamics: &mut Dynamics, t: f64, y: &[f64]) -> Agreement {
         all.force = all
             .force
             .max(ratio(force, errors.force, errors.force_error));
-        if model.tooth_law.lambda == 0.0 {
+        if model.teeth.law.lambda == 0.0 {
             let surface = reference.teeth[pair].unwrap().stiffness_surface;
             let number = model.tooth_pair(s, surface);
-            let law = elastic(&model.tooth_law.pairs, number, 0.0, depth);
-            let error = law_error(&model.tooth_law.pairs, number, depth, law);
+            let law = elastic(&model.teeth.law.pairs, number, 0.0, depth);
+            let error = law_error(&model.teeth.law.pairs, number, depth, law);
             all.elastic = all.elastic.max(ratio(force, law, error));
         }
     }
@@ -240,15 +240,15 @@ fn hinge_errors(dynamics: &Dynamics, reference: &Reference, k: usize) -> Errors 
         depth: penetration,
         rate,
         force,
-        distance: penetration + model.clearance,
+        distance: penetration + model.hinges.clearance,
         size: size[0].max(size[1]) + model.half_pitch,
         speed: speed[0].max(speed[1]),
         onset: dynamics
             .memory
             .onset_speed(dynamics.memory.hinge_speed()[k], rate),
-        lambda: model.hinge_law.lambda,
+        lambda: model.hinges.law.lambda,
     }
-    .errors(|depth| elastic(&model.hinge_law.pairs, 0, 0.0, depth))
+    .errors(|depth| elastic(&model.hinges.law.pairs, 0, 0.0, depth))
 }
 
 fn roller_errors(dynamics: &Dynamics, reference: &Reference, k: usize) -> Errors {
@@ -301,7 +301,7 @@ fn tooth_errors(
         force,
         ..
     } = tooth.contact;
-    let radius = model.contact_radius;
+    let radius = model.teeth.contact_radius;
     let distance = match profile.surfaces()[tooth.surface.index()].curve {
         SurfaceCurve::Concave(arc) => depth + arc.radius - radius,
         SurfaceCurve::Straight(_) => f64::INFINITY,
@@ -326,9 +326,9 @@ fn tooth_errors(
         onset: dynamics
             .memory
             .onset_speed(dynamics.memory.tooth_speed[pair], rate),
-        lambda: model.tooth_law.lambda,
+        lambda: model.teeth.law.lambda,
     }
-    .errors(|depth| elastic(&model.tooth_law.pairs, number, 0.0, depth))
+    .errors(|depth| elastic(&model.teeth.law.pairs, number, 0.0, depth))
 }
 
 fn compare_links(
@@ -359,8 +359,8 @@ fn compare_links(
                 }
             }
         }
-        let linear = error * model.inverse_mass[i] + UNIT * model.gravity.amax();
-        let angular = error * 2.0 * model.half_pitch * model.inverse_inertia[i];
+        let linear = error * model.chain.inverse_mass[i] + UNIT * model.gravity.amax();
+        let angular = error * 2.0 * model.half_pitch * model.chain.inverse_inertia[i];
         all.link = all
             .link
             .max(ratio(accelerations[i], x[i], linear))

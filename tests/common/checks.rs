@@ -24,7 +24,7 @@ pub fn keeps_momentum(run: &Simulation) -> Losses {
     let (mut force, mut moment, mut size) = (Vec2::zeros(), 0.0, 0.0);
     for body in 0..model.links + 2 {
         let (mass, inertia) = if body < model.links {
-            (model.mass[body], model.inertia[body])
+            (model.chain.mass[body], model.chain.inertia[body])
         } else {
             let sprocket = &model.sprockets[body - model.links];
             (sprocket.mass, sprocket.inertia)

@@ -197,7 +197,7 @@ impl Reference {
     /// The front end of link `i`, or with a `side` of -1 its rear end.
     fn end(&self, model: &Model, i: usize, side: f64) -> Point {
         let (sin, cos) = self.motion.angle[i].sin_cos();
-        let along = side * model.arms[i] * Vec2::new(cos, sin);
+        let along = side * model.chain.arms[i] * Vec2::new(cos, sin);
         let [place, velocity] = self.body(i);
         let turning = self.motion.spin[i] * turned_left(along);
         [place + along, velocity + turning]
@@ -212,32 +212,32 @@ impl Reference {
     }
 
     fn hinge(&self, dynamics: &Dynamics, k: usize, deflections: &[f64]) -> Contact {
-        let (model, law) = (dynamics.model(), &dynamics.model().hinge_law);
+        let (model, law) = (dynamics.model(), &dynamics.model().hinges.law);
         if model.hinge_is_open(k) {
-            return Contact::new(Vec2::zeros(), -model.clearance, 0.0);
+            return Contact::new(Vec2::zeros(), -model.hinges.clearance, 0.0);
         }
         let next = (k + 1) % model.links;
         let [front, rear] = [self.end(model, k, 1.0), self.end(model, next, -1.0)];
         let (offset, velocity) = (front[0] - rear[0], front[1] - rear[1]);
-        let mut contact = Contact::in_bore(offset, velocity, model.clearance);
+        let mut contact = Contact::in_bore(offset, velocity, model.hinges.clearance);
         let remembered = dynamics.memory.hinge_speed()[k];
         let onset = dynamics.memory.onset_speed(remembered, contact.rate);
-        let compliance = model.compliance_at(k).unwrap_or(0.0);
+        let compliance = model.hinges.compliance_at(k).unwrap_or(0.0);
         let elastic = |depth| elastic(&law.pairs, 0, compliance, depth);
         contact.press(elastic, law.lambda, onset);
         let deflection = deflection(deflections, &model.bristles.hinges, k);
-        let law = (&model.hinge_friction, &model.hinge_bristles);
+        let law = (&model.hinges.friction, &model.hinges.bristles);
         // The contact is the pin's outermost point, whichever link has the pin.
-        let distance = contact.penetration + model.clearance;
+        let distance = contact.penetration + model.hinges.clearance;
         let from_front = if bushing_on_front(k, model.links) {
-            -(model.pin_radius + distance)
+            -(model.hinges.pin_radius + distance)
         } else {
-            model.pin_radius
+            model.hinges.pin_radius
         };
         let arms = [from_front, from_front + distance];
         let [spin, next_spin] = [self.motion.spin[k], self.motion.spin[next]];
         contact.rub((law, deflection), velocity, [[spin, next_spin], arms]);
-        if let Some(film) = &model.hinge_film {
+        if let Some(film) = &model.hinges.film {
             let distance = offset.norm();
             let along = offset.try_normalize(0.0).unwrap_or(Vec2::x());
             let across = turned_left(along);
@@ -268,7 +268,7 @@ impl Reference {
         let elastic = |depth| elastic(&of.law.pairs, 0, 0.0, depth);
         contact.press(elastic, of.law.lambda, onset);
         let deflection = deflection(deflections, &model.bristles.rollers, k);
-        let law = (&model.hinge_friction, &model.hinge_bristles);
+        let law = (&model.hinges.friction, &model.hinges.bristles);
         let radius = of.bushing_radius;
         let arms = [radius, radius + contact.penetration + of.clearance];
         let spins = [model.link_of_bushing(k), model.links + k].map(|i| self.motion.spin[i]);
@@ -293,23 +293,33 @@ impl Reference {
         let center = self.body(wheel);
         let (angle, spin) = (self.motion.angle[wheel], self.motion.spin[wheel]);
         let frame = SprocketFrame::new(center[0], center[1], angle, spin);
-        let found = bushing_on_sprocket(sprocket, &frame, place, velocity, model.contact_radius);
+        let found = bushing_on_sprocket(
+            sprocket,
+            &frame,
+            place,
+            velocity,
+            model.teeth.contact_radius,
+        );
         let found = found.filter(|_| model.bushing_is_there(k))?;
         let arm = place - center[0];
         let at = found.contact;
         let mut contact = Contact::new(at.normal, at.penetration, at.penetration_rate);
         let remembered = memory.tooth_speed[pair];
-        let kept = model.tooth_law.regions == Regions::Kept && remembered > 0.0;
+        let kept = model.teeth.law.regions == Regions::Kept && remembered > 0.0;
         let stiffness_surface = [found.surface, memory.tooth_surface[pair]][usize::from(kept)];
         let number = model.tooth_pair(s, stiffness_surface);
         let onset = memory.onset_speed(remembered, contact.rate);
-        let elastic = |depth| elastic(&model.tooth_law.pairs, number, 0.0, depth);
-        contact.press(elastic, model.tooth_law.lambda, onset);
+        let elastic = |depth| elastic(&model.teeth.law.pairs, number, 0.0, depth);
+        contact.press(elastic, model.teeth.law.lambda, onset);
         let deflection = deflection(deflections, &model.bristles.teeth, pair);
-        let law = (&model.tooth_friction, &model.tooth_bristles);
+        let law = (&model.teeth.friction, &model.teeth.bristles);
         let seen = velocity - center[1] - spin * turned_left(arm);
         let spins = [self.motion.spin[body], spin];
-        contact.rub((law, deflection), seen, [spins, [model.contact_radius; 2]]);
+        contact.rub(
+            (law, deflection),
+            seen,
+            [spins, [model.teeth.contact_radius; 2]],
+        );
         Some(ToothContact {
             contact,
             surface: found.surface,
@@ -355,9 +365,9 @@ impl Reference {
         self.loads = loads;
         let [x, y, angle] = &mut self.accelerations;
         for i in 0..n {
-            x[i] = force[i].x * model.inverse_mass[i] + model.gravity.x;
-            y[i] = force[i].y * model.inverse_mass[i] + model.gravity.y;
-            angle[i] = moment[i] * model.inverse_inertia[i];
+            x[i] = force[i].x * model.chain.inverse_mass[i] + model.gravity.x;
+            y[i] = force[i].y * model.chain.inverse_mass[i] + model.gravity.y;
+            angle[i] = moment[i] * model.chain.inverse_inertia[i];
         }
         if let Some(rollers) = &model.rollers {
             for k in (0..n).filter(|&k| model.bushing_is_there(k)) {

@@ -85,7 +85,7 @@ fn cut(drive: &Drive, s: usize) -> Cut {
     for k in rear + 1..=front {
         let i = k % n;
         let [x, y, _] = rest.start.positions[i];
-        let weight = model.mass[i] * drive.gravity;
+        let weight = model.chain.mass[i] * drive.gravity;
         force += weight;
         moment += cross(Vec2::new(x, y), weight);
     }

@@ -110,7 +110,12 @@ fn an_elastic_drive_dissipates_exactly_nothing_and_its_balance_closes() {
 fn momentum(simulation: &rustchain::Simulation) -> ([f64; 3], [f64; 3]) {
     let model: &Model = simulation.model();
     let motion = simulation.motion();
-    let links = model.mass.iter().zip(&model.inertia).map(|(m, j)| (*m, *j));
+    let links = model
+        .chain
+        .mass
+        .iter()
+        .zip(&model.chain.inertia)
+        .map(|(m, j)| (*m, *j));
     let sprockets = model.sprockets.iter().map(|s| (s.mass, s.inertia));
     let (mut sums, mut sizes) = ([0.0; 3], [0.0; 3]);
     for (i, (mass, inertia)) in links.chain(sprockets).enumerate() {

@@ -40,8 +40,8 @@ impl<'a> HingePath<'a> {
         });
         let [_, _, front, rear, ..] = path.end();
         Self {
-            clearance: model.clearance,
-            arms: [k, next].map(|i| model.arms[i]),
+            clearance: model.hinges.clearance,
+            arms: [k, next].map(|i| model.chain.arms[i]),
             path,
             directions: [unit(front), unit(rear)],
         }
@@ -121,7 +121,7 @@ impl<'a> ToothPath<'a> {
         let angle = prescribed(sprocket, adams.time()).map_or(free_angle, |[angle, _]| angle);
         let mut at = Self {
             sprocket,
-            bushing_radius: model.contact_radius,
+            bushing_radius: model.teeth.contact_radius,
             arm,
             path,
             directions: [unit(link_angle), unit(angle)],

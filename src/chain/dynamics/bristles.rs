@@ -86,7 +86,7 @@ impl Dynamics {
                 force * law.stored(self.bristles.deflection[number])
             })
         };
-        let hinge = self.model.hinge_bristles;
+        let hinge = self.model.hinges.bristles;
         let of_hinges = places.hinges.clone().zip(&self.hinges.force);
         let of_rollers = places.rollers.clone().zip(&self.rollers.force);
         let mut all = Stored {
@@ -98,7 +98,7 @@ impl Dynamics {
                 .sum(),
             teeth: 0.0,
         };
-        let law = self.model.tooth_bristles;
+        let law = self.model.teeth.bristles;
         if law.is_some() {
             for &pair in &self.teeth.near {
                 let pair = pair as usize;

@@ -22,7 +22,7 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
                 .dot(&Vec2::new(motion.x[body], motion.y[body]));
     };
     for i in (0..model.links).filter(|&i| !model.is_held(i)) {
-        add_body(i, model.mass[i], model.inertia[i]);
+        add_body(i, model.chain.mass[i], model.chain.inertia[i]);
     }
     if let Some(rollers) = &model.rollers {
         for k in (0..model.links).filter(|&k| model.bushing_is_there(k)) {
@@ -66,8 +66,8 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
 /// Return the elastic energy of all hinges, rollers and teeth \[J\].
 fn elastic_energy(dynamics: &Dynamics) -> f64 {
     let model = dynamics.model();
-    let hinges: f64 = with_law!(&model.hinge_law.pairs, Law, pairs => {
-        dynamics.hinges.penetration.iter().enumerate().map(|(k, &depth)| match model.compliance_at(k) {
+    let hinges: f64 = with_law!(&model.hinges.law.pairs, Law, pairs => {
+        dynamics.hinges.penetration.iter().enumerate().map(|(k, &depth)| match model.hinges.compliance_at(k) {
             None => Law::energy(&pairs[0], depth),
             Some(compliance) => {
             // Contact and plates in series: δ = δ_c + C f(δ_c), V = V_c(δ_c) + C f²/2.
@@ -82,7 +82,7 @@ fn elastic_energy(dynamics: &Dynamics) -> f64 {
             dynamics.rollers.penetration.iter().map(|&depth| Law::energy(&pairs[0], depth)).sum()
         })
     });
-    let teeth: f64 = with_law!(&model.tooth_law.pairs, Law, pairs => {
+    let teeth: f64 = with_law!(&model.teeth.law.pairs, Law, pairs => {
         dynamics.teeth.near.iter().map(|&pair| {
             let pair = pair as usize;
             let number = model.tooth_pair(pair / model.links, dynamics.stiffness_surface(pair));

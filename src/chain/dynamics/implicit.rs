@@ -59,7 +59,7 @@ impl SecondOrderSystem for Dynamics {
     }
 
     fn oscillates_at_order_two(&self) -> bool {
-        self.model.hinge_film.is_some()
+        self.model.hinges.film.is_some()
     }
 
     fn local_unknowns(&self) -> Range<usize> {
@@ -100,15 +100,15 @@ impl SecondOrderSystem for Dynamics {
             // The effect of a roller's error on the chain is its momentum: the permitted error is that of a link times the ratio of the
             // masses, m_link/m_roller, with the mean mass of the links.
             let chain = model.ends.as_ref().map_or(n, |ends| ends.links);
-            let share = rollers.mass * chain as f64 / model.mass[..chain].iter().sum::<f64>();
+            let share = rollers.mass * chain as f64 / model.chain.mass[..chain].iter().sum::<f64>();
             lengths[rollers.first..].fill(share);
-            lengths[rollers.first + 2 * n..].fill(share * model.contact_radius);
+            lengths[rollers.first + 2 * n..].fill(share * model.teeth.contact_radius);
         }
         let places = &model.bristles;
         for (range, law) in [
-            (places.hinges.clone(), &model.hinge_bristles),
-            (places.rollers.clone(), &model.hinge_bristles),
-            (places.teeth.clone(), &model.tooth_bristles),
+            (places.hinges.clone(), &model.hinges.bristles),
+            (places.rollers.clone(), &model.hinges.bristles),
+            (places.teeth.clone(), &model.teeth.bristles),
         ] {
             if let Some(law) = law {
                 // Permitted error of z: accuracy/WHOLE_DEFLECTION of the break-away deflection.

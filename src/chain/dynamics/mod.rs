@@ -469,8 +469,8 @@ impl Dynamics {
             self.hinge_past_range = self.joint_past_its_end(hinges, rollers);
         }
         let model = &self.model;
-        if model.tooth_law.elastic.has_an_end() && self.tooth_past_range.is_none() {
-            let nearest_end = with_law!(&model.tooth_law.pairs, Law, pairs => {
+        if model.teeth.law.elastic.has_an_end() && self.tooth_past_range.is_none() {
+            let nearest_end = with_law!(&model.teeth.law.pairs, Law, pairs => {
                 pairs.iter().map(range_end::<Law>).fold(f64::INFINITY, f64::min)
             });
             let beyond = |(_, _, depth, _): (usize, usize, f64, f64)| depth > nearest_end;
@@ -489,7 +489,7 @@ impl Dynamics {
         }
         if needs.teeth != Want::Nothing
             && self.tooth_past_range.is_none()
-            && self.model.tooth_law.elastic.has_an_end()
+            && self.model.teeth.law.elastic.has_an_end()
         {
             self.tooth_past_range = self.tooth_past_its_end();
         }
@@ -498,13 +498,18 @@ impl Dynamics {
     /// Return a message on the first hinge, or bushing in its roller, beyond the end of its law.
     fn joint_past_its_end(&self, hinges: &[f64], rollers: &[f64]) -> Option<String> {
         let model = &self.model;
-        let law = &model.hinge_law;
+        let law = &model.hinges.law;
         if law.elastic.has_an_end() {
             let (end, force) = with_law!(&law.pairs, Law, pairs => {
                 let end = range_end::<Law>(&pairs[0]);
                 (end, force_at::<Law>(&pairs[0], end))
             });
-            let end_of = |k: usize| end + model.compliance_at(k).map_or(0.0, |given| given * force);
+            let end_of = |k: usize| {
+                end + model
+                    .hinges
+                    .compliance_at(k)
+                    .map_or(0.0, |given| given * force)
+            };
             // Elastic plates in series: the total approach at the end of the law is δ_end + C f(δ_end).
             if let Some(k) = (0..hinges.len()).find(|&k| hinges[k] > end_of(k)) {
                 let name = format!("hinge {}", k + 1);
@@ -530,9 +535,9 @@ impl Dynamics {
             let (s, k) = (pair / model.links, pair % model.links);
             let number = model.tooth_pair(s, self.stiffness_surface(pair));
             let end =
-                with_law!(&model.tooth_law.pairs, Law, pairs => range_end::<Law>(&pairs[number]));
+                with_law!(&model.teeth.law.pairs, Law, pairs => range_end::<Law>(&pairs[number]));
             let name = || format!("{} on {}", model.on_teeth_name(k), model.wheel_name(s));
-            (depth > end).then(|| past_range(model.tooth_law.elastic, &name(), depth, end))
+            (depth > end).then(|| past_range(model.teeth.law.elastic, &name(), depth, end))
         })
     }
 
@@ -543,7 +548,7 @@ impl Dynamics {
 
     /// Return the surface that determines the stiffness of a pair: that at the contact onset with kept regions, else the present one.
     fn stiffness_surface(&self, pair: usize) -> Surface {
-        if self.model.tooth_law.regions == Regions::Kept && self.memory.tooth_speed[pair] > 0.0 {
+        if self.model.teeth.law.regions == Regions::Kept && self.memory.tooth_speed[pair] > 0.0 {
             self.memory.tooth_surface[pair]
         } else {
             self.teeth.surface[pair]

@@ -48,7 +48,7 @@ impl Dynamics {
 fn check_hinges(dynamics: &Dynamics) -> Result<()> {
     let model = dynamics.model();
     // Open hinges have coincident centres in these arrays: they pass this check.
-    let apart = |k: usize| dynamics.hinges.penetration[k] + model.clearance;
+    let apart = |k: usize| dynamics.hinges.penetration[k] + model.hinges.clearance;
     let Some(k) = (0..model.links).find(|&k| apart(k) > 0.1 * model.half_pitch) else {
         return Ok(());
     };
@@ -63,7 +63,7 @@ fn check_hinges(dynamics: &Dynamics) -> Result<()> {
             "hinge {} is torn: its pin and bushing are {:.3e} m apart, with a clearance of {:.3e} m",
             k + 1,
             apart(k),
-            model.clearance
+            model.hinges.clearance
         ),
     ))
 }

@@ -124,12 +124,12 @@ impl System for Dynamics {
     fn kinetic_energy_at(&self, speed: f64) -> f64 {
         let model = &self.model;
         let links = (0..model.links).filter(|&i| !model.is_held(i));
-        let mass: f64 = links.map(|i| model.mass[i]).sum();
+        let mass: f64 = links.map(|i| model.chain.mass[i]).sum();
         0.5 * mass * speed * speed
     }
 
     fn energy_remedy(&self) -> Option<&'static str> {
-        (self.model.tooth_law.regions == Regions::Sharp).then_some(KEPT_REGIONS)
+        (self.model.teeth.law.regions == Regions::Sharp).then_some(KEPT_REGIONS)
     }
 
     fn records_energy(groups: Groups) -> bool {
@@ -161,7 +161,7 @@ impl System for Dynamics {
             losses.push(("energy_roller_contact", roller_contact));
             losses.push(("energy_roller_friction", roller_friction));
         }
-        if self.model.hinge_film.is_some() {
+        if self.model.hinges.film.is_some() {
             losses.push(("energy_hinge_film", hinge_film));
         }
         losses
@@ -235,11 +235,15 @@ fn identity(model: &Model) -> Vec<Identity> {
         let elastic = law.elastic.name();
         format!("{elastic}, {damping}, regions {regions}{friction}{bristles}")
     };
-    let film = model.hinge_film.map_or(String::new(), |film| {
+    let film = model.hinges.film.map_or(String::new(), |film| {
         format!(", film of {} Pa s", film.viscosity)
     });
-    let hinge_law = law(&model.hinge_law, model.hinge_friction, model.hinge_bristles) + &film;
-    let tooth_law = law(&model.tooth_law, model.tooth_friction, model.tooth_bristles);
+    let hinge_law = law(
+        &model.hinges.law,
+        model.hinges.friction,
+        model.hinges.bristles,
+    ) + &film;
+    let tooth_law = law(&model.teeth.law, model.teeth.friction, model.teeth.bristles);
     let teeth: Vec<u32> = model.sprockets.iter().map(|s| s.profile.teeth).collect();
     let of = |field, value, remedy| Identity {
         field,

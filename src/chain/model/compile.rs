@@ -1,119 +1,23 @@
 //! Compilation of a drive and its initial configuration to a `Model`: inertias, coordinates, constants of surface pairs.
 
-use super::bristles::{BristlePlaces, doubts};
 use super::rail::place_rail;
+use super::range_notes::range_notes;
+use super::sprocket::{SprocketModel, place_sprocket};
 use super::{
-    ContactLaw, EndKind, Guide, IMMOVABLE, Model, OpenEnds, Ratchet, RollerModel, Rotation,
-    SprocketModel, Support,
+    ChainBodies, ContactLaw, EndKind, ForceLaws, HingeModel, IMMOVABLE, Model, OpenEnds,
+    RollerModel, ToothModel,
 };
-use crate::drive::{
-    Bearing, ChainEnd, Drive, InputBounds, Link, STOP_STIFFNESS, Sprocket, SprocketMotion,
-};
-use crate::error::{Error, Result, check};
-use crate::force_law::{
-    Elastic, Film, ForceLaw, Friction, LuGre, PairTable, SurfacePair, range_note, tooth_surfaces,
-};
-use crate::geometry::Vec2;
+use crate::drive::{ChainEnd, Drive, Link};
+use crate::error::Result;
+use crate::force_law::{ForceLaw, PairTable, SurfacePair, tooth_surfaces};
 use crate::layout::{InitialConfiguration, check_places, strands};
 
-/// Force laws of a run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ForceLaws {
-    /// Normal force of pins in bushings.
-    pub hinge: ForceLaw,
-    /// Normal force of bushings on teeth.
-    pub tooth: ForceLaw,
-    /// Friction of pins in bushings; `None`: no friction.
-    pub hinge_friction: Option<Friction>,
-    /// Friction of bushings on teeth; `None`: no friction.
-    pub tooth_friction: Option<Friction>,
-    /// Bristle friction of pins in bushings, instead of `hinge_friction`; `None`: no bristles.
-    pub hinge_bristles: Option<LuGre>,
-    /// Bristle friction of bushings on teeth, instead of `tooth_friction`; `None`: no bristles.
-    pub tooth_bristles: Option<LuGre>,
-    /// Lubricant film between pins and bushings; `None`: no film.
-    pub hinge_film: Option<Film>,
-    /// Minimum impact velocity \[m/s\].
-    pub min_approach_speed: f64,
-}
-
-impl ForceLaws {
-    /// Check all laws, for the coefficient of restitution `restitution`.
-    fn check(&self, restitution: f64) -> Result<()> {
-        check::positive("min_impact_velocity", self.min_approach_speed, "m/s")?;
-        for (friction, name) in [
-            (&self.hinge_friction, "hinge_friction"),
-            (&self.tooth_friction, "tooth_friction"),
-        ] {
-            friction
-                .as_ref()
-                .map_or(Ok(()), |friction| friction.check(name))?;
-        }
-        for (friction, bristles, place) in [
-            (&self.hinge_friction, &self.hinge_bristles, "hinge"),
-            (&self.tooth_friction, &self.tooth_bristles, "tooth"),
-        ] {
-            let Some(law) = bristles else { continue };
-            law.check(&format!("{place}_bristles"))?;
-            if let Some(friction) = friction {
-                return Err(Error::invalid(
-                    format!("{place}_friction"),
-                    friction.coefficient,
-                    format!(
-                        "must be absent where there are {place}_bristles: a contact has one friction"
-                    ),
-                ));
-            }
-        }
-        if let Some(film) = &self.hinge_film {
-            film.check("hinge_film")?;
-        }
-        self.hinge.check("Material.restitution", restitution)?;
-        self.tooth.check("Material.restitution", restitution)
-    }
-}
-
-impl ForceLaws {
-    /// Allocate the coordinates of the bristles for the given numbers of hinges, rollers, and sprockets with guides.
-    fn place_bristles(
-        &self,
-        coordinates: &mut Coordinates,
-        [hinges, rollers, wheels]: [usize; 3],
-    ) -> BristlePlaces {
-        let many = |law: Option<LuGre>, count: usize| law.map_or(0, |_| count);
-        let in_hinges = |count: usize| many(self.hinge_bristles, count);
-        let counts = [
-            in_hinges(hinges),
-            in_hinges(rollers),
-            many(self.tooth_bristles, hinges * wheels),
-        ];
-        let places = BristlePlaces::from(coordinates.0, counts);
-        coordinates.0 = places.all().end;
-        places
-    }
-}
-
-impl Default for ForceLaws {
-    fn default() -> Self {
-        Self {
-            hinge: ForceLaw::default(),
-            tooth: ForceLaw::default(),
-            hinge_friction: None,
-            tooth_friction: None,
-            hinge_bristles: None,
-            tooth_bristles: None,
-            hinge_film: None,
-            min_approach_speed: 1e-3,
-        }
-    }
-}
-
 /// Counter that allocates generalized coordinates.
-struct Coordinates(usize);
+pub(super) struct Coordinates(pub(super) usize);
 
 impl Coordinates {
     /// Return the next free coordinate.
-    fn take(&mut self) -> usize {
+    pub(super) fn take(&mut self) -> usize {
         self.0 += 1;
         self.0 - 1
     }
@@ -133,92 +37,110 @@ impl Model {
         let mut coordinates = Coordinates(3 * links);
         let sprockets = place_wheels(drive, start, &mut coordinates)?;
 
-        let modulus = chain.material.contact_modulus();
-        let hinge = &chain.hinge;
-        let hinge_pairs = [SurfacePair::internal(
-            hinge.pin_radius,
-            hinge.bore_radius,
-            chain.hinge_contact_length(),
-            modulus,
-        )];
-        let tooth_pairs = tooth_pairs(drive, &sprockets);
-        let roller_pairs = chain.roller.map(|roller| {
-            [SurfacePair::internal(
-                chain.bushing_radius,
-                roller.bore_radius,
-                f64::from(chain.strands) * roller.length,
-                modulus,
-            )]
-        });
-        let mut range_notes = range_notes(
-            laws,
-            &hinge_pairs,
-            &tooth_pairs,
-            &sprockets,
-            drive.sprockets.len(),
-        );
-        for pair in roller_pairs.iter().flatten() {
-            range_notes.extend(roller_note(laws.hinge.elastic, pair));
-        }
+        let pairs = SurfacePairs::of(drive, &sprockets);
         let ready = |law: ForceLaw, pairs: &[SurfacePair]| ContactLaw {
             elastic: law.elastic,
             pairs: PairTable::prepare(law.elastic, pairs),
             lambda: law.damping.lambda(chain.material.restitution),
             regions: law.regions,
         };
-        let count = f64::from(chain.strands);
-        let rollers = chain.roller.zip(roller_pairs);
-        let rollers = rollers.map(|(roller, pairs)| RollerModel {
-            first: coordinates.0,
-            mass: count * roller.mass,
-            inertia: count * roller.inertia,
-            clearance: roller.clearance(chain.bushing_radius),
-            bushing_radius: chain.bushing_radius,
-            law: ready(laws.hinge, &pairs),
+        let rollers = chain.roller.zip(pairs.rollers).map(|(roller, pair)| {
+            let count = f64::from(chain.strands);
+            RollerModel {
+                first: coordinates.0,
+                mass: count * roller.mass,
+                inertia: count * roller.inertia,
+                clearance: roller.clearance(chain.bushing_radius),
+                bushing_radius: chain.bushing_radius,
+                law: ready(laws.hinge, &[pair]),
+            }
         });
         coordinates.0 += 3 * drive.rollers();
         let counts = [links, drive.rollers(), sprockets.len()];
         let bristles = laws.place_bristles(&mut coordinates, counts);
         let ends = OpenEnds::of(drive, start);
-        let (bodies, arms) = ring(drive, ends.as_ref());
-        let mass: Vec<f64> = bodies.iter().map(|body| body.mass).collect();
-        let inertia: Vec<f64> = bodies.iter().map(|body| body.inertia).collect();
-        // The inverse is exactly zero for a body with prescribed motion: no force accelerates it.
-        let inverse = |value: &f64| if *value < IMMOVABLE { 1.0 / value } else { 0.0 };
+        let (pin, clearance) = (chain.hinge.pin_radius, chain.hinge.clearance());
         Ok(Self {
             links,
             coordinates: coordinates.0,
             half_pitch: 0.5 * chain.pitch,
-            arms,
-            inverse_mass: mass.iter().map(inverse).collect(),
-            inverse_inertia: inertia.iter().map(inverse).collect(),
-            mass,
-            inertia,
-            clearance: hinge.clearance(),
-            pin_radius: hinge.pin_radius,
-            contact_radius: chain.contact_radius(),
+            chain: ChainBodies::of(drive, ends.as_ref()),
+            hinges: HingeModel {
+                clearance,
+                pin_radius: pin,
+                law: ready(laws.hinge, &[pairs.hinges]),
+                friction: laws.hinge_friction,
+                bristles: laws.hinge_bristles,
+                compliance: (chain.link_compliance())
+                    .map(|whole| plates_at_hinges(whole, links, ends.as_ref())),
+                film: (laws.hinge_film)
+                    .map(|film| film.between(pin, clearance, chain.hinge_contact_length())),
+            },
+            teeth: ToothModel {
+                contact_radius: chain.contact_radius(),
+                law: ready(laws.tooth, &pairs.teeth),
+                friction: laws.tooth_friction,
+                bristles: laws.tooth_bristles,
+            },
             rollers,
-            hinge_friction: laws.hinge_friction,
-            tooth_friction: laws.tooth_friction,
-            hinge_bristles: laws.hinge_bristles,
-            tooth_bristles: laws.tooth_bristles,
             bristles,
-            link_compliance: (chain.link_compliance())
-                .map(|whole| plates_at_hinges(whole, links, ends.as_ref())),
-            hinge_film: laws.hinge_film.map(|film| {
-                let length = chain.hinge_contact_length();
-                film.between(hinge.pin_radius, hinge.clearance(), length)
-            }),
-            hinge_law: ready(laws.hinge, &hinge_pairs),
-            tooth_law: ready(laws.tooth, &tooth_pairs),
             min_approach_speed: laws.min_approach_speed,
             ends,
             gravity: drive.gravity,
             strands: strands(drive),
             guides: drive.guides.len(),
+            range_notes: range_notes(laws, &pairs, &sprockets, drive.sprockets.len()),
             sprockets,
-            range_notes,
         })
+    }
+}
+
+/// Surface pairs of all contacts.
+pub(super) struct SurfacePairs {
+    /// Pin and bushing.
+    pub(super) hinges: SurfacePair,
+    /// Bushing and roller, where rollers are bodies of their own.
+    pub(super) rollers: Option<SurfacePair>,
+    /// Bushings and every surface of all sprockets and guides.
+    pub(super) teeth: Vec<SurfacePair>,
+}
+
+impl SurfacePairs {
+    /// Return the pairs of `drive`.
+    fn of(drive: &Drive, wheels: &[SprocketModel]) -> Self {
+        let (chain, hinge) = (&drive.chain, &drive.chain.hinge);
+        let modulus = chain.material.contact_modulus();
+        Self {
+            hinges: SurfacePair::internal(
+                hinge.pin_radius,
+                hinge.bore_radius,
+                chain.hinge_contact_length(),
+                modulus,
+            ),
+            rollers: chain.roller.map(|roller| {
+                let length = f64::from(chain.strands) * roller.length;
+                SurfacePair::internal(chain.bushing_radius, roller.bore_radius, length, modulus)
+            }),
+            teeth: tooth_pairs(drive, wheels),
+        }
+    }
+}
+
+impl ChainBodies {
+    /// Return the links of `drive`, followed by the bodies at its `ends`.
+    fn of(drive: &Drive, ends: Option<&OpenEnds>) -> Self {
+        let (bodies, arms) = ring(drive, ends);
+        let mass: Vec<f64> = bodies.iter().map(|body| body.mass).collect();
+        let inertia: Vec<f64> = bodies.iter().map(|body| body.inertia).collect();
+        // The inverse is exactly zero for a body with prescribed motion: no force accelerates it.
+        let inverse = |value: &f64| if *value < IMMOVABLE { 1.0 / value } else { 0.0 };
+        Self {
+            arms,
+            inverse_mass: mass.iter().map(inverse).collect(),
+            inverse_inertia: inertia.iter().map(inverse).collect(),
+            mass,
+            inertia,
+        }
     }
 }
 
@@ -316,147 +238,4 @@ fn tooth_pairs(drive: &Drive, wheels: &[SprocketModel]) -> Vec<SurfacePair> {
         ));
     }
     pairs
-}
-
-/// Return a warning if the law of bushings in rollers is outside its range of validity.
-fn roller_note(law: Elastic, pair: &SurfacePair) -> Option<String> {
-    let note = range_note(law, pair)?;
-    Some(format!("{} law, bushing and roller: {note}", law.name()))
-}
-
-/// Return warnings on laws outside their range of validity, one line for each pair of surfaces.
-fn range_notes(
-    laws: &ForceLaws,
-    hinge_pairs: &[SurfacePair],
-    tooth_pairs: &[SurfacePair],
-    sprockets: &[SprocketModel],
-    toothed: usize,
-) -> Vec<String> {
-    let mut notes: Vec<String> = doubts([laws.hinge_bristles, laws.tooth_bristles]).collect();
-    for (law, pairs, name) in [
-        (laws.hinge, hinge_pairs, "pin and bushing"),
-        (laws.tooth, tooth_pairs, "bushing and"),
-    ] {
-        for (i, pair) in pairs.iter().enumerate() {
-            let Some(note) = range_note(law.elastic, pair) else {
-                continue;
-            };
-            let surface = if pairs.len() > 1 {
-                let owner = sprockets.iter().rposition(|s| s.first_pair <= i);
-                let number = owner.unwrap_or_default();
-                let SprocketModel {
-                    profile,
-                    first_pair,
-                    ..
-                } = &sprockets[number];
-                let name = profile.surfaces()[i - first_pair].name;
-                match number.checked_sub(toothed) {
-                    None => format!(" {name} of sprocket {}", number + 1),
-                    Some(guide) => format!(" {name} of guide {}", guide + 1),
-                }
-            } else {
-                String::new()
-            };
-            notes.push(format!(
-                "{} law, {name}{surface}: {note}",
-                law.elastic.name()
-            ));
-        }
-    }
-    notes
-}
-
-/// Return the model of sprocket `number` (from 0): profile, mass properties, support and rotation.
-fn place_sprocket(
-    drive: &Drive,
-    number: usize,
-    sprocket: &Sprocket,
-    start: &InitialConfiguration,
-    coordinates: &mut Coordinates,
-) -> Result<SprocketModel> {
-    let chain = &drive.chain;
-    let profile = sprocket.tooth_profile(chain)?;
-    let (mass, inertia) = sprocket.mass_properties(chain);
-    let [x, y, angle] = start.positions[drive.first_wheel() + number];
-    let mut center = Vec2::new(x, y);
-    let tensioner = drive.tensioner.filter(|t| t.sprocket == number + 1);
-    let support = match (&tensioner, sprocket.bearing) {
-        (Some(tensioner), _) => {
-            let line = tensioner.line(drive)?;
-            let [back, forth] = tensioner.travel;
-            // Spring and stops have their origin at the described centre, whatever the initial configuration. A straight guide path
-            // passes through the initial centre: its origin is the described centre, shifted across the path.
-            let moved = center - sprocket.center;
-            center = if line.curvature == 0.0 {
-                center - moved.dot(&line.direction) * line.direction
-            } else {
-                sprocket.center
-            };
-            Support::Slide {
-                index: coordinates.take(),
-                direction: line.direction,
-                guide: Guide {
-                    curvature: line.curvature,
-                    stiffness: tensioner.stiffness,
-                    stops: [-back, forth],
-                    stop_stiffness: STOP_STIFFNESS,
-                    extra_mass: tensioner.arm_inertia * line.curvature * line.curvature,
-                    ratchet: tensioner.ratchet.map(|step| Ratchet { step, forward: 1.0 }),
-                    dashpots: [
-                        tensioner.damping_back.unwrap_or(tensioner.damping),
-                        tensioner.damping,
-                    ],
-                },
-                pull: line.pull,
-                ramp_time: tensioner.ramp_time,
-                // Newton's method converges with the larger coefficient, whichever direction the centre moves in.
-                damping: tensioner.damping.max(tensioner.damping_back.unwrap_or(0.0)),
-            }
-        }
-        (None, Bearing::Fixed) => Support::Fixed,
-        (None, Bearing::Floating) => Support::Floating {
-            x: coordinates.take(),
-            y: coordinates.take(),
-        },
-    };
-    let rotation = match &sprocket.motion {
-        SprocketMotion::PrescribedSpeed(table) => Rotation::Prescribed(table.clone()),
-        SprocketMotion::AppliedTorque(table) => Rotation::Free {
-            index: coordinates.take(),
-            torque: (!table.is_zero()).then(|| table.clone()),
-            curve: None,
-        },
-        SprocketMotion::TorqueCurve { torque, curve } => Rotation::Free {
-            index: coordinates.take(),
-            torque: (!torque.is_zero()).then(|| torque.clone()),
-            curve: Some(curve.clone()),
-        },
-        SprocketMotion::Free => Rotation::Free {
-            index: coordinates.take(),
-            torque: None,
-            curve: None,
-        },
-    };
-    let gap_directions = (0..profile.teeth)
-        .map(|gap| {
-            let (sin, cos) = (f64::from(gap) * profile.gap_angle()).sin_cos();
-            (cos, sin)
-        })
-        .collect();
-    Ok(SprocketModel {
-        side: sprocket.side,
-        reach: profile.reach(chain.contact_radius()) + sprocket.faults.eccentricity,
-        offset: sprocket.faults.offset(),
-        profile,
-        first_pair: 0,
-        gap_directions,
-        mass,
-        inertia,
-        center,
-        phase: angle,
-        support,
-        rotation,
-        swing: None,
-        input_bounds: Some(InputBounds::of(chain, sprocket.teeth)),
-    })
 }

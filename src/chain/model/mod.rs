@@ -3,22 +3,25 @@
 mod bristles;
 mod compile;
 mod ends;
+mod force_laws;
 mod guide;
 mod input;
 mod rail;
+mod range_notes;
+mod sprocket;
 
 pub use bristles::BristlePlaces;
-pub use compile::ForceLaws;
 pub(crate) use ends::IMMOVABLE;
 pub use ends::{EndKind, EndModel, OpenEnds};
+pub use force_laws::ForceLaws;
 pub use guide::{Guide, Ratchet};
 pub use input::{Input, Quantity};
+pub use sprocket::{Rotation, SprocketModel, Support};
 
-use crate::drive::{InputBounds, bushing_on_front};
+use crate::drive::bushing_on_front;
 use crate::force_law::{Elastic, Friction, HingeFilm, LuGre, PairTable, Regions};
-use crate::geometry::path::belt::Side;
-use crate::geometry::{Surface, ToothProfile, Vec2};
-use crate::math::{Signal, Table};
+use crate::geometry::{Surface, Vec2};
+use crate::math::Signal;
 
 /// Complete model of a drive, constant during a run.
 ///
@@ -38,6 +41,33 @@ pub struct Model {
     pub coordinates: usize,
     /// Half the nominal pitch \[m\].
     pub half_pitch: f64,
+    /// Lengths and inertias of the links.
+    pub chain: ChainBodies,
+    /// Contacts of pins in bushings.
+    pub hinges: HingeModel,
+    /// Contacts of bushings or rollers with sprockets and guides.
+    pub teeth: ToothModel,
+    /// Rollers, where they are bodies of their own.
+    pub rollers: Option<RollerModel>,
+    /// Sprockets, followed by the guides, which are treated as wheels without teeth.
+    pub sprockets: Vec<SprocketModel>,
+    /// Number of guides at the end of `sprockets`.
+    pub guides: usize,
+    /// Sprockets at the start and at the end of each strand. With two sprockets: the upper strand, then the lower one.
+    pub strands: Vec<[usize; 2]>,
+    /// Coordinates of the bristles.
+    pub bristles: BristlePlaces,
+    /// Minimum impact velocity \[m/s\].
+    pub min_approach_speed: f64,
+    /// Gravity \[m/s²\].
+    pub gravity: Vec2,
+    /// Warnings on laws outside their range of validity in this drive, one line each.
+    pub range_notes: Vec<String>,
+}
+
+/// Lengths and inertias of the bodies of the chain: links, and the bodies at the ends of an open chain.
+#[derive(Debug, Clone)]
+pub struct ChainBodies {
     /// Half the length of each link \[m\]: its hinges lie at (± arm, 0) in its own frame.
     pub arms: Vec<f64>,
     /// Mass of each link \[kg\].
@@ -48,44 +78,66 @@ pub struct Model {
     pub inverse_mass: Vec<f64>,
     /// 1/inertia of each link \[1/(kg m²)\]; zero for an end with prescribed motion.
     pub inverse_inertia: Vec<f64>,
-    /// Radial clearance of the hinges \[m\].
+}
+
+/// Hinges: a pin in a bushing each, all identical.
+#[derive(Debug, Clone)]
+pub struct HingeModel {
+    /// Radial clearance \[m\].
     pub clearance: f64,
     /// Radius of the pins \[m\].
     pub pin_radius: f64,
+    /// Contact law: one pair of surfaces for all.
+    pub law: ContactLaw,
+    /// Friction, also of bushings in rollers; `None`: no friction.
+    pub friction: Option<Friction>,
+    /// Bristle (`LuGre`) friction, instead of a function of the sliding velocity; `None`: no bristles.
+    pub bristles: Option<LuGre>,
+    /// Compliance of the plates at each hinge \[m/N\]; `None`: rigid plates.
+    pub compliance: Option<Vec<f64>>,
+    /// Lubricant film; `None`: no film.
+    pub film: Option<HingeFilm>,
+}
+
+impl HingeModel {
+    /// Return whether hinges, and bushings in rollers, have friction.
+    #[must_use]
+    pub fn has_friction(&self) -> bool {
+        self.friction.is_some() || self.bristles.is_some()
+    }
+
+    /// Return whether hinges have a lubricant film or links are elastic.
+    #[must_use]
+    pub fn has_film_or_compliance(&self) -> bool {
+        self.film.is_some() || self.compliance.is_some()
+    }
+
+    /// Return the compliance of the plates at hinge `k` \[m/N\]; `None` for rigid plates.
+    #[must_use]
+    pub fn compliance_at(&self, k: usize) -> Option<f64> {
+        Some(self.compliance.as_ref()?[k])
+    }
+}
+
+/// Contacts of bushings or rollers with the teeth of sprockets and with guides.
+#[derive(Debug, Clone)]
+pub struct ToothModel {
     /// Outside radius of the bushings or rollers in contact with the teeth \[m\].
     pub contact_radius: f64,
-    /// Rollers, where they are bodies of their own.
-    pub rollers: Option<RollerModel>,
-    /// Sprockets, followed by the guides, which are treated as wheels without teeth.
-    pub sprockets: Vec<SprocketModel>,
-    /// Number of guides at the end of `sprockets`.
-    pub guides: usize,
-    /// Sprockets at the start and at the end of each strand. With two sprockets: the upper strand, then the lower one.
-    pub strands: Vec<[usize; 2]>,
-    /// Contact law of the hinges: one pair of surfaces for all.
-    pub hinge_law: ContactLaw,
-    /// Contact law of the teeth: pairs of surfaces sprocket by sprocket, see [`Self::tooth_pair`].
-    pub tooth_law: ContactLaw,
-    /// Friction in the hinges; `None`: no friction.
-    pub hinge_friction: Option<Friction>,
-    /// Friction on the teeth; `None`: no friction.
-    pub tooth_friction: Option<Friction>,
-    /// Bristle (`LuGre`) friction in the hinges, instead of a function of the sliding velocity; `None`: no bristles.
-    pub hinge_bristles: Option<LuGre>,
-    /// Bristle (`LuGre`) friction on the teeth; `None`: no bristles.
-    pub tooth_bristles: Option<LuGre>,
-    /// Coordinates of the bristles.
-    pub bristles: BristlePlaces,
-    /// Compliance of the plates at each hinge \[m/N\]; `None`: rigid plates.
-    pub link_compliance: Option<Vec<f64>>,
-    /// Lubricant film in the hinges; `None`: no film.
-    pub hinge_film: Option<HingeFilm>,
-    /// Minimum impact velocity \[m/s\].
-    pub min_approach_speed: f64,
-    /// Gravity \[m/s²\].
-    pub gravity: Vec2,
-    /// Warnings on laws outside their range of validity in this drive, one line each.
-    pub range_notes: Vec<String>,
+    /// Contact law: pairs of surfaces sprocket by sprocket, see [`Model::tooth_pair`].
+    pub law: ContactLaw,
+    /// Friction; `None`: no friction.
+    pub friction: Option<Friction>,
+    /// Bristle (`LuGre`) friction; `None`: no bristles.
+    pub bristles: Option<LuGre>,
+}
+
+impl ToothModel {
+    /// Return whether teeth have friction.
+    #[must_use]
+    pub fn has_friction(&self) -> bool {
+        self.friction.is_some() || self.bristles.is_some()
+    }
 }
 
 /// Contact law with constants for one group of surface pairs.
@@ -116,84 +168,6 @@ pub struct RollerModel {
     pub bushing_radius: f64,
     /// Contact law of bushings in the bores of the rollers: one pair of surfaces for all.
     pub law: ContactLaw,
-}
-
-/// Sprocket or guide.
-#[derive(Debug, Clone)]
-pub struct SprocketModel {
-    /// Tooth profile.
-    pub profile: ToothProfile,
-    /// Number of the first surface pair of this sprocket in the contact law of the teeth.
-    pub first_pair: usize,
-    /// Directions (cos, sin) of the tooth gaps in the frame of the sprocket.
-    pub gap_directions: Vec<(f64, f64)>,
-    /// Centre of the teeth in the frame of the sprocket \[m\]; zero unless the teeth are eccentric.
-    pub offset: Vec2,
-    /// Distance of a bushing from the centre beyond which contact is impossible \[m\].
-    pub reach: f64,
-    /// Mass \[kg\].
-    pub mass: f64,
-    /// Moment of inertia \[kg m²\].
-    pub inertia: f64,
-    /// Centre at the start \[m\].
-    pub center: Vec2,
-    /// Angle of gap 0 at time zero \[rad\]. For a guide on an arm: angle at zero displacement of `swing`.
-    pub phase: f64,
-    /// Support of the centre.
-    pub support: Support,
-    /// Law of the rotation.
-    pub rotation: Rotation,
-    /// Side of the chain path on which the sprocket lies.
-    pub side: Side,
-    /// Spring, stops and dashpots of a guide's arm, as functions of its rotation \[rad\]: N m instead of N, rad instead of m.
-    pub swing: Option<Guide>,
-    /// Bounds of speed and torque inputs; `None` for a guide, which has no inputs.
-    pub input_bounds: Option<InputBounds>,
-}
-
-/// Support of a sprocket's centre; indices refer to q.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Support {
-    /// Fixed centre.
-    Fixed,
-    /// Slide along a line or about a pivot, with the pull and the damping of a tensioner.
-    Slide {
-        /// Coordinate: displacement along the slide from its origin \[m\].
-        index: usize,
-        /// Unit vector of the guide path at its origin.
-        direction: Vec2,
-        /// Guide path, spring and stops.
-        guide: Guide,
-        /// Tensioner force after the ramp \[N\].
-        pull: f64,
-        /// Duration of the linear ramp of the tensioner force \[s\].
-        ramp_time: f64,
-        /// Dashpot coefficient \[N s/m\]: the larger one of both directions.
-        damping: f64,
-    },
-    /// Centre free in the plane: coordinates x and y \[m\].
-    Floating {
-        /// Coordinate x.
-        x: usize,
-        /// Coordinate y.
-        y: usize,
-    },
-}
-
-/// Law of a sprocket's rotation.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Rotation {
-    /// Prescribed angular speed \[rad/s\]: no coordinate.
-    Prescribed(Signal),
-    /// Free rotation under the moment of the chain and an applied torque \[N m\].
-    Free {
-        /// Coordinate θ \[rad\].
-        index: usize,
-        /// Applied torque as a function of time \[N m\].
-        torque: Option<Signal>,
-        /// Applied torque as a function of the sprocket's angular speed \[N m\].
-        curve: Option<Table>,
-    },
 }
 
 impl Model {
@@ -304,40 +278,16 @@ impl Model {
     pub fn bushing_arm(&self, bushing: usize) -> f64 {
         let link = self.link_of_bushing(bushing);
         if link == bushing {
-            self.arms[link]
+            self.chain.arms[link]
         } else {
-            -self.arms[link]
+            -self.chain.arms[link]
         }
-    }
-
-    /// Return whether hinges, and bushings in rollers, have friction.
-    #[must_use]
-    pub fn hinges_rub(&self) -> bool {
-        self.hinge_friction.is_some() || self.hinge_bristles.is_some()
-    }
-
-    /// Return whether teeth have friction.
-    #[must_use]
-    pub fn teeth_rub(&self) -> bool {
-        self.tooth_friction.is_some() || self.tooth_bristles.is_some()
     }
 
     /// Return whether any contact has friction.
     #[must_use]
     pub fn has_friction(&self) -> bool {
-        self.hinges_rub() || self.teeth_rub()
-    }
-
-    /// Return whether hinges have a lubricant film or links are elastic.
-    #[must_use]
-    pub fn has_extra(&self) -> bool {
-        self.hinge_film.is_some() || self.link_compliance.is_some()
-    }
-
-    /// Return the compliance of the plates at hinge `k` \[m/N\]; `None` for rigid plates.
-    #[must_use]
-    pub fn compliance_at(&self, k: usize) -> Option<f64> {
-        Some(self.link_compliance.as_ref()?[k])
+        self.hinges.has_friction() || self.teeth.has_friction()
     }
 
     /// Return whether hinges can transmit moments to links besides forces at their centres.
@@ -345,7 +295,7 @@ impl Model {
     /// That is the case with friction or a lubricant film. Hinges of elastic links are treated in the same way.
     #[must_use]
     pub fn has_moments(&self) -> bool {
-        self.has_friction() || self.has_extra()
+        self.has_friction() || self.hinges.has_film_or_compliance()
     }
 
     /// Return the number of the surface pair of a sprocket's surface in the contact law of the teeth.
@@ -377,82 +327,5 @@ impl Model {
             by_support || matches!(s.rotation, Rotation::Free { index: i, .. } if i == index)
         };
         self.wheel_body(self.sprockets.iter().position(owns).unwrap_or(0))
-    }
-}
-
-impl SprocketModel {
-    /// Call `each` with every coordinate of the sprocket and its mass \[kg\] or moment of inertia \[kg m²\].
-    pub(crate) fn for_each_inertia(&self, mut each: impl FnMut(usize, f64)) {
-        match self.support {
-            Support::Fixed => {}
-            Support::Slide { index, guide, .. } => each(index, self.mass + guide.extra_mass),
-            Support::Floating { x, y } => {
-                each(x, self.mass);
-                each(y, self.mass);
-            }
-        }
-        if let Rotation::Free { index, .. } = self.rotation {
-            each(index, self.inertia);
-        }
-    }
-
-    /// Return the distance from the centre of the teeth below which a bushing counts as seated \[m\].
-    ///
-    /// It lies halfway between the pitch circle and the distance at which a bushing passes over the tips. A bushing within this distance
-    /// cannot change gaps.
-    #[must_use]
-    pub fn seated_within(&self) -> f64 {
-        0.5 * (self.profile.pitch_radius + self.reach - self.offset.norm())
-    }
-
-    /// Return the applied torque at time `t` \[s\] and angular speed `spin` \[rad/s\] \[N m\]; zero for prescribed or free rotation.
-    #[must_use]
-    pub fn applied_torque(&self, t: f64, spin: f64) -> f64 {
-        let Rotation::Free { torque, curve, .. } = &self.rotation else {
-            return 0.0;
-        };
-        let of_time = torque.as_ref().map_or(0.0, |table| table.value(t));
-        match curve {
-            Some(curve) => of_time + curve.value(spin),
-            None => of_time,
-        }
-    }
-
-    /// Return the displacement along the slide for a centre at `center` \[m\], and the tangent there; `None` without a tensioner.
-    #[must_use]
-    pub fn slide_at(&self, center: Vec2) -> Option<(f64, Vec2)> {
-        let Support::Slide {
-            direction, guide, ..
-        } = &self.support
-        else {
-            return None;
-        };
-        let s = guide.place(*direction, center - self.center);
-        Some((s, guide.tangent(*direction, s)))
-    }
-
-    /// Return the ratchet of the tensioner or arm, and the displacement (rotation for an arm) that it limits, in the state `y`.
-    pub(crate) fn ratchet_at(&self, y: &[f64]) -> Option<(Ratchet, f64)> {
-        if let Support::Slide { index, guide, .. } = self.support {
-            return guide.ratchet.map(|ratchet| (ratchet, y[index]));
-        }
-        match (self.swing, &self.rotation) {
-            (Some(swing), Rotation::Free { index, .. }) => swing
-                .ratchet
-                .map(|ratchet| (ratchet, y[*index] - self.phase)),
-            _ => None,
-        }
-    }
-
-    /// Return the tensioner force at time `t` along its direction \[N\]: a linear ramp, then constant.
-    #[must_use]
-    pub fn pull(&self, t: f64) -> f64 {
-        match self.support {
-            Support::Slide {
-                pull, ramp_time, ..
-            } if t < ramp_time => pull * (t / ramp_time).max(0.0),
-            Support::Slide { pull, .. } => pull,
-            _ => 0.0,
-        }
     }
 }

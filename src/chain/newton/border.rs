@@ -3,8 +3,8 @@
 use crate::chain::model::{Model, Rotation, SprocketModel, Support};
 
 use super::dense::Dense;
-use super::teeth::Motion;
-use crate::chain::rhs::teeth::SprocketPose;
+use super::tooth_motion::Motion;
+use crate::chain::rhs::pose::SprocketPose;
 
 /// Coordinates of one sprocket: numbers `first`, `first` + 1, ... on the border.
 #[derive(Debug, Clone)]

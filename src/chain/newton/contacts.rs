@@ -16,7 +16,7 @@
 use pulp::Simd;
 
 use super::ring::{HingeBlocks, own_registers};
-use crate::chain::rhs::slopes::{FrictionGroup, SlopeGroup};
+use crate::chain::rhs::slopes::{ContactSlopes, SlopeGroup};
 use crate::math::simd::{Lanes, Numbers, WIDTH, padded_zeros, parts, read, vectors_mut};
 
 /// Return α and η of vector `part` of these contacts.
@@ -112,23 +112,18 @@ impl Arms {
     }
 }
 
-/// Friction slopes of hinges and the arms to write, where there is friction.
-pub(super) struct Rubbing<'a> {
-    pub(super) slopes: &'a [FrictionGroup],
-    pub(super) arms: &'a mut Arms,
-}
-
 /// Initialise the ring's blocks with the compliance of each hinge, n n^T/α + t t^T/η. Hinges without force get the identity.
-/// `RUBBED`: with friction, η + τ in the place of η.
+/// `RUBBED`: with friction, η + τ in the place of η; only then `arms` are written.
 #[inline(always)]
-pub(super) fn soften_hinges<S: Simd, const RUBBED: bool>(
+pub(super) fn assemble_compliance<S: Simd, const RUBBED: bool>(
     simd: S,
     gamma: f64,
-    slopes: &[SlopeGroup],
+    hinges: &ContactSlopes,
     closed: &mut Closed,
     blocks: &mut HingeBlocks,
-    mut rubbing: Option<Rubbing>,
+    arms: &mut Arms,
 ) {
+    let slopes = &hinges.normal;
     let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
     let (least, least_share) = (one.constant(LEAST), one.constant(LEAST_SHARE));
     closed.any = false;
@@ -144,7 +139,7 @@ pub(super) fn soften_hinges<S: Simd, const RUBBED: bool>(
                 for (own, entry) in own.iter_mut().zip([one, one, zero]) {
                     own[i] = entry.values();
                 }
-                if RUBBED && let Some(Rubbing { arms, .. }) = &mut rubbing {
+                if RUBBED {
                     arms.put(i, [zero; 2], zero, [zero; 2]);
                 }
                 continue;
@@ -157,8 +152,8 @@ pub(super) fn soften_hinges<S: Simd, const RUBBED: bool>(
                 slopes.normal[0].at(simd, part),
                 slopes.normal[1].at(simd, part),
             );
-            if RUBBED && let Some(Rubbing { slopes, arms }) = &mut rubbing {
-                let friction = &slopes[number];
+            if RUBBED {
+                let friction = &hinges.friction[number];
                 let tau = Lanes::splat(simd, gamma) * friction.slope.at(simd, part);
                 let both = eta + tau;
                 let places = read(simd, &friction.places, part);

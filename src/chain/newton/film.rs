@@ -6,27 +6,27 @@
 
 use pulp::Simd;
 
-use super::contacts::{Closed, LEAST, LEAST_SHARE, Rubbing, scaled};
+use super::contacts::{Arms, BASE, Closed, LEAST, LEAST_SHARE, scaled};
 use super::ring::{HingeBlocks, own_registers};
-use crate::chain::rhs::slopes::{FilmGroup, SlopeGroup};
+use crate::chain::rhs::slopes::{ContactSlopes, FilmGroup};
 use crate::math::simd::{Lanes, parts, read, vectors_mut};
-
-use super::contacts::BASE;
 
 /// Upper bound of xy²/(xx yy) in a block. Larger off-diagonal entries are set to zero, which keeps the block positive definite.
 const MOST_BESIDE: f64 = 0.9;
 
-/// Initialise the ring's blocks with the compliance of each hinge, as `soften_hinges` does.
+/// Initialise the ring's blocks with the compliance of each hinge, as `assemble_compliance` does. Any hinge may transmit force: a
+/// film does so without contact.
 #[inline(always)]
-pub(super) fn soften_filled_hinges<S: Simd>(
+pub(super) fn assemble_film_compliance<S: Simd>(
     simd: S,
     gamma: f64,
-    slopes: &[SlopeGroup],
+    hinges: &ContactSlopes,
     films: &[FilmGroup],
     closed: &mut Closed,
     blocks: &mut HingeBlocks,
-    rubbing: Option<Rubbing>,
+    arms: &mut Arms,
 ) {
+    let slopes = &hinges.normal;
     let splat = |value| Lanes::splat(simd, value);
     let (zero, one) = (splat(0.0), splat(1.0));
     let (least, least_share) = (splat(LEAST), splat(LEAST_SHARE));
@@ -34,12 +34,9 @@ pub(super) fn soften_filled_hinges<S: Simd>(
     closed.any = true;
     let count = parts::<S>().len();
     let bearing = vectors_mut::<S>(&mut closed.hinges[BASE..], slopes.len() * count);
-    let Some(Rubbing { slopes: rubs, arms }) = rubbing else {
-        return;
-    };
     let mut own = own_registers::<S>(&mut blocks.own, slopes.len() * count);
-    let each = slopes.iter().zip(films).zip(rubs);
-    for (number, ((slopes, film), rubs)) in each.enumerate() {
+    let each = slopes.iter().zip(films).zip(&hinges.friction);
+    for (number, ((slopes, film), friction)) in each.enumerate() {
         for part in parts::<S>() {
             let i = number * count + part;
             let [dxx, dyy, dxy] = read(simd, &film.damping, part);
@@ -48,7 +45,7 @@ pub(super) fn soften_filled_hinges<S: Simd>(
             let bears = dxx.greater(zero).or(touches);
             bearing[i] = bears.select(one, zero).values();
             let [alpha, eta] = scaled(gamma, simd, slopes, part);
-            let tau = once * rubs.slope.at(simd, part);
+            let tau = once * friction.slope.at(simd, part);
             // Stiffness in the frame (n, t): α + γ D_xx + γ² K_xx and η + τ + γ D_yy + γ² K_yy; negative K_xx and K_yy are set to
             // zero.
             let film_xx = once.mul_add(dxx, (twice * kxx).positive_part());
@@ -59,7 +56,7 @@ pub(super) fn soften_filled_hinges<S: Simd>(
             let definite = (xy * xy).less(splat(MOST_BESIDE) * xx * yy);
             let xy = definite.select(xy, zero);
             let (nx, ny) = (film.normal[0].at(simd, part), film.normal[1].at(simd, part));
-            let places = read(simd, &rubs.places, part);
+            let places = read(simd, &friction.places, part);
             arms.put(i, [nx, ny], tau / yy, places);
             // Inverse of the block in the frame (n, t), rotated to the frame of the scene.
             let over = one / xx.mul_add(yy, -(xy * xy));

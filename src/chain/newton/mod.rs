@@ -10,32 +10,39 @@
 
 mod blocks;
 mod border;
+mod bores;
 mod contacts;
+mod correct;
 mod dense;
-mod entries;
 mod film;
+mod link_ends;
+mod link_group;
 mod links;
 mod ring;
+mod roller_group;
 mod rollers;
+mod spatial;
 mod teeth;
+mod tooth_motion;
 
 use pulp::{Simd, WithSimd};
 
 use border::{Corner, SprocketMotions};
-use contacts::{Arms, Closed, Rubbing, soften_hinges};
-use entries::{Entries, EntriesMut};
-use film::soften_filled_hinges;
-use links::{Border, LinkTerms, Linked, RightHand};
+use contacts::{Arms, Closed, assemble_compliance};
+use correct::Correct;
+use film::assemble_film_compliance;
+use link_group::Linked;
+use links::{Border, LinkTerms, RightHand};
 use ring::{HingeBlocks, Ring};
 use rollers::RollerTerms;
-use teeth::{AddTeeth, RubbingTeeth, ToothTerms};
+use teeth::{AddTeeth, ToothTerms};
 
 use super::rhs::layout::{ChainArrays, FIRST, LinkConstants};
-use super::rhs::slopes::{FilmGroup, FrictionGroup, SlopeGroup, slope_groups};
-use super::rhs::teeth::SprocketPose;
+use super::rhs::pose::SprocketPose;
+use super::rhs::slopes::Slopes;
 use crate::chain::contact::Candidates;
 use crate::chain::model::Model;
-use crate::math::simd::{InstructionSet, Lanes, Octet, PartialSums, WIDTH, parts, read, write};
+use crate::math::simd::{InstructionSet, Lanes, Octet, PartialSums, WIDTH, parts, read};
 
 /// Upper bound of the share of a diagonal border entry that teeth contribute. Below this bound one block Gauss-Seidel sweep
 /// replaces the elimination of the border. The relative error of a correction is then below this share.
@@ -44,20 +51,8 @@ const WEAK: f64 = 0.14;
 /// Contact slopes written by evaluations, the matrix and its factors.
 #[derive(Debug, Clone)]
 pub(crate) struct NewtonMatrix {
-    /// Slopes of the hinges.
-    pub(crate) hinge_slopes: Vec<SlopeGroup>,
-    /// Slopes of the candidates of each sprocket, slot by slot.
-    pub(crate) tooth_slopes: Vec<Vec<SlopeGroup>>,
-    /// Friction slopes of the hinges; empty where links have no moments.
-    pub(crate) hinge_rubs: Vec<FrictionGroup>,
-    /// Friction slopes of the candidates of each sprocket, slot by slot.
-    pub(crate) tooth_rubs: Vec<Vec<FrictionGroup>>,
-    /// Slopes of the contacts between bushings and rollers; empty where rollers are no bodies.
-    pub(crate) roller_slopes: Vec<SlopeGroup>,
-    /// Friction slopes of these contacts.
-    pub(crate) roller_rubs: Vec<FrictionGroup>,
-    /// Slopes of the lubricant films in hinges; empty without lubricant.
-    pub(crate) films: Vec<FilmGroup>,
+    /// Written by evaluations.
+    pub(crate) slopes: Slopes,
     motions: Vec<SprocketMotions>,
     arms: Arms,
     closed: Closed,
@@ -106,26 +101,8 @@ impl NewtonMatrix {
         let border = model.wheel_coordinates();
         let besides = usize::from(model.rollers.is_some());
         let three = || vec![[Octet::default(); 3]; n.div_ceil(WIDTH)];
-        let slots = Candidates::most_slots(model);
-        let rubs = |contacts: usize| {
-            let contacts = if model.has_moments() { contacts } else { 0 };
-            vec![FrictionGroup::default(); contacts.div_ceil(WIDTH)]
-        };
         Self {
-            hinge_slopes: slope_groups(n),
-            tooth_slopes: model
-                .sprockets
-                .iter()
-                .map(|_| slope_groups(slots))
-                .collect(),
-            hinge_rubs: rubs(n),
-            tooth_rubs: model.sprockets.iter().map(|_| rubs(slots)).collect(),
-            roller_slopes: slope_groups(model.roller_count()),
-            roller_rubs: rubs(model.roller_count()),
-            films: match model.hinge_film {
-                Some(_) => vec![FilmGroup::default(); n.div_ceil(WIDTH)],
-                None => Vec::new(),
-            },
+            slopes: Slopes::new(model),
             motions: SprocketMotions::of(model),
             arms: Arms::new(n),
             closed: Closed::new(n),
@@ -204,17 +181,13 @@ impl NewtonMatrix {
                 gamma,
                 pose: &evaluated.poses[s],
                 candidates,
-                slopes: &self.tooth_slopes[s],
+                slopes: &self.slopes.teeth[s],
                 bushing: &evaluated.on_teeth.bushing,
                 motions,
                 first: *first,
-                terms: &mut self.teeth,
-                rubbing: RubbingTeeth {
-                    slopes: &self.tooth_rubs[s],
-                    bushing_radius: model.contact_radius,
-                },
+                bushing_radius: model.teeth.contact_radius,
             }
-            .with_simd(simd);
+            .add(simd, &mut self.teeth);
             for (i, row) in among.iter().enumerate().take(motions.len()) {
                 for (j, &entry) in row.iter().enumerate().take(motions.len()).skip(i) {
                     self.corner.add(first + i, first + j, entry);
@@ -228,7 +201,7 @@ impl NewtonMatrix {
         self.teeth
             .take_back::<RUBBED>(model.links, evaluated.candidates.overhang);
         if let Some(rollers) = &mut self.rollers {
-            let bores = (&self.roller_slopes[..], &self.roller_rubs[..]);
+            let bores = &self.slopes.rollers;
             let (teeth, corner) = (&mut self.teeth, &mut self.corner);
             rollers.eliminate::<S, RUBBED>(simd, gamma, bores, teeth, corner);
             teeth.close::<RUBBED>(model.links);
@@ -291,41 +264,6 @@ impl<S: Simd> RightHand<S> for Column<'_> {
     }
 }
 
-/// Right-hand side of a correction: residuals times masses and inertias, minus columns times factors of the border.
-struct Residual<'a, S: Simd> {
-    /// Residuals x, y and θ of all links.
-    accelerations: [Entries<'a, S>; 3],
-    columns: &'a [Border],
-    /// Factors of the columns; empty where the border is eliminated and rollers are no bodies.
-    alone: &'a [f64],
-}
-
-impl<S: Simd> RightHand<S> for Residual<'_, S> {
-    #[inline(always)]
-    fn at(&self, simd: S, mass: [Lanes<S>; 3], held: bool, i: usize) -> [Lanes<S>; 3] {
-        let mut right = mass;
-        for (right, accelerations) in right.iter_mut().zip(&self.accelerations) {
-            *right = *right * accelerations.at(i);
-        }
-        if held {
-            let count = parts::<S>().len();
-            for (column, &alone) in self.columns.iter().zip(self.alone) {
-                take(simd, &mut right, &column[i / count], alone, i % count);
-            }
-        }
-        right
-    }
-}
-
-/// Subtract vector `part` of a column times `factor` from the entries of links.
-#[inline(always)]
-fn take<S: Simd>(simd: S, from: &mut [Lanes<S>; 3], column: &[Octet; 3], factor: f64, part: usize) {
-    let factor = Lanes::splat(simd, factor);
-    for (from, column) in from.iter_mut().zip(read(simd, column, part)) {
-        *from = factor.negate_mul_add(column, *from);
-    }
-}
-
 /// Kernel of [`NewtonMatrix::factorise`]; `RUBBED`: with moments on the links.
 struct Factorise<'a, const RUBBED: bool> {
     matrix: &'a mut NewtonMatrix,
@@ -346,29 +284,14 @@ impl<const RUBBED: bool> WithSimd for Factorise<'_, RUBBED> {
             gamma,
         } = self;
         let n = model.links;
-        let rubbing = RUBBED.then_some(Rubbing {
-            slopes: &matrix.hinge_rubs,
-            arms: &mut matrix.arms,
-        });
-        if matrix.films.is_empty() {
-            soften_hinges::<S, RUBBED>(
-                simd,
-                gamma,
-                &matrix.hinge_slopes,
-                &mut matrix.closed,
-                &mut matrix.hinges,
-                rubbing,
-            );
-        } else if RUBBED {
-            soften_filled_hinges(
-                simd,
-                gamma,
-                &matrix.hinge_slopes,
-                &matrix.films,
-                &mut matrix.closed,
-                &mut matrix.hinges,
-                rubbing,
-            );
+        let Slopes { hinges, films, .. } = &matrix.slopes;
+        let (closed, blocks) = (&mut matrix.closed, &mut matrix.hinges);
+        let arms = &mut matrix.arms;
+        // A film transmits moments: its hinges have friction slopes and arms, RUBBED holds.
+        if RUBBED && !films.is_empty() {
+            assemble_film_compliance(simd, gamma, hinges, films, closed, blocks, arms);
+        } else {
+            assemble_compliance::<S, RUBBED>(simd, gamma, hinges, closed, blocks, arms);
         }
         matrix.closed.close(n);
         if RUBBED {
@@ -398,101 +321,5 @@ impl<const RUBBED: bool> WithSimd for Factorise<'_, RUBBED> {
             .eliminate::<S, RUBBED>(simd, &linked, &mut matrix.hinges);
         let definite = !matrix.closed.any || matrix.ring.factorise(simd, &matrix.hinges);
         (definite || evaluated.indefinite) && matrix.eliminate_border::<S, RUBBED>(simd, n)
-    }
-}
-
-/// Kernel of [`NewtonMatrix::correct`]; `RUBBED`: with moments on the links.
-struct Correct<'a, const RUBBED: bool> {
-    matrix: &'a mut NewtonMatrix,
-    model: &'a Model,
-    residual: &'a mut [f64],
-}
-
-impl<const RUBBED: bool> WithSimd for Correct<'_, RUBBED> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self {
-            matrix,
-            model,
-            residual,
-        } = self;
-        let n = model.links;
-        let (links, rest) = residual.split_at_mut(3 * n);
-        let (border, rollers) = rest.split_at_mut(matrix.solved.len());
-        for sprocket in &model.sprockets {
-            sprocket.for_each_inertia(|index, inertia| border[index - 3 * n] *= inertia);
-        }
-        let NewtonMatrix {
-            rollers: terms,
-            columns,
-            alone,
-            ..
-        } = matrix;
-        let (of_border, of_rollers) = alone.split_at_mut(border.len());
-        if let (Some(terms), [.., column]) = (terms, &mut columns[..]) {
-            let (links, right) = (&matrix.links, &*rollers);
-            terms.solve_free::<S, RUBBED>(simd, right, border, links, column);
-            of_border.fill(0.0);
-            of_rollers.fill(-1.0);
-        }
-        let swept = matrix.swept && !border.is_empty();
-        if swept {
-            // Block Gauss-Seidel, first half: the border alone. The second half below solves the border with the links' solution.
-            of_border.copy_from_slice(border);
-            matrix.corner.solve(of_border);
-        }
-        let swept = swept || !rollers.is_empty();
-        let right = Residual {
-            accelerations: [
-                Entries::of(simd, &links[..n]),
-                Entries::of(simd, &links[n..2 * n]),
-                Entries::of(simd, &links[2 * n..]),
-            ],
-            columns: &matrix.columns,
-            alone: if swept { &matrix.alone } else { &[] },
-        };
-        matrix
-            .links
-            .solve_free::<S, _, RUBBED>(simd, n, &matrix.closed, &right);
-        matrix.solve_hinges(simd, n);
-        matrix.sums.fill(PartialSums::default());
-        matrix.links.solve_bound::<S, RUBBED>(
-            simd,
-            &mut matrix.unknowns,
-            &matrix.columns,
-            &mut matrix.sums,
-        );
-        // Border: right-hand side minus rows times the links' solution.
-        for (sum, entry) in matrix.sums.iter().zip(border.iter_mut()) {
-            *entry -= sum.total();
-        }
-        matrix.corner.solve(border);
-        // Elimination: w -= (A⁻¹ c) s, where s is the solution of the border.
-        if !matrix.swept {
-            for (column, &factor) in matrix.solved.iter().zip(&*border) {
-                for (unknowns, column) in matrix.unknowns.iter_mut().zip(column) {
-                    for part in parts::<S>() {
-                        let mut rest = read(simd, unknowns, part);
-                        take(simd, &mut rest, column, factor, part);
-                        write(unknowns, part, rest);
-                    }
-                }
-            }
-        }
-        if let Some(terms) = &mut matrix.rollers {
-            let (links, unknowns) = (&matrix.links, &matrix.unknowns);
-            terms.solve_bound::<S, RUBBED>(simd, links, unknowns, border, rollers);
-        }
-        for (axis, residual) in links.chunks_exact_mut(n).enumerate() {
-            let mut residual = EntriesMut::of(simd, residual);
-            for (number, unknowns) in matrix.unknowns.iter().enumerate() {
-                for part in parts::<S>() {
-                    let i = number * parts::<S>().len() + part;
-                    residual.set(i, unknowns[axis].at(simd, part));
-                }
-            }
-        }
     }
 }

@@ -1,27 +1,16 @@
 //! Terms of the contacts between bushings and teeth: stiffness of the teeth at each bushing, and columns of the sprockets' own
 //! coordinates. The matrix is symmetric: the columns are rows too.
 
-use pulp::{Simd, WithSimd};
+use pulp::Simd;
 
 use super::contacts::{BASE, scaled};
-use crate::chain::contact::{Run, SprocketCandidates};
-use crate::chain::rhs::slopes::{FrictionGroup, SlopeGroup};
-use crate::chain::rhs::teeth::SprocketPose;
+use super::tooth_motion::{MOST, Motion, Tooth};
+use crate::chain::contact::SprocketCandidates;
+use crate::chain::rhs::pose::SprocketPose;
+use crate::chain::rhs::slopes::{ContactSlopes, SlopeGroup};
 use crate::math::simd::{
     Lanes, Numbers, PartialSums, WIDTH, both, load, padded, padded_zeros, read, vectors_mut,
 };
-
-/// Coordinate of a sprocket.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Motion {
-    /// Displacement of its centre along this direction.
-    Along([f64; 2]),
-    /// Rotation.
-    Turn,
-}
-
-/// Maximum number of coordinates of a sprocket: two of its centre and its angle.
-pub(super) const MOST: usize = 3;
 
 /// Terms of the teeth, bushing by bushing: change of the force per change of the bushing's velocity, and per change of each
 /// coordinate on the border. Bushing k is at [`BASE`] + k; a copy of the last one precedes the first. Everything is zero outside of
@@ -156,136 +145,173 @@ fn pulls<const RUBBED: bool>(column: &mut [[Numbers; 3]]) -> impl Iterator<Item 
         .flat_map(move |arrays| &mut arrays[..count])
 }
 
-/// Friction slopes of the candidates of one sprocket; empty without friction.
-pub(super) struct RubbingTeeth<'a> {
-    pub(super) slopes: &'a [FrictionGroup],
-    pub(super) bushing_radius: f64,
-}
-
-/// Kernel that adds the candidates of one sprocket. `RUBBED`: with friction.
+/// Candidates of one sprocket, to be added to the terms. `RUBBED`: with friction.
 pub(super) struct AddTeeth<'a, const RUBBED: bool> {
     pub(super) gamma: f64,
     pub(super) pose: &'a SprocketPose,
     pub(super) candidates: &'a SprocketCandidates,
-    pub(super) slopes: &'a [SlopeGroup],
+    pub(super) slopes: &'a ContactSlopes,
     /// Centres of the bushings \[m\].
     pub(super) bushing: &'a [Numbers; 2],
+    /// Radius of the bushings \[m\].
+    pub(super) bushing_radius: f64,
     /// Coordinates of the sprocket; the first is number `first` on the border.
     pub(super) motions: &'a [Motion],
     pub(super) first: usize,
-    pub(super) terms: &'a mut ToothTerms,
-    pub(super) rubbing: RubbingTeeth<'a>,
 }
 
-impl<const RUBBED: bool> WithSimd for AddTeeth<'_, RUBBED> {
-    /// Entries of the sprocket's coordinates among themselves, on and above the diagonal.
-    type Output = [[f64; MOST]; MOST];
-
+impl<const RUBBED: bool> AddTeeth<'_, RUBBED> {
+    /// Add all candidates to `terms`. Return the entries of the sprocket's coordinates among themselves, on and above the diagonal.
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let splat = |value| Lanes::splat(simd, value);
-        let (zero, gamma_squared) = (splat(0.0), splat(self.gamma * self.gamma));
+    pub(super) fn add<S: Simd>(&self, simd: S, terms: &mut ToothTerms) -> [[f64; MOST]; MOST] {
+        let zero = Lanes::splat(simd, 0.0);
         let mut corner = [[PartialSums::default(); MOST]; MOST];
-        for &Run {
-            first,
-            length,
-            slot,
-        } in &self.candidates.runs
-        {
-            let blocks = length.div_ceil(S::F64_LANES);
-            let bushing = both::<S>(self.bushing, first, blocks);
+        for run in &self.candidates.runs {
+            let blocks = run.length.div_ceil(S::F64_LANES);
+            let bushing = both::<S>(self.bushing, run.first, blocks);
             let ToothTerms {
                 held: [xx, yy, xy],
                 spun,
                 column,
                 touched,
-            } = &mut *self.terms;
-            let columns = &mut column[self.first..];
-            let mut held = [
-                vectors_mut::<S>(&mut xx[BASE + first..], blocks),
-                vectors_mut::<S>(&mut yy[BASE + first..], blocks),
-                vectors_mut::<S>(&mut xy[BASE + first..], blocks),
-            ];
-            let slopes = &self.slopes[slot / WIDTH..];
-            let rubs = &self.rubbing.slopes[if RUBBED { slot / WIDTH } else { 0 }..];
+            } = &mut *terms;
+            let mut terms = TermsOfRun::<S> {
+                first: run.first,
+                blocks,
+                held: [
+                    vectors_mut::<S>(&mut xx[BASE + run.first..], blocks),
+                    vectors_mut::<S>(&mut yy[BASE + run.first..], blocks),
+                    vectors_mut::<S>(&mut xy[BASE + run.first..], blocks),
+                ],
+                spun,
+                columns: &mut column[self.first..],
+            };
+            let slopes = &self.slopes.normal[run.slot / WIDTH..];
+            let friction = &self.slopes.friction[if RUBBED { run.slot / WIDTH } else { 0 }..];
             for b in 0..blocks {
-                let (slopes, part) = (
-                    &slopes[b * S::F64_LANES / WIDTH],
-                    b % (WIDTH / S::F64_LANES),
-                );
+                let number = b * S::F64_LANES / WIDTH;
+                let (slopes, part) = (&slopes[number], b % (WIDTH / S::F64_LANES));
                 let force = slopes.force.at(simd, part);
                 if !force.exceeds(zero).any() {
                     continue;
                 }
-                let [alpha, mut eta] = scaled(self.gamma, simd, slopes, part);
-                let arm = [
-                    load(simd, &bushing[0][b]) - splat(self.pose.center[0]),
-                    load(simd, &bushing[1][b]) - splat(self.pose.center[1]),
-                ];
-                let tooth = Tooth {
-                    normal: read(simd, &slopes.normal, part),
-                    arm,
-                    curvature: slopes.curvature.at(simd, part),
-                    turn: gamma_squared * force,
-                    radius: splat(self.rubbing.bushing_radius),
-                };
-                let mut tau = zero;
-                if RUBBED {
-                    let slope = &rubs[b * S::F64_LANES / WIDTH].slope;
-                    tau = splat(self.gamma) * slope.at(simd, part);
-                    eta = eta + tau;
-                }
-                let group = first + b * S::F64_LANES / WIDTH * WIDTH;
+                let center = [load(simd, &bushing[0][b]), load(simd, &bushing[1][b])];
+                let friction = RUBBED.then(|| friction[number].slope.at(simd, part));
+                let tooth = self.tooth(center, force, (slopes, part), friction);
+                let group = run.first + number * WIDTH;
                 // A run may begin within a group: its vectors then reach into the next one.
                 touched[group / WIDTH] = true;
                 touched[group.div_ceil(WIDTH)] = true;
-                let [nx, ny] = tooth.normal;
-                for (array, entry) in held.iter_mut().zip(tooth.stiff(alpha, eta)) {
-                    array[b] = (load(simd, &array[b]) + entry).values();
-                }
-                let moment = tooth.radius * tau;
-                if RUBBED {
-                    let entries = [-(moment * ny), moment * nx, moment * tooth.radius];
-                    for (array, entry) in spun.iter_mut().zip(entries) {
-                        add(&mut array[BASE + first..], blocks, b, entry);
-                    }
-                }
-                let moved = tooth.all_moved(self.motions);
-                for (j, &motion) in self.motions.iter().enumerate() {
-                    let of = moved[j];
-                    // Column j: α n ∂δ/∂s_j + t (γ² f ∂φ/∂s_j + τ ∂x_t/∂s_j), with the penetration δ, the angle φ of the normal and
-                    // the sliding distance x_t.
-                    let (push, mut across) = (alpha * of.closes, tooth.turn * of.turns);
-                    if RUBBED {
-                        across = tau.mul_add(of.rubs, across);
-                    }
-                    let pull = [
-                        nx.mul_add(push, -(ny * across)),
-                        ny.mul_add(push, nx * across),
-                    ];
-                    if RUBBED {
-                        let array = &mut columns[j][2][BASE + first..];
-                        add(array, blocks, b, moment * of.rubs);
-                    }
-                    for (array, entry) in columns[j][..2].iter_mut().zip(pull) {
-                        add(&mut array[BASE + first..], blocks, b, entry);
-                    }
-                    for (i, by) in moved.iter().enumerate().take(j + 1) {
-                        // Entry (i, j): α ∂δ/∂s_i ∂δ/∂s_j + γ² f ∂²δ/(∂s_i ∂s_j) + τ ∂x_t/∂s_i ∂x_t/∂s_j.
-                        let bend = match motion {
-                            Motion::Along(_) => of.across * by.turns,
-                            Motion::Turn => by.across - by.turns * tooth.outward(),
-                        };
-                        let mut entry = by.closes.mul_add(push, tooth.turn * bend);
-                        if RUBBED {
-                            entry = (tau * by.rubs).mul_add(of.rubs, entry);
-                        }
-                        corner[i][j].add(b, entry);
-                    }
-                }
+                terms.hold::<RUBBED>(b, &tooth);
+                terms.couple::<RUBBED>(b, &tooth, self.motions, &mut corner);
             }
         }
         totals(&corner, self.motions.len())
+    }
+
+    /// Return one vector of bushings in contact, with these centres \[m\], normal forces \[N\] and, for `RUBBED`, slopes of friction.
+    #[inline(always)]
+    fn tooth<S: Simd>(
+        &self,
+        [x, y]: [Lanes<S>; 2],
+        force: Lanes<S>,
+        (slopes, part): (&SlopeGroup, usize),
+        friction: Option<Lanes<S>>,
+    ) -> Tooth<S> {
+        let simd = force.simd();
+        let splat = |value| Lanes::splat(simd, value);
+        let [alpha, mut eta] = scaled(self.gamma, simd, slopes, part);
+        let mut tau = splat(0.0);
+        if let Some(slope) = friction {
+            tau = splat(self.gamma) * slope;
+            eta = eta + tau;
+        }
+        let [center_x, center_y] = self.pose.center;
+        Tooth {
+            alpha,
+            eta,
+            tau,
+            normal: read(simd, &slopes.normal, part),
+            arm: [x - splat(center_x), y - splat(center_y)],
+            curvature: slopes.curvature.at(simd, part),
+            turn: splat(self.gamma * self.gamma) * force,
+            radius: splat(self.bushing_radius),
+        }
+    }
+}
+
+/// Terms of one run of bushings, for writing.
+struct TermsOfRun<'a, S: Simd> {
+    /// First bushing.
+    first: usize,
+    /// Number of vectors.
+    blocks: usize,
+    held: [&'a mut [S::f64s]; 3],
+    spun: &'a mut [Numbers; 3],
+    /// Columns of the sprocket.
+    columns: &'a mut [[Numbers; 3]],
+}
+
+impl<S: Simd> TermsOfRun<'_, S> {
+    /// Add the stiffness of vector `b` to the bushings.
+    #[inline(always)]
+    fn hold<const RUBBED: bool>(&mut self, b: usize, tooth: &Tooth<S>) {
+        let simd = tooth.turn.simd();
+        for (array, entry) in self.held.iter_mut().zip(tooth.stiff()) {
+            array[b] = (load(simd, &array[b]) + entry).values();
+        }
+        if RUBBED {
+            let ([nx, ny], moment) = (tooth.normal, tooth.radius * tooth.tau);
+            let entries = [-(moment * ny), moment * nx, moment * tooth.radius];
+            for (array, entry) in self.spun.iter_mut().zip(entries) {
+                add(&mut array[BASE + self.first..], self.blocks, b, entry);
+            }
+        }
+    }
+
+    /// Add vector `b` to the columns of the sprocket's coordinates and to their entries among themselves.
+    #[inline(always)]
+    fn couple<const RUBBED: bool>(
+        &mut self,
+        b: usize,
+        tooth: &Tooth<S>,
+        motions: &[Motion],
+        corner: &mut [[PartialSums; MOST]; MOST],
+    ) {
+        let ([nx, ny], tau) = (tooth.normal, tooth.tau);
+        let moved = tooth.all_moved(motions);
+        for (j, &motion) in motions.iter().enumerate() {
+            let of = moved[j];
+            // Column j: α n ∂δ/∂s_j + t (γ² f ∂φ/∂s_j + τ ∂x_t/∂s_j), with the penetration δ, the angle φ of the normal and
+            // the sliding distance x_t.
+            let (push, mut across) = (tooth.alpha * of.closes, tooth.turn * of.turns);
+            if RUBBED {
+                across = tau.mul_add(of.slides, across);
+            }
+            let pull = [
+                nx.mul_add(push, -(ny * across)),
+                ny.mul_add(push, nx * across),
+            ];
+            if RUBBED {
+                let array = &mut self.columns[j][2][BASE + self.first..];
+                add(array, self.blocks, b, tooth.radius * tau * of.slides);
+            }
+            for (array, entry) in self.columns[j][..2].iter_mut().zip(pull) {
+                add(&mut array[BASE + self.first..], self.blocks, b, entry);
+            }
+            for (i, by) in moved.iter().enumerate().take(j + 1) {
+                // Entry (i, j): α ∂δ/∂s_i ∂δ/∂s_j + γ² f ∂²δ/(∂s_i ∂s_j) + τ ∂x_t/∂s_i ∂x_t/∂s_j.
+                let second = match motion {
+                    Motion::Along(_) => of.across * by.turns,
+                    Motion::Turn => by.across - by.turns * tooth.outward(),
+                };
+                let mut entry = by.closes.mul_add(push, tooth.turn * second);
+                if RUBBED {
+                    entry = (tau * by.slides).mul_add(of.slides, entry);
+                }
+                corner[i][j].add(b, entry);
+            }
+        }
     }
 }
 
@@ -306,98 +332,4 @@ fn totals(corner: &[[PartialSums; MOST]; MOST], count: usize) -> [[f64; MOST]; M
 fn add<S: Simd>(array: &mut [f64], blocks: usize, b: usize, entry: Lanes<S>) {
     let place = &mut vectors_mut::<S>(array, blocks)[b];
     *place = (load(entry.simd(), place) + entry).values();
-}
-
-/// Geometry of one SIMD vector of bushings on teeth.
-struct Tooth<S: Simd> {
-    normal: [Lanes<S>; 2],
-    /// Position of the bushing's centre relative to the sprocket's \[m\].
-    arm: [Lanes<S>; 2],
-    curvature: Lanes<S>,
-    /// γ² f
-    turn: Lanes<S>,
-    /// Radius of the bushings \[m\].
-    radius: Lanes<S>,
-}
-
-/// Derivatives of the contact geometry with respect to a coordinate of the sprocket.
-#[derive(Clone, Copy)]
-struct Moved<S: Simd> {
-    /// Penetration.
-    closes: Lanes<S>,
-    /// Position of the bushing relative to the sprocket, along t.
-    across: Lanes<S>,
-    /// Angle of the normal.
-    turns: Lanes<S>,
-    /// Position of the bushing's contact point relative to the sprocket's, along t.
-    rubs: Lanes<S>,
-}
-
-impl<S: Simd> Tooth<S> {
-    /// Return the stiffness at the bushing, α n n^T + η t t^T: xx, yy, xy.
-    #[inline(always)]
-    fn stiff(&self, alpha: Lanes<S>, eta: Lanes<S>) -> [Lanes<S>; 3] {
-        let [nx, ny] = self.normal;
-        [
-            alpha.mul_add(nx * nx, eta * (ny * ny)),
-            alpha.mul_add(ny * ny, eta * (nx * nx)),
-            (alpha - eta) * (nx * ny),
-        ]
-    }
-
-    /// Return the derivatives for each of these coordinates.
-    #[inline(always)]
-    fn all_moved(&self, motions: &[Motion]) -> [Moved<S>; MOST] {
-        let mut moved = [self.still(); MOST];
-        for (moved, &motion) in moved.iter_mut().zip(motions) {
-            *moved = self.moved(motion);
-        }
-        moved
-    }
-
-    /// Return n·arm.
-    #[inline(always)]
-    fn outward(&self) -> Lanes<S> {
-        self.arm[0].mul_add(self.normal[0], self.arm[1] * self.normal[1])
-    }
-
-    /// Return zero derivatives.
-    #[inline(always)]
-    fn still(&self) -> Moved<S> {
-        let zero = self.turn.constant(0.0);
-        Moved {
-            closes: zero,
-            across: zero,
-            turns: zero,
-            rubs: zero,
-        }
-    }
-
-    /// Return the derivatives for one coordinate.
-    #[inline(always)]
-    fn moved(&self, motion: Motion) -> Moved<S> {
-        let [nx, ny] = self.normal;
-        match motion {
-            Motion::Along(direction) => {
-                let [x, y] = [nx.constant(direction[0]), nx.constant(direction[1])];
-                let across = ny.mul_add(x, -(nx * y));
-                Moved {
-                    closes: -(nx.mul_add(x, ny * y)),
-                    across,
-                    turns: self.curvature * across,
-                    rubs: across,
-                }
-            }
-            Motion::Turn => {
-                let [x, y] = self.arm;
-                let one = nx.constant(1.0);
-                Moved {
-                    closes: y.mul_add(nx, -(x * ny)),
-                    across: nx.constant(0.0),
-                    turns: self.curvature.negate_mul_add(self.outward(), one),
-                    rubs: -(self.outward() + self.radius),
-                }
-            }
-        }
-    }
 }

@@ -24,7 +24,7 @@ pub(crate) fn channels(model: &Model, groups: Groups) -> Vec<Channel> {
         add("strand_tension", &[model.strands.len()], false);
         add("peak_hinge_force", &[n], false);
         add("peak_hinge_impulse", &[n], false);
-        if model.hinge_film.is_some() {
+        if model.hinges.film.is_some() {
             add("hinge_film_force", &[n], false);
         }
         if model.ends.is_some() {

@@ -19,7 +19,7 @@ pub(super) fn write(row: &mut Row, dynamics: &Dynamics, ends: &OpenEnds) {
         let body = end.body;
         (
             body,
-            sign * model.arms[body] * Vec2::new(motion.cos[body], motion.sin[body]),
+            sign * model.chain.arms[body] * Vec2::new(motion.cos[body], motion.sin[body]),
         )
     };
     row.real([0, 1].into_iter().flat_map(|i| {

@@ -34,8 +34,8 @@ impl Groups {
         // The energy stored in bristles is proportional to the normal force.
         let stored = |law: bool| self.energy && law;
         Needs {
-            hinges: want(self.hinges || stored(model.hinge_bristles.is_some())),
-            teeth: want(self.teeth || sprocket_loads || stored(model.tooth_bristles.is_some())),
+            hinges: want(self.hinges || stored(model.hinges.bristles.is_some())),
+            teeth: want(self.teeth || sprocket_loads || stored(model.teeth.bristles.is_some())),
             sprocket_loads,
         }
     }

@@ -58,7 +58,7 @@ impl HingeContacts {
         self.force.copy_from_slice(&chain.force[..n]);
         self.friction.copy_from_slice(&chain.friction[..n]);
         let both = |[x, y]: &[Numbers; 2], k: usize| Vec2::new(x[k], y[k]);
-        let arm = |i: usize| model.arms[i] * Vec2::new(chain.cos[i], chain.sin[i]);
+        let arm = |i: usize| model.chain.arms[i] * Vec2::new(chain.cos[i], chain.sin[i]);
         let center = |i: usize| Vec2::new(motion.x[i], motion.y[i]);
         for k in 0..n {
             let next = if k + 1 == n { 0 } else { k + 1 };
@@ -71,7 +71,7 @@ impl HingeContacts {
             } else {
                 center(k) - center(next) + arm(k) + arm(next)
             };
-            let gap = Gap::of(chain, k, model.clearance);
+            let gap = Gap::of(chain, k, model.hinges.clearance);
             (self.penetration[k], self.rate[k]) = (gap.penetration, gap.rate);
             let direction = gap.over_distance * self.offset[k];
             (self.direction_x[k], self.direction_y[k]) = (direction.x, direction.y);

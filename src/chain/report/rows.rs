@@ -28,7 +28,7 @@ pub(crate) fn write_row(
     if groups.hinges {
         write_hinges(row, dynamics);
         row.close_peaks(HINGES, &dynamics.hinges.force);
-        if model.hinge_film.is_some() {
+        if model.hinges.film.is_some() {
             row.real(dynamics.hinges.film.iter().map(Vec2::norm));
         }
         if let Some(ends) = &model.ends {

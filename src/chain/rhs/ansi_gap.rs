@@ -39,7 +39,7 @@ impl AnsiGap {
         Self::of(
             &model.sprockets[s].profile,
             curves,
-            model.contact_radius,
+            model.teeth.contact_radius,
             law,
         )
     }

@@ -5,6 +5,7 @@
 
 use pulp::Simd;
 
+use super::Kernels;
 use crate::chain::model::Model;
 use crate::force_law::{Ahead, BristleLaw, LuGre};
 use crate::math::simd::{Lanes, Mask, Numbers, load, padded_zeros, vectors_mut};
@@ -215,5 +216,68 @@ impl<S: Simd> BristleLanes<'_, S> {
     pub(crate) fn rest(&mut self, i: usize) {
         let simd = self.radius.simd();
         self.rate[i] = Lanes::splat(simd, 0.0).values();
+    }
+}
+
+impl Kernels {
+    /// Copy the deflections of the bristles of hinges and rollers from the state, where there are any.
+    pub(super) fn take_bristles(&mut self, model: &Model, y: &[f64], rates: &mut [f64]) {
+        let Some(bristles) = &mut self.bristles else {
+            return;
+        };
+        let places = &model.bristles;
+        let all = &y[model.coordinates..][places.all()];
+        bristles.begin(&mut rates[places.all()]);
+        let hinges = places.hinges.len();
+        bristles.take(ContactKind::Hinges, all, (0..hinges).map(|k| (k, k)));
+        let rollers = 0..places.rollers.len();
+        bristles.take(ContactKind::Rollers, all, rollers.map(|k| (k, hinges + k)));
+    }
+
+    /// Write the rates of the bristles of hinges and rollers into `rates`.
+    pub(super) fn put_bristles(&mut self, model: &Model, rates: &mut [f64]) {
+        let Some(bristles) = &mut self.bristles else {
+            return;
+        };
+        let places = &model.bristles;
+        let rates = &mut rates[places.all()];
+        let hinges = places.hinges.len();
+        bristles.put(ContactKind::Hinges, rates, (0..hinges).map(|k| (k, k)));
+        let rollers = 0..places.rollers.len();
+        bristles.put(
+            ContactKind::Rollers,
+            rates,
+            rollers.map(|k| (k, hinges + k)),
+        );
+    }
+
+    /// Copy the deflections of the bristles of sprocket `s` from the state, where teeth have any.
+    pub(super) fn take_tooth_bristles(&mut self, model: &Model, s: usize, y: &[f64]) {
+        if let (Some(bristles), Some(_)) = (&mut self.bristles, &model.teeth.bristles) {
+            let (n, places) = (model.links, &model.bristles);
+            let all = &y[model.coordinates..][places.all()];
+            let first = places.teeth.start - places.hinges.start + s * n;
+            let slots = self.candidates.sprockets[s].bushings(n);
+            bristles.take(
+                ContactKind::Teeth,
+                all,
+                slots.map(|(slot, k)| (slot, first + k)),
+            );
+        }
+    }
+
+    /// Write the rates of the bristles of sprocket `s` into `rates`.
+    pub(super) fn put_tooth_bristles(&mut self, model: &Model, s: usize, rates: &mut [f64]) {
+        if let (Some(bristles), Some(_)) = (&mut self.bristles, &model.teeth.bristles) {
+            let (n, places) = (model.links, &model.bristles);
+            let rates = &mut rates[places.all()];
+            let first = places.teeth.start - places.hinges.start + s * n;
+            let slots = self.candidates.sprockets[s].bushings(n);
+            bristles.put(
+                ContactKind::Teeth,
+                rates,
+                slots.map(|(slot, k)| (slot, first + k)),
+            );
+        }
     }
 }

@@ -7,11 +7,13 @@
 use pulp::{Simd, WithSimd};
 use serde::{Deserialize, Serialize};
 
-use super::gap::{Gap, GapConstants};
+use super::gap::{Form, Gap, GapConstants};
 use super::layout::ChainArrays;
-use super::teeth::SprocketPose;
+use super::pose::SprocketPose;
+use super::{Kernels, on_teeth};
 use crate::chain::contact::{Candidates, Run, SprocketCandidates};
 use crate::chain::model::Model;
+use crate::geometry::Vec2;
 use crate::math::simd::{
     Lanes, Mask, Numbers, WIDTH, both, both_mut, lane_numbers, load, padded_zeros, splat_two,
     vectors,
@@ -313,5 +315,56 @@ impl<C: GapConstants> WithSimd for WatchTeeth<'_, C> {
             }
         }
         named
+    }
+}
+
+impl Kernels {
+    /// Screen all contacts for events in a step of `length` \[s\]. The last evaluation must be at its end.
+    pub(crate) fn watch(&mut self, model: &Model, length: f64) -> Watched {
+        let n = model.links;
+        self.watch.follow(&self.candidates, n);
+        let mut watched = self.instructions.run(WatchHinges {
+            length,
+            links: n,
+            clearance: model.hinges.clearance,
+            arrays: &self.chain,
+            ends: &mut self.watch.hinges,
+        });
+        if let (Some(rollers), Some(of)) = (&self.rollers, &model.rollers) {
+            let found = self.instructions.run(WatchHinges {
+                length,
+                links: n,
+                clearance: of.clearance,
+                arrays: &rollers.arrays,
+                ends: &mut self.watch.rollers,
+            });
+            watched.turned |= found.turned;
+            watched.speed = watched.speed.max(found.speed);
+        }
+        let mut rim: f64 = 0.0;
+        for (s, ends) in self.watch.teeth.iter_mut().enumerate() {
+            let pose = &self.poses[s];
+            macro_rules! watch {
+                ($constants:expr) => {
+                    self.instructions.run(WatchTeeth {
+                        length,
+                        constants: $constants,
+                        pose,
+                        arrays: on_teeth(&self.chain, self.rollers.as_deref()),
+                        candidates: &self.candidates.sprockets[s],
+                        ends,
+                    })
+                };
+            }
+            watched.turned |= match &self.teeth[self.kind[s]].form {
+                Form::Ansi(gap) => watch!(gap),
+                Form::Table(gap) => watch!(gap),
+            };
+            // Bound of the speed of any point of the teeth.
+            let center_speed = Vec2::from(pose.velocity).norm();
+            rim = rim.max(center_speed + pose.spin.abs() * model.sprockets[s].reach);
+        }
+        watched.speed += rim;
+        watched
     }
 }

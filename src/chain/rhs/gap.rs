@@ -37,7 +37,7 @@ impl ToothConstants {
         };
         Self {
             form,
-            keeps_stiffness: model.tooth_law.regions == Regions::Kept,
+            keeps_stiffness: model.teeth.law.regions == Regions::Kept,
         }
     }
 }

@@ -35,7 +35,7 @@ impl LinkConstants {
             }
             values
         };
-        let touching = model.clearance * model.clearance;
+        let touching = model.hinges.clearance * model.hinges.clearance;
         let distance = |k: usize| {
             if k < n && model.hinge_is_open(k) {
                 f64::INFINITY
@@ -51,11 +51,11 @@ impl LinkConstants {
                 }
                 values
             },
-            compliance: (model.link_compliance.as_ref()).map(|given| lay_out(n, &|k| given[k])),
-            front_arm: lay_out(n, &|i| model.arms[i]),
-            rear_arm: lay_out(n, &|i| -model.arms[(i + 1) % n]),
-            inverse_mass: lay_out(n, &|i| model.inverse_mass[i]),
-            inverse_inertia: lay_out(n, &|i| model.inverse_inertia[i]),
+            compliance: (model.hinges.compliance.as_ref()).map(|given| lay_out(n, &|k| given[k])),
+            front_arm: lay_out(n, &|i| model.chain.arms[i]),
+            rear_arm: lay_out(n, &|i| -model.chain.arms[(i + 1) % n]),
+            inverse_mass: lay_out(n, &|i| model.chain.inverse_mass[i]),
+            inverse_inertia: lay_out(n, &|i| model.chain.inverse_inertia[i]),
             there: lay_out(n, &|k| f64::from(!model.hinge_is_open(k))),
             bushing_on_front: lay_out(2 * n + WIDTH, &|k| f64::from(model.link_of_bushing(k) == k)),
         }

@@ -7,7 +7,7 @@ use pulp::{Simd, WithSimd};
 
 use super::gap::{Form, Gap, GapConstants};
 use super::layout::ChainArrays;
-use super::teeth::SprocketPose;
+use super::pose::SprocketPose;
 use super::{Kernels, on_teeth};
 use crate::chain::contact::{ImpactMemory, SprocketCandidates};
 use crate::chain::dynamics::{Powers, SprocketLoad};

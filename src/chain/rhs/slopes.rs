@@ -5,6 +5,8 @@
 
 use pulp::Simd;
 
+use crate::chain::contact::Candidates;
+use crate::chain::model::Model;
 use crate::math::simd::{Lanes, Octet, WIDTH};
 
 /// Slopes of the forces of eight contacts; all zero without contact.
@@ -20,11 +22,6 @@ pub(crate) struct SlopeGroup {
     pub(crate) damping: Octet,
     /// κ, rotation of the normal per displacement across it \[1/m\].
     pub(crate) curvature: Octet,
-}
-
-/// Allocate groups for `contacts`.
-pub(crate) fn slope_groups(contacts: usize) -> Vec<SlopeGroup> {
-    vec![SlopeGroup::default(); contacts.div_ceil(WIDTH)]
 }
 
 /// Slopes of the friction of eight contacts with their sliding velocity, and the contact points.
@@ -45,6 +42,62 @@ pub(crate) struct FilmGroup {
     pub(crate) damping: [Octet; 3],
     /// Slopes with the eccentricity \[N/m\].
     pub(crate) stiffness: [Octet; 3],
+}
+
+/// Slopes of the contacts of one kind, slot by slot.
+#[derive(Debug, Clone)]
+pub(crate) struct ContactSlopes {
+    /// Slopes of the normal forces.
+    pub(crate) normal: Vec<SlopeGroup>,
+    /// Slopes of friction; empty where links have no moments.
+    pub(crate) friction: Vec<FrictionGroup>,
+}
+
+impl ContactSlopes {
+    /// Allocate the slopes of `contacts`, `with_friction` or without.
+    fn new(contacts: usize, with_friction: bool) -> Self {
+        let groups = contacts.div_ceil(WIDTH);
+        let with_friction = if with_friction { groups } else { 0 };
+        Self {
+            normal: vec![SlopeGroup::default(); groups],
+            friction: vec![FrictionGroup::default(); with_friction],
+        }
+    }
+
+    /// Return the groups from `slot` on; those of friction are empty where there are none.
+    pub(crate) fn from_slot(&mut self, slot: usize) -> (&mut [SlopeGroup], &mut [FrictionGroup]) {
+        let first = slot / WIDTH;
+        let friction = self.friction.get_mut(first..).unwrap_or_default();
+        (&mut self.normal[first..], friction)
+    }
+}
+
+/// All slopes that an evaluation writes.
+#[derive(Debug, Clone)]
+pub(crate) struct Slopes {
+    /// Hinges.
+    pub(crate) hinges: ContactSlopes,
+    /// Contacts between bushings and rollers; empty where rollers are no bodies.
+    pub(crate) rollers: ContactSlopes,
+    /// Candidates of each sprocket.
+    pub(crate) teeth: Vec<ContactSlopes>,
+    /// Lubricant films in hinges; empty without lubricant.
+    pub(crate) films: Vec<FilmGroup>,
+}
+
+impl Slopes {
+    /// Allocate the slopes of `model`.
+    pub(crate) fn new(model: &Model) -> Self {
+        let of = |contacts| ContactSlopes::new(contacts, model.has_moments());
+        let slots = Candidates::most_slots(model);
+        let films = model.hinges.film.map_or(0, |_| model.links.div_ceil(WIDTH));
+        Self {
+            hinges: of(model.links),
+            rollers: of(model.roller_count()),
+            teeth: model.sprockets.iter().map(|_| of(slots)).collect(),
+            films: vec![FilmGroup::default(); films],
+        }
+    }
 }
 
 /// Return the group that contains vector `i` of contacts, and the vector's number in the group.

@@ -1,51 +1,23 @@
 //! Contacts between the candidates of one sprocket and its teeth: surface, penetration, force.
 
+mod run;
+
 use std::marker::PhantomData;
 
 use pulp::{Simd, WithSimd};
 
-use super::bristles::{BristleLanes, Bristling};
+use super::bristles::Bristling;
 use super::gap::{Gap, GapConstants, InGap};
-use super::layout::{ChainArrays, FIRST, LinkConstants};
-use super::slopes::{FrictionGroup, SlopeGroup, group_of};
-use crate::chain::contact::{Run, SprocketCandidates, gap_of};
-use crate::chain::dynamics::Moves;
+use super::layout::{ChainArrays, LinkConstants};
+use super::pose::SprocketPose;
+use super::slopes::{ContactSlopes, group_of};
+use crate::chain::contact::{Run, SprocketCandidates};
 use crate::chain::model::SprocketModel;
 use crate::force_law::{
     ContactLane, ElasticLaw, Friction, RegularizedFriction, RestitutionDamping,
 };
-use crate::geometry::Vec2;
-use crate::math::simd::{
-    Lanes, Mask, PartialSums, WIDTH, both, both_mut, lane_numbers, load, splat_two, vectors,
-    vectors_mut,
-};
-
-/// Position and velocity of a sprocket.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct SprocketPose {
-    /// Centre \[m\].
-    pub(crate) center: [f64; 2],
-    /// Velocity of the centre \[m/s\].
-    pub(crate) velocity: [f64; 2],
-    /// Angle \[rad\].
-    pub(crate) angle: f64,
-    /// Angular velocity \[rad/s\].
-    pub(crate) spin: f64,
-    /// Cosine and sine of the angle.
-    pub(crate) direction: [f64; 2],
-}
-
-impl SprocketPose {
-    /// Return the same as the type of the scalar code.
-    pub(crate) fn moves(&self) -> Moves {
-        Moves {
-            center: self.center.into(),
-            velocity: self.velocity.into(),
-            angle: self.angle,
-            spin: self.spin,
-        }
-    }
-}
+use crate::math::simd::{Lanes, Mask, PartialSums, lane_numbers, load, splat_two, vectors};
+use run::RunOfBushings;
 
 /// Loads of the chain on a sprocket, and the other results of the loop over its teeth.
 #[derive(Debug, Clone, Copy, Default)]
@@ -91,10 +63,8 @@ pub(crate) struct TouchTeeth<
     pub(crate) links: &'a LinkConstants,
     pub(crate) arrays: &'a mut ChainArrays,
     pub(crate) candidates: &'a mut SprocketCandidates,
-    /// Output for the slopes of the forces, slot by slot, if requested.
-    pub(crate) slopes: Option<&'a mut [SlopeGroup]>,
-    /// Output for the slopes of friction, if requested.
-    pub(crate) rubs: Option<&'a mut [FrictionGroup]>,
+    /// Output for the slopes of the forces and of friction, slot by slot, if requested.
+    pub(crate) slopes: Option<&'a mut ContactSlopes>,
     /// Friction for `RUBBED`.
     pub(crate) friction: Option<ToothFriction<'a>>,
     /// Bristles for `BRISTLED`, slot by slot.
@@ -112,7 +82,6 @@ impl<
 {
     type Output = TeethFound;
 
-    #[allow(clippy::too_many_lines)] // a line for each of many fields
     #[inline(always)]
     fn with_simd<S: Simd>(mut self, simd: S) -> TeethFound {
         let splat = |value| Lanes::splat(simd, value);
@@ -142,77 +111,28 @@ impl<
                 splat(friction.bushing_radius),
             ));
         }
-        let SprocketCandidates {
-            runs,
-            gap,
-            gap_cos,
-            gap_sin,
-            inverse_onset,
-            kept_constants,
-            depth,
-            force,
-            friction,
-        } = self.candidates;
-        let slopes = &mut self.slopes;
-        let mut rubs = if RUBBED { self.rubs } else { None };
-        let ChainArrays {
-            front_force,
-            rear_force,
-            bushing,
-            bushing_velocity,
-            front_moment,
-            rear_moment,
-            bushing_spin,
-            ..
-        } = self.arrays;
-        for &Run {
-            first,
-            length,
-            slot,
-        } in &*runs
-        {
-            let blocks = length.div_ceil(S::F64_LANES);
-            let mut run = RunOfBushings::<S> {
-                bushing: both::<S>(bushing, first, blocks),
-                velocity: both::<S>(bushing_velocity, first, blocks),
-                on_front: vectors::<S>(&self.links.bushing_on_front[first..], blocks),
-                inverse_onset: vectors::<S>(&inverse_onset[slot..], blocks),
-                kept_constants: both::<S>(kept_constants, slot, blocks),
-                depth: vectors_mut::<S>(&mut depth[slot..], blocks),
-                force: vectors_mut::<S>(&mut force[slot..], blocks),
-                front_force: both_mut::<S>(front_force, first, blocks),
-                rear_force: both_mut::<S>(rear_force, FIRST + 1 + first, blocks),
-                slopes: slopes.as_mut().map(|slopes| &mut slopes[slot / WIDTH..]),
-                rubbed: RubbedRun::none(),
-            };
-            if RUBBED {
-                let moments = [
-                    &mut front_moment[first..],
-                    &mut rear_moment[FIRST + 1 + first..],
-                ];
-                let slopes = rubs.as_mut().map(|rubs| &mut rubs[slot / WIDTH..]);
-                run.rubbed = RubbedRun::of(&bushing_spin[first..], moments, slopes, blocks);
-                run.rubbed.friction = vectors_mut::<S>(&mut friction[slot..], blocks);
-            }
+        for number in 0..self.candidates.runs.len() {
+            let Run { length, slot, .. } = self.candidates.runs[number];
+            let mut run = RunOfBushings::<S>::of::<RUBBED>(
+                number,
+                self.links,
+                &mut *self.arrays,
+                &mut *self.candidates,
+                self.slopes.as_deref_mut(),
+            );
             if BRISTLED && let Some(bristles) = &mut self.bristles {
-                run.rubbed.bristles = Some(bristles.lanes(simd, slot, blocks));
+                run.rubbed.bristles = Some(bristles.lanes(simd, slot, run.depth.len()));
             }
-            let (gap_cos, gap_sin) = (&mut gap_cos[slot..], &mut gap_sin[slot..]);
-            for b in 0..blocks {
+            for b in 0..run.depth.len() {
                 let from = b * S::F64_LANES;
                 let valid = lane_numbers(simd).less(splat((length - from) as f64));
                 let arm = teeth.arm(b, &run);
-                let mut place = teeth.place(b, arm, gap_cos, gap_sin);
+                let mut place = teeth.place(b, arm, &run);
                 // Some bushing is nearer to an adjacent gap: assign the gaps of this vector again.
                 if teeth.gap.left(&place).and(valid).any() {
-                    for j in from..length.min(from + S::F64_LANES) {
-                        let arm = Vec2::new(bushing[0][first + j], bushing[1][first + j])
-                            - Vec2::from(self.pose.center);
-                        let number = gap_of(self.sprocket, arm, self.pose.direction);
-                        gap[slot + j] = number;
-                        (gap_cos[j], gap_sin[j]) = self.sprocket.gap_directions[number as usize];
-                    }
-                    place = teeth.place(b, arm, gap_cos, gap_sin);
+                    let lanes = from..length.min(from + S::F64_LANES);
+                    run.assign_gaps(self.sprocket, self.pose, lanes);
+                    place = teeth.place(b, arm, &run);
                 }
                 teeth.touch(b, arm, &place, valid, &mut run);
             }
@@ -224,66 +144,6 @@ impl<
             changed: teeth.changed,
             dissipated: dissipated.total(),
             rubbed: teeth.lost_to_friction(),
-        }
-    }
-}
-
-/// Arrays of one run in SIMD vectors.
-struct RunOfBushings<'a, S: Simd> {
-    bushing: [&'a [S::f64s]; 2],
-    velocity: [&'a [S::f64s]; 2],
-    on_front: &'a [S::f64s],
-    inverse_onset: &'a [S::f64s],
-    kept_constants: [&'a [S::f64s]; 2],
-    depth: &'a mut [S::f64s],
-    force: &'a mut [S::f64s],
-    front_force: [&'a mut [S::f64s]; 2],
-    rear_force: [&'a mut [S::f64s]; 2],
-    slopes: Option<&'a mut [SlopeGroup]>,
-    rubbed: RubbedRun<'a, S>,
-}
-
-/// Arrays of one run that friction reads and writes.
-struct RubbedRun<'a, S: Simd> {
-    spin: &'a [S::f64s],
-    /// Moments on front and rear ends \[N m\].
-    moments: [&'a mut [S::f64s]; 2],
-    friction: &'a mut [S::f64s],
-    slopes: Option<&'a mut [FrictionGroup]>,
-    /// `Some` for `BRISTLED`.
-    bristles: Option<BristleLanes<'a, S>>,
-}
-
-impl<'a, S: Simd> RubbedRun<'a, S> {
-    /// Return the arrays from these bushings and ends on.
-    #[inline(always)]
-    fn of(
-        spin: &'a [f64],
-        [front, rear]: [&'a mut [f64]; 2],
-        slopes: Option<&'a mut [FrictionGroup]>,
-        blocks: usize,
-    ) -> Self {
-        Self {
-            spin: vectors::<S>(spin, blocks),
-            moments: [
-                vectors_mut::<S>(front, blocks),
-                vectors_mut::<S>(rear, blocks),
-            ],
-            friction: &mut [],
-            slopes,
-            bristles: None,
-        }
-    }
-
-    /// Return empty arrays, for loops without friction.
-    #[inline(always)]
-    fn none() -> Self {
-        Self {
-            spin: &[],
-            moments: [&mut [], &mut []],
-            friction: &mut [],
-            slopes: None,
-            bristles: None,
         }
     }
 }
@@ -347,11 +207,11 @@ impl<
 
     /// Return the bushings in the frames of the gaps of the last evaluation.
     #[inline(always)]
-    fn place(&self, b: usize, arm: [Lanes<S>; 2], gap_cos: &[f64], gap_sin: &[f64]) -> InGap<S> {
+    fn place(&self, b: usize, arm: [Lanes<S>; 2], run: &RunOfBushings<S>) -> InGap<S> {
         let simd = self.spin.simd();
         let gap = [
-            load(simd, &vectors::<S>(gap_cos, b + 1)[b]),
-            load(simd, &vectors::<S>(gap_sin, b + 1)[b]),
+            load(simd, &vectors::<S>(run.gap_cos, b + 1)[b]),
+            load(simd, &vectors::<S>(run.gap_sin, b + 1)[b]),
         ];
         self.gap.place(arm, self.direction, gap)
     }
@@ -381,8 +241,8 @@ impl<
             }
             if RUBBED {
                 run.rubbed.friction[b] = zero.values();
-                if let Some(rubs) = &mut run.rubbed.slopes {
-                    let (group, part) = group_of::<S, _>(rubs, b);
+                if let Some(slopes) = &mut run.rubbed.slopes {
+                    let (group, part) = group_of::<S, _>(slopes, b);
                     group.slope.put(part, zero);
                 }
             }

@@ -9,6 +9,7 @@
 use aligned_vec::{AVec, ConstAlign, avec};
 
 mod atan;
+mod entries;
 mod exp;
 mod instruction_set;
 mod lanes;
@@ -21,6 +22,7 @@ pub(crate) mod testing;
 mod transpose;
 
 pub(crate) use atan::arc_tangent;
+pub(crate) use entries::{Entries, EntriesMut};
 pub(super) use exp::nearest_whole;
 pub(crate) use exp::{exp, exp_of_remainder};
 pub use instruction_set::InstructionSet;

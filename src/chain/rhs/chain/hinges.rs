@@ -10,7 +10,7 @@ use super::ends::End;
 use super::losses::{FilledHinges, HingeFriction};
 use crate::chain::rhs::bristles::{BristleLanes, Bristling};
 use crate::chain::rhs::layout::{ChainArrays, FIRST, LinkConstants};
-use crate::chain::rhs::slopes::{FilmGroup, FrictionGroup, SlopeGroup, group_of};
+use crate::chain::rhs::slopes::{ContactSlopes, FilmGroup, FrictionGroup, SlopeGroup, group_of};
 use crate::force_law::{
     ContactLane, ElasticLaw, FilmLaw, RegularizedFriction, RestitutionDamping, depth_in_series,
 };
@@ -31,10 +31,8 @@ pub(crate) struct Joints<'a> {
     pub(crate) inverse_onset: &'a [f64],
     /// Centres of the bushings, or of the rollers, at the last refresh of the candidates, x and y \[m\].
     pub(crate) reference: &'a [Numbers; 2],
-    /// Output for the slopes of the forces, if requested.
-    pub(crate) slopes: Option<&'a mut [SlopeGroup]>,
-    /// Output for the slopes of friction, if requested.
-    pub(crate) rubs: Option<&'a mut [FrictionGroup]>,
+    /// Output for the slopes of the forces and of friction, if requested.
+    pub(crate) slopes: Option<&'a mut ContactSlopes>,
     /// Friction for `RUBBED`; for rollers, the bushings are the pins.
     pub(crate) friction: Option<HingeFriction<'a>>,
     /// Bristles for `BRISTLED`.
@@ -80,7 +78,7 @@ pub(super) struct Hinges<
     /// Power dissipated by friction \[W\].
     pub(super) rubbed: PartialSums,
     slopes: Option<&'a mut [SlopeGroup]>,
-    pub(super) rubs: Option<&'a mut [FrictionGroup]>,
+    pub(super) friction_slopes: Option<&'a mut [FrictionGroup]>,
     /// Friction and the pins' radius; `Some` for `RUBBED` without bristles.
     pub(super) rubbing: Option<(RegularizedFriction<Lanes<S>>, Lanes<S>)>,
     /// `Some` for `BRISTLED`.
@@ -118,6 +116,7 @@ impl<
         blocks: usize,
     ) -> (Self, [&'a [f64]; 2]) {
         let splat = |value| Lanes::splat(simd, value);
+        let (slopes, friction_slopes) = joints.slopes.map(|slopes| slopes.from_slot(0)).unzip();
         let mut hinges = Self {
             law: PhantomData,
             pair: splat_two(simd, joints.pair),
@@ -146,8 +145,8 @@ impl<
             changed: false,
             power: PartialSums::default(),
             rubbed: PartialSums::default(),
-            slopes: joints.slopes,
-            rubs: None,
+            slopes,
+            friction_slopes: None,
             rubbing: None,
             bristles: None,
             sheared: PartialSums::default(),
@@ -166,10 +165,10 @@ impl<
             ];
         }
         if BRISTLED && let Some(bristles) = joints.bristles {
-            hinges.rubs = joints.rubs;
+            hinges.friction_slopes = friction_slopes;
             hinges.bristles = Some(bristles.into_lanes(simd, blocks));
         } else if RUBBED && let Some(friction) = joints.friction {
-            hinges.rubs = joints.rubs;
+            hinges.friction_slopes = friction_slopes;
             hinges.rubbing = Some((
                 RegularizedFriction::new(simd, friction.law),
                 splat(friction.pin_radius),
@@ -300,8 +299,8 @@ impl<
     fn put_no_friction(&mut self, i: usize) {
         let zero = self.clearance.constant(0.0);
         self.friction[i] = zero.values();
-        if let Some(rubs) = &mut self.rubs {
-            let (group, part) = group_of::<S, _>(rubs, i);
+        if let Some(slopes) = &mut self.friction_slopes {
+            let (group, part) = group_of::<S, _>(slopes, i);
             group.slope.put(part, zero);
         }
     }

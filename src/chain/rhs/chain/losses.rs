@@ -158,8 +158,8 @@ impl<
         self.friction[i] = rub.values();
         self.moments[0][i] = (-(from_front * rub)).values();
         self.moments[1][i] = (from_rear * rub).values();
-        if let Some(rubs) = &mut self.rubs {
-            let (group, part) = group_of::<S, _>(rubs, i);
+        if let Some(slopes) = &mut self.friction_slopes {
+            let (group, part) = group_of::<S, _>(slopes, i);
             group.slope.put(part, slope);
             group.places[0].put(part, from_front);
             group.places[1].put(part, from_rear);

@@ -14,7 +14,7 @@ use crate::chain::model::Model;
 use crate::chain::rhs::layout::{ChainArrays, FIRST, LinkConstants};
 use crate::force_law::ElasticLaw;
 use crate::math::simd::{
-    Lanes, Mask, both, both_mut, lane_numbers, load, partial_load, vectors, vectors_mut,
+    Entries, Lanes, Mask, both, both_mut, lane_numbers, load, vectors, vectors_mut,
 };
 
 /// Rollers in the kernels.
@@ -107,13 +107,8 @@ impl<
             front_moment: vectors_mut::<S>(front_moment, blocks),
             rear_moment: vectors_mut::<S>(&mut rear_moment[FIRST + 1..], blocks),
         };
-        let [x, y] = self.places;
-        let [vx, vy, spin] = self.speeds;
-        let x = Column::<S>::of(simd, x);
-        let y = Column::<S>::of(simd, y);
-        let vx = Column::<S>::of(simd, vx);
-        let vy = Column::<S>::of(simd, vy);
-        let spin = Column::<S>::of(simd, spin);
+        let [x, y] = self.places.map(|axis| Entries::<S>::of(simd, axis));
+        let [vx, vy, spin] = self.speeds.map(|axis| Entries::<S>::of(simd, axis));
         let place = both::<S>(bushing, 0, blocks);
         let velocity = both::<S>(bushing_velocity, 0, blocks);
         let turning = vectors::<S>(bushing_spin, blocks);
@@ -202,31 +197,4 @@ impl<S: Simd> PressedEnds<'_, S> {
 fn add<S: Simd>(acts: Mask<S>, felt: Lanes<S>, to: &mut S::f64s) {
     let before = load(felt.simd(), to);
     *to = acts.select(before + felt, before).values();
-}
-
-/// Array that may end within a SIMD vector, with zeros behind its end.
-struct Column<'a, S: Simd> {
-    whole: &'a [S::f64s],
-    last: Lanes<S>,
-}
-
-impl<'a, S: Simd> Column<'a, S> {
-    /// Return the vectors of `array`.
-    #[inline(always)]
-    fn of(simd: S, array: &'a [f64]) -> Self {
-        let (whole, rest) = S::as_simd_f64s(array);
-        Self {
-            whole,
-            last: partial_load(simd, rest),
-        }
-    }
-
-    /// Return vector `i`.
-    #[inline(always)]
-    fn at(&self, i: usize) -> Lanes<S> {
-        match self.whole.get(i) {
-            Some(values) => load(self.last.simd(), values),
-            None => self.last,
-        }
-    }
 }

@@ -1,11 +1,11 @@
-//! SIMD vectors of unaligned arrays that may end within a vector: residuals, axis by axis.
+//! SIMD vectors of arrays that may be unaligned and end within a vector.
 
 use pulp::Simd;
 
-use crate::math::simd::{Lanes, load, partial_load};
+use super::{Lanes, load, partial_load};
 
 /// SIMD vectors of an array to read; lanes behind its end are zero.
-pub(super) struct Entries<'a, S: Simd> {
+pub(crate) struct Entries<'a, S: Simd> {
     whole: &'a [S::f64s],
     last: Lanes<S>,
 }
@@ -13,7 +13,7 @@ pub(super) struct Entries<'a, S: Simd> {
 impl<'a, S: Simd> Entries<'a, S> {
     /// Return the vectors of `array`.
     #[inline(always)]
-    pub(super) fn of(simd: S, array: &'a [f64]) -> Self {
+    pub(crate) fn of(simd: S, array: &'a [f64]) -> Self {
         let (whole, rest) = S::as_simd_f64s(array);
         Self {
             whole,
@@ -23,7 +23,7 @@ impl<'a, S: Simd> Entries<'a, S> {
 
     /// Return vector `i`.
     #[inline(always)]
-    pub(super) fn at(&self, i: usize) -> Lanes<S> {
+    pub(crate) fn at(&self, i: usize) -> Lanes<S> {
         match self.whole.get(i) {
             Some(values) => load(self.last.simd(), values),
             None if i == self.whole.len() => self.last,
@@ -33,7 +33,7 @@ impl<'a, S: Simd> Entries<'a, S> {
 }
 
 /// SIMD vectors of an array to write; lanes behind its end are dropped.
-pub(super) struct EntriesMut<'a, S: Simd> {
+pub(crate) struct EntriesMut<'a, S: Simd> {
     simd: S,
     whole: &'a mut [S::f64s],
     rest: &'a mut [f64],
@@ -42,14 +42,14 @@ pub(super) struct EntriesMut<'a, S: Simd> {
 impl<'a, S: Simd> EntriesMut<'a, S> {
     /// Return the vectors of `array` for writing.
     #[inline(always)]
-    pub(super) fn of(simd: S, array: &'a mut [f64]) -> Self {
+    pub(crate) fn of(simd: S, array: &'a mut [f64]) -> Self {
         let (whole, rest) = S::as_mut_simd_f64s(array);
         Self { simd, whole, rest }
     }
 
     /// Write vector `i`.
     #[inline(always)]
-    pub(super) fn set(&mut self, i: usize, values: Lanes<S>) {
+    pub(crate) fn set(&mut self, i: usize, values: Lanes<S>) {
         let behind = self.whole.len();
         if let Some(to) = self.whole.get_mut(i) {
             *to = values.values();

@@ -1,0 +1,151 @@
+//! Correction of the implicit corrector: solution of the linear system with the factors of the last factorisation.
+
+use pulp::{Simd, WithSimd};
+
+use super::NewtonMatrix;
+use super::links::{Border, RightHand};
+use crate::chain::model::Model;
+use crate::math::simd::{Entries, EntriesMut, Lanes, Octet, PartialSums, parts, read, write};
+
+/// Right-hand side of a correction: residuals times masses and inertias, minus columns times factors of the border.
+struct Residual<'a, S: Simd> {
+    /// Residuals x, y and θ of all links.
+    accelerations: [Entries<'a, S>; 3],
+    columns: &'a [Border],
+    /// Factors of the columns; empty where the border is eliminated and rollers are no bodies.
+    alone: &'a [f64],
+}
+
+impl<S: Simd> RightHand<S> for Residual<'_, S> {
+    #[inline(always)]
+    fn at(&self, simd: S, mass: [Lanes<S>; 3], held: bool, i: usize) -> [Lanes<S>; 3] {
+        let mut right = mass;
+        for (right, accelerations) in right.iter_mut().zip(&self.accelerations) {
+            *right = *right * accelerations.at(i);
+        }
+        if held {
+            let count = parts::<S>().len();
+            for (column, &alone) in self.columns.iter().zip(self.alone) {
+                take(simd, &mut right, &column[i / count], alone, i % count);
+            }
+        }
+        right
+    }
+}
+
+/// Subtract vector `part` of a column times `factor` from the entries of links.
+#[inline(always)]
+fn take<S: Simd>(simd: S, from: &mut [Lanes<S>; 3], column: &[Octet; 3], factor: f64, part: usize) {
+    let factor = Lanes::splat(simd, factor);
+    for (from, column) in from.iter_mut().zip(read(simd, column, part)) {
+        *from = factor.negate_mul_add(column, *from);
+    }
+}
+
+/// Kernel of [`NewtonMatrix::correct`]; `RUBBED`: with moments on the links.
+pub(super) struct Correct<'a, const RUBBED: bool> {
+    pub(super) matrix: &'a mut NewtonMatrix,
+    pub(super) model: &'a Model,
+    pub(super) residual: &'a mut [f64],
+}
+
+impl<const RUBBED: bool> WithSimd for Correct<'_, RUBBED> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self {
+            matrix,
+            model,
+            residual,
+        } = self;
+        let n = model.links;
+        let (links, rest) = residual.split_at_mut(3 * n);
+        let (border, rollers) = rest.split_at_mut(matrix.solved.len());
+        for sprocket in &model.sprockets {
+            sprocket.for_each_inertia(|index, inertia| border[index - 3 * n] *= inertia);
+        }
+        let NewtonMatrix {
+            rollers: terms,
+            columns,
+            alone,
+            ..
+        } = matrix;
+        let (of_border, of_rollers) = alone.split_at_mut(border.len());
+        if let (Some(terms), [.., column]) = (terms, &mut columns[..]) {
+            let (links, right) = (&matrix.links, &*rollers);
+            terms.solve_free::<S, RUBBED>(simd, right, border, links, column);
+            of_border.fill(0.0);
+            of_rollers.fill(-1.0);
+        }
+        let swept = matrix.swept && !border.is_empty();
+        if swept {
+            // Block Gauss-Seidel, first half: the border alone. The second half below solves the border with the links' solution.
+            of_border.copy_from_slice(border);
+            matrix.corner.solve(of_border);
+        }
+        let swept = swept || !rollers.is_empty();
+        let right = Residual {
+            accelerations: [
+                Entries::of(simd, &links[..n]),
+                Entries::of(simd, &links[n..2 * n]),
+                Entries::of(simd, &links[2 * n..]),
+            ],
+            columns: &matrix.columns,
+            alone: if swept { &matrix.alone } else { &[] },
+        };
+        matrix
+            .links
+            .solve_free::<S, _, RUBBED>(simd, n, &matrix.closed, &right);
+        matrix.solve_hinges(simd, n);
+        matrix.sums.fill(PartialSums::default());
+        matrix.links.solve_bound::<S, RUBBED>(
+            simd,
+            &mut matrix.unknowns,
+            &matrix.columns,
+            &mut matrix.sums,
+        );
+        // Border: right-hand side minus rows times the links' solution.
+        for (sum, entry) in matrix.sums.iter().zip(border.iter_mut()) {
+            *entry -= sum.total();
+        }
+        matrix.corner.solve(border);
+        if !matrix.swept {
+            take_border(simd, &mut matrix.unknowns, &matrix.solved, border);
+        }
+        if let Some(terms) = &mut matrix.rollers {
+            let (links, unknowns) = (&matrix.links, &matrix.unknowns);
+            terms.solve_bound::<S, RUBBED>(simd, links, unknowns, border, rollers);
+        }
+        put_solution(simd, &matrix.unknowns, links);
+    }
+}
+
+/// Subtract the solved columns of the border times its solution from the links' solution: w -= (A⁻¹ c) s.
+#[inline(always)]
+fn take_border<S: Simd>(simd: S, unknowns: &mut [[Octet; 3]], solved: &[Border], border: &[f64]) {
+    for (column, &factor) in solved.iter().zip(border) {
+        for (unknowns, column) in unknowns.iter_mut().zip(column) {
+            for part in parts::<S>() {
+                let mut rest = read(simd, unknowns, part);
+                take(simd, &mut rest, column, factor, part);
+                write(unknowns, part, rest);
+            }
+        }
+    }
+}
+
+/// Write the links' solution, axis by axis.
+#[inline(always)]
+fn put_solution<S: Simd>(simd: S, solution: &[[Octet; 3]], links: &mut [f64]) {
+    let n = links.len() / 3;
+    for (axis, links) in links.chunks_exact_mut(n).enumerate() {
+        let mut links = EntriesMut::of(simd, links);
+        for (number, solution) in solution.iter().enumerate() {
+            for part in parts::<S>() {
+                let i = number * parts::<S>().len() + part;
+                links.set(i, solution[axis].at(simd, part));
+            }
+        }
+    }
+}

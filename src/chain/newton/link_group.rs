@@ -1,0 +1,248 @@
+//! Eight links in the lanes of SIMD vectors: inertias, levers of their ends, and elimination of their blocks.
+
+use pulp::Simd;
+
+use super::contacts::{Arms, BASE, Closed};
+use super::link_ends::Ends;
+use super::spatial::Spatial;
+use super::teeth::ToothTerms;
+use crate::chain::model::Model;
+use crate::math::simd::{Lanes, Numbers, Octet, both, load, read, vectors, write};
+
+/// Eight links. Links of the padding have mass and inertia one.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LinkGroup {
+    pub(super) mass: Octet,
+    pub(super) inertia: Octet,
+    pub(super) inverse_mass: Octet,
+    /// One where bushing k is on the front of link k, else zero.
+    pub(super) front_bushing: Octet,
+    /// One where bushing k - 1 is on the rear of link k.
+    pub(super) rear_bushing: Octet,
+    /// Whether a bushing of one of these links touches a tooth.
+    pub(super) held: bool,
+    /// u and v: velocity of the link's front per angular velocity of the link \[m\].
+    pub(super) lever: [Octet; 2],
+    /// Inverse of D: xx, xy, xθ, yy, yθ, θθ. Without tooth contact D is diagonal and only the last entry is used.
+    pub(super) inverse: [Octet; 6],
+    /// Scratch of a solution: velocities of the links without changes of the hinge forces.
+    pub(super) free: [Octet; 3],
+    /// Scratch: the corresponding velocities of their fronts.
+    pub(super) front_velocity: [Octet; 2],
+}
+
+impl LinkGroup {
+    /// Return the constants of eight links from link `first` on.
+    pub(super) fn new(model: &Model, first: usize) -> Self {
+        let n = model.links;
+        let lay_out = |value: &dyn Fn(usize) -> f64, rest: f64| {
+            let of = |i: usize| if i < n { value(i) } else { rest };
+            Octet(std::array::from_fn(|lane| of(first + lane)))
+        };
+        let owner = |k: usize| model.link_of_bushing(k % n);
+        let none = Octet::default();
+        Self {
+            mass: lay_out(&|i| model.chain.mass[i], 1.0),
+            inertia: lay_out(&|i| model.chain.inertia[i], 1.0),
+            inverse_mass: lay_out(&|i| 1.0 / model.chain.mass[i], 1.0),
+            front_bushing: lay_out(&|i| f64::from(owner(i) == i), 0.0),
+            rear_bushing: lay_out(&|i| f64::from(owner(i + n - 1) == i), 0.0),
+            held: false,
+            lever: [none; 2],
+            inverse: [none; 6],
+            free: [none; 3],
+            front_velocity: [none; 2],
+        }
+    }
+
+    /// Return values of the bushings on the fronts and on the rears of vector `i` of links; zero where that end has no bushing.
+    #[inline(always)]
+    pub(super) fn of_ends<S: Simd>(
+        &self,
+        simd: S,
+        of: &Bushings<S>,
+        i: usize,
+        part: usize,
+    ) -> [Lanes<S>; 2] {
+        [
+            self.front_bushing.at(simd, part) * load(simd, &of.front[i]),
+            self.rear_bushing.at(simd, part) * load(simd, &of.rear[i]),
+        ]
+    }
+
+    /// Return D⁻¹ times `right`.
+    #[inline(always)]
+    pub(super) fn times_inverse<S: Simd>(
+        &self,
+        simd: S,
+        right: [Lanes<S>; 3],
+        part: usize,
+    ) -> [Lanes<S>; 3] {
+        if self.held {
+            return Spatial(read(simd, &self.inverse, part)).times(right);
+        }
+        let light = self.inverse_mass.at(simd, part);
+        let [x, y, turn] = right;
+        [light * x, light * y, self.inverse[5].at(simd, part) * turn]
+    }
+
+    /// Return the blocks D of links whose bushings touch teeth.
+    ///
+    /// `D = diag(m, m, J) + F^T H_f F + R^T H_r R` with the stiffness H of the teeth at the front and the rear bushing. J is the
+    /// inertia with the geometric stiffness. Friction adds the moments `spun` about the bushings.
+    #[inline(always)]
+    pub(super) fn held_links<S: Simd, const RUBBED: bool>(
+        &self,
+        simd: S,
+        (held, spun): (&[Bushings<S>; 3], &[Bushings<S>; 3]),
+        [u, v]: [Lanes<S>; 2],
+        inertia: Lanes<S>,
+        (i, part): (usize, usize),
+    ) -> Spatial<S> {
+        let mass = self.mass.at(simd, part);
+        let [front_xx, rear_xx] = self.of_ends(simd, &held[0], i, part);
+        let [front_yy, rear_yy] = self.of_ends(simd, &held[1], i, part);
+        let [front_xy, rear_xy] = self.of_ends(simd, &held[2], i, part);
+        let (xx, yy, xy) = (front_xx + rear_xx, front_yy + rear_yy, front_xy + rear_xy);
+        let (dxx, dyy, dxy) = (front_xx - rear_xx, front_yy - rear_yy, front_xy - rear_xy);
+        let turned = [u.mul_add(xx, v * xy), u.mul_add(xy, v * yy)];
+        let mut block = [
+            mass + xx,
+            xy,
+            u.mul_add(dxx, v * dxy),
+            mass + yy,
+            u.mul_add(dxy, v * dyy),
+            u.mul_add(turned[0], v.mul_add(turned[1], inertia)),
+        ];
+        if RUBBED {
+            let [front_x, rear_x] = self.of_ends(simd, &spun[0], i, part);
+            let [front_y, rear_y] = self.of_ends(simd, &spun[1], i, part);
+            let [front, rear] = self.of_ends(simd, &spun[2], i, part);
+            block[2] = block[2] + (front_x + rear_x);
+            block[4] = block[4] + (front_y + rear_y);
+            let crossed = u.mul_add(front_x - rear_x, v * (front_y - rear_y));
+            block[5] = block[5] + ((crossed + crossed) + (front + rear));
+        }
+        Spatial(block)
+    }
+}
+
+/// Array of bushings as SIMD vectors of links: bushings on their fronts, and bushings on their rears.
+#[derive(Clone, Copy)]
+pub(super) struct Bushings<'a, S: Simd> {
+    front: &'a [S::f64s],
+    rear: &'a [S::f64s],
+}
+
+impl<'a, S: Simd> Bushings<'a, S> {
+    /// Return the first `count` vectors; bushing k is at [`BASE`] + k.
+    #[inline(always)]
+    pub(super) fn of(array: &'a [f64], count: usize) -> Self {
+        Self {
+            front: vectors::<S>(&array[BASE..], count),
+            rear: vectors::<S>(&array[BASE - 1..], count),
+        }
+    }
+
+    /// Return three arrays.
+    #[inline(always)]
+    pub(super) fn of_three([x, y, z]: &'a [Numbers; 3], count: usize) -> [Self; 3] {
+        [Self::of(x, count), Self::of(y, count), Self::of(z, count)]
+    }
+}
+
+/// Input of the links' elimination.
+pub(super) struct Linked<'a> {
+    pub(super) links: usize,
+    pub(super) gamma: f64,
+    /// Cosines and sines of the links.
+    pub(super) direction: [&'a [f64]; 2],
+    /// Half the pitch of every link \[m\].
+    pub(super) arm: &'a [f64],
+    /// Forces on front and rear ends, x and y \[N\].
+    pub(super) front_force: [&'a [f64]; 2],
+    pub(super) rear_force: [&'a [f64]; 2],
+    pub(super) teeth: &'a ToothTerms,
+    pub(super) closed: &'a Closed,
+    pub(super) arms: &'a Arms,
+}
+
+/// Arrays of the links in SIMD vectors.
+pub(super) struct LinkRows<'a, S: Simd> {
+    gamma_squared: f64,
+    cos: &'a [S::f64s],
+    sin: &'a [S::f64s],
+    arm: &'a [S::f64s],
+    front_force: [&'a [S::f64s]; 2],
+    rear_force: [&'a [S::f64s]; 2],
+    /// Arms of the contact points of the hinges at front and rear, see [`Arms`].
+    front_arms: [&'a [S::f64s]; 2],
+    rear_arms: [&'a [S::f64s]; 2],
+}
+
+impl<'a, S: Simd> LinkRows<'a, S> {
+    /// Return the first `blocks` vectors.
+    #[inline(always)]
+    pub(super) fn of(of: &Linked<'a>, blocks: usize) -> Self {
+        let of_links = |array| vectors::<S>(array, blocks);
+        Self {
+            gamma_squared: of.gamma * of.gamma,
+            cos: of_links(of.direction[0]),
+            sin: of_links(of.direction[1]),
+            arm: of_links(of.arm),
+            front_force: of.front_force.map(of_links),
+            rear_force: of.rear_force.map(of_links),
+            front_arms: both::<S>(&of.arms.front, BASE, blocks),
+            rear_arms: both::<S>(&of.arms.rear, BASE - 1, blocks),
+        }
+    }
+
+    /// Write levers and inverse of vector `i` of links; return the coupling of their hinges.
+    #[inline(always)]
+    pub(super) fn eliminate<const RUBBED: bool>(
+        &self,
+        simd: S,
+        teeth: (&[Bushings<S>; 3], &[Bushings<S>; 3]),
+        (links, levers): (&mut LinkGroup, &mut [Octet; 4]),
+        (i, part): (usize, usize),
+    ) -> Ends<S> {
+        let at = |array: &[S::f64s]| load(simd, &array[i]);
+        let (arm, cos, sin) = (at(self.arm), at(self.cos), at(self.sin));
+        let lever = [-(arm * sin), arm * cos];
+        write(&mut links.lever, part, lever);
+        // Geometric stiffness: the moment of the end forces decreases by arm times stretching force per angle of the link.
+        let [front_x, front_y] = self.front_force.map(at);
+        let [rear_x, rear_y] = self.rear_force.map(at);
+        let stretch = cos.mul_add(front_x - rear_x, sin * (front_y - rear_y));
+        let gamma_squared = Lanes::splat(simd, self.gamma_squared);
+        let inertia = (gamma_squared * arm).mul_add(stretch, links.inertia.at(simd, part));
+        let mut contacts = [lever; 2];
+        if RUBBED {
+            let [u, v] = lever;
+            let ([front_u, front_v], [rear_u, rear_v]) =
+                (self.front_arms.map(at), self.rear_arms.map(at));
+            contacts = [[u + front_u, v + front_v], [rear_u - u, rear_v - v]];
+            let [[fx, fy], [rx, ry]] = contacts;
+            write(levers, part, [fx, fy, rx, ry]);
+        }
+        if links.held {
+            let inverse = links
+                .held_links::<S, RUBBED>(simd, teeth, lever, inertia, (i, part))
+                .inverse();
+            write(&mut links.inverse, part, inverse.0);
+            return if RUBBED {
+                Ends::apart(&inverse, contacts)
+            } else {
+                Ends::of_held(&inverse, lever)
+            };
+        }
+        let turn = inertia.constant(1.0) / inertia;
+        links.inverse[5].put(part, turn);
+        let light = links.inverse_mass.at(simd, part);
+        if RUBBED {
+            Ends::apart_and_free(light, turn, contacts)
+        } else {
+            Ends::of_free(light, turn, lever)
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! Solution of the ring with its factors: substitution in the eight parts, and cyclic reduction of their last hinges.
+
+use pulp::Simd;
+
+use super::super::blocks::{Block, Pair, Symmetric, from_left, from_right};
+use super::super::contacts::BASE;
+use super::super::dense::Dense;
+use super::{Ring, gather};
+use crate::math::simd::{Lanes, Numbers, WIDTH, parts, transposed, vectors_mut, write};
+
+impl Ring {
+    /// Solve in place: x and y of the unknowns of all hinges, hinge k at [`BASE`] + k.
+    #[inline(always)]
+    pub(in super::super) fn solve<S: Simd>(&mut self, simd: S, unknowns: &mut [Numbers; 2]) {
+        if let Some(dense) = &self.dense {
+            let [x, y] = unknowns;
+            let hinges = BASE..BASE + self.hinges;
+            return solve_short(dense, &mut x[hinges.clone()], &mut y[hinges]);
+        }
+        for (axis, numbers) in unknowns.iter().enumerate() {
+            self.take_right_hand_side(simd, axis, numbers);
+        }
+        self.solve_places(simd);
+        for (axis, numbers) in unknowns.iter_mut().enumerate() {
+            self.give_back(simd, axis, numbers);
+        }
+    }
+
+    /// Copy one axis of the right-hand sides place by place; empty first places get zero.
+    #[inline(always)]
+    fn take_right_hand_side<S: Simd>(&mut self, simd: S, axis: usize, from: &[f64]) {
+        for part in parts::<S>() {
+            let rows = self.rows::<S>(from, part);
+            let count = self.registers::<S>();
+            let places = self.unknowns.chunks_exact_mut(S::F64_LANES).take(count);
+            for (number, places) in places.enumerate() {
+                let columns = gather(simd, &rows, number);
+                for (place, column) in places.iter_mut().zip(columns) {
+                    place[axis].put(part, column);
+                }
+            }
+            let all = self.have_all(simd, part);
+            let first = &mut self.unknowns[0][axis];
+            first.put(
+                part,
+                all.select(first.at(simd, part), Lanes::splat(simd, 0.0)),
+            );
+        }
+    }
+
+    /// Write one axis of the unknowns hinge by hinge.
+    #[inline(always)]
+    fn give_back<S: Simd>(&self, simd: S, axis: usize, to: &mut [f64]) {
+        let lanes = S::F64_LANES;
+        // The last vectors end with the last place where a part has as many places as a vector has lanes. Otherwise the next part
+        // overwrites the values behind the last place.
+        let most = self.count.saturating_sub(lanes);
+        for part in parts::<S>() {
+            let starts = &self.starts[part * lanes..(part + 1) * lanes];
+            for place in (0..self.count).step_by(lanes) {
+                let place = place.min(most);
+                let mut rows = [Lanes::splat(simd, 0.0); WIDTH];
+                let places = &self.unknowns[place..place + lanes];
+                for (row, place) in rows.iter_mut().zip(places) {
+                    *row = place[axis].at(simd, part);
+                }
+                for (&start, column) in starts.iter().zip(transposed(simd, rows)) {
+                    let to = &mut to[start + place..start + place + WIDTH];
+                    vectors_mut::<S>(to, WIDTH / lanes)[0] = column.values();
+                }
+            }
+        }
+        // Empty first places have overwritten the hinges before them.
+        let last = &self.unknowns[self.count - 1][axis].0;
+        for part in self.full..WIDTH {
+            to[self.starts[part]] = last[part - 1];
+        }
+        let behind = &mut to[BASE + self.hinges..BASE + self.hinges + WIDTH];
+        behind.fill(0.0);
+    }
+
+    /// Solve for the unknowns, which initially hold the right-hand sides place by place.
+    #[inline(always)]
+    fn solve_places<S: Simd>(&mut self, simd: S) {
+        let last = self.count - 1;
+        let mut to_last = [Pair::zero(simd); WIDTH];
+        let mut unknowns = [Pair::zero(simd); WIDTH];
+        for part in parts::<S>() {
+            // Forward elimination of the parts.
+            let mut right = Pair::read(simd, &self.unknowns[0], part);
+            for j in 0..last {
+                let place = &self.places[j];
+                to_last[part].add(&Block::read(simd, &place.before, part).transposed_of(&right));
+                let next = Pair::read(simd, &self.unknowns[j + 1], part);
+                right = Block::read(simd, &place.next, part).transposed_less(&next, &right);
+                write(&mut self.unknowns[j + 1], part, right.0);
+            }
+            unknowns[part] = right;
+        }
+        let taken = from_right(simd, to_last, 1);
+        for part in parts::<S>() {
+            unknowns[part].subtract(&taken[part]);
+        }
+        // Cyclic reduction of the eight remaining rows.
+        for (distance, round) in [1, 2].into_iter().zip(&self.rounds) {
+            let left = from_left(simd, unknowns, distance);
+            let right = from_right(simd, unknowns, distance);
+            for part in parts::<S>() {
+                let rest = Block::read(simd, &round.left, part).less(&unknowns[part], &left[part]);
+                unknowns[part] = Block::read(simd, &round.right, part).less(&rest, &right[part]);
+            }
+        }
+        let across = from_left(simd, unknowns, WIDTH / 2);
+        for part in parts::<S>() {
+            let right =
+                Block::read(simd, &self.opposite, part).less(&unknowns[part], &across[part]);
+            unknowns[part] = Symmetric::read(simd, &self.inverse, part).of(&right);
+        }
+        // Back substitution: f_j = S⁻¹ r_j - `before` f_last - `next` f_(j+1), f_last of the previous part.
+        let before = from_left(simd, unknowns, 1);
+        for part in parts::<S>() {
+            let mut next = unknowns[part];
+            write(&mut self.unknowns[last], part, next.0);
+            for j in (0..last).rev() {
+                let place = &self.places[j];
+                let right = Pair::read(simd, &self.unknowns[j], part);
+                let own = Symmetric::read(simd, &place.own, part).of(&right);
+                let own = Block::read(simd, &place.before, part).less(&own, &before[part]);
+                next = Block::read(simd, &place.next, part).less(&own, &next);
+                write(&mut self.unknowns[j], part, next.0);
+            }
+        }
+    }
+}
+
+/// Solve a ring with fewer hinges than parts.
+fn solve_short(dense: &Dense, x: &mut [f64], y: &mut [f64]) {
+    let mut unknowns = [0.0; 2 * WIDTH];
+    let count = x.len();
+    for (pair, (x, y)) in unknowns.chunks_exact_mut(2).zip(x.iter().zip(&*y)) {
+        pair.copy_from_slice(&[*x, *y]);
+    }
+    dense.solve(&mut unknowns[..2 * count]);
+    for (pair, (x, y)) in unknowns.chunks_exact(2).zip(x.iter_mut().zip(y)) {
+        (*x, *y) = (pair[0], pair[1]);
+    }
+}

@@ -1,0 +1,112 @@
+//! Tests of the ring: solutions against a dense matrix, and refusal of blocks without an inverse.
+
+use nalgebra::{DMatrix, DVector};
+use proptest::prelude::*;
+
+use pulp::WithSimd;
+
+use super::*;
+use crate::math::simd::InstructionSet;
+
+struct FactoriseRing<'a> {
+    ring: &'a mut Ring,
+    blocks: &'a HingeBlocks,
+}
+
+impl WithSimd for FactoriseRing<'_> {
+    type Output = bool;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        self.ring.factorise(simd, self.blocks)
+    }
+}
+
+struct SolveRing<'a> {
+    ring: &'a mut Ring,
+    unknowns: &'a mut [Numbers; 2],
+}
+
+impl WithSimd for SolveRing<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.ring.solve(simd, self.unknowns);
+    }
+}
+
+proptest! {
+    #[test]
+    fn solutions_are_those_of_the_dense_matrix(
+        n in 2usize..90,
+        open in proptest::collection::vec(0u8..4, 90),
+        any_open in any::<bool>(),
+        numbers in proptest::collection::vec(-0.3f64..0.3, 800),
+    ) {
+        let closed = |k: usize| !any_open || open[k] > 0;
+        let mut next = numbers.iter().copied().cycle();
+        let mut blocks = HingeBlocks::new(n);
+        for k in 0..n {
+            let coupled = closed(k) && closed((k + n - 1) % n);
+            for (entry, own) in blocks.own.iter_mut().enumerate() {
+                let one = f64::from(u8::from(entry < 2));
+                own[BASE + k] = if closed(k) { 1.5 * one + next.next().unwrap() } else { one };
+            }
+            for before in &mut blocks.before {
+                before[BASE + k] = if coupled { next.next().unwrap() } else { 0.0 };
+            }
+        }
+        let mut dense = DMatrix::<f64>::zeros(2 * n, 2 * n);
+        for k in 0..n {
+            let [a, d, b] = [0, 1, 2].map(|i| blocks.own[i][BASE + k]);
+            dense[(2 * k, 2 * k)] += a;
+            dense[(2 * k + 1, 2 * k + 1)] += d;
+            dense[(2 * k, 2 * k + 1)] += b;
+            dense[(2 * k + 1, 2 * k)] += b;
+            let before = (k + n - 1) % n;
+            for (i, entry) in blocks.before.iter().map(|coupling| coupling[BASE + k]).enumerate() {
+                dense[(2 * k + i / 2, 2 * before + i % 2)] += entry;
+                dense[(2 * before + i % 2, 2 * k + i / 2)] += entry;
+            }
+        }
+        let right = DVector::from_fn(2 * n, |i, _| if closed(i / 2) { 1.0 + (i % 7) as f64 } else { 0.0 });
+        prop_assume!(dense.clone().cholesky().is_some());
+        let mut bits: Option<Vec<f64>> = None;
+        for set in InstructionSet::available() {
+            let mut ring = Ring::new(n);
+            let regular = set.run(FactoriseRing { ring: &mut ring, blocks: &blocks });
+            prop_assert!(regular);
+            let mut unknowns = [hinge_numbers(n), hinge_numbers(n)];
+            for (i, &entry) in right.iter().enumerate() {
+                unknowns[i % 2][BASE + i / 2] = entry;
+            }
+            set.run(SolveRing { ring: &mut ring, unknowns: &mut unknowns });
+            let found = DVector::from_fn(2 * n, |i, _| unknowns[i % 2][BASE + i / 2]);
+            let error = (&dense * &found - &right).amax() / found.amax().max(1e-3);
+            prop_assert!(error < 1e-12, "{} {}", set.name(), error);
+            if set.has_fused_multiply_add() {
+                let same = bits.get_or_insert_with(|| found.as_slice().to_vec());
+                prop_assert_eq!(&same[..], found.as_slice());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_block_without_an_inverse_is_reported() {
+    for hinge in [0, 3, 20, 37] {
+        for wrong in [0.0, f64::NAN, -1.0] {
+            let mut blocks = HingeBlocks::new(38);
+            blocks.own[0].fill(1.0);
+            blocks.own[1].fill(1.0);
+            blocks.own[0][BASE + hinge] = wrong;
+            for set in InstructionSet::available() {
+                let mut ring = Ring::new(38);
+                let regular = set.run(FactoriseRing {
+                    ring: &mut ring,
+                    blocks: &blocks,
+                });
+                assert!(!regular, "{hinge} {wrong} {}", set.name());
+            }
+        }
+    }
+}

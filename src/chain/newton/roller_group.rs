@@ -1,0 +1,193 @@
+//! Eight rollers in the lanes of SIMD vectors: elimination of their velocities, and solutions with the factors.
+
+use pulp::Simd;
+
+use super::blocks::{Block, Pair, Symmetric};
+use super::bores::BoreFriction;
+use super::spatial::{Spatial, transposed_times};
+use crate::chain::model::Model;
+use crate::math::simd::{Lanes, Octet, load, read, write};
+
+/// Eight rollers.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RollerGroup {
+    /// One where the bushing is on the front of its link, else zero.
+    pub(super) front_bushing: Octet,
+    /// Whether a bushing or a tooth touches one of these rollers.
+    pub(super) held: bool,
+    /// Whether a tooth touches one of these rollers.
+    pub(super) meshes: bool,
+    /// A; without friction only xx, yy, xy.
+    inverse: [Octet; 6],
+    /// A C in row-major order; without friction only four entries.
+    follow: [Octet; 9],
+    /// Scratch of a solution: velocities of the rollers by their own right-hand side only.
+    pub(super) free: [Octet; 3],
+}
+
+impl RollerGroup {
+    /// Return eight rollers from roller `first` on.
+    pub(super) fn new(model: &Model, first: usize) -> Self {
+        let on_front =
+            |k: usize| f64::from(u8::from(k < model.links && model.link_of_bushing(k) == k));
+        let none = Octet::default();
+        Self {
+            front_bushing: Octet(std::array::from_fn(|lane| on_front(first + lane))),
+            held: false,
+            meshes: false,
+            inverse: [none; 6],
+            follow: [none; 9],
+            free: [none; 3],
+        }
+    }
+
+    /// Return A times `right`: velocities of the rollers alone. Without `RUBBED`, that of θ is zero.
+    #[inline(always)]
+    pub(super) fn alone<S: Simd, const RUBBED: bool>(
+        &self,
+        simd: S,
+        part: usize,
+        right: [Lanes<S>; 3],
+    ) -> [Lanes<S>; 3] {
+        if RUBBED {
+            return Spatial(read(simd, &self.inverse, part)).times(right);
+        }
+        let [xx, yy, xy, ..] = &self.inverse;
+        let inverse = Symmetric([xx.at(simd, part), yy.at(simd, part), xy.at(simd, part)]);
+        let [x, y, _] = right;
+        let [x, y] = inverse.of(&Pair([x, y])).0;
+        [x, y, x.constant(0.0)]
+    }
+
+    /// Return A C without friction.
+    #[inline(always)]
+    fn follow<S: Simd>(&self, simd: S, part: usize) -> Block<S> {
+        let [xx, xy, yx, yy, ..] = &self.follow;
+        Block([
+            xx.at(simd, part),
+            xy.at(simd, part),
+            yx.at(simd, part),
+            yy.at(simd, part),
+        ])
+    }
+
+    /// Return C^T A times `right`: the force on the bushings. Without `RUBBED`, the moment is zero.
+    #[inline(always)]
+    pub(super) fn felt<S: Simd, const RUBBED: bool>(
+        &self,
+        simd: S,
+        part: usize,
+        right: [Lanes<S>; 3],
+    ) -> [Lanes<S>; 3] {
+        if RUBBED {
+            return transposed_times(&read(simd, &self.follow, part), right);
+        }
+        let [x, y, _] = right;
+        let [x, y] = self.follow(simd, part).transposed_of(&Pair([x, y])).0;
+        [x, y, x.constant(0.0)]
+    }
+
+    /// Return the velocities of the rollers with those of their bushings, A C b plus their own; without `RUBBED`, of θ zero.
+    #[inline(always)]
+    pub(super) fn bound<S: Simd, const RUBBED: bool>(
+        &self,
+        simd: S,
+        part: usize,
+        [x, y, turn]: [Lanes<S>; 3],
+    ) -> [Lanes<S>; 3] {
+        let own = read(simd, &self.free, part);
+        if RUBBED {
+            let [a, b, c, d, e, f, g, h, i] = read(simd, &self.follow, part);
+            return [
+                a.mul_add(x, b.mul_add(y, c.mul_add(turn, own[0]))),
+                d.mul_add(x, e.mul_add(y, f.mul_add(turn, own[1]))),
+                g.mul_add(x, h.mul_add(y, i.mul_add(turn, own[2]))),
+            ];
+        }
+        let [xx, xy, yx, yy] = self.follow(simd, part).0;
+        [
+            xx.mul_add(x, xy.mul_add(y, own[0])),
+            yx.mul_add(x, yy.mul_add(y, own[1])),
+            x.constant(0.0),
+        ]
+    }
+}
+
+/// Stiffness of the teeth at the bushings, vector by vector. On input it acts on the rollers; on output the rollers act on the
+/// bushings with it.
+pub(super) struct OnTeeth<'a, S: Simd> {
+    pub(super) simd: S,
+    pub(super) held: [&'a mut [S::f64s]; 3],
+    pub(super) spun: [&'a mut [S::f64s]; 3],
+}
+
+impl<S: Simd> OnTeeth<'_, S> {
+    /// Eliminate vector `i` of rollers without friction: velocities x and y.
+    #[inline(always)]
+    pub(super) fn eliminate(
+        &mut self,
+        i: usize,
+        mass: Lanes<S>,
+        bore: &Symmetric<S>,
+        (group, part): (&mut RollerGroup, usize),
+    ) {
+        let [held_xx, held_yy, held_xy] = &mut self.held;
+        let at = |array: &[S::f64s]| load(self.simd, &array[i]);
+        let (xx, yy, xy) = (mass + at(held_xx), mass + at(held_yy), at(held_xy));
+        let [bore_xx, bore_yy, bore_xy] = bore.0;
+        let (a, d, b) = (xx + bore_xx, yy + bore_yy, xy + bore_xy);
+        let over = mass.constant(1.0) / a.mul_add(d, -(b * b));
+        let inverse = Symmetric([d * over, a * over, -(b * over)]);
+        let follow = inverse.times_block(&Block([bore_xx, bore_xy, bore_xy, bore_yy]));
+        // The bore in series with teeth and inertia, since C = B: B - B A B = C A (M + T).
+        let left = follow.transposed_times(&Block([xx, xy, xy, yy]));
+        held_xx[i] = left.0[0].values();
+        held_yy[i] = left.0[1].values();
+        held_xy[i] = left.0[2].values();
+        for (octet, entry) in group.inverse.iter_mut().zip(inverse.0) {
+            octet.put(part, entry);
+        }
+        for (octet, entry) in group.follow.iter_mut().zip(follow.0) {
+            octet.put(part, entry);
+        }
+    }
+
+    /// Eliminate vector `i` of rollers with friction: velocities x, y and θ.
+    #[inline(always)]
+    pub(super) fn eliminate_rubbed(
+        &mut self,
+        i: usize,
+        [mass, inertia]: [Lanes<S>; 2],
+        bore: &Symmetric<S>,
+        friction: &BoreFriction<S>,
+        (group, part): (&mut RollerGroup, usize),
+    ) {
+        let at = |array: &[S::f64s]| load(self.simd, &array[i]);
+        let own = Spatial([
+            mass + at(self.held[0]),
+            at(self.held[2]),
+            at(self.spun[0]),
+            mass + at(self.held[1]),
+            at(self.spun[1]),
+            inertia + at(self.spun[2]),
+        ]);
+        let inverse = own
+            .plus(&friction.block(bore, friction.of_roller, friction.of_roller))
+            .inverse();
+        let coupling = friction.coupling(bore);
+        let follow = inverse.times_general(&coupling);
+        // held = K - C^T A C.
+        let left = friction
+            .block(bore, friction.of_bushing, friction.of_bushing)
+            .less_product(&coupling, &follow);
+        let [xx, xy, xz, yy, yz, zz] = left.0;
+        for (array, entry) in self.held.iter_mut().zip([xx, yy, xy]) {
+            array[i] = entry.values();
+        }
+        for (array, entry) in self.spun.iter_mut().zip([xz, yz, zz]) {
+            array[i] = entry.values();
+        }
+        write(&mut group.inverse, part, inverse.0);
+        write(&mut group.follow, part, follow);
+    }
+}

@@ -1,0 +1,67 @@
+//! Implicit steps: slopes for Newton's matrix, its factors and corrections, and bristles as local unknowns.
+
+use super::{Kernels, on_teeth};
+use crate::chain::model::Model;
+use crate::chain::newton::{Evaluated, NewtonMatrix};
+
+impl Kernels {
+    /// Allocate Newton's matrix.
+    pub(crate) fn make_room_for_newton(&mut self, model: &Model) {
+        if self.newton.is_none() {
+            self.newton = Some(Box::new(NewtonMatrix::new(model)));
+        }
+    }
+
+    /// Switch on or off the slopes of all forces, which [`Self::factorise`] needs, for the next evaluations.
+    pub(crate) fn write_slopes(&mut self, write: bool) {
+        self.writes_slopes = write;
+    }
+
+    /// Factorise Newton's matrix of the last evaluation, which must have written slopes. Return false where it is singular, or not
+    /// definite and not allowed to be `indefinite`.
+    pub(crate) fn factorise(
+        &mut self,
+        model: &Model,
+        pawls: &[f64],
+        gamma: f64,
+        indefinite: bool,
+    ) -> bool {
+        let evaluated = Evaluated {
+            instructions: self.instructions,
+            constants: &self.links,
+            chain: &self.chain,
+            on_teeth: on_teeth(&self.chain, self.rollers.as_deref()),
+            candidates: &self.candidates,
+            poses: &self.poses,
+            pawls,
+            indefinite,
+        };
+        self.newton
+            .as_mut()
+            .is_some_and(|newton| newton.factorise(model, &evaluated, gamma))
+    }
+
+    /// Overwrite a residual of the velocities with the correction, the solution with the last matrix.
+    pub(crate) fn correct(&mut self, model: &Model, residual: &mut [f64]) {
+        if let Some(newton) = &mut self.newton {
+            newton.correct(model, self.instructions, residual);
+        }
+    }
+
+    /// Start or end an implicit step for bristles. With predicted deflections and γ, evaluations solve for the deflections; with
+    /// `None` they use those of the state.
+    pub(crate) fn solve_for_bristles(&mut self, step: Option<(&[f64], f64)>) {
+        match (&mut self.bristles, step) {
+            (Some(bristles), Some((predicted, gamma))) => {
+                bristles.begin_implicit_stage(predicted, gamma);
+            }
+            (Some(bristles), None) => bristles.end_implicit_stage(),
+            (None, _) => {}
+        }
+    }
+
+    /// Return the deflections of the bristles that the last evaluation of an implicit step solved for \[m\].
+    pub(crate) fn solved_bristles(&self) -> &[f64] {
+        (self.bristles.as_ref()).map_or(&[], |bristles| bristles.solved())
+    }
+}

@@ -1,0 +1,118 @@
+//! Arrays of one run of candidates in SIMD vectors: successive bushings in successive slots.
+
+use std::ops::Range;
+
+use pulp::Simd;
+
+use crate::chain::contact::{Run, SprocketCandidates, gap_of};
+use crate::chain::model::SprocketModel;
+use crate::chain::rhs::bristles::BristleLanes;
+use crate::chain::rhs::layout::{ChainArrays, FIRST, LinkConstants};
+use crate::chain::rhs::pose::SprocketPose;
+use crate::chain::rhs::slopes::{ContactSlopes, FrictionGroup, SlopeGroup};
+use crate::geometry::Vec2;
+use crate::math::simd::{both, both_mut, vectors, vectors_mut};
+
+/// Arrays of one run in SIMD vectors; those of gaps and centres, which change bushing by bushing, as numbers.
+pub(super) struct RunOfBushings<'a, S: Simd> {
+    pub(super) bushing: [&'a [S::f64s]; 2],
+    pub(super) velocity: [&'a [S::f64s]; 2],
+    pub(super) on_front: &'a [S::f64s],
+    pub(super) inverse_onset: &'a [S::f64s],
+    pub(super) kept_constants: [&'a [S::f64s]; 2],
+    pub(super) depth: &'a mut [S::f64s],
+    pub(super) force: &'a mut [S::f64s],
+    pub(super) front_force: [&'a mut [S::f64s]; 2],
+    pub(super) rear_force: [&'a mut [S::f64s]; 2],
+    pub(super) slopes: Option<&'a mut [SlopeGroup]>,
+    pub(super) rubbed: RubbedRun<'a, S>,
+    centers: [&'a [f64]; 2],
+    gap: &'a mut [u32],
+    pub(super) gap_cos: &'a mut [f64],
+    pub(super) gap_sin: &'a mut [f64],
+}
+
+/// Arrays of one run that friction reads and writes; empty without friction.
+pub(super) struct RubbedRun<'a, S: Simd> {
+    pub(super) spin: &'a [S::f64s],
+    /// Moments on front and rear ends \[N m\].
+    pub(super) moments: [&'a mut [S::f64s]; 2],
+    pub(super) friction: &'a mut [S::f64s],
+    pub(super) slopes: Option<&'a mut [FrictionGroup]>,
+    /// `Some` for `BRISTLED`.
+    pub(super) bristles: Option<BristleLanes<'a, S>>,
+}
+
+impl<'a, S: Simd> RunOfBushings<'a, S> {
+    /// Return the arrays of run `number` of the candidates. `RUBBED`: with those of friction.
+    #[inline(always)]
+    pub(super) fn of<const RUBBED: bool>(
+        number: usize,
+        links: &'a LinkConstants,
+        arrays: &'a mut ChainArrays,
+        candidates: &'a mut SprocketCandidates,
+        slopes: Option<&'a mut ContactSlopes>,
+    ) -> Self {
+        let Run {
+            first,
+            length,
+            slot,
+        } = candidates.runs[number];
+        let blocks = length.div_ceil(S::F64_LANES);
+        let (slopes, friction_slopes) = slopes.map(|slopes| slopes.from_slot(slot)).unzip();
+        let mut rubbed = RubbedRun::<S> {
+            spin: &[],
+            moments: [&mut [], &mut []],
+            friction: &mut [],
+            slopes: None,
+            bristles: None,
+        };
+        if RUBBED {
+            rubbed.spin = vectors::<S>(&arrays.bushing_spin[first..], blocks);
+            rubbed.moments = [
+                vectors_mut::<S>(&mut arrays.front_moment[first..], blocks),
+                vectors_mut::<S>(&mut arrays.rear_moment[FIRST + 1 + first..], blocks),
+            ];
+            rubbed.friction = vectors_mut::<S>(&mut candidates.friction[slot..], blocks);
+            rubbed.slopes = friction_slopes;
+        }
+        let [x, y] = &arrays.bushing;
+        Self {
+            bushing: both::<S>(&arrays.bushing, first, blocks),
+            velocity: both::<S>(&arrays.bushing_velocity, first, blocks),
+            on_front: vectors::<S>(&links.bushing_on_front[first..], blocks),
+            inverse_onset: vectors::<S>(&candidates.inverse_onset[slot..], blocks),
+            kept_constants: both::<S>(&candidates.kept_constants, slot, blocks),
+            depth: vectors_mut::<S>(&mut candidates.depth[slot..], blocks),
+            force: vectors_mut::<S>(&mut candidates.force[slot..], blocks),
+            front_force: both_mut::<S>(&mut arrays.front_force, first, blocks),
+            rear_force: both_mut::<S>(&mut arrays.rear_force, FIRST + 1 + first, blocks),
+            slopes,
+            rubbed,
+            centers: [&x[first..], &y[first..]],
+            gap: &mut candidates.gap[slot..],
+            gap_cos: &mut candidates.gap_cos[slot..],
+            gap_sin: &mut candidates.gap_sin[slot..],
+        }
+    }
+
+    /// Assign the nearest gap to each of these bushings of the run.
+    #[inline(always)]
+    pub(super) fn assign_gaps(
+        &mut self,
+        sprocket: &SprocketModel,
+        pose: &SprocketPose,
+        bushings: Range<usize>,
+    ) {
+        for j in bushings {
+            let [x, y] = self.centers.map(|axis| axis[j]);
+            let number = gap_of(
+                sprocket,
+                Vec2::new(x, y) - Vec2::from(pose.center),
+                pose.direction,
+            );
+            self.gap[j] = number;
+            (self.gap_cos[j], self.gap_sin[j]) = sprocket.gap_directions[number as usize];
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! Tests of the lubricant film: integral of the pressure, dissipation, slopes against differences.
+
+use pulp::{Simd, WithSimd};
+
+use super::*;
+use crate::math::simd::{InstructionSet, Lanes};
+
+const LUBRICANT: Film = Film {
+    viscosity: 0.1,
+    length: None,
+    handover: 0.9,
+    tension: 0.0,
+};
+
+/// The hinge of the published drive.
+fn hinge() -> HingeFilm {
+    LUBRICANT.between(2.22e-3, 25e-6, 0.011)
+}
+
+/// The same hinge with films that sustain tension; the states have velocities at, above and below g₀.
+fn hinges() -> [HingeFilm; 4] {
+    [0.0, 3e2, 1e4, 3e6].map(|tension| {
+        Film {
+            tension,
+            ..LUBRICANT
+        }
+        .between(2.22e-3, 25e-6, 0.011)
+    })
+}
+
+/// Ratios of eccentricity to clearance, and velocities \[m/s\].
+fn states() -> Vec<(f64, [f64; 2])> {
+    let ratios = [1e-9, 1e-3, 0.05, 0.3, 0.6, 0.85, 0.93, 0.97, 0.999];
+    let angles = (0..16).map(|i| f64::from(i) * PI / 8.0 + 0.01);
+    ratios
+        .into_iter()
+        .flat_map(|ratio| angles.clone().map(move |angle| (ratio, angle)))
+        .map(|(ratio, angle)| (ratio, [2e-3 * angle.cos(), 2e-3 * angle.sin()]))
+        .collect()
+}
+
+#[test]
+fn forces_are_the_integral_of_the_pressure_that_is_positive() {
+    let film = hinge();
+    for (ratio, [along, across]) in states() {
+        if ratio > 0.9 {
+            continue;
+        }
+        let g = [along, 2.0 * across / (2.0 + ratio * ratio)];
+        // Simpson's rule between the two zeros of the pressure.
+        let (parts, middle) = (20_000, g[1].atan2(g[0]));
+        let mut sum = [0.0; 2];
+        for i in 0..=parts {
+            let angle = middle + PI * (f64::from(i) / f64::from(parts) - 0.5);
+            let (sin, cos) = angle.sin_cos();
+            let thin = 1.0 - ratio * cos;
+            let pressure = (2.0 - ratio * cos) / (thin * thin) * (g[0] * cos + g[1] * sin);
+            let weight = match i {
+                0 => 1.0,
+                i if i == parts => 1.0,
+                i => f64::from(2 + 2 * (i % 2)),
+            };
+            sum[0] += weight * pressure * cos;
+            sum[1] += weight * pressure * sin;
+        }
+        let most = -film.pressure * PI / (3.0 * f64::from(parts));
+        let found = film.at(ratio * film.clearance, [along, across]).force;
+        for (found, sum) in found.iter().zip(sum) {
+            let size = film.pressure * 2e-3;
+            assert!((found - most * sum).abs() < 1e-9 * size, "{ratio} {along}");
+        }
+    }
+}
+
+#[test]
+fn nothing_is_ever_gained_from_a_film() {
+    for film in hinges() {
+        for (ratio, velocity) in states() {
+            let found = film.at(ratio * film.clearance, velocity);
+            let [along, across] = found.force;
+            assert!(along * velocity[0] + across * velocity[1] < 0.0, "{ratio}");
+            assert!(found.shear > 0.0);
+        }
+    }
+}
+
+#[test]
+fn small_pressures_have_the_full_film() {
+    let [.., film] = hinges();
+    for ratio in [0.05f64, 0.4, 0.8] {
+        let rest = 1.0 - ratio * ratio;
+        let full = 2.0 * PI * film.pressure;
+        let found = film.at(ratio * film.clearance, [-1e-8, 1e-8]).force;
+        let expected = [
+            full * 1e-8 / rest.powf(1.5),
+            -full * 2e-8 / ((2.0 + ratio * ratio) * rest.sqrt()),
+        ];
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-5 * expected.abs(), "{ratio}");
+        }
+    }
+}
+
+#[test]
+fn the_hand_over_is_smooth_and_complete() {
+    let film = hinge();
+    let at = |ratio: f64| film.at(ratio * film.clearance, [1e-3, 1e-3]).force[0];
+    for edge in [0.9, 1.0] {
+        let step = 1e-6;
+        let jump = at(edge + step) - at(edge - step);
+        assert!(jump.abs() < 1e-3 * at(0.9).abs(), "{edge}: {jump}");
+    }
+    assert_eq!(at(1.0), 0.0);
+    assert_eq!(at(1.2), 0.0);
+}
+
+struct Fill<'a> {
+    film: HingeFilm,
+    states: &'a [(f64, [f64; 2])],
+    found: &'a mut Vec<[f64; 9]>,
+}
+
+impl WithSimd for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let film = FilmLaw::new(simd, &self.film);
+        for &(ratio, [along, across]) in self.states {
+            let splat = |value| Lanes::splat(simd, value);
+            let length = splat(ratio * self.film.clearance);
+            let filled = film.at(length, [splat(along), splat(across)], splat(1.0));
+            let slopes = film.slopes(&filled);
+            let [dxx, dyy, dxy] = slopes.damping;
+            let [kxx, kyy, kxy] = slopes.stiffness;
+            let FilmForce {
+                force: [push, drag],
+                shear,
+            } = filled.film;
+            let all = [push, drag, shear, dxx, dyy, dxy, kxx, kyy, kxy];
+            self.found.push(all.map(Lanes::greatest));
+        }
+    }
+}
+
+#[test]
+fn vectors_give_what_single_films_give_and_slopes_those_of_differences() {
+    let films = hinges();
+    let c = films[0].clearance;
+    let states = states();
+    let sets = InstructionSet::available().into_iter();
+    for (set, film) in sets.flat_map(|set| films.map(|film| (set, film))) {
+        let mut found = Vec::new();
+        set.run(Fill {
+            film,
+            states: &states,
+            found: &mut found,
+        });
+        for (&(ratio, velocity), found) in states.iter().zip(&found) {
+            let scalar = film.at(ratio * c, velocity);
+            let size = scalar.force[0].hypot(scalar.force[1]);
+            for (found, scalar) in found.iter().zip(scalar.force) {
+                // The two terms of the tensile force of a thin film nearly cancel.
+                assert!((found - scalar).abs() < 1e-12 * size / (1.0 - ratio));
+            }
+            assert!((found[2] - scalar.shear).abs() < 1e-12 * scalar.shear);
+            if ratio < 0.05 {
+                continue;
+            }
+            // Positions and velocities in a plane that does not rotate.
+            let force = |dx: f64, dy: f64, du: f64, dv: f64| {
+                let (x, y) = (ratio * c + dx, dy);
+                let length = x.hypot(y);
+                let (cos, sin) = (x / length, y / length);
+                let (u, v) = (velocity[0] + du, velocity[1] + dv);
+                let [push, drag] = film
+                    .at(length, [u * cos + v * sin, v * cos - u * sin])
+                    .force;
+                [push * cos - drag * sin, push * sin + drag * cos]
+            };
+            let slope = |axis: usize, step: f64| {
+                let mut way = [0.0; 4];
+                way[axis] = step;
+                let [a, b, e, f] = way;
+                let (up, down) = (force(a, b, e, f), force(-a, -b, -e, -f));
+                [0, 1].map(|i| -(up[i] - down[i]) / (2.0 * step))
+            };
+            let [kx, ky] = [slope(0, 1e-6 * c), slope(1, 1e-6 * c)];
+            let [dx, dy] = [slope(2, 1e-9), slope(3, 1e-9)];
+            let expected = [
+                dx[0],
+                dy[1],
+                0.5 * (dx[1] + dy[0]),
+                kx[0],
+                ky[1],
+                0.5 * (kx[1] + ky[0]),
+            ];
+            for (i, (found, expected)) in found[3..].iter().zip(expected).enumerate() {
+                let size = if i < 3 {
+                    size / 2e-3
+                } else {
+                    size / c / (1.0 - ratio)
+                };
+                assert!(
+                    (found - expected).abs() < 1e-4 * size,
+                    "{ratio} {velocity:?}, slope {i}: {found} for {expected}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn films_that_mean_nothing_are_refused() {
+    let bad = |change: fn(&mut Film)| {
+        let mut film = LUBRICANT;
+        change(&mut film);
+        film.check("Film").unwrap_err().to_string()
+    };
+    assert!(bad(|film| film.viscosity = 0.0).contains("leave the film out"));
+    assert!(bad(|film| film.viscosity = f64::NAN).contains("Film.viscosity"));
+    assert!(bad(|film| film.length = Some(-1.0)).contains("Film.length"));
+    assert!(bad(|film| film.handover = 1.0).contains("Film.handover"));
+    assert!(bad(|film| film.tension = -1.0).contains("Film.tension"));
+}
