@@ -163,11 +163,11 @@ pub fn contacts(dynamics: &Dynamics) -> String {
     let touching = |penetrations: &[f64]| penetrations.iter().filter(|&&depth| depth > 0.0).count();
     format!(
         "{} hinges, {} in contact; {} bushings on sprockets, {} near, {} in contact",
-        dynamics.hinges.penetration.len(),
-        touching(&dynamics.hinges.penetration),
-        dynamics.teeth.penetration.len(),
-        dynamics.teeth.near.len(),
-        touching(&dynamics.teeth.penetration),
+        dynamics.evaluated.hinges.penetration.len(),
+        touching(&dynamics.evaluated.hinges.penetration),
+        dynamics.evaluated.teeth.penetration.len(),
+        dynamics.evaluated.teeth.near.len(),
+        touching(&dynamics.evaluated.teeth.penetration),
     )
 }
 

@@ -17,7 +17,6 @@ pub(super) struct StepStart {
     pub(super) time: f64,
     solution: Vec<f64>,
     pub(super) shift: Vec<f64>,
-    pub(super) shift_time: f64,
     pub(super) memory: Vec<Memory>,
     onsets: u64,
     /// Whether the step uses the implicit corrector, whose last evaluation is not at the final solution.
@@ -45,7 +44,6 @@ impl MechanismDynamics {
         start.solution.extend_from_slice(adams.y());
         start.memory.clone_from(&self.memory);
         start.shift.clone_from(&self.shift);
-        start.shift_time = self.shift_time;
         start.onsets = self.onsets;
     }
 

@@ -101,7 +101,11 @@ pub(super) fn drive_evaluation<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let model = dynamics.model();
     let (links, sprockets) = (model.links, model.sprockets.len());
-    let (hinges, teeth, a) = (&dynamics.hinges, &dynamics.teeth, &dynamics.accelerations);
+    let (hinges, teeth, a) = (
+        &dynamics.evaluated.hinges,
+        &dynamics.evaluated.teeth,
+        &dynamics.evaluated.accelerations,
+    );
     let near = |pair: usize| teeth.penetration[pair] > f64::NEG_INFINITY;
     let accelerations = (0..model.bodies())
         .map(|i| [a.x[i], a.y[i], a.angle[i]])
@@ -122,7 +126,7 @@ pub(super) fn drive_evaluation<'py>(
         on_pins.into_pyarray(py).reshape([links, 2])?,
     )?;
     if model.rollers.is_some() {
-        let rollers = &dynamics.rollers;
+        let rollers = &dynamics.evaluated.rollers;
         found.set_item("roller_force", rollers.force.clone().into_pyarray(py))?;
         let depths = rollers.penetration.clone();
         found.set_item("roller_penetration", depths.into_pyarray(py))?;
@@ -153,7 +157,7 @@ pub(super) fn drive_evaluation<'py>(
         "tooth_force_vector",
         vectors.into_pyarray(py).reshape([links, sprockets, 2])?,
     )?;
-    let bent = &dynamics.bristles.deflection;
+    let bent = &dynamics.evaluated.bristles.deflection;
     let places = &model.bristles;
     let first = |range: &std::ops::Range<usize>| range.start - places.hinges.start;
     if !places.hinges.is_empty() {

@@ -102,13 +102,16 @@ impl Simulation<Dynamics> {
         let mut dynamics = self.system.clone();
         if positions.is_some() {
             dynamics.memory.clear();
-            dynamics.bristles.clear();
+            dynamics.evaluated.bristles.clear();
         } else {
-            dynamics.bristles.read(self.model(), &self.state());
+            dynamics
+                .evaluated
+                .bristles
+                .read(self.model(), &self.state());
         }
         let present = self.motion();
         let (present_positions, present_velocities) = (present.positions(), present.velocities());
-        dynamics.motion.set(
+        dynamics.evaluated.motion.set(
             positions.unwrap_or(&present_positions),
             velocities.unwrap_or(&present_velocities),
         );

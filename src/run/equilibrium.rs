@@ -331,7 +331,8 @@ impl Settling {
             for (step, acceleration) in step.iter_mut().zip(&self.rates[coordinates..]) {
                 *step = gamma * acceleration;
             }
-            // A singular matrix or a step that is not finite: γ is reduced and the iteration repeated.
+            // A singular matrix or a step that is not finite: γ is reduced and the iteration repeated. Here γ may fall below the shortest
+            // one of other steps: the matrix tends to that of the masses, which is regular, and the next step may return to it.
             if !self.dynamics.factorise_indefinite(gamma) {
                 gamma *= 0.25;
                 continue;
@@ -418,9 +419,9 @@ impl Settling {
         let model = Arc::clone(self.dynamics.model());
         let coordinates = model.coordinates;
         let still = vec![[0.0; 3]; positions.len()];
-        self.dynamics.motion.set(positions, &still);
+        self.dynamics.evaluated.motion.set(positions, &still);
         self.dynamics.evaluate_motion(0.0);
-        let found = &self.dynamics.accelerations;
+        let found = &self.dynamics.evaluated.accelerations;
         let mut bodies = Places::new(model.bodies());
         let rates: Vec<[f64; 3]> = (0..model.bodies())
             .map(|i| [found.x[i], found.y[i], found.angle[i]])

@@ -198,15 +198,19 @@ fn speeds_set_under_way_leave_bristles_as_they_are() {
     let [.., laws] = places(bristles());
     let mut run = drive(&laws, Corrector::Auto);
     common::advance(&mut run, 2.000_3e-3);
-    let before = run.present().bristles.deflection.clone();
+    let before = run.present().evaluated.bristles.deflection.clone();
     run.set_input(0, Quantity::Speed, 13.0.into()).unwrap();
     let after = run.present().clone();
-    for (i, (before, now)) in before.iter().zip(&after.bristles.deflection).enumerate() {
+    for (i, (before, now)) in before
+        .iter()
+        .zip(&after.evaluated.bristles.deflection)
+        .enumerate()
+    {
         let links = after.model().links;
         let touches = if i < links {
-            after.hinges.penetration[i] > 0.0
+            after.evaluated.hinges.penetration[i] > 0.0
         } else {
-            after.teeth.penetration[i - links] > 0.0
+            after.evaluated.teeth.penetration[i - links] > 0.0
         };
         assert_eq!(*now, if touches { *before } else { 0.0 });
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::common::scalar_reference::Reference;
 use crate::common::scenes::{Noise, Scene, geared_drive, laws};
-use crate::common::{control, paper_drive, tensioner};
+use crate::common::{control, paper_drive, roller_drive, tensioner};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use rustchain::ForceLaws;
@@ -16,6 +16,7 @@ use rustchain::geometry::{Seat, ToothProfile, Vec2, unit};
 use rustchain::integrator::OdeSystem;
 use rustchain::math::Table;
 use rustchain::math::simd::InstructionSet;
+use rustchain::system::System;
 
 /// Depth \[m\] that a contact needs to be one beyond doubt: a hundred times the rounding of coordinates of a metre.
 const ROUNDING: f64 = 3e-14;
@@ -72,10 +73,10 @@ fn run(scene: &Scene, tolerance: f64, end: f64) -> Met {
         let y = adams.y().to_vec();
         met.contacts += assert_none_missed(&mut dynamics, adams.time(), &y);
         assert_memory_is_that_of_contacts(&dynamics);
-        for &pair in &dynamics.teeth.near {
+        for &pair in &dynamics.evaluated.teeth.near {
             let pair = pair as usize;
-            if dynamics.teeth.penetration[pair] > ROUNDING {
-                let gap = dynamics.teeth.gap[pair];
+            if dynamics.evaluated.teeth.penetration[pair] > ROUNDING {
+                let gap = dynamics.evaluated.teeth.gap[pair];
                 met.other_gaps += usize::from(gaps[pair].is_some_and(|before| before != gap));
                 gaps[pair] = Some(gap);
             }
@@ -91,7 +92,7 @@ fn run(scene: &Scene, tolerance: f64, end: f64) -> Met {
 fn assert_memory_is_that_of_contacts(dynamics: &Dynamics) {
     let (_, parted) = dynamics.parted();
     for (pair, &speed) in dynamics.memory.tooth_speed.iter().enumerate() {
-        let depth = dynamics.teeth.penetration[pair];
+        let depth = dynamics.evaluated.teeth.penetration[pair];
         if depth > ROUNDING {
             assert!(speed > 0.0, "pair {pair} at {depth:e} m has no memory");
         }
@@ -115,6 +116,26 @@ fn forward_and_backward_drives_miss_nothing_at_any_step() {
         drive.sprockets[0].motion = SprocketMotion::PrescribedSpeed(speed.into());
         let met = run(&Scene::laid(&drive, &ForceLaws::default()), 1e-5, 0.04);
         assert!(met.contacts > 3 * met.steps && met.refreshes > 8, "{met:?}");
+    }
+}
+
+#[test]
+fn the_busiest_contact_has_the_largest_force_of_all_bodies() {
+    let mut noise = Noise(7);
+    for drive in [paper_drive(), roller_drive()] {
+        for _ in 0..20 {
+            let mut scene = Scene::laid(&drive, &ForceLaws::default());
+            scene.shake(&mut noise, 4e-5, 0.1);
+            let (mut dynamics, y) = (Dynamics::new(Arc::clone(&scene.model)), scene.y());
+            dynamics.derivative(0.0, &y, &mut vec![0.0; y.len()]);
+            let teeth = dynamics.candidates().map(|(.., force)| force);
+            let joints = dynamics.hinge_contacts().chain(dynamics.roller_contacts());
+            let forces = joints.map(|(_, force)| force).chain(teeth);
+            let largest = forces.fold(0.0, f64::max);
+            let busiest = System::busiest(&dynamics);
+            let expected = format!("pressed by {largest:.3e} N");
+            assert!(busiest.ends_with(&expected), "{busiest} for {expected}");
+        }
     }
 }
 

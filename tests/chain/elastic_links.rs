@@ -154,7 +154,7 @@ fn a_strand_vibrates_along_itself_at_the_frequencies_of_contacts_and_plates_in_s
                     .map(|i| masses[i] * shape[i] * moved(i))
                     .sum()
             };
-            let motion = &run.present().motion;
+            let motion = &run.present().evaluated.motion;
             let moved = weigh(&|i| motion.y[i] - rest.start.positions[i][1]);
             let speed = weigh(&|i| motion.vy[i]);
             let phase = (omega * moved / amplitude).atan2(speed / amplitude);

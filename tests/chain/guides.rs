@@ -85,7 +85,7 @@ fn force_of_guide(drive: &Drive, g: usize) -> (Vec2, f64, Equilibrium) {
     let model = Arc::new(Model::compile(&still, &laws, &start).unwrap());
     let s = model.toothed() + g;
     let mut simulation = Simulation::new(model, &start, StepControl::default()).unwrap();
-    let load = simulation.present().accelerations.chain[s];
+    let load = simulation.present().evaluated.accelerations.chain[s];
     (-load.force, -load.moment, rest)
 }
 
@@ -289,7 +289,7 @@ fn three_shafts_with_rail_and_blade_rest_and_run() {
     let mut simulation = Simulation::new(model, &rest.start, StepControl::default()).unwrap();
     common::advance(&mut simulation, 2e-3);
     let present = simulation.present();
-    let deepest = present.teeth.penetration.iter().copied();
+    let deepest = present.evaluated.teeth.penetration.iter().copied();
     assert!(deepest.fold(0.0, f64::max) < 5e-5);
 }
 

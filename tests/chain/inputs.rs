@@ -99,7 +99,7 @@ fn changes_that_are_none_leave_path_contacts_and_balance() {
         let torque = if i % 2 == 0 { 1e-12 } else { 0.0 };
         run.set_input(DRIVEN, Quantity::Torque, torque.into())
             .unwrap();
-        let depths = run.present().hinges.penetration.clone();
+        let depths = run.present().evaluated.hinges.penetration.clone();
         let speeds = run.dynamics().memory.hinge_speed();
         for (k, (depth, speed)) in depths.iter().zip(speeds).enumerate() {
             assert_eq!(*depth > 0.0, *speed > 0.0, "hinge {} after {i}", k + 1);

@@ -243,7 +243,7 @@ fn link_accelerations(dynamics: &mut Dynamics, y: &[f64], i: usize) -> [[f64; 3]
     dynamics.derivative(0.0, y, &mut dydt);
     dynamics.evaluate(0.0, y);
     let (n, nq) = (dynamics.model().links, dynamics.model().coordinates);
-    let read = &dynamics.accelerations;
+    let read = &dynamics.evaluated.accelerations;
     [
         [dydt[nq + i], dydt[nq + n + i], dydt[nq + 2 * n + i]],
         [read.x[i], read.y[i], read.angle[i]],
@@ -300,6 +300,7 @@ fn a_speed_that_is_no_number_comes_out_where_a_damped_contact_feels_it() {
             dynamics.use_instructions(set);
             dynamics.evaluate(0.0, &scene.y());
             let deep: Vec<bool> = dynamics
+                .evaluated
                 .hinges
                 .penetration
                 .iter()
@@ -352,7 +353,7 @@ fn a_sprocket_that_is_nowhere_is_felt_by_every_bushing_near_it_and_by_itself() {
                 );
                 dynamics.evaluate(0.0, &y);
                 let wheel = scene.model.links + 1;
-                assert!(dynamics.accelerations.x[wheel].is_nan());
+                assert!(dynamics.evaluated.accelerations.x[wheel].is_nan());
                 let reference = Reference::of(&dynamics, 0.0, &y);
                 assert!(reference.loads[1].force.x.is_nan());
             }

@@ -174,14 +174,19 @@ fn the_states_compared_have_every_kind_of_contact() {
             scene.shake(&mut noise, shake, 1.0);
             let mut dynamics = scene.remembering(&mut noise, 0.5);
             dynamics.evaluate(0.0, &scene.y());
-            let touching = dynamics.hinges.penetration.iter().filter(|&&d| d > 0.0);
+            let touching = dynamics
+                .evaluated
+                .hinges
+                .penetration
+                .iter()
+                .filter(|&&d| d > 0.0);
             let touching = touching.count();
             hinges += touching;
             open += scene.model.links - touching;
-            for &pair in &dynamics.teeth.near {
+            for &pair in &dynamics.evaluated.teeth.near {
                 let pair = pair as usize;
-                if dynamics.teeth.penetration[pair] > 0.0 {
-                    match surfaces.get_mut(dynamics.teeth.surface[pair].index()) {
+                if dynamics.evaluated.teeth.penetration[pair] > 0.0 {
+                    match surfaces.get_mut(dynamics.evaluated.teeth.surface[pair].index()) {
                         Some(count) => *count += 1,
                         None => beyond += 1, // edges, lands, damaged teeth
                     }

@@ -139,11 +139,11 @@ fn a_pair_along_a_step_is_where_the_whole_state_has_it() {
                 };
                 for k in 0..n {
                     let contact = HingePath::new(model, &adams, k).at(t);
-                    let hinges = &dynamics.hinges;
+                    let hinges = &dynamics.evaluated.hinges;
                     same(&contact, hinges.penetration[k], hinges.rate[k]);
                 }
-                for &pair in &dynamics.teeth.near {
-                    let (pair, found) = (pair as usize, &dynamics.teeth);
+                for &pair in &dynamics.evaluated.teeth.near {
+                    let (pair, found) = (pair as usize, &dynamics.evaluated.teeth);
                     let path = ToothPath::new(model, &adams, pair % n, pair / n);
                     let at = path.at(t);
                     same(&at.contact, found.penetration[pair], found.rate[pair]);
@@ -214,7 +214,7 @@ fn grazing_ring(speed: f64) -> (Scene, f64) {
                 scene.motion.y[k] = laid.y[k] + height;
             }
             dynamics.evaluate(t, &scene.y());
-            deepest = (dynamics.teeth.penetration.iter()).fold(deepest, |a, &b| a.max(b));
+            deepest = (dynamics.evaluated.teeth.penetration.iter()).fold(deepest, |a, &b| a.max(b));
         }
         deepest
     };

@@ -41,7 +41,7 @@ fn a_dropped_chain_falls_with_its_momentum() {
         let mass = model.chain.mass[..20].to_vec();
         let mut run = Simulation::new(model.into(), &start, control).unwrap();
         let sums = |run: &mut Simulation| {
-            let motion = &run.present().motion;
+            let motion = &run.present().evaluated.motion;
             let mut sums = [Vec2::zeros(); 2];
             for (i, &m) in mass.iter().enumerate() {
                 sums[0] += m * Vec2::new(motion.x[i], motion.y[i]);
@@ -65,7 +65,7 @@ fn a_dropped_chain_falls_with_its_momentum() {
         );
         // Loose ends are nowhere: their bodies stay.
         for (body, at) in [(21, start.positions[21]), (20, start.positions[20])] {
-            assert_eq!(run.present().motion.positions()[body], at);
+            assert_eq!(run.present().evaluated.motion.positions()[body], at);
         }
     }
 }
@@ -125,7 +125,14 @@ fn a_hanging_chain_swings_at_the_zeros_of_bessels_function() {
     let n = links as usize;
     let laws = ForceLaws::default();
     let (run, rest) = at_rest(&drive, &laws, StepControl::default());
-    let depth = run.dynamics().hinges.penetration.iter().sum::<f64>() / n as f64;
+    let depth = run
+        .dynamics()
+        .evaluated
+        .hinges
+        .penetration
+        .iter()
+        .sum::<f64>()
+        / n as f64;
     let play = drive.chain.hinge.clearance() + depth.max(0.0);
     let (squared, shape, mass) = lowest_mode(&drive, play, 0.0);
     let omega = squared.sqrt();
@@ -236,7 +243,7 @@ fn an_anchor_goes_where_its_velocity_takes_it() {
     for control in [control(1e-7), StepControl::default()] {
         let mut run = simulation(&drive, &ForceLaws::default(), control);
         advance(&mut run, 0.04);
-        let motion = &run.present().motion;
+        let motion = &run.present().evaluated.motion;
         let at = Vec2::new(motion.x[16], motion.y[16]);
         let expected = Vec2::new(0.1 + x.integral(0.04), 0.2 + 0.3 * 0.04);
         assert!(
@@ -267,7 +274,7 @@ fn both_correctors_follow_the_same_path() {
         let model = Model::compile(&drive, &laws, &start).unwrap();
         let mut run = Simulation::new(model.into(), &start, control).unwrap();
         advance(&mut run, 5e-3);
-        run.present().motion.positions()
+        run.present().evaluated.motion.positions()
     };
     let (explicit, implicit) = (path(control(1e-10)), path(newton(1e-12)));
     for (a, b) in explicit.iter().zip(&implicit) {

@@ -38,10 +38,22 @@ fn nothing_touches_before_the_first_tooth_at_4_09_ms_and_the_first_hinge_at_4_32
         let time = 1e-6 * f64::from(microseconds);
         advance(&mut simulation, time);
         let present = simulation.present();
-        if present.teeth.penetration.iter().any(|&depth| depth > 0.0) {
+        if present
+            .evaluated
+            .teeth
+            .penetration
+            .iter()
+            .any(|&depth| depth > 0.0)
+        {
             first_tooth.get_or_insert(time);
         }
-        if present.hinges.penetration.iter().any(|&depth| depth > 0.0) {
+        if present
+            .evaluated
+            .hinges
+            .penetration
+            .iter()
+            .any(|&depth| depth > 0.0)
+        {
             first_hinge.get_or_insert(time);
         }
     }

@@ -128,7 +128,7 @@ fn an_anchor_goes_where_a_velocity_of_any_signal_takes_it() {
     for control in [control(1e-7), StepControl::default()] {
         let mut run = run_of(&drive, control);
         advance(&mut run, end);
-        let motion = &run.present().motion;
+        let motion = &run.present().evaluated.motion;
         // What one step misses: the anchor is put in its place before the next one.
         let missed = (Vec2::new(motion.x[16], motion.y[16]) - expected).norm();
         assert!(missed < 1e-9, "{missed:e}");

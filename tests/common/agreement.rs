@@ -423,7 +423,7 @@ fn compare_sprockets(
     accelerations: &[f64],
     all: &mut Agreement,
 ) {
-    let (model, found) = (dynamics.model(), &dynamics.accelerations);
+    let (model, found) = (dynamics.model(), &dynamics.evaluated.accelerations);
     // Sums over the same teeth, perhaps in another order.
     let same = |index: usize, expected: f64, error: f64| {
         let error = error + 1e2 * UNIT * expected.abs();

@@ -19,8 +19,8 @@ pub fn keeps_momentum(run: &Simulation) -> Losses {
     let mut dynamics = run.dynamics().clone();
     dynamics.keep_energy(true);
     let powers = dynamics.evaluate(t, &y);
-    let (model, motion) = (dynamics.model().clone(), &dynamics.motion);
-    let found = &dynamics.accelerations;
+    let (model, motion) = (dynamics.model().clone(), &dynamics.evaluated.motion);
+    let found = &dynamics.evaluated.accelerations;
     let (mut force, mut moment, mut size) = (Vec2::zeros(), 0.0, 0.0);
     for body in 0..model.links + 2 {
         let (mass, inertia) = if body < model.links {

@@ -229,10 +229,29 @@ fn assert_touches_nothing(drive: &Drive, layout: &Layout) {
     let mut simulation: Simulation =
         common::simulation(drive, &ForceLaws::default(), common::control(1e-6));
     let present = simulation.present();
-    assert!(present.hinges.penetration.iter().all(|&depth| depth < 0.0));
-    assert!(present.teeth.penetration.iter().all(|&depth| depth < 0.0));
-    assert!(!present.teeth.near.is_empty());
-    let mut forces = present.hinges.force.iter().chain(&present.teeth.force);
+    assert!(
+        present
+            .evaluated
+            .hinges
+            .penetration
+            .iter()
+            .all(|&depth| depth < 0.0)
+    );
+    assert!(
+        present
+            .evaluated
+            .teeth
+            .penetration
+            .iter()
+            .all(|&depth| depth < 0.0)
+    );
+    assert!(!present.evaluated.teeth.near.is_empty());
+    let mut forces = present
+        .evaluated
+        .hinges
+        .force
+        .iter()
+        .chain(&present.evaluated.teeth.force);
     assert!(forces.all(|&force| force == 0.0));
 }
 

@@ -181,8 +181,22 @@ fn assert_good(drive: &Drive) {
     let mut simulation: Simulation =
         common::simulation(drive, &ForceLaws::default(), common::control(1e-5));
     let present = simulation.present();
-    assert!(present.hinges.penetration.iter().all(|&depth| depth < 0.0));
-    assert!(present.teeth.penetration.iter().all(|&depth| depth < 0.0));
+    assert!(
+        present
+            .evaluated
+            .hinges
+            .penetration
+            .iter()
+            .all(|&depth| depth < 0.0)
+    );
+    assert!(
+        present
+            .evaluated
+            .teeth
+            .penetration
+            .iter()
+            .all(|&depth| depth < 0.0)
+    );
 }
 
 proptest! {
@@ -208,10 +222,10 @@ proptest! {
             common::simulation(&drive, &ForceLaws::default(), rustchain::integrator::StepControl::default());
         common::advance(&mut simulation, 0.01);
         let present = simulation.present();
-        let deepest = present.hinges.penetration.iter().fold(0.0_f64, |a, &b| a.max(b));
+        let deepest = present.evaluated.hinges.penetration.iter().fold(0.0_f64, |a, &b| a.max(b));
         // A millimetre of force law would be meganewtons.
         prop_assert!(deepest < 5e-5, "{deepest}");
-        let elastic = present.teeth.penetration.iter().fold(0.0_f64, |a, &b| a.max(b));
+        let elastic = present.evaluated.teeth.penetration.iter().fold(0.0_f64, |a, &b| a.max(b));
         prop_assert!(elastic < 5e-5, "{elastic}");
     }
 }

@@ -203,7 +203,7 @@ fn a_hoist_rests_with_its_load_on_the_wheels_torque_and_its_slack_on_a_catenary(
             "{pull:?}"
         );
         // Its body hangs below its pin.
-        let [x, y, angle] = run.dynamics().motion.positions()[n];
+        let [x, y, angle] = run.dynamics().evaluated.motion.positions()[n];
         assert!(
             (angle + std::f64::consts::FRAC_PI_2).abs() < 1e-4,
             "{angle}"
@@ -283,10 +283,27 @@ fn every_way_to_lay_a_chain_begins_with_nothing_in_contact() {
         // As the model has it, too.
         let model = Model::compile(&drive, &ForceLaws::default(), &start).unwrap();
         let mut dynamics = rustchain::chain::dynamics::Dynamics::new(model.into());
-        dynamics.motion.set(&start.positions, &start.velocities);
+        dynamics
+            .evaluated
+            .motion
+            .set(&start.positions, &start.velocities);
         dynamics.evaluate_motion(0.0);
-        assert!(dynamics.hinges.penetration.iter().all(|&depth| depth < 0.0));
-        assert!(dynamics.teeth.penetration.iter().all(|&depth| depth < 0.0));
+        assert!(
+            dynamics
+                .evaluated
+                .hinges
+                .penetration
+                .iter()
+                .all(|&depth| depth < 0.0)
+        );
+        assert!(
+            dynamics
+                .evaluated
+                .teeth
+                .penetration
+                .iter()
+                .all(|&depth| depth < 0.0)
+        );
     }
 }
 

@@ -60,7 +60,7 @@ fn cut(drive: &Drive, s: usize) -> Cut {
     dynamics.evaluate(0.0, &y);
     let model = Arc::clone(dynamics.model());
     let n = model.links;
-    let bears = |k: usize| dynamics.teeth.penetration[s * n + k % n] > 0.0;
+    let bears = |k: usize| dynamics.evaluated.teeth.penetration[s * n + k % n] > 0.0;
     // The run of bushings that bear, with gaps of one between them.
     let first = (0..n)
         .find(|&k| bears(k) && (1..8).all(|i| !bears(k + n - i)))
@@ -68,7 +68,7 @@ fn cut(drive: &Drive, s: usize) -> Cut {
     let count = (0..n - 8).rev().find(|&i| bears(first + i)).unwrap();
     let (rear, front) = (first + n - 1, first + n + count + 1);
     // No other wheel bears what is cut free.
-    for (pair, depth) in dynamics.teeth.penetration.iter().enumerate() {
+    for (pair, depth) in dynamics.evaluated.teeth.penetration.iter().enumerate() {
         let inside = (pair % n + 2 * n - rear % n) % n <= front - rear;
         assert!(
             pair / n == s || !inside || *depth <= 0.0,
@@ -76,7 +76,7 @@ fn cut(drive: &Drive, s: usize) -> Cut {
             pair / n + 1
         );
     }
-    let hinges = &dynamics.hinges;
+    let hinges = &dynamics.evaluated.hinges;
     let point = |k: usize| hinges.bushing(k % n).0;
     let on_rear = -hinges.force_on_front(rear % n);
     let on_front = hinges.force_on_front(front % n);
@@ -393,7 +393,7 @@ fn a_hydraulic_plunger_leaks_down_at_its_force_over_its_leak() {
             let mut run = Simulation::new(model.into(), &start, StepControl::default()).unwrap();
             let time = 0.3 * dashpot / stiffness;
             common::advance(&mut run, time);
-            let left = lever * (run.present().motion.angle[last] - described);
+            let left = lever * (run.present().evaluated.motion.angle[last] - described);
             let expected = out * (-stiffness * time / dashpot).exp();
             // Inertia takes J/(d lever²), a thousandth of that time at most.
             assert!(

@@ -35,7 +35,7 @@ fn eccentric_teeth_are_laid_whatever_their_angle() {
                     let mut simulation =
                         Simulation::new(Arc::new(model), &start, common::control(1e-5)).unwrap();
                     let present = simulation.present();
-                    let deepest = present.teeth.penetration.iter().copied();
+                    let deepest = present.evaluated.teeth.penetration.iter().copied();
                     assert!(
                         deepest.fold(f64::NEG_INFINITY, f64::max) < 0.0,
                         "{name} {i}"
@@ -93,10 +93,18 @@ fn fastest_approach(drive: &Drive) -> f64 {
     let control = rustchain::integrator::StepControl::default();
     let mut simulation = Simulation::new(Arc::clone(&model), &rest.start, control).unwrap();
     let present = simulation.present();
-    let hinges = (0..model.links).map(|k| (present.hinges.penetration[k], present.hinges.rate[k]));
-    let teeth = present.teeth.near.iter().map(|&pair| {
+    let hinges = (0..model.links).map(|k| {
+        (
+            present.evaluated.hinges.penetration[k],
+            present.evaluated.hinges.rate[k],
+        )
+    });
+    let teeth = present.evaluated.teeth.near.iter().map(|&pair| {
         let pair = pair as usize;
-        (present.teeth.penetration[pair], present.teeth.rate[pair])
+        (
+            present.evaluated.teeth.penetration[pair],
+            present.evaluated.teeth.rate[pair],
+        )
     });
     let fastest = hinges.chain(teeth).filter(|(depth, _)| *depth > 0.0);
     let fastest = fastest.map(|(_, rate)| rate.abs()).fold(0.0, f64::max);

@@ -122,7 +122,7 @@ impl DriveSystem {
     /// x, y, θ of all bodies, one after the other.
     pub(crate) fn positions(&mut self, t: f64, y: &[f64]) -> Vec<f64> {
         self.dynamics.evaluate(t, y);
-        self.dynamics.motion.positions().concat()
+        self.dynamics.evaluated.motion.positions().concat()
     }
 
     /// Depth and rate of a pair inside a step: a hinge, or (sprocket, bushing).
@@ -219,7 +219,7 @@ impl Evolving for DriveSystem {
             let find = |d: &Dynamics| (d.teeth.penetration[pair], d.teeth.rate[pair]);
             let (t, rate) = self.onset(step, find);
             self.depth_at(step, t, find);
-            memory.begin_tooth(pair, rate, self.dynamics.teeth.surface[pair]);
+            memory.begin_tooth(pair, rate, self.dynamics.evaluated.teeth.surface[pair]);
         }
         if self.metered {
             // What parted in this step keeps its memory up to its end.

@@ -83,12 +83,12 @@ impl Dynamics {
         let first = places.hinges.start;
         let stored = |law: Option<LuGre>, number: usize, force: f64| {
             law.map_or(0.0, |law| {
-                force * law.stored(self.bristles.deflection[number])
+                force * law.stored(self.evaluated.bristles.deflection[number])
             })
         };
         let hinge = self.model.hinges.bristles;
-        let of_hinges = places.hinges.clone().zip(&self.hinges.force);
-        let of_rollers = places.rollers.clone().zip(&self.rollers.force);
+        let of_hinges = places.hinges.clone().zip(&self.evaluated.hinges.force);
+        let of_rollers = places.rollers.clone().zip(&self.evaluated.rollers.force);
         let mut all = Stored {
             hinges: of_hinges
                 .map(|(i, &force)| stored(hinge, i - first, force))
@@ -100,10 +100,10 @@ impl Dynamics {
         };
         let law = self.model.teeth.bristles;
         if law.is_some() {
-            for &pair in &self.teeth.near {
+            for &pair in &self.evaluated.teeth.near {
                 let pair = pair as usize;
                 let number = places.teeth.start - first + pair;
-                all.teeth += stored(law, number, self.teeth.force[pair]);
+                all.teeth += stored(law, number, self.evaluated.teeth.force[pair]);
             }
         }
         all
@@ -114,8 +114,8 @@ impl Dynamics {
         if self.model.bristles.is_empty() {
             return;
         }
-        for i in 0..self.parted.len() {
-            if let Some(coordinate) = self.bristle_of(self.parted[i]) {
+        for i in 0..self.events.parted.len() {
+            if let Some(coordinate) = self.bristle_of(self.events.parted[i]) {
                 for component in [coordinate, self.model.coordinates + coordinate] {
                     adams.reset_component(component);
                     self.ends.reset_component(component);
@@ -137,13 +137,21 @@ impl Dynamics {
                 y[self.model.coordinates + coordinate] = 0.0;
             }
         };
-        for (i, &depth) in places.hinges.clone().zip(&self.hinges.penetration) {
+        for (i, &depth) in places
+            .hinges
+            .clone()
+            .zip(&self.evaluated.hinges.penetration)
+        {
             unbend(i, depth);
         }
-        for (i, &depth) in places.rollers.clone().zip(&self.rollers.penetration) {
+        for (i, &depth) in places
+            .rollers
+            .clone()
+            .zip(&self.evaluated.rollers.penetration)
+        {
             unbend(i, depth);
         }
-        for (i, &depth) in places.teeth.clone().zip(&self.teeth.penetration) {
+        for (i, &depth) in places.teeth.clone().zip(&self.evaluated.teeth.penetration) {
             unbend(i, depth);
         }
     }

@@ -36,14 +36,14 @@ impl Dynamics {
             memory: self.memory.clone(),
             candidates: self.kernels.candidates.carried(&self.model),
             watch: self.kernels.watch.clone(),
-            unseen_touches: self.unseen_touches,
+            unseen_touches: self.events.unseen_touches,
             keeps_energy: self.keeps_energy,
             quadrature: self.quadrature.clone(),
-            parted: self.parted.clone(),
-            hinge_past_range: self.hinge_past_range.clone(),
-            tooth_past_range: self.tooth_past_range.clone(),
-            tooth_jumps: self.tooth_jumps.clone(),
-            jumps_looked_for: self.jumps_looked_for,
+            parted: self.events.parted.clone(),
+            hinge_past_range: self.past_ranges.hinge.clone(),
+            tooth_past_range: self.past_ranges.tooth.clone(),
+            tooth_jumps: self.events.jumps.clone(),
+            jumps_looked_for: self.events.jumps_looked_for,
         }
     }
 
@@ -79,21 +79,23 @@ impl Dynamics {
         }
         dynamics.quadrature.carry_on(&carried.quadrature);
         dynamics.kernels.watch.carry_on(&carried.watch);
-        dynamics.unseen_touches = carried.unseen_touches;
+        dynamics.events.unseen_touches = carried.unseen_touches;
         dynamics.memory = carried.memory.clone();
         let candidates = &mut dynamics.kernels.candidates;
         candidates.carry_on(&dynamics.model, &dynamics.memory, &carried.candidates)?;
         dynamics.keeps_energy = carried.keeps_energy;
         // The existing vector has capacity for all pairs; a clone would not. Steps extend it without allocation.
-        dynamics.parted.extend_from_slice(&carried.parted);
+        dynamics.events.parted.extend_from_slice(&carried.parted);
         dynamics
-            .hinge_past_range
+            .past_ranges
+            .hinge
             .clone_from(&carried.hinge_past_range);
         dynamics
-            .tooth_past_range
+            .past_ranges
+            .tooth
             .clone_from(&carried.tooth_past_range);
-        dynamics.tooth_jumps.clone_from(&carried.tooth_jumps);
-        dynamics.jumps_looked_for = carried.jumps_looked_for;
+        dynamics.events.jumps.clone_from(&carried.tooth_jumps);
+        dynamics.events.jumps_looked_for = carried.jumps_looked_for;
         Some(dynamics)
     }
 }

@@ -10,7 +10,7 @@ use crate::system::Energy;
 ///
 /// Bodies with prescribed motion are supports: fixed centres, prescribed rotations, and anchored or free ends have no energy.
 pub(super) fn energy(dynamics: &Dynamics) -> Energy {
-    let (model, motion) = (dynamics.model(), &dynamics.motion);
+    let (model, motion) = (dynamics.model(), &dynamics.evaluated.motion);
     let mut energy = Energy::default();
     let mut add_body = |body: usize, mass: f64, inertia: f64| {
         let (vx, vy, spin) = (motion.vx[body], motion.vy[body], motion.spin[body]);
@@ -67,7 +67,7 @@ pub(super) fn energy(dynamics: &Dynamics) -> Energy {
 fn elastic_energy(dynamics: &Dynamics) -> f64 {
     let model = dynamics.model();
     let hinges: f64 = with_law!(&model.hinges.law.pairs, Law, pairs => {
-        dynamics.hinges.penetration.iter().enumerate().map(|(k, &depth)| match model.hinges.compliance_at(k) {
+        dynamics.evaluated.hinges.penetration.iter().enumerate().map(|(k, &depth)| match model.hinges.compliance_at(k) {
             None => Law::energy(&pairs[0], depth),
             Some(compliance) => {
             // Contact and plates in series: δ = δ_c + C f(δ_c), V = V_c(δ_c) + C f²/2.
@@ -79,14 +79,14 @@ fn elastic_energy(dynamics: &Dynamics) -> f64 {
     });
     let rollers: f64 = model.rollers.as_ref().map_or(0.0, |rollers| {
         with_law!(&rollers.law.pairs, Law, pairs => {
-            dynamics.rollers.penetration.iter().map(|&depth| Law::energy(&pairs[0], depth)).sum()
+            dynamics.evaluated.rollers.penetration.iter().map(|&depth| Law::energy(&pairs[0], depth)).sum()
         })
     });
     let teeth: f64 = with_law!(&model.teeth.law.pairs, Law, pairs => {
-        dynamics.teeth.near.iter().map(|&pair| {
+        dynamics.evaluated.teeth.near.iter().map(|&pair| {
             let pair = pair as usize;
             let number = model.tooth_pair(pair / model.links, dynamics.stiffness_surface(pair));
-            Law::energy(&pairs[number], dynamics.teeth.penetration[pair])
+            Law::energy(&pairs[number], dynamics.evaluated.teeth.penetration[pair])
         }).sum()
     });
     hinges + teeth + rollers

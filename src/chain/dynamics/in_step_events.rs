@@ -15,13 +15,13 @@ impl Dynamics {
     /// Return the longest permitted next step \[s\]: h = 0.1 p/v, for the largest relative speed v of a bushing and a sprocket.
     #[must_use]
     pub fn longest_step(&self) -> f64 {
-        FARTHEST * 2.0 * self.model.half_pitch / self.fastest
+        FARTHEST * 2.0 * self.model.half_pitch / self.events.fastest
     }
 
     /// Return the number of accepted contacts inside steps between two open ends; their penetration was within the accuracy.
     #[must_use]
     pub fn unseen_touches(&self) -> u64 {
-        self.unseen_touches
+        self.events.unseen_touches
     }
 
     /// Return the largest penetration inside the last step of `length` \[s\] of contacts that are open at both of its ends \[m\].
@@ -45,7 +45,7 @@ impl Dynamics {
         let (model, watch) = (&self.model, &self.kernels.watch);
         for k in 0..model.links {
             let ends = watch.hinge(k);
-            self.unseen_touches += u64::from(touch(ends, length).is_some());
+            self.events.unseen_touches += u64::from(touch(ends, length).is_some());
             let Some(part) = parting(ends, length).filter(|_| self.memory.hinge_speed()[k] > 0.0)
             else {
                 continue;
@@ -60,7 +60,7 @@ impl Dynamics {
         }
         for k in 0..model.roller_count() {
             let ends = watch.roller(k);
-            self.unseen_touches += u64::from(touch(ends, length).is_some());
+            self.events.unseen_touches += u64::from(touch(ends, length).is_some());
             let Some(part) = parting(ends, length).filter(|_| self.memory.roller_speed()[k] > 0.0)
             else {
                 continue;
@@ -75,7 +75,7 @@ impl Dynamics {
             }
         }
         for (s, k, ends) in watch.candidates(model.links) {
-            self.unseen_touches += u64::from(touch_of_tip(ends, length).is_some());
+            self.events.unseen_touches += u64::from(touch_of_tip(ends, length).is_some());
             let pair = s * model.links + k;
             let Some(part) = parting(ends, length).filter(|_| self.memory.tooth_speed[pair] > 0.0)
             else {
@@ -86,10 +86,10 @@ impl Dynamics {
             if contact(step.start + part * length).penetration < 0.0 {
                 let (t, rate) = crossing_between(contact, times, ends);
                 self.memory.begin_tooth(pair, rate, path.at(t).surface);
-                self.begun.push((s, k));
+                self.events.begun.push((s, k));
             }
         }
-        for (s, k) in self.begun.drain(..) {
+        for (s, k) in self.events.begun.drain(..) {
             self.kernels
                 .candidates
                 .update_memory(&self.model, &self.memory, s, k);

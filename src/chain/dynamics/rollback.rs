@@ -14,42 +14,45 @@ impl Dynamics {
         self.model = model;
         self.evaluate(t, y);
         for k in 0..self.model.links {
-            let touching = self.hinges.penetration[k] > 0.0;
+            let touching = self.evaluated.hinges.penetration[k] > 0.0;
             let speed = self.memory.hinge_speed()[k];
             if touching && speed == 0.0 {
-                self.memory.begin_hinge(k, self.hinges.rate[k]);
+                self.memory.begin_hinge(k, self.evaluated.hinges.rate[k]);
             } else if !touching && speed > 0.0 {
                 self.memory.end_hinge(k);
                 self.forget_onset(Pair::Hinge(k), speed);
             }
         }
         for k in 0..self.model.roller_count() {
-            let touching = self.rollers.penetration[k] > 0.0;
+            let touching = self.evaluated.rollers.penetration[k] > 0.0;
             let speed = self.memory.roller_speed()[k];
             if touching && speed == 0.0 {
-                self.memory.begin_roller(k, self.rollers.rate[k]);
+                self.memory.begin_roller(k, self.evaluated.rollers.rate[k]);
             } else if !touching && speed > 0.0 {
                 self.memory.end_roller(k);
                 self.forget_onset(Pair::Roller(k), speed);
             }
         }
         for pair in 0..self.memory.tooth_speed.len() {
-            let touching = self.teeth.penetration[pair] > 0.0;
+            let touching = self.evaluated.teeth.penetration[pair] > 0.0;
             let speed = self.memory.tooth_speed[pair];
             if touching && speed == 0.0 {
-                let (rate, surface) = (self.teeth.rate[pair], self.teeth.surface[pair]);
+                let (rate, surface) = (
+                    self.evaluated.teeth.rate[pair],
+                    self.evaluated.teeth.surface[pair],
+                );
                 self.memory.begin_tooth(pair, rate, surface);
             } else if !touching && speed > 0.0 {
                 self.memory.end_tooth(pair);
                 self.forget_onset(Pair::Tooth(pair), speed);
             }
         }
-        self.parted.clear();
-        self.tooth_jumps.take_back(&self.model, t);
+        self.events.parted.clear();
+        self.events.jumps.take_back(&self.model, t);
         self.kernels.candidates.invalidate();
         let mut slope = std::mem::take(&mut self.slope);
         crate::integrator::OdeSystem::derivative(self, t, y, &mut slope);
-        self.fastest = self.kernels.watch(&self.model, 0.0).speed;
+        self.events.fastest = self.kernels.watch(&self.model, 0.0).speed;
         self.kernels.watch.advance();
         if self.keeps_energy {
             self.quadrature.begin(t, self.powers);
@@ -60,7 +63,7 @@ impl Dynamics {
 
     /// Remove the onset of an open pair from the counts, unless the pair ended in the last step: that onset was before the step.
     fn forget_onset(&mut self, pair: Pair, speed: f64) {
-        if !self.parted.contains(&pair) {
+        if !self.events.parted.contains(&pair) {
             self.memory.take_back(speed);
         }
     }

@@ -48,7 +48,7 @@ impl Dynamics {
 fn check_hinges(dynamics: &Dynamics) -> Result<()> {
     let model = dynamics.model();
     // Open hinges have coincident centres in these arrays: they pass this check.
-    let apart = |k: usize| dynamics.hinges.penetration[k] + model.hinges.clearance;
+    let apart = |k: usize| dynamics.evaluated.hinges.penetration[k] + model.hinges.clearance;
     let Some(k) = (0..model.links).find(|&k| apart(k) > 0.1 * model.half_pitch) else {
         return Ok(());
     };
@@ -74,7 +74,7 @@ fn check_rollers(dynamics: &Dynamics) -> Result<()> {
     let Some(rollers) = &model.rollers else {
         return Ok(());
     };
-    let apart = |k: usize| dynamics.rollers.penetration[k] + rollers.clearance;
+    let apart = |k: usize| dynamics.evaluated.rollers.penetration[k] + rollers.clearance;
     let Some(k) = (0..model.links).find(|&k| apart(k) > 0.1 * model.half_pitch) else {
         return Ok(());
     };

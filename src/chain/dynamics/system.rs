@@ -55,18 +55,18 @@ impl System for Dynamics {
     fn culprit(&mut self, adams: &Adams, time: f64, component: usize) -> String {
         let model = Arc::clone(&self.model);
         let body = model.body_of_coordinate(component % model.coordinates);
-        let contact = self.busiest_contact(body).or_else(|| {
+        let contact = self.busiest_contact(Some(body)).or_else(|| {
             let mut y = vec![0.0; self.dimension()];
             adams.interpolate(time, &mut y);
             self.differentiate(time, &y);
-            self.busiest_contact(body)
+            self.busiest_contact(Some(body))
         });
         let contact = contact.unwrap_or_else(|| "not in contact".to_string());
         format!("{} ({contact})", model.body_names()[body])
     }
 
     fn busiest(&self) -> String {
-        let contact = self.busiest_contact(self.model.links);
+        let contact = self.busiest_contact(None);
         contact.unwrap_or_else(|| "nothing in contact".to_string())
     }
 

@@ -135,8 +135,9 @@ impl Corner {
     pub(super) fn factorise(&mut self) -> bool {
         match *self.matrix.entries() {
             [a] => {
-                self.inverse[0] = 1.0 / a;
-                a != 0.0 && self.inverse[0].is_finite()
+                let over = 1.0 / a;
+                self.inverse[0] = over;
+                over != 0.0 && over.is_finite()
             }
             [a, b, c, d] => {
                 let over = 1.0 / (a * d - b * c);
@@ -154,6 +155,29 @@ impl Corner {
             [x] => *x *= a,
             [x, y] => (*x, *y) = (a * *x + b * *y, c * *x + d * *y),
             _ => self.matrix.solve(right),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_diagonal_entry_without_a_finite_inverse_is_refused_at_any_size() {
+        for size in 1..=4 {
+            for (wrong, regular) in [
+                (2.0, true),
+                (0.0, false),
+                (f64::INFINITY, false),
+                (f64::NAN, false),
+            ] {
+                let mut corner = Corner::new(size);
+                for i in 0..size {
+                    corner.add(i, i, if i == 0 { wrong } else { 1.0 });
+                }
+                assert_eq!(corner.factorise(), regular, "size {size}, entry {wrong}");
+            }
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::system::Row;
 
 /// Write force, force vector, penetration, eccentricity and impact velocity of every hinge, and the strand tensions.
 pub(super) fn write_hinges(row: &mut Row, dynamics: &Dynamics) {
-    let hinges = &dynamics.hinges;
+    let hinges = &dynamics.evaluated.hinges;
     let n = hinges.force.len();
     row.real(hinges.force.iter().copied());
     row.real((0..n).flat_map(|k| <[f64; 2]>::from(hinges.force_on_pin(k))));
@@ -29,7 +29,11 @@ pub(super) fn write_hinges(row: &mut Row, dynamics: &Dynamics) {
 
 /// Return the tensions of the strands of a closed chain \[N\], in the order of the model's strands.
 fn strand_tensions(dynamics: &Dynamics) -> Vec<f64> {
-    let (model, motion, hinges) = (dynamics.model(), &dynamics.motion, &dynamics.hinges);
+    let (model, motion, hinges) = (
+        dynamics.model(),
+        &dynamics.evaluated.motion,
+        &dynamics.evaluated.hinges,
+    );
     let place = |body: usize| Vec2::new(motion.x[body], motion.y[body]);
     let wheels = || model.strands.iter().map(|[from, _]| *from);
     let pulley = |s: usize| Pulley {
@@ -55,7 +59,7 @@ fn strand_tensions(dynamics: &Dynamics) -> Vec<f64> {
 
 /// Write force, force vector, penetration, eccentricity and impact velocity of every bushing in its roller.
 pub(super) fn write_rollers(row: &mut Row, dynamics: &Dynamics) {
-    let rollers = &dynamics.rollers;
+    let rollers = &dynamics.evaluated.rollers;
     let n = rollers.force.len();
     row.real(rollers.force.iter().copied());
     row.real((0..n).flat_map(|k| <[f64; 2]>::from(rollers.force_on_roller(k))));
@@ -81,7 +85,7 @@ fn onset_speeds<'a>(depths: &'a [f64], speeds: &'a [f64]) -> impl Iterator<Item 
 /// Write the tooth contact with the largest penetration of every bushing.
 #[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap)] // few sprockets, gaps and regions
 pub(super) fn write_teeth(row: &mut Row, dynamics: &Dynamics) {
-    let (teeth, model) = (&dynamics.teeth, dynamics.model());
+    let (teeth, model) = (&dynamics.evaluated.teeth, dynamics.model());
     let (links, sprockets) = (model.links, model.sprockets.len());
     let deepest: Vec<(usize, f64)> = (0..links)
         .map(|k| {
@@ -137,14 +141,30 @@ pub(super) fn write_teeth(row: &mut Row, dynamics: &Dynamics) {
 pub(super) fn write_sprockets(row: &mut Row, dynamics: &Dynamics, t: f64) {
     let model = dynamics.model();
     let sprockets = model.wheel_body(0)..model.bodies();
-    row.real(dynamics.motion.angle[sprockets.clone()].iter().copied());
-    row.real(dynamics.motion.spin[sprockets.clone()].iter().copied());
+    row.real(
+        dynamics.evaluated.motion.angle[sprockets.clone()]
+            .iter()
+            .copied(),
+    );
+    row.real(
+        dynamics.evaluated.motion.spin[sprockets.clone()]
+            .iter()
+            .copied(),
+    );
     row.real((0..model.sprockets.len()).map(|s| {
-        dynamics
-            .accelerations
-            .shaft_torque(model, s, t, dynamics.motion.spin[model.wheel_body(s)])
+        dynamics.evaluated.accelerations.shaft_torque(
+            model,
+            s,
+            t,
+            dynamics.evaluated.motion.spin[model.wheel_body(s)],
+        )
     }));
-    row.real(sprockets.flat_map(|body| [dynamics.motion.x[body], dynamics.motion.y[body]]));
+    row.real(sprockets.flat_map(|body| {
+        [
+            dynamics.evaluated.motion.x[body],
+            dynamics.evaluated.motion.y[body],
+        ]
+    }));
 }
 
 /// Sum the tooth forces on every bushing over all sprockets \[N\].

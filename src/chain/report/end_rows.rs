@@ -7,7 +7,11 @@ use crate::system::Row;
 
 /// Write the force of the chain on each end \[N\], and position \[m\] and velocity \[m/s\] of its pin.
 pub(super) fn write(row: &mut Row, dynamics: &Dynamics, ends: &OpenEnds) {
-    let (model, motion, hinges) = (dynamics.model(), &dynamics.motion, &dynamics.hinges);
+    let (model, motion, hinges) = (
+        dynamics.model(),
+        &dynamics.evaluated.motion,
+        &dynamics.evaluated.hinges,
+    );
     // The body of the first end is the front link of its hinge, the body of the last end the rear link.
     let of = |end: usize| (&ends.bodies[end], if end == 0 { 1.0 } else { -1.0 });
     row.real([0, 1].into_iter().flat_map(|i| {
@@ -38,7 +42,11 @@ pub(super) fn write(row: &mut Row, dynamics: &Dynamics, ends: &OpenEnds) {
 /// A hinge within reach of a sprocket's teeth belongs to no strand; the following hinges belong to the next strand. The tension of a
 /// strand without hinges is zero.
 pub(super) fn tensions(dynamics: &Dynamics) -> Vec<f64> {
-    let (model, motion, hinges) = (dynamics.model(), &dynamics.motion, &dynamics.hinges);
+    let (model, motion, hinges) = (
+        dynamics.model(),
+        &dynamics.evaluated.motion,
+        &dynamics.evaluated.hinges,
+    );
     let Some(ends) = &model.ends else {
         return Vec::new();
     };

@@ -27,9 +27,9 @@ pub(crate) fn write_row(
     let model = dynamics.model();
     if groups.hinges {
         write_hinges(row, dynamics);
-        row.close_peaks(HINGES, &dynamics.hinges.force);
+        row.close_peaks(HINGES, &dynamics.evaluated.hinges.force);
         if model.hinges.film.is_some() {
-            row.real(dynamics.hinges.film.iter().map(Vec2::norm));
+            row.real(dynamics.evaluated.hinges.film.iter().map(Vec2::norm));
         }
         if let Some(ends) = &model.ends {
             end_rows::write(row, dynamics, ends);
@@ -37,18 +37,18 @@ pub(crate) fn write_row(
     }
     if groups.hinges && model.rollers.is_some() {
         write_rollers(row, dynamics);
-        row.close_peaks(ROLLERS, &dynamics.rollers.force);
+        row.close_peaks(ROLLERS, &dynamics.evaluated.rollers.force);
     }
     if groups.teeth {
         write_teeth(row, dynamics);
-        gather_by_bushing(&dynamics.teeth, model.links, tooth_forces);
+        gather_by_bushing(&dynamics.evaluated.teeth, model.links, tooth_forces);
         row.close_peaks(TEETH, tooth_forces);
     }
     if groups.sprockets {
         write_sprockets(row, dynamics, t);
     }
     if groups.bodies {
-        row.real(dynamics.motion.positions().into_iter().flatten());
-        row.real(dynamics.motion.velocities().into_iter().flatten());
+        row.real(dynamics.evaluated.motion.positions().into_iter().flatten());
+        row.real(dynamics.evaluated.motion.velocities().into_iter().flatten());
     }
 }

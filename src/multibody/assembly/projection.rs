@@ -1,5 +1,6 @@
 //! Projection of positions, then velocities, onto the constraints: the least change, weighted by mass.
 
+use super::residuals::largest;
 use crate::multibody::constraints::sparse_kkt::SparseKkt;
 use crate::multibody::dynamics::MechanismDynamics;
 
@@ -181,7 +182,7 @@ impl MechanismDynamics {
             for (r, row) in residual.iter_mut().zip(&self.rows) {
                 *r = row.rate(&self.frames);
             }
-            let worst = largest(residual);
+            let worst = largest(residual.iter().copied());
             if worst <= round_off || worst >= before {
                 break;
             }
@@ -197,18 +198,6 @@ impl MechanismDynamics {
                 .for_each(|(v, c)| *v += c);
             self.move_with(state);
         }
-        let rates = self.rows.iter().map(|row| row.rate(&self.frames).abs());
-        rates.fold(0.0, f64::max) <= left * speed
+        largest(self.rows.iter().map(|row| row.rate(&self.frames))) <= left * speed
     }
-}
-
-/// Return the largest magnitude; not a number where one of the values is.
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most: f64, v| {
-        if v.is_nan() {
-            f64::NAN
-        } else {
-            most.max(v.abs())
-        }
-    })
 }

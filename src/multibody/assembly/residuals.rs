@@ -26,16 +26,10 @@ impl MechanismDynamics {
     /// Return the same for a given size \[m\]; not a number where a residual is.
     pub(crate) fn worst_beside(&self, size: f64) -> f64 {
         let equations = self.model.equations.iter().zip(&self.rows);
-        let parts = equations.map(|(equation, row)| {
+        largest(equations.map(|(equation, row)| {
             let unit = if equation.is_angle() { 1.0 } else { size };
-            row.value.abs() / unit
-        });
-        parts.fold(
-            0.0,
-            |most: f64, part| {
-                if part.is_nan() { part } else { most.max(part) }
-            },
-        )
+            row.value / unit
+        }))
     }
 
     /// Return the scale of velocity residuals: the largest velocity component or prescribed rate, at least 1e-3.
@@ -56,5 +50,31 @@ impl MechanismDynamics {
             .map(|f| f.angle.abs())
             .fold(1.0, f64::max);
         2.0 * f64::EPSILON * angle
+    }
+}
+
+/// Return the largest magnitude; not a number where one of the values is: `f64::max` would ignore it.
+pub(super) fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |most: f64, value| {
+        if most.is_nan() || value.is_nan() {
+            f64::NAN
+        } else {
+            most.max(value.abs())
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_that_is_not_a_number_makes_the_largest_one_so() {
+        for place in 0..3 {
+            let mut values = [1.0, -3.0, 2.0];
+            assert_eq!(largest(values.into_iter()), 3.0);
+            values[place] = f64::NAN;
+            assert!(largest(values.into_iter()).is_nan(), "{place}");
+        }
     }
 }

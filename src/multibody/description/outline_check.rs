@@ -7,6 +7,9 @@ use crate::geometry::Vec2;
 /// Number of chords that replace a quarter turn of an arc in the search for crossings.
 const CHORDS: f64 = 8.0;
 
+/// Distance over the length of a piece below which two points are the same.
+const SAME_POINT: f64 = 1e-9;
+
 /// Check that each piece begins at the end of the previous one, that the path is simple and that a closed one encloses an area.
 pub(crate) fn check_way(field: &str, pieces: &[Piece], closed: bool) -> Result<()> {
     let next = pieces.iter().enumerate().skip(1);
@@ -16,7 +19,7 @@ pub(crate) fn check_way(field: &str, pieces: &[Piece], closed: bool) -> Result<(
             .norm()
             .max((after.to - after.from).norm());
         let gap = (after.from - piece.to).norm();
-        if gap > 1e-9 * size {
+        if gap > SAME_POINT * size {
             return Err(Error::invalid(
                 format!("piece {} of {field}", number + 1),
                 format!("a beginning {gap:.3e} m away from where the piece before ends"),
@@ -28,14 +31,21 @@ pub(crate) fn check_way(field: &str, pieces: &[Piece], closed: bool) -> Result<(
     check_turns(field, &chords, closed)?;
     for (i, (first, [a, b])) in chords.iter().enumerate() {
         for (j, (second, [c, d])) in chords.iter().enumerate().skip(i + 2) {
-            let neighbours = closed && i == 0 && j == chords.len() - 1;
-            if !neighbours && cross(*a, *b, *c, *d) {
-                return Err(Error::invalid(
-                    format!("pieces of {field}"),
-                    format!("{} and {}", first + 1, second + 1),
-                    "cross each other: give the points in the order in which the outline passes through them",
-                ));
+            let size = (b - a).norm().max((d - c).norm());
+            // An open path may end where it begins.
+            let ends_meet = closed || (d - a).norm() <= SAME_POINT * size;
+            if i == 0 && j == chords.len() - 1 && ends_meet {
+                continue;
             }
+            let fault = if cross(*a, *b, *c, *d) {
+                "cross each other: give the points in the order in which the outline passes through them"
+            } else if distance([*a, *b], [*c, *d]) <= SAME_POINT * size {
+                "touch each other: move one of them aside, or make two outlines of it"
+            } else {
+                continue;
+            };
+            let numbers = format!("{} and {}", first + 1, second + 1);
+            return Err(Error::invalid(format!("pieces of {field}"), numbers, fault));
         }
     }
     check_area(field, &chords, closed)
@@ -104,6 +114,19 @@ fn cross(a: Vec2, b: Vec2, c: Vec2, d: Vec2) -> bool {
     to_c * to_d < 0.0 && to_a * to_b < 0.0
 }
 
+/// Return the distance of two line segments that do not cross: that of an end of one of them from the other.
+fn distance(first: [Vec2; 2], second: [Vec2; 2]) -> f64 {
+    let from = |point: Vec2, [start, end]: [Vec2; 2]| {
+        let along = end - start;
+        let share = (point - start).dot(&along) / along.norm_squared();
+        (point - start - share.clamp(0.0, 1.0) * along).norm()
+    };
+    let ends_of_first = first.map(|point| from(point, second));
+    let ends_of_second = second.map(|point| from(point, first));
+    let ends = ends_of_first.into_iter().chain(ends_of_second);
+    ends.fold(f64::INFINITY, f64::min)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -163,6 +186,45 @@ mod tests {
         // A sharp point is not a spike, and neither is a straight line in two parts.
         let sharp = [(0.0, 0.0), (1.0, 1e-4), (0.0, 2e-4), (0.0, 1e-4)];
         assert_eq!(told(&sharp, true), "");
+    }
+
+    #[test]
+    fn an_outline_that_touches_itself_is_refused_and_one_that_comes_near_is_not() {
+        // A corner on another side, and two corners at one point.
+        let notch = |height: f64| {
+            [
+                (0.0, 0.0),
+                (2.0, 0.0),
+                (2.0, 1.0),
+                (1.0, height),
+                (0.0, 1.0),
+            ]
+        };
+        let error = told(&notch(0.0), true);
+        assert!(
+            error.contains("1 and 3") && error.contains("touch each other"),
+            "{error}"
+        );
+        assert_eq!(told(&notch(1e-6), true), "");
+        let pinched = [
+            (0.0, 0.0),
+            (1.0, 0.5),
+            (2.0, 0.0),
+            (2.0, 1.0),
+            (1.0, 0.5),
+            (0.0, 1.0),
+        ];
+        let error = told(&pinched, true);
+        assert!(error.contains("touch each other"), "{error}");
+        // An open line may end where it begins, and may not end on another of its pieces.
+        let ring = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0)];
+        assert_eq!(told(&ring, false), "");
+        let hook = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.5, 0.0)];
+        let error = told(&hook, false);
+        assert!(
+            error.contains("1 and 3") && error.contains("touch each other"),
+            "{error}"
+        );
     }
 
     #[test]

@@ -1,0 +1,250 @@
+//! Contact onsets, contact ends and tooth jumps of a step, found between steps.
+
+use serde::{Deserialize, Serialize};
+
+use super::Dynamics;
+use crate::chain::contact::{HingePath, RollerPath, ToothJump, ToothJumps, ToothPath};
+use crate::chain::model::Model;
+use crate::integrator::event_location::first_crossing;
+use crate::integrator::{Adams, Step};
+
+/// Contact pair: hinge, bushing and roller, or bushing and sprocket (sprocket · links + bushing).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum Pair {
+    Hinge(usize),
+    Roller(usize),
+    Tooth(usize),
+}
+
+/// Events of the last step.
+#[derive(Debug, Clone)]
+pub(super) struct ContactEvents {
+    /// Pairs that ended their contact in the last step; their memory remains until the next step, for reports inside the last one.
+    pub(super) parted: Vec<Pair>,
+    /// Whether event screening found a pair that may have touched or separated inside the last step.
+    pub(super) turned: bool,
+    /// Upper bound on the speeds of bushings relative to teeth at the end of the last step \[m/s\].
+    pub(super) fastest: f64,
+    /// Number of accepted contacts inside steps whose penetration was within the accuracy.
+    pub(super) unseen_touches: u64,
+    /// Seatings of the chain, and jumps over teeth.
+    pub(super) jumps: ToothJumps,
+    /// Number of candidate lists built at the last search for tooth jumps.
+    pub(super) jumps_looked_for: u64,
+    /// Scratch: tooth contacts with an onset in the last step, as (sprocket, bushing).
+    pub(super) begun: Vec<(usize, usize)>,
+}
+
+impl ContactEvents {
+    /// Allocate the events of `model`.
+    pub(super) fn new(model: &Model) -> Self {
+        let tooth_pairs = model.links * model.sprockets.len();
+        Self {
+            parted: Vec::with_capacity(model.links + tooth_pairs + model.roller_count()),
+            turned: false,
+            fastest: 0.0,
+            unseen_touches: 0,
+            jumps: ToothJumps::new(model),
+            jumps_looked_for: 0,
+            begun: Vec::with_capacity(tooth_pairs),
+        }
+    }
+}
+
+impl Dynamics {
+    /// Return the hinges, and the pairs of bushing and sprocket, whose contact ended in the last step.
+    ///
+    /// Their memory is cleared at the beginning of the next step.
+    #[must_use]
+    pub fn parted(&self) -> (Vec<usize>, Vec<usize>) {
+        let mut parted = (Vec::new(), Vec::new());
+        for pair in &self.events.parted {
+            match *pair {
+                Pair::Hinge(k) => parted.0.push(k),
+                Pair::Tooth(pair) => parted.1.push(pair),
+                Pair::Roller(_) => {}
+            }
+        }
+        parted
+    }
+
+    /// Return the bushings whose contact with their roller ended in the last step.
+    #[must_use]
+    pub fn parted_rollers(&self) -> Vec<usize> {
+        let roller = |pair: &Pair| match *pair {
+            Pair::Roller(k) => Some(k),
+            _ => None,
+        };
+        self.events.parted.iter().filter_map(roller).collect()
+    }
+
+    /// Start the memory of every pair in contact at (`t`, `y`), with its present penetration rate, for an initial configuration.
+    pub fn remember_present_contacts(&mut self, t: f64, y: &[f64]) {
+        self.memory.clear();
+        self.follow_with_pawls(y);
+        self.evaluate(t, y);
+        for k in 0..self.model.links {
+            if self.evaluated.hinges.penetration[k] > 0.0 {
+                self.memory.begin_hinge(k, self.evaluated.hinges.rate[k]);
+            }
+        }
+        for k in 0..self.model.roller_count() {
+            if self.evaluated.rollers.penetration[k] > 0.0 {
+                self.memory.begin_roller(k, self.evaluated.rollers.rate[k]);
+            }
+        }
+        for &pair in &self.evaluated.teeth.near {
+            let pair = pair as usize;
+            if self.evaluated.teeth.penetration[pair] > 0.0 {
+                self.memory.begin_tooth(
+                    pair,
+                    self.evaluated.teeth.rate[pair],
+                    self.evaluated.teeth.surface[pair],
+                );
+            }
+        }
+        self.kernels.candidates.invalidate();
+        // Event screening needs the gaps at the start of the first step.
+        self.differentiate(t, y);
+        self.events.fastest = self.kernels.watch(&self.model, 0.0).speed;
+        self.kernels.watch.advance();
+        self.look_for_jumps(t);
+    }
+
+    /// Advance the pawls of all ratchets behind the teeth that passed in the last step, whose end is `y`.
+    ///
+    /// Call before the next step: reports inside the last step use the previous positions of the pawls.
+    pub(crate) fn follow_with_pawls(&mut self, y: &[f64]) {
+        let sprockets = self.model.sprockets.iter().zip(&mut self.memory.pawls);
+        for (sprocket, pawl) in sprockets {
+            if let Some((ratchet, s)) = sprocket.ratchet_at(y) {
+                *pawl = ratchet.follow(*pawl, s);
+            }
+        }
+    }
+
+    /// Clear the memory of contacts that ended in the last step; call before the next step.
+    pub fn begin_step(&mut self) {
+        for pair in self.events.parted.drain(..) {
+            match pair {
+                Pair::Hinge(k) => self.memory.end_hinge(k),
+                Pair::Roller(k) => self.memory.end_roller(k),
+                Pair::Tooth(pair) => {
+                    self.memory.end_tooth(pair);
+                    let (s, k) = (pair / self.model.links, pair % self.model.links);
+                    self.kernels
+                        .candidates
+                        .update_memory(&self.model, &self.memory, s, k);
+                }
+            }
+        }
+    }
+
+    /// Locate the contact onsets of the last step and record their initial impact velocities.
+    ///
+    /// Call after the step, before another evaluation of the right-hand side.
+    pub fn finish_step(&mut self, adams: &Adams, step: &Step) {
+        let [hinges, rollers, teeth] = self.kernels.changes();
+        if hinges {
+            self.find_hinge_onsets(adams, step);
+        }
+        if rollers {
+            self.find_roller_onsets(adams, step);
+        }
+        if teeth {
+            self.find_tooth_onsets(adams, step);
+        }
+        if std::mem::take(&mut self.events.turned) {
+            self.look_inside(adams, step);
+        }
+        self.kernels.watch.advance();
+        self.watch_ranges(adams);
+        // Steps are far shorter than a gap. After a displacement of more than half a pitch, the number of passed teeth is ambiguous.
+        let farthest = self.events.fastest * (step.end - step.start);
+        if farthest.is_nan() || farthest > self.model.half_pitch {
+            self.events.jumps.lose_seatings();
+        } else if self.events.jumps_looked_for != self.candidate_refreshes() {
+            self.look_for_jumps(step.end);
+        }
+    }
+
+    /// Search for tooth jumps at the last evaluation, at time `t` \[s\].
+    ///
+    /// A bushing that has changed gaps has moved by more than the margin of the candidate list relative to its sprocket. The search is
+    /// therefore necessary only after the list was built again.
+    fn look_for_jumps(&mut self, t: f64) {
+        self.events.jumps_looked_for = self.candidate_refreshes();
+        let jumps = &mut self.events.jumps;
+        self.kernels.look_for_jumps(&self.model, t, jumps);
+    }
+
+    /// Return the tooth jumps since the start of the run, in the order of time.
+    #[must_use]
+    pub fn tooth_jumps(&self) -> &[ToothJump] {
+        self.events.jumps.jumps()
+    }
+
+    /// Record contact onsets and ends of hinges in the last step.
+    fn find_hinge_onsets(&mut self, adams: &Adams, step: &Step) {
+        let model = &self.model;
+        // Penetration without memory: contact onset in this step. Memory without penetration: contact end.
+        for (k, &depth) in self.kernels.hinge_depths(model).iter().enumerate() {
+            let touching = depth > 0.0;
+            if touching == (self.memory.hinge_speed()[k] > 0.0) {
+                continue;
+            }
+            if touching {
+                let path = HingePath::new(model, adams, k);
+                let (_, rate) = first_crossing(|t| path.at(t), step.start, step.end);
+                self.memory.begin_hinge(k, rate);
+            } else {
+                self.events.parted.push(Pair::Hinge(k));
+            }
+        }
+    }
+
+    /// Record contact onsets and ends of bushings in their rollers in the last step.
+    fn find_roller_onsets(&mut self, adams: &Adams, step: &Step) {
+        let model = &self.model;
+        for (k, &depth) in self.kernels.roller_depths(model).iter().enumerate() {
+            let touching = depth > 0.0;
+            if touching == (self.memory.roller_speed()[k] > 0.0) {
+                continue;
+            }
+            if !touching {
+                self.events.parted.push(Pair::Roller(k));
+            } else if let Some(path) = RollerPath::new(model, adams, k) {
+                let (_, rate) = first_crossing(|t| path.at(t), step.start, step.end);
+                self.memory.begin_roller(k, rate);
+            }
+        }
+    }
+
+    /// Record contact onsets, with their surfaces, and contact ends of teeth in the last step.
+    fn find_tooth_onsets(&mut self, adams: &Adams, step: &Step) {
+        let model = &self.model;
+        let mut begun = std::mem::take(&mut self.events.begun);
+        for (s, k, depth, _) in self.kernels.tooth_contacts(model) {
+            let pair = s * model.links + k;
+            let touching = depth > 0.0;
+            if touching == (self.memory.tooth_speed[pair] > 0.0) {
+                continue;
+            }
+            if touching {
+                let path = ToothPath::new(model, adams, k, s);
+                let contact = |t| path.at(t).contact;
+                let (t, rate) = first_crossing(contact, step.start, step.end);
+                self.memory.begin_tooth(pair, rate, path.at(t).surface);
+                begun.push((s, k));
+            } else {
+                self.events.parted.push(Pair::Tooth(pair));
+            }
+        }
+        for (s, k) in begun.drain(..) {
+            self.kernels
+                .candidates
+                .update_memory(model, &self.memory, s, k);
+        }
+        self.events.begun = begun;
+    }
+}

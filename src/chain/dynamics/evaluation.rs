@@ -1,0 +1,154 @@
+//! Evaluations for reports: motion of all bodies, contacts, bristles and accelerations at one instant.
+
+use super::{Bristles, Dynamics, Needs, Powers, Want};
+use crate::chain::model::Model;
+use crate::chain::motion::Motion;
+use crate::chain::report::{Accelerations, HingeContacts, Reader, RollerContacts, ToothContacts};
+
+/// Results of the last evaluation for a report.
+#[derive(Debug, Clone)]
+pub struct Evaluation {
+    /// Motion of all bodies.
+    pub motion: Motion,
+    /// Hinges.
+    pub hinges: HingeContacts,
+    /// Rollers on their bushings.
+    pub rollers: RollerContacts,
+    /// Teeth.
+    pub teeth: ToothContacts,
+    /// Bristles.
+    pub bristles: Bristles,
+    /// Accelerations of all bodies.
+    pub accelerations: Accelerations,
+}
+
+impl Evaluation {
+    /// Allocate the results for `model`.
+    pub(super) fn new(model: &Model) -> Self {
+        let (links, sprockets) = (model.links, model.sprockets.len());
+        Self {
+            motion: Motion::new(model.bodies()),
+            hinges: HingeContacts::new(links),
+            rollers: RollerContacts::new(model.roller_count()),
+            teeth: ToothContacts::new(links, sprockets),
+            bristles: Bristles::of(model),
+            accelerations: Accelerations::new(model.bodies(), sprockets),
+        }
+    }
+}
+
+impl Dynamics {
+    /// Evaluate contacts, forces and accelerations at (`t`, `y`), and return the powers.
+    pub fn evaluate(&mut self, t: f64, y: &[f64]) -> Powers {
+        self.evaluated.motion.read(&self.model, t, y);
+        self.evaluated.bristles.read(&self.model, y);
+        self.reader.state.copy_from_slice(y);
+        self.evaluate_state(t)
+    }
+
+    /// Evaluate the same for the present motion and bristles.
+    pub fn evaluate_motion(&mut self, t: f64) -> Powers {
+        self.evaluated
+            .motion
+            .write(&self.model, &mut self.reader.state);
+        self.evaluated
+            .bristles
+            .write(&self.model, &mut self.reader.state);
+        self.evaluate_state(t)
+    }
+
+    /// Evaluate the reader's state with a new candidate list, valid for any positions of the bodies.
+    fn evaluate_state(&mut self, t: f64) -> Powers {
+        let Reader {
+            kernels,
+            state,
+            rates,
+            ..
+        } = &mut *self.reader;
+        let (model, memory, place) = (&self.model, &self.memory, (&self.evaluated.motion, t));
+        kernels.candidates.invalidate();
+        let powers = if self.keeps_energy {
+            kernels.evaluate_placed::<true>(model, memory, place, state, rates)
+        } else {
+            kernels.evaluate_placed::<false>(model, memory, place, state, rates);
+            Powers::default()
+        };
+        self.evaluated.accelerations.on_ends = kernels.forces_on_ends(model).unwrap_or_default();
+        self.evaluated
+            .accelerations
+            .chain
+            .copy_from_slice(kernels.sprocket_loads());
+        self.evaluated
+            .accelerations
+            .read(model, &self.evaluated.motion, rates, &memory.pawls, t);
+        self.read_hinges();
+        self.read_teeth();
+        powers
+    }
+
+    /// Evaluate the outputs requested by `needs` at (`t`, `y`). Other outputs are undefined afterwards.
+    pub(crate) fn evaluate_for(&mut self, needs: Needs, t: f64, y: &[f64]) {
+        self.evaluated.motion.read(&self.model, t, y);
+        if needs.hinges == Want::Nothing && needs.teeth == Want::Nothing {
+            return;
+        }
+        self.evaluated.bristles.read(&self.model, y);
+        let Reader { kernels, rates, .. } = &mut *self.reader;
+        let teeth = needs.teeth != Want::Nothing;
+        if teeth {
+            kernels.candidates.copy(&self.kernels.candidates);
+        }
+        kernels.evaluate_contacts(
+            &self.model,
+            &self.memory,
+            &self.evaluated.motion,
+            (y, rates),
+            teeth,
+        );
+        if needs.sprocket_loads {
+            self.evaluated
+                .accelerations
+                .chain
+                .copy_from_slice(kernels.sprocket_loads());
+        }
+        if needs.hinges != Want::Nothing {
+            self.read_hinges();
+        }
+        if teeth {
+            self.read_teeth();
+        }
+    }
+
+    /// Copy hinges, rollers and bristles from the last evaluation of the reader.
+    fn read_hinges(&mut self) {
+        let (model, kernels) = (&self.model, &self.reader.kernels);
+        let chain = kernels.chain();
+        self.evaluated.motion.cos[..model.links].copy_from_slice(&chain.cos[..model.links]);
+        self.evaluated.motion.sin[..model.links].copy_from_slice(&chain.sin[..model.links]);
+        self.evaluated
+            .hinges
+            .read(model, &self.evaluated.motion, chain);
+        self.evaluated.rollers.read(
+            model,
+            &self.evaluated.motion,
+            &self.evaluated.hinges,
+            kernels.rollers(),
+        );
+        let rates = &self.reader.rates[model.bristles.all()];
+        self.evaluated.bristles.rate.copy_from_slice(rates);
+    }
+
+    /// Copy the tooth contacts from the last evaluation of the reader.
+    fn read_teeth(&mut self) {
+        let Reader {
+            kernels, readings, ..
+        } = &mut *self.reader;
+        self.evaluated.teeth.clear();
+        for s in 0..self.model.sprockets.len() {
+            let candidates = kernels.read_teeth(s, readings);
+            self.evaluated
+                .teeth
+                .read(&self.model, s, candidates, readings);
+        }
+    }
+}

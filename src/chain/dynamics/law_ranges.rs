@@ -1,0 +1,134 @@
+//! Contacts beyond the end of their force law: the first hinge or roller, and the first tooth contact, with a message each.
+
+use super::{Dynamics, Needs, Want};
+use crate::force_law::{Elastic, ElasticLaw, Regions, with_law};
+use crate::geometry::Surface;
+use crate::integrator::Adams;
+
+/// Messages on the first contacts beyond the end of their law.
+#[derive(Debug, Clone, Default)]
+pub(super) struct PastRanges {
+    /// First hinge or roller.
+    pub(super) hinge: Option<String>,
+    /// First tooth contact.
+    pub(super) tooth: Option<String>,
+}
+
+impl Dynamics {
+    /// Record the first joint and the first tooth contact beyond the end of their law at the end of a step.
+    pub(super) fn watch_ranges(&mut self, adams: &Adams) {
+        let model = &self.model;
+        if self.past_ranges.hinge.is_none() {
+            let hinges = self.kernels.hinge_depths(model);
+            let rollers = self.kernels.roller_depths(model);
+            self.past_ranges.hinge = self.joint_past_its_end(hinges, rollers);
+        }
+        let model = &self.model;
+        if model.teeth.law.elastic.has_an_end() && self.past_ranges.tooth.is_none() {
+            let nearest_end = with_law!(&model.teeth.law.pairs, Law, pairs => {
+                pairs.iter().map(range_end::<Law>).fold(f64::INFINITY, f64::min)
+            });
+            let beyond = |(_, _, depth, _): (usize, usize, f64, f64)| depth > nearest_end;
+            if self.kernels.tooth_contacts(model).any(beyond) {
+                self.evaluate(adams.time(), adams.y());
+                self.past_ranges.tooth = self.tooth_past_its_end();
+            }
+        }
+    }
+
+    /// Record the same for the last evaluation, that of a report with `needs`: penetrations inside a step may exceed those at its ends.
+    pub(crate) fn watch_reported_ranges(&mut self, needs: Needs) {
+        if needs.hinges != Want::Nothing && self.past_ranges.hinge.is_none() {
+            let (hinges, rollers) = (
+                &self.evaluated.hinges.penetration,
+                &self.evaluated.rollers.penetration,
+            );
+            self.past_ranges.hinge = self.joint_past_its_end(hinges, rollers);
+        }
+        if needs.teeth != Want::Nothing
+            && self.past_ranges.tooth.is_none()
+            && self.model.teeth.law.elastic.has_an_end()
+        {
+            self.past_ranges.tooth = self.tooth_past_its_end();
+        }
+    }
+
+    /// Return a message on the first hinge, or bushing in its roller, beyond the end of its law.
+    fn joint_past_its_end(&self, hinges: &[f64], rollers: &[f64]) -> Option<String> {
+        let model = &self.model;
+        let law = &model.hinges.law;
+        if law.elastic.has_an_end() {
+            let (end, force) = with_law!(&law.pairs, Law, pairs => {
+                let end = range_end::<Law>(&pairs[0]);
+                (end, force_at::<Law>(&pairs[0], end))
+            });
+            let end_of = |k: usize| {
+                end + model
+                    .hinges
+                    .compliance_at(k)
+                    .map_or(0.0, |given| given * force)
+            };
+            // Elastic plates in series: the total approach at the end of the law is δ_end + C f(δ_end).
+            if let Some(k) = (0..hinges.len()).find(|&k| hinges[k] > end_of(k)) {
+                let name = format!("hinge {}", k + 1);
+                return Some(past_range(law.elastic, &name, hinges[k], end_of(k)));
+            }
+        }
+        let law = &model.rollers.as_ref()?.law;
+        if !law.elastic.has_an_end() {
+            return None;
+        }
+        let end = with_law!(&law.pairs, Law, pairs => range_end::<Law>(&pairs[0]));
+        let k = rollers.iter().position(|&depth| depth > end)?;
+        let name = format!("bushing {0} in roller {0}", k + 1);
+        Some(past_range(law.elastic, &name, rollers[k], end))
+    }
+
+    /// Return a message on the first tooth contact of the last evaluation beyond the end of the law for its surface.
+    fn tooth_past_its_end(&self) -> Option<String> {
+        let model = &self.model;
+        self.evaluated.teeth.near.iter().find_map(|&pair| {
+            let pair = pair as usize;
+            let depth = self.evaluated.teeth.penetration[pair];
+            let (s, k) = (pair / model.links, pair % model.links);
+            let number = model.tooth_pair(s, self.stiffness_surface(pair));
+            let end =
+                with_law!(&model.teeth.law.pairs, Law, pairs => range_end::<Law>(&pairs[number]));
+            let name = || format!("{} on {}", model.on_teeth_name(k), model.wheel_name(s));
+            (depth > end).then(|| past_range(model.teeth.law.elastic, &name(), depth, end))
+        })
+    }
+
+    /// Return the messages on the first contacts beyond the end of their law, one line each.
+    pub fn past_range(&self) -> impl Iterator<Item = &String> {
+        self.past_ranges.hinge.iter().chain(&self.past_ranges.tooth)
+    }
+
+    /// Return the surface that determines the stiffness of a pair: that at the contact onset with kept regions, else the present one.
+    pub(super) fn stiffness_surface(&self, pair: usize) -> Surface {
+        if self.model.teeth.law.regions == Regions::Kept && self.memory.tooth_speed[pair] > 0.0 {
+            self.memory.tooth_surface[pair]
+        } else {
+            self.evaluated.teeth.surface[pair]
+        }
+    }
+}
+
+/// Return the message on a contact beyond the end of its law: penetration `depth` and end of the law `end` \[m\].
+fn past_range(law: Elastic, contact: &str, depth: f64, end: f64) -> String {
+    let law = law.name();
+    format!(
+        "{law} law, {contact}: penetration {depth:.3e} m is past the end of the law, {end:.3e} m; \
+         the force goes on with the secant's stiffness"
+    )
+}
+
+/// Return the elastic force at a penetration \[N\].
+fn force_at<L: ElasticLaw>(pair: &[f64; 2], depth: f64) -> f64 {
+    L::force(pair, depth)
+}
+
+/// Return the penetration at the end of a law \[m\].
+fn range_end<L: ElasticLaw>(pair: &[f64; 2]) -> f64 {
+    L::range_end(pair)
+}
