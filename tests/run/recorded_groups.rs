@@ -80,32 +80,32 @@ fn a_report_looks_for_no_contact_that_its_channels_do_not_need() {
         };
         found(
             true,
-            &before.motion.x,
-            &after.motion.x,
+            &before.evaluated.motion.x,
+            &after.evaluated.motion.x,
             "positions of bodies",
         );
         found(
             groups.hinges || groups.energy,
-            &before.hinges.penetration,
-            &after.hinges.penetration,
+            &before.evaluated.hinges.penetration,
+            &after.evaluated.hinges.penetration,
             "depths of hinges",
         );
         found(
             groups.hinges || groups.energy,
-            &before.hinges.force,
-            &after.hinges.force,
+            &before.evaluated.hinges.force,
+            &after.evaluated.hinges.force,
             "forces of hinges",
         );
         found(
             teeth || groups.energy,
-            &before.teeth.penetration,
-            &after.teeth.penetration,
+            &before.evaluated.teeth.penetration,
+            &after.evaluated.teeth.penetration,
             "depths of teeth",
         );
         found(
             false,
-            &before.accelerations.x,
-            &after.accelerations.x,
+            &before.evaluated.accelerations.x,
+            &after.evaluated.accelerations.x,
             "accelerations",
         );
     }
