@@ -4,6 +4,7 @@ use super::many_sprockets::{Around, SHIFTS};
 use crate::drive::{BeltLine, Drive};
 use crate::error::{Error, Result};
 use crate::geometry::Vec2;
+use crate::geometry::path::wrap::{self, Wheel};
 
 /// Return the displacement of sprocket `moved` along `direction` at which the drive's chain is taut \[m\],
 /// within `reach` \[m\] in both directions.
@@ -115,4 +116,35 @@ fn closing_polygon(at: &impl Fn(f64) -> Drive, belt_place: f64, drive: &Drive) -
 /// When no belt line exists.
 pub fn links_around(drive: &Drive) -> Result<u32> {
     Ok(Around::new(drive)?.links_that_close())
+}
+
+/// Return the smallest even number of links not below `pitches`, except for rounding.
+#[must_use]
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a count of links
+pub(super) fn even_links(pitches: f64) -> u32 {
+    2 * (0.5 * pitches - 0.05).ceil().max(2.0) as u32
+}
+
+/// Return the centre distance \[m\] of a taut chain of `links` on two sprockets, its hinges on the pitch circles.
+#[must_use]
+pub fn closing_center_distance(pitch: f64, teeth: [u32; 2], links: u32) -> Option<f64> {
+    wrap::taut_path(
+        pitch,
+        teeth.map(|n| Wheel::on_pitch_circle(pitch, n)),
+        links,
+    )
+    .map(|path| path.center_distance)
+}
+
+/// Return the smallest even number of links that closes at a centre distance \[m\].
+#[must_use]
+pub fn links_for(pitch: f64, teeth: [u32; 2], center_distance: f64) -> u32 {
+    let mut links = even_links(wrap::belt_length(pitch, teeth, center_distance));
+    // A taut polygon of this number of links may be slightly shorter than the belt.
+    while closing_center_distance(pitch, teeth, links)
+        .is_some_and(|c| c < center_distance * (1.0 - 1e-12))
+    {
+        links += 2;
+    }
+    links
 }

@@ -2,11 +2,10 @@
 
 use std::f64::consts::PI;
 
+use super::closing::even_links;
 use super::fit::{for_own_lengths, remedy};
-use super::report::{
-    LARGEST_STRETCH, Layout, Lie, START_GAPS, even_links, given_speed, phase, strand_name,
-    tension_force, wheel,
-};
+use super::laid_chain::{Lie, phase, wheel};
+use super::report::{LARGEST_STRETCH, Layout, START_GAPS, given_speed, strand_name, tension_force};
 use crate::drive::{BeltLine, Drive};
 use crate::error::{Error, Result};
 use crate::geometry::path::polygon::{PlacedWheel, Polygon, WheelSequence, bow_angle};

@@ -2,7 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::report::{LARGEST_STRETCH, wheel};
+use super::laid_chain::wheel;
+use super::report::LARGEST_STRETCH;
 use crate::drive::{ChainEnd, Drive, OpenLine};
 use crate::geometry::path::hanging::{Hanging, HangingLink, hang};
 use crate::geometry::{ToothProfile, Vec2, turned_left, unit};

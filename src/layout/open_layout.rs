@@ -1,8 +1,9 @@
 //! Initial configuration of an open chain: the first layout without contact, its velocities, and the report.
 
 use super::initial::InitialConfiguration;
+use super::laid_chain::{Lie, phase};
 use super::open_chain::{OpenChainLayout, OpenChainShape};
-use super::report::{LARGEST_STRETCH, Layout, Lie, START_GAPS, given_speed, phase, tension_force};
+use super::report::{LARGEST_STRETCH, Layout, START_GAPS, given_speed, tension_force};
 use super::strand_motion::keep_strand_lengths;
 use crate::drive::bushing_on_front;
 use crate::drive::{ChainEnd, Drive};

@@ -1,12 +1,10 @@
-//! Report of a layout: the generator's choices, and measurements on the laid chain.
+//! Report of a layout: the generator's choices, and warnings.
 
 use super::tightness::{Tightness, tightness};
-use crate::drive::{Bearing, Chain, Drive, HingeKind, Sprocket, SprocketMotion};
+use crate::drive::{Bearing, Drive, HingeKind, Sprocket, SprocketMotion};
 use crate::error::Result;
 use crate::geometry::path::belt::Side;
 use crate::geometry::path::wrap;
-use crate::geometry::path::wrap::Wheel;
-use crate::geometry::{ToothProfile, Vec2, unit};
 use crate::math::Signal;
 
 /// Initial distances of seated bushings from their seats that are tried \[m\]; a stretched chain, whose bushings are beside
@@ -193,109 +191,6 @@ fn largest_torque(motion: &SprocketMotion, speed: f64) -> Option<f64> {
     }
 }
 
-/// Return the wheel of a sprocket with seated bushings at least `gap` \[m\] off their seats.
-pub(super) fn wheel(profile: &ToothProfile, chain: &Chain, gap: f64) -> Wheel {
-    let depth = seat_depth(profile, chain);
-    Wheel {
-        teeth: profile.teeth,
-        hinge_radius: hinge_circle(profile, chain) + (depth + gap).max(0.0),
-    }
-}
-
-/// Return the penetration of the bushing of a hinge on the hinge circle \[m\]; negative for a clearance.
-pub(super) fn seat_depth(profile: &ToothProfile, chain: &Chain) -> f64 {
-    let middle = Vec2::new(
-        0.0,
-        hinge_circle(profile, chain) - profile.seat_center_radius,
-    );
-    profile.contact(middle, chain.contact_radius()).penetration
-}
-
-/// Return the radius of the hinges of fully seated links \[m\]; longer links lie farther out.
-fn hinge_circle(profile: &ToothProfile, chain: &Chain) -> f64 {
-    wrap::pitch_radius(chain.mean_pitch(), profile.teeth)
-}
-
-/// Return the angle θ of a sprocket with a gap centre at `angle`: the one nearest to zero.
-pub(super) fn phase(profile: &ToothProfile, angle: f64) -> f64 {
-    let gap = profile.gap_angle();
-    angle - (angle / gap).round() * gap
-}
-
-/// A chain laid round sprockets.
-pub(super) struct Lie<'a> {
-    pub(super) chain: &'a Chain,
-    pub(super) hinges: &'a [Vec2],
-    /// Centre, angle of a gap, and tooth profile of each sprocket.
-    pub(super) sprockets: Vec<(Vec2, f64, &'a ToothProfile)>,
-}
-
-impl Lie<'_> {
-    /// An open chain has a hinge at both of its ends.
-    fn is_open(&self) -> bool {
-        self.hinges.len() > self.chain.links as usize
-    }
-
-    /// Return the ends of every link in the model, (rear, front): half a pitch from its middle.
-    fn link_ends(&self) -> Vec<(Vec2, Vec2)> {
-        let pitches = self.chain.link_pitches();
-        let n = pitches.len();
-        (0..n)
-            .map(|i| {
-                let (rear, front) = if self.is_open() {
-                    (self.hinges[i], self.hinges[i + 1])
-                } else {
-                    (self.hinges[(i + n - 1) % n], self.hinges[i])
-                };
-                let middle = 0.5 * (rear + front);
-                let half = 0.5 * pitches[i] * (front - rear).normalize();
-                (middle - half, middle + half)
-            })
-            .collect()
-    }
-
-    /// Return the largest distance of the centres of pin and bushing \[m\].
-    pub(super) fn stretch(&self) -> f64 {
-        let ends = self.link_ends();
-        let next = ends.iter().cycle().skip(1);
-        let joined = ends.len() - usize::from(self.is_open());
-        ends.iter()
-            .zip(next)
-            .take(joined)
-            .map(|((_, front), (rear, _))| (front - rear).norm())
-            .fold(0.0, f64::max)
-    }
-
-    /// Return the smallest distance of a bushing from a tooth \[m\]; infinite where none is near.
-    pub(super) fn smallest_gap(&self) -> f64 {
-        let radius = self.chain.contact_radius();
-        let bushings: Vec<Vec2> = self
-            .link_ends()
-            .into_iter()
-            .step_by(2) // the inner links
-            .flat_map(|(rear, front)| [rear, front])
-            .collect();
-        let mut gap = f64::INFINITY;
-        for &(center, first_seat, profile) in &self.sprockets {
-            for bushing in &bushings {
-                let offset = bushing - center;
-                if offset.norm() >= profile.reach(radius) {
-                    continue;
-                }
-                let gap_angle = profile.gap_angle();
-                let nearest = ((offset.y.atan2(offset.x) - first_seat) / gap_angle).round();
-                let middle = unit(first_seat + nearest * gap_angle);
-                let point = Vec2::new(
-                    offset.x * middle.y - offset.y * middle.x,
-                    offset.dot(&middle) - profile.seat_center_radius,
-                );
-                gap = gap.min(-profile.contact(point, radius).penetration);
-            }
-        }
-        gap
-    }
-}
-
 /// Number of pitches in mesh below which a warning is given.
 const FEW_IN_MESH: u32 = 3;
 
@@ -416,35 +311,4 @@ pub fn strand_name(strands: &[[usize; 2]], strand: usize) -> String {
         return ["upper", "lower"][strand].to_string();
     }
     format!("{}-{}", from + 1, to + 1)
-}
-
-/// Return the smallest even number of links not below `pitches`, except for rounding.
-#[must_use]
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a count of links
-pub(super) fn even_links(pitches: f64) -> u32 {
-    2 * (0.5 * pitches - 0.05).ceil().max(2.0) as u32
-}
-
-/// Return the centre distance \[m\] of a taut chain of `links` on two sprockets, its hinges on the pitch circles.
-#[must_use]
-pub fn closing_center_distance(pitch: f64, teeth: [u32; 2], links: u32) -> Option<f64> {
-    wrap::taut_path(
-        pitch,
-        teeth.map(|n| Wheel::on_pitch_circle(pitch, n)),
-        links,
-    )
-    .map(|path| path.center_distance)
-}
-
-/// Return the smallest even number of links that closes at a centre distance \[m\].
-#[must_use]
-pub fn links_for(pitch: f64, teeth: [u32; 2], center_distance: f64) -> u32 {
-    let mut links = even_links(wrap::belt_length(pitch, teeth, center_distance));
-    // A taut polygon of this number of links may be slightly shorter than the belt.
-    while closing_center_distance(pitch, teeth, links)
-        .is_some_and(|c| c < center_distance * (1.0 - 1e-12))
-    {
-        links += 2;
-    }
-    links
 }

@@ -1,7 +1,7 @@
 //! Tightness of a chain with ideal hinges: its missing length and the resulting tension.
 
+use super::laid_chain::seat_depth;
 use super::many_sprockets::{Around, SHIFTS};
-use super::report::seat_depth;
 use crate::drive::Drive;
 use crate::error::Result;
 use crate::force_law::{Elastic, elastic_forces, tooth_surfaces};

@@ -2,11 +2,10 @@
 
 use std::f64::consts::PI;
 
+use super::closing::{closing_center_distance, links_for};
 use super::fit::{for_own_lengths, remedy};
-use super::report::{
-    LARGEST_STRETCH, Layout, Lie, START_GAPS, closing_center_distance, given_speed, links_for,
-    phase, tension_force, wheel,
-};
+use super::laid_chain::{Lie, phase, wheel};
+use super::report::{LARGEST_STRETCH, Layout, START_GAPS, given_speed, tension_force};
 use crate::drive::{Drive, Sprocket};
 use crate::error::{Error, Result};
 use crate::geometry::path::belt::Side;

@@ -9,7 +9,8 @@
 use std::f64::consts::{PI, TAU};
 
 use super::belt::{Belt, NoTangent, Pulley, Side};
-use super::wrap::{Bow, Wheel};
+use super::bow::Bow;
+use super::wrap::Wheel;
 use crate::geometry::{Vec2, turned_left, unit};
 
 /// A wheel with its position.

@@ -4,12 +4,16 @@
 //! tangential towards the tooth on the right (clockwise), the origin is the centre of the seating curve. The left flank
 //! mirrors the right one; only the right one is stored.
 
+mod contact;
+
 use std::f64::consts::PI;
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::flank::{Flank, SurfacePiece, nearest_piece};
+pub use contact::ToothContact;
+
+use super::flank::{Flank, SurfacePiece};
 use crate::geometry::{AnsiCurves, Vec2, unit};
 
 /// Position of the centre of the seating curve.
@@ -43,19 +47,6 @@ impl Surface {
     pub fn index(self) -> usize {
         usize::from(self.0)
     }
-}
-
-/// Contact of a cylinder in one tooth gap, in the frame of the gap.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ToothContact {
-    /// The surface nearest to the cylinder.
-    pub surface: Surface,
-    /// Region of the surface, counted from 1 in the direction of +u; an ANSI gap has seven, the fourth is the seat.
-    pub region: u8,
-    /// Penetration δ \[m\]; negative when apart.
-    pub penetration: f64,
-    /// Unit vector of increasing penetration, in the gap's (u, v).
-    pub normal: Vec2,
 }
 
 /// A damaged tooth.
@@ -246,126 +237,6 @@ impl ToothProfile {
         } else {
             gap
         }) as u32
-    }
-
-    /// Return the surface of a gap between undamaged teeth nearest to a cylinder at `point` (u, v).
-    #[must_use]
-    pub fn surface_at(&self, point: Vec2) -> Surface {
-        self.nearest_of(0, Vec2::new(point.x.abs(), point.y))
-    }
-
-    /// Return the surface of a right flank nearest to `point`.
-    #[allow(clippy::cast_possible_truncation)] // surfaces are counted when teeth are damaged
-    fn nearest_of(&self, flank: usize, point: Vec2) -> Surface {
-        let Range { start, end } = self.flanks[flank];
-        Surface((start + nearest_piece(&self.surfaces[start..end], point)) as u8)
-    }
-
-    /// Return the contact of a cylinder of `radius` \[m\] at `point` (u, v) \[m\] with its nearest surface between undamaged teeth.
-    #[must_use]
-    pub fn contact(&self, point: Vec2, radius: f64) -> ToothContact {
-        self.contact_with(self.surface_at(point), point, radius)
-    }
-
-    /// Return the contact in a given gap with damaged teeth; either flank may be the nearer one at any position.
-    #[must_use]
-    pub fn contact_in(&self, gap: u32, point: Vec2, radius: f64) -> ToothContact {
-        let flank_of = |tooth: u32| {
-            let damaged = self.damaged.iter().find(|(number, _)| *number == tooth);
-            damaged.map_or(0, |&(_, flank)| flank)
-        };
-        let flanks = [gap.checked_sub(1).unwrap_or(self.teeth - 1), gap].map(flank_of);
-        if flanks == [0, 0] {
-            return self.contact(point, radius);
-        }
-        let own_side = point.x < 0.0;
-        let on = |left: bool| {
-            let across = Vec2::new(if left { -point.x } else { point.x }, point.y);
-            let flank = flanks[usize::from(left)];
-            let surface = self.nearest_of(flank, across);
-            // The curve in the middle of the gap ends at u = 0 here.
-            let there = left == own_side || surface.index() > self.flanks[flank].start;
-            there.then(|| self.contact_on(surface, left, point, radius))
-        };
-        let deeper = |one: ToothContact, other: ToothContact| {
-            if other.penetration > one.penetration {
-                other
-            } else {
-                one
-            }
-        };
-        match [on(false), on(true)] {
-            [Some(right), Some(left)] => deeper(right, left),
-            [one, other] => one.or(other).unwrap_or_else(|| self.contact(point, radius)),
-        }
-    }
-
-    /// Return the contact with a given surface, extended past its ends, of the flank on the side of `point`.
-    #[must_use]
-    pub fn contact_with(&self, surface: Surface, point: Vec2, radius: f64) -> ToothContact {
-        self.contact_on(surface, point.x < 0.0, point, radius)
-    }
-
-    /// The region of a surface on one flank of a gap, counted from 1 in the direction of +u.
-    #[must_use]
-    #[allow(clippy::cast_possible_truncation)] // regions are fewer than surfaces
-    pub fn region(&self, surface: Surface, left: bool) -> u8 {
-        let middle = self.flanks[0].len() as u8;
-        let step = self.surfaces[surface.index()].step;
-        if left { middle - step } else { middle + step }
-    }
-
-    fn contact_on(&self, surface: Surface, left: bool, point: Vec2, radius: f64) -> ToothContact {
-        let across = Vec2::new(if left { -point.x } else { point.x }, point.y);
-        let piece = &self.surfaces[surface.index()];
-        let (penetration, mut normal) = piece.curve.depth(across, radius);
-        if left {
-            normal.x = -normal.x;
-        }
-        ToothContact {
-            surface,
-            region: self.region(surface, left),
-            penetration,
-            normal,
-        }
-    }
-
-    /// Return the distance from the sprocket's centre \[m\] beyond which a cylinder of `radius` cannot touch a tooth.
-    #[must_use]
-    pub fn reach(&self, radius: f64) -> f64 {
-        match &self.ansi {
-            Some(curves) => curves.reach(self.seat_center_radius, self.gap_angle(), radius),
-            None => self.outside_radius + radius,
-        }
-    }
-
-    /// Return where a cylinder of `radius` \[m\] that touches one surface penetrates another one: both surfaces and the
-    /// penetration \[m\]; `None` where it can roll along the whole gap.
-    #[must_use]
-    pub fn pinch(&self, radius: f64) -> Option<(Surface, f64)> {
-        const POINTS: usize = 24;
-        let outline = self.half_outline(4 * POINTS);
-        let deepest = |place: Vec2| {
-            let off = outline.iter().flat_map(|p| [*p, Vec2::new(-p.x, p.y)]);
-            off.map(|p| radius - (p - place).norm())
-                .fold(f64::NEG_INFINITY, f64::max)
-        };
-        let axis = self.axis();
-        for (number, piece) in (0..).zip(self.whole()) {
-            for point in piece.curve.sweep(piece.start, piece.end, POINTS) {
-                let tangent = piece.curve.tangent(point);
-                let place = point + radius * crate::geometry::turned_left(tangent);
-                let from_center = place - self.center();
-                if from_center.perp(&axis) > 0.0 {
-                    continue;
-                }
-                let depth = deepest(place).max(self.contact(place, radius).penetration);
-                if depth > 1e-4 * radius {
-                    return Some((Surface(number), depth));
-                }
-            }
-        }
-        None
     }
 
     /// Return the outline of the right half of a gap between undamaged teeth, from its middle to that of the tooth, `points` per curve \[m\].

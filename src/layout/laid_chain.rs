@@ -1,0 +1,109 @@
+//! Measurements on a laid chain: seats of its bushings, stretch of its hinges, smallest gap to a tooth.
+
+use crate::drive::Chain;
+use crate::geometry::path::wrap;
+use crate::geometry::path::wrap::Wheel;
+use crate::geometry::{ToothProfile, Vec2, unit};
+
+/// Return the wheel of a sprocket with seated bushings at least `gap` \[m\] off their seats.
+pub(super) fn wheel(profile: &ToothProfile, chain: &Chain, gap: f64) -> Wheel {
+    let depth = seat_depth(profile, chain);
+    Wheel {
+        teeth: profile.teeth,
+        hinge_radius: hinge_circle(profile, chain) + (depth + gap).max(0.0),
+    }
+}
+
+/// Return the penetration of the bushing of a hinge on the hinge circle \[m\]; negative for a clearance.
+pub(super) fn seat_depth(profile: &ToothProfile, chain: &Chain) -> f64 {
+    let middle = Vec2::new(
+        0.0,
+        hinge_circle(profile, chain) - profile.seat_center_radius,
+    );
+    profile.contact(middle, chain.contact_radius()).penetration
+}
+
+/// Return the radius of the hinges of fully seated links \[m\]; longer links lie farther out.
+fn hinge_circle(profile: &ToothProfile, chain: &Chain) -> f64 {
+    wrap::pitch_radius(chain.mean_pitch(), profile.teeth)
+}
+
+/// Return the angle θ of a sprocket with a gap centre at `angle`: the one nearest to zero.
+pub(super) fn phase(profile: &ToothProfile, angle: f64) -> f64 {
+    let gap = profile.gap_angle();
+    angle - (angle / gap).round() * gap
+}
+
+/// A chain laid round sprockets.
+pub(super) struct Lie<'a> {
+    pub(super) chain: &'a Chain,
+    pub(super) hinges: &'a [Vec2],
+    /// Centre, angle of a gap, and tooth profile of each sprocket.
+    pub(super) sprockets: Vec<(Vec2, f64, &'a ToothProfile)>,
+}
+
+impl Lie<'_> {
+    /// An open chain has a hinge at both of its ends.
+    fn is_open(&self) -> bool {
+        self.hinges.len() > self.chain.links as usize
+    }
+
+    /// Return the ends of every link in the model, (rear, front): half a pitch from its middle.
+    fn link_ends(&self) -> Vec<(Vec2, Vec2)> {
+        let pitches = self.chain.link_pitches();
+        let n = pitches.len();
+        (0..n)
+            .map(|i| {
+                let (rear, front) = if self.is_open() {
+                    (self.hinges[i], self.hinges[i + 1])
+                } else {
+                    (self.hinges[(i + n - 1) % n], self.hinges[i])
+                };
+                let middle = 0.5 * (rear + front);
+                let half = 0.5 * pitches[i] * (front - rear).normalize();
+                (middle - half, middle + half)
+            })
+            .collect()
+    }
+
+    /// Return the largest distance of the centres of pin and bushing \[m\].
+    pub(super) fn stretch(&self) -> f64 {
+        let ends = self.link_ends();
+        let next = ends.iter().cycle().skip(1);
+        let joined = ends.len() - usize::from(self.is_open());
+        ends.iter()
+            .zip(next)
+            .take(joined)
+            .map(|((_, front), (rear, _))| (front - rear).norm())
+            .fold(0.0, f64::max)
+    }
+
+    /// Return the smallest distance of a bushing from a tooth \[m\]; infinite where none is near.
+    pub(super) fn smallest_gap(&self) -> f64 {
+        let radius = self.chain.contact_radius();
+        let bushings: Vec<Vec2> = self
+            .link_ends()
+            .into_iter()
+            .step_by(2) // the inner links
+            .flat_map(|(rear, front)| [rear, front])
+            .collect();
+        let mut gap = f64::INFINITY;
+        for &(center, first_seat, profile) in &self.sprockets {
+            for bushing in &bushings {
+                let offset = bushing - center;
+                if offset.norm() >= profile.reach(radius) {
+                    continue;
+                }
+                let gap_angle = profile.gap_angle();
+                let nearest = ((offset.y.atan2(offset.x) - first_seat) / gap_angle).round();
+                let middle = unit(first_seat + nearest * gap_angle);
+                let point = Vec2::new(
+                    offset.x * middle.y - offset.y * middle.x,
+                    offset.dot(&middle) - profile.seat_center_radius,
+                );
+                gap = gap.min(-profile.contact(point, radius).penetration);
+            }
+        }
+        gap
+    }
+}
