@@ -92,22 +92,34 @@ impl MechanismModel {
             sides_of_contact: Vec::new(),
         };
         let frames = model.start_frames();
+        model.add_joints(mechanism, &frames)?;
+        model.add_forces(mechanism, &frames)?;
+        model.add_contacts(mechanism)?;
+        Ok(model)
+    }
+
+    /// Add the equations and pins of all joints, in the initial `frames`.
+    fn add_joints(&mut self, mechanism: &Mechanism, frames: &[Frame]) -> Result<()> {
         for (number, joint) in mechanism.joints.iter().enumerate() {
             joint.validate()?;
-            let equations = model.equations_of(number, joint, &frames)?;
-            let first = model.equations.len();
-            model.equations.extend(equations);
-            model.equations_of_joint.push(first..model.equations.len());
+            let equations = self.equations_of(number, joint, frames)?;
+            let first = self.equations.len();
+            self.equations.extend(equations);
+            self.equations_of_joint.push(first..self.equations.len());
             if let Some(friction) = joint.friction {
-                model
-                    .pins
-                    .push(Pin::new(number, friction, first, &model.equations));
+                self.pins
+                    .push(Pin::new(number, friction, first, &self.equations));
             }
         }
+        Ok(())
+    }
+
+    /// Add all forces; free lengths and angles that are not given are those of the initial `frames`.
+    fn add_forces(&mut self, mechanism: &Mechanism, frames: &[Frame]) -> Result<()> {
         for force in &mechanism.forces {
             force.validate()?;
             let owner = || format!("force {:?}", force.name);
-            let (a, b) = (model.end(&force.a, owner)?, model.end(&force.b, owner)?);
+            let (a, b) = (self.end(&force.a, owner)?, self.end(&force.b, owner)?);
             // A free length or angle that is not given is that of the initial positions.
             let rest = match &force.kind {
                 ForceKind::Spring { rest, .. } => rest.unwrap_or_else(|| {
@@ -119,30 +131,32 @@ impl MechanismModel {
                 _ => 0.0,
             };
             let kind = force.kind.clone();
-            model.forces.push(Force { a, b, kind, rest });
+            self.forces.push(Force { a, b, kind, rest });
         }
+        Ok(())
+    }
+
+    /// Add all contacts with their sides and bristles.
+    fn add_contacts(&mut self, mechanism: &Mechanism) -> Result<()> {
         for contact in &mechanism.contacts {
             contact.validate()?;
             let owner = || format!("contact {:?}", contact.name);
-            let (a, b) = (model.end(&contact.a, owner)?, model.end(&contact.b, owner)?);
+            let (a, b) = (self.end(&contact.a, owner)?, self.end(&contact.b, owner)?);
             let compiled = CompiledContact::new(contact, a, b)?;
-            let first = model.sides.len();
-            let number = model.contacts.len();
-            model
-                .sides
+            let first = self.sides.len();
+            let number = self.contacts.len();
+            self.sides
                 .extend((0..compiled.sides()).map(|side| (number, side)));
-            model.sides_of_contact.push(first..model.sides.len());
+            self.sides_of_contact.push(first..self.sides.len());
             // With bristle friction, each side of a contact has one bristle.
             let bristled = contact.tribology.bristles().is_some();
             for _ in 0..compiled.sides() {
-                model
-                    .bristle_of_side
-                    .push(bristled.then_some(model.bristles));
-                model.bristles += usize::from(bristled);
+                self.bristle_of_side.push(bristled.then_some(self.bristles));
+                self.bristles += usize::from(bristled);
             }
-            model.contacts.push(compiled);
+            self.contacts.push(compiled);
         }
-        Ok(model)
+        Ok(())
     }
 
     /// Return the bodies, the ground first.

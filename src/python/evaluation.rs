@@ -7,6 +7,7 @@ use pyo3::types::PyDict;
 use super::arrays::{recorded, table};
 use crate::chain::dynamics::Dynamics;
 use crate::chain::model::Model;
+use crate::geometry::Vec2;
 use crate::run::simulation::Statistics;
 use crate::system::Recording;
 
@@ -94,99 +95,103 @@ pub(super) fn mechanism_evaluation(py: Python<'_>, row: Recording) -> PyResult<B
 }
 
 /// Return accelerations and contacts of a drive.
-#[allow(clippy::cast_possible_wrap)] // gaps are few
 pub(super) fn drive_evaluation<'py>(
     py: Python<'py>,
     dynamics: &Dynamics,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let model = dynamics.model();
-    let (links, sprockets) = (model.links, model.sprockets.len());
-    let (hinges, teeth, a) = (
-        &dynamics.evaluated.hinges,
-        &dynamics.evaluated.teeth,
-        &dynamics.evaluated.accelerations,
-    );
-    let near = |pair: usize| teeth.penetration[pair] > f64::NEG_INFINITY;
-    let accelerations = (0..model.bodies())
+    let a = &dynamics.evaluated.accelerations;
+    let accelerations = (0..dynamics.model().bodies())
         .map(|i| [a.x[i], a.y[i], a.angle[i]])
         .collect();
-    let shape = [links, sprockets];
     let found = PyDict::new(py);
     found.set_item("accelerations", table(py, accelerations)?)?;
+    put_joints(&found, dynamics)?;
+    put_teeth(&found, dynamics)?;
+    put_bristles(&found, dynamics)?;
+    Ok(found)
+}
+
+/// Add the contacts of hinges and rollers.
+fn put_joints(found: &Bound<'_, PyDict>, dynamics: &Dynamics) -> PyResult<()> {
+    let (py, links) = (found.py(), dynamics.model().links);
+    let vectors = |force: &dyn Fn(usize) -> Vec2| {
+        let flat: Vec<f64> = (0..links)
+            .flat_map(|k| <[f64; 2]>::from(force(k)))
+            .collect();
+        flat.into_pyarray(py).reshape([links, 2])
+    };
+    let hinges = &dynamics.evaluated.hinges;
     found.set_item("hinge_force", hinges.force.clone().into_pyarray(py))?;
-    found.set_item(
-        "hinge_penetration",
-        hinges.penetration.clone().into_pyarray(py),
-    )?;
-    let on_pins: Vec<f64> = (0..links)
-        .flat_map(|k| <[f64; 2]>::from(hinges.force_on_pin(k)))
-        .collect();
-    found.set_item(
-        "hinge_force_vector",
-        on_pins.into_pyarray(py).reshape([links, 2])?,
-    )?;
-    if model.rollers.is_some() {
+    let depths = hinges.penetration.clone();
+    found.set_item("hinge_penetration", depths.into_pyarray(py))?;
+    found.set_item("hinge_force_vector", vectors(&|k| hinges.force_on_pin(k))?)?;
+    if dynamics.model().rollers.is_some() {
         let rollers = &dynamics.evaluated.rollers;
         found.set_item("roller_force", rollers.force.clone().into_pyarray(py))?;
         let depths = rollers.penetration.clone();
         found.set_item("roller_penetration", depths.into_pyarray(py))?;
-        let on_rollers: Vec<f64> = (0..links)
-            .flat_map(|k| <[f64; 2]>::from(rollers.force_on_roller(k)))
-            .collect();
-        let on_rollers = on_rollers.into_pyarray(py).reshape([links, 2])?;
-        found.set_item("roller_force_vector", on_rollers)?;
+        found.set_item(
+            "roller_force_vector",
+            vectors(&|k| rollers.force_on_roller(k))?,
+        )?;
     }
+    Ok(())
+}
+
+/// Add the contacts of bushings with teeth, (links, sprockets) each.
+#[allow(clippy::cast_possible_wrap)] // gaps are few
+fn put_teeth(found: &Bound<'_, PyDict>, dynamics: &Dynamics) -> PyResult<()> {
+    let (py, model, teeth) = (found.py(), dynamics.model(), &dynamics.evaluated.teeth);
+    let shape = [model.links, model.sprockets.len()];
+    let near = |pair: usize| teeth.penetration[pair] > f64::NEG_INFINITY;
     let real =
         |value: &dyn Fn(usize) -> f64| by_bushing(model, value).into_pyarray(py).reshape(shape);
-    found.set_item(
-        "tooth_force",
-        real(&|p| if near(p) { teeth.force[p] } else { 0.0 })?,
-    )?;
+    let whole =
+        |value: &dyn Fn(usize) -> i32| by_bushing(model, value).into_pyarray(py).reshape(shape);
+    let forces = real(&|p| if near(p) { teeth.force[p] } else { 0.0 })?;
+    found.set_item("tooth_force", forces)?;
     found.set_item("tooth_penetration", real(&|p| teeth.penetration[p])?)?;
-    let vectors: Vec<f64> = by_bushing(model, |p| {
+    let vectors = by_bushing(model, |p| {
         if near(p) {
             <[f64; 2]>::from(teeth.force_on_bushing(p))
         } else {
             [0.0; 2]
         }
-    })
-    .into_iter()
-    .flatten()
-    .collect();
-    found.set_item(
-        "tooth_force_vector",
-        vectors.into_pyarray(py).reshape([links, sprockets, 2])?,
-    )?;
+    });
+    let vectors: Vec<f64> = vectors.into_iter().flatten().collect();
+    let vectors = vectors.into_pyarray(py).reshape([shape[0], shape[1], 2])?;
+    found.set_item("tooth_force_vector", vectors)?;
+    let region = |p: usize| {
+        if near(p) {
+            i32::from(teeth.region[p])
+        } else {
+            0
+        }
+    };
+    found.set_item("tooth_region", whole(&region)?)?;
+    let gap = |p: usize| if near(p) { teeth.gap[p] as i32 } else { -1 };
+    found.set_item("tooth_index", whole(&gap)?)
+}
+
+/// Add the deflections of bristles, of the contacts that have any.
+fn put_bristles(found: &Bound<'_, PyDict>, dynamics: &Dynamics) -> PyResult<()> {
+    let (py, model) = (found.py(), dynamics.model());
     let bent = &dynamics.evaluated.bristles.deflection;
     let places = &model.bristles;
     let first = |range: &std::ops::Range<usize>| range.start - places.hinges.start;
     if !places.hinges.is_empty() {
-        let hinges = bent[..links].to_vec();
+        let hinges = bent[..model.links].to_vec();
         found.set_item("hinge_bristle", hinges.into_pyarray(py))?;
     }
     if !places.rollers.is_empty() {
-        let rollers = bent[first(&places.rollers)..][..links].to_vec();
+        let rollers = bent[first(&places.rollers)..][..model.links].to_vec();
         found.set_item("roller_bristle", rollers.into_pyarray(py))?;
     }
     if !places.teeth.is_empty() {
         let teeth = &bent[first(&places.teeth)..];
-        found.set_item("tooth_bristle", real(&|p| teeth[p])?)?;
+        let teeth = by_bushing(model, |p| teeth[p]).into_pyarray(py);
+        let shape = [model.links, model.sprockets.len()];
+        found.set_item("tooth_bristle", teeth.reshape(shape)?)?;
     }
-    let whole =
-        |value: &dyn Fn(usize) -> i32| by_bushing(model, value).into_pyarray(py).reshape(shape);
-    found.set_item(
-        "tooth_region",
-        whole(&|p| {
-            if near(p) {
-                i32::from(teeth.region[p])
-            } else {
-                0
-            }
-        })?,
-    )?;
-    found.set_item(
-        "tooth_index",
-        whole(&|p| if near(p) { teeth.gap[p] as i32 } else { -1 })?,
-    )?;
-    Ok(found)
+    Ok(())
 }

@@ -9,7 +9,9 @@ mod errors;
 mod evaluation;
 mod functions;
 mod ideal_core;
+mod integrate;
 mod interrupt;
+mod layouts;
 mod mechanism;
 mod mechanism_callable;
 mod mechanism_contact;
@@ -32,17 +34,14 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(errors::panicked, module)?)?;
     module.add_function(wrap_pyfunction!(describe::validate, module)?)?;
     module.add_function(wrap_pyfunction!(functions::instruction_set, module)?)?;
-    module.add_function(wrap_pyfunction!(functions::layout, module)?)?;
-    module.add_function(wrap_pyfunction!(
-        functions::closing_center_distance,
-        module
-    )?)?;
-    module.add_function(wrap_pyfunction!(functions::links_for, module)?)?;
-    module.add_function(wrap_pyfunction!(functions::static_start, module)?)?;
-    module.add_function(wrap_pyfunction!(functions::strand_names, module)?)?;
-    module.add_function(wrap_pyfunction!(functions::links_around, module)?)?;
-    module.add_function(wrap_pyfunction!(functions::bisector, module)?)?;
-    module.add_function(wrap_pyfunction!(functions::closing_move, module)?)?;
+    module.add_function(wrap_pyfunction!(layouts::layout, module)?)?;
+    module.add_function(wrap_pyfunction!(layouts::closing_center_distance, module)?)?;
+    module.add_function(wrap_pyfunction!(layouts::links_for, module)?)?;
+    module.add_function(wrap_pyfunction!(layouts::static_start, module)?)?;
+    module.add_function(wrap_pyfunction!(layouts::strand_names, module)?)?;
+    module.add_function(wrap_pyfunction!(layouts::links_around, module)?)?;
+    module.add_function(wrap_pyfunction!(layouts::bisector, module)?)?;
+    module.add_function(wrap_pyfunction!(layouts::closing_move, module)?)?;
     module.add_function(wrap_pyfunction!(functions::tooth_outline, module)?)?;
     module.add_function(wrap_pyfunction!(functions::guide_outline, module)?)?;
     module.add_function(wrap_pyfunction!(functions::tooth_contacts, module)?)?;
@@ -55,5 +54,5 @@ fn _rustchain(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(functions::law_force, module)?)?;
     module.add_function(wrap_pyfunction!(functions::effective_restitution, module)?)?;
     module.add_function(wrap_pyfunction!(toml::read_toml, module)?)?;
-    module.add_function(wrap_pyfunction!(functions::integrate, module)?)
+    module.add_function(wrap_pyfunction!(integrate::integrate, module)?)
 }

@@ -1,0 +1,242 @@
+//! Layouts for Python: properties of a layout, static equilibrium, number of links and centres that close a chain.
+
+use numpy::{IntoPyArray, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::describe;
+use super::errors::{InvalidInput, to_python};
+use super::interrupt::interruptible;
+use crate::drive::{BeltLine, Drive, MOST_LINKS, check_links};
+use crate::error::{Error, check};
+use crate::geometry::Vec2;
+use crate::layout::InitialConfiguration;
+use crate::run::equilibrium::Equilibrium;
+
+/// Generate the layout of a drive and return its properties.
+#[pyfunction]
+pub(super) fn layout<'py>(drive: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
+    let py = drive.py();
+    let description = describe::drive(drive)?;
+    let (_, layout) = describe::checked(py, InitialConfiguration::generate(&description))?;
+    let found = PyDict::new(py);
+    let numbered = |sprockets: &[usize]| sprockets.iter().map(|s| s + 1).collect::<Vec<_>>();
+    let teeth: Vec<u32> = description.sprockets.iter().map(|s| s.teeth).collect();
+    let gap_angle = |i: usize| std::f64::consts::TAU / f64::from(teeth[i]);
+    let wrap_angle: Vec<f64> = (0..teeth.len())
+        .map(|i| f64::from(layout.seated[i]) * gap_angle(i))
+        .collect();
+    let names: Vec<String> = (0..layout.strands.len())
+        .map(|i| layout.strand_name(i))
+        .collect();
+    found.set_item("links", description.chain.links)?;
+    found.set_item("pitch", description.chain.pitch)?;
+    found.set_item("belt_pitches", layout.belt_pitches)?;
+    found.set_item("order", numbered(&layout.order))?;
+    found.set_item("teeth", teeth)?;
+    found.set_item(
+        "sides",
+        layout
+            .sides
+            .iter()
+            .map(|side| side.name())
+            .collect::<Vec<_>>(),
+    )?;
+    found.set_item("center_distance", layout.center_distance)?;
+    found.set_item("closing_center_distance", layout.closing_center_distance)?;
+    found.set_item("pitch_radius", layout.pitch_radius)?;
+    found.set_item("wrap_pitches", layout.seated)?;
+    found.set_item("wrap_angle", wrap_angle)?;
+    found.set_item("belt_wrap_angle", layout.belt_wrap)?;
+    found.set_item("first_seat_angle", layout.first_seat)?;
+    found.set_item("phase", layout.phase)?;
+    found.set_item("initial_speed", layout.speeds)?;
+    found.set_item("strands", names)?;
+    found.set_item("strand_pitches", layout.strand_pitches)?;
+    found.set_item("strand_span", layout.spans)?;
+    found.set_item("strand_slack", layout.slack)?;
+    found.set_item("sag", layout.sag)?;
+    found.set_item("hinge_stretch", layout.hinge_stretch)?;
+    found.set_item("start_gap", layout.start_gap)?;
+    found.set_item("speed_ratios", layout.speed_ratio)?;
+    found.set_item("tension_force", layout.tension_force)?;
+    let guides = &layout.guides;
+    found.set_item(
+        "guide_gap",
+        guides.iter().map(|g| g.gap).collect::<Vec<_>>(),
+    )?;
+    found.set_item(
+        "guide_turn",
+        guides.iter().map(|g| g.turn).collect::<Vec<_>>(),
+    )?;
+    found.set_item(
+        "guide_travel",
+        guides.iter().map(|g| g.travel).collect::<Vec<_>>(),
+    )?;
+    found.set_item(
+        "guide_bushings",
+        guides.iter().map(|g| g.bushings).collect::<Vec<_>>(),
+    )?;
+    found.set_item(
+        "guide_place",
+        guides.iter().map(|g| g.place.clone()).collect::<Vec<_>>(),
+    )?;
+    found.set_item("warnings", layout.warnings)?;
+    Ok(found)
+}
+
+/// Find the static equilibrium of a drive: positions, velocities at the start of a run, and the residual.
+#[pyfunction]
+pub(super) fn static_start<'py>(
+    drive: &Bound<'py, PyAny>,
+    force_law: &Bound<'py, PyAny>,
+    hinge_law: Option<&Bound<'py, PyAny>>,
+    tooth_law: Option<&Bound<'py, PyAny>>,
+    min_impact_velocity: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let py = drive.py();
+    let description = describe::drive(drive)?;
+    let laws = describe::force_laws(force_law, hinge_law, tooth_law, min_impact_velocity)?;
+    let rest = interruptible(py, |give_up| {
+        Equilibrium::find_unless(&description, &laws, give_up)
+    })?;
+    let rest = describe::checked(py, rest)?;
+    let found = PyDict::new(py);
+    for (name, rows) in [
+        ("positions", rest.start.positions),
+        ("velocities", rest.start.velocities),
+    ] {
+        let count = rows.len();
+        let flat: Vec<f64> = rows.into_iter().flatten().collect();
+        found.set_item(name, flat.into_pyarray(py).reshape([count, 3])?)?;
+    }
+    found.set_item("residual", rest.residual)?;
+    found.set_item("largest_force", rest.largest_force)?;
+    found.set_item("iterations", rest.iterations)?;
+    Ok(found)
+}
+
+/// Return the names of the strands of a drive, in the order of arrays over strands.
+#[pyfunction]
+pub(super) fn strand_names(drive: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
+    let description = describe::drive(drive)?;
+    if description.sprockets.len() == 2 && description.ends.is_none() {
+        return Ok(vec!["upper".to_string(), "lower".to_string()]);
+    }
+    let strands = crate::layout::strands(&description);
+    Ok((0..strands.len())
+        .map(|i| crate::layout::strand_name(&strands, i))
+        .collect())
+}
+
+/// Return the smallest even number of links that closes around a drive's sprockets in their positions.
+#[pyfunction]
+pub(super) fn links_around(drive: &Bound<'_, PyAny>) -> PyResult<u32> {
+    let description = describe::drive(drive)?;
+    describe::checked(drive.py(), description.validate())?;
+    describe::checked(drive.py(), crate::layout::links_around(&description))
+}
+
+/// Return the displacement of sprocket `number` along `direction` at which a drive's chain is taut \[m\], searched within `reach` \[m\].
+#[pyfunction]
+pub(super) fn closing_move(
+    drive: &Bound<'_, PyAny>,
+    number: usize,
+    direction: (f64, f64),
+    reach: f64,
+) -> PyResult<f64> {
+    let py = drive.py();
+    let description = one_of(drive, number)?;
+    let farthest = f64::from(MOST_LINKS) * description.chain.pitch;
+    describe::checked(py, check::within("reach", reach, 0.0, farthest))?;
+    let along = Vec2::new(direction.0, direction.1);
+    if !(along.norm().is_finite() && along.norm() > 0.0) {
+        let expected = "must be two finite numbers, not both zero";
+        let shown = format!("({}, {})", along.x, along.y);
+        return Err(to_python(py, &Error::invalid("direction", shown, expected)));
+    }
+    describe::checked(
+        py,
+        crate::layout::closing_move(&description, number - 1, along, reach),
+    )
+}
+
+/// Return the unit vector along which sprocket `number` of a drive tightens both adjacent strands equally.
+#[pyfunction]
+pub(super) fn bisector(drive: &Bound<'_, PyAny>, number: usize) -> PyResult<(f64, f64)> {
+    let description = one_of(drive, number)?;
+    let line = describe::checked(drive.py(), BeltLine::of(&description))?;
+    let along = -line.belt.pull(line.place_of(number - 1)).normalize();
+    Ok((along.x, along.y))
+}
+
+/// Read a drive that has a sprocket of this number.
+fn one_of(drive: &Bound<'_, PyAny>, number: usize) -> PyResult<Drive> {
+    let description = describe::drive(drive)?;
+    describe::checked(drive.py(), description.validate())?;
+    let count = description.sprockets.len();
+    if (1..=count).contains(&number) {
+        return Ok(description);
+    }
+    let expected = format!("must be the number of a sprocket, 1 to {count}");
+    let refusal = Error::invalid("adjust", number, expected);
+    Err(to_python(drive.py(), &refusal))
+}
+
+fn positive(value: &Bound<'_, PyAny>, field: &str, unit: &str) -> PyResult<f64> {
+    let found = describe::number(value, field, unit)?;
+    describe::checked(value.py(), check::positive(field, found, unit)).map(|()| found)
+}
+
+/// Return the centre distance \[m\] at which both strands are taut and straight.
+#[pyfunction]
+pub(super) fn closing_center_distance(
+    pitch: &Bound<'_, PyAny>,
+    teeth: &Bound<'_, PyAny>,
+    links: &Bound<'_, PyAny>,
+) -> PyResult<f64> {
+    let pitch = positive(pitch, "pitch", "m")?;
+    let teeth = describe::two_teeth(teeth)?;
+    let count = describe::count(links, "links")?;
+    describe::checked(links.py(), check_links("links", count))?;
+    let links = count;
+    crate::layout::closing_center_distance(pitch, teeth, links).ok_or_else(|| {
+        let fewest = fewest_links(pitch, teeth);
+        InvalidInput::new_err(format!(
+            "links = {links}: too few for sprockets of {} and {} teeth, which need at least {fewest} to stand clear of \
+             each other",
+            teeth[0], teeth[1]
+        ))
+    })
+}
+
+/// Return the number of links that closes around two sprockets with a minimum clearance between them.
+fn fewest_links(pitch: f64, teeth: [u32; 2]) -> u32 {
+    let outside = |n: u32| {
+        let half = std::f64::consts::PI / f64::from(n);
+        0.5 * pitch * (0.6 + 1.0 / half.tan())
+    };
+    crate::layout::links_for(
+        pitch,
+        teeth,
+        1.001 * (outside(teeth[0]) + outside(teeth[1])),
+    )
+}
+
+/// Return the smallest even number of links that closes around two sprockets.
+#[pyfunction]
+pub(super) fn links_for(
+    pitch: &Bound<'_, PyAny>,
+    teeth: &Bound<'_, PyAny>,
+    center_distance: &Bound<'_, PyAny>,
+) -> PyResult<u32> {
+    let py = pitch.py();
+    let pitch = positive(pitch, "pitch", "m")?;
+    let teeth = describe::two_teeth(teeth)?;
+    let center_distance = positive(center_distance, "center_distance", "m")?;
+    // Two strands of this length form the longest chain.
+    let farthest = 0.5 * f64::from(MOST_LINKS) * pitch;
+    let allowed = check::within("center_distance", center_distance, 0.0, farthest);
+    describe::checked(py, allowed)?;
+    Ok(crate::layout::links_for(pitch, teeth, center_distance))
+}
