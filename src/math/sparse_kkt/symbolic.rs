@@ -19,9 +19,22 @@ pub(crate) fn rows_on_bodies(
 }
 
 /// Return the minimum-degree order: the node with the fewest neighbours is eliminated first, and its neighbours become neighbours of each
-/// other.
-pub(crate) fn least_degree_order(mut neighbours: Vec<BTreeSet<usize>>) -> Vec<usize> {
+/// other. Nodes from `first_joint` on wait until all of their own neighbours are eliminated.
+pub(crate) fn least_degree_order(
+    mut neighbours: Vec<BTreeSet<usize>>,
+    first_joint: usize,
+) -> Vec<usize> {
+    let joints = neighbours.get(first_joint..).unwrap_or_default().to_vec();
+    let mut waits_for: Vec<usize> = vec![0; first_joint.min(neighbours.len())];
+    waits_for.extend(joints.iter().map(BTreeSet::len));
+    let mut joints_of = vec![Vec::new(); neighbours.len()];
+    for (joint, bodies) in joints.iter().enumerate() {
+        for &body in bodies {
+            joints_of[body].push(first_joint + joint);
+        }
+    }
     let mut queue: BTreeSet<(usize, usize)> = (neighbours.iter().enumerate())
+        .filter(|&(i, _)| waits_for[i] == 0)
         .map(|(i, n)| (n.len(), i))
         .collect();
     let mut order = Vec::with_capacity(neighbours.len());
@@ -32,7 +45,15 @@ pub(crate) fn least_degree_order(mut neighbours: Vec<BTreeSet<usize>>) -> Vec<us
             queue.remove(&(neighbours[i].len(), i));
             neighbours[i].remove(&row);
             neighbours[i].extend(around.iter().copied().filter(|&j| j != i));
-            queue.insert((neighbours[i].len(), i));
+            if waits_for[i] == 0 {
+                queue.insert((neighbours[i].len(), i));
+            }
+        }
+        for &joint in &joints_of[row] {
+            waits_for[joint] -= 1;
+            if waits_for[joint] == 0 {
+                queue.insert((neighbours[joint].len(), joint));
+            }
         }
     }
     order

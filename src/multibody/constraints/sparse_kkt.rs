@@ -72,7 +72,7 @@ impl SparseKkt {
                 neighbours[i].extend(rows.iter().map(|&(j, _)| j).filter(|&j| j != i));
             }
         }
-        let order = least_degree_order(neighbours.clone());
+        let order = least_degree_order(neighbours.clone(), m);
         let mut place = vec![0; m];
         for (k, &row) in order.iter().enumerate() {
             place[row] = k;

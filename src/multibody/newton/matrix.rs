@@ -37,6 +37,9 @@ const SOFT: f64 = 1e-11;
 /// friction force, not of a position.
 const WHOLE_DEFLECTION: f64 = 1e-7;
 
+/// Safety factor on the contraction constant of earlier steps, for a step with a contact onset or end; the value of chain drives.
+const WHERE_CHANGED: f64 = 10.0;
+
 /// Largest number of coordinates for which difference quotients give the matrix near singular positions, where accelerations are
 /// interpolated.
 const MOST_BY_DIFFERENCES: usize = 150;
@@ -78,10 +81,10 @@ impl MechanismDynamics {
     }
 
     /// Return the zero matrix with the places of all forces, contacts and joints.
-    fn implicit_matrix(&self) -> Option<Box<ImplicitMatrix>> {
+    fn implicit_matrix(&self) -> Box<ImplicitMatrix> {
         let model = &self.model;
-        let (n, first) = (model.coordinates(), &model.first);
-        let mut pattern = Pattern::new(first, n, model.constraints());
+        let n = model.coordinates();
+        let mut pattern = Pattern::new(&model.first, n, &model.equations_of_joint);
         let pairs = || {
             let forces = model.forces.iter().map(|f| (f.a.body, f.b.body));
             forces.chain(model.contacts.iter().map(|c| (c.a.body, c.b.body)))
@@ -92,23 +95,23 @@ impl MechanismDynamics {
         for (i, equation) in model.equations.iter().enumerate() {
             pattern.constrain(i, [equation.a.body, equation.b.body, equation.carrier]);
         }
-        let saddle = pattern.finish()?;
-        let mut places = pairs().map(|(a, b)| saddle.pair_places(first, a, b));
+        let saddle = pattern.finish();
+        let mut places = pairs().map(|(a, b)| pattern.pair_places(&saddle, a, b));
         let forces = places.by_ref().take(model.forces.len()).collect();
         let contacts = places.collect();
         let joints = model.equations.iter().enumerate().map(|(i, e)| {
             let bodies = [e.a.body, e.b.body, e.carrier];
-            let pair = saddle.pair_places(first, e.a.body, e.b.body);
-            (pair, saddle.row_places(first, n + i, bodies))
+            let pair = pattern.pair_places(&saddle, e.a.body, e.b.body);
+            (pair, pattern.row_places(&saddle, i, bodies))
         });
-        Some(Box::new(ImplicitMatrix {
+        Box::new(ImplicitMatrix {
             joints: joints.collect(),
             forces,
             contacts,
             soft: vec![0.0; model.constraints()],
             by_differences: None,
             saddle,
-        }))
+        })
     }
 
     /// Assemble and factorise the matrix at the last evaluation; return whether it is regular.
@@ -306,11 +309,23 @@ impl SecondOrderSystem for MechanismDynamics {
             .any(|contact| contact.film.is_some())
     }
 
+    fn contraction_safety_factor(&self) -> f64 {
+        let by_differences = |matrix: &ImplicitMatrix| matrix.by_differences.is_some();
+        let is_exact = !self.corrector.as_deref().is_some_and(by_differences);
+        if !is_exact || self.oscillates_at_order_two() {
+            return f64::INFINITY;
+        }
+        // A side with a memory was in contact at the start of the step.
+        let changed = (self.model.sides_of_contact.iter())
+            .zip(&self.near)
+            .flat_map(|(sides, &near)| if near { sides.clone() } else { 0..0 })
+            .any(|k| (self.memory[k].speed > 0.0) != (self.touches[k].contact.penetration > 0.0));
+        if changed { WHERE_CHANGED } else { 1.0 }
+    }
+
     fn factorise(&mut self, y: &[f64], gamma: f64) -> bool {
         let taken = self.corrector.take();
-        let Some(mut matrix) = taken.or_else(|| self.implicit_matrix()) else {
-            return false;
-        };
+        let mut matrix = taken.unwrap_or_else(|| self.implicit_matrix());
         let nearness = self
             .kkt
             .as_ref()
@@ -346,20 +361,23 @@ impl SecondOrderSystem for MechanismDynamics {
         }
         let model = &self.model;
         // Right-hand sides M r and G r of the module's equations.
-        let right = &mut matrix.saddle.right;
-        for ((right, r), mass) in right.iter_mut().zip(&*residual).zip(&model.mass) {
-            *right = mass * r;
+        let saddle = &mut matrix.saddle;
+        for (k, (r, mass)) in residual.iter().zip(&model.mass).enumerate() {
+            saddle.set_right(k, mass * r);
         }
-        for (right, row) in right[n..].iter_mut().zip(&self.rows) {
-            *right = 0.0;
+        for (i, row) in self.rows.iter().enumerate() {
+            let mut along = 0.0;
             for (body, part) in row.bodies.iter().zip(&row.jacobian) {
                 if let Some(first) = model.first[*body] {
-                    *right += (0..3).map(|k| part[k] * residual[first + k]).sum::<f64>();
+                    along += (0..3).map(|k| part[k] * residual[first + k]).sum::<f64>();
                 }
             }
+            saddle.set_right(n + i, along);
         }
-        matrix.saddle.solve();
-        residual.copy_from_slice(&matrix.saddle.right[..n]);
+        saddle.solve();
+        for (k, correction) in residual.iter_mut().enumerate() {
+            *correction = saddle.solution(k);
+        }
     }
 
     fn scale(&self, lengths: &mut [f64]) {

@@ -1,193 +1,144 @@
 //! Sparse linear system of the implicit corrector with its constraints: places of all entries, factors, solutions.
 //!
-//! The matrix is [M - γ D - γ² K, Gᵀ; G', -ε] over corrections of the velocities and of the multipliers. Its sparsity pattern is
-//! constant, so places and the order of elimination are determined once. Factors are faer's, with partial pivoting, in memory that is
-//! kept. ε is far below the diagonal entries of G M⁻¹ Gᵀ and keeps the matrix regular with redundant constraints.
+//! The matrix is [M - γ D - γ² K, Gᵀ; G', -ε] over corrections of the velocities and of the multipliers. Its nodes are the free bodies
+//! and the joints. ε is far below the diagonal entries of G M⁻¹ Gᵀ and keeps the matrix regular with redundant constraints.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
-use faer::sparse::linalg::lu::{LuSymbolicParams, NumericLu, SymbolicLu, factorize_symbolic_lu};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Spec};
-
+use crate::math::sparse_kkt::block_lu::BlockLu;
 use crate::multibody::constraints::relative_kinematics::Block;
 
-/// Places of a 3 × 3 block: for each column, the place of its first row.
-type Places = [usize; 3];
+/// Blocks aa, ab, ba, bb of two bodies; `None` for a fixed body.
+pub(crate) type PairPlaces = [Option<usize>; 4];
 
-/// Places of the blocks aa, ab, ba, bb of two bodies; `None` for a fixed body.
-pub(crate) type PairPlaces = [Option<Places>; 4];
-
-/// Places of a constraint, by body: the column of Gᵀ, and the row of G'.
-pub(crate) type RowPlaces = [Option<(usize, Places)>; 3];
+/// Places of a constraint: its number within its joint, and by body the blocks of Gᵀ and of G'.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RowPlaces {
+    own: usize,
+    blocks: [Option<[usize; 2]>; 3],
+}
 
 /// Matrix of the saddle-point system and its factors.
 #[derive(Debug, Clone)]
 pub(crate) struct Saddle {
-    size: usize,
-    column_start: Vec<usize>,
-    rows: Vec<usize>,
-    values: Vec<f64>,
-    diagonal: Vec<usize>,
-    symbolic: SymbolicLu<usize>,
-    numeric: NumericLu<usize, f64>,
-    room: Room,
-    /// Right-hand side and solution.
-    pub(crate) right: Vec<f64>,
+    lu: BlockLu,
+    /// Node and number within it of each coordinate, then of each constraint; nodes in the order of elimination.
+    places: Vec<(usize, usize)>,
 }
 
-/// Work memory for factors and solutions.
-struct Room {
-    buffer: MemBuffer,
-    needed: StackReq,
-}
-
-impl Room {
-    /// Allocate the memory that is needed.
-    fn new(needed: StackReq) -> Self {
-        Self {
-            buffer: MemBuffer::new(needed),
-            needed,
-        }
-    }
-}
-
-impl Clone for Room {
-    fn clone(&self) -> Self {
-        Self::new(self.needed)
-    }
-}
-
-impl std::fmt::Debug for Room {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("Room")
-    }
-}
-
-/// Sparsity pattern: the rows of each column.
+/// Sparsity pattern: the adjacent nodes of each node.
 #[derive(Debug)]
 pub(crate) struct Pattern {
     coordinates: usize,
     first: Vec<Option<usize>>,
-    columns: Vec<BTreeSet<usize>>,
+    /// Node and number within it of each constraint.
+    constraints: Vec<(usize, usize)>,
+    sizes: Vec<usize>,
+    neighbours: Vec<BTreeSet<usize>>,
 }
 
 impl Pattern {
-    /// Return the pattern with the diagonal blocks of bodies whose coordinates begin at `first`, and of `constraints`.
-    pub(crate) fn new(first: &[Option<usize>], coordinates: usize, constraints: usize) -> Self {
-        let size = coordinates + constraints;
-        let mut columns: Vec<BTreeSet<usize>> = (0..size).map(|i| BTreeSet::from([i])).collect();
-        for &start in first.iter().flatten() {
-            for column in &mut columns[start..start + 3] {
-                column.extend(start..start + 3);
-            }
-        }
+    /// Return the pattern without couplings of bodies whose coordinates begin at `first`, and of joints with these constraints.
+    pub(crate) fn new(
+        first: &[Option<usize>],
+        coordinates: usize,
+        joints: &[Range<usize>],
+    ) -> Self {
+        let bodies = coordinates / 3;
+        let mut sizes = vec![3; bodies];
+        sizes.extend(joints.iter().map(ExactSizeIterator::len));
+        let constraints = joints.iter().enumerate();
+        let constraints =
+            constraints.flat_map(|(joint, own)| (0..own.len()).map(move |k| (bodies + joint, k)));
         Self {
             coordinates,
             first: first.to_vec(),
-            columns,
+            constraints: constraints.collect(),
+            neighbours: vec![BTreeSet::new(); sizes.len()],
+            sizes,
+        }
+    }
+
+    /// Return the node of a body; `None` for a fixed body.
+    fn node(&self, body: usize) -> Option<usize> {
+        self.first[body].map(|first| first / 3)
+    }
+
+    fn connect(&mut self, i: usize, j: usize) {
+        if i != j {
+            self.neighbours[i].insert(j);
+            self.neighbours[j].insert(i);
         }
     }
 
     /// Add the blocks of a force between two bodies.
     pub(crate) fn couple(&mut self, a: usize, b: usize) {
-        for (row, column) in [(a, b), (b, a)] {
-            if let (Some(row), Some(column)) = (self.first[row], self.first[column]) {
-                for entries in &mut self.columns[column..column + 3] {
-                    entries.extend(row..row + 3);
-                }
-            }
+        if let (Some(a), Some(b)) = (self.node(a), self.node(b)) {
+            self.connect(a, b);
         }
     }
 
     /// Add the entries of a constraint on bodies.
     pub(crate) fn constrain(&mut self, constraint: usize, bodies: [usize; 3]) {
-        let own = self.coordinates + constraint;
-        for start in bodies.into_iter().filter_map(|body| self.first[body]) {
-            self.columns[own].extend(start..start + 3);
-            for entries in &mut self.columns[start..start + 3] {
-                entries.insert(own);
-            }
+        let (joint, _) = self.constraints[constraint];
+        for body in bodies.map(|body| self.node(body)).into_iter().flatten() {
+            self.connect(body, joint);
         }
     }
 
-    /// Return the zero matrix of this pattern; `None` when memory is insufficient.
-    pub(crate) fn finish(&self) -> Option<Saddle> {
-        let size = self.columns.len();
-        let mut column_start = vec![0];
-        let mut rows = Vec::new();
-        let mut diagonal = Vec::with_capacity(size);
-        for (k, column) in self.columns.iter().enumerate() {
-            diagonal.push(rows.len() + column.range(..k).count());
-            rows.extend(column);
-            column_start.push(rows.len());
+    /// Return the zero matrix of this pattern.
+    pub(crate) fn finish(&self) -> Saddle {
+        let lu = BlockLu::new(&self.sizes, self.coordinates / 3, &self.neighbours);
+        let coordinates = (0..self.coordinates).map(|i| (i / 3, i % 3));
+        let places = coordinates.chain(self.constraints.iter().copied());
+        Saddle {
+            places: places.map(|(node, k)| (lu.place(node), k)).collect(),
+            lu,
         }
-        let pattern = SymbolicSparseColMatRef::new_checked(size, size, &column_start, None, &rows);
-        let symbolic = factorize_symbolic_lu(pattern, LuSymbolicParams::default()).ok()?;
-        let factors = symbolic.factorize_numeric_lu_scratch::<f64>(Par::Seq, Spec::default());
-        let solution = symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
-        Some(Saddle {
-            size,
-            values: vec![0.0; rows.len()],
-            right: vec![0.0; size],
-            room: Room::new(factors.or(solution)),
-            numeric: NumericLu::new(),
-            column_start,
-            rows,
-            diagonal,
-            symbolic,
-        })
+    }
+
+    /// Return the blocks of two bodies in `saddle`.
+    pub(crate) fn pair_places(&self, saddle: &Saddle, a: usize, b: usize) -> PairPlaces {
+        [(a, a), (a, b), (b, a), (b, b)]
+            .map(|(row, column)| Some(saddle.lu.block(self.node(row)?, self.node(column)?)))
+    }
+
+    /// Return the places of a constraint in `saddle`.
+    pub(crate) fn row_places(
+        &self,
+        saddle: &Saddle,
+        constraint: usize,
+        bodies: [usize; 3],
+    ) -> RowPlaces {
+        let (joint, own) = self.constraints[constraint];
+        let blocks = bodies.map(|body| {
+            let body = self.node(body)?;
+            Some([(body, joint), (joint, body)].map(|(row, column)| saddle.lu.block(row, column)))
+        });
+        RowPlaces { own, blocks }
     }
 }
 
 impl Saddle {
-    /// Return the place of an entry among the values.
-    fn place(&self, row: usize, column: usize) -> usize {
-        let start = self.column_start[column];
-        let rows = &self.rows[start..self.column_start[column + 1]];
-        start + rows.partition_point(|&r| r < row)
-    }
-
-    /// Return the places of the blocks of two bodies.
-    pub(crate) fn pair_places(&self, first: &[Option<usize>], a: usize, b: usize) -> PairPlaces {
-        [(a, a), (a, b), (b, a), (b, b)].map(|(row, column)| {
-            let (row, column) = (first[row]?, first[column]?);
-            Some([0, 1, 2].map(|l| self.place(row, column + l)))
-        })
-    }
-
-    /// Return the places of a constraint, whose row and column are `own`.
-    pub(crate) fn row_places(
-        &self,
-        first: &[Option<usize>],
-        own: usize,
-        bodies: [usize; 3],
-    ) -> RowPlaces {
-        bodies.map(|body| {
-            let start = first[body]?;
-            let row = [0, 1, 2].map(|l| self.place(own, start + l));
-            Some((self.place(start, own), row))
-        })
-    }
-
     /// Set all entries to zero.
     pub(crate) fn clear(&mut self) {
-        self.values.fill(0.0);
+        self.lu.clear();
     }
 
     /// Add a value to a diagonal entry.
     pub(crate) fn add_diagonal(&mut self, k: usize, value: f64) {
-        self.values[self.diagonal[k]] += value;
+        let (node, own) = self.places[k];
+        self.lu.tile_mut(node)[own][own] += value;
     }
 
     /// Add the block of two bodies.
     pub(crate) fn add_pair(&mut self, places: &PairPlaces, block: &Block) {
         for (at, (row, column)) in places.iter().zip([(0, 0), (0, 3), (3, 0), (3, 3)]) {
-            let Some(columns) = at else { continue };
-            for (l, &place) in columns.iter().enumerate() {
+            let Some(at) = *at else { continue };
+            for (l, entries) in self.lu.tile_mut(at).iter_mut().enumerate() {
                 for k in 0..3 {
-                    self.values[place + k] += block[row + k][column + l];
+                    entries[k] += block[row + k][column + l];
                 }
             }
         }
@@ -200,41 +151,35 @@ impl Saddle {
         down: &[[f64; 3]; 3],
         across: &[[f64; 3]; 3],
     ) {
-        for ((at, down), across) in places.iter().zip(down).zip(across) {
-            let Some((column, row)) = at else { continue };
-            for k in 0..3 {
-                self.values[column + k] += down[k];
-                self.values[row[k]] += across[k];
-            }
+        let own = places.own;
+        for ((at, down), across) in places.blocks.iter().zip(down).zip(across) {
+            let Some([below, beside]) = *at else { continue };
+            let column = &mut self.lu.tile_mut(below)[own];
+            column.iter_mut().zip(down).for_each(|(x, j)| *x += j);
+            let columns = self.lu.tile_mut(beside).iter_mut();
+            columns.zip(across).for_each(|(x, j)| x[own] += j);
         }
     }
 
     /// Factorise; return false when the matrix is singular or not finite.
     pub(crate) fn factorise(&mut self) -> bool {
-        let pattern = SymbolicSparseColMatRef::new_checked(
-            self.size,
-            self.size,
-            &self.column_start,
-            None,
-            &self.rows,
-        );
-        let matrix = SparseColMatRef::new(pattern, &self.values);
-        let stack = MemStack::new(&mut self.room.buffer);
-        let factors = self.symbolic.factorize_numeric_lu(
-            &mut self.numeric,
-            matrix,
-            Par::Seq,
-            stack,
-            Spec::default(),
-        );
-        factors.is_ok() && self.values.iter().all(|value| value.is_finite())
+        self.lu.factorise()
+    }
+
+    /// Write one number of the right-hand side.
+    pub(crate) fn set_right(&mut self, k: usize, value: f64) {
+        let (node, own) = self.places[k];
+        self.lu.right_mut()[node][own] = value;
+    }
+
+    /// Return one number of the solution.
+    pub(crate) fn solution(&self, k: usize) -> f64 {
+        let (node, own) = self.places[k];
+        self.lu.right()[node][own]
     }
 
     /// Overwrite the right-hand side by the solution.
     pub(crate) fn solve(&mut self) {
-        let stack = MemStack::new(&mut self.room.buffer);
-        let right = MatMut::from_column_major_slice_mut(&mut self.right, self.size, 1);
-        faer::sparse::linalg::lu::LuRef::new_unchecked(&self.symbolic, &self.numeric)
-            .solve_in_place_with_conj(Conj::No, right, Par::Seq, stack);
+        self.lu.solve();
     }
 }
