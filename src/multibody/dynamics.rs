@@ -7,7 +7,6 @@ use super::constraints::equation::Row;
 use super::constraints::pin_friction::PinTorques;
 use super::constraints::sparse_kkt::SparseKkt;
 use super::contact::bristles::Bristles;
-use super::contact::contact_state::CompiledContact;
 use super::contact::event_screening::ContactEnd;
 use super::contact::impact_memory::{Memory, Touch};
 use super::contact::onset::Onset;
@@ -54,7 +53,7 @@ pub struct MechanismDynamics {
     pub(crate) memory: Vec<Memory>,
     /// Whether each contact is close enough to be evaluated; sides of others are not evaluated.
     pub(crate) near: Vec<bool>,
-    /// Largest penetration of each contact that is near \[m\], and its rate \[m/s\].
+    /// Largest penetration of each contact that is near \[m\], and its rate \[m/s\]; an upper bound and zero for the others.
     pub(crate) deepest: Vec<[f64; 2]>,
     /// State of each contact at the start of the present step.
     pub(crate) starts: Vec<ContactEnd>,
@@ -216,7 +215,8 @@ impl MechanismDynamics {
         let states = self.near.iter_mut().zip(&mut self.deepest);
         for ((contact, sides), (near, deepest)) in contacts.zip(states) {
             let touches = &mut self.touches[sides.clone()];
-            let was_near = std::mem::replace(near, contact.is_near(&self.frames));
+            let apart = contact.apart_squared(&self.frames);
+            let was_near = std::mem::replace(near, apart <= contact.reach * contact.reach);
             if *near {
                 let memory = &self.memory[sides.clone()];
                 *deepest = contact.add(&self.frames, memory, &mut self.loads, touches);
@@ -228,8 +228,11 @@ impl MechanismDynamics {
                 if let Some(film) = &contact.film {
                     contact.add_film(film, &self.frames, &mut self.loads, &mut touches[0]);
                 }
-            } else if was_near {
-                touches.fill(Touch::default());
+            } else {
+                *deepest = [contact.outer_depth(apart), 0.0];
+                if was_near {
+                    touches.fill(Touch::default());
+                }
             }
         }
     }
@@ -303,35 +306,6 @@ impl MechanismDynamics {
         if let Some(kkt) = &mut self.kkt {
             kkt.factorise(&self.rows, part);
         }
-    }
-
-    /// Return the longest step from `t` \[s\] within which no event is missed.
-    ///
-    /// Contacts: no circle may reach a profile that it is not near to, by the present velocities and accelerations. Drivers and
-    /// forces: no kink and no short pulse is skipped. Bounds of contacts above `within` are returned as infinite.
-    pub(crate) fn longest_step_within(&self, t: f64, within: f64) -> f64 {
-        let motions = self
-            .model
-            .equations
-            .iter()
-            .filter_map(|e| e.motion.as_ref());
-        let motions = motions.map(|motion| motion.longest_step(t));
-        let forces = self.model.forces.iter().map(|force| force.longest_step(t));
-        let longest = motions.chain(forces).fold(f64::INFINITY, f64::min);
-        let contacts = self.model.contacts.iter().zip(&self.model.sides_of_contact);
-        let times = contacts.map(|(contact, sides)| {
-            let touches = &self.touches[sides.clone()];
-            contact.free_time(&self.frames, self.rates_of(contact), touches, within)
-        });
-        times.fold(longest, f64::min)
-    }
-
-    /// Return the accelerations of the two bodies of a contact.
-    pub(crate) fn rates_of(&self, contact: &CompiledContact) -> [[f64; 3]; 2] {
-        [contact.a.body, contact.b.body].map(|body| match self.model.first[body] {
-            None => [0.0; 3],
-            Some(i) => [0, 1, 2].map(|k| self.accelerations[i + k]),
-        })
     }
 
     /// Return the memory of a side without penetration: that the circle is behind an open outline, or none.

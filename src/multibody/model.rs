@@ -6,6 +6,7 @@ use std::ops::Range;
 use super::constraints::equation::{Equation, Quantity};
 use super::constraints::pin_friction::Pin;
 use super::contact::contact_state::CompiledContact;
+use super::contact::step_bound::ContactBodies;
 use super::description::body::{Body, End, Frame, Marker};
 use super::description::force_element::{Force, ForceKind};
 use super::description::joint::{Joint, JointKind};
@@ -26,6 +27,7 @@ pub struct MechanismModel {
     pub(crate) joints: Vec<Joint>,
     pub(crate) forces: Vec<Force>,
     pub(crate) contacts: Vec<CompiledContact>,
+    pub(crate) contact_bodies: ContactBodies,
     pub(crate) contact_names: Vec<String>,
     /// Sides of all contacts that may be in contact at once, in order: number of the contact and of the side.
     pub(crate) sides: Vec<(usize, usize)>,
@@ -81,6 +83,7 @@ impl MechanismModel {
             joints: mechanism.joints.clone(),
             forces: Vec::new(),
             contacts: Vec::new(),
+            contact_bodies: ContactBodies::default(),
             numbers,
             equations_of_joint: Vec::new(),
             contact_names: mechanism.contacts.iter().map(|c| c.name.clone()).collect(),
@@ -156,6 +159,7 @@ impl MechanismModel {
             }
             self.contacts.push(compiled);
         }
+        self.contact_bodies = ContactBodies::of(&self.contacts);
         Ok(())
     }
 

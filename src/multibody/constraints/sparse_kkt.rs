@@ -223,6 +223,22 @@ impl SparseKkt {
         }
     }
 
+    /// Return the diagonal entry of G M⁻¹ Gᵀ of one row.
+    pub(crate) fn diagonal(&self, row: &Row) -> f64 {
+        let mut sum = 0.0;
+        for (body, part) in row.bodies.iter().zip(&row.jacobian) {
+            if let Some(first) = self.first[*body] {
+                let inverse = &self.inverse_mass[first..first + 3];
+                sum += part
+                    .iter()
+                    .zip(inverse)
+                    .map(|(j, inverse)| j * j * inverse)
+                    .sum::<f64>();
+            }
+        }
+        sum
+    }
+
     /// Return G x of one row.
     fn along(&self, row: &Row, x: &[f64]) -> f64 {
         let mut sum = 0.0;

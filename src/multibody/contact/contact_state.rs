@@ -177,11 +177,10 @@ impl CompiledContact {
         depths.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Return whether the circle is within reach of the profile.
-    pub(crate) fn is_near(&self, frames: &[Frame]) -> bool {
+    /// Return the square of the distance of both markers \[m²\]. The circle is near the profile up to the square of [`Self::reach`].
+    pub(crate) fn apart_squared(&self, frames: &[Frame]) -> f64 {
         let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
-        let apart = fb.place(self.b.point) - fa.place(self.a.point);
-        apart.norm_squared() <= self.reach * self.reach
+        (fb.place(self.b.point) - fa.place(self.a.point)).norm_squared()
     }
 
     /// Add forces, elastic energy and dissipated power of the contact, and write the state of each side.

@@ -8,7 +8,6 @@ use super::impact_memory::Memory;
 use super::step_bound::FARTHEST;
 use crate::geometry::{Vec2, turned_left};
 use crate::integrator::event_location::Cubic;
-use crate::multibody::description::body::Frame;
 use crate::multibody::dynamics::MechanismDynamics;
 
 /// State of a contact at one end of a step.
@@ -68,15 +67,13 @@ impl MechanismDynamics {
     /// Return the state of contact `k` at the last evaluation.
     fn contact_end(&self, k: usize) -> ContactEnd {
         let contact = &self.model.contacts[k];
-        let mut depth = self.deepest[k];
-        if !self.near[k] {
-            depth = [contact.outer_depth(&self.frames), 0.0];
-        }
+        let depth = self.deepest[k];
         if depth[0] <= -FARTHEST * contact.radius {
             return ContactEnd::FAR;
         }
         let (fa, fb) = (&self.frames[contact.a.body], &self.frames[contact.b.body]);
-        let (speed, acceleration) = contact.relative_motion(&self.frames, self.rates_of(contact));
+        let (speed, acceleration) =
+            contact.relative_motion(&self.frames, self.rates_of_pair(contact));
         // Coriolis term of the rotating frame of the profile; the other terms of that frame are in the acceleration.
         let acceleration = acceleration - 2.0 * fa.spin * turned_left(speed);
         let motion = [
@@ -116,10 +113,8 @@ fn continued([place, velocity, acceleration]: Motion, time: f64) -> Motion {
 
 impl CompiledContact {
     /// Return an upper bound of the penetration \[m\] of a circle out of reach, from the circle that encloses the profile. It is -∞ if
-    /// the gap is larger than a step may carry the circle.
-    fn outer_depth(&self, frames: &[Frame]) -> f64 {
-        let (fa, fb) = (&frames[self.a.body], &frames[self.b.body]);
-        let apart = (fb.place(self.b.point) - fa.place(self.a.point)).norm_squared();
+    /// the gap is larger than a step may carry the circle. `apart` is the square of the distance of both markers \[m²\].
+    pub(crate) fn outer_depth(&self, apart: f64) -> f64 {
         if apart >= (self.reach + FARTHEST * self.radius).powi(2) {
             f64::NEG_INFINITY
         } else {

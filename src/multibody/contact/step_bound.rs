@@ -1,14 +1,117 @@
 //! Bound of the step size by the gap and the relative motion of the circle of a contact.
 
+use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::SQRT_2;
+
 use super::contact_state::CompiledContact;
 use super::impact_memory::Touch;
 use super::outline::Place;
 use crate::geometry::{Vec2, turned_left};
 use crate::multibody::description::body::Frame;
+use crate::multibody::dynamics::MechanismDynamics;
 
 /// Gap of a circle below which it is near a profile, over its radius. No step carries a circle to the profile from a larger gap.
 /// From a smaller gap no step carries it farther than this length, and the path is screened for contacts.
 pub(crate) const FARTHEST: f64 = 0.25;
+
+/// Bodies of all contacts, for one bound of their relative motions.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ContactBodies {
+    /// Bodies of profiles.
+    profiles: Vec<usize>,
+    /// Bodies of circles, with the distance of their farthest circle from the centre of mass \[m\].
+    circles: Vec<(usize, f64)>,
+    least_radius: f64,
+}
+
+impl ContactBodies {
+    /// Return the bodies of `contacts`.
+    pub(crate) fn of(contacts: &[CompiledContact]) -> Self {
+        let mut profiles = BTreeSet::new();
+        let mut circles = BTreeMap::new();
+        for contact in contacts {
+            profiles.insert(contact.a.body);
+            let arm: &mut f64 = circles.entry(contact.b.body).or_default();
+            *arm = arm.max(contact.b.point.norm());
+        }
+        let radii = contacts.iter().map(|contact| contact.radius);
+        Self {
+            profiles: profiles.into_iter().collect(),
+            circles: circles.into_iter().collect(),
+            least_radius: radii.fold(f64::INFINITY, f64::min),
+        }
+    }
+
+    /// Return whether no circle moves by [`FARTHEST`] radii relative to its profile within a time \[s\], by the present velocities and
+    /// accelerations. `rates` returns the accelerations of a body.
+    ///
+    /// The bound is that of [`CompiledContact::free_time`] with the largest motion of any profile and of any circle.
+    pub(crate) fn stay_close(
+        &self,
+        frames: &[Frame],
+        rates: impl Fn(usize) -> [f64; 3],
+        within: f64,
+    ) -> bool {
+        let far = |body: &usize| frames[*body].origin.abs().sum();
+        let of_circles = self.circles.iter().map(|(body, arm)| far(body) + arm);
+        let far_circle = of_circles.fold(0.0, f64::max);
+        // Largest displacement by one body at a distance from its centre of mass. √2: sums of absolute components exceed norms by
+        // that factor.
+        let displacement = |body: usize, distance: f64| {
+            let (frame, [x, y, spin]) = (&frames[body], rates(body));
+            let arm = SQRT_2 * distance;
+            let speed = frame.velocity.abs().sum() + frame.spin.abs() * arm;
+            let turning = (spin.abs() + frame.spin * frame.spin) * arm;
+            within * (speed + 0.5 * within * (x.abs() + y.abs() + turning))
+        };
+        let profiles = self.profiles.iter();
+        let profiles = profiles.map(|body| displacement(*body, far(body) + far_circle));
+        let circles = self.circles.iter();
+        let circles = circles.map(|&(body, arm)| displacement(body, arm));
+        let farthest = profiles.fold(0.0, f64::max) + circles.fold(0.0, f64::max);
+        farthest < FARTHEST * self.least_radius
+    }
+}
+
+impl MechanismDynamics {
+    /// Return the longest step from `t` \[s\] within which no event is missed.
+    ///
+    /// Contacts: no circle may reach a profile that it is not near to, by the present velocities and accelerations. Drivers and
+    /// forces: no kink and no short pulse is skipped. Bounds of contacts above `within` are returned as infinite.
+    pub(crate) fn longest_step_within(&self, t: f64, within: f64) -> f64 {
+        let motions = self
+            .model
+            .equations
+            .iter()
+            .filter_map(|e| e.motion.as_ref());
+        let motions = motions.map(|motion| motion.longest_step(t));
+        let forces = self.model.forces.iter().map(|force| force.longest_step(t));
+        let longest = motions.chain(forces).fold(f64::INFINITY, f64::min);
+        let bodies = &self.model.contact_bodies;
+        if bodies.stay_close(&self.frames, |body| self.rates_of(body), within) {
+            return longest;
+        }
+        let contacts = self.model.contacts.iter().zip(&self.model.sides_of_contact);
+        let times = contacts.map(|(contact, sides)| {
+            let touches = &self.touches[sides.clone()];
+            contact.free_time(&self.frames, self.rates_of_pair(contact), touches, within)
+        });
+        times.fold(longest, f64::min)
+    }
+
+    /// Return the accelerations of the two bodies of a contact.
+    pub(crate) fn rates_of_pair(&self, contact: &CompiledContact) -> [[f64; 3]; 2] {
+        [contact.a.body, contact.b.body].map(|body| self.rates_of(body))
+    }
+
+    /// Return the accelerations of a body; zero for a fixed body.
+    pub(crate) fn rates_of(&self, body: usize) -> [f64; 3] {
+        match self.model.first[body] {
+            None => [0.0; 3],
+            Some(i) => [0, 1, 2].map(|k| self.accelerations[i + k]),
+        }
+    }
+}
 
 impl CompiledContact {
     /// Return the time \[s\] in which the circle moves through its gap, or through [`FARTHEST`] radii if the gap is smaller.

@@ -21,15 +21,10 @@ use crate::multibody::constraints::sparse_kkt::SparseKkt;
 use crate::multibody::contact::contact_state::CompiledContact;
 use crate::multibody::contact::impact_memory::Touch;
 use crate::multibody::description::tribology::FrictionLaw;
-use crate::multibody::dynamics::{MechanismDynamics, Stabilisation};
-use crate::multibody::forces::force_slopes::add_twist;
+use crate::multibody::dynamics::MechanismDynamics;
 
 /// Change of a velocity for difference quotients \[m/s\]; that of an angular velocity is divided by its arm.
 const CHANGE: f64 = 1e-6;
-
-/// Relative compliance of a constraint: ε over the diagonal entry of G M⁻¹ Gᵀ. It is far below the round-off of the iteration and
-/// above that of the factors.
-const SOFT: f64 = 1e-11;
 
 /// Deflection at break-away of bristles whose error has the weight of a length's \[m\].
 ///
@@ -47,12 +42,10 @@ const MOST_BY_DIFFERENCES: usize = 150;
 /// Matrix of the corrector, with the places of its entries and its factors.
 #[derive(Debug, Clone)]
 pub(crate) struct ImplicitMatrix {
-    saddle: Saddle,
-    joints: Vec<(PairPlaces, RowPlaces)>,
+    pub(super) saddle: Saddle,
+    pub(super) joints: Vec<(PairPlaces, RowPlaces)>,
     forces: Vec<PairPlaces>,
     contacts: Vec<PairPlaces>,
-    /// Compliance ε of each constraint.
-    soft: Vec<f64>,
     /// Factors of the dense matrix by difference quotients, where it replaces the sparse one.
     by_differences: Option<LU<f64, Dyn, Dyn>>,
 }
@@ -108,7 +101,6 @@ impl MechanismDynamics {
             joints: joints.collect(),
             forces,
             contacts,
-            soft: vec![0.0; model.constraints()],
             by_differences: None,
             saddle,
         })
@@ -151,49 +143,6 @@ impl MechanismDynamics {
         matrix.saddle.factorise()
     }
 
-    /// Add the constraints: their rows and columns, and γ² Σ λ ∂²c/∂q² (see the module's equations).
-    fn linearise_joints(&self, matrix: &mut ImplicitMatrix, gamma: f64) {
-        let model = &self.model;
-        let n = model.coordinates();
-        // Baumgarte's terms 2 w c' + w² c change G x by the factor 1 + 2 w γ + w² γ².
-        let pulled = match self.stabilisation {
-            Stabilisation::Baumgarte(w) => 2.0 * w * gamma + (w * gamma).powi(2),
-            Stabilisation::Projection => 0.0,
-        };
-        for (i, equation) in model.equations.iter().enumerate() {
-            let row = &self.rows[i];
-            let mut across = row.jacobian.map(|part| part.map(|j| (1.0 + pulled) * j));
-            let (pair_places, row_places) = &matrix.joints[i];
-            if let Some(slopes) = equation.slopes(&self.frames) {
-                let pair = Pair::new(equation.a, equation.b, &self.frames, false);
-                let acceleration = self.pair_accelerations([equation.a.body, equation.b.body]);
-                for k in 0..6 {
-                    let line = slopes.second[k].iter();
-                    let along = |v: &[f64; 6]| line.clone().zip(v).map(|(a, b)| a * b).sum::<f64>();
-                    let by_rate = along(&pair.v);
-                    let by_place = slopes.third[k] + along(&acceleration);
-                    across[k / 3][k % 3] += 2.0 * gamma * by_rate + gamma * gamma * by_place;
-                }
-                let weight = gamma * gamma * self.multipliers[i];
-                let block = slopes.second.map(|line| line.map(|entry| weight * entry));
-                matrix.saddle.add_pair(pair_places, &block);
-            }
-            matrix.saddle.add_row(row_places, &row.jacobian, &across);
-            // Diagonal entry of G M⁻¹ Gᵀ, which scales the compliance of the constraint.
-            let mut held = 0.0;
-            for (body, part) in row.bodies.iter().zip(&row.jacobian) {
-                if let Some(first) = model.first[*body] {
-                    for (k, j) in part.iter().enumerate() {
-                        let mass = model.mass[first + k];
-                        held += if mass > 0.0 { j * j / mass } else { 0.0 };
-                    }
-                }
-            }
-            matrix.soft[i] = SOFT * held;
-            matrix.saddle.add_diagonal(n + i, -matrix.soft[i]);
-        }
-    }
-
     /// Call `visit` with the derivatives of the friction of each side of a contact, and with those of its film.
     fn tangential_slopes(
         &self,
@@ -219,32 +168,6 @@ impl MechanismDynamics {
             let (force, torque) = contact.film_slopes(film, &self.frames);
             visit(&force, &torque);
         }
-    }
-
-    /// Add the friction of pins. Corrections of the multipliers are μ = γ Δλ, so the derivatives with respect to λ enter without γ.
-    fn linearise_pins(&self, matrix: &mut ImplicitMatrix, gamma: f64) {
-        for pin in &self.model.pins {
-            let torque = pin.torque(&self.frames, &self.multipliers);
-            let mut block = Block::default();
-            add_twist(-gamma * torque.by_spin, &mut block);
-            matrix.saddle.add_pair(&matrix.joints[pin.row].0, &block);
-            for (i, slope) in torque.by_multiplier.into_iter().enumerate() {
-                let places = &matrix.joints[pin.row + i].1;
-                let down = [[0.0, 0.0, slope], [0.0, 0.0, -slope], [0.0; 3]];
-                matrix.saddle.add_row(places, &down, &[[0.0; 3]; 3]);
-            }
-        }
-    }
-
-    /// Return the accelerations of two bodies; zero for a fixed body.
-    fn pair_accelerations(&self, bodies: [usize; 2]) -> [f64; 6] {
-        let mut found = [0.0; 6];
-        for (part, body) in found.chunks_exact_mut(3).zip(bodies) {
-            if let Some(first) = self.model.first[body] {
-                part.copy_from_slice(&self.accelerations[first..first + 3]);
-            }
-        }
-        found
     }
 
     /// Return the factors of the dense matrix by central differences of whole evaluations at `y`, the state of the last evaluation.

@@ -1,4 +1,5 @@
 //! Linear system of the implicit corrector.
 
+pub(crate) mod joints;
 pub(crate) mod matrix;
 pub(crate) mod sparse_system;

@@ -132,6 +132,13 @@ impl Saddle {
         self.lu.tile_mut(node)[own][own] += value;
     }
 
+    /// Add a value to one entry of a block; nothing for a fixed body.
+    pub(crate) fn add_entry(&mut self, at: Option<usize>, row: usize, column: usize, value: f64) {
+        if let Some(at) = at {
+            self.lu.tile_mut(at)[column][row] += value;
+        }
+    }
+
     /// Add the block of two bodies.
     pub(crate) fn add_pair(&mut self, places: &PairPlaces, block: &Block) {
         for (at, (row, column)) in places.iter().zip([(0, 0), (0, 3), (3, 0), (3, 3)]) {

@@ -82,7 +82,11 @@ fn solutions_of_a_closed_chain_are_those_of_dense_factors_and_vanishing_blocks_a
                 for (r, entry) in column.iter_mut().enumerate().take(sizes[i]) {
                     let shift = if i == j && r == c { 4.0 } else { 0.0 };
                     // Joints have no entries of their own.
-                    let value = if i == j && i >= bodies { 0.0 } else { next() + shift };
+                    let value = if i == j && i >= bodies {
+                        0.0
+                    } else {
+                        next() + shift
+                    };
                     *entry += value;
                     dense[(first[i] + r, first[j] + c)] += value;
                 }
