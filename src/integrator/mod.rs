@@ -112,6 +112,15 @@ pub trait SecondOrderSystem: OdeSystem {
     /// Replace a residual of the velocities by their correction.
     fn correct(&mut self, residual: &mut [f64]);
 
+    /// Return the residual whose ratio to its correction measures the stiffness, if it is not that given to [`Self::correct`]: without
+    /// the reactions of constraints that the correction has changed.
+    fn stiffness_residual(&self) -> Option<&[f64]> {
+        None
+    }
+
+    /// Write the derivatives of the sums anew after a correction, if the correction has changed the forces that do work.
+    fn correct_sum_rates(&self, _rates: &mut [f64]) {}
+
     /// Write the length scale of every coordinate \[m\]: 1 for lengths, an arm for angles.
     fn scale(&self, lengths: &mut [f64]);
 }

@@ -73,9 +73,15 @@ impl Adams {
             let residual = self.find_residual(nq, gamma, first);
             // Δ = (1 - γ ∂a/∂v - γ² ∂a/∂q)⁻¹ r, with the factors of the first iterate.
             system.correct(&mut self.vectors.residual[..nq]);
+            system.correct_sum_rates(&mut self.vectors.slope[2 * nq..self.vectors.dimension]);
             let applied = self.apply_correction(nq, gamma);
             if first {
                 // The ratio |r|/|Δ| measures the stiffness; later residuals are too small for that.
+                let residual = (system.stiffness_residual()).map_or(residual, |free| {
+                    let weights = &self.norm.inverse_weight[nq..2 * nq];
+                    let parts = free.iter().zip(weights);
+                    parts.map(|(r, weight)| (r * weight).powi(2)).sum()
+                });
                 self.fastest
                     .record_correction(residual, applied.speeds, gamma);
             }

@@ -14,6 +14,7 @@ use super::description::body::Frame;
 use super::forces::loads::Loads;
 use super::model::MechanismModel;
 use super::newton::matrix::ImplicitMatrix;
+use super::newton::stage::{Stage, StepReactions};
 use super::step::StepStart;
 use super::system::MechanismSums;
 use crate::error::Result;
@@ -73,6 +74,9 @@ pub struct MechanismDynamics {
     pub(crate) time: f64,
     /// Matrix of the implicit corrector, once it is used.
     pub(crate) corrector: Option<Box<ImplicitMatrix>>,
+    /// Stage of the implicit corrector, and the reactions that it begins from.
+    pub(crate) stage: Stage,
+    pub(crate) reactions: StepReactions,
     /// Work arrays of projections: residuals, changes.
     pub(crate) projecting: [Vec<f64>; 2],
     /// Work array: loads on the free coordinates.
@@ -124,6 +128,8 @@ impl MechanismDynamics {
             aside: false,
             time: 0.0,
             corrector: None,
+            stage: Stage::default(),
+            reactions: StepReactions::default(),
             projecting: [vec![0.0; m], vec![0.0; n]],
             forces: vec![0.0; n],
             shifted: vec![0.0; 2 * n],
@@ -259,6 +265,10 @@ impl MechanismDynamics {
                 row.gamma -= 2.0 * frequency * rate + frequency * frequency * row.value;
             }
         }
+        if self.stage.active {
+            self.accelerate_with_reactions();
+            return;
+        }
         if self.kkt.is_some() {
             // A redundant constraint depends on the others only where all joints are satisfied, which a state within a step is not
             // exactly. Nearly dependent constraints are therefore left out, as long as the rank is that away from singular positions.
@@ -318,7 +328,7 @@ impl MechanismDynamics {
 
     /// Return the power dissipated, including that stored in bristles, and the power of applied forces and drivers at the last
     /// evaluation \[W\].
-    fn powers(&self) -> [f64; 2] {
+    pub(crate) fn powers(&self) -> [f64; 2] {
         [
             self.loads.dissipated,
             self.loads.worked_in + self.driver_power(),
@@ -377,7 +387,12 @@ impl OdeSystem for MechanismDynamics {
         self.evaluate(t, &shifted);
         // dq/dt = v of the integrator's own solution, without the shift: see the type's description.
         dydt[..unknowns].copy_from_slice(&y[unknowns..2 * unknowns]);
-        dydt[unknowns..unknowns + n].copy_from_slice(&self.accelerations);
+        let accelerations = if self.stage.active {
+            &self.stage.trial
+        } else {
+            &self.accelerations
+        };
+        dydt[unknowns..unknowns + n].copy_from_slice(accelerations);
         dydt[unknowns + n..2 * unknowns].copy_from_slice(&self.bristles.rate);
         let powers = self.powers();
         dydt[2 * unknowns..].copy_from_slice(&powers);

@@ -71,14 +71,20 @@ impl MechanismDynamics {
     /// Project the end of the last step onto the constraints. The correction enters the shift; the integrator's solution and history
     /// remain.
     pub(super) fn project_step_end(&mut self, adams: &Adams) -> Result<()> {
+        self.project_end(adams)?;
+        self.keep_reactions();
+        Ok(())
+    }
+
+    fn project_end(&mut self, adams: &Adams) -> Result<()> {
         if !self.is_constrained() || self.stabilisation != Stabilisation::Projection {
             return Ok(());
         }
-        // The last evaluation of the explicit corrector is at the end of the step.
-        let at_hand = if self.step.is_implicit {
-            AtHand::Factors
-        } else {
-            AtHand::Everything
+        // The last evaluation of the explicit corrector is at the end of the step; that of the implicit one may have no factors.
+        let at_hand = match (self.step.is_implicit, self.reactions.regular()) {
+            (true, true) => AtHand::Nothing,
+            (true, false) => AtHand::Factors,
+            (false, _) => AtHand::Everything,
         };
         let t = adams.time();
         let mut state = std::mem::take(&mut self.inside);

@@ -8,6 +8,7 @@ use super::contact::event_screening::ContactEnd;
 use super::contact::impact_memory::Memory;
 use super::dynamics::MechanismDynamics;
 use super::model::MechanismModel;
+use super::newton::stage::StepReactions;
 use super::report::{self, JOINTS, MechanismGroups};
 use crate::error::Result;
 use crate::integrator::{Adams, Step};
@@ -60,6 +61,7 @@ pub struct MechanismCheckpoint {
     /// Time, shift and memory at the start of the last step.
     step_start: (f64, Vec<f64>, Vec<Memory>),
     starts: Vec<ContactEnd>,
+    reactions: StepReactions,
     onsets: u64,
 }
 
@@ -205,6 +207,7 @@ impl System for MechanismDynamics {
             memory: self.memory.clone(),
             step_start: (start.time, start.shift.clone(), start.memory.clone()),
             starts: self.starts.clone(),
+            reactions: self.reactions.clone(),
             onsets: self.onsets,
         }
     }
@@ -215,7 +218,10 @@ impl System for MechanismDynamics {
             && checkpoint.memory.len() == self.memory.len()
             && shift.len() == self.shift.len()
             && memory.len() == self.memory.len()
-            && checkpoint.starts.len() == self.starts.len();
+            && checkpoint.starts.len() == self.starts.len()
+            && checkpoint
+                .reactions
+                .is_within(self.rows.len(), self.accelerations.len());
         // A checkpoint of other sizes belongs to another mechanism.
         let mut dynamics = alike.then(|| self.clone())?;
         dynamics.shift.clone_from(&checkpoint.shift);
@@ -226,6 +232,7 @@ impl System for MechanismDynamics {
         dynamics.step.shift.clone_from(shift);
         dynamics.step.memory.clone_from(memory);
         dynamics.starts.clone_from(&checkpoint.starts);
+        dynamics.reactions.clone_from(&checkpoint.reactions);
         dynamics.onsets = checkpoint.onsets;
         Some(dynamics)
     }

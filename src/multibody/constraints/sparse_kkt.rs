@@ -240,7 +240,7 @@ impl SparseKkt {
     }
 
     /// Return G x of one row.
-    fn along(&self, row: &Row, x: &[f64]) -> f64 {
+    pub(crate) fn along(&self, row: &Row, x: &[f64]) -> f64 {
         let mut sum = 0.0;
         for (body, part) in row.bodies.iter().zip(&row.jacobian) {
             if let Some(first) = self.first[*body]
@@ -253,7 +253,13 @@ impl SparseKkt {
     }
 
     /// Add M⁻¹ Gᵀ λ times `sign` to `x`.
-    fn push(&self, rows: &[Row], sign: f64, lambda: impl Fn(usize) -> f64, x: &mut [f64]) {
+    pub(crate) fn push(
+        &self,
+        rows: &[Row],
+        sign: f64,
+        lambda: impl Fn(usize) -> f64,
+        x: &mut [f64],
+    ) {
         for (i, row) in rows.iter().enumerate() {
             let lambda = sign * lambda(i);
             for (body, part) in row.bodies.iter().zip(&row.jacobian) {

@@ -11,11 +11,12 @@
 //! contact that fades out is omitted.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVectorViewMut, Dyn, LU};
 
 use super::sparse_system::{PairPlaces, Pattern, RowPlaces, Saddle};
-use crate::integrator::{SPEED_PER_LENGTH, SecondOrderSystem};
+use crate::integrator::{OdeSystem, SPEED_PER_LENGTH, SecondOrderSystem};
 use crate::multibody::constraints::relative_kinematics::{Block, Pair, PairForce, PairTorque};
 use crate::multibody::constraints::sparse_kkt::SparseKkt;
 use crate::multibody::contact::contact_state::CompiledContact;
@@ -213,11 +214,27 @@ impl SecondOrderSystem for MechanismDynamics {
         self.model.unknowns()
     }
 
+    fn accelerations_with_slopes(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+        self.begin_stage();
+        self.derivative(t, y, dydt);
+    }
+
+    fn stiffness_residual(&self) -> Option<&[f64]> {
+        self.corrected_residual()
+    }
+
+    fn correct_sum_rates(&self, rates: &mut [f64]) {
+        if self.stage.active {
+            rates.copy_from_slice(&self.powers());
+        }
+    }
+
     fn local_unknowns(&self) -> Range<usize> {
         self.model.coordinates()..self.model.unknowns()
     }
 
     fn begin_implicit_stage(&mut self, step: Option<(&[f64], f64)>) {
+        self.stage.active &= step.is_some();
         self.bristles.begin_implicit_stage(step);
     }
 
@@ -254,7 +271,8 @@ impl SecondOrderSystem for MechanismDynamics {
             .as_ref()
             .map_or(f64::INFINITY, SparseKkt::independence);
         // Near a singular position the accelerations are interpolated, and the sparse matrix of one state does not apply.
-        let singular = nearness < self.near_singular;
+        let singular = !self.stage.active && nearness < self.near_singular;
+        self.stage.gamma = gamma;
         let regular = if singular && self.model.coordinates() <= MOST_BY_DIFFERENCES {
             let factors = self.matrix_by_differences(y, gamma);
             let regular = factors.is_invertible();
@@ -273,16 +291,17 @@ impl SecondOrderSystem for MechanismDynamics {
         // Bristle deflections are local unknowns: each evaluation solves for them.
         let (residual, bristles) = residual.split_at_mut(n);
         bristles.fill(0.0);
-        let Some(matrix) = &mut self.corrector else {
+        let Some(mut matrix) = self.corrector.take() else {
             return;
         };
         if let Some(factors) = &matrix.by_differences {
             if !factors.solve_mut(&mut DVectorViewMut::from_slice(residual, n)) {
                 residual.fill(f64::NAN);
             }
+            self.corrector = Some(matrix);
             return;
         }
-        let model = &self.model;
+        let model = Arc::clone(&self.model);
         // Right-hand sides M r and G r of the module's equations.
         let saddle = &mut matrix.saddle;
         for (k, (r, mass)) in residual.iter().zip(&model.mass).enumerate() {
@@ -295,12 +314,14 @@ impl SecondOrderSystem for MechanismDynamics {
                     along += (0..3).map(|k| part[k] * residual[first + k]).sum::<f64>();
                 }
             }
-            saddle.set_right(n + i, along);
+            saddle.set_right(n + i, along + self.lack(i));
         }
         saddle.solve();
+        self.correct_reactions(residual, |i| saddle.solution(n + i));
         for (k, correction) in residual.iter_mut().enumerate() {
             *correction = saddle.solution(k);
         }
+        self.corrector = Some(matrix);
     }
 
     fn scale(&self, lengths: &mut [f64]) {

@@ -3,3 +3,4 @@
 pub(crate) mod joints;
 pub(crate) mod matrix;
 pub(crate) mod sparse_system;
+pub(crate) mod stage;
