@@ -71,21 +71,24 @@ impl MechanismDynamics {
     /// Project the end of the last step onto the constraints. The correction enters the shift; the integrator's solution and history
     /// remain.
     pub(super) fn project_step_end(&mut self, adams: &Adams) -> Result<()> {
-        self.project_end(adams)?;
-        self.keep_reactions();
-        Ok(())
-    }
-
-    fn project_end(&mut self, adams: &Adams) -> Result<()> {
-        if !self.is_constrained() || self.stabilisation != Stabilisation::Projection {
-            return Ok(());
-        }
+        let (number, length) = (adams.counts().steps, adams.time() - self.step.time);
         // The last evaluation of the explicit corrector is at the end of the step; that of the implicit one may have no factors.
         let at_hand = match (self.step.is_implicit, self.reactions.regular()) {
-            (true, true) => AtHand::Nothing,
+            (true, true) if self.is_nearness_due(length, number) => AtHand::Nothing,
+            (true, true) => AtHand::Corrector,
             (true, false) => AtHand::Factors,
             (false, _) => AtHand::Everything,
         };
+        self.project_end(adams, at_hand)?;
+        self.keep_reactions(at_hand != AtHand::Corrector);
+        Ok(())
+    }
+
+    /// Project the end of the last step; `at_hand` is known of the factors there.
+    fn project_end(&mut self, adams: &Adams, at_hand: AtHand) -> Result<()> {
+        if !self.is_constrained() || self.stabilisation != Stabilisation::Projection {
+            return Ok(());
+        }
         let t = adams.time();
         let mut state = std::mem::take(&mut self.inside);
         let solution = adams.y();

@@ -31,6 +31,8 @@ pub(crate) enum AtHand {
     Nothing,
     /// Factors of a state that differs by a correction of the step.
     Factors,
+    /// Factors of the implicit corrector at such a state.
+    Corrector,
     /// Body frames, constraint rows and factors of the same state.
     Everything,
 }
@@ -40,6 +42,8 @@ struct Held {
     kkt: SparseKkt,
     /// Whether they are those of the present state.
     fresh: bool,
+    /// Whether the factors of the implicit corrector are used in their place.
+    by_corrector: bool,
     /// Whether fewer constraints are independent than away from singular positions.
     near: bool,
 }
@@ -81,10 +85,13 @@ impl MechanismDynamics {
             return Projected::There;
         };
         // Factors with constraints left out near a singular position hold for one state only.
-        let known = at_hand != AtHand::Nothing && kkt.independence() >= self.near_singular;
+        let by_corrector = at_hand == AtHand::Corrector;
+        let known =
+            by_corrector || at_hand != AtHand::Nothing && kkt.independence() >= self.near_singular;
         let mut held = Held {
             kkt,
             fresh: known && at_hand == AtHand::Everything,
+            by_corrector,
             near: false,
         };
         let n = self.model.coordinates();
@@ -115,7 +122,7 @@ impl MechanismDynamics {
             }
             before = worst;
             change.fill(0.0);
-            held.kkt.correct(&residual, &mut change);
+            self.correct_by(&mut held, &residual, &mut change);
             state[..n]
                 .iter_mut()
                 .zip(&change)
@@ -147,6 +154,16 @@ impl MechanismDynamics {
         }
     }
 
+    /// Add to `change` a change of coordinates that removes `residual`: the least one, weighted by mass, or by the matrix of the implicit
+    /// corrector, in which contacts are stiff.
+    fn correct_by(&mut self, held: &mut Held, residual: &[f64], change: &mut [f64]) {
+        if held.by_corrector {
+            self.correct_constraints(residual, change);
+        } else {
+            held.kkt.correct(residual, change);
+        }
+    }
+
     /// Factorise at the present state, without nearly dependent constraints.
     fn factorise_held(&self, held: &mut Held) {
         let faint = self.faint();
@@ -161,7 +178,7 @@ impl MechanismDynamics {
         if held.near && 0.0 < faint && faint < part {
             held.kkt.factorise(&self.rows, faint);
         }
-        held.fresh = true;
+        (held.fresh, held.by_corrector) = (true, false);
     }
 
     /// Project the velocities; return whether the remaining residual is at most `left` times the largest speed.
@@ -191,7 +208,7 @@ impl MechanismDynamics {
             }
             before = worst;
             change.fill(0.0);
-            held.kkt.correct(residual, change);
+            self.correct_by(held, residual, change);
             state[n..2 * n]
                 .iter_mut()
                 .zip(&*change)

@@ -13,6 +13,17 @@ use crate::multibody::dynamics::{MechanismDynamics, Stabilisation};
 /// Doubled: evaluations solve for the multipliers at up to twice the distance from singular positions; nothing else changes.
 const WELL_CONDITIONED: f64 = 2.0;
 
+/// Steps from one factorisation of G M⁻¹ Gᵀ to the next where bodies turn little.
+///
+/// Doubled: a singular position is noticed up to 16 steps later, within the angle [`TURNED`].
+const STEPS_PER_CHECK: u64 = 16;
+
+/// Largest rotation between two factorisations \[rad\]: the distance of the points by which accelerations near singular positions are
+/// interpolated is 0.03.
+///
+/// Doubled: fewer factorisations where steps are long.
+const TURNED: f64 = 0.01;
+
 /// Reaction forces and accelerations at the end of the last step, from which those of the next step are corrected.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct StepReactions {
@@ -49,12 +60,39 @@ impl StepReactions {
 }
 
 impl MechanismDynamics {
-    /// Keep the reactions of the step that was just made, after its projection.
-    pub(crate) fn keep_reactions(&mut self) {
-        let regular = self.kkt.as_ref().is_some_and(|kkt| {
-            kkt.rank() == self.rows.len()
-                && kkt.independence() > WELL_CONDITIONED * self.near_singular
-        });
+    /// Add to `change` the solution x of A x + Gᵀ μ = 0, G x = -`residual` with the matrix A of the last implicit step.
+    pub(crate) fn correct_constraints(&mut self, residual: &[f64], change: &mut [f64]) {
+        let n = change.len();
+        let Some(matrix) = &mut self.corrector else {
+            return;
+        };
+        let saddle = &mut matrix.saddle;
+        (0..n).for_each(|k| saddle.set_right(k, 0.0));
+        for (i, residual) in residual.iter().enumerate() {
+            saddle.set_right(n + i, -residual);
+        }
+        saddle.solve();
+        for (k, change) in change.iter_mut().enumerate() {
+            *change += saddle.solution(k);
+        }
+    }
+
+    /// Return whether the independence of the constraints is to be measured at the end of the last step, of `length` \[s\] and with this
+    /// number.
+    pub(crate) fn is_nearness_due(&self, length: f64, number: u64) -> bool {
+        let spins = self.frames.iter().map(|frame| frame.spin.abs());
+        let turned = length * spins.fold(0.0, f64::max);
+        let seldom = turned * STEPS_PER_CHECK as f64 <= TURNED;
+        !seldom || number.is_multiple_of(STEPS_PER_CHECK)
+    }
+
+    /// Keep the reactions of the step that was just made, after its projection, which has `measured` the independence of the constraints.
+    pub(crate) fn keep_reactions(&mut self, measured: bool) {
+        let regular = !measured && self.reactions.regular
+            || self.kkt.as_ref().is_some_and(|kkt| {
+                kkt.rank() == self.rows.len()
+                    && kkt.independence() > WELL_CONDITIONED * self.near_singular
+            });
         let kept = &mut self.reactions;
         kept.multipliers.clone_from(&self.multipliers);
         kept.accelerations.clone_from(&self.accelerations);
