@@ -200,8 +200,21 @@ impl MechanismDynamics {
 
     /// Evaluate the constraint equations at the body frames.
     pub(crate) fn find_rows(&mut self, t: f64) {
-        for (row, equation) in self.rows.iter_mut().zip(&self.model.equations) {
-            *row = equation.evaluate(t, &self.frames);
+        let model = &self.model;
+        for range in &model.equations_of_joint {
+            let equations = &model.equations[range.clone()];
+            let rows = &mut self.rows[range.clone()];
+            let mut done = 0;
+            // Both equations of a point share the arms.
+            if let ([first, _, ..], Some(point)) = (equations, rows.first_chunk_mut())
+                && first.begins_point()
+            {
+                *point = first.evaluate_point(&self.frames);
+                done = point.len();
+            }
+            for (row, equation) in rows.iter_mut().zip(equations).skip(done) {
+                *row = equation.evaluate(t, &self.frames);
+            }
         }
     }
 
