@@ -16,7 +16,6 @@ use super::starts::own_start;
 use crate::chain::Groups;
 use crate::error::Result;
 use crate::geometry::Vec2;
-use crate::integrator::Corrector;
 use crate::layout::InitialConfiguration;
 use crate::multibody::from_drive::channels::{BushingContact, DriveView};
 use crate::multibody::{Mechanism, MechanismGroups, Stabilisation};
@@ -56,11 +55,7 @@ impl IdealCore {
         check_hinge_law(force_law, hinge_law)?;
         tooth_law.map_or(Ok(()), describe::without_film)?;
         let contacts = drive_contacts(tooth_law.unwrap_or(force_law), min_impact_velocity)?;
-        let mut control = describe::solver(solver)?;
-        if control.corrector == Corrector::Auto {
-            // Results with ideal hinges were measured with the explicit corrector.
-            control.corrector = Corrector::Pece;
-        }
+        let control = describe::solver(solver)?;
         let own = own_start(py, &description, positions.as_ref(), velocities.as_ref())?;
         let made = contained(|| Mechanism::from_drive(&description, &contacts, own.as_ref()));
         let mechanism = describe::checked(py, made)?;

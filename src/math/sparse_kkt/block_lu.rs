@@ -90,7 +90,8 @@ impl BlockLu {
             active_start: vec![0; n + 1],
             active: Vec::with_capacity(later.len()),
             right: vec![[0.0; 4]; n],
-            instructions: InstructionSet::detect(),
+            // A column of a block is one AVX2 register.
+            instructions: InstructionSet::detect_for(ZERO[0].len()),
             place,
             start,
             later,
@@ -176,18 +177,19 @@ impl BlockLu {
 
     /// Eliminate node k from all later nodes: A(i, j) -= A(i, k) A(k, k)⁻¹ A(k, j).
     #[inline(always)]
-    fn eliminate(&mut self, k: usize) -> bool {
+    fn eliminate<S: Simd>(&mut self, simd: S, k: usize) -> bool {
         let Some(inverse) = inverse(&self.tiles[k], self.sizes[k]) else {
             return false;
         };
         self.tiles[k] = inverse;
+        let minus = negative(&inverse);
         let first = self.active.len();
         let (begin, end) = (self.start[k], self.start[k + 1]);
         for pair in begin..end {
             if self.live[pair] {
                 self.active.push(pair);
                 let lower = self.tiles_of(pair) + 1;
-                self.tiles[lower] = product(&self.tiles[lower], &inverse);
+                self.tiles[lower] = minus_product(simd, &self.tiles[lower], &minus);
             }
         }
         let last = self.active.len();
@@ -196,7 +198,7 @@ impl BlockLu {
             let pair_b = self.active[b];
             let (j, at_b) = (self.later[pair_b], self.tiles_of(pair_b));
             let (upper, lower) = (self.tiles[at_b], self.tiles[at_b + 1]);
-            subtract_product(&mut self.tiles[j], &lower, &upper);
+            subtract_product(simd, &mut self.tiles[j], &lower, &upper);
             let local = pair_b - begin;
             let targets = self.target_start[k] + local * local.saturating_sub(1) / 2;
             for a in first..b {
@@ -206,8 +208,8 @@ impl BlockLu {
                 let target = self.targets[targets + pair_a - begin];
                 self.revive(target);
                 let at = self.tiles_of(target);
-                subtract_product(&mut self.tiles[at], &lower_a, &upper);
-                subtract_product(&mut self.tiles[at + 1], &lower, &upper_a);
+                subtract_product(simd, &mut self.tiles[at], &lower_a, &upper);
+                subtract_product(simd, &mut self.tiles[at + 1], &lower, &upper_a);
             }
         }
         true
@@ -227,9 +229,14 @@ impl WithSimd for Eliminate<'_> {
     type Output = bool;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) -> bool {
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
         self.0.active.clear();
-        (0..self.0.sizes.len()).all(|k| self.0.eliminate(k))
+        for k in 0..self.0.sizes.len() {
+            if !self.0.eliminate(simd, k) {
+                return false;
+            }
+        }
+        true
     }
 }
 
@@ -240,7 +247,7 @@ impl WithSimd for Substitute<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let lu = self.0;
         let mut right = std::mem::take(&mut lu.right);
         for k in 0..lu.sizes.len() {
@@ -248,16 +255,17 @@ impl WithSimd for Substitute<'_> {
             for &pair in lu.live_pairs(k) {
                 let tile = &lu.tiles[lu.tiles_of(pair) + 1];
                 let other = lu.later[pair];
-                right[other] = less_image(&right[other], tile, &known);
+                right[other] = less_image(simd, &right[other], tile, &known);
             }
         }
         for k in (0..lu.sizes.len()).rev() {
             let mut rest = right[k];
             for &pair in lu.live_pairs(k) {
                 let tile = &lu.tiles[lu.tiles_of(pair)];
-                rest = less_image(&rest, tile, &right[lu.later[pair]]);
+                rest = less_image(simd, &rest, tile, &right[lu.later[pair]]);
             }
-            right[k] = less_image(&[0.0; 4], &lu.tiles[k], &rest.map(|x| -x));
+            let minus = [-rest[0], -rest[1], -rest[2], 0.0];
+            right[k] = less_image(simd, &[0.0; 4], &lu.tiles[k], &minus);
         }
         lu.right = right;
     }
@@ -265,12 +273,12 @@ impl WithSimd for Substitute<'_> {
 
 /// Return `from` less the product A x.
 #[inline(always)]
-fn less_image(from: &Part, a: &Tile, x: &Part) -> Part {
+fn less_image<S: Simd>(simd: S, from: &Part, a: &Tile, x: &Part) -> Part {
     let mut found = *from;
-    // One vector per column of A: the compiler keeps them in registers.
-    for (a, x) in a.iter().zip(x) {
-        for (found, a) in found.iter_mut().zip(a) {
-            *found = (-a).mul_add(*x, *found);
+    for (i, sum) in S::as_mut_simd_f64s(&mut found).0.iter_mut().enumerate() {
+        for k in 0..3 {
+            let (column, factor) = (S::as_simd_f64s(&a[k]).0[i], simd.splat_f64s(x[k]));
+            *sum = simd.negate_mul_add_e_f64s(column, factor, *sum);
         }
     }
     found
@@ -278,35 +286,57 @@ fn less_image(from: &Part, a: &Tile, x: &Part) -> Part {
 
 /// Subtract the product A B.
 #[inline(always)]
-fn subtract_product(from: &mut Tile, a: &Tile, b: &Tile) {
-    *from = [0, 1, 2].map(|c| less_image(&from[c], a, &b[c]));
+fn subtract_product<S: Simd>(simd: S, from: &mut Tile, a: &Tile, b: &Tile) {
+    *from = [
+        less_image(simd, &from[0], a, &b[0]),
+        less_image(simd, &from[1], a, &b[1]),
+        less_image(simd, &from[2], a, &b[2]),
+    ];
 }
 
-/// Return the product A B.
+/// Return -A.
 #[inline(always)]
-fn product(a: &Tile, b: &Tile) -> Tile {
-    let minus = a.map(|column| column.map(|x| -x));
+#[allow(clippy::needless_range_loop)]
+fn negative(a: &Tile) -> Tile {
     let mut found = ZERO;
-    subtract_product(&mut found, &minus, b);
+    for k in 0..3 {
+        for r in 0..4 {
+            found[k][r] = -a[k][r];
+        }
+    }
+    found
+}
+
+/// Return the product -A B.
+#[inline(always)]
+fn minus_product<S: Simd>(simd: S, a: &Tile, b: &Tile) -> Tile {
+    let mut found = ZERO;
+    subtract_product(simd, &mut found, a, b);
     found
 }
 
 /// Return the inverse of a block of `size` unknowns, whose other unknowns are decoupled; `None` if it is singular or not finite.
 #[inline(always)]
 fn inverse(block: &Tile, size: usize) -> Option<Tile> {
+    let [[a, b, ..], [c, d, ..], _] = *block;
     let mut found = *block;
-    match size {
-        1 => found[0][0] = 1.0 / block[0][0],
-        2 => {
-            let [[a, b, ..], [c, d, ..], _] = *block;
-            let part = 1.0 / (a * d - b * c);
-            found[0] = [part * d, -part * b, 0.0, 0.0];
-            found[1] = [-part * c, part * a, 0.0, 0.0];
-        }
-        _ => found = inverse_by_cofactors(block).unwrap_or_else(|| inverse_by_elimination(block)),
+    if size == 1 {
+        found[0][0] = 1.0 / a;
+    } else if size == 2 {
+        let part = 1.0 / (a * d - b * c);
+        found[0] = [part * d, -part * b, 0.0, 0.0];
+        found[1] = [-part * c, part * a, 0.0, 0.0];
+    } else if let Some(inverse) = inverse_by_cofactors(block) {
+        found = inverse;
+    } else {
+        found = inverse_by_elimination(block);
     }
-    let finite = found.iter().flatten().all(|x| x.is_finite());
-    finite.then_some(found)
+    // Infinities and NaN remain in the difference.
+    let mut zero = 0.0;
+    for column in &found {
+        zero += (column[0] - column[0]) + (column[1] - column[1]) + (column[2] - column[2]);
+    }
+    (zero == 0.0).then_some(found)
 }
 
 /// Return the inverse of a full block by cofactors; `None` if the determinant loses digits by cancellation.
@@ -319,11 +349,13 @@ fn inverse_by_cofactors(block: &Tile) -> Option<Tile> {
         return None;
     }
     let part = 1.0 / determinant;
-    let column = |x: f64, y: f64, z: f64| [part * x, part * y, part * z, 0.0];
+    let (x, y, z) = (part * x, part * y, part * z);
+    let (u, v, w) = (c * h - b * i, a * i - c * g, b * g - a * h);
+    let (r, s, t) = (b * f - c * e, c * d - a * f, a * e - b * d);
     Some([
-        column(x, y, z),
-        column(c * h - b * i, a * i - c * g, b * g - a * h),
-        column(b * f - c * e, c * d - a * f, a * e - b * d),
+        [x, y, z, 0.0],
+        [part * u, part * v, part * w, 0.0],
+        [part * r, part * s, part * t, 0.0],
     ])
 }
 

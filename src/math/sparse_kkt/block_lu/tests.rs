@@ -29,7 +29,8 @@ fn inverses_of_blocks_are_those_of_dense_matrices() {
                 // Needs an exchange of rows.
                 block[0][0] = 0.0;
             }
-            let found = product(&block, &inverse(&block, size).unwrap());
+            let minus = negative(&inverse(&block, size).unwrap());
+            let found = minus_product(pulp::Scalar::new(), &block, &minus);
             for (c, column) in found.iter().enumerate() {
                 for (r, x) in column.iter().enumerate() {
                     let unit = f64::from(u8::from(r == c));
