@@ -234,8 +234,8 @@ class Core:
         """Number of rows recorded so far."""
     def last_row(self, name: str) -> _Array:
         """Return the last row of a channel, flat."""
-    def set_input(self, sprocket: int, quantity: str, value: object) -> None:
-        """Let a sprocket, from 1, have another "speed" or "torque" from now on."""
+    def set_input(self, part: int | str, quantity: str, value: object) -> None:
+        """Set "speed" or "torque" of a sprocket, from 1, or of a part of a mechanism by name."""
     def take_recording(self) -> dict[str, npt.NDArray[Any]]:
         """Return the rows recorded up to now."""
     def step_to(self, t: float, wall_budget: float) -> bool:

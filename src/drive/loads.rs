@@ -1,6 +1,8 @@
 //! Bounds of loads and speeds, far above the breaking load of any chain: they find errors of units before a run becomes
 //! slow by them.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Chain, ChainEnd, Drive, Mount, SprocketMotion};
 use crate::error::{Error, Result};
 use crate::geometry::path::wrap::pitch_radius;
@@ -13,6 +15,15 @@ const MOST_PRESSURE: f64 = 1e10;
 /// Largest speed of a chain \[m/s\]. Roller chains run below 50 m/s. At 1000 m/s the centrifugal tension,
 /// mass per length times the square of the speed, is some 40 times the breaking load.
 pub(crate) const MOST_CHAIN_SPEED: f64 = 1e3;
+
+/// Quantity that a run can set: of a sprocket, or of a driver or torque of a mechanism.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum InputQuantity {
+    /// Prescribed speed \[rad/s\]; \[m/s\] of a driver along a line.
+    Speed,
+    /// Torque as a function of time \[N m\]; a curve over the speed remains unchanged.
+    Torque,
+}
 
 /// Largest speed and torque of a sprocket, in a description and in a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,6 +64,47 @@ impl InputBounds {
     pub(crate) fn check_torque(&self, field: &str, torque: f64) -> Result<()> {
         refuse_above(self.torque, self.pitch, "N m", field, torque)
     }
+
+    /// Check `signal` as a new speed or torque of the sprocket `name` during a run. `driven`: its speed is prescribed.
+    pub(crate) fn check_input(
+        &self,
+        name: &str,
+        driven: bool,
+        quantity: InputQuantity,
+        signal: &Signal,
+    ) -> Result<()> {
+        match (quantity, driven) {
+            (InputQuantity::Speed, true) => {
+                self.check_speed(&format!("speed of {name}"), signal.largest())
+            }
+            (InputQuantity::Torque, false) => {
+                self.check_torque(&format!("torque of {name}"), signal.largest())
+            }
+            (InputQuantity::Torque, true) => Err(Error::invalid(
+                "sprocket",
+                name,
+                "turns at a prescribed speed: describe it with AppliedTorque or Free to set its torque",
+            )),
+            (InputQuantity::Speed, false) => Err(Error::invalid(
+                "sprocket",
+                name,
+                "turns as torque and chain make it: describe it with PrescribedSpeed to set its speed",
+            )),
+        }
+    }
+}
+
+/// Return sprocket `number` (from 0) of all sprockets of a drive, for an input.
+///
+/// # Errors
+/// If there is no such sprocket.
+pub(crate) fn sprocket_of<T>(sprockets: &[T], number: usize) -> Result<&T> {
+    sprockets.get(number).ok_or_else(|| {
+        let last = sprockets.len();
+        let expected = format!("is no sprocket of this drive: take sprocket_1 to sprocket_{last}");
+        let name = format!("sprocket_{}", number.saturating_add(1));
+        Error::invalid("sprocket", name, expected)
+    })
 }
 
 /// Return the largest force on a chain \[N\].

@@ -12,6 +12,7 @@ use super::contact::impact_memory::{Memory, Touch};
 use super::contact::onset::Onset;
 use super::description::body::Frame;
 use super::forces::loads::Loads;
+use super::inputs::Inputs;
 use super::model::MechanismModel;
 use super::newton::matrix::ImplicitMatrix;
 use super::newton::stage::{Stage, StepReactions};
@@ -90,8 +91,10 @@ pub struct MechanismDynamics {
     /// Onsets without a recorded row, while a recording needs them.
     pub(super) unreported_onsets: Option<Vec<Onset>>,
     /// Energy dissipated and external work at the last state read.
-    pub(super) sums: MechanismSums,
+    pub(crate) sums: MechanismSums,
     assembly: Arc<Assembly>,
+    /// Compiled model and the inputs set during the run.
+    pub(super) inputs: Inputs,
     /// Work arrays: a state within a step, the integrator's solution there, and a derivative.
     pub(super) inside: Vec<f64>,
     pub(super) solution: Vec<f64>,
@@ -141,6 +144,7 @@ impl MechanismDynamics {
             inside: vec![0.0; 2 * n],
             solution: vec![0.0; model.dimension()],
             slope: vec![0.0; model.dimension()],
+            inputs: Inputs::new(&model),
             model,
         }
     }
@@ -157,7 +161,7 @@ impl MechanismDynamics {
     /// When no positions or velocities satisfy the constraints.
     pub(crate) fn assemble_for_run(&mut self, give_up: &dyn Fn() -> bool) -> Result<Vec<f64>> {
         let assembly = self.assemble_unless(give_up)?;
-        let state = self.with_bristles(&assembly.state);
+        let state = self.solution_of(&assembly.state);
         self.assembly = Arc::new(assembly);
         Ok(state)
     }

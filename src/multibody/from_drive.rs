@@ -23,6 +23,7 @@ use crate::error::{Error, Result};
 use crate::force_law::ForceLaw;
 use crate::geometry::Vec2;
 use crate::layout::{InitialConfiguration, check_places};
+use crate::math::Signal;
 
 /// Force law of all contacts of a mechanism converted from a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -154,14 +155,15 @@ impl Mechanism {
             }
             SprocketMotion::AppliedTorque(torque) => (torque, None),
             SprocketMotion::TorqueCurve { torque, curve } => (torque, Some(curve)),
-            SprocketMotion::Free => return,
+            // A run can set the torque of a free sprocket.
+            SprocketMotion::Free => (&Signal::Constant(0.0), None),
         };
         let kind = ForceKind::Torque(torque.clone());
         self.forces
             .push(ForceElement::new(name, ground.clone(), wheel.clone(), kind));
         if let Some(curve) = curve {
             let kind = ForceKind::TorqueBySpeed(curve.clone());
-            let name = format!("curve_{}", number + 1);
+            let name = curve_name(number);
             self.forces
                 .push(ForceElement::new(name, ground, wheel, kind));
         }
@@ -242,6 +244,11 @@ fn sprocket_name(sprocket: usize) -> String {
 /// Return the name of the driver or torque of a sprocket, whose number counts from 0.
 fn motor_name(sprocket: usize) -> String {
     format!("motor_{}", sprocket + 1)
+}
+
+/// Return the name of the curve of torque over speed of a sprocket, whose number counts from 0.
+fn curve_name(sprocket: usize) -> String {
+    format!("curve_{}", sprocket + 1)
 }
 
 /// Return the error for a drive without a mechanism.

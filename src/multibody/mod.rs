@@ -11,6 +11,7 @@ pub(crate) mod description;
 pub(crate) mod dynamics;
 pub(crate) mod forces;
 pub(crate) mod from_drive;
+mod inputs;
 pub(crate) mod model;
 pub(crate) mod newton;
 pub(crate) mod report;

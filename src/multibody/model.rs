@@ -134,7 +134,14 @@ impl MechanismModel {
                 _ => 0.0,
             };
             let kind = force.kind.clone();
-            self.forces.push(Force { a, b, kind, rest });
+            let name = force.name.clone();
+            self.forces.push(Force {
+                name,
+                a,
+                b,
+                kind,
+                rest,
+            });
         }
         Ok(())
     }
@@ -179,6 +186,12 @@ impl MechanismModel {
     #[must_use]
     pub fn joint_names(&self) -> Vec<String> {
         self.joints.iter().map(|j| j.name.clone()).collect()
+    }
+
+    /// Return the names of the force elements.
+    #[cfg(feature = "python")]
+    pub(crate) fn force_names(&self) -> impl Iterator<Item = &str> {
+        self.forces.iter().map(|force| force.name.as_str())
     }
 
     /// Return the names of the contacts.

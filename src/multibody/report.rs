@@ -19,6 +19,8 @@ pub struct MechanismGroups {
     pub joints: bool,
     /// Forces, penetrations and onsets of all contacts, with peaks.
     pub contacts: bool,
+    /// Torques of the force elements, for the shafts of drives.
+    pub torques: bool,
     /// The energy balance.
     pub energy: bool,
 }
@@ -29,6 +31,7 @@ impl MechanismGroups {
         bodies: true,
         joints: true,
         contacts: true,
+        torques: true,
         energy: true,
     };
 }
@@ -64,6 +67,9 @@ pub(crate) fn channels(model: &MechanismModel, groups: MechanismGroups) -> Vec<C
         channels.push(Channel::real("peak_contact_force", &[contacts]));
         channels.push(Channel::real("peak_contact_impulse", &[contacts]));
     }
+    if groups.torques {
+        channels.push(Channel::real("applied_torque", &[model.forces.len()]));
+    }
     channels
 }
 
@@ -83,6 +89,10 @@ pub(crate) fn write_row(
     if groups.contacts {
         let impacts = dynamics.take_impact_velocities(t);
         write_contacts(row, dynamics, &impacts);
+    }
+    if groups.torques {
+        let forces = dynamics.model.forces.iter();
+        row.real(forces.map(|force| force.torque(t, &dynamics.frames)));
     }
 }
 

@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::integrator::{Adams, OdeSystem};
 
 /// Largest number of iterations of a projection in a run, where the residual is small at the start.
-const ITERATIONS: usize = 12;
+pub(super) const ITERATIONS: usize = 12;
 
 /// Start of the last step, for the return after a failure and for states within the step.
 #[derive(Debug, Clone, Default)]
@@ -18,7 +18,7 @@ pub(super) struct StepStart {
     solution: Vec<f64>,
     pub(super) shift: Vec<f64>,
     pub(super) memory: Vec<Memory>,
-    onsets: u64,
+    pub(super) onsets: u64,
     /// Whether the step uses the implicit corrector, whose last evaluation is not at the final solution.
     is_implicit: bool,
 }

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::contact::event_screening::ContactEnd;
 use super::contact::impact_memory::Memory;
 use super::dynamics::MechanismDynamics;
+use super::inputs::MechanismInput;
 use super::model::MechanismModel;
 use super::newton::stage::StepReactions;
 use super::report::{self, JOINTS, MechanismGroups};
@@ -56,6 +57,7 @@ impl PowerSum for MechanismSums {
 /// State of the dynamics that, with the integrator's state, determines the rest of a run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct MechanismCheckpoint {
+    inputs: Vec<MechanismInput>,
     shift: Vec<f64>,
     memory: Vec<Memory>,
     /// Time, shift and memory at the start of the last step.
@@ -80,7 +82,7 @@ impl System for MechanismDynamics {
     }
 
     fn identity(&self) -> Vec<Identity> {
-        let model = &self.model;
+        let model = &self.inputs.compiled;
         let bodies = (&model.bodies, &model.gravity, &model.equations, &model.pins);
         let text = format!("{:?}", (bodies, &model.forces, &model.contacts));
         vec![
@@ -203,6 +205,7 @@ impl System for MechanismDynamics {
     fn checkpoint(&self) -> MechanismCheckpoint {
         let start = &self.step;
         MechanismCheckpoint {
+            inputs: self.inputs.set.clone(),
             shift: self.shift.clone(),
             memory: self.memory.clone(),
             step_start: (start.time, start.shift.clone(), start.memory.clone()),
@@ -224,6 +227,7 @@ impl System for MechanismDynamics {
                 .is_within(self.rows.len(), self.accelerations.len());
         // A checkpoint of other sizes belongs to another mechanism.
         let mut dynamics = alike.then(|| self.clone())?;
+        dynamics.replace_inputs(&checkpoint.inputs)?;
         dynamics.shift.clone_from(&checkpoint.shift);
         // The shift refers to the end of a step.
         dynamics.shift_time = adams.time();

@@ -15,10 +15,12 @@ use super::mechanism_callable::{Raised, take};
 use super::starts::{budget, describe_tooth_jumps, interrupted, own_start, stabilisation};
 use crate::chain::contact::ToothJump;
 use crate::chain::dynamics::check_rows;
-use crate::chain::model::{Model, Quantity};
+use crate::chain::model::Model;
+use crate::drive::InputQuantity;
 use crate::error::{Error, Result};
 use crate::integrator::StepControl;
 use crate::layout::InitialConfiguration;
+use crate::math::Signal;
 use crate::multibody::{Mechanism, MechanismModel, Stabilisation};
 use crate::panics::contained;
 use crate::run::simulation::Simulation;
@@ -234,27 +236,22 @@ impl Core {
         last_row(py, self.simulation.recording()?, name)
     }
 
-    /// Set the speed ("speed") or torque ("torque") of a sprocket, numbered from 1, from the present time on.
+    /// Set the speed ("speed") or torque ("torque") of a part from the present time on: of a sprocket, numbered from 1, or of the driver
+    /// or torque of a mechanism, by its name.
     fn set_input(
         &mut self,
-        sprocket: usize,
+        part: &Bound<'_, PyAny>,
         quantity: &str,
         value: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
-        let (quantity, name, unit) = match quantity {
-            "speed" => (Quantity::Speed, "speed", "rad/s"),
-            _ => (Quantity::Torque, "torque", "N m"),
-        };
-        let signal = describe::signal(value, name, unit)?;
+        let (quantity, signal) = input(quantity, value)?;
         let outcome = match &mut self.simulation {
             AnySimulation::Drive(simulation) => {
-                simulation.set_input(sprocket.wrapping_sub(1), quantity, signal)
+                let sprocket = part.extract::<usize>()?.wrapping_sub(1);
+                simulation.set_input(sprocket, quantity, signal)
             }
-            AnySimulation::Mechanism(_) => {
-                let expected = format!(
-                    "its {name} cannot be set in a mechanism; describe the driver or the torque with a function of time"
-                );
-                Err(Error::invalid("sprocket", sprocket, expected))
+            AnySimulation::Mechanism(simulation) => {
+                simulation.set_input(part.extract()?, quantity, signal)
             }
         };
         describe::checked(value.py(), outcome)
@@ -408,6 +405,15 @@ impl Core {
         take(&self.raised)?;
         describe::checked(py, outcome)
     }
+}
+
+/// Read the quantity and the signal of an input.
+pub(super) fn input(quantity: &str, value: &Bound<'_, PyAny>) -> PyResult<(InputQuantity, Signal)> {
+    let (quantity, name, unit) = match quantity {
+        "speed" => (InputQuantity::Speed, "speed", "rad/s"),
+        _ => (InputQuantity::Torque, "torque", "N m"),
+    };
+    Ok((quantity, describe::signal(value, name, unit)?))
 }
 
 /// Return a run of a mechanism. `baumgarte`: angular frequency of the stabilisation \[rad/s\]; `None`: projection.

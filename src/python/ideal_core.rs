@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use super::arrays::{recorded, rows, table};
-use super::core::Core;
+use super::core::{Core, input};
 use super::describe;
 use super::drive_mechanism::drive_contacts;
 use super::errors::InvalidInput;
@@ -223,17 +223,19 @@ impl IdealCore {
         Some(row.into_pyarray(py))
     }
 
-    /// Reject the input: drivers of a mechanism cannot be changed during a run.
-    #[allow(clippy::needless_pass_by_value, clippy::unused_self)] // a method of `Core`, with its keywords
+    /// Set the speed or torque of a sprocket, numbered from 1, from the present time on.
     fn set_input(
-        &self,
-        py: Python<'_>,
-        sprocket: usize,
+        mut slf: PyRefMut<'_, Self>,
+        part: usize,
         quantity: &str,
-        value: Py<PyAny>,
+        value: &Bound<'_, PyAny>,
     ) -> PyResult<()> {
-        drop(value);
-        describe::checked(py, DriveView::refuse_input(sprocket, quantity))
+        let py = value.py();
+        let (quantity, signal) = input(quantity, value)?;
+        let name = slf.view.input(part.wrapping_sub(1), quantity, &signal);
+        let name = describe::checked(py, name)?;
+        let simulation = describe::checked(py, slf.as_super().mechanism())?;
+        describe::checked(py, simulation.set_input(&name, quantity, signal))
     }
 
     fn take_recording<'py>(

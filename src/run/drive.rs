@@ -5,8 +5,9 @@ use std::sync::Arc;
 use super::simulation::Simulation;
 use crate::chain::contact::ToothJump;
 use crate::chain::dynamics::{Dynamics, check_start};
-use crate::chain::model::{Model, Quantity};
+use crate::chain::model::Model;
 use crate::chain::motion::Motion;
+use crate::drive::InputQuantity;
 use crate::error::Result;
 use crate::integrator::{Adams, Corrector, OdeSystem, StepControl};
 use crate::layout::InitialConfiguration;
@@ -127,16 +128,18 @@ impl Simulation<Dynamics> {
     /// # Errors
     /// If there is no such sprocket, its motion has no such quantity, or `signal` is outside the range of a drive's description; the
     /// simulation is then unchanged.
-    pub fn set_input(&mut self, sprocket: usize, quantity: Quantity, signal: Signal) -> Result<()> {
+    pub fn set_input(
+        &mut self,
+        sprocket: usize,
+        quantity: InputQuantity,
+        signal: Signal,
+    ) -> Result<()> {
         let input = (sprocket, quantity);
         let changed = self
             .system
             .set_input(input, signal, self.now, &mut self.adams)?;
         if changed {
-            self.limit_step();
-            if let Some(recorder) = &mut self.recorder {
-                recorder.keep_step_forces(&self.system);
-            }
+            self.resume();
         }
         Ok(())
     }

@@ -22,6 +22,7 @@ pub(crate) struct Rows<'a> {
     bodies: usize,
     joints: usize,
     contacts: usize,
+    forces: usize,
 }
 
 impl<'a> Rows<'a> {
@@ -31,6 +32,7 @@ impl<'a> Rows<'a> {
             bodies: model.body_names().len(),
             joints: model.joint_names().len(),
             contacts: model.contact_names().len(),
+            forces: model.force_names().count(),
         }
     }
 
@@ -38,10 +40,10 @@ impl<'a> Rows<'a> {
     pub(crate) fn row(&self, i: usize) -> MechanismRow<'a> {
         let (from, contacts) = (self.recording, self.contacts);
         MechanismRow {
-            time: from.time[i],
             positions: part(from.real("positions"), i, 3 * self.bodies),
             velocities: part(from.real("velocities"), i, 3 * self.bodies),
             reactions: part(from.real("joint_reaction"), i, 3 * self.joints),
+            applied_torque: part(from.real("applied_torque"), i, self.forces),
             contact_force: part(from.real("contact_force"), i, contacts),
             contact_force_vector: part(from.real("contact_force_vector"), i, 2 * contacts),
             penetration: part(from.real("contact_penetration"), i, contacts),

@@ -4,8 +4,10 @@ use std::sync::Arc;
 
 use super::recorder::row_of;
 use super::simulation::Simulation;
+use crate::drive::InputQuantity;
 use crate::error::{Error, Result};
 use crate::integrator::{Adams, OdeSystem, StepControl};
+use crate::math::Signal;
 use crate::multibody::{
     Assembly, Body, MechanismDynamics, MechanismGroups, MechanismModel, Stabilisation,
 };
@@ -85,6 +87,22 @@ impl Simulation<MechanismDynamics> {
     /// Return the largest residuals of positions and of velocities at the end of the last step.
     pub fn drift(&mut self) -> [f64; 2] {
         self.system.drift(&self.adams)
+    }
+
+    /// Set another speed of the driver `part`, or another torque of the force element `part`, from the present time on.
+    ///
+    /// The integrator discards its steps beyond the present time and continues from there. Positions are continuous. A jump of a speed acts
+    /// as an impulse, whose work is external work. Contacts keep their impact velocity memory and the energy balance continues.
+    ///
+    /// # Errors
+    /// If there is no such part, a number of `signal` is not finite, or the other joints and drivers do not permit the speed; the
+    /// simulation is then unchanged.
+    pub fn set_input(&mut self, part: &str, quantity: InputQuantity, signal: Signal) -> Result<()> {
+        let (now, adams) = (self.now, &mut self.adams);
+        if self.system.set_input(part, quantity, signal, now, adams)? {
+            self.resume();
+        }
+        Ok(())
     }
 
     /// Return a recording of one row at another state; the run is unchanged. Given values replace the present ones.

@@ -278,6 +278,14 @@ impl<S: System> Simulation<S> {
         self.adams.limit_step(longest);
     }
 
+    /// Continue after a change of an input at the present time, where the integrator has restarted.
+    pub(super) fn resume(&mut self) {
+        self.limit_step();
+        if let Some(recorder) = &mut self.recorder {
+            recorder.keep_step_forces(&self.system);
+        }
+    }
+
     /// Make the reports within the last step; return false if the budget ended before the last of them, or at a pause.
     fn report(&mut self, start: Instant, budget: Duration) -> bool {
         let Self {

@@ -5,7 +5,7 @@ use crate::common::checks::{floating, keeps_momentum, lacks, largest};
 use crate::common::rubbing::{
     Standing, both_chains, kernels_beside_reference, lost, pulled, standing,
 };
-use rustchain::chain::model::Quantity;
+use rustchain::drive::InputQuantity as Quantity;
 use rustchain::force_law::{Film, Friction, LuGre, Regularization};
 use rustchain::integrator::{Adams, Corrector, SecondOrderSystem, StepControl};
 use rustchain::{ForceLaws, Simulation};

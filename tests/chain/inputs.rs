@@ -2,7 +2,7 @@
 
 use crate::common;
 use crate::common::{advance, control, energies, paper_drive, simulation, tensioner};
-use rustchain::chain::model::Quantity;
+use rustchain::drive::InputQuantity as Quantity;
 use rustchain::drive::{Drive, SprocketMotion};
 use rustchain::integrator::StepControl;
 use rustchain::math::Table;

@@ -18,7 +18,7 @@ use rustchain::run::MechanismSimulation;
 const SPEED: f64 = 5000.0 * 2.0 * std::f64::consts::PI / 60.0;
 
 /// The crank drives a rod whose end plays in the slider's bore with a radial clearance \[m\].
-fn machine(clearance: f64, elastic: Elastic) -> Mechanism {
+pub(crate) fn machine(clearance: f64, elastic: Elastic) -> Mechanism {
     let ideal = common::mechanisms::slider_crank(SPEED);
     let bore = 0.01;
     let law = ForceLaw {

@@ -8,6 +8,7 @@ mod common;
 mod clearance;
 mod friction;
 mod from_drive;
+mod inputs;
 mod joints;
 mod large;
 mod mechanism;

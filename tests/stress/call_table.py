@@ -390,12 +390,12 @@ def _simulations() -> Iterator[Target]:
             )
             step = lambda t: rc.Simulation(paper).step_to(t)  # noqa: E731
             yield _target("Simulation.step_to", step, simulation.step_to, t=1e-5)
-            speed = {"sprocket": 1, "speed": 20.0}
+            speed = {"part": 1, "speed": 20.0}
             yield _target(
                 "Simulation.set_speed", simulation.set_speed, simulation.set_speed, **speed
             )
         else:
-            torque = {"sprocket": 2, "torque": 1.0}
+            torque = {"part": 2, "torque": 1.0}
             call = simulation.set_torque
             yield _target("Simulation.set_torque", call, call, **torque)
     made = {

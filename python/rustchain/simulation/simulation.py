@@ -9,17 +9,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from rustchain.arguments import plain, shown
+from rustchain.arguments import plain
 from rustchain.description.drive import ChainDrive
 from rustchain.description.laws.force import ForceLaw
 from rustchain.description.mechanism.builder import Mechanism
 from rustchain.description.scene import Scene, Start
 from rustchain.description.signals import Signal
 from rustchain.description.solver import Solver
-from rustchain.errors import InvalidInput, SimulationError
+from rustchain.errors import SimulationError
 from rustchain.names import known_keywords
 from rustchain.results.result import Result, Status
 from rustchain.simulation.core import core_of, start_of
+from rustchain.simulation.inputs import Quantity, part_of
 from rustchain.simulation.present import Present
 from rustchain.simulation.run import (
     WALL_BUDGET,
@@ -122,48 +123,61 @@ class Simulation(Present):
             self._warn()
 
     @known_keywords
-    def set_speed(self, sprocket: str | int, speed: Signal) -> None:
-        """Let a sprocket turn at another speed from now on; its angle does not jump.
+    def set_speed(self, part: str | int, speed: Signal) -> None:
+        """Let a sprocket or a driver have another speed from now on; its position does not jump.
 
         For co-simulation, between calls of `step_to`, or in a run's `callback`. The integrator goes
         back to the present time and restarts there. Contacts keep their impact velocity memory, the
-        energy balance continues, and `state` includes the change; `drive` is not changed.
+        energy balance continues, and `state` includes the change; `scene` is not changed.
 
         Parameters
         ----------
-        sprocket : str or int
-            Such as "sprocket_1", or its number from 1. Its motion must be a `PrescribedSpeed`.
+        part : str or int
+            Of drives a sprocket, such as "sprocket_1", or its number from 1; its motion must be a
+            `PrescribedSpeed`. Of mechanisms the name of a driver described by its speed.
         speed : float, rows of (time, speed), Table, Spline, Sines or SmoothStep
-            [rad/s], against the simulation's time. A number is a jump of the speed: contacts with
-            the teeth have an impact. Rows that begin at the present time and speed make a ramp.
+            [rad/s], or [m/s] of a driver along a line, against the simulation's time. A number is a
+            jump of the speed, at which contacts with the teeth have an impact. The bodies that
+            joints connect to the driver jump with it, as by an impulse; its work is external work.
+            Rows that begin at the present time and speed make a ramp.
 
         Raises
         ------
+        NoSuchPart
+            The mechanism has no such driver.
         InvalidInput
-            There is no such sprocket, it is not driven by a speed, the table does not hold, or the
-            chain would be faster than 1000 m/s, the limit of descriptions.
+            There is no such sprocket, or the part is not driven by a speed. The table is not valid,
+            the chain would be faster than 1000 m/s, the limit of descriptions, or other joints do
+            not permit the speed.
         """
-        self._core.set_input(_sprocket_number(sprocket), "speed", plain(speed))
+        self._set("speed", part, speed)
 
     @known_keywords
-    def set_torque(self, sprocket: str | int, torque: Signal) -> None:
-        """Let a sprocket be turned by another torque from now on; see `set_speed`.
+    def set_torque(self, part: str | int, torque: Signal) -> None:
+        """Let a sprocket or a body be turned by another torque from now on; see `set_speed`.
 
         Parameters
         ----------
-        sprocket : str or int
-            Such as "sprocket_2", or its number from 1. Its motion must be an `AppliedTorque`, whose
-            curve over speed is still added, or `Free`.
+        part : str or int
+            Of drives a sprocket, such as "sprocket_2", or its number from 1; its motion must be an
+            `AppliedTorque`, whose curve over speed is still added, or `Free`. Of mechanisms the
+            name of a torque, as `Mechanism.add_torque` has it.
         torque : float, rows of (time, torque), Table, Spline, Sines or SmoothStep
             [N m], against the simulation's time.
 
         Raises
         ------
+        NoSuchPart
+            The mechanism has no such torque.
         InvalidInput
-            There is no such sprocket, its speed is prescribed, the table is not valid, or its
-            values exceed the limits of descriptions.
+            There is no such sprocket, its speed is prescribed, the torque is a curve over speed,
+            the table is not valid, or its values exceed the limits of descriptions.
         """
-        self._core.set_input(_sprocket_number(sprocket), "torque", plain(torque))
+        self._set("torque", part, torque)
+
+    def _set(self, quantity: Quantity, part: str | int, value: Signal) -> None:
+        """Set a speed or a torque from now on."""
+        self._core.set_input(part_of(self.scene.system, part, quantity), quantity, plain(value))
 
     @known_keywords
     def run(
@@ -323,15 +337,3 @@ class Simulation(Present):
                 if reasons:
                     return "; ".join(reasons)
         return None
-
-
-def _sprocket_number(sprocket: object) -> int:
-    """Return the number, from 1, in a name such as "sprocket_2"; a number is one already."""
-    number = plain(sprocket)
-    if isinstance(sprocket, str) and sprocket.startswith("sprocket_"):
-        digits = sprocket.removeprefix("sprocket_")
-        number = int(digits) if digits.isdecimal() and len(digits) < 10 else None
-    if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number < 2**31:
-        msg = f"sprocket = {shown(sprocket)}: must be such as 'sprocket_2', or 2"
-        raise InvalidInput(msg)
-    return number

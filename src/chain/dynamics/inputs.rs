@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use super::Dynamics;
-use crate::chain::model::{Input, Model, Quantity};
+use crate::chain::model::{Input, Model};
+use crate::drive::InputQuantity;
 use crate::error::Result;
 use crate::integrator::Adams;
 use crate::math::Signal;
@@ -44,7 +45,7 @@ impl Dynamics {
     /// unchanged.
     pub(crate) fn set_input(
         &mut self,
-        (sprocket, quantity): (usize, Quantity),
+        (sprocket, quantity): (usize, InputQuantity),
         signal: Signal,
         t: f64,
         adams: &mut Adams,

@@ -3,23 +3,15 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Model, Rotation};
-use crate::error::{Error, Result};
+use crate::drive::{InputQuantity, sprocket_of};
+use crate::error::Result;
 use crate::math::Signal;
-
-/// Input quantity of a sprocket.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Quantity {
-    /// Prescribed speed \[rad/s\].
-    Speed,
-    /// Torque as a function of time \[N m\]; a curve over the speed remains unchanged.
-    Torque,
-}
 
 /// Input of one sprocket from a given time on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Input {
     sprocket: usize,
-    quantity: Quantity,
+    quantity: InputQuantity,
     signal: Signal,
     /// Angle at time zero for which the angle is continuous at the time of the input \[rad\]; used for prescribed speeds.
     phase: f64,
@@ -43,53 +35,31 @@ impl Model {
     pub fn input(
         &self,
         sprocket: usize,
-        quantity: Quantity,
+        quantity: InputQuantity,
         signal: Signal,
         t: f64,
     ) -> Result<Option<Input>> {
-        let name = format!("sprocket_{}", sprocket + 1);
-        let toothed = &self.sprockets[..self.toothed()];
-        let Some(found) = toothed.get(sprocket) else {
-            let last = toothed.len();
-            let expected =
-                format!("is no sprocket of this drive: take sprocket_1 to sprocket_{last}");
-            return Err(Error::invalid("sprocket", name, expected));
-        };
-        let phase = match (&found.rotation, quantity) {
-            (Rotation::Prescribed(speed), Quantity::Speed) => {
-                if *speed == signal {
-                    return Ok(None);
-                }
-                found.phase + speed.integral(t) - signal.integral(t)
+        let found = sprocket_of(&self.sprockets[..self.toothed()], sprocket)?;
+        if let Some(bounds) = &found.input_bounds {
+            let driven = matches!(found.rotation, Rotation::Prescribed(_));
+            let name = format!("sprocket_{}", sprocket + 1);
+            bounds.check_input(&name, driven, quantity, &signal)?;
+        }
+        let (same, phase) = match &found.rotation {
+            Rotation::Prescribed(speed) => {
+                let phase = found.phase + speed.integral(t) - signal.integral(t);
+                (*speed == signal, phase)
             }
-            (Rotation::Free { torque, .. }, Quantity::Torque) => {
+            Rotation::Free { torque, .. } => {
                 let same = match torque {
                     Some(torque) => *torque == signal,
                     None => signal.is_zero(),
                 };
-                if same {
-                    return Ok(None);
-                }
-                found.phase
-            }
-            (Rotation::Prescribed(_), Quantity::Torque) => {
-                let expected = "turns at a prescribed speed: describe it with AppliedTorque or Free to set its torque";
-                return Err(Error::invalid("sprocket", name, expected));
-            }
-            (Rotation::Free { .. }, Quantity::Speed) => {
-                let expected = "turns as torque and chain make it: describe it with PrescribedSpeed to set its speed";
-                return Err(Error::invalid("sprocket", name, expected));
+                (same, found.phase)
             }
         };
-        if let Some(bounds) = &found.input_bounds {
-            match quantity {
-                Quantity::Speed => {
-                    bounds.check_speed(&format!("speed of {name}"), signal.largest())?;
-                }
-                Quantity::Torque => {
-                    bounds.check_torque(&format!("torque of {name}"), signal.largest())?;
-                }
-            }
+        if same {
+            return Ok(None);
         }
         Ok(Some(Input {
             sprocket,
@@ -106,11 +76,11 @@ impl Model {
         for input in inputs {
             let sprocket = model.sprockets.get_mut(input.sprocket)?;
             match (&mut sprocket.rotation, input.quantity) {
-                (Rotation::Prescribed(speed), Quantity::Speed) => {
+                (Rotation::Prescribed(speed), InputQuantity::Speed) => {
                     speed.clone_from(&input.signal);
                     sprocket.phase = input.phase;
                 }
-                (Rotation::Free { torque, .. }, Quantity::Torque) => {
+                (Rotation::Free { torque, .. }, InputQuantity::Torque) => {
                     *torque = (!input.signal.is_zero()).then(|| input.signal.clone());
                 }
                 _ => return None,

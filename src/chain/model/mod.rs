@@ -15,7 +15,7 @@ pub(crate) use ends::IMMOVABLE;
 pub use ends::{EndKind, EndModel, OpenEnds};
 pub use force_laws::ForceLaws;
 pub use guide::{Guide, Ratchet};
-pub use input::{Input, Quantity};
+pub use input::Input;
 pub use sprocket::{Rotation, SprocketModel, Support};
 
 use crate::drive::bushing_on_front;

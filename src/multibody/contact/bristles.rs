@@ -6,6 +6,7 @@
 
 use crate::multibody::dynamics::MechanismDynamics;
 use crate::multibody::model::MechanismModel;
+use crate::system::PowerSum;
 
 /// All bristles of a mechanism.
 #[derive(Debug, Clone, Default)]
@@ -96,12 +97,18 @@ impl MechanismDynamics {
         self.bristles.deflection.copy_from_slice(&y[z..z + count]);
     }
 
-    /// Return the integrator's state for [q, v] with all deflections and energy sums zero.
-    pub(crate) fn with_bristles(&self, state: &[f64]) -> Vec<f64> {
+    /// Return the integrator's state for [q, v] with the present deflections and energy sums.
+    pub(crate) fn solution_of(&self, state: &[f64]) -> Vec<f64> {
         let (q, v) = state.split_at(self.model.coordinates());
-        let unbent = vec![0.0; self.model.bristles];
-        let sums = [0.0; 2];
-        [q, &unbent, v, &unbent, &sums].concat()
+        let unused = vec![0.0; self.model.bristles];
+        [
+            q,
+            &unused,
+            v,
+            &self.bristles.deflection,
+            &self.sums.totals(),
+        ]
+        .concat()
     }
 
     /// Return the bristles of all sides without contact at the last evaluation.

@@ -95,14 +95,14 @@ impl MechanismDynamics {
         }
     }
 
-    fn begin_contact(&mut self, k: usize, piece: usize, rate: f64) {
+    pub(crate) fn begin_contact(&mut self, k: usize, piece: usize, rate: f64) {
         let (contact, _) = self.model.sides[k];
         self.memory[k] = self.model.contacts[contact].remember(piece, rate);
     }
 
     /// Record whether the circle came from the front of an open outline. Only then is it in contact at any depth. A circle that
     /// moved round the end is not in contact with the surface from behind.
-    fn note_place(&mut self, k: usize, place: Place) {
+    pub(crate) fn note_place(&mut self, k: usize, place: Place) {
         let memory = &mut self.memory[k];
         match place {
             Place::Front | Place::Deep => memory.in_front = true,

@@ -156,6 +156,7 @@ impl ForceElement {
 /// A force element with its bodies by index and the length or angle at zero force.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Force {
+    pub(crate) name: String,
     pub(crate) a: End,
     pub(crate) b: End,
     pub(crate) kind: ForceKind,
@@ -174,9 +175,8 @@ impl Force {
                 loads.push(self.b.body, fb, place, force);
                 loads.worked_in += force.dot(&fb.velocity_at(place));
             }
-            ForceKind::Torque(torque) => self.twist(torque.value(t), fa, fb, loads),
-            ForceKind::TorqueBySpeed(table) => {
-                self.twist(table.value(fb.spin - fa.spin), fa, fb, loads);
+            ForceKind::Torque(_) | ForceKind::TorqueBySpeed(_) => {
+                self.twist(self.torque(t, frames), fa, fb, loads);
             }
             ForceKind::Spring { law, .. } => self.pull(law, fa, fb, loads),
             ForceKind::Custom(CustomForce(function)) => {
@@ -195,6 +195,17 @@ impl Force {
                 loads.elastic += law.energy(x);
                 loads.dissipated += law.damping * rate * rate;
             }
+        }
+    }
+
+    /// Return the torque applied to body b \[N m\]; zero for an element that is no applied torque.
+    pub(crate) fn torque(&self, t: f64, frames: &[Frame]) -> f64 {
+        match &self.kind {
+            ForceKind::Torque(torque) => torque.value(t),
+            ForceKind::TorqueBySpeed(table) => {
+                table.value(frames[self.b.body].spin - frames[self.a.body].spin)
+            }
+            _ => 0.0,
         }
     }
 

@@ -1,21 +1,22 @@
 //! Channels of a drive with ideal hinges from the rows of its mechanism: reactions as hinge forces, contacts as those of bushings.
 
 use super::tensioner::Arm;
-use super::{motor_name, sprocket_name};
-use crate::drive::{Drive, SprocketMotion, bushing_on_front};
+use super::{curve_name, motor_name, sprocket_name};
+use crate::drive::{Drive, InputBounds, InputQuantity, bushing_on_front, sprocket_of};
 use crate::error::{Error, Result};
 use crate::geometry::path::belt::{Pulley, Side};
 use crate::geometry::{Vec2, unit};
 use crate::layout::{ChainRow, strands};
+use crate::math::Signal;
 use crate::multibody::MechanismModel;
 
 /// Recorded values of a mechanism at one time, three numbers per body or joint.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MechanismRow<'a> {
-    pub(crate) time: f64,
     pub(crate) positions: &'a [f64],
     pub(crate) velocities: &'a [f64],
     pub(crate) reactions: &'a [f64],
+    pub(crate) applied_torque: &'a [f64],
     pub(crate) contact_force: &'a [f64],
     pub(crate) contact_force_vector: &'a [f64],
     pub(crate) penetration: &'a [f64],
@@ -51,9 +52,11 @@ impl BushingContact {
 /// Data of a sprocket for the channels.
 #[derive(Debug, Clone)]
 struct Wheel {
-    motion: SprocketMotion,
     /// Number of the joint that prescribes its speed.
     motor: Option<usize>,
+    /// Numbers of the force elements that apply its torque and its curve over speed.
+    torques: Vec<usize>,
+    bounds: InputBounds,
     pitch_radius: f64,
     side: Side,
     /// Distance from its centre within which bushings are in reach of its teeth \[m\].
@@ -80,11 +83,16 @@ impl DriveView {
         let chain = &drive.chain;
         let joints = model.joint_names();
         let joint = |name: &str| joints.iter().position(|known| known == name);
+        let forces: Vec<&str> = model.force_names().collect();
         let wheel = |(number, sprocket): (usize, &crate::drive::Sprocket)| {
             let profile = sprocket.tooth_profile(chain)?;
             Ok(Wheel {
-                motion: sprocket.motion.clone(),
                 motor: joint(&motor_name(number)),
+                torques: [motor_name(number), curve_name(number)]
+                    .iter()
+                    .filter_map(|name| forces.iter().position(|known| known == name))
+                    .collect(),
+                bounds: InputBounds::of(chain, sprocket.teeth),
                 pitch_radius: profile.pitch_radius,
                 side: sprocket.side,
                 reach: profile.reach(chain.contact_radius()),
@@ -277,25 +285,23 @@ impl DriveView {
         if let Some(motor) = wheel.motor {
             return row.reactions[3 * motor + 2];
         }
-        let spin = row.velocities[3 * (self.links() + s) + 2];
-        match &wheel.motion {
-            SprocketMotion::AppliedTorque(torque) => torque.value(row.time),
-            SprocketMotion::TorqueCurve { torque, curve } => {
-                torque.value(row.time) + curve.value(spin)
-            }
-            SprocketMotion::PrescribedSpeed(_) | SprocketMotion::Free => 0.0,
-        }
+        let torques = wheel.torques.iter().map(|&force| row.applied_torque[force]);
+        torques.sum()
     }
 
-    /// Return the error for a change of the speed or torque of a sprocket (from 1) during a run.
-    pub(crate) fn refuse_input(sprocket: usize, quantity: &str) -> Result<()> {
-        Err(Error::invalid(
-            "sprocket",
-            sprocket_name(sprocket.saturating_sub(1)),
-            format!(
-                "its {quantity} cannot be set while a drive with ideal hinges runs; take hinges='clearance', or describe it with \
-                 a table of time"
-            ),
-        ))
+    /// Return the driver or torque that an input of a sprocket (from 0) sets.
+    ///
+    /// # Errors
+    /// If there is no such sprocket, its motion has no such quantity, or `signal` exceeds the bounds of a drive.
+    pub(crate) fn input(
+        &self,
+        sprocket: usize,
+        quantity: InputQuantity,
+        signal: &Signal,
+    ) -> Result<String> {
+        let wheel = sprocket_of(&self.wheels, sprocket)?;
+        let (name, driven) = (sprocket_name(sprocket), wheel.motor.is_some());
+        wheel.bounds.check_input(&name, driven, quantity, signal)?;
+        Ok(motor_name(sprocket))
     }
 }

@@ -42,6 +42,7 @@ pub(crate) fn mechanism_groups(names: Option<&[String]>, energy: bool) -> Mechan
         bodies: has("bodies"),
         joints: has("joints"),
         contacts: has("contacts"),
+        torques: false,
         energy,
     }
 }

@@ -1,5 +1,7 @@
 """Speeds and torques that are set while a drive runs: co-simulation and controllers."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,9 +10,9 @@ import rustchain as rc
 SPEED = 4.0 * np.pi
 
 
-@pytest.fixture
-def simulation():
-    return rc.Simulation(rc.paper_drive(pretension=25.0))
+@pytest.fixture(params=["clearance", "ideal"])
+def simulation(request):
+    return rc.Simulation(rc.paper_drive(pretension=25.0, hinges=request.param))
 
 
 def sprocket(simulation, number):
@@ -36,11 +38,14 @@ def test_rows_from_the_present_speed_on_make_a_ramp(simulation):
         assert sprocket(simulation, 1)[1] == pytest.approx(speed, abs=1e-12)
 
 
-def test_a_torque_set_at_once_is_that_of_the_drive_described_with_it():
-    drive = rc.paper_drive()
+@pytest.mark.parametrize("hinges", ["clearance", "ideal"])
+def test_a_torque_set_at_once_is_that_of_the_drive_described_with_it(hinges):
+    drive = rc.paper_drive(hinges=hinges)
     driver, driven = drive.sprockets
     loaded = rc.ChainDrive(
-        drive.chain, (driver, rc.Sprocket(**vars(driven) | {"motion": rc.AppliedTorque(-0.5)}))
+        drive.chain,
+        (driver, rc.Sprocket(**vars(driven) | {"motion": rc.AppliedTorque(-0.5)})),
+        hinges=hinges,
     )
     described, told = rc.Simulation(loaded), rc.Simulation(drive)
     told.set_torque("sprocket_2", -0.5)
@@ -98,7 +103,32 @@ def test_what_cannot_be_set_is_refused_and_nothing_is_changed(simulation, call, 
     assert simulation.state()["snapshot"] == before
 
 
-def test_ideal_hinges_refuse_with_the_remedy():
-    simulation = rc.Simulation(rc.paper_drive(hinges="ideal"))
-    with pytest.raises(rc.InvalidInput, match="take hinges='clearance'"):
-        simulation.set_speed("sprocket_1", 1.0)
+def test_ideal_hinges_take_the_power_of_the_torque_that_is_set():
+    """The power at the shafts of an ideal drive is what its energies and losses show."""
+    simulation = rc.Simulation(rc.paper_drive(pretension=25.0, hinges="ideal"))
+    simulation.run(4e-3, progress=False)
+    simulation.set_torque("sprocket_2", -2.0)
+    result = simulation.run(4e-3, 2e-6, progress=False)
+    shafts = [result.sprocket(number) for number in (1, 2)]
+    np.testing.assert_array_equal(shafts[1].torque, -2.0)
+    power = sum(shaft.torque * shaft.speed for shaft in shafts)
+    work = np.trapezoid(power, result.time)
+    assert result.energy.external_work[-1] == pytest.approx(work, rel=1e-3)
+    assert np.trapezoid(shafts[1].torque * shafts[1].speed, result.time) < -0.05
+
+
+def test_a_torque_on_ideal_hinges_is_met_as_with_little_clearance():
+    """Mean torque of the driver against a load that is set: hinges with a clearance of 1 um."""
+    mean = {}
+    for hinges in ("ideal", "clearance"):
+        drive = rc.paper_drive(pretension=25.0, hinges=hinges)
+        hinge = replace(drive.chain.hinge, bore_radius=drive.chain.hinge.pin_radius + 1e-6)
+        drive = replace(drive, chain=replace(drive.chain, hinge=hinge))
+        simulation = rc.Simulation(drive)
+        simulation.step_to(5e-3)
+        simulation.set_torque("sprocket_2", -2.0)
+        simulation.step_to(0.03)
+        result = simulation.run(0.04, progress=False)
+        mean[hinges] = result.sprocket(1).torque.mean()
+    assert mean["ideal"] == pytest.approx(2.0, rel=0.1)
+    assert mean["ideal"] == pytest.approx(mean["clearance"], rel=0.05)

@@ -16,7 +16,7 @@ DURATION, STEP = 4e-3, 1e-4
 
 
 def crank() -> rc.Mechanism:
-    """A crank that a motor turns, and a ball that falls onto a floor."""
+    """A crank that a motor turns, a ball that falls onto a floor, and a flywheel."""
     m = rc.Mechanism(name="crank and ball")
     m.add_body("crank", 0.4, 1e-3, position=(0.05, 0.0, 0.0), velocity=(0.0, 0.5, 10.0))
     m.add_revolute("bearing", "ground", "crank", at=(0.0, 0.0))
@@ -31,6 +31,9 @@ def crank() -> rc.Mechanism:
         rc.LinearContact(1e5, 20.0),
         closed=False,
     )
+    m.add_body("wheel", 0.5, 2e-3, position=(1.5, 0.0, 0.0))
+    m.add_revolute("axle", "ground", "wheel", at=(1.5, 0.0))
+    m.add_torque("load", "wheel", 0.0)
     return m
 
 
@@ -48,6 +51,17 @@ GROUPS = {
     "clearance": ("hinges", "teeth", "sprockets", "energy"),
     "ideal": ("hinges", "teeth", "sprockets", "energy"),
     "mechanism": ("bodies", "joints", "contacts", "energy"),
+}
+# Part whose speed can be set, with its body; part whose torque can be set.
+INPUTS = {
+    "clearance": (("sprocket_1", "sprocket_1"), "sprocket_2"),
+    "ideal": (("sprocket_1", "sprocket_1"), "sprocket_2"),
+    "mechanism": (("motor", "crank"), "load"),
+}
+PEAKS = {
+    "clearance": [("hinge_force", "hinge_force"), ("tooth_force", "tooth_force")],
+    "ideal": [("hinge_force", "hinge_force"), ("tooth_force", "tooth_force")],
+    "mechanism": [("contact_force", "contact_force"), ("joint_force", "joint_reaction")],
 }
 STOPS = {
     "clearance": rc.ToothForceAbove(1e-6),
@@ -200,6 +214,103 @@ def test_a_callback_sees_every_row_and_does_not_move_the_simulation(scene, resul
     with pytest.raises(rc.InvalidInput, match="a run is under way") as raised:
         rc.Simulation(scene).run(DURATION, STEP, progress=False, callback=lambda s: s.step_to(1.0))
     assert len(raised.value.result.time) == 1
+
+
+def turned(simulation, body):
+    row = simulation.body_names.index(body)
+    return simulation.positions[row, 2], simulation.velocities[row, 2]
+
+
+def test_a_speed_that_is_set_holds_from_the_present_angle_on(scene):
+    simulation = rc.Simulation(scene)
+    (part, body), _ = INPUTS[scene.kind]
+    simulation.step_to(1.2345e-3)
+    places, (angle, speed) = simulation.positions, turned(simulation, body)
+    simulation.set_speed(part, 0.9 * speed)
+    np.testing.assert_allclose(simulation.positions, places, rtol=0.0, atol=1e-13)
+    assert turned(simulation, body) == pytest.approx((angle, 0.9 * speed), abs=1e-12)
+    simulation.step_to(2.2345e-3)
+    angle += 0.9 * speed * 1e-3
+    assert turned(simulation, body) == pytest.approx((angle, 0.9 * speed), abs=1e-11)
+    simulation.set_speed(part, [(0.0, 0.9 * speed), (2 * simulation.time, 1.1 * speed)])
+    assert turned(simulation, body) == pytest.approx((angle, speed), abs=1e-11)
+    assert simulation.scene == scene
+
+
+def test_a_state_has_what_was_set_in_it(scene, tmp_path):
+    simulation = rc.Simulation(scene)
+    (part, body), load = INPUTS[scene.kind]
+    simulation.step_to(1.000_001e-3)
+    simulation.set_speed(part, 13.0)
+    simulation.set_torque(load, [(0.0, 0.0), (4e-3, -0.02)])
+    simulation.save_state(tmp_path / "set.npz")
+    other = rc.Simulation.load_state(tmp_path / "set.npz")
+    assert other.scene == scene
+    first, second = (each.run(1e-3, 1e-5, progress=False) for each in (simulation, other))
+    assert first == second
+    assert turned(other, body)[1] == pytest.approx(13.0, rel=1e-14)
+    assert simulation.state()["snapshot"] == other.state()["snapshot"]
+    # The state of the start takes the change away.
+    other.set_state(rc.Simulation(scene).state())
+    assert turned(other, body)[1] != pytest.approx(13.0, rel=1e-3)
+
+
+def test_the_energy_balance_continues_over_speeds_and_torques_that_are_set(scene):
+    (part, body), load = INPUTS[scene.kind]
+    speed = turned(rc.Simulation(scene), body)[1]
+
+    def change(simulation):
+        late = simulation.time > 2e-3
+        simulation.set_speed(part, (1.05 if late else 0.95) * speed)
+        simulation.set_torque(load, -20.0 * simulation.time)
+
+    result = rc.Simulation(scene).run(DURATION, STEP, progress=False, callback=change)
+    energy = result.energy
+    exchanged = np.abs(energy.external_work).max()
+    assert exchanged > 1e-4
+    assert np.abs(energy.residual).max() < 0.01 * exchanged
+
+
+def test_a_part_without_the_quantity_gets_an_error_and_the_run_stays_as_it_was(scene):
+    simulation = rc.Simulation(scene)
+    (part, _), load = INPUTS[scene.kind]
+    simulation.step_to(1e-3)
+    before = simulation.state()["snapshot"]
+    for call, name, value in [
+        (simulation.set_speed, load, 1.0),
+        (simulation.set_torque, part, 1.0),
+        (simulation.set_speed, part, "fast"),
+        (simulation.set_torque, load, [(1.0, 0.0), (0.0, 1.0)]),
+        (simulation.set_torque, load, np.nan),
+        (simulation.set_speed, "wheel_9", 1.0),
+        (simulation.set_speed, None, 1.0),
+        (simulation.set_torque, True, 1.0),
+    ]:
+        with pytest.raises(rc.InvalidInput):
+            call(name, value)
+        assert simulation.state()["snapshot"] == before
+
+
+def test_peaks_are_at_least_what_the_rows_show_and_their_impulse_is_its_integral(scene, result):
+    for peak, channel in PEAKS[scene.kind]:
+        largest = getattr(result.peaks, peak)
+        rows = result.array(channel)
+        rows = np.hypot(rows[..., 0], rows[..., 1]) if channel == "joint_reaction" else rows
+        assert largest.shape == rows.shape
+        assert (largest >= rows * (1.0 - 1e-12)).all()
+        assert largest.max() > 0.0
+        impulse = getattr(result.peaks, peak.replace("force", "impulse"))
+        # An impulse of an interval is at most its largest force times its length.
+        assert (impulse[1:] <= largest[1:] * STEP * (1.0 + 1e-9)).all()
+
+
+def test_every_channel_has_a_name_dimensions_and_a_unit(result):
+    table = result.to_xarray()
+    for name, values in result.arrays.items():
+        assert table[name].shape == values.shape
+        assert table[name].dims[0] == "time"
+        assert table[name].attrs["units"]
+        assert table[name].attrs["long_name"]
 
 
 def test_a_body_is_found_by_its_name_and_a_wrong_one_gets_the_nearest(scene):

@@ -1,0 +1,285 @@
+//! Inputs of a mechanism during a run: the speed of a driver or an applied torque, set at a time inside the integrator's last step.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::assembly::projection::AtHand;
+use super::constraints::equation::Equation;
+use super::description::driver::Motion;
+use super::description::force_element::{Force, ForceKind};
+use super::description::joint::Joint;
+use super::dynamics::MechanismDynamics;
+use super::model::MechanismModel;
+use super::step::ITERATIONS;
+use crate::drive::InputQuantity;
+use crate::error::{Error, Result};
+use crate::integrator::Adams;
+use crate::math::Signal;
+
+/// Speed of a driver or torque of a force element that replaces the one described.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) enum MechanismInput {
+    /// Speed of a driver.
+    Speed {
+        equation: usize,
+        signal: Signal,
+        /// Offset of the equation for which its coordinate is continuous at the time of the input.
+        offset: f64,
+    },
+    /// Torque of a force element.
+    Torque { force: usize, signal: Signal },
+}
+
+impl MechanismInput {
+    /// Return the equation or the force element that the input replaces a part of.
+    fn target(&self) -> (InputQuantity, usize) {
+        match self {
+            Self::Speed { equation, .. } => (InputQuantity::Speed, *equation),
+            Self::Torque { force, .. } => (InputQuantity::Torque, *force),
+        }
+    }
+}
+
+/// Compiled model, and the inputs set since the start of the run.
+#[derive(Debug, Clone)]
+pub(super) struct Inputs {
+    pub(super) compiled: Arc<MechanismModel>,
+    /// At most one input for each driver and each torque.
+    pub(super) set: Vec<MechanismInput>,
+}
+
+impl Inputs {
+    pub(super) fn new(compiled: &Arc<MechanismModel>) -> Self {
+        Self {
+            compiled: Arc::clone(compiled),
+            set: Vec::new(),
+        }
+    }
+}
+
+impl MechanismModel {
+    /// Return the input of the driver or torque `name` from `t` \[s\] on; `None`: it already has this input.
+    fn input(
+        &self,
+        name: &str,
+        quantity: InputQuantity,
+        signal: Signal,
+        t: f64,
+    ) -> Result<Option<MechanismInput>> {
+        let quantity_of_name = match quantity {
+            InputQuantity::Speed => "speed",
+            InputQuantity::Torque => "torque",
+        };
+        signal.validate(&format!("{quantity_of_name} of {name:?}"))?;
+        match quantity {
+            InputQuantity::Speed => {
+                let (equation, present, offset) = self.driver(name)?;
+                let offset = offset + present.integral(t) - signal.integral(t);
+                Ok((*present != signal).then_some(MechanismInput::Speed {
+                    equation,
+                    signal,
+                    offset,
+                }))
+            }
+            InputQuantity::Torque => {
+                let (force, present) = self.torque(name)?;
+                Ok((*present != signal).then_some(MechanismInput::Torque { force, signal }))
+            }
+        }
+    }
+
+    /// Return the driver `name`: the number of its equation, its speed and its offset.
+    fn driver(&self, name: &str) -> Result<(usize, &Signal, f64)> {
+        let driver = |joint: usize| {
+            let equation = self.equations_of_joint[joint].start;
+            let Equation { motion, offset, .. } = &self.equations[equation];
+            motion.as_ref().map(|motion| (equation, motion, *offset))
+        };
+        let Some(joint) = self.joints.iter().position(|joint| joint.name == name) else {
+            let drivers = self.joints.iter().enumerate();
+            let drivers = drivers.filter(|(number, _)| driver(*number).is_some());
+            let known = drivers.map(|(_, Joint { name, .. })| name.as_str());
+            return Err(unknown("driver", name, known));
+        };
+        match driver(joint) {
+            Some((equation, Motion::Speed(speed), offset)) => Ok((equation, speed, offset)),
+            Some((_, Motion::Position(_), _)) => Err(Error::invalid(
+                "driver",
+                format!("{name:?}"),
+                "prescribes a coordinate: describe it with speed=... to set its speed",
+            )),
+            None => Err(Error::invalid(
+                "driver",
+                format!("{name:?}"),
+                "is a joint without prescribed motion: describe a driver with speed=... to set its speed",
+            )),
+        }
+    }
+
+    /// Return the number of the force element `name` and its torque.
+    fn torque(&self, name: &str) -> Result<(usize, &Signal)> {
+        let torque = |force: &Force| matches!(force.kind, ForceKind::Torque(_));
+        let Some(number) = self.forces.iter().position(|force| force.name == name) else {
+            let torques = self.forces.iter().filter(|&force| torque(force));
+            let known = torques.map(|force| force.name.as_str());
+            return Err(unknown("torque", name, known));
+        };
+        match &self.forces[number].kind {
+            ForceKind::Torque(signal) => Ok((number, signal)),
+            _ => Err(Error::invalid(
+                "torque",
+                format!("{name:?}"),
+                "is another kind of force element: describe it with add_torque(..., torque=...) to set its torque",
+            )),
+        }
+    }
+
+    /// Exchange the part of the model that `input` replaces with that of `input`; `None` for an input of another model.
+    fn exchange(&mut self, input: &mut MechanismInput) -> Option<()> {
+        match input {
+            MechanismInput::Speed {
+                equation,
+                signal,
+                offset,
+            } => {
+                let equation = self.equations.get_mut(*equation)?;
+                let Some(Motion::Speed(present)) = &mut equation.motion else {
+                    return None;
+                };
+                std::mem::swap(present, signal);
+                std::mem::swap(&mut equation.offset, offset);
+            }
+            MechanismInput::Torque { force, signal } => {
+                let ForceKind::Torque(present) = &mut self.forces.get_mut(*force)?.kind else {
+                    return None;
+                };
+                std::mem::swap(present, signal);
+            }
+        }
+        Some(())
+    }
+
+    /// Return the kinetic energy at positions and velocities (q, then v) \[J\].
+    fn kinetic_energy(&self, state: &[f64]) -> f64 {
+        let velocities = &state[self.coordinates()..];
+        let energies = self.mass.iter().zip(velocities).map(|(m, v)| m * v * v);
+        0.5 * energies.sum::<f64>()
+    }
+}
+
+impl MechanismDynamics {
+    /// Change the speed of the driver or the torque `name` from time `t` \[s\] on, inside the last step of `adams`.
+    ///
+    /// Return false if it already has this input. The solution beyond `t` is computed again. Positions and the impact velocity memory are
+    /// continuous. A jump of a speed acts as an impulse of the drivers: velocities change by the least amount, weighted by mass, that
+    /// satisfies the constraints. With workless joints, the change of kinetic energy is the work of the drivers, and external work
+    /// includes it.
+    ///
+    /// # Errors
+    /// When there is no such driver or torque, a number of `signal` is not finite, or no velocities satisfy the constraints; the dynamics
+    /// are then unchanged.
+    pub(crate) fn set_input(
+        &mut self,
+        name: &str,
+        quantity: InputQuantity,
+        signal: Signal,
+        t: f64,
+        adams: &mut Adams,
+    ) -> Result<bool> {
+        let Some(input) = self.model.input(name, quantity, signal, t)? else {
+            return Ok(false);
+        };
+        self.evaluate_inside(adams, t);
+        let mut state = self.inside.clone();
+        let mut replaced = input.clone();
+        // A clone where the model is shared, as the compiled one is; otherwise the model itself.
+        let fits = Arc::make_mut(&mut self.model).exchange(&mut replaced);
+        debug_assert!(fits.is_some(), "the input is of this model");
+        let bent = self.bristles.deflection.clone();
+        let jumps = quantity == InputQuantity::Speed;
+        if jumps && !self.project(t, &mut state, ITERATIONS, AtHand::Nothing) {
+            let residuals = self.what_misses();
+            Arc::make_mut(&mut self.model).exchange(&mut replaced);
+            return Err(Error::invalid(
+                "driver",
+                format!("{name:?}"),
+                format!("expected a speed that the other joints and drivers permit: {residuals}"),
+            ));
+        }
+        self.sums.external_work +=
+            self.model.kinetic_energy(&state) - self.model.kinetic_energy(&self.inside);
+        self.bristles.deflection = bent;
+        self.roll_back_contacts(adams, t);
+        self.shift.fill(0.0);
+        self.shift_time = t;
+        let y = self.solution_of(&state);
+        adams.restart_with_corrector(t, &y);
+        self.keep_step_start(adams);
+        self.differentiate(t, &y);
+        self.inputs.set.retain(|set| set.target() != input.target());
+        self.inputs.set.push(input);
+        Ok(true)
+    }
+
+    /// Replace all inputs, as of a checkpoint; `None` for inputs of another model.
+    pub(super) fn replace_inputs(&mut self, inputs: &[MechanismInput]) -> Option<()> {
+        self.model = Arc::clone(&self.inputs.compiled);
+        for input in inputs {
+            Arc::make_mut(&mut self.model).exchange(&mut input.clone())?;
+        }
+        self.inputs.set = inputs.to_vec();
+        Some(())
+    }
+
+    /// Set the contact memory to that at `t` within the last step, where the contacts were evaluated last.
+    ///
+    /// Onsets after `t` are removed, and contacts that ended after `t` continue. Bristles of open contacts are undeflected.
+    fn roll_back_contacts(&mut self, adams: &Adams, t: f64) {
+        let at_end = t == adams.time();
+        for k in 0..self.memory.len() {
+            let touch = self.touches[k];
+            let before = self.step.memory[k];
+            let remembers = self.memory[k].speed > 0.0;
+            if touch.contact.penetration > 0.0 {
+                if !remembers && before.speed > 0.0 {
+                    self.memory[k] = before;
+                } else if !remembers {
+                    // A contact that began and ended within the step.
+                    let rate = touch.contact.penetration_rate;
+                    self.begin_contact(k, touch.piece, rate);
+                    self.note_place(k, touch.place);
+                    self.onsets += 1;
+                }
+                continue;
+            }
+            if remembers && before.speed <= 0.0 {
+                self.onsets = self.onsets.saturating_sub(1);
+            }
+            if !at_end {
+                self.memory[k] = before;
+            }
+            self.memory[k] = self.apart(k);
+            if let Some(bristle) = self.model.bristle_of_side[k] {
+                self.bristles.deflection[bristle] = 0.0;
+            }
+        }
+        if let Some(onsets) = &mut self.unreported_onsets {
+            onsets.retain(|onset| onset.time <= t);
+        }
+    }
+}
+
+/// Return the error for a name that no driver or torque has.
+fn unknown<'a>(kind: &str, name: &str, known: impl Iterator<Item = &'a str>) -> Error {
+    let known: Vec<String> = known.take(8).map(|name| format!("{name:?}")).collect();
+    let expected = if known.is_empty() {
+        format!("the mechanism has no {kind}")
+    } else {
+        format!(
+            "is no {kind} of this mechanism; there are {}",
+            known.join(", ")
+        )
+    };
+    Error::invalid(kind, format!("{name:?}"), expected)
+}
